@@ -1,0 +1,1 @@
+"""What is simulated: friction laws, slabs, drive, start and observers. Knows no solver and imports none of the other rooms."""

@@ -1,0 +1,37 @@
+"""The drive: the relative velocity of the two outer faces, V(t), split evenly (upper +V/2, lower -V/2)."""
+
+from bisect import bisect_right
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Piecewise linear V(t): `velocities` (in V*) at `times` (transits), constant before the first and after the last."""
+
+    times: tuple[float, ...]
+    velocities: tuple[float, ...]
+
+    @property
+    def is_constant(self) -> bool:
+        """True when V never changes, so that solvers may skip everything that depends on it."""
+        return len(set(self.velocities)) == 1
+
+    @property
+    def initial(self) -> float:
+        """V at and before t = 0: the rate of the steady sliding that every start builds on."""
+        return self.at(0.0)
+
+    def at(self, time: float) -> float:
+        """V (in V*) at `time` (transits)."""
+        if time <= self.times[0]:
+            return self.velocities[0]
+        if time >= self.times[-1]:
+            return self.velocities[-1]
+        k = bisect_right(self.times, time)
+        share = (time - self.times[k - 1]) / (self.times[k] - self.times[k - 1])
+        return self.velocities[k - 1] + share * (self.velocities[k] - self.velocities[k - 1])
+
+
+def steady_drive(velocity: float) -> Drive:
+    """Constant V."""
+    return Drive((0.0,), (velocity,))

@@ -1,0 +1,22 @@
+"""Observers: reduce a run to events, period, drops and extrema while it streams by, piece by piece."""
+
+from scene.observe.events import EventObserver, Events
+from scene.observe.follow import Final, Solver, follow
+from scene.observe.history import HistoryObserver
+from scene.observe.ledger import Energy
+from scene.observe.pieces import Pieces
+from scene.observe.statistics import RunStatistics, Spread, summarise
+
+__all__ = [
+    "Energy",
+    "EventObserver",
+    "Events",
+    "Final",
+    "HistoryObserver",
+    "Pieces",
+    "RunStatistics",
+    "Solver",
+    "Spread",
+    "follow",
+    "summarise",
+]

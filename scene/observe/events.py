@@ -1,0 +1,201 @@
+"""Streaming detection of slip events and of each cycle's extrema, from the dense polynomials of the pieces.
+
+A slip event starts where v crosses V upwards after having stayed below V for a whole reverberation (the longer round trip):
+a ripple has that period, so it can never stay below for so long, while the stick between two events does. Extrema are those of
+the polynomial, not of the nodes; a piece is searched only if it might beat the cycle's record.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from scene.compiled import njit
+from scene.friction import rate_of, unknown_of
+from scene.observe.pieces import Array, Basis, Pieces, lagrange_basis
+from scene.scene import Scene
+
+_ROOT_ITERATIONS = 80
+_NOISE = 1e-9  # relative depth below V that counts as "below": steady sliding at V must not trigger by rounding
+# slots of the detector's memory; from _EXTREMA on: max and -min of rate unknown, stress, elastic stress
+_BELOW_SINCE, _STARTED, _EVENT_TIME, _LAST_VALUE, _EXTREMA = 0, 1, 2, 3, 4
+_MEMORY = _EXTREMA + 6
+
+
+class Events(NamedTuple):
+    """One row per complete cycle (from one slip event to the next), arrays of shape (cycles,): event time and period in transits;
+    stress drops in units of the normal stress; v_max, v_min in V*."""
+
+    time: Array
+    period: Array
+    stress_drop: Array
+    elastic_stress_drop: Array
+    v_max: Array
+    v_min: Array
+
+
+class EventObserver:
+    """Feeds on pieces, keeps one row per cycle and a handful of numbers. `count` is the number of event starts so far."""
+
+    def __init__(self, scene: Scene, nodes: Array) -> None:
+        self._law = scene.law
+        self._basis = lagrange_basis(nodes)
+        self._threshold = unknown_of(scene.law, scene.velocity)
+        self._margin = _NOISE * (1.0 + abs(self._threshold))
+        self._quiet = max(scene.upper.round_trip, scene.lower.round_trip) / scene.transit
+        self._memory = np.zeros(_MEMORY)
+        self._memory[_BELOW_SINCE] = np.nan
+        self._memory[_LAST_VALUE] = np.nan
+        self._rows: list[NDArray[np.float64]] = []
+        self.count = 0
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        rows = np.empty((pieces.time.size + 1, 6))
+        starts, cycles = _scan(pieces, self._basis, self._threshold, self._margin, self._quiet, self._memory, rows)
+        self.count += starts
+        if cycles:
+            self._rows.append(rows[:cycles].copy())
+
+    @property
+    def events(self) -> Events:
+        """All complete cycles so far."""
+        table = np.concatenate(self._rows) if self._rows else np.empty((0, 6))
+        rates = [np.array([rate_of(self._law, z) for z in table[:, column]], dtype=float) for column in (5, 4)]
+        return Events(table[:, 0], table[:, 1], table[:, 2], table[:, 3], rates[0], rates[1])
+
+    @property
+    def last_start(self) -> float:
+        """Time of the latest event start (transits); NaN before the first."""
+        return float(self._memory[_EVENT_TIME]) if self._memory[_STARTED] else math.nan
+
+
+@njit
+def evaluate(basis: Basis, values: Array, point: float) -> float:
+    """Barycentric value at `point` of [0, 1] of the polynomial through `values` at the basis nodes."""
+    top = 0.0
+    bottom = 0.0
+    for j in range(values.size):
+        gap = point - basis.nodes[j]
+        if gap == 0.0:
+            return values[j]
+        term = basis.weights[j] / gap
+        top += term * values[j]
+        bottom += term
+    return top / bottom
+
+
+@njit
+def _root(basis: Basis, values: Array, level: float, left: float, right: float) -> float:
+    """Point of [left, right] where the polynomial takes `level`, its ends lying on either side (Illinois false position)."""
+    low = evaluate(basis, values, left) - level
+    high = evaluate(basis, values, right) - level
+    point = right
+    for _ in range(_ROOT_ITERATIONS):
+        if high == low:
+            break
+        point = right - high * (right - left) / (high - low)
+        value = evaluate(basis, values, point) - level
+        if value == 0.0 or abs(right - left) < 1e-15:
+            break
+        if value * high < 0.0:
+            left, low = right, high
+        else:
+            low *= 0.5
+        moved = abs(point - right)
+        right, high = point, value
+        if moved < 1e-15:
+            break
+    return point
+
+
+@njit
+def _extremum(basis: Basis, values: Array, slopes: Array, sign: float, record: float) -> float:
+    """max(record, max of sign * polynomial over the piece); `slopes` is scratch of the same size."""
+    best = record
+    lowest = math.inf
+    highest = -math.inf
+    for value in values:
+        lowest = min(lowest, sign * value)
+        highest = max(highest, sign * value)
+    best = max(best, highest)
+    if highest + (highest - lowest) < record:
+        return best
+    for i in range(values.size):
+        slopes[i] = 0.0
+        for j in range(values.size):
+            slopes[i] += basis.derivative[i, j] * values[j]
+    left = 0.0
+    left_slope = sign * evaluate(basis, slopes, 0.0)
+    for j in range(values.size):
+        right = basis.nodes[j]
+        right_slope = sign * slopes[j]
+        if left_slope > 0.0 and right_slope <= 0.0 and right > left:
+            best = max(best, sign * evaluate(basis, values, _root(basis, slopes, 0.0, left, right)))
+        left, left_slope = right, right_slope
+    return best
+
+
+@njit
+def _scan(
+    pieces: Pieces, basis: Basis, threshold: float, margin: float, quiet: float, memory: Array, rows: Array
+) -> tuple[int, int]:
+    """Walk over the pieces; fill `rows` with completed cycles; return (event starts, completed cycles)."""
+    starts = 0
+    cycles = 0
+    n = basis.nodes.size
+    slopes = np.empty(n)
+    for k in range(pieces.time.size):
+        z = pieces.unknown[k]
+        if memory[_STARTED] > 0.0:
+            _raise_records(pieces, k, basis, slopes, memory)
+        left = 0.0
+        left_value = evaluate(basis, z, 0.0) if math.isnan(memory[_LAST_VALUE]) else memory[_LAST_VALUE]
+        for j in range(n):
+            right = basis.nodes[j]
+            right_value = z[j]
+            if left_value < threshold <= right_value:
+                at = pieces.time[k] + pieces.length[k] * _crossing(basis, z, threshold, left, right)
+                if at - memory[_BELOW_SINCE] > quiet:
+                    if memory[_STARTED] > 0.0:
+                        _close_cycle(memory, at, rows[cycles])
+                        cycles += 1
+                    memory[_STARTED] = 1.0
+                    memory[_EVENT_TIME] = at
+                    memory[_EXTREMA:] = -math.inf
+                    _raise_records(pieces, k, basis, slopes, memory)
+                    starts += 1
+                memory[_BELOW_SINCE] = math.nan
+            elif right_value < threshold - margin and math.isnan(memory[_BELOW_SINCE]):
+                memory[_BELOW_SINCE] = pieces.time[k] + pieces.length[k] * right
+            left, left_value = right, right_value
+        memory[_LAST_VALUE] = left_value
+    return starts, cycles
+
+
+@njit
+def _crossing(basis: Basis, z: Array, threshold: float, left: float, right: float) -> float:
+    """Point of [left, right] where v rises through V; the piece's left end if it jumped there between two pieces."""
+    if left == 0.0 and evaluate(basis, z, 0.0) >= threshold:
+        return 0.0
+    return _root(basis, z, threshold, left, right)
+
+
+@njit
+def _close_cycle(memory: Array, at: float, row: Array) -> None:
+    """Row of the cycle that ends at `at`: start, period, drops, extreme rate unknowns (min, max)."""
+    row[0] = memory[_EVENT_TIME]
+    row[1] = at - memory[_EVENT_TIME]
+    row[2] = memory[_EXTREMA + 2] + memory[_EXTREMA + 3]
+    row[3] = memory[_EXTREMA + 4] + memory[_EXTREMA + 5]
+    row[4] = -memory[_EXTREMA + 1]
+    row[5] = memory[_EXTREMA]
+
+
+@njit
+def _raise_records(pieces: Pieces, k: int, basis: Basis, slopes: Array, memory: Array) -> None:
+    """Update the cycle's max and -min of rate unknown, stress and elastic stress by piece k."""
+    for i, values in enumerate((pieces.unknown[k], pieces.stress[k], pieces.elastic[k])):
+        memory[_EXTREMA + 2 * i] = _extremum(basis, values, slopes, 1.0, memory[_EXTREMA + 2 * i])
+        memory[_EXTREMA + 2 * i + 1] = _extremum(basis, values, slopes, -1.0, memory[_EXTREMA + 2 * i + 1])

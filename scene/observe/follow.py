@@ -1,0 +1,84 @@
+"""March any solver to the end of a run, feeding the observers as it goes."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from scene.errors import NumericsError
+from scene.friction import rate_of
+from scene.observe.ledger import Energy
+from scene.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis
+from scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Final:
+    """The interface at the end of a run: ln v (NaN if v <= 0), psi, mu."""
+
+    ln_v: float
+    psi: float
+    mu: float
+
+
+class Observer(Protocol):
+    """Anything that feeds on pieces."""
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces, in order."""
+
+
+class Solver(Protocol):
+    """What every model, reduced or full wave, offers: `advance` moves on by a chunk of its own choosing (never past the first
+    step end at or beyond `until`) and returns the pieces it covered."""
+
+    scene: Scene
+    model: str
+    nodes: Array
+    time: float
+    failures: int
+
+    def advance(self, until: float) -> Pieces:
+        """March towards `until` (transits) and return the pieces covered; raises NumericsError where it cannot."""
+
+    def energy(self) -> Energy | None:
+        """Ledger since t = 0, for models that keep one."""
+
+
+def follow(
+    solver: Solver, until: float, observers: Sequence[Observer] = (), progress: Callable[[float], None] | None = None
+) -> Final:
+    """March `solver` to `until` (transits); returns the interface's state there, from the last piece's polynomial.
+
+    Raises NumericsError with the time, the model and the scene's digest when the numbers stop being finite.
+    """
+    pieces: Pieces | None = None
+    while solver.time < until - 1e-9:
+        pieces = solver.advance(until)
+        _require_finite(solver, pieces)
+        for observer in observers:
+            observer.scan(pieces)
+        if progress is not None:
+            progress(solver.time)
+    if pieces is None:
+        raise NumericsError(f"{solver.model}: nothing to do: until = {until} is not after t = {solver.time}")
+    return _final(solver, pieces, until)
+
+
+def _require_finite(solver: Solver, pieces: Pieces) -> None:
+    total = float(pieces.unknown.sum() + pieces.state.sum() + pieces.stress.sum())
+    if not math.isfinite(total):
+        raise NumericsError(
+            f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} transits "
+            f"(scene {solver.scene.name!r}, digest {solver.scene.digest})"
+        )
+
+
+def _final(solver: Solver, pieces: Pieces, until: float) -> Final:
+    k = max(0, int((pieces.time < until - 1e-9).sum()) - 1)
+    point = min(1.0, (until - pieces.time[k]) / pieces.length[k])
+    row = interpolation_matrix(lagrange_basis(solver.nodes), np.array([point]))[0]
+    v = rate_of(solver.scene.law, float(row @ pieces.unknown[k]))
+    return Final(math.log(v) if v > 0 else math.nan, float(row @ pieces.state[k]), float(row @ pieces.stress[k]))

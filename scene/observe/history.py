@@ -1,0 +1,31 @@
+"""Keeps the interface's history for those who asked for it (record = ["interface"]); memory grows with the run."""
+
+import numpy as np
+
+from scene.friction import Law, rate_of
+from scene.observe.pieces import Array, Pieces
+
+
+class HistoryObserver:
+    """Collects time, ln|v|, psi, mu and y at the nodes of every piece between `start` and `end` (transits)."""
+
+    def __init__(self, law: Law, nodes: Array, start: float = 0.0, end: float = np.inf) -> None:
+        self._law = law
+        self._nodes = np.asarray(nodes)
+        self._window = (start, end)
+        self._chunks: list[tuple[Array, ...]] = []
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        start, end = self._window
+        if pieces.time[-1] + pieces.length[-1] < start or pieces.time[0] > end:
+            return
+        times = pieces.time[:, None] + pieces.length[:, None] * self._nodes
+        keep = (times >= start) & (times <= end)
+        self._chunks.append(tuple(a[keep] for a in (times, pieces.unknown, pieces.state, pieces.stress, pieces.elastic)))
+
+    def columns(self) -> dict[str, Array]:
+        """time (transits), slip_rate (V*), psi, stress, elastic_stress: arrays of equal length."""
+        columns = [np.concatenate(part) for part in zip(*self._chunks, strict=True)] if self._chunks else [np.empty(0)] * 5
+        rate = np.array([rate_of(self._law, z) for z in columns[1]], dtype=float)
+        return {"time": columns[0], "slip_rate": rate, "psi": columns[2], "stress": columns[3], "elastic_stress": columns[4]}

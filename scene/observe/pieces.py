@@ -1,0 +1,62 @@
+"""What every solver emits: consecutive polynomial pieces of the interface's motion, on the transit clock.
+
+Piece k covers (time[k], time[k] + length[k]] and holds values at time[k] + nodes * length[k]. Observers see nothing else of a
+solver, so one event detector serves collocation (Radau nodes) and grids (groups of equispaced steps) alike.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Pieces(NamedTuple):
+    """m pieces with n values each: time, length (m,); the others (m, n). A quantity of degree n - 1 is represented exactly.
+
+    `unknown` is the law's rate unknown z (usually ln v), `state` psi, `stress` mu, `elastic` y, where
+    y' = stiffness (V - v) on the t~ clock.
+    """
+
+    time: Array
+    length: Array
+    unknown: Array
+    state: Array
+    stress: Array
+    elastic: Array
+
+
+class Basis(NamedTuple):
+    """Lagrange basis on the pieces' nodes in [0, 1]: barycentric weights and the matrix that differentiates nodal values."""
+
+    nodes: Array
+    weights: Array
+    derivative: Array
+
+
+def lagrange_basis(nodes: Array) -> Basis:
+    """Barycentric weights and differentiation matrix of `nodes` (Berrut and Trefethen 2004)."""
+    nodes = np.asarray(nodes, dtype=float)
+    gaps = nodes[:, None] - nodes[None, :]
+    np.fill_diagonal(gaps, 1.0)
+    weights = 1.0 / gaps.prod(axis=1)
+    derivative = weights[None, :] / weights[:, None] / gaps
+    np.fill_diagonal(derivative, 0.0)
+    np.fill_diagonal(derivative, -derivative.sum(axis=1))
+    return Basis(nodes, weights, derivative)
+
+
+def interpolation_matrix(basis: Basis, points: Array) -> Array:
+    """Rows that evaluate the interpolating polynomial at `points` of [0, 1] from values at the nodes."""
+    points = np.asarray(points, dtype=float)
+    rows = np.zeros((points.size, basis.nodes.size))
+    for row, point in zip(rows, points, strict=True):
+        gaps = point - basis.nodes
+        at_node = gaps == 0.0
+        if at_node.any():
+            row[at_node] = 1.0
+        else:
+            terms = basis.weights / gaps
+            row[:] = terms / terms.sum()
+    return rows

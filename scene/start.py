@@ -1,0 +1,38 @@
+"""How a run starts. Every start builds on steady sliding at the drive's initial velocity.
+
+nudge  smooth: d psi/dt~ gains size * exp(-(t~ - 6)^2), t~ in transits of the upper slab. Keeps every scheme at its full order.
+jump   psi(0) = psi_ss + size with no wave in the slabs: breaks compatibility; the jump returns every transit (DESIGN.md rule 1).
+orbit  on the model's own periodic orbit, at the start of a slip event.
+"""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+NUDGE_CENTRE = 6.0
+"""Transits at which the nudge peaks; at t~ = 0 it is size * e^-36."""
+
+
+class StartKind(StrEnum):
+    """The registered starts; values are the scene file's words."""
+
+    NUDGE = "nudge"
+    JUMP = "jump"
+    ORBIT = "orbit"
+
+
+@dataclass(frozen=True)
+class Start:
+    """Kind and size (of psi's disturbance; unused by `orbit` except to leave steady sliding before the orbit is found)."""
+
+    kind: StartKind = StartKind.NUDGE
+    size: float = 0.5
+
+    @property
+    def nudge_size(self) -> float:
+        """Amplitude of the smooth forcing of psi (0 for a jump)."""
+        return 0.0 if self.kind is StartKind.JUMP else self.size
+
+    @property
+    def jump_size(self) -> float:
+        """psi(0) - psi_ss (0 unless the start is a jump)."""
+        return self.size if self.kind is StartKind.JUMP else 0.0

@@ -1,0 +1,30 @@
+"""SI <-> dimensionless (15): epsilon = rho c V*/sigma, round_trip = (h/c)/(L/V*) with h the thickness of both slabs."""
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Units:
+    """What one unit of length, velocity and stress is, in m, m/s and Pa."""
+
+    memory_length: float
+    reference_velocity: float
+    normal_stress: float
+
+    @property
+    def time(self) -> float:
+        """L/V* in seconds."""
+        return self.memory_length / self.reference_velocity
+
+    def epsilon(self, density: float, shear_modulus: float) -> float:
+        """Slab impedance rho c over frictional impedance sigma/V*, c = sqrt(G/rho)."""
+        return math.sqrt(density * shear_modulus) * self.reference_velocity / self.normal_stress
+
+    def round_trip(self, density: float, shear_modulus: float, thickness: float) -> float:
+        """2 * thickness / c on the friction clock, `thickness` that of one slab in m."""
+        return 2.0 * thickness * math.sqrt(density / shear_modulus) / self.time
+
+    def thickness(self, density: float, shear_modulus: float, round_trip: float) -> float:
+        """Inverse of `round_trip`, in m."""
+        return 0.5 * round_trip * self.time * math.sqrt(shear_modulus / density)
