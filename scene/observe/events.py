@@ -6,7 +6,7 @@ the polynomial, not of the nodes; a piece is searched only if it might beat the 
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +72,7 @@ class EventObserver:
 
 
 @njit
-def evaluate(basis: Basis, values: Array, point: float) -> float:
+def evaluate(basis: Basis, values: Array, point: float) -> Any:
     """Barycentric value at `point` of [0, 1] of the polynomial through `values` at the basis nodes."""
     top = 0.0
     bottom = 0.0
