@@ -13,6 +13,7 @@ inverse `unknown_of(law, v) -> z`. Argument names are part of the interface (num
 import math
 from collections.abc import Callable
 from pathlib import Path
+from types import FunctionType
 from typing import Any, NamedTuple, TypeAlias
 
 from numba.extending import overload
@@ -102,21 +103,26 @@ def unknown_of(law: Law, v: float) -> float:
     return _BY_CLASS[type(law)].unknown_of(law, v)
 
 
+def _bare(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function without annotations, which numba would take for a difference between signatures."""
+    return FunctionType(function.__code__, function.__globals__, function.__name__, function.__defaults__, function.__closure__)
+
+
 @overload(respond)
 def _compiled_respond(law, z, psi):  # type: ignore[no-untyped-def]
-    return _BY_CLASS[law.instance_class].respond
+    return _bare(_BY_CLASS[law.instance_class].respond)
 
 
 @overload(steady_state)
 def _compiled_steady_state(law, v):  # type: ignore[no-untyped-def]
-    return _BY_CLASS[law.instance_class].steady_state
+    return _bare(_BY_CLASS[law.instance_class].steady_state)
 
 
 @overload(rate_of)
 def _compiled_rate_of(law, z):  # type: ignore[no-untyped-def]
-    return _BY_CLASS[law.instance_class].rate_of
+    return _bare(_BY_CLASS[law.instance_class].rate_of)
 
 
 @overload(unknown_of)
 def _compiled_unknown_of(law, v):  # type: ignore[no-untyped-def]
-    return _BY_CLASS[law.instance_class].unknown_of
+    return _bare(_BY_CLASS[law.instance_class].unknown_of)
