@@ -1,0 +1,44 @@
+"""One-line wording of complaints about input: values cut short, control characters shown, the nearest known word named."""
+
+import difflib
+import reprlib
+from collections.abc import Iterable
+from typing import Any
+
+_brief = reprlib.Repr()
+_brief.maxstring = _brief.maxother = 40
+_brief.maxlevel = 2
+_brief.maxlist = _brief.maxdict = _brief.maxtuple = 3
+_LONGEST_KEY = 60
+
+
+def shorten(value: Any) -> str:
+    """`value` as a short piece of one line; never fails, whatever it is."""
+    try:
+        text = _brief.repr(value)
+    except (ValueError, RecursionError):  # integers beyond Python's limit of printable digits
+        text = f"<{type(value).__name__} too large to print>"
+    return one_line(text)
+
+
+def one_line(text: str) -> str:
+    """`text` with line breaks and control characters made visible."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in text)
+
+
+def key_text(parts: Iterable[str | int]) -> str:
+    """Dotted key, cut short in the middle if it is monstrous."""
+    text = one_line(".".join(str(part) for part in parts))
+    return text if len(text) <= _LONGEST_KEY else f"{text[:40]}...{text[-15:]}"
+
+
+def nearest(word: str, known: Iterable[str], cutoff: float = 0.5) -> str | None:
+    """The known word most like `word`, or None if none is like it."""
+    found = difflib.get_close_matches(word[:_LONGEST_KEY].lower(), list(known), n=1, cutoff=cutoff)
+    return found[0] if found else None
+
+
+def choices(known: Iterable[str]) -> str:
+    """The known words as `"a", "b" or "c"`."""
+    words = [f'"{word}"' for word in known]
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
