@@ -1,7 +1,5 @@
 """Raw tables -> validated tables; the first fault becomes a SceneError of one line."""
 
-from collections.abc import Hashable
-from functools import cache
 from typing import Annotated, Any, NamedTuple, TypeVar
 
 from pydantic import BaseModel, BeforeValidator, ValidationError, create_model
@@ -41,13 +39,12 @@ def validate(data: dict[str, Any]) -> Validated:
     return Validated(tables, law, parameters, units)
 
 
-@cache
-def _interface_table(parameters: Hashable) -> type[BaseModel]:
+def _interface_table(parameters: Any) -> type[BaseModel]:
     """Schema of [interface] for the law with this parameter class: its parameters and, for SI scenes, the three units."""
     fields: dict[str, Any] = {"law": (str, ...)}
-    for key in getattr(parameters, "_fields", ()):
+    for key in parameters._fields:
         allowed = Annotated[float, BeforeValidator(_PARAMETER_RANGES.get(key, _OTHER_PARAMETER))]
-        fields[key] = (allowed, getattr(parameters, "_field_defaults", {}).get(key, ...))
+        fields[key] = (allowed, parameters._field_defaults.get(key, ...))
     fields |= dict.fromkeys(_UNITS, (Physical | None, None))
     return create_model("InterfaceTable", __base__=schema.Table, **fields)
 
