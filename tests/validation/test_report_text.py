@@ -1,0 +1,39 @@
+"""Words and numerals as HTML."""
+
+import math
+
+import pytest
+
+from validation.report.text import cell, markup, number, plain
+
+
+@pytest.mark.parametrize(
+    ("value", "spec", "html"),
+    [
+        (73.47214494, ".9g", "73.4721449"),
+        (-0.0373, ".1%", "−3.7%"),
+        (1.23e-9, ".2e", "1.23&#8239;·&#8239;10<sup>−9</sup>"),
+        (-2e10, ".0e", "−2&#8239;·&#8239;10<sup>10</sup>"),
+        (math.nan, ".3g", "–"),
+        (-math.inf, ".3g", "−∞"),
+    ],
+)
+def test_numbers(value, spec, html):
+    assert number(value, spec) == html
+
+
+def test_markup_escapes_first():
+    assert markup("<b> v_{max} at 10^{-2}: *T*, `a*b` & 2 * 3 * 4") == (
+        "&lt;b&gt; v<sub>max</sub> at 10<sup>−2</sup>: <em>T</em>, <code>a*b</code> &amp; 2 * 3 * 4"
+    )
+
+
+def test_cells():
+    assert cell(None, ".3g") == "–"
+    assert cell("x_{1}", ".3g") == "x<sub>1</sub>"
+    assert cell(3, "") == "3"
+
+
+def test_plain_is_markup():
+    assert markup(plain(-1.2e-9, ".2g")) == "−1.2 · 10<sup>−9</sup>"
+    assert plain(0.25) == "0.25"

@@ -1,0 +1,103 @@
+"""The page: stored results through one template into one self-contained HTML file."""
+
+import base64
+import os
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from validation.report import baseline, text
+from validation.report.store import Picture, Stored
+from validation.study import Evidence, Outcome, Verdict
+
+_HERE = Path(__file__).parent
+_WORST = (Outcome.FAIL, Outcome.FINDING, Outcome.PASS)
+
+
+def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], quick: bool) -> Path:
+    """Render out/index.html from the studies' results; the file appears whole or not at all."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
+
+    environment = Environment(
+        loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["markup"] = lambda words: Markup(text.markup(words))
+    environment.filters["cell"] = lambda value, spec: Markup(text.cell(value, spec))
+    environment.filters["inline"] = _inline
+    page = environment.get_template("page.html.j2").render(
+        css=Markup((_HERE / "page.css").read_text(encoding="utf-8")),
+        facts=facts,
+        quick=quick,
+        written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        studies=studies,
+        evidence=tuple(Evidence),
+        matrix=matrix(studies),
+        tally=tally(studies),
+        leads=[(study, picture) for study in studies for picture in study.pictures if picture.lead],
+        omissions=[(study, o) for study in studies if study.result for o in study.result.omissions],
+        changes=_changes(studies),
+        wall=sum(study.wall_seconds for study in studies),
+    )
+    return write_whole(out / "index.html", page)
+
+
+def write_whole(path: Path, content: str) -> Path:
+    """Write a text file so that a reader finds the old one or the new one, never a part."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        part.write_text(content, encoding="utf-8")
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+    return path
+
+
+def matrix(studies: Sequence[Stored]) -> list[dict[str, Any]]:
+    """Rows of the claim x evidence matrix: study, claim, and per kind of evidence its worst outcome and all its verdicts."""
+    rows = []
+    for study in studies:
+        verdicts = study.result.verdicts if study.result else ()
+        for claim in dict.fromkeys(verdict.claim for verdict in verdicts):
+            mine = [verdict for verdict in verdicts if verdict.claim == claim]
+            cells = [_light([v for v in mine if v.evidence is kind]) for kind in Evidence]
+            rows.append({"study": study.name, "claim": claim, "cells": cells})
+    return rows
+
+
+def _light(verdicts: list[Verdict]) -> dict[str, Any] | None:
+    """The traffic light of one cell: the worst outcome, with a title that tells what it rests on."""
+    if not verdicts:
+        return None
+    worst = next(outcome for outcome in _WORST if any(v.outcome is outcome for v in verdicts))
+    title = "; ".join(f"expected {v.expected}, ours {v.ours}" for v in verdicts)
+    return {"outcome": worst.value, "count": len(verdicts), "title": _untagged(title)}
+
+
+def _untagged(words: str) -> str:
+    for mark in ("_{", "^{", "}", "*", "`"):
+        words = words.replace(mark, "" if mark != "^{" else "^")
+    return words
+
+
+def tally(studies: Sequence[Stored]) -> dict[str, int]:
+    """How many verdicts of each outcome, and how many studies failed."""
+    verdicts = [verdict for study in studies if study.result for verdict in study.result.verdicts]
+    counts = {outcome.value: sum(v.outcome is outcome for v in verdicts) for outcome in Outcome}
+    return counts | {"broken": sum(study.result is None for study in studies)}
+
+
+def _changes(studies: Sequence[Stored]) -> dict[str, Any]:
+    compared = {study.name: baseline.compare(study) for study in studies}
+    return {
+        "compared": [name for name, changes in compared.items() if changes is not None],
+        "numbers": sum(len(study.result.numbers) for study in studies if study.result and compared[study.name] is not None),
+        "list": [change for changes in compared.values() for change in changes or ()],
+    }
+
+
+def _inline(picture: Picture) -> str:
+    """The figure's SVG as a data address, so that the page is one file."""
+    return "data:image/svg+xml;base64," + base64.b64encode(picture.svg.read_bytes()).decode("ascii")

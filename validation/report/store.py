@@ -1,0 +1,151 @@
+"""Results on disk: one folder per study, whole or absent, named by a key of everything that could change it."""
+
+import hashlib
+import json
+import math
+import os
+import shutil
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import validation
+from scene.compiled import source_digest
+from validation.study import Column, Evidence, Number, Omission, Outcome, Study, StudyResult, Table, Verdict
+
+_HELPERS = Path(validation.__file__).parent
+_GALLERY = Path(validation.__file__).parent.parent / "scene" / "gallery"
+_PACKAGES = ("numpy", "scipy", "numba", "matplotlib")
+_NOT_A_TOOL = ("__init__.py", "cli.py")
+_FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A stored figure: its caption and its files."""
+
+    name: str
+    caption: str
+    lead: bool
+    svg: Path
+    png: Path
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A study as the page shows it: its result read back from disk, or the error that stopped it."""
+
+    name: str
+    question: str
+    wall_seconds: float
+    fresh: bool
+    result: StudyResult | None = None
+    pictures: tuple[Picture, ...] = ()
+    error: str = ""
+
+
+def study_key(study: Study, quick: bool) -> str:
+    """Hash of the solver rooms, the shared tools of this room, the study's own source, its scenes and its settings."""
+    digest = hashlib.sha256(f"{_FORMAT} {source_digest()} {quick}".encode())
+    for package in _PACKAGES:
+        digest.update(f"{package} {metadata.version(package)}".encode())
+    for path in _sources(study):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _sources(study: Study) -> Iterable[Path]:
+    yield Path(str(getattr(study, "__file__", __file__)))
+    yield from (path for path in sorted(_HELPERS.glob("*.py")) if path.name not in _NOT_A_TOOL)
+    yield _HELPERS / "report" / "drawing.py"
+    yield from sorted(_HELPERS.glob("*.json"))
+    yield from (path for name in study.SCENES if (path := _GALLERY / f"{name}.toml").exists())
+
+
+def load(folder: Path, study: Study, key: str) -> Stored | None:
+    """The study's stored result, if there is one under the same key."""
+    try:
+        record = json.loads((folder / study.NAME / "result.json").read_text(encoding="utf-8"))
+        return _stored(folder / study.NAME, study, record) if record["key"] == key else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def save(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds: float) -> Stored:
+    """Write the result with its figures under folder/NAME; a reader sees all of it or none."""
+    from validation.report.drawing import render, styled
+
+    target = folder / study.NAME
+    part = folder / f".{study.NAME}.{os.getpid()}"
+    _remove(part)
+    part.mkdir(parents=True)
+    try:
+        for figure in result.figures:
+            with styled():
+                render(figure.draw(), part / figure.name)
+        record = _record(study, key, result, wall_seconds)
+        (part / "result.json").write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        _remove(target)
+        part.rename(target)
+    finally:
+        _remove(part)
+    stored = _stored(target, study, record)
+    return Stored(**{**vars(stored), "fresh": True})
+
+
+def _remove(folder: Path) -> None:
+    if folder.exists():
+        shutil.rmtree(folder)
+
+
+def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) -> dict[str, Any]:
+    figures = [{"name": f.name, "caption": f.caption, "lead": f.lead} for f in result.figures]
+    body = {name: getattr(result, name) for name in ("answer", "tables", "verdicts", "notes", "numbers", "omissions")}
+    record = {"study": study.NAME, "question": study.QUESTION, "key": key, "wall_seconds": wall_seconds, "figures": figures}
+    return record | {name: _plain(value) for name, value in body.items()}
+
+
+def _plain(value: Any) -> Any:
+    """Dataclasses as dicts, numbers that JSON lacks as words."""
+    if hasattr(value, "__dataclass_fields__"):
+        return _plain(asdict(value))
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, str | int | None):
+        return value
+    number = float(value)
+    return number if math.isfinite(number) else {"number": str(number)}
+
+
+def _revive(value: Any) -> Any:
+    return float(value["number"]) if isinstance(value, dict) and "number" in value else value
+
+
+def _stored(folder: Path, study: Study, record: dict[str, Any]) -> Stored:
+    """Inverse of `_record`."""
+    pictures = tuple(Picture(**f, svg=folder / f"{f['name']}.svg", png=folder / f"{f['name']}.png") for f in record["figures"])
+    for path in (path for picture in pictures for path in (picture.svg, picture.png)):
+        path.stat()
+    result = StudyResult(
+        answer=record["answer"],
+        tables=tuple(_table(table) for table in record["tables"]),
+        verdicts=tuple(_verdict(verdict) for verdict in record["verdicts"]),
+        notes=tuple(record["notes"]),
+        numbers={name: Number(_revive(n["value"]), n["tolerance"]) for name, n in record["numbers"].items()},
+        omissions=tuple(Omission(**omission) for omission in record["omissions"]),
+    )
+    return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, result, pictures)
+
+
+def _table(record: dict[str, Any]) -> Table:
+    columns = tuple(Column(**column) for column in record["columns"])
+    rows = tuple(tuple(_revive(item) for item in row) for row in record["rows"])
+    return Table(record["name"], record["caption"], columns, rows, tuple(record["emphasis"]))
+
+
+def _verdict(record: dict[str, Any]) -> Verdict:
+    return Verdict(**{**record, "evidence": Evidence(record["evidence"]), "outcome": Outcome(record["outcome"])})

@@ -1,0 +1,58 @@
+"""How words and numbers become HTML: a small markup for captions, and numerals that line up."""
+
+import html
+import math
+import re
+
+from validation.study import Cell
+
+_MARKS = (
+    (re.compile(r"_\{([^}]*)\}"), r"<sub>\1</sub>"),
+    (re.compile(r"\^\{([^}]*)\}"), r"<sup>\1</sup>"),
+    (re.compile(r"`([^`]*)`"), r"<code>\1</code>"),
+    (re.compile(r"\*([^*\s](?:[^*]*[^*\s])?)\*"), r"<em>\1</em>"),
+)
+_POWER = re.compile(r"^(.*)e([+-])0*(\d+)$")
+
+
+def markup(text: str) -> str:
+    """HTML of `text`: x_{sub}, x^{sup}, *emphasis* and `code`; everything else is escaped."""
+    result = html.escape(text, quote=False).replace("^{-", "^{−")
+    for pattern, replacement in _MARKS:
+        result = pattern.sub(replacement, result)
+    return result
+
+
+def number(value: float, spec: str = ".7g") -> str:
+    """`value` as HTML by the format `spec`, with a true minus sign and powers of ten instead of e-notation."""
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    text = format(value, spec)
+    power = _POWER.match(text)
+    if power is None:
+        return text.replace("-", "−")
+    mantissa, sign, exponent = power.groups()
+    sign = "−" if sign == "-" else ""
+    return f"{mantissa.replace('-', '−')}&#8239;·&#8239;10<sup>{sign}{exponent}</sup>"
+
+
+def cell(value: Cell, spec: str) -> str:
+    """HTML of one entry of a table."""
+    if value is None:
+        return "–"
+    if isinstance(value, str):
+        return markup(value)
+    return number(float(value), spec) if spec else html.escape(str(value))
+
+
+def plain(value: float, spec: str = ".3g") -> str:
+    """`value` in the small markup, for use inside sentences: 1.2 · 10^{-9}."""
+    if not math.isfinite(value):
+        return number(value)
+    power = _POWER.match(format(value, spec))
+    if power is None:
+        return format(value, spec).replace("-", "−")
+    mantissa, sign, exponent = power.groups()
+    return f"{mantissa.replace('-', '−')} · 10^{{{'−' if sign == '-' else ''}{exponent}}}"

@@ -1,0 +1,29 @@
+"""The studies of the report, in the order in which they are shown. Adding one means adding its file and its line here."""
+
+from importlib import import_module
+from typing import cast
+
+from scene.errors import SceneError
+from validation.study import Study
+
+STUDIES = {
+    "scene-facts": "scene_facts",
+    "one-cycle": "one_cycle",
+    "leapfrog-convergence": "leapfrog_convergence",
+    "cost-and-error": "cost_and_error",
+    "claims": "claims",
+}
+"""Name of each study and the module of this package that holds it."""
+
+
+def load(name: str) -> Study:
+    """The module of the study called `name`; imported only now, so that listing studies costs nothing."""
+    return cast(Study, import_module(f"{__name__}.{STUDIES[name]}"))
+
+
+def choose(only: list[str] | None) -> list[str]:
+    """Names in the report's order; raises SceneError for a name that is not registered."""
+    for name in only or ():
+        if name not in STUDIES:
+            raise SceneError(f"--only {name!r}: no such study; choose from {', '.join(STUDIES)}")
+    return [name for name in STUDIES if not only or name in only]
