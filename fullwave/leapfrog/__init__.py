@@ -1,0 +1,1 @@
+"""The staggered velocity-stress leapfrog: its grid, media, outer faces and the marching kernel."""

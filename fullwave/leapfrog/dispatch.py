@@ -1,0 +1,20 @@
+"""Choose an implementation by the class of the first argument, at compile time.
+
+A slab's medium and its face are NamedTuples; the kernel calls `strain(medium)` and numba compiles in the version that belongs to
+the class, and no other: a rigid face or a uniform slab pays nothing for the grips and layers that a different scene has.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+from numba.extending import overload
+
+_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
+
+
+def dispatch(generic: Callable[..., Any], versions: dict[type, Callable[..., Any]]) -> None:
+    """Make `generic(first, ...)` compile to `versions[class of first]`; argument names must be those of `generic`."""
+
+    @overload(generic, jit_options=_OPTIONS, strict=False)
+    def _choose(*arguments):  # type: ignore[no-untyped-def]
+        return versions[arguments[0].instance_class]

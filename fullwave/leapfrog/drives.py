@@ -1,0 +1,54 @@
+"""The drive's total velocity V(t) as compiled code: a constant costs nothing, ramps are searched by a moving index."""
+
+from typing import NamedTuple
+
+from fullwave.leapfrog.dispatch import dispatch
+from scene.drive import Drive
+from scene.observe.pieces import Array
+
+
+class Constant(NamedTuple):
+    """V (in V*) that never changes."""
+
+    velocity: float
+
+
+class Ramps(NamedTuple):
+    """Piecewise linear V: `velocities` (V*) at `times` (transits), constant outside."""
+
+    times: Array
+    velocities: Array
+
+
+def velocity_at(drive: Constant | Ramps, time: float) -> float:
+    """V (in V*) at `time` (transits)."""
+    raise NotImplementedError(type(drive))
+
+
+def _constant(drive, time):  # type: ignore[no-untyped-def]
+    return drive.velocity
+
+
+def _ramps(drive, time):  # type: ignore[no-untyped-def]
+    last = drive.times.size - 1
+    if time <= drive.times[0]:
+        return drive.velocities[0]
+    if time >= drive.times[last]:
+        return drive.velocities[last]
+    k = 1
+    while drive.times[k] <= time:
+        k += 1
+    share = (time - drive.times[k - 1]) / (drive.times[k] - drive.times[k - 1])
+    return drive.velocities[k - 1] + share * (drive.velocities[k] - drive.velocities[k - 1])
+
+
+dispatch(velocity_at, {Constant: _constant, Ramps: _ramps})
+
+
+def compiled_drive(drive: Drive) -> Constant | Ramps:
+    """The kernel's form of a scene's drive."""
+    import numpy as np
+
+    if drive.is_constant:
+        return Constant(float(drive.initial))
+    return Ramps(np.array(drive.times, dtype=float), np.array(drive.velocities, dtype=float))

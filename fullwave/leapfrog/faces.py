@@ -1,0 +1,77 @@
+"""Outer faces of a slab on the leapfrog's grid (MODEL.md section 3), all as one row of the grid's momentum balance.
+
+The half cell at the face has the grid impedance Z = eps dx/dt; its velocity w at a whole time is the mean of the two half steps
+around it. With T the traction of the outside world on the face, pull the stress in the last cell, and damping c the viscous
+coupling to the node below (velocity u; 0 in an elastic slab),
+
+    Z (w - w_old) = T - pull - c (w - u)        so     w = alpha u + beta.
+
+rigid   w is the drive's velocity.
+grip    T = load + Z_g (V - w), load' = K (V - w): the spring is taken at the mean of its two half steps, which adds K dt/2 to
+        Z_g, conserves its energy and needs no smaller step however stiff it is. K = 0 is a bare reflection coefficient: the load
+        is then the stress of steady sliding for ever, so R = 1 is rigid, R = 0 swallows every wave, R = -1 is a face under
+        constant traction.
+
+Stresses are deviations from the stress of steady sliding, units of the normal stress; velocities in V*; `mean` is the drive at
+the whole time, `following` at the next half step; time in transits.
+"""
+
+from typing import NamedTuple
+
+from fullwave.leapfrog.dispatch import dispatch
+from scene.observe.pieces import Array
+
+
+class Rigid(NamedTuple):
+    """The drive moves the face itself."""
+
+    stored: float = 0.0
+
+
+class Grip(NamedTuple):
+    """Dashpot `impedance` Z_g, `half_spring` K dt/2, the spring's load in steady sliding and, at the half step, its deviation
+    from that, shape (1,)."""
+
+    impedance: float
+    half_spring: float
+    steady_load: float
+    load: Array
+
+
+def settle(
+    face: Rigid | Grip, inertia: float, old: float, pull: float, damping: float, mean: float, following: float
+) -> tuple[float, float]:
+    """(alpha, beta) of the face's row for grid impedance `inertia` and the velocity `old` half a step ago."""
+    raise NotImplementedError(type(face))
+
+
+def push(face: Rigid | Grip, traction: float, velocity: float, mean: float) -> tuple[float, float]:
+    """(power of the drive, power radiated) for the deviation `traction`; a grip's spring moves on to the next half step."""
+    raise NotImplementedError(type(face))
+
+
+def _settle_rigid(face, inertia, old, pull, damping, mean, following):  # type: ignore[no-untyped-def]
+    return 0.0, 0.5 * (old + following)
+
+
+def _push_rigid(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
+    return traction * velocity, 0.0
+
+
+def _settle_grip(face, inertia, old, pull, damping, mean, following):  # type: ignore[no-untyped-def]
+    resistance = face.impedance + face.half_spring
+    total = inertia + resistance + damping
+    return damping / total, (inertia * old - pull + face.load[0] + resistance * mean) / total
+
+
+def _push_grip(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
+    slip = mean - velocity
+    face.load[0] += 2.0 * face.half_spring * slip
+    lost = face.impedance * slip * slip
+    if face.half_spring == 0.0:
+        return traction * velocity + lost - face.steady_load * slip, lost  # the dead load acts on the face itself
+    return traction * mean, lost
+
+
+dispatch(settle, {Rigid: _settle_rigid, Grip: _settle_grip})
+dispatch(push, {Rigid: _push_rigid, Grip: _push_grip})

@@ -1,0 +1,202 @@
+"""The marching kernel: slab - interface - slab, sample by sample.
+
+One step from the whole time t_n to t_n+1: stresses by the velocities at n + 1/2, the interface's friction solve at t_n+1,
+velocities on to n + 3/2. A sample (z, psi, mu, y) is taken at each whole time; four steps make a piece. Nothing is allocated.
+"""
+
+import math
+from typing import NamedTuple
+
+from fullwave.leapfrog.dispatch import dispatch
+from fullwave.leapfrog.drives import Constant, Ramps, velocity_at
+from fullwave.leapfrog.faces import Grip, Rigid
+from fullwave.leapfrog.friction import solve_friction
+from fullwave.leapfrog.media import Uniform, accelerate, load, strain
+from scene.compiled import njit
+from scene.friction import Law
+from scene.observe.pieces import Array, Pieces
+from scene.start import NUDGE_CENTRE
+
+STEPS_PER_PIECE = 4
+
+# slots of the interface's memory
+STATE, STRESS, ELASTIC, DRIVE, Z, PSI = 0, 1, 2, 3, 4, 7  # Z, PSI: the last three samples, latest first
+INPUT, FRICTION, RADIATED = 10, 11, 12
+MEMORY = 13
+
+
+class Side(NamedTuple):
+    """A slab that is marched."""
+
+    medium: Uniform
+    face: Rigid | Grip
+
+
+class Mirror(NamedTuple):
+    """The lower slab of an alike pair: it does what the upper does, and is not marched."""
+
+    unused: float = 0.0
+
+
+class Clock(NamedTuple):
+    """dt (transits), one transit on the friction clock, stiffness of both slabs per transit, stress of steady sliding, nudge
+    size."""
+
+    step: float
+    transit: float
+    stiffness: float
+    steady_stress: float
+    nudge: float
+
+
+def meet(lower: Side | Mirror, impedance: float, incoming: float, mean: float, following: float) -> tuple[float, float]:
+    """(Z, S) of both slabs together, given the upper's."""
+    raise NotImplementedError(type(lower))
+
+
+def part(lower: Side | Mirror, impedance: float, incoming: float, stress: float, v: float) -> float:
+    """The upper slab's interface velocity when the slip rate is v."""
+    raise NotImplementedError(type(lower))
+
+
+def follow_on(lower: Side | Mirror, rate: float, power: float, lost: float, mean: float, following: float) -> tuple[float, float]:
+    """Move the lower slab; powers of both faces together."""
+    raise NotImplementedError(type(lower))
+
+
+def slip_rate(lower: Side | Mirror, own: float) -> float:
+    """v at the half step, given the upper slab's interface velocity."""
+    raise NotImplementedError(type(lower))
+
+
+def strain_lower(lower: Side | Mirror) -> None:
+    """Stresses of the lower slab."""
+    raise NotImplementedError(type(lower))
+
+
+def _meet_side(lower, impedance, incoming, mean, following):  # type: ignore[no-untyped-def]
+    own, other = load(lower.medium, lower.face, mean, following)
+    total = impedance + own
+    return impedance * own / total, (incoming * own + other * impedance) / total
+
+
+def _meet_mirror(lower, impedance, incoming, mean, following):  # type: ignore[no-untyped-def]
+    return 0.5 * impedance, incoming
+
+
+def _part_side(lower, impedance, incoming, stress, v):  # type: ignore[no-untyped-def]
+    return (incoming - stress) / impedance
+
+
+def _part_mirror(lower, impedance, incoming, stress, v):  # type: ignore[no-untyped-def]
+    return 0.5 * v
+
+
+def _follow_side(lower, rate, power, lost, mean, following):  # type: ignore[no-untyped-def]
+    own, own_lost = accelerate(lower.medium, lower.face, rate, mean, following)
+    return power + own, lost + own_lost
+
+
+def _follow_mirror(lower, rate, power, lost, mean, following):  # type: ignore[no-untyped-def]
+    return 2.0 * power, 2.0 * lost
+
+
+def _slip_side(lower, own):  # type: ignore[no-untyped-def]
+    return own + lower.medium.velocity[0]
+
+
+def _slip_mirror(lower, own):  # type: ignore[no-untyped-def]
+    return 2.0 * own
+
+
+def _strain_side(lower):  # type: ignore[no-untyped-def]
+    strain(lower.medium)
+
+
+def _strain_mirror(lower):  # type: ignore[no-untyped-def]
+    pass
+
+
+dispatch(meet, {Side: _meet_side, Mirror: _meet_mirror})
+dispatch(part, {Side: _part_side, Mirror: _part_mirror})
+dispatch(follow_on, {Side: _follow_side, Mirror: _follow_mirror})
+dispatch(slip_rate, {Side: _slip_side, Mirror: _slip_mirror})
+dispatch(strain_lower, {Side: _strain_side, Mirror: _strain_mirror})
+
+
+@njit
+def _nudge(clock: Clock, time: float) -> float:
+    gap = time - NUDGE_CENTRE
+    return clock.nudge * math.exp(-gap * gap) if gap * gap < 600.0 else 0.0
+
+
+@njit
+def take_step(law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lower: Side | Mirror, memory: Array, n: int) -> bool:
+    """Bring the run to sample `n` (time n dt); False if the friction solve did not converge."""
+    dt = clock.step
+    previous = memory[DRIVE]
+    following = velocity_at(drive, (n + 0.5) * dt)
+    mean = 0.25 * (previous + following)
+    memory[DRIVE] = following
+    strain(upper.medium)
+    strain_lower(lower)
+    memory[ELASTIC] += dt * clock.stiffness * (previous - slip_rate(lower, upper.medium.velocity[0]))
+    own, own_load = load(upper.medium, upper.face, mean, 0.5 * following)
+    impedance, incoming = meet(lower, own, own_load, mean, 0.5 * following)
+    z, psi, v, converged = solve_friction(
+        law,
+        impedance,
+        incoming + clock.steady_stress,
+        memory[STATE],
+        0.5 * dt * clock.transit,
+        0.5 * dt * _nudge(clock, n * dt),
+        3.0 * (memory[Z] - memory[Z + 1]) + memory[Z + 2],
+        3.0 * (memory[PSI] - memory[PSI + 1]) + memory[PSI + 2],
+    )
+    stress = incoming - impedance * v
+    rate = part(lower, own, own_load, stress, v)
+    power, lost = accelerate(upper.medium, upper.face, rate, mean, 0.5 * following)
+    power, lost = follow_on(lower, v - rate, power, lost, mean, 0.5 * following)
+    _remember(clock, memory, z, psi, stress, v, mean, power, lost)
+    return converged
+
+
+@njit
+def _remember(
+    clock: Clock, memory: Array, z: float, psi: float, stress: float, v: float, mean: float, power: float, lost: float
+) -> None:
+    """Shift the samples and add up the ledger (friction clock)."""
+    memory[STATE] = 2.0 * psi - memory[STATE]
+    memory[STRESS] = clock.steady_stress + stress
+    memory[Z + 2], memory[Z + 1], memory[Z] = memory[Z + 1], memory[Z], z
+    memory[PSI + 2], memory[PSI + 1], memory[PSI] = memory[PSI + 1], memory[PSI], psi
+    memory[INPUT] += power + 2.0 * clock.steady_stress * mean
+    memory[FRICTION] += (clock.steady_stress + stress) * v
+    memory[RADIATED] += lost
+
+
+@njit
+def march(
+    law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lower: Side | Mirror, memory: Array, first: int, pieces: Pieces
+) -> int:
+    """Fill `pieces` with the steps after sample `first`; returns how many friction solves did not converge."""
+    failures = 0
+    n = first
+    for k in range(pieces.time.size):
+        pieces.time[k] = n * clock.step
+        pieces.length[k] = STEPS_PER_PIECE * clock.step
+        _record(memory, pieces, k, 0)
+        for j in range(1, STEPS_PER_PIECE + 1):
+            n += 1
+            if not take_step(law, clock, drive, upper, lower, memory, n):
+                failures += 1
+            _record(memory, pieces, k, j)
+    return failures
+
+
+@njit
+def _record(memory: Array, pieces: Pieces, k: int, j: int) -> None:
+    pieces.unknown[k, j] = memory[Z]
+    pieces.state[k, j] = memory[PSI]
+    pieces.stress[k, j] = memory[STRESS]
+    pieces.elastic[k, j] = memory[ELASTIC]
