@@ -1,0 +1,81 @@
+"""Settling on an orbit, on a solver whose orbit is known: z = ln V + c_k sin(2 pi t/T) with an amplitude that relaxes."""
+
+import math
+
+import numpy as np
+import pytest
+
+import scene
+from scene.observe import Pieces
+from validation.orbits import NoCycle, one_cycle, settle
+
+PERIOD = 50.0
+
+
+class Relaxing:
+    """ln v = ln V + A(t) sin(2 pi t/T): A -> 2 with the factor `multiplier` per cycle, y = 0.1 sin, mu = 0.2 sin."""
+
+    model = "relaxing"
+    nodes = np.linspace(0.0, 1.0, 8)
+    failures = 0
+
+    def __init__(self, multiplier, jitter=0.0, amplitude=2.0):
+        self.scene, self.time = scene.read("paper"), 0.0
+        self.multiplier, self.jitter, self.amplitude = multiplier, jitter, amplitude
+        self.random = np.random.default_rng(0)
+
+    def advance(self, until):
+        count = 64
+        start = self.time + np.arange(count)
+        t = start[:, None] + self.nodes
+        phase = 2 * math.pi * t / PERIOD
+        growth = self.amplitude * (1 - self.multiplier ** (1 + t // PERIOD)) + self.jitter * self.random.standard_normal()
+        z = math.log(self.scene.velocity) + growth * np.sin(phase)
+        self.time += count
+        return Pieces(start, np.ones(count), z, z * 0 - 4, 0.2 * np.sin(phase), 0.1 * np.sin(phase))
+
+    def energy(self):
+        return None
+
+
+def test_settles_and_tells_the_orbit():
+    settled = settle(Relaxing(0.2), tolerance=1e-9)
+    assert settled.settled
+    assert settled.unrest < 1e-9
+    assert settled.orbit.period.value == pytest.approx(PERIOD, rel=1e-8)
+    assert settled.orbit.stress_drop.value == pytest.approx(0.4, rel=1e-6)
+    assert settled.orbit.elastic_stress_drop.value == pytest.approx(0.2, rel=1e-6)
+    assert settled.orbit.v_max.value == pytest.approx(100 * math.exp(2), rel=1e-6)
+    assert settled.orbit.v_min.value == pytest.approx(100 * math.exp(-2), rel=1e-6)
+
+
+def test_error_bounds_what_is_left_of_the_transient():
+    settled = settle(Relaxing(0.9), tolerance=1e-3)
+    assert abs(settled.orbit.v_max.value - 100 * math.exp(2)) < 10 * settled.orbit.v_max.error
+
+
+def test_gives_up_and_says_so():
+    settled = settle(Relaxing(0.995), tolerance=1e-9, most=2000.0)
+    assert not settled.settled
+    assert settled.unrest > 1e-3
+
+
+def test_stops_at_the_solvers_jitter():
+    settled = settle(Relaxing(0.2, jitter=1e-7), tolerance=1e-12, most=20000.0)
+    assert settled.settled
+    assert settled.transits < 10000.0
+    assert 1e-9 < settled.unrest < 1e-5
+
+
+def test_no_events_is_an_error():
+    with pytest.raises(NoCycle, match="0 slip events"):
+        settle(Relaxing(0.2, amplitude=0.0), most=500.0)
+
+
+def test_one_cycle_starts_at_its_event():
+    cycle = one_cycle(settle(Relaxing(0.2)), before=5.0, after=2.0)
+    assert cycle.time[0] == pytest.approx(-5.0, abs=0.2)
+    assert cycle.time[-1] == pytest.approx(PERIOD + 2.0, abs=0.2)
+    at_start = np.interp(0.0, cycle.time, np.log(cycle.slip_rate))
+    assert at_start == pytest.approx(math.log(100.0), abs=1e-3)
+    assert np.all(np.diff(cycle.time) > 0)
