@@ -2,20 +2,24 @@
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from scene.input.assemble import assemble
-from scene.input.overrides import apply_overrides
-from scene.input.source import load
-from scene.input.validate import validate
-from scene.scene import Scene
+if TYPE_CHECKING:
+    from scene.scene import Scene
 
 
-def read(source: str | Path | Mapping[str, Any], overrides: Iterable[str] | Mapping[str, Any] = ()) -> Scene:
-    """The `Scene` of a gallery name, a TOML file or a dictionary, with overrides; see `scene.read`.
+def read(source: str | Path | Mapping[str, Any], overrides: Iterable[str] | Mapping[str, Any] = ()) -> "Scene":
+    """The `Scene` of a gallery name, a TOML file or a dictionary of the same shape, with single keys overridden.
 
-    Raises SceneError with one line that names the key, the value and the allowed range.
+    `overrides` is a list of "key=value" (dotted key, TOML value) or a dictionary {"slab.log10_r": -2.3}; see
+    `scene.input.overrides`. Reading runs no code. Raises SceneError: one line that names the key, the value and what is allowed.
     """
+    # numba and pydantic load only now: `import scene` stays light
+    from scene.input.assemble import assemble
+    from scene.input.overrides import apply_overrides
+    from scene.input.source import load
+    from scene.input.validate import validate
+
     name, data = load(source)
     return assemble(validate(apply_overrides(data, overrides)), name)
 

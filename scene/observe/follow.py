@@ -37,8 +37,11 @@ class Solver(Protocol):
     scene: Scene
     model: str
     nodes: Array
-    time: float
     failures: int
+
+    @property
+    def time(self) -> float:
+        """Time reached, in transits."""
 
     def advance(self, until: float) -> Pieces:
         """March towards `until` (transits) and return the pieces covered; raises NumericsError where it cannot."""

@@ -1,0 +1,70 @@
+"""The `slipwave` command: parses the command line, runs one command, turns failures into exit statuses.
+
+0 done; 2 the user's input is wrong (one line); 3 the numerics failed (one line); 1 a bug (traceback).
+"""
+
+import sys
+
+import typer
+
+from scene.errors import NumericsError, SceneError
+from validation.commands import report, run, scenes
+
+INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
+_SPREAD = {"--set": lambda word: "=" in word, "--only": lambda word: True}
+
+app = typer.Typer(
+    help="How far is each simplified model of two sliding elastic slabs from the wave physics, and what does each answer cost?",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+app.command("report")(report.report)
+app.command("run")(run.run)
+app.command("scenes")(scenes.scenes)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command given by `arguments` (default: the process's own) and return the exit status."""
+    words = spread(sys.argv[1:] if arguments is None else arguments)
+    try:
+        status = typer.main.get_command(app).main(words or ["--help"], prog_name="slipwave", standalone_mode=False)
+    except SceneError as error:
+        return _tell(error, INPUT_WRONG)
+    except NumericsError as error:
+        return _tell(error, NUMERICS_FAILED)
+    except (KeyboardInterrupt, typer.Abort):
+        return _tell("interrupted", INTERRUPTED)
+    except BrokenPipeError:  # whoever read our output has seen enough
+        sys.stderr.close()
+        return 0
+    except Exception as error:
+        explain = getattr(error, "format_message", None)  # click's and typer's own complaints about the command line
+        if explain is None:
+            raise
+        return _tell(explain(), INPUT_WRONG)
+    return status if isinstance(status, int) else 0
+
+
+def spread(words: list[str]) -> list[str]:
+    """`--set a=1 b=2` and `--only x y` as one option per value."""
+    result: list[str] = []
+    option = ""
+    for word in words:
+        if option and result[-1] != option and not word.startswith("-") and _SPREAD[option](word):
+            result.append(option)
+        elif word in _SPREAD:
+            option = word
+        elif option and result[-1] != option:
+            option = ""
+        result.append(word)
+    return result
+
+
+def _tell(message: object, status: int) -> int:
+    print("slipwave: " + " ".join(str(message).split()), file=sys.stderr)
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,19 @@
+"""`slipwave report`: run the studies and write the page."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def report(
+    quick: Annotated[bool, typer.Option("--quick", help="the cheap version of every study")] = False,
+    only: Annotated[list[str] | None, typer.Option(metavar="STUDY ...", help="only these studies; may be repeated")] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="folder of the page and its data")] = Path("reports"),
+) -> None:
+    """Run the studies whose scene, code or settings changed and write DIR/index.html."""
+    from validation.output import require_folder
+    from validation.report import make_report
+
+    require_folder(out)
+    print(make_report(out=out, quick=quick, only=only or None))

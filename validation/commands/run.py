@@ -1,0 +1,107 @@
+"""`slipwave run`: one model on one scene."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from validation.commands.options import Cells, Cfl, Json, Model, SceneName, Settings, Tolerance, Until, read_scene
+
+if TYPE_CHECKING:
+    from validation.simulate import Run
+
+
+def run(
+    scene: SceneName,
+    model: Model = "auto",
+    until: Until = None,
+    settings: Settings = None,
+    cells: Cells = None,
+    cfl: Cfl = None,
+    tol: Tolerance = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE.nc", help="write events (and the interface, if recorded)")] = None,
+    fields: Annotated[Path | None, typer.Option(metavar="FILE", help="full wave: write the fields as .vtu or .xdmf")] = None,
+    json: Json = False,
+) -> None:
+    """Run one model on one scene; print events, periods and stress drops of the run's second half."""
+    from scene.errors import NumericsError
+    from validation.models import build, resolve
+    from validation.output import print_json, require_writable
+    from validation.recording import history_for, write_run
+    from validation.simulate import simulate
+
+    what = read_scene(scene, settings, until)
+    if out is not None:
+        require_writable(out, (".nc",))
+    chosen, why = resolve(model, what)
+    solver = build(chosen, what, cells, cfl, tol)
+    _refuse_fields(fields, chosen)
+    if why:
+        typer.echo(f"model auto: {chosen} ({why})", err=True)
+    history = history_for(solver) if out is not None else None
+    done = simulate(solver, what.until, [history] if history else [])
+    if out is not None:
+        write_run(out, done, history)
+    if json:
+        print_json(result_of(done))
+    else:
+        _print(done)
+    if done.failed:
+        raise NumericsError(done.failed)
+
+
+def result_of(done: "Run") -> dict[str, Any]:
+    """The JSON of a run, as CONTRACT names its keys; `failed` is there only if the numerics failed."""
+    from dataclasses import asdict
+
+    found = done.statistics
+    result: dict[str, Any] = {
+        "scene": done.solver.scene.name,
+        "model": done.solver.model,
+        "until": done.until,
+        "events": done.starts,
+        **{name: asdict(getattr(found, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
+        "v_max": found.v_max,
+        "v_min": found.v_min,
+        "final": asdict(done.final) if done.final else None,
+        "energy": _energy(done),
+        "failures": done.solver.failures,
+        "wall_s": done.wall_s,
+    }
+    return result | ({"failed": done.failed} if done.failed else {})
+
+
+def _energy(done: "Run") -> dict[str, float] | None:
+    if done.energy is None:
+        return None
+    ledger = {name: getattr(done.energy, name) for name in ("input", "friction", "radiated", "stored", "residual")}
+    viscous = any(slab.viscosity for slab in (done.solver.scene.upper, done.solver.scene.lower))
+    return ledger | ({"viscous": done.energy.viscous} if viscous else {})
+
+
+def _refuse_fields(fields: Path | None, model: str) -> None:
+    if fields is not None:
+        from scene.errors import SceneError
+
+        raise SceneError(f"--fields = {str(fields)!r}: model {model} of this version writes no fields; use --out FILE.nc")
+
+
+def _print(done: "Run") -> None:
+    from validation.output import figures, print_table
+    from validation.wording import describe, statistics_rows
+
+    for line in describe(done.solver.scene):
+        print(line)
+    cycles = done.statistics.cycles
+    print(f"model {done.solver.model}, {done.until:g} transits: {done.starts} slip events; the second half has {cycles} cycles")
+    if cycles:
+        print()
+        print_table(*statistics_rows(done.statistics, done.solver.scene))
+    if done.final:
+        state = {"ln v": done.final.ln_v, "psi": done.final.psi, "mu": done.final.mu}
+        print("\nat the end: " + ", ".join(f"{name} = {figures(value, 12)}" for name, value in state.items()))
+    if done.energy:
+        print("energy: " + ", ".join(f"{name} {figures(value, 6)}" for name, value in (_energy(done) or {}).items()))
+    if done.solver.failures:
+        print(f"interface solves that did not converge: {done.solver.failures}")
+    print(f"wall time {done.wall_s:.3g} s")

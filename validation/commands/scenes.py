@@ -1,0 +1,11 @@
+"""`slipwave scenes`: the gallery, one line each."""
+
+
+def scenes() -> None:
+    """List the gallery's scenes, one line each."""
+    from scene.input.source import gallery_titles
+
+    titles = gallery_titles()
+    width = max(map(len, titles))
+    for name, title in titles.items():
+        print(f"{name:<{width}}  {title}")

@@ -1,0 +1,70 @@
+"""Progress on stderr for anything that lasts longer than two seconds: a bar with the time left, or plain lines to a file."""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+PATIENCE = 2.0
+"""Seconds without news before progress is shown."""
+
+_LINE_INTERVAL = 10.0
+
+
+class Report(Protocol):
+    """Takes how far the work has come, in the units of its total."""
+
+    def __call__(self, done: float) -> None:
+        """`done` of the total is finished."""
+
+
+class _Meter:
+    """Shows nothing until PATIENCE has passed; then a bar on a terminal, else a line every ten seconds."""
+
+    def __init__(self, label: str, total: float) -> None:
+        self._label, self._total = label, total
+        self._began = self._told = time.monotonic()
+        self._bar: Progress | None = None
+        self._task: TaskID | None = None
+
+    def __call__(self, done: float) -> None:
+        now = time.monotonic()
+        if now - self._began < PATIENCE:
+            return
+        if sys.stderr.isatty():
+            self._draw(done)
+        elif now - self._told >= _LINE_INTERVAL:
+            self._told = now
+            share = min(1.0, done / self._total)
+            left = (now - self._began) * (1.0 - share) / max(share, 1e-9)
+            print(f"{self._label}: {share:.0%}, {left:.0f} s left", file=sys.stderr, flush=True)
+
+    def _draw(self, done: float) -> None:
+        if self._bar is None:
+            from rich.console import Console
+            from rich.progress import Progress
+
+            self._bar = Progress(console=Console(stderr=True), transient=True)
+            self._task = self._bar.add_task(self._label, total=self._total)
+            self._bar.start()
+        assert self._task is not None
+        self._bar.update(self._task, completed=done)
+
+    def close(self) -> None:
+        """Take the bar off the screen."""
+        if self._bar is not None:
+            self._bar.stop()
+
+
+@contextmanager
+def progress(label: str, total: float) -> Iterator[Report]:
+    """A function to be told how much of `total` is done; whatever it showed is gone when the block ends."""
+    meter = _Meter(label, total)
+    try:
+        yield meter
+    finally:
+        meter.close()

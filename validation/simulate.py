@@ -1,0 +1,46 @@
+"""One model on one scene from start to end: the run behind `slipwave run`, `compare` and `bench`."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from scene.errors import NumericsError
+from scene.observe import Energy, EventObserver, Events, Final, RunStatistics, Solver, follow, summarise
+from scene.observe.follow import Observer
+from validation.progress import progress
+
+
+@dataclass(frozen=True)
+class Run:
+    """What came out of a run of `solver` to `until` (transits). `starts` counts slip events, `wall_s` is in seconds; `failed` is
+    empty, or says what, where and when the numerics failed: the rest is then what was known by that time."""
+
+    solver: Solver
+    until: float
+    events: Events
+    starts: int
+    statistics: RunStatistics
+    final: Final | None
+    energy: Energy | None
+    wall_s: float
+    failed: str = ""
+
+
+def simulate(solver: Solver, until: float, observers: Sequence[Observer] = ()) -> Run:
+    """March `solver` to `until` (transits) with progress on stderr; statistics are those of the run's second half.
+
+    A NumericsError of the solver does not escape: it is kept in `failed`, beside what was computed before.
+    """
+    watch = EventObserver(solver.scene, solver.nodes)
+    final: Final | None = None
+    failed = ""
+    began = time.perf_counter()
+    try:
+        with progress(f"{solver.scene.name}, {solver.model}", until) as report:
+            final = follow(solver, until, [watch, *observers], report)
+    except NumericsError as error:
+        failed = str(error)
+    wall = time.perf_counter() - began
+    statistics = summarise(watch.events, 0.5 * until)
+    energy = None if failed else solver.energy()
+    return Run(solver, until, watch.events, watch.count, statistics, final, energy, wall, failed)
