@@ -4,11 +4,12 @@
 """
 
 import sys
+from typing import Any
 
 import typer
 
 from scene.errors import NumericsError, SceneError
-from validation.commands import report, run, scenes
+from validation.commands import bench, compare, report, run, scenes
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 _SPREAD = {"--set": lambda word: "=" in word, "--only": lambda word: True}
@@ -21,14 +22,17 @@ app = typer.Typer(
 )
 app.command("report")(report.report)
 app.command("run")(run.run)
+app.command("compare")(compare.compare)
+app.command("bench")(bench.bench)
 app.command("scenes")(scenes.scenes)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command given by `arguments` (default: the process's own) and return the exit status."""
     words = spread(sys.argv[1:] if arguments is None else arguments)
+    command: Any = typer.main.get_command(app)
     try:
-        status = typer.main.get_command(app).main(words or ["--help"], prog_name="slipwave", standalone_mode=False)
+        status = command(words or ["--help"], prog_name="slipwave", standalone_mode=False)
     except SceneError as error:
         return _tell(error, INPUT_WRONG)
     except NumericsError as error:

@@ -81,6 +81,7 @@ def _leapfrog(scene: Scene, model: str, request: Request) -> Solver:
     return Leapfrog(scene, **request.given("cells", "cfl"))
 
 
+_OPTIONS = ("cells", "cfl", "tolerance")
 _NONE = frozenset[str]()
 _ODE = ("tolerance",)
 _GRID = ("cells", "cfl")
@@ -138,6 +139,28 @@ def build(model: str, scene: Scene, cells: int | None = None, cfl: float | None 
     return solver
 
 
+def build_all(
+    models: str, scene: Scene, cells: int | None = None, cfl: float | None = None, tolerance: float | None = None
+) -> list[Solver]:
+    """The solvers of a comma-separated list of models; each is given the options it takes, and one of them must take each.
+
+    Raises SceneError as `build` does, and for an empty or repeated name.
+    """
+    names = [resolve(name.strip(), scene)[0] for name in models.split(",")]
+    repeated = [name for name in names if names.count(name) > 1]
+    if repeated:
+        raise SceneError(f"models = {models!r}: {repeated[0]} is named more than once")
+    found = [_parse(name)[0] for name in names]
+    given = Request(None, cells, cfl, tolerance).given(*_OPTIONS)
+    for option, value in given.items():
+        if not any(option in family.options for family in found):
+            raise SceneError(f"{option} = {value:g}: none of the models {models} takes it")
+    return [
+        build(name, scene, **{option: value for option, value in given.items() if option in family.options})
+        for name, family in zip(names, found, strict=True)
+    ]
+
+
 def _parse(model: str) -> tuple[Family, int | None]:
     from scene.input.wording import nearest, shorten
 
@@ -164,7 +187,7 @@ def _numbers(allowed: range | tuple[int, ...]) -> str:
 
 
 def _require_options(model: str, family: Family, request: Request) -> None:
-    for name in ("cells", "cfl", "tolerance"):
+    for name in _OPTIONS:
         value = getattr(request, name)
         if value is not None and name not in family.options:
             takers = ", ".join(other.pattern for other in families() if name in other.options)

@@ -1,0 +1,89 @@
+"""`slipwave bench`: run time against error, every model that can do the scene, at several settings each."""
+
+from typing import TYPE_CHECKING, Any
+
+from validation.commands.options import Json, SceneName, Settings, Until, read_scene
+
+if TYPE_CHECKING:
+    from scene.scene import Scene
+    from validation.models import Family
+    from validation.simulate import Run
+
+_LADDERS: dict[str, tuple[dict[str, Any], ...]] = {
+    "tolerance": ({"tolerance": 1e-5}, {"tolerance": 1e-7}, {"tolerance": 1e-9}),
+    "cells": ({"cells": 16}, {"cells": 32}, {"cells": 64}),
+}
+_REFERENCE_TOLERANCE = 1e-11
+_WARM_UP = 2.0  # transits; loads or compiles the model before its clock starts
+
+
+def bench(scene: SceneName, until: Until = None, settings: Settings = None, json: Json = False) -> None:
+    """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance."""
+    from scene.errors import SceneError
+    from validation.models import honouring
+    from validation.output import print_json
+    from validation.progress import progress
+
+    what = read_scene(scene, settings, until)
+    trials = [(family, setting) for family in honouring(what) for setting in _settings(family)]
+    if not trials:
+        raise SceneError(f"scene = {what.name!r}: no model of this installation can do it")
+    reference = _reference(what, trials)
+    rows = []
+    with progress("bench", len(trials)) as report:
+        for done, (family, setting) in enumerate(trials):
+            rows.append(_row(_timed(what, family, setting), setting, reference))
+            report(done + 1)
+    name = f"{reference.solver.model}"
+    if json:
+        print_json({"scene": what.name, "until": what.until, "reference": name, "models": rows})
+    else:
+        _print(rows, name, what.until)
+
+
+def _settings(family: "Family") -> tuple[dict[str, Any], ...]:
+    return next((_LADDERS[option] for option in _LADDERS if option in family.options), ({},))
+
+
+def _reference(scene: "Scene", trials: "list[tuple[Family, dict[str, Any]]]") -> "Run":
+    """The delay system at a tight tolerance; for scenes it cannot do, the last full-wave family at its finest setting."""
+    family = next((family for family, _ in trials if family.name == "delay"), None)
+    if family is not None:
+        return _timed(scene, family, {"tolerance": _REFERENCE_TOLERANCE})
+    return _timed(scene, *trials[-1])
+
+
+def _timed(scene: "Scene", family: "Family", setting: dict[str, Any]) -> "Run":
+    from validation.models import build
+    from validation.simulate import simulate
+
+    simulate(build(family.example, scene, **setting), min(_WARM_UP, scene.until))
+    return simulate(build(family.example, scene, **setting), scene.until)
+
+
+def _row(run: "Run", setting: dict[str, Any], reference: "Run") -> dict[str, Any]:
+    ours, theirs = run.statistics, reference.statistics
+    errors = {name: abs(getattr(ours, name).mean / getattr(theirs, name).mean - 1.0) for name in ("period", "stress_drop")}
+    row = {"model": run.solver.model, "setting": setting, "wall_s": run.wall_s, "error": errors, "failures": run.solver.failures}
+    return row | ({"failed": run.failed} if run.failed else {})
+
+
+def _print(rows: list[dict[str, Any]], reference: str, until: float) -> None:
+    from validation.output import figures, print_table
+
+    heading = ["model", "setting", "wall s", "error T", "error drop"]
+    table = [
+        [
+            row["model"],
+            ", ".join(f"{name} {value:g}" for name, value in row["setting"].items()) or "-",
+            figures(row["wall_s"], 3),
+            figures(row["error"]["period"], 3),
+            figures(row["error"]["stress_drop"], 3),
+        ]
+        for row in rows
+    ]
+    print_table(heading, table)
+    print(f"\n{until:g} transits; relative errors of the second half's mean against {reference} (tight)")
+    for row in rows:
+        if "failed" in row:
+            print(f"failed: {row['failed']}")

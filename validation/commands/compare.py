@@ -1,0 +1,112 @@
+"""`slipwave compare`: several models on one scene, laid over each other."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from validation.commands.options import Cells, Cfl, Json, SceneName, Settings, Tolerance, Until, read_scene
+
+if TYPE_CHECKING:
+    from validation.cycle import Cycle
+    from validation.simulate import Run
+
+
+def compare(
+    scene: SceneName,
+    models: Annotated[
+        str, typer.Option(metavar="M1,M2,...", help="the models, the first being the reference unless delay is there")
+    ],
+    until: Until = None,
+    settings: Settings = None,
+    cells: Cells = None,
+    cfl: Cfl = None,
+    tol: Tolerance = None,
+    out: Annotated[Path, typer.Option(metavar="FILE.png", help="the overlay figure")] = Path("compare.png"),
+    json: Json = False,
+) -> None:
+    """Lay models over each other for one cycle; print periods and stress drops with their errors."""
+    from scene.errors import NumericsError
+    from validation.cycle import CycleObserver
+    from validation.models import build_all
+    from validation.output import print_json, require_writable
+    from validation.simulate import simulate
+
+    what = read_scene(scene, settings, until)
+    require_writable(out, (".png", ".pdf", ".svg"))
+    solvers = build_all(models, what, cells, cfl, tol)
+    runs, cycles = [], []
+    for solver in solvers:
+        observer = CycleObserver(solver)
+        runs.append(simulate(solver, what.until, [observer]))
+        cycles.append(observer.cycle())
+    reference = next((run for run in runs if run.solver.model == "delay"), runs[0])
+    rows = [_row(run, reference) for run in runs]
+    _draw(out, runs, cycles)
+    if json:
+        print_json(
+            {"scene": what.name, "until": what.until, "reference": reference.solver.model, "figure": str(out), "models": rows}
+        )
+    else:
+        _print(rows, reference.solver.model, out)
+    if all(run.failed for run in runs):
+        raise NumericsError(runs[0].failed)
+
+
+def _row(run: "Run", reference: "Run") -> dict[str, Any]:
+    """One model's answer and its relative errors against the reference's."""
+    from dataclasses import asdict
+
+    ours, theirs = run.statistics, reference.statistics
+    drops = {name: asdict(getattr(ours, name)) for name in ("period", "stress_drop", "elastic_stress_drop")}
+    errors = {name: getattr(ours, name).mean / getattr(theirs, name).mean - 1.0 for name in ("period", "stress_drop")}
+    row = {"model": run.solver.model, "events": run.starts, **drops, "v_max": ours.v_max, "v_min": ours.v_min, "error": errors}
+    return row | {"failures": run.solver.failures, "wall_s": run.wall_s} | ({"failed": run.failed} if run.failed else {})
+
+
+def _print(rows: list[dict[str, Any]], reference: str, out: Path) -> None:
+    from validation.output import figures, print_table
+
+    heading = ["model", "period", "std", "stress drop", "elastic drop", "v_max", "v_min", "error T", "error drop", "wall s"]
+    table = [
+        [
+            row["model"],
+            figures(row["period"]["mean"]),
+            figures(row["period"]["std"], 2),
+            figures(row["stress_drop"]["mean"], 7),
+            figures(row["elastic_stress_drop"]["mean"], 7),
+            figures(row["v_max"], 7),
+            figures(row["v_min"], 7),
+            figures(row["error"]["period"], 3),
+            figures(row["error"]["stress_drop"], 3),
+            figures(row["wall_s"], 3),
+        ]
+        for row in rows
+    ]
+    print_table(heading, table)
+    print(f"\nperiods in transits, relative errors against {reference}; figure: {out}")
+    for row in rows:
+        if "failed" in row:
+            print(f"failed: {row['failed']}")
+
+
+def _draw(out: Path, runs: "list[Run]", cycles: "list[Cycle | None]") -> None:
+    """Stress and slip rate over one cycle, aligned on the start of the slip event, one pen per model."""
+    from matplotlib.figure import Figure
+
+    from validation.output import whole_file
+
+    sheet = Figure(figsize=(9.0, 6.0), layout="constrained")
+    above, below = sheet.subplots(2, 1, sharex=True)
+    for run, cycle in zip(runs, cycles, strict=True):
+        if cycle is not None:
+            label = f"{run.solver.model}: T = {cycle.period:.6g}"
+            above.plot(cycle.time, cycle.stress, linewidth=1.0, label=label)
+            below.semilogy(cycle.time, cycle.slip_rate, linewidth=1.0, label=label)
+    above.set_ylabel("friction stress / normal stress")
+    below.set_ylabel("slip rate / V*")
+    below.set_xlabel("transits since the slip event's start")
+    if any(cycles):
+        above.legend(fontsize="small")
+    with whole_file(out) as temporary:
+        sheet.savefig(temporary, dpi=150)

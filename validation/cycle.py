@@ -1,0 +1,54 @@
+"""The interface's motion over the last complete cycle of a run, kept while the run streams by."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from scene.friction import rate_of
+from scene.observe import EventObserver, Pieces, Solver
+from scene.observe.pieces import Array
+
+
+class Cycle(NamedTuple):
+    """Time since the slip event's start (transits), slip rate (V*), stress mu, all of shape (samples,); and the period."""
+
+    time: Array
+    slip_rate: Array
+    stress: Array
+    period: float
+
+
+class CycleObserver:
+    """Keeps the pieces of the cycle that was completed last and of the one now running: memory O(two cycles).
+
+    Hand it to `follow`; it detects events itself, with the detector that every run uses.
+    """
+
+    def __init__(self, solver: Solver) -> None:
+        self._law = solver.scene.law
+        self._nodes = np.asarray(solver.nodes)
+        self._watch = EventObserver(solver.scene, solver.nodes)
+        self._kept: list[Pieces] = []
+        self._starts = (np.nan, np.nan)
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        self._watch.scan(pieces)
+        if self._watch.last_start != self._starts[1]:
+            self._starts = (self._starts[1], self._watch.last_start)
+        self._kept.append(pieces)
+        # a chunk that held several events moves `starts` by one only, so that nothing still needed is dropped
+        self._kept = [part for part in self._kept if not part.time[-1] + part.length[-1] < self._starts[0]]
+
+    def cycle(self) -> Cycle | None:
+        """The last complete cycle, or None if there was none."""
+        events = self._watch.events
+        if not events.time.size:
+            return None
+        begin, period = float(events.time[-1]), float(events.period[-1])
+        times = np.concatenate([part.time[:, None] + part.length[:, None] * self._nodes for part in self._kept]).ravel() - begin
+        keep = (times >= 0.0) & (times <= period)
+        unknown = np.concatenate([part.unknown for part in self._kept]).ravel()[keep]
+        stress = np.concatenate([part.stress for part in self._kept]).ravel()[keep]
+        rate = np.array([rate_of(self._law, z) for z in unknown], dtype=float)
+        return Cycle(times[keep], rate, stress, period)
