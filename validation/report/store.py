@@ -18,7 +18,7 @@ from validation.study import Column, Evidence, Number, Omission, Outcome, Study,
 _HELPERS = Path(validation.__file__).parent
 _GALLERY = Path(validation.__file__).parent.parent / "scene" / "gallery"
 _PACKAGES = ("numpy", "scipy", "numba", "matplotlib")
-_NOT_A_TOOL = ("__init__.py", "cli.py")
+_NOT_A_TOOL = ("__init__.py", "cli.py", "output.py", "progress.py", "recording.py", "wording.py")
 _FORMAT = 1
 
 
@@ -57,7 +57,8 @@ def study_key(study: Study, quick: bool) -> str:
 
 
 def _sources(study: Study) -> Iterable[Path]:
-    yield Path(str(getattr(study, "__file__", __file__)))
+    own = Path(str(getattr(study, "__file__", __file__)))
+    yield from sorted(own.parent.glob(f"{own.stem}*.py"))
     yield from (path for path in sorted(_HELPERS.glob("*.py")) if path.name not in _NOT_A_TOOL)
     yield _HELPERS / "report" / "drawing.py"
     yield from sorted(_HELPERS.glob("*.json"))

@@ -10,14 +10,14 @@ _MARKS = (
     (re.compile(r"_\{([^}]*)\}"), r"<sub>\1</sub>"),
     (re.compile(r"\^\{([^}]*)\}"), r"<sup>\1</sup>"),
     (re.compile(r"`([^`]*)`"), r"<code>\1</code>"),
-    (re.compile(r"\*([^*\s](?:[^*]*[^*\s])?)\*"), r"<em>\1</em>"),
+    (re.compile(r"(?<![A-Za-z0-9])\*([^*\s](?:[^*]*[^*\s])?)\*(?![A-Za-z0-9])"), r"<em>\1</em>"),
 )
 _POWER = re.compile(r"^(.*)e([+-])0*(\d+)$")
 
 
 def markup(text: str) -> str:
     """HTML of `text`: x_{sub}, x^{sup}, *emphasis* and `code`; everything else is escaped."""
-    result = html.escape(text, quote=False).replace("^{-", "^{−")
+    result = html.escape(text, quote=False).replace("^{-", "^{−").replace(" · 10^", "\u202f·\u202f10^")
     for pattern, replacement in _MARKS:
         result = pattern.sub(replacement, result)
     return result

@@ -1,0 +1,60 @@
+"""What one would write without this package: the paper's Kelvin-Voigt system in ten lines of Python, left to scipy's LSODA.
+
+Something to race against and to agree with. It shares no code with the solvers: not the law, not the integrator, not the event
+detection.
+"""
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from scene.scene import Scene
+from scene.start import NUDGE_CENTRE
+
+_APART = 10.0  # transits; crossings of V closer than this belong to the same slip event
+
+
+@dataclass(frozen=True)
+class PlainRun:
+    """Period of the last cycle (transits), wall time in seconds and how often the right-hand side was evaluated."""
+
+    period: float
+    wall_seconds: float
+    evaluations: int
+
+
+def plain_kelvin_voigt(scene: Scene, until: float, tolerance: float) -> PlainRun:
+    """Period of the last complete cycle before `until` (transits), by `solve_ivp(method="LSODA")` at rtol = atol = `tolerance`.
+
+    System (41) on the transit clock in y, w = mu', ln v and psi; ageing law; nudge start on steady sliding.
+    """
+    from scipy.integrate import solve_ivp
+
+    law, epsilon, r, velocity = scene.law, scene.upper.epsilon, scene.transit, scene.velocity
+    size = scene.start.nudge_size
+    calls = 0
+
+    def rates(t: float, state: np.ndarray) -> list[float]:
+        nonlocal calls
+        calls += 1
+        y, w, ln_v, psi = state
+        v = math.exp(ln_v)
+        psi_rate = r * (math.exp(-psi) - v) + size * math.exp(-((t - NUDGE_CENTRE) ** 2))
+        ln_v_rate = (w - law.b * psi_rate) / law.a
+        stress = law.a_star + law.a * ln_v + law.b * psi
+        return [epsilon * (velocity - v), 24.0 * (y - stress) - 3.0 * epsilon * v * ln_v_rate, ln_v_rate, psi_rate]
+
+    def crossing(t: float, state: np.ndarray) -> float:
+        return float(state[2]) - math.log(velocity)
+
+    crossing.direction = 1.0  # type: ignore[attr-defined]
+    ln_v = math.log(velocity)
+    start = [law.a_star + (law.a - law.b) * ln_v, 0.0, ln_v, -ln_v]
+    began = time.perf_counter()
+    run = solve_ivp(rates, (0.0, until), start, method="LSODA", rtol=tolerance, atol=tolerance, events=crossing, max_step=3.0)
+    wall = time.perf_counter() - began
+    times = run.t_events[0]
+    events = times[np.diff(times, prepend=-math.inf) > _APART]
+    return PlainRun(float(events[-1] - events[-2]), wall, calls)
