@@ -37,7 +37,7 @@ class Onset:
         """The middle root of the cubic (21) in closed form (27)."""
         ratio = self.r_quasistatic * self.omega_c
         theta = math.atan(math.sqrt((1.0 + 8.0 / ratio**2) ** 3 - 1.0))
-        return self.r_quasistatic * (1.0 + 2.0 * math.sin(theta / 3.0 - math.pi / 6.0) / math.cos(theta) ** (1.0 / 3.0))
+        return self.r_quasistatic * (1.0 + 2.0 * math.sin(theta / 3.0 - math.pi / 6.0) / math.cbrt(math.cos(theta)))
 
     def cubic(self, r: float) -> float:
         """Left side of (21), scaled by r_*^-3: zero at the Kelvin-Voigt system's critical r."""

@@ -55,6 +55,6 @@ def plain_kelvin_voigt(scene: Scene, until: float, tolerance: float) -> PlainRun
     began = time.perf_counter()
     run = solve_ivp(rates, (0.0, until), start, method="LSODA", rtol=tolerance, atol=tolerance, events=crossing, max_step=3.0)
     wall = time.perf_counter() - began
-    times = run.t_events[0]
+    times = np.asarray(run.t_events)[0]
     events = times[np.diff(times, prepend=-math.inf) > _APART]
     return PlainRun(float(events[-1] - events[-2]), wall, calls)

@@ -78,7 +78,7 @@ def test_page_is_one_file_without_scripts_or_addresses(fake, tmp_path):
     html = page.read_text()
     assert "<script" not in html
     assert "http" not in re.sub(r"base64,[A-Za-z0-9+/=]+", "", html)
-    assert "One &lt;mode&gt; is 6 · 10<sup>−4</sup> off." in html
+    assert "One &lt;mode&gt; is 6\u202f·\u202f10<sup>−4</sup> off." in html
     assert "73.472145" in html
     HTMLParser().feed(html)
     assert sorted(path.name for path in page.parent.iterdir()) == ["data", "index.html"]

@@ -35,5 +35,5 @@ def test_cells():
 
 
 def test_plain_is_markup():
-    assert markup(plain(-1.2e-9, ".2g")) == "−1.2 · 10<sup>−9</sup>"
+    assert markup(plain(-1.2e-9, ".2g")) == "−1.2\u202f·\u202f10<sup>−9</sup>"
     assert plain(0.25) == "0.25"
