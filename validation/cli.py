@@ -43,7 +43,7 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stderr.close()
         return 0
     except Exception as error:
-        explain = getattr(error, "format_message", None)  # click's and typer's own complaints about the command line
+        explain: Any = getattr(error, "format_message", None)  # click's and typer's own complaints about the command line
         if explain is None:
             raise
         return _tell(explain(), INPUT_WRONG)

@@ -80,16 +80,15 @@ def _fields(place: list[str | int], kinds: list[str], fallback: dict[str, FieldI
 def _suggestion(place: list[str | int], kinds: list[str], fields: dict[str, FieldInfo]) -> str:
     """Names the known key nearest to an unknown one: in its own table, else anywhere, else lists the table's keys."""
     word, table = str(place[-1]), _table(place)
+    elsewhere = {name: key for key in ("slab", "drive", "start", "run") for name in _TABLES[key].model_fields}
+    if word in elsewhere and not kinds:
+        return f"did you mean {elsewhere[word]}.{word}?"
     guess = nearest(word, fields)
     if guess:
         return f"did you mean {guess}?"
     owners = [kind for kind, model in _KINDS.get(table, {}).items() if word in model.model_fields]
     if owners:
         return f"it belongs to kind {choices(owners)}, not to kind {choices(kinds[:1])}"
-    elsewhere = {name: key for key in ("slab", "drive", "start", "run") for name in _TABLES[key].model_fields}
-    far = nearest(word, elsewhere, cutoff=0.8)
-    if far:
-        return f"did you mean {elsewhere[far]}.{far}?"
     own = f"kind {choices(kinds[:1])}" if kinds else (f"[{table}]" if table else "a scene")
     return f"{own} takes {', '.join(fields)}"
 
