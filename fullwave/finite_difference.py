@@ -1,116 +1,127 @@
 """Staggered leapfrog finite differences: the simplest full wave.
 
 Bulk: velocities at nodes and half times, stresses in cells and at whole times, central differences in both (`leapfrog.media`).
-Interface: the half cell's momentum balance is Z v + F(v, psi) = R, the same scalar condition as every solver's
-(`leapfrog.friction`).
+Interface: the half cell's momentum balance is Z v + F(v, psi) = R, the scalar condition of every solver (`leapfrog.friction`).
 
 order        2 in every output from a smooth start, 1 after a jump, at every cfl <= 1
 cfl_max      1 (a slab, or a layer, whose cells do not divide it runs a little below the others)
 exact_when   cfl = 1 in a uniform slab: waves then travel without error, and what remains is the delay system (35) discretised by
              the midpoint rule. Its agreement with that system is no independent evidence; below cfl = 1 it is.
-conserves    the energy K(u at n + 1/2) + P(sigma at n, n + 1), to rounding; see `energy`
+conserves    the energy K(u at n + 1/2) + P(sigma at n, n + 1), to rounding (`leapfrog.ledger`)
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
+from fullwave.leapfrog.build import steady_memory, steady_side
 from fullwave.leapfrog.drives import compiled_drive
-from fullwave.leapfrog.faces import Rigid
-from fullwave.leapfrog.kernel import (
-    DRIVE,
-    ELASTIC,
-    MEMORY,
-    PSI,
-    STATE,
-    STRESS,
-    Clock,
-    Mirror,
-    Side,
-    Z,
-    march,
-    take_step,
-)
-from fullwave.leapfrog.media import Uniform
-from fullwave.sampling import STEPS_PER_PIECE, empty_pieces, pieces_until, sample_nodes
+from fullwave.leapfrog.faces import Grip
+from fullwave.leapfrog.grid import common_step, slab_grid
+from fullwave.leapfrog.kernel import STEPS_PER_PIECE, Clock, Mirror, Side, march, take_step
+from fullwave.leapfrog.ledger import energy_of
+from fullwave.sampling import empty_pieces, pieces_until, sample_nodes
+from fullwave.snapshot import Snapshot
 from scene.errors import NumericsError, SceneError
-from scene.friction import unknown_of
 from scene.observe import Energy, Pieces
+from scene.observe.pieces import Array
 from scene.scene import Scene
 
 MOST_CELLS = 1_000_000
+_MUTABLE = ("velocity", "stress", "relaxing", "lost")
 
 
 class Leapfrog:
     """Marches `scene` with `cells` per slab at Courant number `cfl` in (0, 1]; a `Solver` (scene.observe.follow).
 
     `cells` counts the slab with the shorter round trip; the other has as many as keep its Courant number at or just below `cfl`.
-    Raises SceneError naming cells or cfl and the allowed range.
+    Honours every scene. Raises SceneError naming cells or cfl and the allowed range.
     """
 
     model = "fd"
 
     def __init__(self, scene: Scene, cells: int = 64, cfl: float = 1.0) -> None:
         _check(cells, cfl)
-        if not (scene.alike and scene.upper.is_plain):
-            raise SceneError("model fd: only alike, uniform, rigidly driven slabs so far")
-        self.scene = scene
+        self._set_up(scene, int(cells), float(cfl))
+
+    def _set_up(self, scene: Scene, cells: int, cfl: float) -> None:
+        self.scene, self.cells, self.cfl = scene, cells, cfl
         self.nodes = sample_nodes()
         self.failures = 0
-        self.cells, self.cfl = cells, cfl
-        self.step = cfl * 0.5 / cells
-        self._sample = -1
+        self.step = common_step(scene, cells, cfl)
+        slabs = [scene.upper] if scene.alike else [scene.upper, scene.lower]
+        self._grids = [slab_grid(slab, slab.round_trip / scene.transit, self.step, cfl, cells) for slab in slabs]
+        self._sides = [steady_side(scene, slab, grid) for slab, grid in zip(slabs, self._grids, strict=True)]
+        self._lower: Side | Mirror = Mirror() if scene.alike else self._sides[1]
         self._clock = Clock(self.step, scene.transit, scene.stiffness, scene.steady_stress, scene.start.nudge_size)
         self._drive = compiled_drive(scene.drive)
-        self._memory = _steady_memory(scene)
-        impedance = scene.upper.epsilon / cfl
-        medium = Uniform(
-            np.full(cells + 1, 0.5 * scene.velocity), np.zeros(cells), 1.0 / impedance, cfl * scene.upper.epsilon, impedance
-        )
-        self._upper, self._lower = Side(medium, Rigid()), Mirror()
+        self._memory = steady_memory(scene)
+        self._sample = -1
         self._take_first_sample()
+
+    def _take_first_sample(self) -> None:
+        converged = take_step(self.scene.law, self._clock, self._drive, self._sides[0], self._lower, self._memory, 0)
+        self._sample = 0
+        self.failures += not converged
+        if not math.isfinite(float(self._memory.sum())):
+            raise NumericsError(f"{self.model}: no finite slip rate at t = 0 (scene {self.scene.name!r})")
 
     @property
     def time(self) -> float:
         """Time reached, in transits."""
         return self._sample * self.step
 
+    @property
+    def total_cells(self) -> int:
+        """Cells that are marched."""
+        return sum(grid.width.size for grid in self._grids)
+
     def advance(self, until: float) -> Pieces:
-        """March towards `until` (transits), at most one chunk."""
+        """March towards `until` (transits), at most one chunk of `sampling.MOST_PIECES` pieces."""
         pieces = empty_pieces(pieces_until(self._sample, self.step, until))
-        self.failures += march(
-            self.scene.law, self._clock, self._drive, self._upper, self._lower, self._memory, self._sample, pieces
-        )
+        law, upper = self.scene.law, self._sides[0]
+        self.failures += march(law, self._clock, self._drive, upper, self._lower, self._memory, self._sample, pieces)
         self._sample += STEPS_PER_PIECE * pieces.time.size
         return pieces
 
-    def energy(self) -> Energy | None:
+    def energy(self) -> Energy:
         """Ledger since t = 0, in units of sigma L."""
-        return None
+        sides = list(zip(self._sides, self._grids, strict=True))
+        return energy_of(self._clock, self._memory, sides, 0.5 * self.scene.velocity, 2 if self.scene.alike else 1)
 
-    def _take_first_sample(self) -> None:
-        converged = take_step(self.scene.law, self._clock, self._drive, self._upper, self._lower, self._memory, 0)
-        self._sample = 0
-        if not converged:
-            self.failures += 1
-        if not math.isfinite(float(self._memory.sum())):
-            raise NumericsError(f"{self.model}: no finite slip rate at t = 0 (scene {self.scene.name!r})")
+    def snapshot(self) -> Snapshot:
+        """Velocity and stress at the nodes at `time`, second order."""
+        from fullwave.leapfrog.picture import snapshot_of
+
+        return snapshot_of(self.scene, self.time, self._clock, self._memory, self._sides, self._grids)
+
+    def state(self) -> dict[str, Array]:
+        """Everything that changes during a run, as arrays; `restore` takes it back to the bit."""
+        arrays = {"sample": np.array([self._sample]), "failures": np.array([self.failures]), "memory": self._memory.copy()}
+        return arrays | {name: array.copy() for name, array in self._arrays().items()}
+
+    def restore(self, state: dict[str, Array]) -> None:
+        """Go on from `state`, taken from a solver of the same scene and settings; SceneError if it does not fit."""
+        own = {"memory": self._memory} | self._arrays()
+        for name, array in own.items():
+            if name not in state or state[name].shape != array.shape:
+                raise SceneError(f"checkpoint: {name} does not fit this scene with {self.cells} cells")
+            array[...] = state[name]
+        self._sample = int(state["sample"][0])
+        self.failures = int(state["failures"][0])
+
+    def _arrays(self) -> dict[str, Array]:
+        found: dict[str, Any] = {}
+        for label, side in zip(("upper", "lower"), self._sides, strict=False):
+            found |= {f"{label}.{name}": getattr(side.medium, name) for name in _MUTABLE if hasattr(side.medium, name)}
+            if isinstance(side.face, Grip):
+                found[f"{label}.face"] = side.face.memory
+        return found
 
 
 def _check(cells: int, cfl: float) -> None:
     if isinstance(cells, bool) or not isinstance(cells, int | np.integer) or not 2 <= cells <= MOST_CELLS:
         raise SceneError(f"cells = {cells!r}: must be a whole number from 2 to {MOST_CELLS}")
-    if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.floating) or not 0.0 < cfl <= 1.0:
+    if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.integer | np.floating) or not 0.0 < cfl <= 1.0:
         raise SceneError(f"cfl = {cfl!r}: must lie in (0, 1]")
-
-
-def _steady_memory(scene: Scene) -> np.ndarray:
-    """Interface memory of steady sliding, half a step before t = 0."""
-    memory = np.zeros(MEMORY)
-    psi = scene.steady_psi + scene.start.jump_size
-    memory[STATE] = psi
-    memory[PSI : PSI + 3] = psi
-    memory[Z : Z + 3] = unknown_of(scene.law, scene.velocity)
-    memory[[STRESS, ELASTIC]] = scene.steady_stress
-    memory[DRIVE] = scene.velocity
-    return memory

@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from fullwave.leapfrog.dispatch import dispatch
 from scene.drive import Drive
 from scene.observe.pieces import Array
@@ -47,8 +49,6 @@ dispatch(velocity_at, {Constant: _constant, Ramps: _ramps})
 
 def compiled_drive(drive: Drive) -> Constant | Ramps:
     """The kernel's form of a scene's drive."""
-    import numpy as np
-
     if drive.is_constant:
         return Constant(float(drive.initial))
     return Ramps(np.array(drive.times, dtype=float), np.array(drive.velocities, dtype=float))

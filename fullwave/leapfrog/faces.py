@@ -16,10 +16,14 @@ Stresses are deviations from the stress of steady sliding, units of the normal s
 the whole time, `following` at the next half step; time in transits.
 """
 
+import math
 from typing import NamedTuple
+
+import numpy as np
 
 from fullwave.leapfrog.dispatch import dispatch
 from scene.observe.pieces import Array
+from scene.slab import GripFace, ReflectingFace, Slab
 
 
 class Rigid(NamedTuple):
@@ -29,13 +33,13 @@ class Rigid(NamedTuple):
 
 
 class Grip(NamedTuple):
-    """Dashpot `impedance` Z_g, `half_spring` K dt/2, the spring's load in steady sliding and, at the half step, its deviation
-    from that, shape (1,)."""
+    """Dashpot `impedance` Z_g, `half_spring` K dt/2, the spring's load in steady sliding, and `memory` (2,): its deviation from
+    that at the half step, and the sum of the powers swallowed."""
 
     impedance: float
     half_spring: float
     steady_load: float
-    load: Array
+    memory: Array
 
 
 def settle(
@@ -45,8 +49,8 @@ def settle(
     raise NotImplementedError(type(face))
 
 
-def push(face: Rigid | Grip, traction: float, velocity: float, mean: float) -> tuple[float, float]:
-    """(power of the drive, power radiated) for the deviation `traction`; a grip's spring moves on to the next half step."""
+def push(face: Rigid | Grip, traction: float, velocity: float, mean: float) -> float:
+    """Power of the drive by the deviation `traction`; a grip's spring moves on to the next half step."""
     raise NotImplementedError(type(face))
 
 
@@ -55,23 +59,37 @@ def _settle_rigid(face, inertia, old, pull, damping, mean, following):  # type: 
 
 
 def _push_rigid(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
-    return traction * velocity, 0.0
+    return traction * velocity
 
 
 def _settle_grip(face, inertia, old, pull, damping, mean, following):  # type: ignore[no-untyped-def]
     resistance = face.impedance + face.half_spring
     total = inertia + resistance + damping
-    return damping / total, (inertia * old - pull + face.load[0] + resistance * mean) / total
+    return damping / total, (inertia * old - pull + face.memory[0] + resistance * mean) / total
 
 
 def _push_grip(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
     slip = mean - velocity
-    face.load[0] += 2.0 * face.half_spring * slip
     lost = face.impedance * slip * slip
+    face.memory[0] += 2.0 * face.half_spring * slip
+    face.memory[1] += lost
     if face.half_spring == 0.0:
-        return traction * velocity + lost - face.steady_load * slip, lost  # the dead load acts on the face itself
-    return traction * mean, lost
+        return traction * velocity + lost - face.steady_load * slip  # the dead load acts on the face itself
+    return traction * mean
 
 
 dispatch(settle, {Rigid: _settle_rigid, Grip: _settle_grip})
 dispatch(push, {Rigid: _push_rigid, Grip: _push_grip})
+
+
+def compiled_face(slab: Slab, ratio: float, step: float, steady_stress: float) -> Rigid | Grip:
+    """The kernel's form of a slab's outer face; `ratio` is its round trip and `step` the time step, both in transits."""
+    face = slab.face
+    if isinstance(face, GripFace) and math.isfinite(face.impedance):
+        spring = face.stiffness * slab.epsilon / ratio
+        return Grip(face.impedance * slab.epsilon, 0.5 * spring * step, steady_stress, np.zeros(2))
+    if isinstance(face, ReflectingFace) and face.coefficient < 1.0:
+        outermost = slab.epsilon * slab.layers[-1].impedance
+        matched = (1.0 + face.coefficient) / (1.0 - face.coefficient)
+        return Grip(matched * outermost, 0.0, steady_stress, np.zeros(2))
+    return Rigid()

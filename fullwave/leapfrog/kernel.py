@@ -11,7 +11,7 @@ from fullwave.leapfrog.dispatch import dispatch
 from fullwave.leapfrog.drives import Constant, Ramps, velocity_at
 from fullwave.leapfrog.faces import Grip, Rigid
 from fullwave.leapfrog.friction import solve_friction
-from fullwave.leapfrog.media import Uniform, accelerate, load, strain
+from fullwave.leapfrog.media import Medium, accelerate, load, strain
 from scene.compiled import njit
 from scene.friction import Law
 from scene.observe.pieces import Array, Pieces
@@ -20,15 +20,15 @@ from scene.start import NUDGE_CENTRE
 STEPS_PER_PIECE = 4
 
 # slots of the interface's memory
-STATE, STRESS, ELASTIC, DRIVE, Z, PSI = 0, 1, 2, 3, 4, 7  # Z, PSI: the last three samples, latest first
-INPUT, FRICTION, RADIATED = 10, 11, 12
-MEMORY = 13
+STATE, STRESS, ELASTIC, DRIVE, INPUT, FRICTION = 0, 1, 2, 3, 4, 5
+Z, PSI = 6, 11  # the last five samples of each, latest first, for the friction solve's starting values
+MEMORY = 16
 
 
 class Side(NamedTuple):
     """A slab that is marched."""
 
-    medium: Uniform
+    medium: Medium
     face: Rigid | Grip
 
 
@@ -59,8 +59,8 @@ def part(lower: Side | Mirror, impedance: float, incoming: float, stress: float,
     raise NotImplementedError(type(lower))
 
 
-def follow_on(lower: Side | Mirror, rate: float, power: float, lost: float, mean: float, following: float) -> tuple[float, float]:
-    """Move the lower slab; powers of both faces together."""
+def follow_on(lower: Side | Mirror, rate: float, power: float, mean: float, following: float) -> float:
+    """Move the lower slab; power of both faces together."""
     raise NotImplementedError(type(lower))
 
 
@@ -92,13 +92,12 @@ def _part_mirror(lower, impedance, incoming, stress, v):  # type: ignore[no-unty
     return 0.5 * v
 
 
-def _follow_side(lower, rate, power, lost, mean, following):  # type: ignore[no-untyped-def]
-    own, own_lost = accelerate(lower.medium, lower.face, rate, mean, following)
-    return power + own, lost + own_lost
+def _follow_side(lower, rate, power, mean, following):  # type: ignore[no-untyped-def]
+    return power + accelerate(lower.medium, lower.face, rate, mean, following)
 
 
-def _follow_mirror(lower, rate, power, lost, mean, following):  # type: ignore[no-untyped-def]
-    return 2.0 * power, 2.0 * lost
+def _follow_mirror(lower, rate, power, mean, following):  # type: ignore[no-untyped-def]
+    return 2.0 * power
 
 
 def _slip_side(lower, own):  # type: ignore[no-untyped-def]
@@ -150,29 +149,34 @@ def take_step(law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lowe
         memory[STATE],
         0.5 * dt * clock.transit,
         0.5 * dt * _nudge(clock, n * dt),
-        3.0 * (memory[Z] - memory[Z + 1]) + memory[Z + 2],
-        3.0 * (memory[PSI] - memory[PSI + 1]) + memory[PSI + 2],
+        _extrapolated(memory, Z),
+        _extrapolated(memory, PSI),
     )
     stress = incoming - impedance * v
     rate = part(lower, own, own_load, stress, v)
-    power, lost = accelerate(upper.medium, upper.face, rate, mean, 0.5 * following)
-    power, lost = follow_on(lower, v - rate, power, lost, mean, 0.5 * following)
-    _remember(clock, memory, z, psi, stress, v, mean, power, lost)
+    power = accelerate(upper.medium, upper.face, rate, mean, 0.5 * following)
+    power = follow_on(lower, v - rate, power, mean, 0.5 * following)
+    memory[STATE] = 2.0 * psi - memory[STATE]
+    memory[STRESS] = clock.steady_stress + stress
+    memory[INPUT] += power + 2.0 * clock.steady_stress * mean
+    memory[FRICTION] += memory[STRESS] * v
+    _shift(memory, Z, z)
+    _shift(memory, PSI, psi)
     return converged
 
 
 @njit
-def _remember(
-    clock: Clock, memory: Array, z: float, psi: float, stress: float, v: float, mean: float, power: float, lost: float
-) -> None:
-    """Shift the samples and add up the ledger (friction clock)."""
-    memory[STATE] = 2.0 * psi - memory[STATE]
-    memory[STRESS] = clock.steady_stress + stress
-    memory[Z + 2], memory[Z + 1], memory[Z] = memory[Z + 1], memory[Z], z
-    memory[PSI + 2], memory[PSI + 1], memory[PSI] = memory[PSI + 1], memory[PSI], psi
-    memory[INPUT] += power + 2.0 * clock.steady_stress * mean
-    memory[FRICTION] += (clock.steady_stress + stress) * v
-    memory[RADIATED] += lost
+def _extrapolated(memory: Array, slot: int) -> float:
+    """The quartic through the last five samples, one step on."""
+    outer, inner = memory[slot] - memory[slot + 3], memory[slot + 1] - memory[slot + 2]
+    return float(5.0 * outer - 10.0 * inner + memory[slot + 4])
+
+
+@njit
+def _shift(memory: Array, slot: int, value: float) -> None:
+    for i in range(4, 0, -1):
+        memory[slot + i] = memory[slot + i - 1]
+    memory[slot] = value
 
 
 @njit

@@ -1,52 +1,78 @@
-"""One slab on its staggered grid, in friction-free form: what the kernel asks of it.
+"""One slab on its staggered grid: what the kernel asks of it, and the elastic slabs (`viscous` has the others).
 
 Depth is measured as travel time (transits of the upper slab) from the interface, so that waves run at speed 1, and `u` is the
-velocity away from steady rest in the slab's own direction of drive (u = w_1 above, u = -w_2 below): both slabs then obey
+velocity in the slab's own direction of drive (u = w_1 above, u = -w_2 below): both slabs then obey
 
     eps u_t = sigma_s,   sigma_t = eps u_s,   u_1 + u_2 = v at the interface   (MODEL.md section 3),
 
-with u at the n + 1 nodes at half times and sigma (less the stress of steady sliding) in the n cells at whole times. The end nodes
+with u at the n + 1 nodes at half times and sigma (less the stress of steady sliding) in the n cells at whole times; the end nodes
 carry half a cell. Virieux (1986) describes the scheme in the plane; order 2, stable for dt <= dx.
 
     load        Z and S of  Z u + mu = S  at the interface, u the mean over the step: its half cell's momentum balance
-    accelerate  velocities on to the next half step, once u is known; returns the powers of the outer face
+    accelerate  velocities on to the next half step, once u is known; returns the power of the outer face
     strain      stresses on to the next whole step
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
 
 from fullwave.leapfrog.dispatch import dispatch
 from fullwave.leapfrog.faces import Grip, Rigid, push, settle
+from fullwave.leapfrog.grid import Grid
 from scene.observe.pieces import Array
+
+Medium: TypeAlias = Any
+"""An instance of Uniform, Layered, StandardLinear or KelvinVoigt."""
 
 
 class Uniform(NamedTuple):
-    """Homogeneous elastic slab: u (n + 1,), sigma (n,), dt/(eps dx), eps dt/dx, grid impedance eps dx/dt."""
+    """Homogeneous elastic slab: u (n + 1,), sigma (n,), dt/(eps dx), eps dt/dx, grid impedance eps dx/dt of an end node."""
 
     velocity: Array
     stress: Array
     mobility: float
     stiffness: float
-    impedance: float
+    inertia: float
 
 
-def load(medium: Uniform, face: Rigid | Grip, mean: float, following: float) -> tuple[float, float]:
+class Layered(NamedTuple):
+    """Elastic slab of any layers: u, sigma, dt/mass (n + 1,), eps dt/dx (n,), grid impedances of the first and the last node."""
+
+    velocity: Array
+    stress: Array
+    mobility: Array
+    stiffness: Array
+    inertia: float
+    outer_inertia: float
+
+
+def elastic_medium(grid: Grid, velocity: float) -> Uniform | Layered:
+    """A slab that moves steadily at `velocity`."""
+    u, sigma = np.full(grid.width.size + 1, velocity), np.zeros(grid.width.size)
+    if grid.is_uniform:
+        return Uniform(u, sigma, 1.0 / float(grid.inertia[0]), float(grid.stiffness[0]), float(grid.inertia[0]))
+    return Layered(u, sigma, 2.0 / grid.inertia, grid.stiffness, float(grid.inertia[0]), float(grid.inertia[-1]))
+
+
+def load(medium: Medium, face: Rigid | Grip, mean: float, following: float) -> tuple[float, float]:
     """(Z, S) of the interface's half cell."""
     raise NotImplementedError(type(medium))
 
 
-def accelerate(medium: Uniform, face: Rigid | Grip, rate: float, mean: float, following: float) -> tuple[float, float]:
-    """Velocities on by one step, u = `rate` at the interface; (power of the drive, power radiated) less the steady stress's."""
+def accelerate(medium: Medium, face: Rigid | Grip, rate: float, mean: float, following: float) -> float:
+    """Velocities on by one step, u = `rate` at the interface; power of the drive, less what the steady stress does."""
     raise NotImplementedError(type(medium))
 
 
-def strain(medium: Uniform) -> None:
+def strain(medium: Medium) -> None:
     """Stresses on by one step."""
     raise NotImplementedError(type(medium))
 
 
-def _load_uniform(medium, face, mean, following):  # type: ignore[no-untyped-def]
-    return medium.impedance, medium.stress[0] + medium.impedance * medium.velocity[0]
+def load_elastic(medium, face, mean, following):  # type: ignore[no-untyped-def]
+    """The half cell's own momentum only."""
+    return medium.inertia, medium.stress[0] + medium.inertia * medium.velocity[0]
 
 
 def _accelerate_uniform(medium, face, rate, mean, following):  # type: ignore[no-untyped-def]
@@ -56,9 +82,22 @@ def _accelerate_uniform(medium, face, rate, mean, following):  # type: ignore[no
     for j in range(1, n):
         velocity[j] += medium.mobility * (stress[j] - stress[j - 1])
     old = velocity[n]
-    _, top = settle(face, medium.impedance, old, stress[n - 1], 0.0, mean, following)
+    _, top = settle(face, medium.inertia, old, stress[n - 1], 0.0, mean, following)
     velocity[n] = 2.0 * top - old
-    return push(face, stress[n - 1] + medium.impedance * (top - old), top, mean)
+    return push(face, stress[n - 1] + medium.inertia * (top - old), top, mean)
+
+
+def accelerate_layered(medium, face, rate, mean, following):  # type: ignore[no-untyped-def]
+    """As the uniform slab, with a mass of its own for each node."""
+    velocity, stress, mobility = medium.velocity, medium.stress, medium.mobility
+    n = stress.size
+    velocity[0] = 2.0 * rate - velocity[0]
+    for j in range(1, n):
+        velocity[j] += mobility[j] * (stress[j] - stress[j - 1])
+    old = velocity[n]
+    _, top = settle(face, medium.outer_inertia, old, stress[n - 1], 0.0, mean, following)
+    velocity[n] = 2.0 * top - old
+    return push(face, stress[n - 1] + medium.outer_inertia * (top - old), top, mean)
 
 
 def _strain_uniform(medium):  # type: ignore[no-untyped-def]
@@ -67,6 +106,17 @@ def _strain_uniform(medium):  # type: ignore[no-untyped-def]
         stress[j] += medium.stiffness * (velocity[j + 1] - velocity[j])
 
 
-dispatch(load, {Uniform: _load_uniform})
-dispatch(accelerate, {Uniform: _accelerate_uniform})
-dispatch(strain, {Uniform: _strain_uniform})
+def strain_layered(medium):  # type: ignore[no-untyped-def]
+    """As the uniform slab, with a stiffness of its own for each cell."""
+    velocity, stress, stiffness = medium.velocity, medium.stress, medium.stiffness
+    for j in range(stress.size):
+        stress[j] += stiffness[j] * (velocity[j + 1] - velocity[j])
+
+
+LOADS = {Uniform: load_elastic, Layered: load_elastic}
+ACCELERATES = {Uniform: _accelerate_uniform, Layered: accelerate_layered}
+STRAINS = {Uniform: _strain_uniform, Layered: strain_layered}
+"""Open to further media: see `viscous`."""
+dispatch(load, LOADS)
+dispatch(accelerate, ACCELERATES)
+dispatch(strain, STRAINS)

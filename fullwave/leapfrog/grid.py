@@ -1,0 +1,73 @@
+"""Where the leapfrog's nodes lie: each layer of each slab gets its own whole number of cells, so that no travel time is rounded.
+
+The step is common: cfl times the cell of the slab with the shorter round trip. A layer takes as many cells as keep its own
+Courant number at or just below cfl; boundaries between layers are nodes, which carry half a cell of either side.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scene.errors import SceneError
+from scene.observe.pieces import Array
+from scene.scene import Scene
+from scene.slab import Slab
+
+MOST_CELLS = 10_000_000
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cells of one slab from the interface outwards: `width` (n,) as travel time in transits, `impedance` (n,); and the step."""
+
+    width: Array
+    impedance: Array
+    step: float
+
+    @property
+    def depth(self) -> Array:
+        """Travel time of the nodes from the interface, transits, shape (n + 1,)."""
+        return np.concatenate(([0.0], np.cumsum(self.width)))
+
+    @property
+    def mass(self) -> Array:
+        """Mass per node times c: half of each neighbouring cell's eps dx, shape (n + 1,)."""
+        half = 0.5 * self.impedance * self.width
+        return np.concatenate((half, [0.0])) + np.concatenate(([0.0], half))
+
+    @property
+    def inertia(self) -> Array:
+        """Grid impedance 2 mass/dt of the nodes (eps dx/dt at an end), shape (n + 1,)."""
+        return 2.0 * self.mass / self.step
+
+    @property
+    def stiffness(self) -> Array:
+        """eps dt/dx, shape (n,)."""
+        return self.impedance * self.step / self.width
+
+    @property
+    def is_uniform(self) -> bool:
+        """One width and one impedance."""
+        return bool(np.all(self.width == self.width[0]) and np.all(self.impedance == self.impedance[0]))
+
+
+def common_step(scene: Scene, cells: int, cfl: float) -> float:
+    """Time step in transits."""
+    shorter = min(scene.upper.round_trip, scene.lower.round_trip) / scene.transit
+    return cfl * 0.5 * shorter / cells
+
+
+def slab_grid(slab: Slab, ratio: float, step: float, cfl: float, cells: int) -> Grid:
+    """Grid of `slab`, whose round trip is `ratio` transits. Raises SceneError naming cells if a layer is thinner than a cell."""
+    widths, impedances = [], []
+    for number, layer in enumerate(slab.layers):
+        travel = 0.5 * ratio * layer.fraction
+        count = int(np.floor(cfl * travel / step * (1.0 + 1e-9)))
+        if count < 1:
+            wanted = int(np.ceil(cells * step / (cfl * travel)))
+            raise SceneError(f"cells = {cells}: layer {number + 1} is thinner than a cell; use at least {wanted}")
+        if count > MOST_CELLS:
+            raise SceneError(f"cells = {cells}: the slower slab would need {count} cells; at most {MOST_CELLS} are allowed")
+        widths.append(np.full(count, travel / count))
+        impedances.append(np.full(count, slab.epsilon * layer.impedance))
+    return Grid(np.concatenate(widths), np.concatenate(impedances), step)

@@ -1,0 +1,134 @@
+"""Dissipative slabs on the leapfrog's grid.
+
+standard linear  sigma = sigma_r + q; the Maxwell branch q' = eps_1 u_s - q/time, eps_1 = eps ratio/(1 + ratio), is stepped by the
+                 trapezoid cell by cell: no equation is coupled and the step limit stays dt <= dx.
+Kelvin-Voigt     sigma = sigma_e + eps time u_s. The viscous part is taken at the mean of two half steps (Crank and Nicolson), a
+                 tridiagonal system eliminated from the outer face to the interface, where it arrives as one (Z, S) like any
+                 other: no step limit of its own (an explicit one would need dt < dx^2/(2 time)), and each step loses
+                 exactly sum c (du)^2 dt.
+
+Both keep order 2. Times in transits of the upper slab; stresses less that of steady sliding, which the spring that never relaxes
+bears.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fullwave.leapfrog import media
+from fullwave.leapfrog.faces import Grip, Rigid, push, settle
+from fullwave.leapfrog.grid import Grid
+from scene.observe.pieces import Array
+
+
+class StandardLinear(NamedTuple):
+    """Layered's fields; the branch's stress `relaxing` q (n,), its eps_1 dt/dx (n,), dt/(2 time), the weights
+    dx/(eps_1 time) of its losses (n,), and `lost` (1,), the sum of the powers lost."""
+
+    velocity: Array
+    stress: Array
+    mobility: Array
+    stiffness: Array
+    inertia: float
+    outer_inertia: float
+    relaxing: Array
+    branch: Array
+    half_decay: float
+    weight: Array
+    lost: Array
+
+
+class KelvinVoigt(NamedTuple):
+    """Layered's fields; grid impedances of all nodes (n + 1,), damping c = eps time/dx (n,), the elimination's alpha and 1/pivot
+    (n + 1,), its `beta` (n + 1,) and `lost` (1,)."""
+
+    velocity: Array
+    stress: Array
+    stiffness: Array
+    node_inertia: Array
+    damping: Array
+    alpha: Array
+    pivot: Array
+    beta: Array
+    lost: Array
+
+
+def standard_linear_medium(grid: Grid, velocity: float, time: float, ratio: float) -> StandardLinear:
+    """A slab that moves steadily at `velocity`; relaxation `time` in transits."""
+    n = grid.width.size
+    share = ratio / (1.0 + ratio)
+    return StandardLinear(
+        np.full(n + 1, velocity),
+        np.zeros(n),
+        2.0 / grid.inertia,
+        grid.stiffness,
+        float(grid.inertia[0]),
+        float(grid.inertia[-1]),
+        np.zeros(n),
+        share * grid.stiffness,
+        0.5 * grid.step / time,
+        grid.width / (share * grid.impedance * time),
+        np.zeros(1),
+    )
+
+
+def kelvin_voigt_medium(grid: Grid, velocity: float, time: float, face: Rigid | Grip) -> KelvinVoigt:
+    """A slab that moves steadily at `velocity`, with its elimination prepared; viscous `time` in transits."""
+    n = grid.width.size
+    damping = grid.impedance * time / grid.width
+    alpha, pivot = np.zeros(n + 1), np.zeros(n + 1)
+    if isinstance(face, Grip):
+        alpha[n] = damping[-1] / (grid.inertia[-1] + face.impedance + face.half_spring + damping[-1])
+    for j in range(n - 1, 0, -1):
+        pivot[j] = 1.0 / (grid.inertia[j] + damping[j] * (1.0 - alpha[j + 1]) + damping[j - 1])
+        alpha[j] = damping[j - 1] * pivot[j]
+    return KelvinVoigt(
+        np.full(n + 1, velocity), np.zeros(n), grid.stiffness, grid.inertia, damping, alpha, pivot, np.zeros(n + 1), np.zeros(1)
+    )
+
+
+def _strain_standard_linear(medium):  # type: ignore[no-untyped-def]
+    velocity, stress, relaxing = medium.velocity, medium.stress, medium.relaxing
+    h = medium.half_decay
+    lost = 0.0
+    for j in range(stress.size):
+        stretch = velocity[j + 1] - velocity[j]
+        mean = (relaxing[j] + 0.5 * medium.branch[j] * stretch) / (1.0 + h)
+        relaxing[j] = 2.0 * mean - relaxing[j]
+        stress[j] += medium.stiffness[j] * stretch - 2.0 * h * mean
+        lost += medium.weight[j] * mean * mean
+    medium.lost[0] += lost
+
+
+def _load_kelvin_voigt(medium, face, mean, following):  # type: ignore[no-untyped-def]
+    velocity, stress, beta, inertia, damping = medium.velocity, medium.stress, medium.beta, medium.node_inertia, medium.damping
+    n = stress.size
+    _, beta[n] = settle(face, inertia[n], velocity[n], stress[n - 1], damping[n - 1], mean, following)
+    for j in range(n - 1, 0, -1):
+        known = inertia[j] * velocity[j] + stress[j] - stress[j - 1]
+        beta[j] = (known + damping[j] * beta[j + 1]) * medium.pivot[j]
+    impedance = inertia[0] + damping[0] * (1.0 - medium.alpha[1])
+    return impedance, inertia[0] * velocity[0] + stress[0] + damping[0] * beta[1]
+
+
+def _accelerate_kelvin_voigt(medium, face, rate, mean, following):  # type: ignore[no-untyped-def]
+    velocity = medium.velocity
+    n = medium.stress.size
+    velocity[0] = 2.0 * rate - velocity[0]
+    below = rate
+    lost = 0.0
+    pull = 0.0
+    old = velocity[n]
+    for j in range(1, n + 1):
+        above = medium.alpha[j] * below + medium.beta[j]
+        pull = medium.damping[j - 1] * (above - below)
+        lost += pull * (above - below)
+        velocity[j] = 2.0 * above - velocity[j]
+        below = above
+    medium.lost[0] += lost
+    return push(face, medium.stress[n - 1] + pull + medium.node_inertia[n] * (below - old), below, mean)
+
+
+media.LOADS.update({StandardLinear: media.load_elastic, KelvinVoigt: _load_kelvin_voigt})
+media.ACCELERATES.update({StandardLinear: media.accelerate_layered, KelvinVoigt: _accelerate_kelvin_voigt})
+media.STRAINS.update({StandardLinear: _strain_standard_linear, KelvinVoigt: media.strain_layered})

@@ -1,0 +1,46 @@
+"""What a full-wave solver shows of its fields at one moment; every family offers `snapshot() -> Snapshot`."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from scene.observe.pieces import Array, Pieces
+from scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class SlabSnapshot:
+    """One slab: `depth` (m,) as a fraction of its one-way travel time, 0 at the interface and 1 at the outer face; `velocity`
+    (m,) in V*, positive in the upper slab's direction of drive; shear `stress` (m,) in units of the normal stress."""
+
+    depth: Array
+    velocity: Array
+    stress: Array
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Both slabs at `time` (transits). For alike slabs `lower` is the mirror image of `upper`."""
+
+    time: float
+    upper: SlabSnapshot
+    lower: SlabSnapshot
+
+
+class FieldSolver(Protocol):
+    """A solver whose fields can be recorded: the `Solver` protocol with its step (transits) and `snapshot`."""
+
+    scene: Scene
+    model: str
+    nodes: Array
+    step: float
+    failures: int
+
+    @property
+    def time(self) -> float:
+        """Time reached, in transits."""
+
+    def advance(self, until: float) -> Pieces:
+        """As `scene.observe.follow.Solver`."""
+
+    def snapshot(self) -> Snapshot:
+        """The fields now."""
