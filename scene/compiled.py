@@ -56,6 +56,11 @@ def njit(function: Function) -> Function:
     return cast(Function, dispatcher)
 
 
+def inlined(function: Function) -> Function:
+    """Compile `function` into its callers: for the parts of a hot loop, where a call's reference counting would show."""
+    return cast(Function, numba.njit(inline="always", error_model="numpy", fastmath={"contract"})(function))
+
+
 def leave_disk_cache() -> None:
     """Keep this process's compiled code off the disk: called when a law from outside the package, whose source the digest does
     not see, is registered, so that a later edit of it can never be answered by old machine code."""

@@ -87,7 +87,7 @@ def evaluate(basis: Basis, values: Array, point: float) -> Any:
 
 
 @njit
-def _root(basis: Basis, values: Array, level: float, left: float, right: float) -> float:
+def _root(basis: Basis, values: Array, level: float, left: float, right: float) -> Any:
     """Point of [left, right] where the polynomial takes `level`, its ends lying on either side (Illinois false position)."""
     low = evaluate(basis, values, left) - level
     high = evaluate(basis, values, right) - level
@@ -111,30 +111,41 @@ def _root(basis: Basis, values: Array, level: float, left: float, right: float) 
 
 
 @njit
-def _extremum(basis: Basis, values: Array, slopes: Array, sign: float, record: float) -> float:
-    """max(record, max of sign * polynomial over the piece); `slopes` is scratch of the same size."""
-    best = record
-    lowest = math.inf
-    highest = -math.inf
-    for value in values:
-        lowest = min(lowest, sign * value)
-        highest = max(highest, sign * value)
-    best = max(best, highest)
-    if highest + (highest - lowest) < record:
-        return best
-    for i in range(values.size):
+def _peak(basis: Basis, values: Array, slopes: Array, sign: float, at: int) -> float:
+    """Maximum of sign * polynomial between the neighbours of node `at`, where its nodal maximum lies; `slopes` is scratch."""
+    n = values.size
+    for i in range(n):
         slopes[i] = 0.0
-        for j in range(values.size):
+        for j in range(n):
             slopes[i] += basis.derivative[i, j] * values[j]
-    left = 0.0
-    left_slope = sign * evaluate(basis, slopes, 0.0)
-    for j in range(values.size):
-        right = basis.nodes[j]
-        right_slope = sign * slopes[j]
-        if left_slope > 0.0 and right_slope <= 0.0 and right > left:
-            best = max(best, sign * evaluate(basis, values, _root(basis, slopes, 0.0, left, right)))
-        left, left_slope = right, right_slope
-    return best
+    left = basis.nodes[at - 1] if at > 0 else 0.0
+    right = basis.nodes[at + 1] if at + 1 < n else basis.nodes[n - 1]
+    if right > left and sign * evaluate(basis, slopes, left) > 0.0 > sign * evaluate(basis, slopes, right):
+        return sign * evaluate(basis, values, _root(basis, slopes, 0.0, left, right))
+    return sign * values[at]
+
+
+@njit
+def _raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int) -> None:
+    """memory[slot], memory[slot + 1] <- their maximum with max and -min of the piece.
+
+    Nodes first; the polynomial is searched only around an extreme node that is not the last one and comes near the record.
+    """
+    n = values.size
+    highest, lowest = 0, 0
+    for j in range(1, n):
+        if values[j] > values[highest]:
+            highest = j
+        if values[j] < values[lowest]:
+            lowest = j
+    top, bottom = values[highest], -values[lowest]
+    spread = top + bottom
+    if highest < n - 1 and top + spread > memory[slot]:
+        top = _peak(basis, values, slopes, 1.0, highest)
+    if lowest < n - 1 and bottom + spread > memory[slot + 1]:
+        bottom = _peak(basis, values, slopes, -1.0, lowest)
+    memory[slot] = max(memory[slot], top)
+    memory[slot + 1] = max(memory[slot + 1], bottom)
 
 
 @njit
@@ -175,7 +186,7 @@ def _scan(
 
 
 @njit
-def _crossing(basis: Basis, z: Array, threshold: float, left: float, right: float) -> float:
+def _crossing(basis: Basis, z: Array, threshold: float, left: float, right: float) -> Any:
     """Point of [left, right] where v rises through V; the piece's left end if it jumped there between two pieces."""
     if left == 0.0 and evaluate(basis, z, 0.0) >= threshold:
         return 0.0
@@ -196,6 +207,6 @@ def _close_cycle(memory: Array, at: float, row: Array) -> None:
 @njit
 def _raise_records(pieces: Pieces, k: int, basis: Basis, slopes: Array, memory: Array) -> None:
     """Update the cycle's max and -min of rate unknown, stress and elastic stress by piece k."""
-    for i, values in enumerate((pieces.unknown[k], pieces.stress[k], pieces.elastic[k])):
-        memory[_EXTREMA + 2 * i] = _extremum(basis, values, slopes, 1.0, memory[_EXTREMA + 2 * i])
-        memory[_EXTREMA + 2 * i + 1] = _extremum(basis, values, slopes, -1.0, memory[_EXTREMA + 2 * i + 1])
+    _raise_record(basis, pieces.unknown[k], slopes, memory, _EXTREMA)
+    _raise_record(basis, pieces.stress[k], slopes, memory, _EXTREMA + 2)
+    _raise_record(basis, pieces.elastic[k], slopes, memory, _EXTREMA + 4)
