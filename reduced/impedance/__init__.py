@@ -1,0 +1,33 @@
+"""The slab pair as a one-port: exact impedance of every scene, every reduction of it, and its passivity (MODEL.md section 3)."""
+
+from reduced.impedance.jet import Complex, Jet
+from reduced.impedance.line import Ratio, pair_ratio, slab_ratio
+from reduced.impedance.models import (
+    Passivity,
+    admittance,
+    admittance_slope,
+    check_passivity,
+    impedance,
+    is_exact,
+    ratio_of,
+)
+from reduced.impedance.rational import poles_and_residues, taylor_poles
+from reduced.impedance.reduce import reduce_scene
+
+__all__ = [
+    "Complex",
+    "Jet",
+    "Passivity",
+    "Ratio",
+    "admittance",
+    "admittance_slope",
+    "check_passivity",
+    "impedance",
+    "is_exact",
+    "pair_ratio",
+    "poles_and_residues",
+    "ratio_of",
+    "reduce_scene",
+    "slab_ratio",
+    "taylor_poles",
+]

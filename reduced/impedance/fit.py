@@ -1,0 +1,119 @@
+"""`fitted:N`: a passive rational fit of any scene's impedance with about N oscillators and two relaxations.
+
+Where the modes are known (elastic slabs behind rigid faces) it is modal:N. Elsewhere the poles come from vector fitting of exact
+samples on the imaginary axis and the coefficients from least squares under Re Z >= 0. The spring is not fitted: it is the exact
+quasi-static one. A fit that is not passive, or not accurate at low frequency, is refused.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reduced.impedance.jet import Complex, Jet
+from reduced.impedance.line import pair_ratio
+from reduced.impedance.vector_fit import fit_poles, partial_fractions, passive_coefficients
+from reduced.reduction import Reduction
+from scene.errors import SceneError
+from scene.scene import Scene
+
+WORST_ALLOWED = 0.05
+"""Largest error of Z tolerated below half the first mode, relative to |Z| + epsilon; a worse fit is refused."""
+
+_EMPHASIS = 4
+_FLOOR = 1e-7
+"""Re Z/epsilon is held above this on the grid of constraints, so that it stays above zero between its points."""
+_ROUNDS = 8
+
+
+def fit_scene(scene: Scene, name: str, count: int, spring: float) -> Reduction:
+    """Passive reduction with about `count` oscillators, fitted on 0 < omega < 2 pi (count + 1/2) per longer round trip.
+
+    Raises SceneError if count is 0, or if the best passive fit stays too far from the exact impedance.
+    """
+    if count == 0:
+        raise SceneError(f"model = {name!r}: a fit needs at least one oscillator; quasidynamic is the one without")
+    longest = max(scene.upper.round_trip, scene.lower.round_trip) / scene.transit
+    axis = np.concatenate([np.geomspace(1e-3, 0.3, 60), np.linspace(0.3, 2.0 * np.pi * (count + 0.5), 60 * count + 60)])
+    s = 1j * axis / longest
+    target = exact_impedance(scene, s)
+    start = np.asarray((2.0 * np.pi * np.arange(1, count + 1)) * (1j - 0.05) / longest, dtype=np.complex128)
+    pairs, reals = fit_poles(s, target - spring / s, _weight(s, target), start, np.array([-0.3, -3.0]) / longest)
+    x = _passive(name, s, target, spring, pairs, reals)
+    strengths, residues, offsets = np.split(x[2:], [reals.size, reals.size + pairs.size])
+    fit = Reduction(
+        name,
+        mass=max(float(x[0]), 0.0),
+        damping=float(x[1]),
+        frequencies=tuple(np.abs(pairs).tolist()),
+        residues=tuple(residues.tolist()),
+        decays=tuple((-pairs.real).tolist()),
+        offsets=tuple(offsets.tolist()),
+        relaxations=tuple(zip(strengths.tolist(), (-reals).tolist(), strict=True)),
+        spring=spring,
+    )
+    _require_accuracy(scene, fit, longest)
+    return fit
+
+
+def exact_impedance(scene: Scene, s: Complex) -> Complex:
+    """Z/epsilon of the upper slab, s in 1/transit."""
+    p, q = pair_ratio(scene, Jet.variable(s / scene.transit))
+    return np.asarray(q.value / (p.value * scene.upper.epsilon), dtype=np.complex128)
+
+
+def _weight(s: Complex, target: Complex) -> NDArray[np.float64]:
+    """Relative errors, the more important the lower the frequency: what is left out above the band shows at the band's edge."""
+    return np.asarray(1.0 / ((1.0 + np.abs(target)) * (1.0 + np.abs(s) ** _EMPHASIS)))
+
+
+def _columns(s: Complex, pairs: Complex, reals: NDArray[np.float64]) -> Complex:
+    return np.column_stack([s, np.ones_like(s), partial_fractions(s, pairs, reals)])
+
+
+def _passive(
+    name: str, s: Complex, target: Complex, spring: float, pairs: Complex, reals: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Coefficients of `_columns`: least squares with Re Z >= 0 on a grid, to which dips found between its points are added."""
+    weight = _weight(s, target)
+    rows, right = _columns(s, pairs, reals) * weight[:, None], (target - spring / s) * weight
+    matrix, data = np.concatenate([rows.real, rows.imag]), np.concatenate([right.real, right.imag])
+    dense = _watch(s, pairs)
+    response = _columns(np.asarray(1j * dense, dtype=np.complex128), pairs, reals).real
+    held = response[:: max(1, len(dense) // 400)]
+    ends = np.eye(2, response.shape[1])
+    for _ in range(_ROUNDS):
+        floors = np.concatenate([np.full(len(held), _FLOOR), [0.0, _FLOOR]])
+        try:
+            x = passive_coefficients(matrix, data, np.vstack([held, ends]), floors)
+        except ArithmeticError as error:
+            raise SceneError(f"model = {name!r}: no passive fit with these poles ({error}); try another N") from None
+        real = response @ x
+        if real.min() >= 0.0:
+            return x
+        dips = np.flatnonzero((real < 0.0) & (real <= np.roll(real, 1)) & (real <= np.roll(real, -1)))
+        held = np.vstack([held, response[dips]])
+    raise SceneError(f"model = {name!r}: the fit stays active at {dense[np.argmin(real)]:.3g} radians per transit; try another N")
+
+
+def _watch(s: Complex, pairs: Complex) -> NDArray[np.float64]:
+    """Frequencies where Re Z is watched: the band, far above it, and across every resonance's width."""
+    top = float(s.imag[-1])
+    across = pairs.imag[:, None] - pairs.real[:, None] * np.linspace(-8.0, 8.0, 81)
+    grid = np.concatenate(
+        [[1e-6], s.imag, np.linspace(0.0, 1.5 * top, 2000), np.geomspace(top, 300.0 * top, 600), across.ravel()]
+    )
+    return np.unique(np.abs(grid))
+
+
+def _require_accuracy(scene: Scene, fit: Reduction, longest: float) -> None:
+    from reduced.impedance.rational import reduction_ratio
+
+    s = np.asarray(1j * np.geomspace(0.02, np.pi, 200) / longest, dtype=np.complex128)
+    p, q = reduction_ratio(fit, scene.upper.epsilon, scene.transit, Jet.variable(s / scene.transit))
+    exact = exact_impedance(scene, s)
+    error = np.abs(q.value / (p.value * scene.upper.epsilon) - exact) / (1.0 + np.abs(exact))
+    worst = int(np.argmax(error))
+    if error[worst] > WORST_ALLOWED:
+        raise SceneError(
+            f"model = {fit.name!r}: the best passive fit is {100 * error[worst]:.2g} % off at {s[worst].imag:.3g} radians per "
+            f"transit (allowed {100 * WORST_ALLOWED:.0f} %); try a larger N, delay or a full-wave model"
+        )

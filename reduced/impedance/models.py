@@ -1,0 +1,89 @@
+"""Z(s) and Y(s) of a scene, exact or reduced, by model name. s is on the friction clock, in 1/(L/V*)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from reduced.impedance.jet import Complex, Jet
+from reduced.impedance.line import Ratio, pair_ratio
+from reduced.impedance.rational import poles_and_residues, real_part_on_axis, reduction_ratio, taylor_poles, taylor_ratio
+from reduced.reduction import reduction_of
+from scene.errors import SceneError
+from scene.scene import Scene
+
+EXACT_MODELS = ("delay", "fd", "sbp", "fem", "dg", "auto")
+"""Models whose one-port is the exact one: the delay system, and the full wave in the limit of a fine grid."""
+
+_POLE_TOLERANCE = 1e-9
+
+
+def is_exact(model: str) -> bool:
+    """True for the names (with or without `:degree`) whose one-port is the exact one."""
+    return model.partition(":")[0] in EXACT_MODELS
+
+
+def ratio_of(scene: Scene, model: str = "delay") -> Callable[[Jet], Ratio]:
+    """The function s -> (p, q), Y = p/q and Z = q/p, of a scene's slab pair under a model.
+
+    `model` is any name of CONTRACT.md, or `taylor` (the unusable next truncation). Raises SceneError as `reduction_of` does.
+    """
+    if is_exact(model):
+        return lambda s: pair_ratio(scene, s)
+    if model == "taylor":
+        if not (scene.alike and scene.upper.is_plain):
+            raise SceneError("model = 'taylor' is built for alike homogeneous slabs behind rigid faces only")
+        return lambda s: taylor_ratio(scene.upper.epsilon, scene.transit, s)
+    reduced = reduction_of(scene, model)
+    return lambda s: reduction_ratio(reduced, scene.upper.epsilon, scene.transit, s)
+
+
+def impedance(scene: Scene, s_friction_clock: object, model: str = "delay") -> Complex:
+    """Z(s) of the slab pair, delta_mu = -Z delta_v; s complex (array), 1/(L/V*); Z in units of (normal stress)/V*."""
+    p, q = ratio_of(scene, model)(Jet.variable(s_friction_clock))
+    return q.value / p.value
+
+
+def admittance(scene: Scene, s_friction_clock: object, model: str = "delay") -> Complex:
+    """Y(s) = 1/Z(s) of the slab pair."""
+    p, q = ratio_of(scene, model)(Jet.variable(s_friction_clock))
+    return p.value / q.value
+
+
+def admittance_slope(scene: Scene, s_friction_clock: object, model: str = "delay") -> Complex:
+    """dY/ds, analytic (forward differentiation of the chain of sections)."""
+    p, q = ratio_of(scene, model)(Jet.variable(s_friction_clock))
+    return (p / q).slope
+
+
+@dataclass(frozen=True)
+class Passivity:
+    """Outcome of the check: `worst` is the smallest Re Z/|Z| met, at `where` (1/transit); `unstable_poles` in 1/transit."""
+
+    passive: bool
+    worst: float
+    where: complex
+    unstable_poles: tuple[complex, ...]
+
+
+def check_passivity(scene: Scene, model: str = "delay", highest: float = 200.0) -> Passivity:
+    """Is Z positive real? Re Z >= 0 sampled on the imaginary axis up to `highest` (radians per transit) and in the right half
+    plane, poles in the closed left half plane, those on the axis with positive residue."""
+    axis = np.concatenate([np.geomspace(1e-4, 1.0, 200), np.linspace(1.0, highest, 4001)])
+    s = np.concatenate([shift + 1j * axis for shift in (0.0, 1e-3, 0.1, 1.0, 10.0, 100.0)])
+    real = real_part_on_axis(ratio_of(scene, model)(Jet.variable(s / scene.transit)))
+    lowest = int(np.argmin(real))
+    bad = _unstable_poles(scene, model)
+    return Passivity(bool(real[lowest] >= -1e-9 and not bad), float(real[lowest]), complex(s[lowest]), bad)
+
+
+def _unstable_poles(scene: Scene, model: str) -> tuple[complex, ...]:
+    """Poles (1/transit) that a passive one-port cannot have. The exact one is a chain of passive sections: it has none."""
+    if is_exact(model):
+        return ()
+    if model == "taylor":
+        return tuple(complex(pole) for pole in taylor_poles() if pole.real > _POLE_TOLERANCE)
+    poles, residues = poles_and_residues(reduction_of(scene, model))
+    on_axis = np.abs(poles.real) <= _POLE_TOLERANCE
+    wrong = (poles.real > _POLE_TOLERANCE) | (on_axis & (residues.real < 0.0))
+    return tuple(complex(pole) for pole in poles[wrong])

@@ -1,0 +1,136 @@
+"""The ladder for scenes beyond alike plain slabs: every reduction from the scene's own impedance.
+
+The pair stays ONE one-port with one slip rate v whatever the slabs are: two slabs in series are Y = Y_1 + Y_2, and the modes are
+those of the pair with its interface locked.
+"""
+
+import math
+
+from reduced.impedance.modes import is_lossless, locked_modes, spring_and_mass
+from reduced.reduction import REDUCTIONS, Reduction, mode_count, reduction
+from scene.errors import SceneError
+from scene.scene import Scene
+from scene.slab import ReflectingFace, Slab, StandardLinearViscosity
+
+
+def reduce_scene(scene: Scene, name: str) -> Reduction:
+    """The reduction `name` of any scene, relative to the upper slab's epsilon and transit.
+
+    quasistatic                needs a spring (no bare reflection coefficient below 1)
+    quasidynamic               likewise
+    block12, modal:N           need elastic slabs behind rigid faces; layers allowed
+    block8, kelvin-voigt       the paper's truncations: homogeneous elastic slabs behind rigid faces
+    fitted:N                   any scene
+
+    Raises SceneError with the reason and the reductions that do fit.
+    """
+    kind = name.partition(":")[0]
+    if kind not in _BUILDERS:
+        return reduction(name)
+    return _BUILDERS[kind](scene, name)
+
+
+def relaxed_spring(scene: Scene) -> float:
+    """Quasi-static stiffness of the pair over the upper slab's epsilon, per transit; a standard linear solid counts relaxed."""
+    slabs = (scene.upper, scene.lower)
+    if any(isinstance(slab.face, ReflectingFace) and slab.face.coefficient < 1.0 for slab in slabs):
+        return 0.0
+    return scene.transit / (sum(_relaxed_compliance(slab) for slab in slabs) * scene.upper.epsilon)
+
+
+def _relaxed_compliance(slab: Slab) -> float:
+    softer = slab.viscosity.ratio if isinstance(slab.viscosity, StandardLinearViscosity) else 0.0
+    return slab.compliance + softer * Slab(slab.epsilon, slab.round_trip, layers=slab.layers).compliance
+
+
+def _quasistatic(scene: Scene, name: str) -> Reduction:
+    spring = relaxed_spring(scene)
+    if spring == 0.0:
+        raise SceneError(
+            f"model = {name!r}: a bare reflection coefficient below 1 swallows the load, there is no spring; use fitted:N"
+        )
+    return Reduction(name, spring=spring)
+
+
+def _quasidynamic(scene: Scene, name: str) -> Reduction:
+    return Reduction(name, spring=_quasistatic(scene, name).spring, damping=scene.impedance / scene.upper.epsilon)
+
+
+def _block12(scene: Scene, name: str) -> Reduction:
+    _require(all(map(is_lossless, (scene.upper, scene.lower))), name, "elastic slabs behind rigid faces")
+    spring, mass = spring_and_mass(scene)
+    return Reduction(name, mass=mass, spring=spring)
+
+
+def _block8(scene: Scene, name: str) -> Reduction:
+    _require(scene.upper.is_plain and scene.lower.is_plain, name, "homogeneous elastic slabs behind rigid faces")
+    spring, mass = spring_and_mass(scene)
+    return Reduction(name, mass=1.5 * mass, spring=spring)
+
+
+def _modal(scene: Scene, name: str) -> Reduction:
+    count = mode_count(name)
+    _require(all(map(is_lossless, (scene.upper, scene.lower))), name, "elastic slabs behind rigid faces")
+    spring, mass = spring_and_mass(scene)
+    frequencies, residues = locked_modes(scene, count)
+    remainder = mass - sum(residue / omega**2 for residue, omega in zip(residues, frequencies, strict=True))
+    return Reduction(name, mass=remainder, frequencies=frequencies, residues=residues, spring=spring)
+
+
+def _kelvin_voigt(scene: Scene, name: str) -> Reduction:
+    """Both slabs' Z_i = (2 eps_i/(s r_i))(1 + x_i/8)/(1 + x_i/24), x_i = (s r_i)^2, in series (11): two pole pairs, or one
+    if the round trips are equal. Poles in X = s^2 (transit clock) from sum_i k_i (1 + rho_i X/24)(1 + rho_j X/8) = 0."""
+    _require(scene.upper.is_plain and scene.lower.is_plain, name, "homogeneous elastic slabs behind rigid faces")
+    spring, _ = spring_and_mass(scene)
+    rho = (scene.lower.round_trip / scene.transit) ** 2
+    upper, lower = 0.5, 0.5 * scene.lower.round_trip * scene.upper.epsilon / (scene.transit * scene.lower.epsilon)
+    if math.isclose(rho, 1.0, rel_tol=1e-12):
+        return Reduction(name, frequencies=(math.sqrt(24.0),), residues=(2.0 * spring,), spring=spring)
+    squares = _quadratic_roots(
+        (upper + lower) * rho / 192.0, upper * (1 / 24 + rho / 8) + lower * (rho / 24 + 1 / 8), upper + lower
+    )
+    slopes = [upper * _slab_slope(x, 1.0) + lower * _slab_slope(x, rho) for x in squares]
+    return Reduction(
+        name,
+        frequencies=tuple(math.sqrt(-x) for x in squares),
+        residues=tuple(2.0 / slope for slope in slopes),
+        spring=spring,
+    )
+
+
+def _fitted(scene: Scene, name: str) -> Reduction:
+    """The exact modes where they are known, else a passive rational fit."""
+    if is_lossless(scene.upper) and is_lossless(scene.lower):
+        return _modal(scene, name)
+    from reduced.impedance.fit import fit_scene
+
+    return fit_scene(scene, name, mode_count(name), relaxed_spring(scene))
+
+
+def _slab_slope(x: float, rho: float) -> float:
+    """d/ds of s (1 + rho s^2/24)/(1 + rho s^2/8) at s^2 = x."""
+    top, bottom = 1.0 + rho * x / 24.0, 1.0 + rho * x / 8.0
+    return top / bottom + 2.0 * x * (rho / 24.0 * bottom - rho / 8.0 * top) / bottom**2
+
+
+def _quadratic_roots(a: float, b: float, c: float) -> tuple[float, float]:
+    """Both (negative) roots of a x^2 + b x + c without cancellation, the smaller one in size first."""
+    q = -0.5 * (b + math.sqrt(b * b - 4.0 * a * c))
+    return c / q, q / a
+
+
+def _require(met: bool, name: str, need: str) -> None:
+    if not met:
+        raise SceneError(f"model = {name!r} needs {need}; use fitted:N, delay or a full-wave model for this scene")
+
+
+_BUILDERS = {
+    "quasistatic": _quasistatic,
+    "quasidynamic": _quasidynamic,
+    "block12": _block12,
+    "block8": _block8,
+    "modal": _modal,
+    "kelvin-voigt": _kelvin_voigt,
+    "fitted": _fitted,
+}
+assert set(_BUILDERS) == {*REDUCTIONS, "modal", "fitted"}

@@ -1,0 +1,92 @@
+"""Vector fitting with passivity kept by linear constraints.
+
+Poles: the relocation of Gustavsen and Semlyen (1999), f(s) ~ sum c_k/(s - a_k) + d + h s, in real arithmetic, unstable
+poles reflected.
+Residues: with the poles fixed Re Z(i omega) is linear in the coefficients, so least squares under Re Z >= 0 on a grid is a
+quadratic programme; it is solved as Lawson and Hanson's least distance problem by non-negative least squares.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reduced.impedance.jet import Complex
+
+Real = NDArray[np.float64]
+_REAL_POLE = 1e-9
+
+
+def split_poles(poles: Complex) -> tuple[Complex, Real]:
+    """(one of each conjugate pair, real poles)."""
+    real = np.abs(poles.imag) <= _REAL_POLE * np.abs(poles)
+    return poles[(poles.imag > 0.0) & ~real], poles[real].real
+
+
+def partial_fractions(s: Complex, pairs: Complex, reals: Real) -> Complex:
+    """Columns 1/(s - a) for real poles, then (s, 1)/(s^2 + 2 g s + w^2) for every pair: real coefficients span all residues."""
+    bottom = s[:, None] ** 2 - 2.0 * pairs.real * s[:, None] + np.abs(pairs) ** 2
+    return np.column_stack([1.0 / (s[:, None] - reals), s[:, None] / bottom, 1.0 / bottom])
+
+
+def _stack(rows: NDArray[Any]) -> Real:
+    return np.asarray(np.concatenate([rows.real, rows.imag]))
+
+
+def relocate(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: Real) -> tuple[Complex, Real]:
+    """One step of vector fitting: the poles become the zeros of the fitted sigma(s) = 1 + sum c~_k/(s - a_k)."""
+    basis = partial_fractions(s, pairs, reals)
+    rows = np.column_stack([basis, np.ones_like(s), s, -values[:, None] * basis]) * weight[:, None]
+    matrix = _stack(rows)
+    scale = np.linalg.norm(matrix, axis=0)
+    found = np.linalg.lstsq(matrix / scale, _stack(np.asarray(values * weight)), rcond=None)[0] / scale
+    new = np.linalg.eigvals(_companion(pairs, reals, found[basis.shape[1] + 2 :]))
+    return split_poles(-np.abs(new.real) + 1j * new.imag)
+
+
+def _companion(pairs: Complex, reals: Real, sigma: Real) -> Real:
+    """A - b c~^T, whose eigenvalues are the zeros of sigma; a pair is the block [[2 g, -w^2], [1, 0]], driven at its first."""
+    n, m = reals.size, pairs.size
+    matrix = np.zeros((n + 2 * m, n + 2 * m))
+    matrix[range(n), range(n)] = reals
+    drive = np.zeros(n + 2 * m)
+    drive[: n + m] = 1.0
+    first, second = np.arange(n, n + m), np.arange(n + m, n + 2 * m)
+    matrix[first, first] = 2.0 * pairs.real
+    matrix[first, second] = -(np.abs(pairs) ** 2)
+    matrix[second, first] = 1.0
+    return matrix - np.outer(drive, sigma)
+
+
+def fit_poles(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: Real, rounds: int = 12) -> tuple[Complex, Real]:
+    """Poles after `rounds` relocations from the given start."""
+    for _ in range(rounds):
+        pairs, reals = relocate(s, values, weight, pairs, reals)
+    return pairs, reals
+
+
+def passive_coefficients(matrix: Real, right: Real, constraints: Real, floors: Real) -> Real:
+    """x that minimises |matrix x - right| under constraints x >= floors.
+
+    With matrix = Q R and z = R x - Q^T right this is the least distance problem min |z|, G z >= h, whose solution is read off
+    the residual of non-negative least squares (Lawson and Hanson, chapter 23). Raises ArithmeticError if nothing satisfies them.
+    """
+    from scipy.linalg import solve_triangular
+    from scipy.optimize import nnls
+
+    scale = np.linalg.norm(matrix, axis=0)
+    q, r = np.linalg.qr(matrix / scale)
+    free = q.T @ right
+    g = solve_triangular(r, (constraints / scale).T, trans="T").T
+    h = floors - g @ free
+    size = np.maximum(np.linalg.norm(g, axis=1), 1e-300)
+    g, h = g / size[:, None], h / size
+    if np.all(h <= 0.0):
+        return np.asarray(solve_triangular(r, free) / scale)
+    stretch = np.abs(h).max()
+    dual, _ = nnls(np.vstack([g.T, h / stretch]), np.append(np.zeros(g.shape[1]), 1.0), maxiter=100 * len(h))
+    residual = np.vstack([g.T, h / stretch]) @ dual - np.append(np.zeros(g.shape[1]), 1.0)
+    if abs(residual[-1]) < 1e-14:
+        raise ArithmeticError("no coefficients satisfy the constraints")
+    z = -residual[:-1] / residual[-1] * stretch
+    return np.asarray(solve_triangular(r, free + z) / scale)

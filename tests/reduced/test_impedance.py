@@ -1,0 +1,114 @@
+"""The exact one-port against independent forms: closed formulas, the wave's own boundary conditions, other evaluations."""
+
+import numpy as np
+import pytest
+from one_port_scenes import EPSILON, EVERY, LAYERS, LOSSLESS, ROUND_TRIP, paper, scene_of, slab
+
+from reduced.impedance import admittance, admittance_slope, check_passivity, impedance, slab_ratio
+from reduced.impedance.jet import Jet
+from reduced.impedance.line import modulus
+from scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, RigidFace, Slab, StandardLinearViscosity
+
+S = np.array([0.01 + 0.1j, 0.3 + 1j, 2.2j, -0.2 + 3j, 5 + 40j, 1e3 + 1j]) / ROUND_TRIP
+
+
+def one_slab(slab, s):
+    p, q = slab_ratio(slab, Jet.variable(s))
+    return q.value / p.value
+
+
+def by_boundary_conditions(slab, s):
+    """Z of a slab from the Helmholtz equation: u = A e^kx + B e^-kx in every layer, matched in displacement and stress, solved as
+    one linear system. Depth x is measured in one-way travel time, so G u_x = (impedance g) u_x and k = s/sqrt(g)."""
+    g = complex(modulus(slab, Jet.variable(s)).value)
+    k, n = s / np.sqrt(g), len(slab.layers)
+    edges = np.concatenate([[0.0], np.cumsum([0.5 * slab.round_trip * layer.fraction for layer in slab.layers])])
+    stress = [slab.epsilon * layer.impedance * g * k for layer in slab.layers]
+    matrix, right = np.zeros((2 * n, 2 * n), complex), np.zeros(2 * n, complex)
+
+    def wave(layer, x, sign):
+        row = np.zeros(2 * n, complex)
+        row[2 * layer], row[2 * layer + 1] = np.exp(k * (x - edges[layer])), sign * np.exp(-k * (x - edges[layer]))
+        return row
+
+    matrix[0], right[0] = wave(0, 0.0, 1), 1.0 / s  # unit velocity at the interface
+    for i in range(n - 1):
+        matrix[2 * i + 1] = wave(i, edges[i + 1], 1) - wave(i + 1, edges[i + 1], 1)
+        matrix[2 * i + 2] = stress[i] * wave(i, edges[i + 1], -1) - stress[i + 1] * wave(i + 1, edges[i + 1], -1)
+    pull, velocity = stress[-1] * wave(n - 1, edges[-1], -1), s * wave(n - 1, edges[-1], 1)
+    match slab.face:
+        case RigidFace():
+            matrix[-1] = velocity
+        case GripFace(stiffness, damper):
+            matrix[-1] = pull + (damper * slab.epsilon + stiffness * slab.epsilon / (slab.round_trip * s)) * velocity
+        case ReflectingFace(coefficient):
+            top = slab.epsilon * slab.layers[-1].impedance
+            matrix[-1] = (1 - coefficient) * pull + (1 + coefficient) * top * velocity
+    x = np.linalg.solve(matrix, right)
+    return -stress[0] * (x[0] - x[1])
+
+
+VARIED = [
+    slab(),
+    slab(layers=LAYERS),
+    slab(face=GripFace(2.0, 3.0)),
+    slab(face=GripFace(0.5, 0.3), layers=LAYERS),
+    slab(face=ReflectingFace(0.5), layers=LAYERS),
+    slab(face=ReflectingFace(-1.0)),
+    slab(viscosity=StandardLinearViscosity(3.0 * ROUND_TRIP, 0.5)),
+    slab(viscosity=KelvinVoigtViscosity(0.05 * ROUND_TRIP), face=GripFace(2.0, 3.0), layers=LAYERS),
+]
+
+
+@pytest.mark.parametrize("slab", VARIED)
+def test_chained_sections_solve_the_wave_equation(slab):
+    for s in S[:-1]:
+        assert one_slab(slab, s) == pytest.approx(by_boundary_conditions(slab, s), rel=1e-11)
+
+
+def test_plain_pair_is_half_a_coth():
+    assert impedance(paper(), S) == pytest.approx(0.5 * EPSILON / np.tanh(0.5 * S * ROUND_TRIP), rel=1e-13)
+
+
+def test_nothing_overflows_far_to_the_right():
+    far = np.array([1e4, 1e8 + 1e8j, 1e300]) / ROUND_TRIP
+    for scene in (paper(), EVERY["grip"], EVERY["layered"], EVERY["standard linear"]):
+        assert np.all(np.isfinite(impedance(scene, far)))
+        assert impedance(scene, far[2:]) == pytest.approx(scene.impedance, rel=1e-6)
+
+
+def test_faces_tend_to_each_other():
+    rigid = one_slab(slab(), S)
+    assert one_slab(slab(face=GripFace(1.0, 1e9)), S) == pytest.approx(rigid, rel=1e-7)
+    assert one_slab(slab(face=ReflectingFace(1.0)), S) == pytest.approx(rigid, rel=1e-13)
+    assert one_slab(slab(face=ReflectingFace(0.0)), S) == pytest.approx(np.full(S.shape, EPSILON + 0j), rel=1e-13)
+    soft = slab(viscosity=StandardLinearViscosity(1e-12 * ROUND_TRIP, 0.5))
+    relaxed = Slab(EPSILON / np.sqrt(1.5), ROUND_TRIP * np.sqrt(1.5))
+    assert one_slab(soft, S[:3]) == pytest.approx(one_slab(relaxed, S[:3]), rel=1e-9)
+
+
+def test_a_slab_cut_into_equal_layers_is_the_same_slab():
+    cut = slab(layers=(Layer(0.2, 1.0), Layer(0.5, 1.0), Layer(0.3, 1.0)))
+    assert one_slab(cut, S) == pytest.approx(one_slab(slab(), S), rel=1e-12)
+
+
+def test_unlike_slabs_are_in_series():
+    scene = EVERY["ratio sqrt 2"]
+    apart = 1.0 / one_slab(scene.upper, S) + 1.0 / one_slab(scene.lower, S)
+    assert admittance(scene, S) == pytest.approx(apart, rel=1e-13)
+    almost = scene_of(slab(), Slab(EPSILON * (1 + 1e-12), ROUND_TRIP))
+    assert admittance(almost, S) == pytest.approx(admittance(paper(), S), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_slope_is_the_derivative(name):
+    step = 1e-5 / ROUND_TRIP
+    central = (admittance(EVERY[name], S[:5] + step) - admittance(EVERY[name], S[:5] - step)) / (2 * step)
+    assert admittance_slope(EVERY[name], S[:5]) == pytest.approx(central, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_every_scene_is_passive(name):
+    found = check_passivity(EVERY[name])
+    assert found.passive, found
+    assert (abs(found.worst) < 1e-9) == (name in LOSSLESS)

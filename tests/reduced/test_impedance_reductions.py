@@ -1,0 +1,137 @@
+"""Reductions as impedances: against the exact one-port, against their own closed forms, and passive."""
+
+import math
+
+import numpy as np
+import pytest
+from one_port_scenes import EPSILON, EVERY, LOSSLESS, LOSSY, ROUND_TRIP, paper
+
+from reduced.impedance import check_passivity, impedance, poles_and_residues, taylor_poles
+from reduced.impedance.modes import locked_modes, spring_and_mass
+from reduced.reduction import Reduction, reduction_of
+from scene.errors import SceneError
+
+T = np.array([0.01 + 0.3j, 0.2 + 1j, 2.0j, 3 + 9j])
+CLOSED = {
+    "quasistatic": lambda s: 1 / s,
+    "quasidynamic": lambda s: 1 / s + 0.5,
+    "block12": lambda s: (1 + s**2 / 12) / s,
+    "block8": lambda s: (1 + s**2 / 8) / s,
+    "kelvin-voigt": lambda s: (1 + s**2 / 8) / (1 + s**2 / 24) / s,
+    "taylor": lambda s: (1 + s**2 / 8 + s**4 / 384) / (1 + s**2 / 24 + s**4 / 1920) / s,
+    "modal:2": lambda s: (
+        1 / s
+        + sum(2 * s / (s**2 + (2 * np.pi * k) ** 2) for k in (1, 2))
+        + s * (1 / 12 - sum(2 / (2 * np.pi * k) ** 2 for k in (1, 2)))
+    ),
+}
+
+
+@pytest.mark.parametrize("model", CLOSED)
+def test_closed_forms_of_the_alike_pair(model):
+    assert impedance(paper(), T / ROUND_TRIP, model) == pytest.approx(EPSILON * CLOSED[model](T), rel=1e-13)
+
+
+@pytest.mark.parametrize("name", LOSSLESS)
+def test_modal_converges_to_the_exact_pair(name):
+    s = np.array([0.05j, 0.3 + 0.5j, 1.1j, 0.5 + 3j]) / ROUND_TRIP
+    exact = impedance(LOSSLESS[name], s)
+    errors = [np.max(np.abs(impedance(LOSSLESS[name], s, f"modal:{n}") / exact - 1)) for n in (4, 16, 64)]
+    assert errors[0] < 0.05
+    assert errors[1] < errors[0] / 8
+    assert errors[2] < min(errors[1] / 8, 3e-4)
+
+
+@pytest.mark.parametrize("name", LOSSLESS)
+def test_locked_modes_are_all_the_poles(name):
+    """A sign change scan of Y on a fine grid finds the same frequencies and misses none."""
+    scene = LOSSLESS[name]
+    found, residues = locked_modes(scene, 6)
+    grid = np.linspace(1e-3, found[-1] + 1e-3, 200001)
+    y = 1.0 / impedance(scene, 1j * grid / scene.transit).imag
+    crossings = grid[:-1][(y[:-1] > 0) & (y[1:] < 0) & (np.abs(y[:-1]) < 1e3 * np.median(np.abs(y)))]
+    assert crossings == pytest.approx(np.array(found), abs=2e-3)
+    assert min(residues) > 0.0
+
+
+@pytest.mark.parametrize("name", LOSSLESS)
+@pytest.mark.parametrize("model", ["block12", "modal:0", "modal:3", "modal:20"])
+def test_spring_and_mass_survive_truncation(name, model):
+    """Z = spring/s + mass s at low frequency: exact in every modal reduction and in block12."""
+    scene = LOSSLESS[name]
+    reduced = reduction_of(scene, model)
+    total = reduced.mass + sum(c / w**2 for c, w in zip(reduced.residues, reduced.frequencies, strict=True))
+    spring, mass = spring_and_mass(scene)
+    omega = 1e-2
+    low = impedance(scene, 1j * omega / scene.transit).imag / scene.upper.epsilon
+    assert (reduced.spring, total) == pytest.approx((spring, mass), rel=1e-12)
+    assert -spring / omega + mass * omega == pytest.approx(low, rel=1e-9)
+
+
+def test_kelvin_voigt_of_unlike_slabs_is_both_slabs_in_series():
+    for name in ("ratio 2", "ratio sqrt 2", "same time"):
+        scene = LOSSLESS[name]
+        series = 0.0
+        for slab in (scene.upper, scene.lower):
+            x = T * slab.round_trip / scene.transit
+            series = series + x / (2 * slab.epsilon) * (1 + x**2 / 24) / (1 + x**2 / 8)
+        assert impedance(scene, T / scene.transit, "kelvin-voigt") == pytest.approx(1 / series, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", EVERY)
+@pytest.mark.parametrize(
+    "model", ["quasidynamic", "block12", "block8", "kelvin-voigt", "modal:5", "fitted:1", "fitted:3", "fitted:8"]
+)
+def test_every_reduction_that_is_offered_is_passive(name, model):
+    offered = name in LOSSLESS or model.startswith("fitted") or (model == "quasidynamic" and name != "reflection")
+    if model in ("block8", "kelvin-voigt") and name == "layered":
+        offered = False
+    if offered:
+        found = check_passivity(EVERY[name], model)
+        assert found.passive, found
+    else:
+        with pytest.raises(SceneError, match="fitted:N"):
+            check_passivity(EVERY[name], model)
+
+
+@pytest.mark.parametrize("name", LOSSY)
+def test_fitted_converges(name):
+    s = 1j * np.array([0.05, 0.3, 1.0, 2.5]) / ROUND_TRIP
+    exact = impedance(LOSSY[name], s)
+    errors = [np.max(np.abs(impedance(LOSSY[name], s, f"fitted:{n}") / exact - 1)) for n in (2, 8)]
+    assert errors[0] < 2e-2
+    assert errors[1] < max(errors[0] / 10, 1e-9)
+
+
+def test_the_next_taylor_truncation_has_unstable_poles():
+    assert sorted(taylor_poles().real > 1.0) == [False, False, False, True, True]
+    found = check_passivity(paper(), "taylor")
+    assert not found.passive
+    assert len(found.unstable_poles) == 2
+
+
+def test_an_active_reduction_is_caught(monkeypatch):
+    wrong = Reduction("modal:1", mass=1 / 12, frequencies=(6.0,), residues=(-0.1,))
+    monkeypatch.setattr("reduced.impedance.models.reduction_of", lambda scene, name: wrong)
+    assert not check_passivity(paper(), "modal:1").passive
+    leaky = Reduction("modal:1", damping=-1e-3)
+    monkeypatch.setattr("reduced.impedance.models.reduction_of", lambda scene, name: leaky)
+    assert not check_passivity(paper(), "modal:1").passive
+
+
+def test_residues_rebuild_the_impedance():
+    reduced = reduction_of(LOSSY["grip"], "fitted:3")
+    poles, residues = poles_and_residues(reduced)
+    z = reduced.mass * T + reduced.damping + (residues / (T[:, None] - poles)).sum(axis=1)
+    assert EPSILON * z == pytest.approx(impedance(LOSSY["grip"], T / ROUND_TRIP, "fitted:3"), rel=1e-11)
+
+
+def test_refusals_name_a_way_out():
+    for model in ("block12", "modal:3", "kelvin-voigt", "block8"):
+        with pytest.raises(SceneError, match="fitted:N"):
+            reduction_of(LOSSY["grip"], model)
+    with pytest.raises(SceneError, match="swallows the load"):
+        reduction_of(LOSSY["reflection"], "quasistatic")
+    with pytest.raises(SceneError, match="at least one oscillator"):
+        reduction_of(LOSSY["grip"], "fitted:0")
+    assert math.isclose(reduction_of(EVERY["standard linear"], "quasistatic").spring, 1 / 1.5)
