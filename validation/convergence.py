@@ -1,0 +1,64 @@
+"""Order of convergence fitted to errors on a ladder of grids, with a confidence interval and stated exclusions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from scene.observe.pieces import Array
+
+_ROUND_OFF = 100.0 * np.finfo(float).eps
+_ASYMPTOTIC = 0.15
+_FEWEST = 3
+
+
+@dataclass(frozen=True)
+class Fit:
+    """error ~ constant / cells^order by least squares in the logarithms over the levels `used` (a slice of the ladder).
+
+    `half_width` is that of the 95 % confidence interval of the order (Student, n - 2 degrees of freedom), `finest` the order of
+    the two finest used levels alone, `finest_error` the smallest error used.
+    """
+
+    order: float
+    half_width: float
+    constant: float
+    finest: float
+    finest_error: float
+    used: slice
+
+    def holds(self, declared: float, allowance: float = 0.1) -> bool:
+        """The declared order lies in the confidence interval or within `allowance` of the fitted one."""
+        return abs(self.order - declared) <= max(allowance, self.half_width)
+
+
+def fit(cells: Array, errors: Array, scale: float = 1.0) -> Fit:
+    """Fit the order of `errors` (positive) on grids of `cells` (increasing).
+
+    Excluded by rule: levels at rounding (error below 100 machine epsilons of `scale`, and all finer ones), then coarse levels
+    whose local order differs by more than 0.15 from the finest one, as long as three levels remain. Raises ValueError with fewer
+    than three usable levels.
+    """
+    errors = np.asarray(errors, dtype=float)
+    cells = np.asarray(cells, dtype=float)
+    rounded = np.nonzero(~(errors > _ROUND_OFF * scale))[0]
+    end = int(rounded[0]) if rounded.size else errors.size
+    if end < _FEWEST:
+        raise ValueError(f"{end} usable levels; an order needs {_FEWEST}")
+    local = -np.diff(np.log(errors[:end])) / np.diff(np.log(cells[:end]))
+    start = 0
+    while end - start > _FEWEST and abs(local[start] - local[-1]) > _ASYMPTOTIC:
+        start += 1
+    used = slice(start, end)
+    return _regress(np.log(cells[used]), np.log(errors[used]), float(local[-1]), used)
+
+
+def _regress(x: Array, y: Array, finest: float, used: slice) -> Fit:
+    from scipy.special import stdtrit
+
+    gaps = x - x.mean()
+    slope = float(gaps @ y / (gaps @ gaps))
+    intercept = float(y.mean() - slope * x.mean())
+    residual = y - intercept - slope * x
+    deviation = float(np.sqrt(residual @ residual / (x.size - 2) / (gaps @ gaps)))
+    half_width = float(stdtrit(x.size - 2, 0.975)) * deviation
+    return Fit(-slope, half_width, float(np.exp(intercept)), finest, float(np.exp(y.min())), used)
