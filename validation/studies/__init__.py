@@ -8,6 +8,7 @@ from validation.study import Study
 
 STUDIES = {
     "scene-facts": "scene_facts",
+    "leapfrog-convergence": "leapfrog_convergence",
 }
 """Name of each study and the module of this package that holds it."""
 
