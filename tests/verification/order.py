@@ -1,0 +1,18 @@
+"""How a test holds a scheme to its declared order (import it as `from order import assert_order` inside this folder)."""
+
+import numpy as np
+
+from validation.convergence import Fit, fit, shortfall
+
+
+def assert_order(errors, steps, declared, tolerance=0.1, absolute=None, scale=1.0, at_least=False, widest=0.5) -> Fit:
+    """Observed order over at least four levels (steps decreasing) within `tolerance` of the declared one, the finest error below
+    `absolute`; returns the fit."""
+    errors, steps = np.abs(np.asarray(errors, dtype=float)), np.asarray(steps, dtype=float)
+    assert errors.size >= 4, "an order needs four levels"
+    result = fit(1.0 / steps, errors, scale)
+    message = shortfall(result, declared, tolerance, at_least, widest)
+    assert not message, f"{message}; errors {[f'{error:.3e}' for error in errors]}"
+    if absolute is not None:
+        assert errors[-1] < absolute, f"finest error {errors[-1]:.3e} is not below {absolute:g}; {result}"
+    return result
