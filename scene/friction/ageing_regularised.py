@@ -10,6 +10,7 @@ import math
 from typing import NamedTuple
 
 RATE_FLOOR = 1e-20
+_LARGEST_EXPONENT = 300.0
 
 
 class AgeingRegularised(NamedTuple):
@@ -38,7 +39,9 @@ def respond(law: AgeingRegularised, z: float, psi: float) -> tuple[float, float,
     half = 0.5 * abs(v)
     root = math.sqrt(half * half + math.exp(-2.0 * c))
     slope = v / (2.0 * root)
-    friction = math.copysign(law.a * (c + math.log(half + root)), v)
+    # the logarithm would lose every digit of a rate near rest, the exponential overflows where friction is weak (a small)
+    size = math.asinh(half * math.exp(c)) if c < _LARGEST_EXPONENT else c + math.log(half + root)
+    friction = math.copysign(law.a * size, v)
     healing = math.exp(-psi)
     sign = math.copysign(1.0, v)
     return v, v_z, friction, law.a * 0.5 * v_z / root, law.b * slope, healing - abs(v), -sign * v_z, -healing

@@ -9,6 +9,7 @@ import math
 from typing import NamedTuple
 
 RATE_FLOOR = 1e-20
+_LARGEST_EXPONENT = 300.0
 
 
 class SlipRegularised(NamedTuple):
@@ -36,7 +37,9 @@ def respond(law: SlipRegularised, z: float, psi: float) -> tuple[float, float, f
     c = (law.a_star + law.b * psi) / law.a
     speed = abs(v)
     root = math.sqrt(0.25 * v * v + math.exp(-2.0 * c))
-    friction = math.copysign(law.a * (c + math.log(0.5 * speed + root)), v)
+    # the logarithm would lose every digit of a rate near rest, the exponential overflows where friction is weak (a small)
+    size = math.asinh(0.5 * speed * math.exp(c)) if c < _LARGEST_EXPONENT else c + math.log(0.5 * speed + root)
+    friction = math.copysign(law.a * size, v)
     distance = math.log(max(speed, 1e-300)) + psi
     sign = math.copysign(1.0, v)
     return (

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from scene.compiled import njit
 from scene.friction import rate_of, unknown_of
+from scene.observe.extrema import evaluate, find_root, raise_record, raise_record_within
 from scene.observe.pieces import Array, Basis, Pieces, lagrange_basis
 from scene.scene import Scene
 
-_ROOT_ITERATIONS = 80
 _NOISE = 1e-9  # relative depth below V that counts as "below": steady sliding at V must not trigger by rounding
 # slots of the detector's memory; from _EXTREMA on: max and -min of rate unknown, stress, elastic stress
 _BELOW_SINCE, _STARTED, _EVENT_TIME, _LAST_VALUE, _EXTREMA = 0, 1, 2, 3, 4
@@ -72,83 +72,6 @@ class EventObserver:
 
 
 @njit
-def evaluate(basis: Basis, values: Array, point: float) -> Any:
-    """Barycentric value at `point` of [0, 1] of the polynomial through `values` at the basis nodes."""
-    top = 0.0
-    bottom = 0.0
-    for j in range(values.size):
-        gap = point - basis.nodes[j]
-        if gap == 0.0:
-            return values[j]
-        term = basis.weights[j] / gap
-        top += term * values[j]
-        bottom += term
-    return top / bottom
-
-
-@njit
-def _root(basis: Basis, values: Array, level: float, left: float, right: float) -> Any:
-    """Point of [left, right] where the polynomial takes `level`, its ends lying on either side (Illinois false position)."""
-    low = evaluate(basis, values, left) - level
-    high = evaluate(basis, values, right) - level
-    point = right
-    for _ in range(_ROOT_ITERATIONS):
-        if high == low:
-            break
-        point = right - high * (right - left) / (high - low)
-        value = evaluate(basis, values, point) - level
-        if value == 0.0 or abs(right - left) < 1e-15:
-            break
-        if value * high < 0.0:
-            left, low = right, high
-        else:
-            low *= 0.5
-        moved = abs(point - right)
-        right, high = point, value
-        if moved < 1e-15:
-            break
-    return point
-
-
-@njit
-def _peak(basis: Basis, values: Array, slopes: Array, sign: float, at: int) -> float:
-    """Maximum of sign * polynomial between the neighbours of node `at`, where its nodal maximum lies; `slopes` is scratch."""
-    n = values.size
-    for i in range(n):
-        slopes[i] = 0.0
-        for j in range(n):
-            slopes[i] += basis.derivative[i, j] * values[j]
-    left = basis.nodes[at - 1] if at > 0 else 0.0
-    right = basis.nodes[at + 1] if at + 1 < n else basis.nodes[n - 1]
-    if right > left and sign * evaluate(basis, slopes, left) > 0.0 > sign * evaluate(basis, slopes, right):
-        return sign * evaluate(basis, values, _root(basis, slopes, 0.0, left, right))
-    return sign * values[at]
-
-
-@njit
-def _raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int) -> None:
-    """memory[slot], memory[slot + 1] <- their maximum with max and -min of the piece.
-
-    Nodes first; the polynomial is searched only around an extreme node that is not the last one and comes near the record.
-    """
-    n = values.size
-    highest, lowest = 0, 0
-    for j in range(1, n):
-        if values[j] > values[highest]:
-            highest = j
-        if values[j] < values[lowest]:
-            lowest = j
-    top, bottom = values[highest], -values[lowest]
-    spread = top + bottom
-    if highest < n - 1 and top + spread > memory[slot]:
-        top = _peak(basis, values, slopes, 1.0, highest)
-    if lowest < n - 1 and bottom + spread > memory[slot + 1]:
-        bottom = _peak(basis, values, slopes, -1.0, lowest)
-    memory[slot] = max(memory[slot], top)
-    memory[slot + 1] = max(memory[slot + 1], bottom)
-
-
-@njit
 def _scan(
     pieces: Pieces, basis: Basis, threshold: float, margin: float, quiet: float, memory: Array, rows: Array
 ) -> tuple[int, int]:
@@ -159,29 +82,34 @@ def _scan(
     slopes = np.empty(n)
     for k in range(pieces.time.size):
         z = pieces.unknown[k]
-        if memory[_STARTED] > 0.0:
-            _raise_records(pieces, k, basis, slopes, memory)
+        begin = 0.0  # where the running cycle begins within this piece
         left = 0.0
         left_value = evaluate(basis, z, 0.0) if math.isnan(memory[_LAST_VALUE]) else memory[_LAST_VALUE]
         for j in range(n):
             right = basis.nodes[j]
             right_value = z[j]
             if left_value < threshold <= right_value:
-                at = pieces.time[k] + pieces.length[k] * _crossing(basis, z, threshold, left, right)
+                point = _crossing(basis, z, threshold, left, right)
+                at = pieces.time[k] + pieces.length[k] * point
                 if at - memory[_BELOW_SINCE] > quiet:
                     if memory[_STARTED] > 0.0:
+                        _raise_within(pieces, k, basis, slopes, memory, begin, point)
                         _close_cycle(memory, at, rows[cycles])
                         cycles += 1
                     memory[_STARTED] = 1.0
                     memory[_EVENT_TIME] = at
                     memory[_EXTREMA:] = -math.inf
-                    _raise_records(pieces, k, basis, slopes, memory)
+                    begin = point
                     starts += 1
                 memory[_BELOW_SINCE] = math.nan
             elif right_value < threshold - margin and math.isnan(memory[_BELOW_SINCE]):
                 memory[_BELOW_SINCE] = pieces.time[k] + pieces.length[k] * right
             left, left_value = right, right_value
         memory[_LAST_VALUE] = left_value
+        if begin > 0.0:
+            _raise_within(pieces, k, basis, slopes, memory, begin, basis.nodes[n - 1])
+        elif memory[_STARTED] > 0.0:
+            _raise_records(pieces, k, basis, slopes, memory)
     return starts, cycles
 
 
@@ -190,7 +118,7 @@ def _crossing(basis: Basis, z: Array, threshold: float, left: float, right: floa
     """Point of [left, right] where v rises through V; the piece's left end if it jumped there between two pieces."""
     if left == 0.0 and evaluate(basis, z, 0.0) >= threshold:
         return 0.0
-    return _root(basis, z, threshold, left, right)
+    return find_root(basis, z, threshold, left, right)
 
 
 @njit
@@ -207,6 +135,14 @@ def _close_cycle(memory: Array, at: float, row: Array) -> None:
 @njit
 def _raise_records(pieces: Pieces, k: int, basis: Basis, slopes: Array, memory: Array) -> None:
     """Update the cycle's max and -min of rate unknown, stress and elastic stress by piece k."""
-    _raise_record(basis, pieces.unknown[k], slopes, memory, _EXTREMA)
-    _raise_record(basis, pieces.stress[k], slopes, memory, _EXTREMA + 2)
-    _raise_record(basis, pieces.elastic[k], slopes, memory, _EXTREMA + 4)
+    raise_record(basis, pieces.unknown[k], slopes, memory, _EXTREMA)
+    raise_record(basis, pieces.stress[k], slopes, memory, _EXTREMA + 2)
+    raise_record(basis, pieces.elastic[k], slopes, memory, _EXTREMA + 4)
+
+
+@njit
+def _raise_within(pieces: Pieces, k: int, basis: Basis, slopes: Array, memory: Array, begin: float, end: float) -> None:
+    """As `_raise_records`, by the part [begin, end] of piece k: an event's piece belongs to two cycles."""
+    raise_record_within(basis, pieces.unknown[k], slopes, memory, _EXTREMA, begin, end)
+    raise_record_within(basis, pieces.stress[k], slopes, memory, _EXTREMA + 2, begin, end)
+    raise_record_within(basis, pieces.elastic[k], slopes, memory, _EXTREMA + 4, begin, end)
