@@ -1,11 +1,14 @@
 """Radau IIA collocation on the unit step, shared by the delay system and the ladder of ODE reductions."""
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.polynomial import legendre
 
 from scene.observe.pieces import Array, interpolation_matrix, lagrange_basis
+
+Nodes: TypeAlias = tuple[float, ...]
+"""Nodes as a tuple: compiled code then knows their number."""
 
 
 class Collocation(NamedTuple):

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from reduced.collocation import radau
-from reduced.delay_kernel import PSI, TIME, UNKNOWN, Matrices, Memory, Physics, delay_kernel, first_guess
+from reduced.delay_kernel import PSI, TIME, UNKNOWN, Matrices, Memory, Physics, first_guess, march_delay
 from scene.errors import NumericsError, SceneError
 from scene.friction import respond, unknown_of
 from scene.observe.ledger import Energy
@@ -46,7 +46,6 @@ class Delay:
         if scene.drive.is_constant:
             times, velocities = times[:1], velocities[:1]
         self._physics = Physics(scene.upper.epsilon, scene.transit, scene.start.nudge_size, times, velocities)
-        self._march = delay_kernel(self._stages)
         self.failures = 0
         self.iterations = 0
         self._begin(steps or _first_steps(scene))
@@ -76,8 +75,8 @@ class Delay:
             count = min(_CHUNK, math.ceil((until - self.time) * self.steps - 1e-6))
             pieces = self._pieces(count if self._emit else 0)
             tolerances = (self._newton_tolerance, self._resolution)
-            kept, iterations, verdict = self._march(
-                self.scene.law, self._physics, self._matrices, self._memory, count, *tolerances, pieces
+            kept, iterations, verdict = march_delay(
+                tuple(self.nodes), self.scene.law, self._physics, self._matrices, self._memory, count, *tolerances, pieces
             )
             self.iterations += iterations
             self._memory.now[TIME] = round(self._memory.now[TIME] * self.steps) / self.steps
@@ -142,9 +141,7 @@ def _matrices(stages: int) -> tuple[Array, Matrices]:
     """Nodes and transposed matrices; the tail row gives the highest Legendre coefficient from nodal values."""
     rule = radau(stages)
     tail = np.linalg.inv(legendre.legvander(2.0 * rule.nodes - 1.0, stages - 1))[-1]
-    return rule.nodes, Matrices(
-        rule.integral.T.copy(), rule.predict.T.copy(), rule.predict_state.T.copy(), np.vstack([tail, rule.nodes])
-    )
+    return rule.nodes, Matrices(rule.integral.T.copy(), rule.predict.T.copy(), rule.predict_state.T.copy(), tail)
 
 
 def dense_resolution(tolerance: float, stages: int) -> float:

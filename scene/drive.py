@@ -3,6 +3,13 @@
 from bisect import bisect_right
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from scene.compiled import njit
+
+Array = NDArray[np.float64]
+
 
 @dataclass(frozen=True)
 class Drive:
@@ -35,3 +42,9 @@ class Drive:
 def steady_drive(velocity: float) -> Drive:
     """Constant V."""
     return Drive((0.0,), (velocity,))
+
+
+@njit
+def interpolate_drive(times: Array, velocities: Array, time: float) -> float:
+    """V (in V*) at `time` (transits) for compiled solvers, from the arrays of a `Drive`."""
+    return float(np.interp(time, times, velocities))

@@ -11,6 +11,9 @@ from enum import StrEnum
 NUDGE_CENTRE = 6.0
 """Transits at which the nudge peaks; at t~ = 0 it is size * e^-36."""
 
+NUDGE_REACH = 7.0
+"""Outside NUDGE_CENTRE +- this many transits the nudge is below size * 6e-22, and need not be evaluated."""
+
 
 class StartKind(StrEnum):
     """The registered starts; values are the scene file's words."""

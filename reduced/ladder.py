@@ -1,0 +1,102 @@
+"""Marches any ODE reduction of a slab pair (MODEL.md section 3): one description, one stiff integrator."""
+
+from functools import cache
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from reduced.collocation import Collocation, radau
+from reduced.ladder_kernel import ELASTIC, PSI, RATE, SPRING, TIME, UNKNOWN_END, Memory, Rule, Slabs, march_ladder
+from reduced.ladder_tables import Tables, prediction_tables, step_tables
+from reduced.reduction import Reduction
+from scene.errors import NumericsError
+from scene.friction import rate_of, unknown_of
+from scene.observe.ledger import Energy
+from scene.observe.pieces import Array, Pieces
+from scene.scene import Scene
+
+STAGES = 6
+_CHUNK = 2048
+_LEVELS = 32
+_FIRST_LEVEL = 4
+
+
+class Ladder:
+    """Marches `reduction` of the scene's slab pair to `tolerance`, the requested relative error of the cycle's figures.
+
+    Radau IIA with 6 nodes (order 11 at step ends, L-stable), step lengths 2 / 2^level transits. `failures` counts unconverged solves:
+    a step that cannot be solved at the shortest length raises NumericsError naming time and scene (a quasi-static model runs away).
+    """
+
+    order_interface = "2 nodes - 1 at the ends of steps, nodes inside"
+    exact_when = "never; as the number of modes grows, for lossless slabs"
+
+    def __init__(self, scene: Scene, reduction: Reduction, tolerance: float = 1e-9, stages: int = STAGES) -> None:
+        self.scene, self.model = scene, reduction.name
+        self.failures = 0
+        self.iterations = 0
+        rule, self._rule, self._shape = _rule(stages)
+        self.nodes = rule.nodes
+        self._tables = _tables(reduction, stages)
+        self._newton_tolerance = max(1e-2 * tolerance, 1e-14)
+        self._resolution = max(tolerance ** (stages / (stages + 2.0)), 1e-10)
+        times, velocities = np.array(scene.drive.times), np.array(scene.drive.velocities, dtype=float)
+        if scene.drive.is_constant:
+            times, velocities = times[:1], velocities[:1]
+        self._slabs = Slabs(scene.upper.epsilon, scene.transit, scene.stiffness, scene.start.nudge_size, times, velocities)
+        self._memory = self._begin(stages)
+
+    def _begin(self, stages: int) -> Memory:
+        """Steady sliding, psi displaced if the start is a jump: the rate jumps with it unless mass holds it."""
+        scene = self.scene
+        now = np.empty(6)
+        now[TIME], now[PSI] = 0.0, scene.steady_psi + scene.start.jump_size
+        now[SPRING], now[ELASTIC] = scene.steady_stress / scene.upper.epsilon, scene.steady_stress
+        now[RATE], now[UNKNOWN_END] = scene.velocity, unknown_of(scene.law, scene.velocity)
+        guess = np.repeat([[now[PSI]], [now[UNKNOWN_END]]], stages, axis=1)
+        return Memory(np.zeros((self._tables.offset.size, 2)), guess, now, np.array([_FIRST_LEVEL]))
+
+    @property
+    def time(self) -> float:
+        """Transits since the start."""
+        return float(self._memory.now[TIME])
+
+    def energy(self) -> Energy | None:
+        """No ledger: a reduction's energy is not the slabs'."""
+        return None
+
+    def restart_clock(self) -> None:
+        """Call the present moment t = 0 and stop the nudge: the state is kept."""
+        self._memory.now[TIME] = 0.0
+        self._slabs = self._slabs._replace(nudge=0.0)
+
+    def advance(self, until: float) -> Pieces:
+        """March past `until` by at most one step, at most one chunk; see `Solver`."""
+        pieces = Pieces(np.empty(_CHUNK), np.empty(_CHUNK), *(np.empty((_CHUNK, self.nodes.size)) for _ in range(4)))
+        steps, iterations, verdict = march_ladder(
+            self._shape, self.scene.law, self._slabs, self._tables, self._rule, self._memory,
+            until, self._newton_tolerance, self._resolution, pieces,
+        )  # fmt: skip
+        self.iterations += iterations
+        if verdict and steps == 0:
+            now = self._memory.now
+            rate = rate_of(self.scene.law, float(now[UNKNOWN_END]))
+            raise NumericsError(
+                f"{self.model}: no step is short enough at t = {now[TIME]:.6g} transits, v = {rate:.3g} V*, psi = {now[PSI]:.4g}"
+                f"{' (nothing limits its slip rate: it runs away)' if self.model == 'quasistatic' else ''}"
+                f" (scene {self.scene.name!r}, digest {self.scene.digest})"
+            )
+        return Pieces(*(array[:steps] for array in pieces))
+
+
+@cache
+def _rule(stages: int) -> tuple[Collocation, Rule, tuple[float, ...]]:
+    """Collocation rule, its compiled form, and the nodes as the tuple that tells the compiler their number."""
+    rule = radau(stages)
+    tail: Array = np.linalg.inv(legendre.legvander(2.0 * rule.nodes - 1.0, stages - 1))[-1].copy()
+    return rule, Rule(rule.integral, tail, *prediction_tables(rule, (1.0, 2.0))), tuple(float(x) for x in rule.nodes)
+
+
+@cache
+def _tables(reduction: Reduction, stages: int) -> Tables:
+    return step_tables(reduction, radau(stages), _LEVELS)

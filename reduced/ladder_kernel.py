@@ -1,0 +1,263 @@
+"""The one stiff integrator of all ODE reductions: Radau collocation of the whole network with the friction interface.
+
+With the stage impedance K of `ladder_tables`, every reduction is the same interface condition at the nodes of a step,
+
+    F(z_j, psi_j) + epsilon sum_l K_jl v_l = E_j,      psi_j = psi_0 + h sum_l A_jl (r G(z_l, psi_l) + nudge(t_l)),
+
+E_j from the states at the step's start. Newton solves for (psi, z) at the nodes. Steps have lengths 2 / 2^level and are accepted
+when the highest Legendre coefficient of z and of psi stays below the resolution.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reduced.collocation import Nodes
+from reduced.ladder_tables import Tables
+from scene.compiled import inlined, njit
+from scene.drive import interpolate_drive
+from scene.friction import Law, respond
+from scene.observe.pieces import Array, Pieces
+from scene.start import NUDGE_CENTRE, NUDGE_REACH
+
+TIME, PSI, SPRING, ELASTIC, RATE, UNKNOWN_END = range(6)
+STATE, UNKNOWN = 0, 1
+_V, _V_Z, _F, _F_Z, _F_PSI, _G, _G_Z, _G_PSI, _DRIVE, _EXTERNAL = range(10)
+_WORK_ROWS = 10
+_MAX_NEWTON = 12
+_LARGEST_CHANGE = 2.0
+_FAR = 1e3
+
+
+class Rule(NamedTuple):
+    """Collocation matrices: `integral` (s, s), `tail` (s,) for the highest Legendre coefficient, and extrapolation to a step as long and
+    twice as long, `predict` (2, s, s), `predict_state` (2, s, s + 1)."""
+
+    integral: Array
+    tail: Array
+    predict: Array
+    predict_state: Array
+
+
+class Slabs(NamedTuple):
+    """epsilon, round trip, stiffness (per transit, of the emitted elastic stress), nudge size, drive times and velocities."""
+
+    epsilon: float
+    round_trip: float
+    stiffness: float
+    nudge: float
+    drive_times: Array
+    drive_velocities: Array
+
+
+class Memory(NamedTuple):
+    """`modes` (N, 2): tau, p relative to epsilon; `guess` (2, s); `now`: time, psi, spring stress / epsilon, y, v, z; `level` (1,): that of the
+    next step."""
+
+    modes: Array
+    guess: Array
+    now: Array
+    level: NDArray[np.int64]
+
+
+@inlined
+def external_stress(
+    nodes: Nodes, epsilon: float, tables: Tables, level: int, modes: Array, spring: float, rate: float, work: Array
+) -> None:  # fmt: skip
+    """E_j: spring, modes and momentum at the step's start, and the drive's share of the stage impedance."""
+    s = len(nodes)
+    for j in range(s):
+        total = spring + tables.inertia[level, j] * rate
+        for n in range(modes.shape[0]):
+            total += tables.free[level, n, 0, j] * modes[n, 0] + tables.free[level, n, 1, j] * modes[n, 1]
+        for m in range(s):
+            total += tables.elastic[level, j, m] * work[_DRIVE, m]
+        work[_EXTERNAL, j] = epsilon * total
+
+
+@inlined
+def linearise(
+    nodes: Nodes, law: Law, epsilon: float, h: float, nudge: float, start: float, length: float, psi: float, integral: Array,
+    impedance: Array, level: int, guess: Array, work: Array, system: Array, change: Array,
+) -> None:  # fmt: skip
+    """Newton system: rows 0..s-1 the state equation, rows s..2s-1 friction; columns psi then z."""
+    s = len(nodes)
+    for j in range(s):
+        answer = respond(law, guess[UNKNOWN, j], guess[STATE, j])
+        for row in range(8):
+            work[row, j] = 0.0
+        work[_V, j], work[_V_Z, j], work[_F, j], work[_F_Z, j] = answer[0], answer[1], answer[2], answer[3]
+        work[_F_PSI, j], work[_G, j], work[_G_Z, j], work[_G_PSI, j] = answer[4], h * answer[5], h * answer[6], h * answer[7]
+        if nudge != 0.0 and abs(start - NUDGE_CENTRE) < NUDGE_REACH:
+            since = start + nodes[j] * length - NUDGE_CENTRE
+            work[_G, j] += length * nudge * math.exp(-since * since)
+    for j in range(s):
+        change[j] = psi - guess[STATE, j]
+        change[s + j] = work[_EXTERNAL, j] - work[_F, j]
+        for m in range(s):
+            change[j] += integral[j, m] * work[_G, m]
+            change[s + j] -= epsilon * impedance[level, j, m] * work[_V, m]
+            system[j, m] = -integral[j, m] * work[_G_PSI, m]
+            system[j, s + m] = -integral[j, m] * work[_G_Z, m]
+            system[s + j, m] = 0.0
+            system[s + j, s + m] = epsilon * impedance[level, j, m] * work[_V_Z, m]
+        system[j, j] += 1.0
+        system[s + j, j] += work[_F_PSI, j]
+        system[s + j, s + j] += work[_F_Z, j]
+
+
+@inlined
+def eliminate(nodes: Nodes, system: Array, change: Array) -> bool:
+    """change <- system^-1 change by Gaussian elimination with row exchange; False if singular."""
+    s = len(nodes)
+    n = 2 * s
+    for k in range(n):
+        pivot = k
+        for j in range(k + 1, n):
+            if abs(system[j, k]) > abs(system[pivot, k]):
+                pivot = j
+        if not abs(system[pivot, k]) > 0.0:
+            return False
+        if pivot != k:
+            for m in range(k, n):
+                system[k, m], system[pivot, m] = system[pivot, m], system[k, m]
+            change[k], change[pivot] = change[pivot], change[k]
+        inverse = 1.0 / system[k, k]
+        for j in range(k + 1, n):
+            factor = system[j, k] * inverse
+            if factor != 0.0:
+                for m in range(k + 1, n):
+                    system[j, m] -= factor * system[k, m]
+                change[j] -= factor * change[k]
+    for k in range(n - 1, -1, -1):
+        for m in range(k + 1, n):
+            change[k] -= system[k, m] * change[m]
+        change[k] /= system[k, k]
+    return True
+
+
+@inlined
+def correct(nodes: Nodes, epsilon: float, impedance: Array, level: int, guess: Array, work: Array, change: Array) -> float:
+    """Apply the change; v continued by v'' = v. Returns an estimate of what the linearisation neglected; inf if too large."""
+    s = len(nodes)
+    error = 0.0
+    for j in range(s):
+        by_psi, by_z = change[j], change[s + j]
+        if not abs(by_z) + abs(by_psi) < _FAR:
+            return math.inf
+        by_z = min(_LARGEST_CHANGE, max(-_LARGEST_CHANGE, by_z))
+        guess[STATE, j] += by_psi
+        guess[UNKNOWN, j] += by_z
+        square = by_z * by_z
+        stiff = epsilon * abs(impedance[level, j, j]) * work[_V_Z, j]
+        weight = 0.5 * (stiff / (work[_F_Z, j] + stiff) + abs(work[_G_Z, j]))
+        error = max(error, weight * square + 0.5 * abs(work[_G_PSI, j]) * by_psi * by_psi + 1e-2 * square * square * abs(by_z))
+        even = 1.0 + square * (0.5 + square / 24.0)
+        odd = by_z * (1.0 + square * (1.0 / 6.0 + square / 120.0))
+        work[_V, j] = work[_V, j] * even + work[_V_Z, j] * odd
+    return error
+
+
+@inlined
+def advance_modes(nodes: Nodes, tables: Tables, level: int, modes: Array, length: float, integral: Array, work: Array) -> None:
+    """Modes at the step's end from the nodal rates."""
+    s = len(nodes)
+    for n in range(modes.shape[0]):
+        momentum, tau = 0.0, 0.0
+        for j in range(s):
+            tau = tables.free[level, n, 0, j] * modes[n, 0] + tables.free[level, n, 1, j] * modes[n, 1]
+            for m in range(s):
+                tau -= tables.forced[level, n, j, m] * (work[_V, m] - work[_DRIVE, m])
+            slip = work[_V, j] - work[_DRIVE, j]
+            momentum += integral[s - 1, j] * (tables.offset[n] * slip + tables.omega_squared[n] * tau)
+        modes[n, 0] = tau
+        modes[n, 1] -= length * momentum
+
+
+@inlined
+def predict(
+    nodes: Nodes, predict_rate: Array, predict_state: Array, ratio: int, left: float, pieces: Pieces, k: int, guess: Array
+) -> None:
+    """Nodal guess on the next step by extending the polynomials of piece k."""
+    s = len(nodes)
+    for j in range(s):
+        psi, z = predict_state[ratio, j, 0] * left, 0.0
+        for m in range(s):
+            psi += predict_state[ratio, j, m + 1] * pieces.state[k, m]
+            z += predict_rate[ratio, j, m] * pieces.unknown[k, m]
+        guess[STATE, j] = psi
+        guess[UNKNOWN, j] = z
+
+
+@njit
+def march_ladder(
+    nodes: Nodes, law: Law, slabs: Slabs, tables: Tables, rule: Rule, memory: Memory, until: float, newton_tolerance: float, resolution: float,
+    pieces: Pieces,
+) -> tuple[int, int, int]:  # fmt: skip
+    """March until `until` or until the pieces are full; returns (steps, Newton iterations, verdict), verdict 0 done, 1 no step
+    is short enough. The last step may pass `until`."""
+    s = len(nodes)
+    epsilon, nudge, velocities, drive_times = slabs.epsilon, slabs.nudge, slabs.drive_velocities, slabs.drive_times
+    modes, guess, now, levels = memory.modes, memory.guess, memory.now, memory.level
+    integral, tail, impedance = rule.integral, rule.tail, tables.impedance
+    work, system, change = np.empty((_WORK_ROWS, s)), np.empty((2 * s, 2 * s)), np.empty(2 * s)
+    deepest = tables.length.size - 1
+    iterations, k = 0, 0
+    work[_DRIVE, :] = velocities[0]
+    while k < pieces.time.size and now[TIME] < until - 1e-9:
+        level = levels[0]
+        length = tables.length[level]
+        h = length * slabs.round_trip
+        psi, start = now[PSI], now[TIME]
+        if velocities.size > 1:
+            for j in range(s):
+                work[_DRIVE, j] = interpolate_drive(drive_times, velocities, start + nodes[j] * length)
+        external_stress(nodes, epsilon, tables, level, modes, now[SPRING], now[RATE], work)
+        solved = False
+        for _ in range(_MAX_NEWTON):
+            iterations += 1
+            linearise(nodes, law, epsilon, h, nudge, start, length, psi, integral, impedance, level, guess, work, system, change)
+            if not eliminate(nodes, system, change):
+                break
+            error = correct(nodes, epsilon, impedance, level, guess, work, change)
+            if error < newton_tolerance:
+                solved = True
+                break
+            if not error < _FAR:
+                break
+        tail_z, tail_psi = 0.0, 0.0
+        for j in range(s):
+            tail_z += tail[j] * guess[UNKNOWN, j]
+            tail_psi += tail[j] * guess[STATE, j]
+        size = max(abs(tail_z), abs(tail_psi))
+        if not (solved and size <= resolution):
+            if level == deepest:
+                return k, iterations, 1
+            levels[0] = level + 1
+            for j in range(s):
+                guess[STATE, j] = now[PSI]
+                guess[UNKNOWN, j] = now[UNKNOWN_END]
+            continue
+        pieces.time[k] = start
+        pieces.length[k] = length
+        slip = 0.0
+        for j in range(s):
+            pieces.unknown[k, j] = guess[UNKNOWN, j]
+            pieces.state[k, j] = guess[STATE, j]
+            pieces.stress[k, j] = respond(law, guess[UNKNOWN, j], guess[STATE, j])[2]
+            slip = 0.0
+            for m in range(s):
+                slip += length * integral[j, m] * (work[_DRIVE, m] - work[_V, m])
+            pieces.elastic[k, j] = now[ELASTIC] + slabs.stiffness * slip
+        advance_modes(nodes, tables, level, modes, length, integral, work)
+        now[SPRING] += tables.spring * slip
+        now[ELASTIC] += slabs.stiffness * slip
+        now[PSI], now[RATE], now[UNKNOWN_END] = guess[STATE, s - 1], work[_V, s - 1], guess[UNKNOWN, s - 1]
+        now[TIME] = start + length
+        longer = level > 0 and size < 0.5 ** (s + 1) * resolution
+        levels[0] = level - 1 if longer else level
+        predict(nodes, rule.predict, rule.predict_state, 1 if longer else 0, psi, pieces, k, guess)
+        k += 1
+    return k, iterations, 0
