@@ -20,6 +20,7 @@ _APART = 10.0  # transits; crossings of V closer than this belong to the same sl
 class PlainRun:
     """Period of the last cycle (transits), wall time in seconds and how often the right-hand side was evaluated."""
 
+    tolerance: float
     period: float
     wall_seconds: float
     evaluations: int
@@ -57,4 +58,4 @@ def plain_kelvin_voigt(scene: Scene, until: float, tolerance: float) -> PlainRun
     wall = time.perf_counter() - began
     times = np.asarray(run.t_events)[0]
     events = times[np.diff(times, prepend=-math.inf) > _APART]
-    return PlainRun(float(events[-1] - events[-2]), wall, calls)
+    return PlainRun(tolerance, float(events[-1] - events[-2]), wall, calls)

@@ -8,7 +8,7 @@ import scene
 from scene.observe import follow
 from scene.observe.pieces import Array
 from scene.scene import Scene
-from validation.convergence import OrderFit, extrapolated, fit_order, shortfall
+from validation.convergence import Fit, extrapolated, fit, shortfall
 from validation.models import build
 from validation.orbits import settle
 from validation.report.text import plain
@@ -34,7 +34,7 @@ def run(budget: Budget) -> StudyResult:
     """Measure every error, fit every order."""
     cells = _QUICK if budget.quick else _FULL
     errors = _measure(cells, budget)
-    fits = {name: {cfl: fit_order(errors[name][cfl], 1.0 / np.array(cells)) for cfl in CFLS} for name in errors}
+    fits = {name: {cfl: fit(np.array(cells), np.abs(errors[name][cfl])) for cfl in CFLS} for name in errors}
     smooth = [fits[name][cfl].order for name in fits if name != _JUMP for cfl in CFLS]
     jump = [fits[_JUMP][cfl].order for cfl in CFLS]
     return StudyResult(
@@ -71,13 +71,13 @@ def _psi(model: str, start: Scene, cells: int = 0, cfl: float = 0.0) -> float:
     return follow(solver, _FINAL).psi
 
 
-def _orders(fits: dict[str, dict[float, OrderFit]]) -> Table:
+def _orders(fits: dict[str, dict[float, Fit]]) -> Table:
     rows = []
     for name in fits:
         row: list[Cell] = [_ORBIT.get(name, name)]
         for cfl in CFLS:
             one = fits[name][cfl]
-            row += [f"{one.order:.4f} ± {one.half_width:.4f}", one.finest_pair]
+            row += [f"{one.order:.4f} ± {one.half_width:.4f}", one.finest]
         rows.append(tuple(row))
     columns = [Column("error in")]
     for cfl in CFLS:
@@ -101,7 +101,7 @@ def _period_table(cells: tuple[int, ...], errors: Errors) -> Table:
     return Table("errors", caption, tuple(columns), rows)
 
 
-def _verdicts(fits: dict[str, dict[float, OrderFit]]) -> list[Verdict]:
+def _verdicts(fits: dict[str, dict[float, Fit]]) -> list[Verdict]:
     verdicts = []
     for claim, names, declared in (
         ("Leapfrog: order 2 from the smooth start, in every output", [name for name in fits if name != _JUMP], 2.0),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from scene.observe.pieces import Array
-from validation.convergence import OrderFit
+from validation.convergence import Fit
 from validation.report.drawing import WIDTH, canvas
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ _TITLES = {
 _LOOKS = {0.5: ("#d55e00", "s", "white"), 0.9: ("#0072b2", "D", "#0072b2"), 1.0: ("#111111", "o", "#111111")}
 
 
-def ladders(cells: Array, errors: Mapping[str, Mapping[float, Array]], fits: Mapping[str, Mapping[float, OrderFit]]) -> "Figure":
+def ladders(cells: Array, errors: Mapping[str, Mapping[float, Array]], fits: Mapping[str, Mapping[float, Fit]]) -> "Figure":
     """Log-log panels of error over cells per slab."""
     figure = canvas(WIDTH, 4.6)
     grid = figure.subplots(2, 4, sharex=True)
@@ -44,13 +44,12 @@ def ladders(cells: Array, errors: Mapping[str, Mapping[float, Array]], fits: Map
     return figure
 
 
-def _panel(axes: "Axes", cells: Array, errors: Mapping[float, Array], fits: Mapping[float, OrderFit]) -> None:
+def _panel(axes: "Axes", cells: Array, errors: Mapping[float, Array], fits: Mapping[float, Fit]) -> None:
     for cfl, values in errors.items():
         color, marker, fill = _LOOKS[cfl]
         one = fits[cfl]
         used = cells[one.used]
-        constant = np.exp(np.mean(np.log(np.abs(values[one.used]) * used**one.order)))
-        axes.loglog(used, constant * used**-one.order, color=color, linewidth=0.9)
+        axes.loglog(used, one.constant * used**-one.order, color=color, linewidth=0.9)
         axes.loglog(cells, np.abs(values), linestyle="none", marker=marker, color=color, markerfacecolor=fill)
     axes.margins(0.12)
     axes.set_xticks(cells, [str(n) for n in cells])

@@ -1,0 +1,82 @@
+"""Run time against error: one model at several settings, each timed on the same stretch of the same scene.
+
+Every point is a whole run from the start, march and event detection, after a warm-up that loads the compiled code; the time is
+the fastest of a few repetitions. Errors are relative, of the mean over the run's last cycles, against figures handed in.
+"""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from scene.observe import EventObserver, Solver, follow
+from scene.scene import Scene
+from validation.models import build
+from validation.orbits import estimate
+
+_WARM_UP = 2.0  # transits
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A model with its numerical options; `None` leaves one to the model."""
+
+    model: str
+    tolerance: float | None = None
+    cells: int | None = None
+    cfl: float | None = None
+
+    @property
+    def words(self) -> str:
+        """The options as a reader would say them."""
+        words = [f"{self.cells} cells"] if self.cells else []
+        words += [f"CFL {self.cfl:g}"] if self.cfl else []
+        return ", ".join([*words, f"tolerance {self.tolerance:.0e}"] if self.tolerance else words)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One timed run: seconds, relative errors of period and stress drop (signed), period in transits."""
+
+    setting: Setting
+    seconds: float
+    period: float
+    period_error: float
+    drop_error: float
+
+
+def time_run(setting: Setting, scene: Scene, until: float, exact: Mapping[str, float], repeats: int = 3) -> Point:
+    """Run `setting` on `scene` to `until` (transits) and compare its last cycles with `exact` (names of `Orbit`)."""
+    _march(setting, scene, _WARM_UP)
+    runs = [_march(setting, scene, until) for _ in range(repeats)]
+    orbit = estimate(runs[0][1].events).values()
+    period, drop = (orbit[name] / exact[name] - 1.0 for name in ("period", "stress_drop"))
+    return Point(setting, min(seconds for seconds, _ in runs), orbit["period"], period, drop)
+
+
+def time_final(setting: Setting, scene: Scene, until: float, repeats: int = 3) -> tuple[float, float]:
+    """(seconds, psi at `until`) of a run that observes nothing."""
+    _march(setting, scene, _WARM_UP)
+    seconds, psi = [], 0.0
+    for _ in range(repeats):
+        began = time.perf_counter()
+        psi = follow(_solver(setting, scene), until).psi
+        seconds.append(time.perf_counter() - began)
+    return min(seconds), psi
+
+
+def cheapest(points: Sequence[Point], error: float) -> Point | None:
+    """The fastest point whose period is right to `error`, if there is one."""
+    able = [point for point in points if abs(point.period_error) <= error]
+    return min(able, key=lambda point: point.seconds) if able else None
+
+
+def _solver(setting: Setting, scene: Scene) -> Solver:
+    return build(setting.model, scene, cells=setting.cells, cfl=setting.cfl, tolerance=setting.tolerance)
+
+
+def _march(setting: Setting, scene: Scene, until: float) -> tuple[float, EventObserver]:
+    began = time.perf_counter()
+    solver = _solver(setting, scene)
+    observer = EventObserver(scene, solver.nodes)
+    follow(solver, until, [observer])
+    return time.perf_counter() - began, observer
