@@ -82,19 +82,24 @@ def _leapfrog(scene: Scene, model: str, request: Request) -> Solver:
 
 
 _OPTIONS = ("cells", "cfl", "tolerance")
-_NONE = frozenset[str]()
 _ODE = ("tolerance",)
 _GRID = ("cells", "cfl")
+_PLAIN = frozenset({"ramp"})
+_RIGID = _PLAIN | {"unlike", "incommensurate"}
+_LOSSLESS = _RIGID | {"layers"}
+_ANY = frozenset(FEATURES) - {"orbit"}
+_SPRUNG = _ANY - {"reflection"}
 
 _FAMILIES = (
-    Family("delay", "reduced.delay", "the exact wave physics of elastic slabs as a delay system", _delay, _NONE, _ODE),
-    Family("quasistatic", "reduced.ladder", "no waves, no inertia: runs away when unstable", _ladder, _NONE, _ODE),
-    Family("quasidynamic", "reduced.ladder", "no waves, radiation damping", _ladder, _NONE, _ODE),
-    Family("block8", "reduced.ladder", "spring and block of mass rho h/8", _ladder, _NONE, _ODE),
-    Family("block12", "reduced.ladder", "spring and block of mass rho h/12", _ladder, _NONE, _ODE),
-    Family("kelvin-voigt", "reduced.ladder", "the paper's ODE, one Kelvin-Voigt element", _ladder, _NONE, _ODE),
-    Family("modal:N", "reduced.ladder", "the slabs' first N exact modes", _ladder, _NONE, _ODE, range(65), 2),
-    Family("fd", "fullwave.finite_difference", "full wave: staggered leapfrog", _leapfrog, _NONE, _GRID),
+    Family("delay", "reduced.delay", "the exact wave physics of elastic slabs as a delay system", _delay, _PLAIN, _ODE),
+    Family("quasistatic", "reduced.ladder", "no waves, no inertia: runs away when unstable", _ladder, _SPRUNG, _ODE),
+    Family("quasidynamic", "reduced.ladder", "no waves, radiation damping", _ladder, _SPRUNG, _ODE),
+    Family("block8", "reduced.ladder", "spring and block of mass rho h/8", _ladder, _RIGID, _ODE),
+    Family("block12", "reduced.ladder", "spring and block of mass rho h/12", _ladder, _LOSSLESS, _ODE),
+    Family("kelvin-voigt", "reduced.ladder", "the paper's ODE, one Kelvin-Voigt element", _ladder, _RIGID, _ODE),
+    Family("modal:N", "reduced.ladder", "the slabs' first N exact modes", _ladder, _LOSSLESS, _ODE, range(65), 2),
+    Family("fitted:N", "reduced.ladder", "passive rational fit of the exact impedance", _ladder, _ANY, _ODE, range(65), 4),
+    Family("fd", "fullwave.finite_difference", "full wave: staggered leapfrog", _leapfrog, _ANY, _GRID),
 )
 
 
