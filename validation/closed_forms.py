@@ -39,6 +39,11 @@ class Onset:
         theta = math.atan(math.sqrt((1.0 + 8.0 / ratio**2) ** 3 - 1.0))
         return self.r_quasistatic * (1.0 + 2.0 * math.sin(theta / 3.0 - math.pi / 6.0) / math.cbrt(math.cos(theta)))
 
+    @property
+    def r_quasidynamic(self) -> float:
+        """epsilon/(b - a - epsilon V/2): the rule of section 2.2 with Z = epsilon/s + epsilon/2; radiation damping stabilises."""
+        return self.epsilon / (self.law.b - self.law.a - 0.5 * self.epsilon * self.velocity)
+
     def cubic(self, r: float) -> float:
         """Left side of (21), scaled by r_*^-3: zero at the Kelvin-Voigt system's critical r."""
         x, k = r / self.r_quasistatic, 24.0 / (self.omega_c * self.r_quasistatic) ** 2

@@ -20,6 +20,7 @@ WINDOW = 4
 MOST_TRANSITS = 6000.0
 _FIRST_STRETCH = 400.0
 _STALLED = 3
+_STEADY = 1e-3  # v_max/v_min - 1 below which a run has returned to steady sliding
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ class Settled:
 
 
 class NoCycle(ArithmeticError):
-    """The run made too few slip events to speak of an orbit."""
+    """The run made too few slip events to speak of an orbit, or came back to steady sliding."""
 
 
 def settle(
@@ -74,7 +75,8 @@ def settle(
     """March `solver` (from its start) until `WINDOW` cycles in a row agree to `tolerance`, relative, in period, drops and rates,
     or agree no better than some stretches ago (the solver's own jitter), or `most` transits are over.
 
-    Raises NoCycle if fewer than WINDOW cycles were completed, NumericsError where the solver fails.
+    Raises NoCycle if fewer than WINDOW cycles were completed or if the run came back to steady sliding, NumericsError where the
+    solver fails.
     """
     observer = EventObserver(solver.scene, solver.nodes)
     history: list[float] = []
@@ -83,12 +85,18 @@ def settle(
         period = float(observer.events.period[-1]) if observer.events.period.size else _FIRST_STRETCH / WINDOW
         follow(solver, min(most, solver.time + WINDOW * period), [observer], progress)
         if observer.events.time.size >= WINDOW:
+            _require_motion(solver, observer.events)
             history.append(unrest(observer.events))
     wall = time.perf_counter() - began
     if not history:
         raise NoCycle(f"{solver.model}: {observer.count} slip events in {solver.time:.0f} transits, too few to speak of an orbit")
     settled = history[-1] < tolerance or (_stalled(history) and history[-1] < 1e-5)
     return Settled(estimate(observer.events), solver, observer, observer.events.time.size, history[-1], settled, wall)
+
+
+def _require_motion(solver: Solver, events: Events) -> None:
+    if events.v_max[-1] < (1.0 + _STEADY) * events.v_min[-1]:
+        raise NoCycle(f"{solver.model}: back to steady sliding after {solver.time:.0f} transits")
 
 
 def _finished(history: list[float], tolerance: float) -> bool:

@@ -79,3 +79,8 @@ def test_one_cycle_starts_at_its_event():
     at_start = np.interp(0.0, cycle.time, np.log(cycle.slip_rate))
     assert at_start == pytest.approx(math.log(100.0), abs=1e-3)
     assert np.all(np.diff(cycle.time) > 0)
+
+
+def test_return_to_steady_sliding_is_no_cycle():
+    with pytest.raises(NoCycle, match="back to steady sliding"):
+        settle(Relaxing(0.2, amplitude=1e-4))

@@ -8,7 +8,9 @@ from validation.study import Study
 
 STUDIES = {
     "scene-facts": "scene_facts",
+    "one-cycle": "one_cycle",
     "leapfrog-convergence": "leapfrog_convergence",
+    "cost-and-error": "cost_and_error",
 }
 """Name of each study and the module of this package that holds it."""
 
