@@ -24,6 +24,10 @@ STATE, STRESS, ELASTIC, DRIVE, INPUT, FRICTION = 0, 1, 2, 3, 4, 5
 Z, PSI = 6, 11  # the last five samples of each, latest first, for the friction solve's starting values
 MEMORY = 16
 
+COARSEST_HALF_STEP = 1.0
+"""Change of psi over half a step beyond which the midpoint rule no longer follows it: the step counts as failed, and
+psi is not carried further than this beyond its mean, so that the run stays near the quasi-steady state instead of ringing."""
+
 
 class Side(NamedTuple):
     """A slab that is marched."""
@@ -131,7 +135,8 @@ def _nudge(clock: Clock, time: float) -> float:
 
 @njit
 def take_step(law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lower: Side | Mirror, memory: Array, n: int) -> bool:
-    """Bring the run to sample `n` (time n dt); False if the friction solve did not converge."""
+    """Bring the run to sample `n` (time n dt); False if the friction solve did not converge or the step was
+    too long to follow the state."""
     dt = clock.step
     previous = memory[DRIVE]
     following = velocity_at(drive, (n + 0.5) * dt)
@@ -156,13 +161,14 @@ def take_step(law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lowe
     rate = part(lower, own, own_load, stress, v)
     power = accelerate(upper.medium, upper.face, rate, mean, 0.5 * following)
     power = follow_on(lower, v - rate, power, mean, 0.5 * following)
-    memory[STATE] = 2.0 * psi - memory[STATE]
+    change = psi - memory[STATE]
+    memory[STATE] = psi + min(COARSEST_HALF_STEP, max(-COARSEST_HALF_STEP, change))
     memory[STRESS] = clock.steady_stress + stress
     memory[INPUT] += power + 2.0 * clock.steady_stress * mean
     memory[FRICTION] += memory[STRESS] * v
     _shift(memory, Z, z)
     _shift(memory, PSI, psi)
-    return converged
+    return converged and abs(change) < COARSEST_HALF_STEP
 
 
 @njit
@@ -183,7 +189,7 @@ def _shift(memory: Array, slot: int, value: float) -> None:
 def march(
     law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lower: Side | Mirror, memory: Array, first: int, pieces: Pieces
 ) -> int:
-    """Fill `pieces` with the steps after sample `first`; returns how many friction solves did not converge."""
+    """Fill `pieces` with the steps after sample `first`; returns how many of them failed (`take_step`)."""
     failures = 0
     n = first
     for k in range(pieces.time.size):

@@ -1,0 +1,42 @@
+"""Scenes that between them reach every branch of the leapfrog's kernel."""
+
+import dataclasses
+
+import scene
+from scene.drive import Drive
+from scene.slab import (
+    GripFace,
+    KelvinVoigtViscosity,
+    Layer,
+    ReflectingFace,
+    StandardLinearViscosity,
+)
+
+PAPER = scene.read("paper")
+SLAB = PAPER.upper
+ROUND_TRIP = SLAB.round_trip
+STEEPER = Drive((0.0, 20.0, 40.0), (100.0, 100.0, 200.0))
+
+
+def of(upper=None, lower=None, **changes):
+    """The paper's scene with slabs changed; the lower like the upper unless given."""
+    upper = SLAB if upper is None else dataclasses.replace(SLAB, **upper)
+    lower = upper if lower is None else dataclasses.replace(SLAB, **lower)
+    return dataclasses.replace(PAPER, upper=upper, lower=lower, **changes)
+
+
+TWO_LAYERS = (Layer(0.3, 1.0), Layer(0.7, 3.0))
+SCENES = {
+    "alike": PAPER,
+    "unlike": of({}, {"epsilon": 3 * SLAB.epsilon, "round_trip": ROUND_TRIP * 2**0.5}),
+    "grip": of({"face": GripFace(2.0, 1.0)}),
+    "stiff-grip": of({"face": GripFace(1e4, 1e3)}),
+    "absorbing": of({"face": ReflectingFace(0.0)}),
+    "free-above": of({"face": ReflectingFace(-1.0)}, {}),
+    "layers": of({"layers": TWO_LAYERS, "face": GripFace(2.0, 1.0)}),
+    "kelvin-voigt": of({"viscosity": KelvinVoigtViscosity(0.02 * ROUND_TRIP)}),
+    "standard-linear": of({"viscosity": StandardLinearViscosity(3.0 * ROUND_TRIP, 0.5)}),
+    "everything": of(
+        {"face": GripFace(2.0, 1.0), "viscosity": KelvinVoigtViscosity(0.02 * ROUND_TRIP)}, {"layers": TWO_LAYERS}, drive=STEEPER
+    ),
+}
