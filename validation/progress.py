@@ -28,20 +28,22 @@ class _Meter:
     def __init__(self, label: str, total: float) -> None:
         self._label, self._total = label, total
         self._began = self._told = time.monotonic()
+        self._first: tuple[float, float] | None = None
         self._bar: Progress | None = None
         self._task: TaskID | None = None
 
     def __call__(self, done: float) -> None:
         now = time.monotonic()
+        self._first = self._first or (now, done)  # what came before may have been compilation
         if now - self._began < PATIENCE:
             return
         if sys.stderr.isatty():
             self._draw(done)
         elif now - self._told >= _LINE_INTERVAL:
             self._told = now
-            share = min(1.0, done / self._total)
-            left = (now - self._began) * (1.0 - share) / max(share, 1e-9)
-            print(f"{self._label}: {share:.0%}, {left:.0f} s left", file=sys.stderr, flush=True)
+            left = (now - self._first[0]) * (self._total - done) / max(done - self._first[1], 1e-9)
+            news = f", {left:.0f} s left" if done > self._first[1] else ""
+            print(f"{self._label}: {done / self._total:.0%}{news}", file=sys.stderr, flush=True)
 
     def _draw(self, done: float) -> None:
         if self._bar is None:
