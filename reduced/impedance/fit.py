@@ -5,6 +5,8 @@ samples on the imaginary axis and the coefficients from least squares under Re Z
 quasi-static one. A fit that is not passive, or not accurate at low frequency, is refused.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +26,7 @@ _FLOOR = 1e-7
 _ROUNDS = 8
 
 
+@lru_cache(maxsize=32)
 def fit_scene(scene: Scene, name: str, count: int, spring: float) -> Reduction:
     """Passive reduction with about `count` oscillators, fitted on 0 < omega < 2 pi (count + 1/2) per longer round trip.
 
@@ -32,7 +35,7 @@ def fit_scene(scene: Scene, name: str, count: int, spring: float) -> Reduction:
     if count == 0:
         raise SceneError(f"model = {name!r}: a fit needs at least one oscillator; quasidynamic is the one without")
     longest = max(scene.upper.round_trip, scene.lower.round_trip) / scene.transit
-    axis = np.concatenate([np.geomspace(1e-3, 0.3, 60), np.linspace(0.3, 2.0 * np.pi * (count + 0.5), 60 * count + 60)])
+    axis = np.concatenate([np.geomspace(1e-3, 0.3, 60), np.linspace(0.3, 2.0 * np.pi * (count + 0.5), 30 * count + 40)])
     s = 1j * axis / longest
     target = exact_impedance(scene, s)
     start = np.asarray((2.0 * np.pi * np.arange(1, count + 1)) * (1j - 0.05) / longest, dtype=np.complex128)

@@ -13,8 +13,8 @@ from reduced.reduction import Reduction
 def reduction_ratio(model: Reduction, epsilon: float, transit: float, s: Jet) -> Ratio:
     """(p, q) with Z = q/p of a reduction; s on the friction clock, `transit` and `epsilon` the upper slab's.
 
-    Each new term n/d turns q/p into (q d + n p)/(p d). Numerator and denominator are divided by a power of (s + omega), which has
-    no zero in the right half plane, so that 64 modes neither overflow nor lose the poles.
+    Each new term n/d turns q/p into (q d + n p)/(p d). Both are divided by powers of (1 + t/1000), t = s * transit, so that 64
+    modes do not overflow; p and q are analytic right of t = -1000.
     """
     t = s * transit
     p, q = s.constant(1.0), (t * model.mass + model.damping) * epsilon
@@ -25,12 +25,13 @@ def reduction_ratio(model: Reduction, epsilon: float, transit: float, s: Jet) ->
 
 def _terms(model: Reduction, t: Jet) -> list[Ratio]:
     """(numerator, denominator) of every term of Z/epsilon but mass and damping; t = s * transit."""
-    terms = [(model.spring / (t + 1.0), t / (t + 1.0))] if model.spring else []
+    tame = 1.0 / (1.0 + t * 1e-3)
+    terms = [(model.spring * tame, t * tame)] if model.spring else []
     for omega, residue, decay, offset in zip(model.frequencies, model.residues, model.decays, model.offsets, strict=True):
-        scale = 1.0 / ((t + omega) * (t + omega))
+        scale = tame * tame * omega**-2
         terms.append(((t * residue + offset) * scale, (t * t + t * (2.0 * decay) + omega**2) * scale))
     for strength, rate in model.relaxations:
-        scale = 1.0 / (t + 2.0 * rate + 1.0)
+        scale = tame * (1.0 / rate)
         terms.append((strength * scale, (t + rate) * scale))
     return terms
 

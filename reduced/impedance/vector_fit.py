@@ -15,6 +15,7 @@ from reduced.impedance.jet import Complex
 
 Real = NDArray[np.float64]
 _REAL_POLE = 1e-9
+_AT_REST = 1e-6
 
 
 def split_poles(poles: Complex) -> tuple[Complex, Real]:
@@ -59,9 +60,13 @@ def _companion(pairs: Complex, reals: Real, sigma: Real) -> Real:
 
 
 def fit_poles(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: Real, rounds: int = 12) -> tuple[Complex, Real]:
-    """Poles after `rounds` relocations from the given start."""
+    """Poles after at most `rounds` relocations from the given start; fewer once they rest."""
     for _ in range(rounds):
+        before = np.sort_complex(np.concatenate([pairs, reals]))
         pairs, reals = relocate(s, values, weight, pairs, reals)
+        after = np.sort_complex(np.concatenate([pairs, reals]))
+        if after.shape == before.shape and np.all(np.abs(after - before) < _AT_REST * np.abs(after)):
+            break
     return pairs, reals
 
 

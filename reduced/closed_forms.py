@@ -1,0 +1,88 @@
+"""The paper's closed forms for alike plain slabs and any friction law: yardsticks for the computed stability.
+
+Friction clock L/V* throughout; `slopes` are F_v, G_phi, F_ss' of the law at V, `epsilon` and r those of (15).
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reduced.stability.friction import FrictionSlopes
+
+
+def critical_frequency(slopes: FrictionSlopes) -> float:
+    """omega_c = G_phi sqrt(-F_ss'/F_v) (20), (38)."""
+    return slopes.healing * math.sqrt(-slopes.steady / slopes.direct)
+
+
+def quasistatic_r(slopes: FrictionSlopes, epsilon: float) -> float:
+    """r_* = -epsilon/(G_phi F_ss') (22)."""
+    return -epsilon / (slopes.healing * slopes.steady)
+
+
+def quasidynamic_r(slopes: FrictionSlopes, epsilon: float) -> float:
+    """Critical r with radiation damping, r_*/(1 - r_* G_phi/2); inf where the damping alone stabilises
+    (Z = eps/s + eps/2; not in the paper)."""
+    left = 1.0 - 0.5 * quasistatic_r(slopes, epsilon) * slopes.healing
+    return quasistatic_r(slopes, epsilon) / left if left > 0.0 else math.inf
+
+
+def kelvin_voigt_r(slopes: FrictionSlopes, epsilon: float) -> float:
+    """Critical r of the Kelvin-Voigt system in closed form (27), with theta = pi/2 - asin(cos theta) so that nothing cancels as
+    r omega_c -> 0, and cos theta = (1 + 8/(r_* omega_c)^2)^(-3/2)."""
+    r_star = quasistatic_r(slopes, epsilon)
+    root = math.sqrt(1.0 + 8.0 / (r_star * slopes.omega_c) ** 2)
+    return r_star - 2.0 * r_star * math.sin(math.asin(root**-3) / 3.0) * root
+
+
+def kelvin_voigt_cubic(slopes: FrictionSlopes, epsilon: float) -> NDArray[np.float64]:
+    """Coefficients (highest first) in x = r/r_* of r^3 - 3 r_* r^2 - (24/omega_c^2) r + (24/omega_c^2) r_* = 0 (21)."""
+    k = 24.0 / (quasistatic_r(slopes, epsilon) * slopes.omega_c) ** 2
+    return np.array([1.0, -3.0, -k, k])
+
+
+def kelvin_voigt_quartic(slopes: FrictionSlopes, epsilon: float, r: float) -> NDArray[np.float64]:
+    """Coefficients (highest first, in s) of r s [1 + (rs)^2/24](F_v s + G_phi F_ss') + eps [1 + (rs)^2/8](s + G_phi) = 0 (18)."""
+    f_v, g, f_ss = slopes.direct, slopes.healing, slopes.steady
+    return np.array(
+        [
+            r**3 * f_v / 24.0,
+            r**3 * g * f_ss / 24.0 + epsilon * r**2 / 8.0,
+            r * f_v + epsilon * g * r**2 / 8.0,
+            r * g * f_ss + epsilon,
+            epsilon * g,
+        ]
+    )
+
+
+def kelvin_voigt_epsilon(slopes: FrictionSlopes, r: float) -> float:
+    """Boundary eps_c(r) of the Kelvin-Voigt system (28); negative for sqrt 8 < r omega_c < sqrt 24, where there is none. Beyond
+    sqrt 24 it is the second pair of roots that crosses."""
+    square = slopes.omega_c**-2
+    return -slopes.healing * slopes.steady * r * (r**2 - 24.0 * square) / (3.0 * (r**2 - 8.0 * square))
+
+
+def delay_r(slopes: FrictionSlopes, epsilon: float) -> float:
+    """Critical r of the delay system (39)."""
+    omega = slopes.omega_c
+    return 2.0 / omega * math.atan(0.5 * quasistatic_r(slopes, epsilon) * omega)
+
+
+def delay_epsilon(slopes: FrictionSlopes, r: float) -> float:
+    """Boundary eps_c(r) of the delay system (40); negative between its branches."""
+    omega = slopes.omega_c
+    return -slopes.healing * slopes.steady * math.tan(0.5 * r * omega) / (0.5 * omega)
+
+
+def delay_function(slopes: FrictionSlopes, epsilon: float, r: float, s: complex) -> complex:
+    """Q(s, r) = A(s) + C(s) e^(-s r) (37)."""
+    half, g = 0.5 * epsilon, slopes.healing
+    a = (slopes.direct + half) * s + g * (slopes.steady + half)
+    c = -(slopes.direct - half) * s - g * (slopes.steady - half)
+    return complex(a + c * np.exp(-s * r))
+
+
+def essential_abscissa(slopes: FrictionSlopes, epsilon: float, r: float) -> float:
+    """Re s of the neutral spectrum: -(1/r) ln |(2 F_v + epsilon)/(2 F_v - epsilon)|, from (37) at high frequency."""
+    return -math.log(abs((2.0 * slopes.direct + epsilon) / (2.0 * slopes.direct - epsilon))) / r

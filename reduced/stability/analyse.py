@@ -1,0 +1,50 @@
+"""Everything about the stability of steady sliding in one scene under one model."""
+
+import math
+from dataclasses import dataclass
+
+from reduced.impedance import is_exact
+from reduced.stability.characteristic import characteristic
+from reduced.stability.critical import critical_epsilon, critical_round_trip
+from reduced.stability.essential import essential_abscissa
+from reduced.stability.spectrum import leading_roots, unstable_count
+from scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Stability:
+    """Friction clock: frequencies and roots in 1/(L/V*). nan where there is no such value.
+
+    `omega_c` and `log10_r_c`: frequency and upper round trip at the first loss of stability as both round trips grow;
+    `epsilon_c`: upper epsilon above which the scene's r is stable; `unstable_roots` is certified; `essential_abscissa` belongs
+    to the exact models (reductions have finitely many roots: nan).
+    """
+
+    model: str
+    stable: bool
+    unstable_roots: int
+    omega_c: float
+    log10_r_c: float
+    epsilon_c: float
+    leading_roots: tuple[complex, ...]
+    essential_abscissa: float
+
+
+def analyse(scene: Scene, model: str = "delay") -> Stability:
+    """Stability of steady sliding at the scene's drive velocity. `taylor` is analysed too: it is unstable whatever the friction.
+
+    Raises SceneError where the model does not fit the scene, NumericsError if a root cannot be located.
+    """
+    problem = characteristic(scene, model)
+    unstable = unstable_count(problem, active=model == "taylor")
+    r_c, omega_c = critical_round_trip(scene, model) if model != "taylor" else (math.nan, math.nan)
+    return Stability(
+        model=model,
+        stable=unstable == 0,
+        unstable_roots=unstable,
+        omega_c=omega_c,
+        log10_r_c=math.log10(r_c) if r_c > 0.0 else math.nan,
+        epsilon_c=critical_epsilon(scene, model) if model != "taylor" else math.nan,
+        leading_roots=tuple(complex(root) for root in leading_roots(problem)),
+        essential_abscissa=essential_abscissa(scene) if is_exact(model) else math.nan,
+    )

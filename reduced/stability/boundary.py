@@ -1,0 +1,160 @@
+"""Stability boundaries in any two parameters: pseudo-arclength continuation of D(i omega; p_1, p_2) = 0."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reduced.stability.characteristic import Characteristic, characteristic
+from reduced.stability.crossing import crossing
+from reduced.stability.parameters import with_parameter
+from reduced.stability.spectrum import unstable_count
+from scene.errors import NumericsError
+from scene.scene import Scene
+
+Real = NDArray[np.float64]
+_DIFFERENCE = 1e-6
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """One curve on which a pair of roots is neutral: `first`, `second` the two parameters' values, `omega` (1/(L/V*))."""
+
+    names: tuple[str, str]
+    first: Real
+    second: Real
+    omega: Real
+
+
+def boundary(
+    scene: Scene,
+    model: str,
+    over: tuple[str, str],
+    ranges: tuple[tuple[float, float], tuple[float, float]],
+    seeds: int = 4,
+    step: float = 0.02,
+) -> list[Boundary]:
+    """Every stability boundary of `scene` under `model` met in the rectangle `ranges` of the parameters `over`.
+
+    Names are those of `reduced.stability.parameters`. Curves are sought on `seeds` lines per parameter, where the certified
+    number of unstable roots changes, and followed both ways in steps of `step` (of the rectangle's side) until they leave it or
+    close.
+    """
+    plane = _Plane(scene, model, over, np.array(ranges, dtype=float))
+    curves: list[Real] = []
+    for start in _seeds(plane, seeds):
+        if all(_distance(curve, start) > 2.0 * step for curve in curves):
+            curves.append(_trace(plane, start, step))
+    found = [(plane.values(curve[:, 1:]), np.exp(curve[:, 0])) for curve in curves]
+    return [Boundary(over, values[:, 0], values[:, 1], omega) for values, omega in found]
+
+
+@dataclass(frozen=True)
+class _Plane:
+    """Unknowns x = (ln omega, u_1, u_2), u the parameters scaled to [0, 1]."""
+
+    scene: Scene
+    model: str
+    over: tuple[str, str]
+    ranges: Real
+
+    def values(self, u: Real) -> Real:
+        return np.asarray(self.ranges[:, 0] + u * (self.ranges[:, 1] - self.ranges[:, 0]))
+
+    def problem(self, u: Real) -> Characteristic:
+        first, second = self.values(u)
+        changed = with_parameter(with_parameter(self.scene, self.over[0], first), self.over[1], second)
+        return characteristic(changed, self.model)
+
+    def residual(self, x: Real) -> Real:
+        value = complex(self.problem(x[1:]).imbalance(1j * math.exp(x[0])))
+        return np.array([value.real, value.imag])
+
+    def jacobian(self, x: Real) -> Real:
+        shifts = _DIFFERENCE * np.eye(3)
+        return np.column_stack([(self.residual(x + d) - self.residual(x - d)) / (2.0 * _DIFFERENCE) for d in shifts])
+
+    def corrected(self, x: Real, tangent: Real, rounds: int = 12) -> Real | None:
+        """Newton orthogonal to `tangent`; None if it does not converge."""
+        for _ in range(rounds):
+            matrix = np.vstack([self.jacobian(x), tangent])
+            try:
+                change = np.linalg.solve(matrix, np.append(-self.residual(x), 0.0))
+            except np.linalg.LinAlgError:
+                return None
+            if not np.all(np.isfinite(change)) or np.linalg.norm(change) > 1.0:
+                return None
+            x = x + change
+            if np.linalg.norm(change) < 1e-11:
+                return x
+        return None
+
+
+def _seeds(plane: _Plane, lines: int) -> list[Real]:
+    """Points on the boundary: on lines across the rectangle, between samples where the count of unstable roots changes."""
+    found = []
+    samples = np.linspace(0.0, 1.0, 41)
+    for axis in (0, 1):
+        for fixed in (np.arange(lines) + 0.5) / lines:
+            at = [np.insert(np.array([fixed]), axis, moving) for moving in samples]
+            counts = [_count(plane.problem(u)) for u in at]
+            for i in np.flatnonzero(np.diff(counts)):
+                point = _seed_between(plane, at[i], at[i + 1])
+                if point is not None:
+                    found.append(point)
+    return found
+
+
+def _count(problem: Characteristic) -> int:
+    try:
+        return unstable_count(problem)
+    except NumericsError:  # a root on the contour: the neighbours tell
+        return -1
+
+
+def _seed_between(plane: _Plane, low: Real, high: Real) -> Real | None:
+    try:
+        share, omega = crossing(lambda t: plane.problem(low + t * (high - low)), 0.5)
+    except NumericsError:
+        return None
+    return np.concatenate([[math.log(omega)], low + share * (high - low)]) if -0.01 <= share <= 1.01 else None
+
+
+def _trace(plane: _Plane, start: Real, step: float) -> Real:
+    """The curve through `start`, both ways; one row (ln omega, u_1, u_2) per point."""
+    forward = _march(plane, start, step, 1.0)
+    if len(forward) > 3 and np.linalg.norm(forward[-1] - start) < 1.5 * step:
+        return np.array(forward)
+    return np.array(_march(plane, start, step, -1.0)[:0:-1] + forward)
+
+
+def _march(plane: _Plane, start: Real, step: float, direction: float) -> list[Real]:
+    points, size = [start], step
+    tangent = direction * _tangent(plane.jacobian(start), None)
+    while len(points) < 4000:
+        trial = plane.corrected(points[-1] + size * tangent, tangent)
+        if trial is None or np.linalg.norm(trial - points[-1]) > 3.0 * size:
+            size *= 0.5
+            if size < 1e-6 * step:
+                break
+            continue
+        points.append(trial)
+        if np.any(trial[1:] < 0.0) or np.any(trial[1:] > 1.0):
+            break
+        if len(points) > 10 and np.linalg.norm(trial - start) < 0.75 * size:
+            break
+        tangent = _tangent(plane.jacobian(trial), tangent)
+        size = min(step, 1.5 * size)
+    return points
+
+
+def _tangent(jacobian: Real, before: Real | None) -> Real:
+    """Null vector of the 2 x 3 Jacobian, pointing on."""
+    vector = np.cross(jacobian[0], jacobian[1])
+    vector = vector / np.linalg.norm(vector)
+    return np.asarray(-vector if before is not None and vector @ before < 0.0 else vector)
+
+
+def _distance(curve: Real, point: Real) -> float:
+    return float(np.min(np.linalg.norm(curve[:, 1:] - point[1:], axis=1) + 0.2 * np.abs(curve[:, 0] - point[0])))

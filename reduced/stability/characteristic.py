@@ -1,0 +1,77 @@
+"""The one characteristic equation of every scene and model (MODEL.md section 5),
+
+    D(s) = (F_v s + G_phi F_ss') p(s) + (s + G_phi) q(s) = 0,      H(s) + Z(s) = 0 with Z = q/p,
+
+written with the one-port's pair (p, q), so that D is analytic (poles of Z are zeros of p, never poles of D) and a count of its
+zeros by the argument principle needs no correction. s is on the friction clock, in 1/(L/V*).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reduced.impedance import Complex, Jet, Ratio, ratio_of
+from reduced.impedance.line import slab_ratio
+from reduced.stability.friction import FrictionSlopes, friction_slopes
+from scene.scene import Scene
+from scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
+
+_SHARED = 1e-6
+
+
+@dataclass(frozen=True)
+class Characteristic:
+    """D(s) of one scene under one model. `transit` is the upper slab's round trip."""
+
+    scene: Scene
+    slopes: FrictionSlopes
+    one_port: Callable[[Jet], Ratio]
+    transit: float
+
+    def jet(self, s: object) -> Jet:
+        """D and dD/ds at s (complex array)."""
+        variable = Jet.variable(s)
+        p, q = self.one_port(variable)
+        n, d = self.slopes.ratio(variable)
+        return n * p + d * q
+
+    def imbalance(self, s: object) -> Complex:
+        """D over the sizes of its two terms: 0 at a root, of modulus <= 1, smooth in every parameter."""
+        variable = Jet.variable(s)
+        p, q = self.one_port(variable)
+        n, d = self.slopes.ratio(variable)
+        left, right = n.value * p.value, d.value * q.value
+        return np.asarray((left + right) / (np.abs(left) + np.abs(right)))
+
+    def idle(self, s: Complex) -> NDArray[np.bool_]:
+        """True at roots in which both slabs swing freely and alike, so that the interface neither slips nor carries stress: they
+        exist where the free modes of unlike slabs coincide, and friction cannot reach them."""
+        if self.scene.alike:
+            return np.zeros(s.shape, dtype=bool)
+        variable = Jet.variable(s)
+        small = []
+        for slab in (self.scene.upper, self.scene.lower):
+            p, q = slab_ratio(slab, variable)
+            small.append(np.abs(q.value) < _SHARED * np.abs(p.value) * slab.epsilon)
+        return np.logical_and(*small)
+
+    @property
+    def leftmost(self) -> float:
+        """Re s (< 0) left of which D need not be analytic: the relaxation of a viscous slab; -inf if both are elastic."""
+        return max(-_fastest_relaxation(self.scene.upper), -_fastest_relaxation(self.scene.lower))
+
+
+def _fastest_relaxation(slab: Slab) -> float:
+    match slab.viscosity:
+        case KelvinVoigtViscosity(time):
+            return 1.0 / time
+        case StandardLinearViscosity(time, ratio):
+            return 1.0 / (time * (1.0 + ratio))
+    return float("inf")
+
+
+def characteristic(scene: Scene, model: str = "delay") -> Characteristic:
+    """D(s) for steady sliding at the scene's drive velocity. Raises SceneError where the model does not fit the scene."""
+    return Characteristic(scene, friction_slopes(scene.law, scene.velocity), ratio_of(scene, model), scene.transit)

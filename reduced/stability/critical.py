@@ -1,0 +1,168 @@
+"""Where steady sliding loses stability: critical r, epsilon and V of any scene under any model.
+
+"r" scales both round trips together, "epsilon" both impedances; ratios between the slabs and a grip's relative stiffness stay.
+For slabs without viscosity Z depends on theta = omega r alone, so a crossing needs, with zeta(theta) = Z at s = i theta/r,
+
+    omega^2(theta) = -G_phi^2 (F_ss' + Re zeta)/(F_v + Re zeta),     Im H(i omega) + Im zeta = 0,
+
+one scalar equation in theta; lossless slabs give omega = omega_c (20), (38) at once. Viscous times do not scale: there the first
+crossing is bracketed by counting unstable roots.
+"""
+
+import dataclasses
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reduced.impedance import Jet, is_exact, ratio_of
+from reduced.stability.characteristic import characteristic
+from reduced.stability.crossing import crossing
+from reduced.stability.friction import FrictionSlopes, friction_slopes
+from reduced.stability.spectrum import unstable_count
+from scene.drive import steady_drive
+from scene.scene import Scene
+
+_THETA = np.unique(np.concatenate([np.geomspace(1e-9, 1.0, 1200), np.linspace(1.0, 60.0, 6000)]))
+_LAST_OCTAVE = 20
+
+
+def scaled(scene: Scene, round_trip: float = 1.0, epsilon: float = 1.0, velocity: float | None = None) -> Scene:
+    """The scene with both round trips and both epsilons multiplied, and driven steadily at `velocity` (V*) if that is given."""
+    change = {
+        name: dataclasses.replace(
+            getattr(scene, name),
+            round_trip=getattr(scene, name).round_trip * round_trip,
+            epsilon=getattr(scene, name).epsilon * epsilon,
+        )
+        for name in ("upper", "lower")
+    }
+    drive = scene.drive if velocity is None else steady_drive(velocity)
+    return dataclasses.replace(scene, **change, drive=drive)
+
+
+def critical_round_trip(scene: Scene, model: str = "delay") -> tuple[float, float]:
+    """(r_c, omega): the upper slab's round trip at which steady sliding first loses stability as both grow from 0, and the
+    frequency there; (nan, nan) if it never does. Friction clock."""
+    slopes = friction_slopes(scene.law, scene.velocity)
+    if not slopes.weakening:
+        return math.nan, math.nan
+    if scene.upper.viscosity or scene.lower.viscosity:
+        return _by_counting(scene, model)
+    return _by_angle(scene, model, slopes)
+
+
+def _by_angle(scene: Scene, model: str, slopes: FrictionSlopes) -> tuple[float, float]:
+    from scipy.optimize import brentq
+
+    one_port = ratio_of(scene, model)
+
+    def zeta(theta: float | NDArray[np.float64]) -> NDArray[np.complex128]:
+        p, q = one_port(Jet.variable(1j * np.asarray(theta) / scene.transit))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(q.value / p.value)
+
+    def excess(theta: float | NDArray[np.float64]) -> NDArray[np.float64]:
+        z = zeta(theta)
+        return _reactance(slopes, _omega(slopes, z)) + z.imag
+
+    values = excess(_THETA)
+    for i in np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0)):
+        theta = brentq(lambda x: float(excess(x)), _THETA[i], _THETA[i + 1], xtol=1e-300, rtol=4 * np.finfo(float).eps)
+        omega = float(_omega(slopes, zeta(theta)))
+        return theta / omega, omega
+    return math.nan, math.nan
+
+
+def _omega(slopes: FrictionSlopes, zeta: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Frequency at which Re H = -Re zeta; nan where the slab dissipates too much for any."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(slopes.healing * np.sqrt(-(slopes.steady + zeta.real) / (slopes.direct + zeta.real)))
+
+
+def _reactance(slopes: FrictionSlopes, omega: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Im H(i omega)."""
+    return omega * slopes.healing * (slopes.direct - slopes.steady) / (omega**2 + slopes.healing**2)
+
+
+def _by_counting(scene: Scene, model: str) -> tuple[float, float]:
+    """Octaves of r from small to large until a root is unstable, then bisection; the frequency from the crossing root itself.
+    A fit, which costs a new fit for every r, starts from the exact one-port's answer instead."""
+
+    def at(exponent: float) -> Scene:
+        return scaled(scene, round_trip=2.0**exponent)
+
+    if not is_exact(model):
+        exact, _ = _by_counting(scene, "delay")
+        return _refine(at, model, math.log2(exact / scene.transit), scene.transit) if exact > 0.0 else (math.nan, math.nan)
+
+    def unstable(exponent: float) -> bool:
+        return unstable_count(characteristic(at(exponent), model)) > 0
+
+    exponents = range(-_LAST_OCTAVE, _LAST_OCTAVE + 1)
+    low = next((float(k - 1) for k in exponents if unstable(k)), math.nan)
+    if math.isnan(low) or low < -_LAST_OCTAVE:
+        return math.nan, math.nan
+    high = low + 1.0
+    while high - low > 1e-4:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if unstable(middle) else (middle, high)
+    return _refine(at, model, 0.5 * (low + high), scene.transit)
+
+
+def _refine(at: Callable[[float], Scene], model: str, start: float, transit: float) -> tuple[float, float]:
+    """Crossing (round trip, omega) near exponent `start`: Newton on the imbalance, frequency guessed from a scan."""
+    exponent, omega = crossing(lambda x: characteristic(at(x), model), start)
+    return transit * 2.0**exponent, omega
+
+
+def critical_epsilon(scene: Scene, model: str = "delay") -> float:
+    """The upper slab's epsilon above which steady sliding is stable at the scene's r (40), (28); nan if there is none.
+
+    With Z proportional to epsilon a crossing at i omega needs epsilon_c/epsilon = -H/Z real and positive; the largest one counts.
+    Only omega <= omega_c can cross (the slab is passive, so Re H <= 0 there); omega = 0 can where the slabs have no spring.
+    """
+    slopes = friction_slopes(scene.law, scene.velocity)
+    if not slopes.weakening:
+        return math.nan
+    from scipy.optimize import brentq
+
+    one_port = ratio_of(scene, model)
+
+    def balance(omega: float) -> complex:
+        p, q = one_port(Jet.variable(1j * omega))
+        return complex(-slopes.impedance_at(omega) * p.value / q.value)
+
+    at_critical = balance(slopes.omega_c)
+    if abs(at_critical.imag) < 1e-9 * abs(at_critical):
+        return scene.upper.epsilon * at_critical.real if at_critical.real > 0.0 else math.nan
+    grid = slopes.omega_c * np.linspace(1e-3, 1.0, 1001)
+    values = np.array([balance(omega) for omega in grid])
+    change = np.flatnonzero(np.sign(values.imag[:-1]) != np.sign(values.imag[1:]))
+    crossings = [brentq(lambda x: balance(x).imag, grid[i], grid[i + 1], rtol=1e-15) for i in change]
+    sizes = [balance(omega).real for omega in (0.0, *crossings)]
+    return scene.upper.epsilon * max((size for size in sizes if size > 0.0), default=math.nan)
+
+
+def critical_velocity(scene: Scene, model: str = "delay", decades: float = 6.0, per_decade: int = 4) -> float:
+    """The velocity (V*) nearest the scene's at which its own round trip is critical; nan if there is none within `decades`."""
+    from scipy.optimize import brentq
+
+    def margin(exponent: float) -> float:
+        r_c, _ = critical_round_trip(scaled(scene, velocity=10.0**exponent), model)
+        return math.log(r_c / scene.transit) if math.isfinite(r_c) else math.inf
+
+    here = math.log10(scene.velocity)
+    start = margin(here)
+    found = []
+    for direction in (1.0, -1.0):
+        last, last_margin = here, start
+        for k in range(1, round(decades * per_decade) + 1):
+            exponent = here + direction * k / per_decade
+            value = margin(exponent)
+            if math.isfinite(value) and math.isfinite(last_margin) and (value > 0.0) != (last_margin > 0.0):
+                found.append(brentq(margin, min(last, exponent), max(last, exponent), rtol=1e-14))
+                break
+            last, last_margin = exponent, value
+    return 10.0 ** min(found, key=lambda x: abs(x - here)) if found else math.nan

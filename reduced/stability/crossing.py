@@ -1,0 +1,52 @@
+"""One crossing of the imaginary axis as a single parameter varies, by Newton's method on the parameter and the frequency."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reduced.stability.characteristic import Characteristic
+from scene.errors import NumericsError
+
+Real = NDArray[np.float64]
+_DIFFERENCE = 1e-6
+
+
+def crossing(problem_at: Callable[[float], Characteristic], start: float) -> tuple[float, float]:
+    """(parameter, omega) near `start` at which a root is i omega: Newton from the minima of |D(i omega)| over omega.
+
+    Raises NumericsError if no start converges.
+    """
+    here = problem_at(start)
+    omega = here.slopes.reach * np.geomspace(1e-4, 1.0, 400)
+    size = np.abs(here.imbalance(1j * omega))
+    minima = np.flatnonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:])) + 1
+    best = (math.inf, math.nan, math.nan)
+    for i in minima:
+        parameter, frequency = _newton(problem_at, start, float(omega[i]))
+        best = min(best, (abs(parameter - start) if math.isfinite(parameter) else math.inf, parameter, frequency))
+    if not math.isfinite(best[0]):
+        raise NumericsError(f"stability: no crossing found near parameter {start:.6g}")
+    return best[1], best[2]
+
+
+def _newton(problem_at: Callable[[float], Characteristic], start: float, omega: float) -> tuple[float, float]:
+    def residual(x: Real) -> Real:
+        value = complex(problem_at(float(x[0])).imbalance(1j * math.exp(x[1])))
+        return np.array([value.real, value.imag])
+
+    x = np.array([start, math.log(omega)])
+    for _ in range(30):
+        shifts = _DIFFERENCE * np.eye(2)
+        matrix = np.column_stack([(residual(x + d) - residual(x - d)) / (2.0 * _DIFFERENCE) for d in shifts])
+        try:
+            change = np.linalg.solve(matrix, -residual(x))
+        except np.linalg.LinAlgError:
+            break
+        x = x + change * min(1.0, 0.5 / max(float(np.linalg.norm(change)), 1e-300))
+        if not np.all(np.isfinite(x)) or abs(x[0] - start) > 3.0:
+            break
+        if np.linalg.norm(change) < 1e-12:
+            return float(x[0]), math.exp(x[1])
+    return math.nan, math.nan

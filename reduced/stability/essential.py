@@ -1,0 +1,142 @@
+"""The neutral (essential) spectrum: where the infinitely many fast roots of the exact system pile up.
+
+At high frequency friction is the constant impedance F_v (the state cannot follow) and every slab a set of echoes without memory.
+Roots then satisfy D(E_1, E_2, ...) = 0, E_j = exp(-s T_j), affine in the echo of each layer; for alike plain slabs
+Re s = -(1/r) ln |(2 F_v + epsilon)/(2 F_v - epsilon)|. If all T_j are multiples of one time the equation is a polynomial, else
+the phases of the echoes are independent and the abscissa is the largest over all of them.
+"""
+
+import itertools
+import math
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reduced.stability.friction import friction_slopes
+from scene.scene import Scene
+from scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
+
+Echo: TypeAlias = NDArray[Any]
+_LARGEST_DENOMINATOR = 200
+_COMMENSURATE = 1e-12
+
+
+def essential_abscissa(scene: Scene) -> float:
+    """Re s (1/(L/V*)) of the rightmost pile of fast roots of the exact system; -inf if there is none (every wave is swallowed).
+
+    Incommensurate travel times give the supremum over all phases of the echoes: exact for up to two of them, and in general over
+    all combinations of signs. Kelvin-Voigt solids let no fast wave through; their roots pile up at -1/time instead.
+    """
+    slabs = (scene.upper,) if scene.alike else (scene.upper, scene.lower)
+    accumulation = max(-_relaxation(slab) for slab in slabs)
+    if any(isinstance(slab.viscosity, KelvinVoigtViscosity) for slab in slabs):
+        return accumulation
+    times = [layer.fraction * slab.round_trip for slab in slabs for layer in slab.layers]
+    grid = _common_grid(times)
+    echoes = _polynomial(scene, slabs, times, grid) if grid else _over_all_signs(scene, slabs, times)
+    return max(echoes, accumulation)
+
+
+def fast_balance(scene: Scene, slabs: tuple[Slab, ...], echoes: list[Echo]) -> Echo:
+    """F_v p + q of the chain of layers at high frequency, `echoes` the factor e^(-s T_j) of every layer, upper slab's first."""
+    direct = friction_slopes(scene.law, scene.velocity).direct
+    remaining = list(echoes)
+    ports = []
+    for slab in slabs:
+        mine, remaining = remaining[: len(slab.layers)], remaining[len(slab.layers) :]
+        ports.append(_fast_ratio(slab, mine))
+    if len(ports) == 1:
+        p, q = 2.0 * ports[0][0], ports[0][1]
+    else:
+        (p1, q1), (p2, q2) = ports
+        p, q = p1 * q2 + p2 * q1, q1 * q2
+    return np.asarray(direct * p + q)
+
+
+def _fast_ratio(slab: Slab, echoes: list[Echo]) -> tuple[Echo, Echo]:
+    """(p, q) of a slab whose springs are too soft to matter: `line.slab_ratio` for s -> infinity at given echoes."""
+    outermost = slab.epsilon * slab.layers[-1].impedance
+    one = np.ones_like(echoes[0])
+    match slab.face:
+        case GripFace(_, impedance):
+            p, q = one / slab.epsilon, one * impedance
+        case ReflectingFace(coefficient):
+            p, q = one * (1.0 - coefficient) / outermost, one * (1.0 + coefficient)
+        case _:
+            p, q = 0.0 * one, one
+    for layer, echo in zip(reversed(slab.layers), reversed(echoes), strict=True):
+        admittance = 1.0 / (slab.epsilon * layer.impedance)
+        echo = echo * _attenuation(slab, layer.fraction)
+        p, q = p * (1.0 + echo) + admittance * q * (1.0 - echo), q * (1.0 + echo) + p * (1.0 - echo) / admittance
+    return p, q
+
+
+def _idle(slabs: tuple[Slab, ...], echoes: list[Echo]) -> NDArray[np.bool_]:
+    """Roots that belong to both slabs swinging freely and alike: friction does not reach them (`Characteristic.idle`)."""
+    if len(slabs) == 1:
+        return np.zeros(echoes[0].shape, dtype=bool)
+    split = len(slabs[0].layers)
+    small = []
+    for slab, mine in zip(slabs, (echoes[:split], echoes[split:]), strict=True):
+        p, q = _fast_ratio(slab, mine)
+        small.append(np.abs(q) < 1e-7 * np.abs(p) * slab.epsilon)
+    return np.logical_and(*small)
+
+
+def _attenuation(slab: Slab, fraction: float) -> float:
+    """What a standard linear solid takes off a fast wave on its way to the far side of a layer and back."""
+    if isinstance(slab.viscosity, StandardLinearViscosity):
+        loss = slab.viscosity.ratio / (1.0 + slab.viscosity.ratio)
+        return math.exp(-0.5 * slab.round_trip * fraction * loss / slab.viscosity.time)
+    return 1.0
+
+
+def _relaxation(slab: Slab) -> float:
+    match slab.viscosity:
+        case KelvinVoigtViscosity(time):
+            return 1.0 / time
+        case StandardLinearViscosity(time, ratio):
+            return 1.0 / (time * (1.0 + ratio))
+    return math.inf
+
+
+def _common_grid(times: list[float]) -> tuple[float, list[int]] | None:
+    """(T, n_j) with T_j = n_j T, or None if the ratios are not simple fractions."""
+    shortest = min(times)
+    ratios = [Fraction(time / shortest).limit_denominator(_LARGEST_DENOMINATOR) for time in times]
+    if any(abs(float(ratio) * shortest / time - 1.0) > _COMMENSURATE for ratio, time in zip(ratios, times, strict=True)):
+        return None
+    common = math.lcm(*(ratio.denominator for ratio in ratios))
+    multiples = [int(ratio * common) for ratio in ratios]
+    return (shortest / common, multiples) if sum(multiples) <= 4 * _LARGEST_DENOMINATOR else None
+
+
+def _polynomial(scene: Scene, slabs: tuple[Slab, ...], times: list[float], grid: tuple[float, list[int]]) -> float:
+    """Smallest root |E| of the polynomial in E = exp(-s T), whose coefficients are read off the unit circle."""
+    unit, multiples = grid
+    degree = sum(multiples)
+    circle = np.exp(2j * np.pi * np.arange(degree + 1) / (degree + 1))
+    coefficients = (np.fft.fft(fast_balance(scene, slabs, [np.asarray(circle**n) for n in multiples])) / (degree + 1)).real
+    coefficients[np.abs(coefficients) < 1e-14 * np.abs(coefficients).max()] = 0.0
+    roots = np.roots(np.trim_zeros(coefficients[::-1], "f"))
+    roots = roots[~_idle(slabs, [roots**n for n in multiples])]
+    return -math.log(np.abs(roots).min()) / unit if roots.size else -math.inf
+
+
+def _over_all_signs(scene: Scene, slabs: tuple[Slab, ...], times: list[float]) -> float:
+    """Largest sigma with F_v p + q = 0 for echoes +-exp(-sigma T_j): the balance is affine in each echo with real coefficients,
+    so that its modulus over the phase of any one echo is smallest at a sign. 0 for unlike slabs behind rigid faces: modes in
+    which both swing nearly freely and alike are damped as little as one likes."""
+    best = -math.inf
+    scale = 1.0 / max(times)
+    sigma = np.linspace(-40.0, 0.004, 40005) * scale
+    for signs in itertools.product((1.0, -1.0), repeat=len(times)):
+        echoes = [sign * np.exp(-sigma * time) + 0j for sign, time in zip(signs, times, strict=True)]
+        balance = fast_balance(scene, slabs, echoes).real
+        change = np.flatnonzero(np.diff(np.sign(balance)) != 0)
+        if change.size:
+            i = change[-1]
+            best = max(best, float(sigma[i] - balance[i] * (sigma[i + 1] - sigma[i]) / (balance[i + 1] - balance[i])))
+    return best

@@ -1,0 +1,230 @@
+"""Roots, counts and critical values of every scene and model; closed forms as yardsticks."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from one_port_scenes import EPSILON, EVERY, PAPER, ROUND_TRIP, paper, scene_of, slab
+
+from reduced import closed_forms
+from reduced.stability import (
+    analyse,
+    characteristic,
+    critical_epsilon,
+    critical_round_trip,
+    critical_velocity,
+    essential_abscissa,
+    follow_root,
+    friction_slopes,
+    leading_roots,
+    scaled,
+    unstable_count,
+)
+from scene.errors import SceneError
+from scene.friction import respond, steady_state, unknown_of
+from scene.friction.ageing import Ageing
+from scene.friction.ageing_regularised import AgeingRegularised
+from scene.friction.slip import Slip
+from scene.friction.slip_regularised import SlipRegularised
+from scene.slab import GripFace, KelvinVoigtViscosity, Slab
+
+SLOPES = friction_slopes(PAPER, 100.0)
+LAWS = [PAPER, Slip(*PAPER), AgeingRegularised(*PAPER), SlipRegularised(*PAPER), Ageing(0.6, 0.01, 0.015)]
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("velocity", [1e-3, 1.0, 100.0, 1e4])
+def test_friction_impedance_of_every_law(law, velocity):
+    """F_ss' by differencing the steady state itself; H(s) by solving the linearised law as a 2 x 2 system."""
+    slopes = friction_slopes(law, velocity)
+
+    def steady_stress(v):
+        return respond(law, unknown_of(law, v), steady_state(law, v))[2]
+
+    step = 1e-5 * velocity
+    assert slopes.steady == pytest.approx(
+        (steady_stress(velocity + step) - steady_stress(velocity - step)) / (2 * step), rel=1e-6
+    )
+    assert slopes.healing == pytest.approx(velocity, rel=1e-9)
+    _, v_z, _, f_z, f_psi, _, g_z, g_psi = respond(law, unknown_of(law, velocity), steady_state(law, velocity))
+    omega = 0.7 * velocity
+    z, psi = np.linalg.solve([[v_z, 0.0], [-g_z, 1j * omega - g_psi]], [1.0, 0.0])
+    assert slopes.impedance_at(omega) == pytest.approx(f_z * z + f_psi * psi, rel=1e-12)
+
+
+@pytest.mark.parametrize("velocity", np.geomspace(1.0, 1e4, 9))
+def test_27_is_a_root_of_21_and_of_18(velocity):
+    slopes = friction_slopes(PAPER, velocity)
+    r = closed_forms.kelvin_voigt_r(slopes, EPSILON)
+    ratio = r / closed_forms.quasistatic_r(slopes, EPSILON)
+    roots = np.sort(np.roots(closed_forms.kelvin_voigt_cubic(slopes, EPSILON)).real)
+    polished = roots[1] - np.polyval(c := closed_forms.kelvin_voigt_cubic(slopes, EPSILON), roots[1]) / np.polyval(
+        np.polyder(c), roots[1]
+    )
+    assert polished == pytest.approx(ratio, rel=1e-12)
+    quartic = np.array(closed_forms.kelvin_voigt_quartic(slopes, EPSILON, r))
+    s = 1j * slopes.omega_c
+    assert abs(np.polyval(quartic, s)) < 1e-12 * np.sum(np.abs(quartic) * slopes.omega_c ** np.arange(4, -1, -1))
+
+
+@pytest.mark.parametrize("velocity", np.geomspace(1.0, 1e4, 9))
+@pytest.mark.parametrize(
+    ("model", "closed"),
+    [
+        ("delay", closed_forms.delay_r),
+        ("kelvin-voigt", closed_forms.kelvin_voigt_r),
+        ("quasistatic", closed_forms.quasistatic_r),
+        ("quasidynamic", closed_forms.quasidynamic_r),
+    ],
+)
+def test_critical_r_against_its_closed_form(model, closed, velocity):
+    slopes = friction_slopes(PAPER, velocity)
+    r, omega = critical_round_trip(paper(velocity=velocity), model)
+    expected = closed(slopes, EPSILON)
+    if math.isinf(expected):
+        assert math.isnan(r)
+        return
+    assert r == pytest.approx(expected, rel=1e-12)
+    if model != "quasidynamic":
+        assert omega == pytest.approx(closed_forms.critical_frequency(slopes), rel=1e-13)
+
+
+def test_39_is_a_root_of_the_delay_systems_own_equation():
+    for velocity in (1.0, 100.0, 1e4):
+        slopes = friction_slopes(PAPER, velocity)
+        r = closed_forms.delay_r(slopes, EPSILON)
+        s = 1j * slopes.omega_c
+        scale = abs(slopes.direct * s) + abs(slopes.healing * slopes.steady)
+        assert abs(closed_forms.delay_function(slopes, EPSILON, r, s)) < 1e-12 * scale
+        root = follow_root(characteristic(paper(r, velocity)), s * (1.0 + 1e-3j))
+        assert abs(root - s) < 1e-12 * abs(s)
+
+
+def test_reference_hopf_points():
+    found = {model: critical_round_trip(paper(), model) for model in ("delay", "kelvin-voigt")}
+    assert math.log10(found["delay"][0]) == pytest.approx(-2.6995497159, abs=1e-10)
+    assert found["delay"][0] * found["delay"][1] == pytest.approx(0.1265032224, abs=1e-10)
+    assert math.log10(found["kelvin-voigt"][0]) == pytest.approx(-2.69954994745, abs=1e-11)
+    assert abs(math.log10(found["delay"][0]) + 2.6996) < 1e-4
+
+
+def test_critical_epsilon_closed_forms():
+    for exponent in (-3.0, -2.68, -2.0, -1.6):
+        r = 10**exponent
+        assert critical_epsilon(paper(r)) == pytest.approx(closed_forms.delay_epsilon(SLOPES, r), rel=1e-12)
+        wanted = closed_forms.kelvin_voigt_epsilon(SLOPES, r)
+        assert critical_epsilon(paper(r), "kelvin-voigt") == pytest.approx(wanted, rel=1e-12)
+    assert math.isnan(critical_epsilon(paper(4.0 / SLOPES.omega_c), "kelvin-voigt"))
+    assert closed_forms.kelvin_voigt_epsilon(SLOPES, 4.0 / SLOPES.omega_c) < 0.0
+
+
+MODELS = ["delay", "quasidynamic", "block12", "kelvin-voigt", "modal:3"]
+CASES = [(name, model) for name in EVERY for model in MODELS] + [("grip", "fitted:3"), ("standard linear", "fitted:3")]
+
+
+@pytest.mark.parametrize(("name", "model"), CASES)
+def test_critical_values_part_stable_from_unstable(name, model):
+    scene = EVERY[name]
+    try:
+        r, _ = critical_round_trip(scene, model)
+        epsilon = critical_epsilon(scene, model)
+    except SceneError:
+        return
+    counts = [unstable_count(characteristic(scaled(scene, epsilon=epsilon / EPSILON * f), model)) for f in (0.999, 1.001)]
+    assert counts == ([1, 0] if name == "reflection" else [2, 0])
+    if name == "reflection":  # without a spring steady sliding gives way at s = 0, whatever r
+        assert math.isnan(r)
+        return
+    counts = [unstable_count(characteristic(scaled(scene, round_trip=r / scene.transit * f), model)) for f in (0.999, 1.001)]
+    assert counts == [0, 2]
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_leading_roots_solve_the_equation_and_tell_stability(name):
+    problem = characteristic(EVERY[name])
+    roots = leading_roots(problem)
+    assert roots.size >= 4
+    assert np.all(np.abs(problem.imbalance(roots)) < 1e-9)
+    assert np.all(np.diff(roots.real) <= 1e-9 * np.abs(roots[0]))
+    assert np.sum(roots.real > 0.0) == unstable_count(problem)
+
+
+def test_leading_roots_of_an_ode_are_its_eigenvalues():
+    quartic = closed_forms.kelvin_voigt_quartic(SLOPES, EPSILON, ROUND_TRIP)
+    eigenvalues = np.roots(quartic)
+    eigenvalues = eigenvalues[np.argsort(-eigenvalues.real)]
+    roots = leading_roots(characteristic(paper(), "kelvin-voigt"))
+    assert np.sort_complex(roots) == pytest.approx(np.sort_complex(eigenvalues), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", [n for n in EVERY if n not in ("kelvin-voigt solid", "matched grip", "layered", "ratio sqrt 2")])
+def test_fast_roots_pile_up_at_the_essential_abscissa(name):
+    """Newton from far up the imaginary axis, at 300 phases: the rightmost fast root found lies where the formula says."""
+    scene = EVERY[name]
+    problem = characteristic(scene)
+    abscissa = essential_abscissa(scene)
+    phases = np.linspace(0.0, 4.0 * np.pi, 60)[None, :] + 1e4
+    shifts = np.linspace(0.5, 1.5, 5)[:, None]
+    starts = (abscissa * shifts + 1j * phases / scene.transit).ravel()
+    from reduced.stability.roots import polish
+
+    found = polish(problem.jet, starts)
+    found = found[np.isfinite(found)]
+    found = found[~problem.idle(found) & (found.imag > 9e3 / scene.transit)]
+    assert found.real.max() == pytest.approx(abscissa, rel=2e-3)
+
+
+def test_essential_abscissa_closed_form():
+    for velocity in (1.0, 100.0, 3e3):
+        slopes = friction_slopes(PAPER, velocity)
+        wanted = closed_forms.essential_abscissa(slopes, EPSILON, ROUND_TRIP)
+        assert essential_abscissa(paper(velocity=velocity)) == pytest.approx(wanted, rel=1e-10)
+    assert essential_abscissa(EVERY["matched grip"]) == -math.inf
+    assert essential_abscissa(EVERY["ratio sqrt 2"]) == pytest.approx(0.0, abs=1e-6)
+    assert essential_abscissa(scene_of(slab(viscosity=KelvinVoigtViscosity(0.5)))) == -2.0
+
+
+def test_taylor_is_unstable_whatever_the_friction():
+    for law in (PAPER, Ageing(0.369, 0.0489, 0.0349)):
+        found = analyse(paper(10**-3.5, law=law), "taylor")
+        assert not found.stable
+        assert found.unstable_roots >= 2
+    assert analyse(paper(10**-3.5), "kelvin-voigt").stable
+
+
+def test_strengthening_friction_is_stable_and_has_no_critical_values():
+    found = analyse(paper(law=Ageing(0.369, 0.0489, 0.0349)))
+    assert found.stable
+    assert all(map(math.isnan, (found.omega_c, found.log10_r_c, found.epsilon_c)))
+
+
+def test_critical_velocity():
+    velocity = 3000.0
+    scene = paper(closed_forms.delay_r(friction_slopes(PAPER, velocity), EPSILON))
+    assert critical_velocity(scene) == pytest.approx(velocity, rel=1e-9)
+    assert math.isnan(critical_velocity(paper()))
+
+
+def test_a_face_that_swallows_the_load_fails_without_oscillating():
+    found = analyse(EVERY["reflection"])
+    assert found.unstable_roots == 1
+    assert found.leading_roots[0].imag == 0.0
+
+
+def test_a_stiff_dashpot_is_a_rigid_face():
+    stiff = scene_of(slab(face=GripFace(1.0, 1e9)))
+    assert critical_round_trip(stiff)[0] == pytest.approx(critical_round_trip(paper())[0], rel=1e-6)
+
+
+def test_unlike_slabs_that_are_alike_agree_with_one_slab():
+    almost = scene_of(slab(), Slab(EPSILON * (1.0 + 1e-13), ROUND_TRIP))
+    assert critical_round_trip(almost)[0] == pytest.approx(critical_round_trip(paper())[0], rel=1e-11)
+    assert leading_roots(characteristic(almost)) == pytest.approx(leading_roots(characteristic(paper())), rel=1e-7)
+
+
+def test_analysis_is_plain_data():
+    found = analyse(paper())
+    assert json.dumps([found.omega_c, found.log10_r_c, found.epsilon_c, found.stable])
+    assert not found.stable
+    assert analyse(paper(10**-2.7)).stable

@@ -1,0 +1,82 @@
+import math
+
+import numpy as np
+import pytest
+from one_port_scenes import EPSILON, EVERY, PAPER, paper, scene_of, slab
+
+from reduced import closed_forms
+from reduced.stability import (
+    boundary,
+    characteristic,
+    critical_round_trip,
+    error_law,
+    friction_slopes,
+    unstable_count,
+    with_parameter,
+)
+from scene.errors import SceneError
+from scene.slab import Slab
+
+SLOPES = friction_slopes(PAPER, 100.0)
+
+
+@pytest.mark.parametrize(
+    ("model", "closed"), [("delay", closed_forms.delay_epsilon), ("kelvin-voigt", closed_forms.kelvin_voigt_epsilon)]
+)
+def test_both_branches_in_the_plane_of_r_and_epsilon(model, closed):
+    """(28) and (40), with the second branch, traced without knowing them."""
+    curves = boundary(paper(), model, ("log10_r", "log10_epsilon"), ((-3.2, -0.7), (-6.0, -1.0)))
+    assert len(curves) == 2
+    for curve in curves:
+        wanted = np.array([closed(SLOPES, 10**x) for x in curve.first])
+        assert 10**curve.second == pytest.approx(wanted, rel=1e-8)
+        assert curve.omega == pytest.approx(SLOPES.omega_c, rel=1e-9)
+    ends = sorted(10 ** curve.first.min() * SLOPES.omega_c for curve in curves)
+    assert ends[1] > (math.sqrt(24.0) if model == "kelvin-voigt" else 2.0 * math.pi)
+
+
+def test_boundary_of_gripped_slabs_parts_stable_from_unstable():
+    scene = EVERY["matched grip"]
+    (curve, *_) = boundary(scene, "delay", ("log10_grip_impedance", "log10_r"), ((-2.0, 4.0), (-4.0, -2.0)))
+    for i in range(5, len(curve.first) - 5, 10):
+        at = with_parameter(scene, "log10_grip_impedance", curve.first[i])
+        counts = [unstable_count(characteristic(with_parameter(at, "log10_r", curve.second[i] + d))) for d in (-1e-3, 1e-3)]
+        assert sorted(counts) == [0, 2]
+
+
+def test_parameters_change_what_they_say():
+    pair = scene_of(slab(), Slab(2.0 * EPSILON, 0.01))
+    moved = with_parameter(pair, "log10_r", -3.0)
+    assert moved.transit == pytest.approx(1e-3)
+    assert moved.lower.round_trip / moved.transit == pytest.approx(pair.lower.round_trip / pair.transit)
+    assert with_parameter(pair, "V", 7.0).velocity == 7.0
+    assert with_parameter(pair, "ratio_epsilon", 5.0).lower.epsilon == pytest.approx(5.0 * EPSILON)
+    assert with_parameter(pair, "a", 0.02).law.a == 0.02
+    with pytest.raises(SceneError, match="did you mean 'log10_r'"):
+        with_parameter(pair, "log_r", -3.0)
+
+
+MODELS = ["quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:1", "modal:3"]
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_error_laws(model):
+    """The measured error of the critical r tends to the law as theta = r omega_c -> 0, at the law's power."""
+    law = error_law(model, SLOPES)
+    ratios = []
+    for epsilon in (EPSILON, 0.5 * EPSILON, 0.25 * EPSILON):
+        exact, omega = critical_round_trip(paper(epsilon=epsilon))
+        reduced, _ = critical_round_trip(paper(epsilon=epsilon), model)
+        ratios.append((reduced / exact - 1.0) / law.at(exact * omega))
+    assert ratios[0] == pytest.approx(1.0, abs=0.2 if model == "quasidynamic" else 0.02)
+    assert abs(ratios[1] - 1.0) < 0.6 * abs(ratios[0] - 1.0) + 1e-4
+
+
+def test_error_laws_known_coefficients():
+    known = {"quasistatic": (1 / 12, 2), "block8": (-1 / 24, 2), "block12": (1 / 720, 4), "kelvin-voigt": (-1 / 480, 4)}
+    for model, (coefficient, power) in known.items():
+        law = error_law(model, SLOPES)
+        assert (law.coefficient, law.power) == (pytest.approx(coefficient, rel=1e-12), power)
+    assert error_law("modal:1", SLOPES).coefficient == pytest.approx(1 / 720 - 2 / (2 * math.pi) ** 4, rel=1e-10)
+    with pytest.raises(SceneError):
+        error_law("fd", SLOPES)
