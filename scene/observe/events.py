@@ -70,6 +70,17 @@ class EventObserver:
         """Time of the latest event start (transits); NaN before the first."""
         return float(self._memory[_EVENT_TIME]) if self._memory[_STARTED] else math.nan
 
+    def state(self) -> dict[str, Array]:
+        """Everything remembered, as arrays, for a checkpoint."""
+        table = np.concatenate(self._rows) if self._rows else np.empty((0, 6))
+        return {"memory": self._memory.copy(), "cycles": table, "count": np.array([self.count])}
+
+    def restore(self, state: dict[str, Array]) -> None:
+        """Go on from what `state` returned."""
+        self._memory[:] = state["memory"]
+        self._rows = [state["cycles"].copy()] if state["cycles"].size else []
+        self.count = int(state["count"][0])
+
 
 @njit
 def _scan(

@@ -24,6 +24,15 @@ class HistoryObserver:
         keep = (times >= start) & (times <= end)
         self._chunks.append(tuple(a[keep] for a in (times, pieces.unknown, pieces.state, pieces.stress, pieces.elastic)))
 
+    def state(self) -> dict[str, Array]:
+        """Everything collected, as arrays, for a checkpoint."""
+        columns = [np.concatenate(part) for part in zip(*self._chunks, strict=True)]
+        return {"columns": np.array(columns) if columns else np.empty((5, 0))}
+
+    def restore(self, state: dict[str, Array]) -> None:
+        """Go on from what `state` returned."""
+        self._chunks = [tuple(state["columns"])] if state["columns"].size else []
+
     def columns(self) -> dict[str, Array]:
         """time (transits), slip_rate (V*), psi, stress, elastic_stress: arrays of equal length."""
         columns = [np.concatenate(part) for part in zip(*self._chunks, strict=True)] if self._chunks else [np.empty(0)] * 5
