@@ -56,6 +56,11 @@ class Delay:
         return float(self._memory.now[TIME])
 
     @property
+    def psi(self) -> float:
+        """psi at the present moment."""
+        return float(self._memory.now[PSI])
+
+    @property
     def steps(self) -> int:
         """Steps a transit in use now."""
         return int(self._memory.incoming.shape[0])

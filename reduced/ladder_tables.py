@@ -39,7 +39,7 @@ class Tables(NamedTuple):
 def step_tables(reduction: Reduction, rule: Collocation, levels: int) -> Tables:
     """Tables of `reduction` for `levels` step lengths."""
     residue, offset, decay2, omega2 = _terms(reduction)
-    length = LONGEST * 0.5 ** np.arange(levels)
+    length = np.ldexp(LONGEST, -np.arange(levels))
     a, one = rule.integral, np.ones(rule.nodes.size)
     ha = length[:, None, None] * a
     ha2 = ha @ ha

@@ -1,8 +1,9 @@
 """Streaming detection of slip events and of each cycle's extrema, from the dense polynomials of the pieces.
 
-A slip event starts where v crosses V upwards after having stayed below V for a whole reverberation (the longer round trip):
-a ripple has that period, so it can never stay below for so long, while the stick between two events does. Extrema are those of
-the polynomial, not of the nodes; a piece is searched only if it might beat the cycle's record.
+A slip event starts where v crosses V upwards after a stick. A stick is told from the ripples and rebounds of an event by two
+marks: v stayed below V for a whole reverberation (the longer round trip; a ripple has that period, so it cannot), and elastic
+stress came back (a rebound regains almost none of what an event releases). Extrema are those of the polynomial, not of the nodes;
+a piece is searched only if it might beat the cycle's record.
 """
 
 import math
@@ -17,9 +18,10 @@ from scene.observe.extrema import evaluate, find_root, raise_record, raise_recor
 from scene.observe.pieces import Array, Basis, Pieces, lagrange_basis
 from scene.scene import Scene
 
+_RELOADED = 0.1  # share of a cycle's elastic stress drop that has to come back before another event can start
 _NOISE = 1e-9  # relative depth below V that counts as "below": steady sliding at V must not trigger by rounding
 # slots of the detector's memory; from _EXTREMA on: max and -min of rate unknown, stress, elastic stress
-_BELOW_SINCE, _STARTED, _EVENT_TIME, _LAST_VALUE, _EXTREMA = 0, 1, 2, 3, 4
+_BELOW_SINCE, _STARTED, _EVENT_TIME, _LAST_VALUE, _LAST_DROP, _EXTREMA = 0, 1, 2, 3, 4, 5
 _MEMORY = _EXTREMA + 6
 
 
@@ -102,7 +104,8 @@ def _scan(
             if left_value < threshold <= right_value:
                 point = _crossing(basis, z, threshold, left, right)
                 at = pieces.time[k] + pieces.length[k] * point
-                if at - memory[_BELOW_SINCE] > quiet:
+                elastic = evaluate(basis, pieces.elastic[k], (at - pieces.time[k]) / pieces.length[k])
+                if at - memory[_BELOW_SINCE] > quiet and _reloaded(memory, elastic):
                     if memory[_STARTED] > 0.0:
                         _raise_within(pieces, k, basis, slopes, memory, begin, point)
                         _close_cycle(memory, at, rows[cycles])
@@ -133,12 +136,29 @@ def _crossing(basis: Basis, z: Array, threshold: float, left: float, right: floa
 
 
 @njit
+def _reloaded(memory: Array, elastic: float) -> bool:
+    """Whether the slabs have won back a share of the elastic stress drop of this cycle and of the one before.
+
+    The cycle before counts because a precursor may end before this cycle's own event has released anything; its weight halves
+    with every crossing refused, so that a motion that calms down for good is seen again. True before the first event.
+    """
+    if memory[_STARTED] == 0.0:
+        return True
+    highest, lowest = memory[_EXTREMA + 4], -memory[_EXTREMA + 5]
+    if elastic - lowest > _RELOADED * max(highest - lowest, memory[_LAST_DROP]):
+        return True
+    memory[_LAST_DROP] *= 0.5
+    return False
+
+
+@njit
 def _close_cycle(memory: Array, at: float, row: Array) -> None:
     """Row of the cycle that ends at `at`: start, period, drops, extreme rate unknowns (min, max)."""
     row[0] = memory[_EVENT_TIME]
     row[1] = at - memory[_EVENT_TIME]
     row[2] = memory[_EXTREMA + 2] + memory[_EXTREMA + 3]
     row[3] = memory[_EXTREMA + 4] + memory[_EXTREMA + 5]
+    memory[_LAST_DROP] = row[3]
     row[4] = -memory[_EXTREMA + 1]
     row[5] = memory[_EXTREMA]
 

@@ -34,7 +34,7 @@ def watch(
         times = left[:, None] + length[:, None] * nodes
         zero = np.zeros_like(times)
         stress = others["stress"](times) if "stress" in others else zero
-        elastic = others["elastic"](times) if "elastic" in others else zero
+        elastic = others["elastic"](times) if "elastic" in others else np.cos(2 * np.pi * (times / PERIOD - 0.25))
         observer.scan(Pieces(left, length, LOG_V + signal(times), zero, stress, elastic))
     return observer.events
 

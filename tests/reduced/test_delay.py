@@ -1,0 +1,131 @@
+"""The exact delay system against independent values, a plain reference of itself, and starts meant to break it."""
+
+import numpy as np
+import pytest
+
+from reduced.collocation import radau
+from reduced.delay import Delay
+from scene import read
+from scene.errors import NumericsError, SceneError
+from scene.friction import rate_of, respond, unknown_of
+from scene.interface import solve_interface
+from scene.observe import EventObserver, follow, summarise
+
+JUMP = {"start.kind": "jump", "start.size": 0.05}
+
+
+def paper(log10_r, **keys):
+    overrides = [f"{key}={value!r}".replace("'", '"') for key, value in {"slab.log10_r": log10_r, **keys}.items()]
+    return read("paper", overrides)
+
+
+@pytest.mark.parametrize(
+    ("log10_r", "transits", "psi", "tolerance", "allowed"),
+    [
+        (-2.68, 400, -4.5206736325264, 1e-10, 1e-12),
+        (-2.68, 2000, -4.82021523090, 1e-10, 1e-10),
+        (-2.68, 6000, -2.87971286869, 1e-10, 1e-10),
+        (-2.30, 400, -1.50117901395, 1e-10, 2e-9),
+    ],
+)
+@pytest.mark.parametrize("emit", [True, False])
+def test_jump_start_reaches_the_converged_state(log10_r, transits, psi, tolerance, allowed, emit):
+    solver = Delay(paper(log10_r, **JUMP), tolerance=tolerance, emit=emit)
+    while solver.time < transits - 1e-9:
+        solver.advance(transits)
+    assert abs(solver.psi - psi) < allowed
+    assert solver.failures == 0
+
+
+def test_smooth_start_reaches_the_converged_state():
+    solver = Delay(paper(-2.6))
+    assert follow(solver, 600).psi == pytest.approx(-2.81740188949, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("log10_r", "period", "stress_drop", "elastic", "v_max", "v_min"),
+    [
+        (-2.69, 70.34210714, 0.1542893, 0.1424186, 3615.520, 4.299699),
+        (-2.68, 73.4721449443, 0.1739634131, 0.1547375, 4412.3205, 2.860302),
+    ],
+)
+def test_orbit_figures_of_the_independent_programs(log10_r, period, stress_drop, elastic, v_max, v_min):
+    scene = paper(log10_r)
+    solver = Delay(scene)
+    observer = EventObserver(scene, solver.nodes)
+    follow(solver, 5000, [observer])
+    found = summarise(observer.events, 3500)
+    assert found.period.mean == pytest.approx(period, rel=2e-9)
+    assert found.stress_drop.mean == pytest.approx(stress_drop, rel=3e-7)
+    assert found.elastic_stress_drop.mean == pytest.approx(elastic, rel=4e-7)
+    assert found.v_max == pytest.approx(v_max, rel=2e-7)
+    assert found.v_min == pytest.approx(v_min, rel=2e-7)
+
+
+def plain_delay(scene, stages, steps, transits):
+    """The same collocation written as the equations read: frozen-Jacobian-free fixed point on psi, one scalar solve a node."""
+    rule, law, epsilon = radau(stages), scene.law, scene.upper.epsilon
+    incoming = np.full((transits + 1, steps, stages), scene.steady_stress + epsilon * scene.velocity / 2)
+    psi, z = scene.steady_psi + scene.start.jump_size, unknown_of(law, scene.velocity)
+    for transit in range(transits):
+        for step in range(steps):
+            time = transit + (step + rule.nodes) / steps
+            nudge = scene.start.nudge_size * np.exp(-((time - 6.0) ** 2))
+            nodal = np.full(stages, psi)
+            for _ in range(200):
+                roots = [
+                    solve_interface(law, epsilon / 2, s, p, z)[0] for s, p in zip(incoming[transit, step], nodal, strict=True)
+                ]
+                rates = [scene.transit * respond(law, root, p)[5] for root, p in zip(roots, nodal, strict=True)]
+                nodal, previous = psi + rule.integral @ (np.array(rates) + nudge) / steps, nodal
+                if np.abs(nodal - previous).max() < 1e-15:
+                    break
+            velocity = np.array([rate_of(law, root) for root in roots])
+            incoming[transit + 1, step] = incoming[transit, step] + epsilon * (scene.velocity - velocity)
+            psi = nodal[-1]
+    return psi
+
+
+@pytest.mark.parametrize("start", [{}, JUMP])
+@pytest.mark.parametrize("law", ["ageing", "slip-regularised"])
+def test_compiled_march_equals_the_plain_one(start, law):
+    scene = paper(-2.6, **{"interface.law": law}, **start)
+    solver = Delay(scene, nodes=5, steps=6, tolerance=1e-6)
+    solver._newton_tolerance = 1e-15
+    follow(solver, 12)
+    assert solver.steps == 6
+    assert solver.psi == pytest.approx(plain_delay(scene, 5, 6, 12), abs=2e-13)
+
+
+def test_coarse_step_is_refined_not_nan():
+    solver = Delay(paper(-2.3, **JUMP), nodes=5, steps=1, tolerance=1e-6)
+    assert np.isfinite(follow(solver, 400).psi)
+    assert solver.steps > 8
+
+
+def test_unresolvable_run_is_refused_with_place_and_time(monkeypatch):
+    monkeypatch.setattr("reduced.delay.MAX_STEPS", 8)
+    solver = Delay(paper(-2.3))
+    with pytest.raises(NumericsError, match=r"delay: the step at t = .* transits"):
+        follow(solver, 1e5)
+
+
+def test_end_between_steps_is_read_from_the_polynomial():
+    scene = paper(-2.6)
+    whole, part = Delay(scene), Delay(scene)
+    early = follow(part, 33.37)
+    follow(whole, 33.0)
+    late = follow(whole, 33.37)
+    assert early.psi == pytest.approx(late.psi, abs=1e-11)
+    assert part.time - 33.37 < 1.0 / part.steps
+
+
+def test_ramped_drive_ends_at_the_new_steady_state():
+    scene = read("paper", ["slab.log10_r=-2.75", "drive.velocity=[[0, 100.0], [40, 130.0]]", "start.size=0.0"])
+    final = follow(Delay(scene), 6000)
+    assert np.exp(final.ln_v) == pytest.approx(130.0, rel=1e-6)
+
+
+def test_unlike_slabs_are_refused_by_name():
+    with pytest.raises(SceneError, match="alike"):
+        Delay(read("grip"))
