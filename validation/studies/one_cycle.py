@@ -176,12 +176,12 @@ def _against_reference(runs: dict[str, Run]) -> list[Verdict]:
         limit = _DIGITS.get(model, 5e-8)
         verdicts.append(
             Verdict(
-                f"`{model}`: {'orbit' if len(known) > 1 else 'period'} as computed by other programs",
+                "The exact orbit as computed by other programs" if model == "delay" else "Reduced models’ orbits likewise",
                 Evidence.WITNESS,
-                f"T = {known['period']:.10g}",
-                f"T = {one.orbit.period.value:.10g}",
+                f"{known['period']:.10g}",
+                f"{one.orbit.period.value:.10g}",
                 judge(off < limit),
-                f"worst of {', '.join(_QUANTITIES[name] for name in known)}: {_QUANTITIES[worst]}, off by {plain(off, '.0e')}",
+                f"`{model}`: period T; worst of {', '.join(map(_QUANTITIES.__getitem__, known))} off by {plain(off, '.0e')}",
             )
         )
     return verdicts
@@ -201,9 +201,7 @@ def _full_wave(runs: dict[str, Run]) -> Verdict:
 
 def _runaway(escape: str) -> Verdict:
     ours = "runs away" if escape else "goes on"
-    return Verdict(
-        "The quasi-static model has no stick-slip cycle: it runs away", Evidence.EXACT, "runs away", ours, judge(bool(escape))
-    )
+    return Verdict("The quasi-static model runs away", Evidence.EXACT, "runs away", ours, judge(bool(escape)))
 
 
 def _steady() -> Verdict:
@@ -211,12 +209,13 @@ def _steady() -> Verdict:
     onset = Onset(what.law, what.upper.epsilon, what.velocity)
     steady = _slides_steadily("quasidynamic")
     return Verdict(
-        "The quasi-dynamic model, the earthquake modellers’ choice, slides steadily where the wave sticks and slips",
+        "The quasi-dynamic model slides steadily where the wave sticks and slips",
         Evidence.EXACT,
         "steady" if what.transit < onset.r_quasidynamic else "stick-slip",
         "steady" if steady else "stick-slip",
         judge(steady == (what.transit < onset.r_quasidynamic)),
-        f"its onset, r = ε/(b − a − εV/2) = 10^{{{math.log10(onset.r_quasidynamic):.3f}}}, lies above this scene’s r",
+        "earthquake modellers’ radiation damping: its onset, r = ε/(b − a − εV/2) = "
+        f"10^{{{math.log10(onset.r_quasidynamic):.3f}}}, lies above this scene’s r",
     )
 
 

@@ -1,0 +1,24 @@
+"""Pictures for the paper's claims."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from scene.observe.pieces import Array
+from validation.report.drawing import WIDTH, canvas, pen
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def irregular(runs: Mapping[str, tuple[Array, Array]]) -> "Figure":
+    """Stress over time, one panel per model."""
+    figure = canvas(WIDTH, 3.6)
+    grid = figure.subplots(len(runs), 1, sharex=True, sharey=True)
+    for axes, (model, (time, stress)) in zip(grid, runs.items(), strict=True):
+        style = pen(model)
+        axes.plot(time, stress, color=style.color, linewidth=0.7)
+        axes.set_title(style.label, fontsize=11)
+        axes.set_ylabel(r"$\mu$")
+        axes.set_xlim(time[0], time[-1])
+    grid[-1].set_xlabel("time (transits)")
+    return figure
