@@ -47,4 +47,5 @@ def _slab_features(slab: Slab) -> set[str]:
 
 def _commensurate(ratio: float) -> bool:
     """True if `ratio` is p/q to rounding with q no larger than 8."""
-    return any(abs(ratio * q - round(ratio * q)) < 1e-12 * q * max(ratio, 1.0) and round(ratio * q) > 0 for q in range(1, 9))
+    multiples = [ratio * q for q in range(1, _LARGEST_DENOMINATOR + 1)]
+    return any(abs(value - round(value)) < 1e-12 * max(value, 1.0) and round(value) > 0 for value in multiples)

@@ -1,111 +1,21 @@
 """Every model by its command-line name: who computes it, what it takes, which scenes it honours. `build` makes the solver.
 
-A family whose module is not part of this installation is not listed. Solver modules are imported only when one is built.
+A family whose module is not part of this installation is not listed.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import Any, NamedTuple
 
 from scene.errors import SceneError
+from scene.input.wording import nearest, shorten
 from scene.observe import Solver
 from scene.scene import Scene
+from validation.families import FAMILIES, OPTIONS, Family, Request
 from validation.features import FEATURES, features_of
-
-
-class Request(NamedTuple):
-    """What a builder is given: the number after the colon and the numerical options, None where left to the model."""
-
-    parameter: int | None = None
-    cells: int | None = None
-    cfl: float | None = None
-    tolerance: float | None = None
-
-    def given(self, *names: str) -> dict[str, Any]:
-        """The options among `names` that were set, as keyword arguments."""
-        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
-
-
-@dataclass(frozen=True)
-class Family:
-    """One row of the registry. `pattern` is the name as shown (`modal:N`), `parameters` the numbers allowed after the colon,
-    `options` the numerical options it takes, `honours` the scene features it can do (keys of FEATURES)."""
-
-    pattern: str
-    module: str
-    title: str
-    make: Callable[[Scene, str, Request], Solver]
-    honours: frozenset[str]
-    options: tuple[str, ...]
-    parameters: range | tuple[int, ...] = ()
-    default: int | None = None
-
-    @property
-    def name(self) -> str:
-        """The word before the colon."""
-        return self.pattern.partition(":")[0]
-
-    @property
-    def room(self) -> str:
-        """`reduced` or `fullwave`."""
-        return self.module.partition(".")[0]
-
-    @property
-    def example(self) -> str:
-        """A name that `build` accepts."""
-        return self.name if self.default is None else f"{self.name}:{self.default}"
-
-    def refusal(self, scene: Scene) -> str:
-        """Why this family cannot do `scene`; empty if it can."""
-        missing = [feature for feature in FEATURES if feature in features_of(scene) - self.honours]
-        return " and ".join(FEATURES[feature] for feature in missing)
-
-
-def _delay(scene: Scene, model: str, request: Request) -> Solver:
-    from reduced.delay import Delay
-
-    return Delay(scene, **request.given("tolerance"))
-
-
-def _ladder(scene: Scene, model: str, request: Request) -> Solver:
-    from reduced.ladder import Ladder
-    from reduced.reduction import reduction_of
-
-    return Ladder(scene, reduction_of(scene, model), **request.given("tolerance"))
-
-
-def _leapfrog(scene: Scene, model: str, request: Request) -> Solver:
-    from fullwave.finite_difference import Leapfrog
-
-    return Leapfrog(scene, **request.given("cells", "cfl"))
-
-
-_OPTIONS = ("cells", "cfl", "tolerance")
-_ODE = ("tolerance",)
-_GRID = ("cells", "cfl")
-_PLAIN = frozenset({"ramp"})
-_RIGID = _PLAIN | {"unlike", "incommensurate"}
-_LOSSLESS = _RIGID | {"layers"}
-_ANY = frozenset(FEATURES) - {"orbit"}
-_SPRUNG = _ANY - {"reflection"}
-
-_FAMILIES = (
-    Family("delay", "reduced.delay", "the exact wave physics of elastic slabs as a delay system", _delay, _PLAIN, _ODE),
-    Family("quasistatic", "reduced.ladder", "no waves, no inertia: runs away when unstable", _ladder, _SPRUNG, _ODE),
-    Family("quasidynamic", "reduced.ladder", "no waves, radiation damping", _ladder, _SPRUNG, _ODE),
-    Family("block8", "reduced.ladder", "spring and block of mass rho h/8", _ladder, _RIGID, _ODE),
-    Family("block12", "reduced.ladder", "spring and block of mass rho h/12", _ladder, _LOSSLESS, _ODE),
-    Family("kelvin-voigt", "reduced.ladder", "the paper's ODE, one Kelvin-Voigt element", _ladder, _RIGID, _ODE),
-    Family("modal:N", "reduced.ladder", "the slabs' first N exact modes", _ladder, _LOSSLESS, _ODE, range(65), 2),
-    Family("fitted:N", "reduced.ladder", "passive rational fit of the exact impedance", _ladder, _ANY, _ODE, range(65), 4),
-    Family("fd", "fullwave.finite_difference", "full wave: staggered leapfrog", _leapfrog, _ANY, _GRID),
-)
 
 
 def families() -> list[Family]:
     """The families of this installation, cheapest first."""
-    return [family for family in _FAMILIES if find_spec(family.module) is not None]
+    return [family for family in FAMILIES if find_spec(family.module) is not None]
 
 
 def honouring(scene: Scene) -> list[Family]:
@@ -139,8 +49,9 @@ def build(model: str, scene: Scene, cells: int | None = None, cfl: float | None 
     if refusal:
         able = ", ".join(other.pattern for other in honouring(scene)) or "none of this installation"
         raise SceneError(f"model = {model!r}: cannot do {refusal} (scene {scene.name!r}); models that can: {able}")
-    solver = family.make(scene, model, request)
-    solver.model = model
+    name = model if parameter is None else f"{family.name}:{parameter}"
+    solver = family.make(scene, name, request)
+    solver.model = name
     return solver
 
 
@@ -156,7 +67,7 @@ def build_all(
     if repeated:
         raise SceneError(f"models = {models!r}: {repeated[0]} is named more than once")
     found = [_parse(name)[0] for name in names]
-    given = Request(None, cells, cfl, tolerance).given(*_OPTIONS)
+    given = Request(None, cells, cfl, tolerance).given(*OPTIONS)
     for option, value in given.items():
         if not any(option in family.options for family in found):
             raise SceneError(f"{option} = {value:g}: none of the models {models} takes it")
@@ -167,8 +78,6 @@ def build_all(
 
 
 def _parse(model: str) -> tuple[Family, int | None]:
-    from scene.input.wording import nearest, shorten
-
     name, colon, number = model.partition(":")
     family = next((family for family in families() if family.name == name), None)
     if family is None:
@@ -192,7 +101,7 @@ def _numbers(allowed: range | tuple[int, ...]) -> str:
 
 
 def _require_options(model: str, family: Family, request: Request) -> None:
-    for name in _OPTIONS:
+    for name in OPTIONS:
         value = getattr(request, name)
         if value is not None and name not in family.options:
             takers = ", ".join(other.pattern for other in families() if name in other.options)
@@ -207,5 +116,5 @@ def _asked(scene: Scene) -> str:
 
 
 def _delay_refusal(scene: Scene) -> str:
-    delay = next(family for family in _FAMILIES if family.name == "delay")
+    delay = next(family for family in FAMILIES if family.name == "delay")
     return delay.refusal(scene) or "it is not part of this installation"

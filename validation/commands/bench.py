@@ -6,7 +6,7 @@ from validation.commands.options import Json, SceneName, Settings, Until, read_s
 
 if TYPE_CHECKING:
     from scene.scene import Scene
-    from validation.models import Family
+    from validation.families import Family
     from validation.simulate import Run
 
 _LADDERS: dict[str, tuple[dict[str, Any], ...]] = {

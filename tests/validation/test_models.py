@@ -1,0 +1,90 @@
+"""Models by name: what each honours, what it refuses and whom it names instead, what `auto` takes."""
+
+import pytest
+
+import scene
+from scene.errors import SceneError
+from scene.observe import follow
+from validation.families import FAMILIES
+from validation.features import FEATURES, features_of
+from validation.models import build, build_all, families, honouring, resolve
+
+
+@pytest.mark.parametrize(
+    ("name", "features"),
+    [
+        ("paper", set()),
+        ("unlike", {"unlike"}),
+        ("unlike-irrational", {"unlike", "incommensurate"}),
+        ("grip", {"grip"}),
+        ("reflection", {"reflection"}),
+        ("layered", {"layers"}),
+        ("viscous", {"kelvin-voigt"}),
+        ("ramp", {"ramp"}),
+        ("slip-law", set()),
+    ],
+)
+def test_features(name: str, features: set[str]) -> None:
+    assert features_of(scene.read(name)) == features
+
+
+def test_the_registry_is_consistent() -> None:
+    names = [family.name for family in FAMILIES]
+    assert len(set(names)) == len(names)
+    for family in FAMILIES:
+        assert family.honours <= set(FEATURES)
+        assert family.room in ("reduced", "fullwave")
+        assert (family.default is not None) == bool(family.parameters)
+
+
+@pytest.mark.parametrize("family", families(), ids=lambda family: family.name)
+@pytest.mark.parametrize("name", ["paper", "unlike", "grip", "layered", "viscous", "ramp", "reflection"])
+def test_every_family_builds_what_it_honours_and_refuses_the_rest(family: object, name: str) -> None:
+    one = next(found for found in families() if found is family)
+    what = scene.read(name)
+    if one in honouring(what):
+        solver = build(one.example, what)
+        assert solver.model == one.example
+        assert solver.scene is what
+        assert solver.time == 0.0
+    else:
+        with pytest.raises(SceneError, match=r"models that can: .*fd") as caught:
+            build(one.example, what)
+        assert len(str(caught.value).splitlines()) == 1
+
+
+def test_every_family_marches_the_paper_scene() -> None:
+    what = scene.read("paper", {"run.until": 2.0})
+    for family in families():
+        final = follow(build(family.example, what), 2.0)
+        assert final.ln_v == pytest.approx(4.605, abs=1e-2)
+
+
+def test_auto_is_the_exact_one_or_says_why_not() -> None:
+    assert resolve("auto", scene.read("paper")) == ("delay", "exact for this scene")
+    chosen, why = resolve("auto", scene.read("viscous"))
+    assert next(family for family in families() if family.example == chosen).room == "fullwave"
+    assert "Kelvin-Voigt" in why
+    assert resolve("block8", scene.read("paper")) == ("block8", "")
+
+
+@pytest.mark.parametrize(
+    "model", ["modal:65", "modal:-1", "modal:x", "modal:", "modal", "delay:1", "", ":", "auto:2", "MODAL:2", "modal:٢", "x" * 999]
+)
+def test_names_that_are_no_model(model: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        build(model, scene.read("paper"))
+    assert len(str(caught.value)) < 300
+
+
+def test_numbers_are_told_canonically() -> None:
+    assert build("modal:02", scene.read("paper")).model == "modal:2"
+
+
+def test_options_go_to_the_models_that_take_them() -> None:
+    delay, leapfrog = build_all("delay,fd", scene.read("paper"), cells=10, tolerance=1e-6)
+    assert (delay.model, leapfrog.model) == ("delay", "fd")
+    assert getattr(leapfrog, "cells") == 10  # noqa: B009
+    for options in ({"cells": 10}, {"cfl": 0.5}):
+        with pytest.raises(SceneError, match="none of the models"):
+            build_all("delay,block8", scene.read("paper"), **options)  # type: ignore[arg-type]

@@ -1,0 +1,105 @@
+"""The registry's rows: every family of models, what builds it, what it takes and which scenes it honours.
+
+Adding a model means adding its row to FAMILIES and, unless it shares one, its builder. Solver modules are imported only when one
+is built.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from scene.observe import Solver
+from scene.scene import Scene
+from validation.features import FEATURES, features_of
+
+OPTIONS = ("cells", "cfl", "tolerance")
+"""The numerical options that a family may take."""
+
+
+class Request(NamedTuple):
+    """What a builder is given: the number after the colon and the numerical options, None where left to the model."""
+
+    parameter: int | None = None
+    cells: int | None = None
+    cfl: float | None = None
+    tolerance: float | None = None
+
+    def given(self, *names: str) -> dict[str, Any]:
+        """The options among `names` that were set, as keyword arguments."""
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+
+
+@dataclass(frozen=True)
+class Family:
+    """One row of the registry. `pattern` is the name as shown (`modal:N`), `parameters` the numbers allowed after the colon,
+    `options` the numerical options it takes, `honours` the scene features it can do (keys of FEATURES)."""
+
+    pattern: str
+    module: str
+    title: str
+    make: Callable[[Scene, str, Request], Solver]
+    honours: frozenset[str]
+    options: tuple[str, ...]
+    parameters: range | tuple[int, ...] = ()
+    default: int | None = None
+
+    @property
+    def name(self) -> str:
+        """The word before the colon."""
+        return self.pattern.partition(":")[0]
+
+    @property
+    def room(self) -> str:
+        """`reduced` or `fullwave`."""
+        return self.module.partition(".")[0]
+
+    @property
+    def example(self) -> str:
+        """A name that `build` accepts."""
+        return self.name if self.default is None else f"{self.name}:{self.default}"
+
+    def refusal(self, scene: Scene) -> str:
+        """Why this family cannot do `scene`; empty if it can."""
+        missing = [feature for feature in FEATURES if feature in features_of(scene) - self.honours]
+        return " and ".join(FEATURES[feature] for feature in missing)
+
+
+def _delay(scene: Scene, model: str, request: Request) -> Solver:
+    from reduced.delay import Delay
+
+    return Delay(scene, **request.given("tolerance"))
+
+
+def _ladder(scene: Scene, model: str, request: Request) -> Solver:
+    from reduced.ladder import Ladder
+    from reduced.reduction import reduction_of
+
+    return Ladder(scene, reduction_of(scene, model), **request.given("tolerance"))
+
+
+def _leapfrog(scene: Scene, model: str, request: Request) -> Solver:
+    from fullwave.finite_difference import Leapfrog
+
+    return Leapfrog(scene, **request.given("cells", "cfl"))
+
+
+_ODE = ("tolerance",)
+_GRID = ("cells", "cfl")
+_PLAIN = frozenset({"ramp"})
+_RIGID = _PLAIN | {"unlike", "incommensurate"}
+_LOSSLESS = _RIGID | {"layers"}
+_ANY = frozenset(FEATURES) - {"orbit"}
+_SPRUNG = _ANY - {"reflection"}
+
+FAMILIES = (
+    Family("delay", "reduced.delay", "the exact wave physics of elastic slabs as a delay system", _delay, _PLAIN, _ODE),
+    Family("quasistatic", "reduced.ladder", "no waves, no inertia: runs away when unstable", _ladder, _SPRUNG, _ODE),
+    Family("quasidynamic", "reduced.ladder", "no waves, radiation damping", _ladder, _SPRUNG, _ODE),
+    Family("block8", "reduced.ladder", "spring and block of mass rho h/8", _ladder, _RIGID, _ODE),
+    Family("block12", "reduced.ladder", "spring and block of mass rho h/12", _ladder, _LOSSLESS, _ODE),
+    Family("kelvin-voigt", "reduced.ladder", "the paper's ODE, one Kelvin-Voigt element", _ladder, _RIGID, _ODE),
+    Family("modal:N", "reduced.ladder", "the slabs' first N exact modes", _ladder, _LOSSLESS, _ODE, range(65), 2),
+    Family("fitted:N", "reduced.ladder", "passive rational fit of the exact impedance", _ladder, _ANY, _ODE, range(65), 4),
+    Family("fd", "fullwave.finite_difference", "full wave: staggered leapfrog", _leapfrog, _ANY, _GRID),
+)
+"""Cheapest first; `auto` takes the first that is exact."""
