@@ -73,6 +73,11 @@ class Leapfrog:
         return self._sample * self.step
 
     @property
+    def settings(self) -> dict[str, float]:
+        """What it was built with besides the scene."""
+        return {"cells": self.cells, "cfl": self.cfl}
+
+    @property
     def total_cells(self) -> int:
         """Cells that are marched."""
         return sum(grid.width.size for grid in self._grids)

@@ -1,0 +1,125 @@
+"""A run killed at a random moment and resumed equals the uninterrupted one to the bit; wrong files are refused."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from leapfrog_scenes import PAPER, SCENES
+
+from fullwave.checkpoint import follow_with_checkpoints, load, save
+from fullwave.finite_difference import Leapfrog
+from scene.errors import SceneError
+from scene.observe import EventObserver, HistoryObserver, follow
+
+UNTIL = 3000.0
+SCRIPT = """
+import sys
+from pathlib import Path
+import scene
+from fullwave.checkpoint import follow_with_checkpoints
+from fullwave.finite_difference import Leapfrog
+from scene.observe import EventObserver
+chosen = scene.read("paper")
+solver = Leapfrog(chosen, 32, 0.9)
+print("go", flush=True)
+follow_with_checkpoints(solver, float(sys.argv[2]), Path(sys.argv[1]), 20.0, {"events": EventObserver(chosen, solver.nodes)})
+"""
+
+
+def outcome(solver, events):
+    return [solver.state(), events.state(), solver.energy(), solver.time]
+
+
+def assert_same_bits(ours, theirs):
+    for mine, other in zip(ours[:2], theirs[:2], strict=True):
+        assert mine.keys() == other.keys()
+        for name in mine:
+            assert mine[name].tobytes() == other[name].tobytes(), name
+    assert ours[2:] == theirs[2:]
+
+
+def test_killed_and_resumed_equals_uninterrupted(tmp_path):
+    path = tmp_path / "run.npz"
+    for _ in range(3):
+        process = subprocess.Popen([sys.executable, "-c", SCRIPT, str(path), "1e9"], stdout=subprocess.PIPE)
+        process.stdout.readline()
+        while not path.exists() and process.poll() is None:
+            time.sleep(0.005)
+        time.sleep(random.uniform(0.0, 0.1))
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        process.stdout.close()
+        assert path.exists()
+    solver = Leapfrog(PAPER, 32, 0.9)
+    events = EventObserver(PAPER, solver.nodes)
+    load(path, solver, {"events": events})
+    reached = solver.time
+    assert reached >= 20.0
+    end = reached + 500.0
+    final = follow_with_checkpoints(solver, end, path, 130.0, {"events": events})
+    straight = Leapfrog(PAPER, 32, 0.9)
+    watching = EventObserver(PAPER, straight.nodes)
+    assert follow(straight, end, [watching]) == final
+    assert_same_bits(outcome(solver, events), outcome(straight, watching))
+
+
+@pytest.mark.parametrize("name", ["unlike", "everything", "standard-linear"])
+def test_every_slab_comes_back_to_the_bit(tmp_path, name):
+    path = tmp_path / "run.npz"
+    chosen = SCENES[name]
+    straight = Leapfrog(chosen, 16, 0.9)
+    events = EventObserver(chosen, straight.nodes)
+    history = HistoryObserver(chosen.law, straight.nodes)
+    follow(straight, 37.0, [events, history])
+    save(path, straight, {"events": events, "history": history})
+    resumed = Leapfrog(chosen, 16, 0.9)
+    again = EventObserver(chosen, resumed.nodes)
+    kept = HistoryObserver(chosen.law, resumed.nodes)
+    load(path, resumed, {"events": again, "history": kept})
+    for solver, observers in ((straight, [events, history]), (resumed, [again, kept])):
+        follow(solver, 90.0, observers)
+    assert_same_bits(outcome(resumed, again), outcome(straight, events))
+    for column, other in zip(kept.columns().values(), history.columns().values(), strict=True):
+        assert np.array_equal(column, other)
+
+
+def test_another_run_is_refused(tmp_path):
+    path = tmp_path / "run.npz"
+    save(path, Leapfrog(PAPER, 16))
+    with pytest.raises(SceneError, match=r"settings is \{'cells': 16.*needs \{'cells': 32"):
+        load(path, Leapfrog(PAPER, 32))
+    with pytest.raises(SceneError, match="scene is"):
+        load(path, Leapfrog(SCENES["unlike"], 16))
+    with pytest.raises(SceneError, match="observers is"):
+        load(path, Leapfrog(PAPER, 16), {"events": EventObserver(PAPER, np.linspace(0, 1, 5))})
+
+
+@pytest.mark.parametrize("content", [b"", b"not a checkpoint", b"PK\x03\x04 broken"])
+def test_a_broken_file_is_refused(tmp_path, content):
+    path = tmp_path / "run.npz"
+    path.write_bytes(content)
+    with pytest.raises(SceneError, match="cannot be read"):
+        load(path, Leapfrog(PAPER, 16))
+
+
+def test_a_failed_save_leaves_the_old_file(tmp_path, monkeypatch):
+    path = tmp_path / "run.npz"
+    solver = Leapfrog(PAPER, 16)
+    save(path, solver)
+    before = path.read_bytes()
+
+    def full(*arguments):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(SceneError, match="no space left"):
+        save(path, solver)
+    assert path.read_bytes() == before
+    assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
+    with pytest.raises(SceneError, match="cannot be written"):
+        save(tmp_path / "absent" / "run.npz", solver)
