@@ -4,15 +4,16 @@
 """
 
 import sys
+from collections.abc import Callable
 from typing import Any
 
 import typer
 
 from scene.errors import NumericsError, SceneError
-from validation.commands import bench, compare, report, run, scenes
+from validation.commands import bench, compare, report, run, scenes, stability
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
-_SPREAD = {"--set": lambda word: "=" in word, "--only": lambda word: True}
+_SPREAD: dict[str, Callable[[str], bool]] = {"--set": lambda word: "=" in word, "--only": lambda word: True}
 
 app = typer.Typer(
     help="How far is each simplified model of two sliding elastic slabs from the wave physics, and what does each answer cost?",
@@ -22,6 +23,7 @@ app = typer.Typer(
 )
 app.command("report")(report.report)
 app.command("run")(run.run)
+app.command("stability")(stability.stability)
 app.command("compare")(compare.compare)
 app.command("bench")(bench.bench)
 app.command("scenes")(scenes.scenes)
@@ -43,7 +45,7 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stderr.close()
         return 0
     except Exception as error:
-        explain: Any = getattr(error, "format_message", None)  # click's and typer's own complaints about the command line
+        explain: Callable[[], str] | None = getattr(error, "format_message", None)  # typer's own complaints have one
         if explain is None:
             raise
         return _tell(explain(), INPUT_WRONG)

@@ -284,6 +284,20 @@ def test_bench_rows_have_time_and_error(capsys: pytest.CaptureFixture[str]) -> N
     assert errors[-1] < errors[0] < 1e-2
 
 
+def test_stability_of_the_paper_scene(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["stability", "paper", "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert {"omega_c", "log10_r_c", "epsilon_c", "stable", "leading_roots"} <= set(result)
+    assert result["log10_r_c"] == pytest.approx(-2.6995497159, abs=1e-9)
+    assert result["stable"] is False
+    assert result["leading_roots"][0][0] > 0
+    assert main(["stability", "paper", "--model", "kelvin-voigt", "--set", "slab.log10_r=-2.75"]) == 0
+    out = capsys.readouterr().out
+    assert "steady sliding is stable" in out
+    assert "-2.69954994" in out
+    assert "quasistatic" in refused(capsys, "stability", "paper", "--model", "nonsense")
+
+
 def test_options_take_several_values() -> None:
     assert spread(["run", "p", "--set", "a=1", "b=2", "--json"]) == ["run", "p", "--set", "a=1", "--set", "b=2", "--json"]
     assert spread(["run", "--set", "a=1", "p"]) == ["run", "--set", "a=1", "p"]
