@@ -4,6 +4,7 @@ Every point is a whole run from the start, march and event detection, after a wa
 the fastest of a few repetitions. Errors are relative, of the mean over the run's last cycles, against figures handed in.
 """
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -27,10 +28,11 @@ class Setting:
 
     @property
     def words(self) -> str:
-        """The options as a reader would say them."""
+        """The options as a reader would say them, in the report's markup."""
         words = [f"{self.cells} cells"] if self.cells else []
         words += [f"CFL {self.cfl:g}"] if self.cfl else []
-        return ", ".join([*words, f"tolerance {self.tolerance:.0e}"] if self.tolerance else words)
+        words += [f"tolerance 10^{{{math.log10(self.tolerance):.2g}}}"] if self.tolerance else []
+        return ", ".join(words)
 
 
 @dataclass(frozen=True)

@@ -127,7 +127,7 @@ def _race_table(ours: list[Point], rivals: list[PlainRun]) -> Table:
     rows: list[tuple[Cell, ...]] = [("slipwave", p.setting.words, 1e3 * p.seconds, p.period, p.period_error) for p in ours]
     for rival in rivals:
         rows.append(
-            ("scipy LSODA", f"tolerance {rival.tolerance:.0e}", 1e3 * rival.wall_seconds, rival.period, rival.period / known - 1)
+            ("scipy LSODA", Setting("", rival.tolerance).words, 1e3 * rival.wall_seconds, rival.period, rival.period / known - 1)
         )
     columns = (
         Column("program"),

@@ -123,8 +123,8 @@ def _extrapolated(errors: Errors, cfl: float) -> Verdict:
     return Verdict(
         "Extrapolated to no cell size, the full wave’s period is the delay system’s",
         Evidence.SELF if cfl == 1.0 else Evidence.WITNESS,
-        "0",
-        f"{plain(float(left), '.0e')} at CFL {cfl}",
+        f"0 at CFL {cfl}",
+        plain(float(left), ".0e"),
         judge(bool(left < 0.05 * abs(fine)), Outcome.FAIL),
         f"the finest grid alone: {plain(abs(float(fine)), '.0e')}",
     )

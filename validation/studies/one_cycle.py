@@ -44,12 +44,13 @@ def run(budget: Budget) -> StudyResult:
         runs[model] = _run(model)
         budget.report((count + 1) / len(MODELS))
     cycles = {model: one.cycle for model, one in runs.items()}
+    errors = {model: _error(one, runs["delay"], "period") for model, one in runs.items()}
     escape = _quasistatic()
     return StudyResult(
         answer=_answer(runs),
         figures=(
             Figure("overlay", _OVERLAY, lambda: overlay(cycles), lead=True),
-            Figure("panels", _PANELS, lambda: panels(cycles)),
+            Figure("panels", _PANELS, lambda: panels(cycles, errors)),
         ),
         tables=(_drops(runs), _rates(runs), _beside_reference(runs)),
         verdicts=(*_against_reference(runs), _full_wave(runs), _runaway(escape), _steady()),
@@ -115,10 +116,7 @@ def _row(runs: dict[str, Run], model: str, quantities: tuple[str, ...]) -> list[
 
 
 def _columns(quantities: tuple[tuple[str, str, str], ...]) -> tuple[Column, ...]:
-    pairs = [
-        (Column(_QUANTITIES[name], unit, spec), Column("error", "of the delay system’s", ".1e"))
-        for name, unit, spec in quantities
-    ]
+    pairs = [(Column(_QUANTITIES[name], unit, spec), Column("error", "relative", ".1e")) for name, unit, spec in quantities]
     return (Column("model"), *(column for pair in pairs for column in pair))
 
 
@@ -233,6 +231,4 @@ _OVERLAY = (
     "to and fro and ripples stress and rate with period one transit (1.28 in the Kelvin–Voigt ODE, none in the blocks). μ: "
     "interface stress in units of σ; v: slip rate in units of V*; time in transits of the wave."
 )
-_PANELS = (
-    "Stress μ over the same cycle, model by model, each over the delay system (grey). Numbers: relative error of the period."
-)
+_PANELS = "Stress μ over the same cycle, model by model, each over the delay system (grey), with the error of its period."

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _SHOWN = ("delay", "fd", "modal:1", "kelvin-voigt", "block12")
+_PANELS = ("fd", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
 _ZOOM = (46.0, 53.0)
 
 
@@ -58,19 +59,26 @@ def _zoom(column: np.ndarray, exact: Cycle) -> None:
     column[0].set_title("slow phase, enlarged")
 
 
-def panels(cycles: Mapping[str, Cycle]) -> "Figure":
-    """One panel per model, its stress over the delay system's."""
+def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> "Figure":
+    """One panel per model, its stress over the delay system's; `errors` of the period, relative, beside its name."""
     exact = cycles["delay"]
-    models = [model for model in cycles if model != "delay"]
-    figure = canvas(WIDTH, 1.75 * ((len(models) + 1) // 2))
-    grid = figure.subplots((len(models) + 1) // 2, 2, sharex=True, sharey=True, squeeze=False)
-    for axes, model in zip(grid.flat, models, strict=False):
+    figure = canvas(WIDTH, 5.2)
+    grid = figure.subplots((len(_PANELS) + 1) // 2, 2, sharex=True, sharey=True)
+    for axes, model in zip(grid.flat, _PANELS, strict=True):
         cycle, style = cycles[model], pen(model)
         axes.plot(exact.time, exact.stress, color="#b5b5b0", linewidth=2.4)
         axes.plot(cycle.time, cycle.stress, color=style.color, linewidth=1.0)
-        axes.set_title(style.label, fontsize=11)
+        axes.set_title(f"{style.label}: {_signed(errors[model])}", fontsize=11)
     for axes in grid[-1]:
         axes.set_xlabel("time since the event began (transits)")
     for axes in grid[:, 0]:
         axes.set_ylabel(r"$\mu$")
     return figure
+
+
+def _signed(error: float) -> str:
+    """A relative error as a reader likes it: per cent down to 0.1 %, then a power of ten."""
+    if abs(error) >= 1e-3:
+        return f"${100 * error:+.1f}$ %"
+    mantissa, _, exponent = f"{error:+.0e}".partition("e")
+    return rf"${mantissa}\cdot 10^{{{int(exponent)}}}$"
