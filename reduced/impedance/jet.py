@@ -67,7 +67,7 @@ class Jet:
         root = np.sqrt(self.value)
         return Jet(root, self.slope / (2.0 * root))
 
-    def exp(self) -> Jet:
-        """Exponential; underflows to 0 for a large negative real part."""
-        value = np.exp(self.value)
-        return Jet(value, value * self.slope)
+    def expm1(self) -> Jet:
+        """e^x - 1 without cancellation near 0; -1 for a large negative real part."""
+        value = np.expm1(self.value)
+        return Jet(value, (1.0 + value) * self.slope)

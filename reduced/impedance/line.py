@@ -50,8 +50,8 @@ def slab_ratio(slab: Slab, s: Jet) -> Ratio:
     root = relative.sqrt()
     for layer in reversed(slab.layers):
         admittance = 1.0 / (root * (slab.epsilon * layer.impedance))
-        echo = (s * (-slab.round_trip * layer.fraction) / root).exp()
-        forward, backward = 1.0 + echo, 1.0 - echo
+        backward = -(s * (-slab.round_trip * layer.fraction) / root).expm1()
+        forward = 2.0 - backward
         p, q = p * forward + admittance * (q * backward), q * forward + p * backward / admittance
     return p, q
 

@@ -58,6 +58,11 @@ class Characteristic:
         return np.logical_and(*small)
 
     @property
+    def longest(self) -> float:
+        """The longer of both round trips."""
+        return max(self.scene.upper.round_trip, self.scene.lower.round_trip)
+
+    @property
     def leftmost(self) -> float:
         """Re s (< 0) left of which D need not be analytic: the relaxation of a viscous slab; -inf if both are elastic."""
         return max(-_fastest_relaxation(self.scene.upper), -_fastest_relaxation(self.scene.lower))

@@ -19,7 +19,7 @@ def crossing(problem_at: Callable[[float], Characteristic], start: float) -> tup
     Raises NumericsError if no start converges.
     """
     here = problem_at(start)
-    omega = here.slopes.reach * np.geomspace(1e-4, 1.0, 400)
+    omega = here.slopes.reach * np.geomspace(1e-8, 1.0, 1600)
     size = np.abs(here.imbalance(1j * omega))
     minima = np.flatnonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:])) + 1
     best = (math.inf, math.nan, math.nan)

@@ -14,7 +14,10 @@ Function = Callable[[Complex], Jet]
 _STEP = 0.5
 """Largest |D'/D| ds along the contour: the argument cannot turn unseen between two samples."""
 _MOST_POINTS = 400_000
-_NEWTON_ROUNDS = 60
+_NEWTON_ROUNDS = 40
+_FEW = 6
+_DEEPEST = 40
+_CUTS = (0.5123, 0.4711, 0.5371, 0.4313, 0.5779)
 
 
 def half_disc(radius: float, inset: float) -> Complex:
@@ -24,9 +27,9 @@ def half_disc(radius: float, inset: float) -> Complex:
     return np.append(arc, arc[0])
 
 
-def rectangle(left: float, right: float, top: float) -> Complex:
-    """Corners of {left < Re s < right, |Im s| < top}, counter-clockwise, closed."""
-    return np.array([left - 1j * top, right - 1j * top, right + 1j * top, left + 1j * top, left - 1j * top])
+def rectangle(low: complex, high: complex) -> Complex:
+    """Corners of the rectangle between `low` (left, below) and `high` (right, above), counter-clockwise, closed."""
+    return np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag), low])
 
 
 def count_zeros(function: Function, corners: Complex) -> int:
@@ -68,31 +71,52 @@ def polish(function: Function, starts: Complex, rounds: int = _NEWTON_ROUNDS) ->
             jet = function(s)
             step = jet.value / jet.slope
             s = s - step
-    converged = np.abs(step) <= 1e-11 * np.abs(s) + 1e-300
+    converged = np.abs(step) <= 1e-10 * np.abs(s) + 1e-300
     return np.where(converged & np.isfinite(s), s, np.nan)
 
 
-def zeros_in(function: Function, left: float, right: float, top: float) -> Complex:
-    """All zeros in the rectangle {left < Re s < right, |Im s| < top}, sorted by falling real part.
+def zeros_in(function: Function, low: complex, high: complex, expected: int | None = None, depth: int = 0) -> Complex:
+    """All zeros in the rectangle with corners `low` (left, below) and `high`, each once; at most a few dozen are sensible.
 
-    As many as the argument principle counts there, or NumericsError. D must be real for real s (zeros come in pairs).
+    As many as the argument principle counts there: the rectangle is quartered until Newton's method finds them all. Raises
+    NumericsError if they cannot be told apart.
     """
-    expected = count_zeros(function, rectangle(left, right, top))
-    for density in (1, 2, 4, 8):
-        re, im = np.linspace(left, right, 8 * density), np.linspace(0.0, top, 16 * density)
+    expected = count_zeros(function, rectangle(low, high)) if expected is None else expected
+    if expected == 0:
+        return np.empty(0, dtype=np.complex128)
+    if expected <= _FEW:
+        re, im = np.linspace(low.real, high.real, 7), np.linspace(low.imag, high.imag, 9)
         found = _distinct(polish(function, (re[:, None] + 1j * im[None, :]).ravel()))
-        inside = found[(left < found.real) & (found.real < right) & (np.abs(found.imag) < top)]
+        inside = found[(low.real < found.real) & (found.real < high.real) & (low.imag < found.imag) & (found.imag < high.imag)]
         if inside.size == expected:
-            return inside[np.lexsort((-inside.imag, -inside.real))]
-    raise NumericsError(f"stability: {expected} roots counted, {inside.size} found in Re s > {left:.6g}, |Im s| < {top:.6g}")
+            return inside
+    if depth > _DEEPEST:
+        raise NumericsError(f"stability: {expected} roots near s = {0.5 * (low + high):.6g} cannot be told apart")
+    return np.concatenate([zeros_in(function, *half, count, depth + 1) for half, count in _halves(function, low, high, expected)])
+
+
+def _halves(function: Function, low: complex, high: complex, expected: int) -> list[tuple[tuple[complex, complex], int]]:
+    """Both halves of a rectangle across its longer side, with their counts; the cut moves aside if it meets a zero."""
+    size = high - low
+    for share in _CUTS:
+        if size.imag >= size.real:
+            cut = low.imag + share * size.imag
+            first, second = (low, complex(high.real, cut)), (complex(low.real, cut), high)
+        else:
+            cut = low.real + share * size.real
+            first, second = (low, complex(cut, high.imag)), (complex(cut, low.imag), high)
+        try:
+            count = count_zeros(function, rectangle(*first))
+        except NumericsError:
+            continue
+        return [(first, count), (second, expected - count)]
+    raise NumericsError(f"stability: roots crowd near s = {0.5 * (low + high):.6g}")
 
 
 def _distinct(found: Complex) -> Complex:
-    """Zeros with their conjugates, each once."""
-    found = found[np.isfinite(found)]
-    found = np.where(np.abs(found.imag) < 1e-10 * np.abs(found), found.real + 0j, found.real + 1j * np.abs(found.imag))
+    """Zeros, each once."""
     kept: list[complex] = []
-    for zero in found:
+    for zero in found[np.isfinite(found)]:
         if all(abs(zero - other) > 1e-8 * abs(zero) for other in kept):
             kept.append(complex(zero))
-    return np.array(kept + [zero.conjugate() for zero in kept if zero.imag != 0.0], dtype=np.complex128)
+    return np.array(kept, dtype=np.complex128)

@@ -4,13 +4,16 @@ import numpy as np
 
 from reduced.impedance import Complex
 from reduced.stability.characteristic import Characteristic
-from reduced.stability.roots import count_zeros, half_disc, polish, zeros_in
+from reduced.stability.roots import count_zeros, half_disc, polish, rectangle, zeros_in
 
 _INSET = 1e-9
 """The contour runs this far right of the imaginary axis, relative to its radius: a neutral root does not count as unstable."""
 
 _RIPPLES = 4.6
-"""Leading roots are looked for up to this many times pi per transit: two pairs of reverberations."""
+"""Leading roots are looked for up to this many times pi per longer round trip: two pairs of reverberations."""
+
+_CROWD = 60
+_DEEPEST_STRIP = 6.0
 
 
 def unstable_count(problem: Characteristic, active: bool = False) -> int:
@@ -30,19 +33,46 @@ def unstable_count(problem: Characteristic, active: bool = False) -> int:
 def leading_roots(problem: Characteristic, most: int = 8) -> Complex:
     """The `most` roots with the largest real parts among those with |Im s| below two ripple frequencies, conjugates included.
 
-    The rectangle searched is widened to the left until it holds enough; in it the number of roots is certified. 1/(L/V*).
+    The rectangle searched grows to the left until it holds enough, or shrinks until it holds few; in it the number of roots is
+    certified. Sorted by falling real part; 1/(L/V*). Raises NumericsError if roots cannot be told apart.
     """
-    right = max(problem.slopes.reach, 1.0 / problem.transit)
-    top = max(1.05 * problem.slopes.reach, _RIPPLES * np.pi / problem.transit)
-    wall = 0.9 * problem.leftmost
-    best: Complex = np.empty(0, dtype=np.complex128)
-    for depth in (0.3, 1.0, 3.0, 6.0):
-        left = max(-depth / problem.transit, wall)
-        best = zeros_in(problem.jet, left, right, top)
-        best = best[~problem.idle(best)]
-        if best.size >= most or left == wall:
+    low, count = _rectangle(problem, most)
+    roots = zeros_in(problem.jet, low, _mirrored(problem, low), count)
+    roots = roots[~problem.idle(roots)]
+    real = np.abs(roots.imag) < 1e-10 * np.abs(roots)
+    upper = np.concatenate([roots[real].real + 0j, roots[~real & (roots.imag > 0.0)]])
+    upper = upper[np.argsort(-upper.real)]
+    pairs = np.column_stack([upper, upper.conj()]).ravel()
+    return pairs[np.column_stack([np.full(upper.shape, True), upper.imag > 0.0]).ravel()][:most]
+
+
+def _mirrored(problem: Characteristic, low: complex) -> complex:
+    """Upper right corner of the search rectangle with lower left corner `low`."""
+    return complex(max(problem.slopes.reach, 1.0 / problem.longest), -low.imag)
+
+
+def _rectangle(problem: Characteristic, most: int) -> tuple[complex, int]:
+    """(lower left corner, number of roots inside) of a rectangle symmetric about the real axis."""
+
+    def count(left: float, top: float) -> int:
+        corner = complex(-left, -top)
+        return count_zeros(problem.jet, rectangle(corner, _mirrored(problem, corner)))
+
+    unit, wall = 1.0 / problem.longest, -0.9 * problem.leftmost
+    left, top = min(0.3 * unit, wall), max(1.05 * problem.slopes.reach, _RIPPLES * np.pi * unit)
+    found = count(left, top)
+    while found > _CROWD and left > 1e-9 * unit:
+        fewer = count(left / 3.0, top)
+        if fewer < most:
             break
-    return best[:most]
+        left, found = left / 3.0, fewer
+    while found > _CROWD:  # the fast roots all lie in one thin strip: only the slow ones then
+        top /= 3.0
+        found = count(left, top)
+    while found < most and left < min(_DEEPEST_STRIP * unit, wall):
+        left = min(3.0 * left, wall)
+        found = count(left, top)
+    return complex(-left, -top), found
 
 
 def follow_root(problem: Characteristic, start: complex) -> complex:

@@ -25,7 +25,7 @@ SLOPES = friction_slopes(PAPER, 100.0)
 )
 def test_both_branches_in_the_plane_of_r_and_epsilon(model, closed):
     """(28) and (40), with the second branch, traced without knowing them."""
-    curves = boundary(paper(), model, ("log10_r", "log10_epsilon"), ((-3.2, -0.7), (-6.0, -1.0)))
+    curves = boundary(paper(), model, ("log10_r", "log10_epsilon"), ((-3.2, -0.75), (-6.0, -1.0)))
     assert len(curves) == 2
     for curve in curves:
         wanted = np.array([closed(SLOPES, 10**x) for x in curve.first])
