@@ -1,0 +1,140 @@
+"""The march shared by all method-of-lines families: Runge-Kutta steps of fixed length, samples of the interface at their ends."""
+
+import math
+
+import numpy as np
+
+from fullwave.line import Grid, assemble
+from fullwave.motion import rates_of
+from fullwave.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, RungeKutta, combine
+from fullwave.stability import longest_decay_step
+from fullwave.system import ELASTIC, PSI, SCALARS, SPRING, YIELDING, System, Viscous
+from scene.compiled import njit
+from scene.errors import SceneError
+from scene.friction import unknown_of
+from scene.observe import Pieces
+from scene.observe.pieces import Array
+from scene.scene import Scene
+
+STEPS_PER_PIECE = 8
+"""Steps in one piece: its nine samples make a polynomial of degree 8, so observers never limit a scheme of order 8 or less."""
+
+MOST_PIECES = 512
+"""Pieces in one chunk: memory stays at some 200 kB and the cost of leaving compiled code is spread over 4096 steps."""
+
+
+@njit
+def _march(
+    system: System,
+    method: RungeKutta,
+    step: float,
+    first: int,
+    state: Array,
+    trial: Array,
+    rates: Array,
+    unknowns: Array,
+    pieces: Pieces,
+) -> tuple[int, float]:
+    """Fill `pieces`, advancing `state` from step number `first`. `unknowns` (3, stages) holds z of the last three steps' stages,
+    latest first: a parabola through them starts each friction solve, which saves two of four iterations. Returns (failed solves,
+    fastest state relaxation per transit)."""
+    operator, medium, interface, drive = system.operator, system.medium, system.interface, system.drive
+    slots, facts, tops, arrivals = system.slots, system.facts, system.tops, system.arrivals
+    weight, abscissae = step * method.weight, step * method.abscissae
+    unknown, psis, stress, elastic = pieces.unknown, pieces.state, pieces.stress, pieces.elastic
+    stages, size, count = method.stages, interface.size, pieces.time.size
+    failures = 0
+    fastest = 0.0
+    for n in range(8 * count + 1):
+        time = (first + n) * step
+        for stage in range(stages):
+            combine(weight, stages, stage, state, rates, trial)
+            guess = 3.0 * (unknowns[0, stage] - unknowns[1, stage]) + unknowns[2, stage]
+            z, mu, relaxation, iterations = rates_of(
+                operator, medium, interface, drive, slots, facts, tops, arrivals,
+                time + abscissae[stage], trial, rates, stage * state.size, guess,
+            )  # fmt: skip
+            failures += iterations == 0
+            fastest = max(fastest, relaxation)
+            if stage == 0:
+                sample = (z, state[size + PSI], mu, state[size + ELASTIC])
+                for k in range(max(0, (n - 1) // 8), min(count, n // 8 + 1)):
+                    unknown[k, n - 8 * k], psis[k, n - 8 * k], stress[k, n - 8 * k], elastic[k, n - 8 * k] = sample
+                if n == 8 * count:
+                    return failures, fastest
+            unknowns[2, stage] = unknowns[1, stage]
+            unknowns[1, stage] = unknowns[0, stage]
+            unknowns[0, stage] = z
+        combine(weight, stages, stages, state, rates, state)
+    return failures, fastest
+
+
+def method_for(order: int) -> RungeKutta:
+    """The Runge-Kutta method that does not cap a scheme of `order` in space (8 at most)."""
+    return CLASSICAL if order <= CLASSICAL.order else DORMAND_PRINCE_8
+
+
+class March:
+    """Marches `grid` under `scene` with `method`; a `Solver` (scene.observe.follow).
+
+    `limit` is the longest stable step (transits) of the waves, of which the share `cfl` is taken, less what it takes for whole
+    pieces to tile the transit. Raises SceneError naming cfl and its allowed range.
+    """
+
+    def __init__(self, scene: Scene, model: str, grid: Grid, method: RungeKutta, limit: float, cfl: float) -> None:
+        self.scene, self.model, self.grid, self.method, self.cfl = scene, model, grid, method, cfl
+        self.nodes = np.linspace(0.0, 1.0, STEPS_PER_PIECE + 1)
+        self.failures = 0
+        self.system = assemble(scene, grid)
+        self.steps = _steps_per_transit(_require_cfl(cfl) * min(limit, _decay_limit(self.system, method)))
+        self.step = 1.0 / self.steps
+        self._taken = 0
+        self._unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
+        memory = grid.size if isinstance(self.system.medium, Viscous) else 0
+        self._state = np.zeros(grid.size + SCALARS + memory)
+        self._state[grid.size + PSI] = scene.steady_psi + scene.start.jump_size
+        self._state[grid.size + ELASTIC] = scene.steady_stress
+        self._trial = np.zeros(self._state.size)
+        self._rates = np.zeros(method.stages * self._state.size)
+
+    @property
+    def time(self) -> float:
+        """Time reached, in transits."""
+        return self._taken / self.steps
+
+    def advance(self, until: float) -> Pieces:
+        """March towards `until` (transits), at most one chunk."""
+        wanted = math.ceil((until * self.steps - self._taken) / STEPS_PER_PIECE - 1e-6)
+        pieces = _room(self._taken, self.step, min(MOST_PIECES, max(1, wanted)))
+        failures, _ = _march(
+            self.system, self.method, self.step, self._taken, self._state, self._trial, self._rates, self._unknowns, pieces
+        )
+        self.failures += failures
+        self._taken += STEPS_PER_PIECE * pieces.time.size
+        return pieces
+
+
+def _require_cfl(cfl: float) -> float:
+    if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.floating) or not 0.0 < cfl <= 1.0:
+        raise SceneError(f"cfl = {cfl!r}: must lie in (0, 1]")
+    return float(cfl)
+
+
+def _steps_per_transit(longest: float) -> int:
+    """Whole pieces to the transit, their steps no longer than `longest`."""
+    return STEPS_PER_PIECE * max(1, math.ceil(1.0 / (STEPS_PER_PIECE * longest) - 1e-9))
+
+
+def _decay_limit(system: System, method: RungeKutta) -> float:
+    """Longest step at which the grips and the memory stresses relax stably."""
+    rate = float((system.tops[SPRING] * system.tops[YIELDING]).max())
+    if isinstance(system.medium, Viscous):
+        rate = max(rate, float(system.medium.rate.max()))
+    return longest_decay_step(rate, method)
+
+
+def _room(first: int, step: float, count: int) -> Pieces:
+    shape = (count, STEPS_PER_PIECE + 1)
+    times = (first + STEPS_PER_PIECE * np.arange(count, dtype=float)) * step
+    lengths = np.full(count, STEPS_PER_PIECE * step, dtype=float)
+    return Pieces(times, lengths, np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape))
