@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Protocol
 
+from scene.observe import Energy
 from scene.observe.pieces import Array, Pieces
 from scene.scene import Scene
 
@@ -27,12 +28,11 @@ class Snapshot:
 
 
 class FieldSolver(Protocol):
-    """A solver whose fields can be recorded: the `Solver` protocol with its step (transits) and `snapshot`."""
+    """A solver whose fields can be recorded: the `Solver` protocol and `snapshot`."""
 
     scene: Scene
     model: str
     nodes: Array
-    step: float
     failures: int
 
     @property
@@ -40,6 +40,9 @@ class FieldSolver(Protocol):
         """Time reached, in transits."""
 
     def advance(self, until: float) -> Pieces:
+        """As `scene.observe.follow.Solver`."""
+
+    def energy(self) -> Energy | None:
         """As `scene.observe.follow.Solver`."""
 
     def snapshot(self) -> Snapshot:

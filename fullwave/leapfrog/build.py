@@ -33,7 +33,7 @@ def steady_memory(scene: Scene) -> Array:
     psi = scene.steady_psi + scene.start.jump_size
     memory[STATE] = psi
     memory[Z:PSI] = unknown_of(scene.law, scene.velocity)
-    memory[PSI:] = psi
+    memory[PSI : PSI + 5] = psi
     memory[[STRESS, ELASTIC]] = scene.steady_stress
     memory[DRIVE] = scene.drive.initial
     return memory

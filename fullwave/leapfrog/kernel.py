@@ -22,7 +22,8 @@ STEPS_PER_PIECE = 4
 # slots of the interface's memory
 STATE, STRESS, ELASTIC, DRIVE, INPUT, FRICTION = 0, 1, 2, 3, 4, 5
 Z, PSI = 6, 11  # the last five samples of each, latest first, for the friction solve's starting values
-MEMORY = 16
+RATE = 16  # the upper slab's interface velocity at the last sample
+MEMORY = 17
 
 COARSEST_HALF_STEP = 1.0
 """Change of psi over half a step beyond which the midpoint rule no longer follows it: the step counts as failed, and
@@ -163,6 +164,7 @@ def take_step(law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lowe
     power = follow_on(lower, v - rate, power, mean, 0.5 * following)
     change = psi - memory[STATE]
     memory[STATE] = psi + min(COARSEST_HALF_STEP, max(-COARSEST_HALF_STEP, change))
+    memory[RATE] = rate
     memory[STRESS] = clock.steady_stress + stress
     memory[INPUT] += power + 2.0 * clock.steady_stress * mean
     memory[FRICTION] += memory[STRESS] * v

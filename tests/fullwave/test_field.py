@@ -1,0 +1,142 @@
+"""Field records: right values at right places, files that other programs read, nothing half-written."""
+
+import itertools
+
+import meshio
+import numpy as np
+import pytest
+import xarray
+from leapfrog_scenes import PAPER, SCENES
+
+from fullwave.field import record_field
+from fullwave.field_files import profile, sheet, write_field
+from fullwave.field_picture import picture
+from fullwave.finite_difference import Leapfrog
+from scene.errors import SceneError
+from scene.observe import EventObserver, HistoryObserver, follow
+
+
+@pytest.fixture(scope="module", params=["alike", "unlike"])
+def recorded(request):
+    chosen = SCENES[request.param]
+    solver = Leapfrog(chosen, 32, 0.9)
+    history = HistoryObserver(chosen.law, solver.nodes)
+    field, final = record_field(solver, 60.0, 64.0, 1 / 8, [history])
+    return field, final, history.columns(), chosen
+
+
+def test_the_interface_agrees_with_the_observer(recorded):
+    field, final, columns, _ = recorded
+    position, velocity, stress = profile(field)
+    middle = position.size - field.upper.depth.size
+    assert position[middle] == 0.0
+    assert position[middle - 1] == 0.0
+    slip = velocity[:, middle] - velocity[:, middle - 1]
+    at = np.searchsorted(columns["time"], field.time - 1e-9)
+    assert np.abs(columns["time"][at] - field.time).max() < 1e-9
+    assert slip == pytest.approx(columns["slip_rate"][at], rel=1e-9)
+    assert stress[:, middle] == pytest.approx(columns["stress"][at], rel=1e-12)
+    assert stress[:, middle - 1] == pytest.approx(columns["stress"][at], rel=1e-12)
+    assert final.mu == pytest.approx(stress[-1, middle], abs=2e-3)
+    assert field.time[0] >= 60.0
+    assert 63.99 < field.time[-1] < 64.2
+
+
+def test_outer_faces_move_with_the_drive(recorded):
+    field, _, _, chosen = recorded
+    _, velocity, _ = profile(field)
+    assert velocity[:, -1] == pytest.approx(chosen.velocity / 2, rel=1e-12)
+    assert velocity[:, 0] == pytest.approx(-chosen.velocity / 2, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["grip", "kelvin-voigt"])
+def test_fields_converge_to_second_order(name):
+    shots = []
+    for cells in (32, 64, 128, 256):
+        solver = Leapfrog(SCENES[name], cells, 0.5)
+        follow(solver, 61.0)
+        shot = solver.snapshot()
+        assert shot.time == pytest.approx(61.0)
+        assert np.array_equal(shot.lower.velocity, -shot.upper.velocity)
+        at = np.linspace(0, 1, 41)
+        shots.append([np.interp(at, shot.upper.depth, shot.upper.velocity), np.interp(at, shot.upper.depth, shot.upper.stress)])
+    changes = [[np.abs(b[i] - a[i]).max() for i in (0, 1)] for a, b in itertools.pairwise(shots)]
+    for quantity in (0, 1):
+        assert changes[0][quantity] / changes[1][quantity] > 3.4
+        assert changes[1][quantity] / changes[2][quantity] > 3.4
+
+
+def test_recording_changes_nothing():
+    one, two = Leapfrog(PAPER, 32, 0.9), Leapfrog(PAPER, 32, 0.9)
+    _, final = record_field(one, 20.0, 22.0)
+    assert follow(two, 22.0) == final
+    assert one.state()["memory"].tobytes() == two.state()["memory"].tobytes()
+
+
+def test_netcdf_has_names_units_and_coordinates(recorded, tmp_path):
+    field, _, _, chosen = recorded
+    path = tmp_path / "field.nc"
+    write_field(path, field)
+    with xarray.open_dataset(path) as found:
+        assert found.attrs["scene_digest"] == chosen.digest
+        assert found["time"].attrs["units"] == "transit"
+        assert found["upper_velocity"].dims == ("time", "upper_depth")
+        assert found["upper_velocity"].attrs["units"] == "V*"
+        assert np.array_equal(found["upper_stress"].values, field.upper.stress)
+        assert ("lower_velocity" in found) == (not chosen.alike)
+        assert float(found["upper_depth"][-1]) == 1.0
+
+
+def test_sheet_is_read_back(recorded, tmp_path):
+    field, *_ = recorded
+    path = tmp_path / "field.vtu"
+    write_field(path, field)
+    mesh = meshio.read(path)
+    position, velocity, _ = profile(field)
+    assert mesh.point_data["velocity"].reshape(field.time.size, -1) == pytest.approx(velocity)
+    quads = mesh.cells_dict["quad"]
+    assert quads.shape[0] == (field.time.size - 1) * (position.size - 2)
+    x, y = mesh.points[quads, 0], mesh.points[quads, 1]
+    area = 0.5 * np.abs(np.sum(x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y, axis=1))
+    assert area.min() > 0
+    assert area.sum() == pytest.approx(2.0 * np.ptp(field.time))
+    assert sheet(field).points.shape[0] == mesh.points.shape[0]
+
+
+def test_series_is_read_back(recorded, tmp_path):
+    field, *_ = recorded
+    path = tmp_path / "field.xdmf"
+    write_field(path, field)
+    _, velocity, stress = profile(field)
+    with meshio.xdmf.TimeSeriesReader(path) as reader:
+        points, _ = reader.read_points_cells()
+        assert reader.num_steps == field.time.size
+        time, data, _ = reader.read_data(3)
+    assert time == pytest.approx(field.time[3])
+    assert data["velocity"] == pytest.approx(velocity[3])
+    assert data["stress"] == pytest.approx(stress[3])
+    assert points.shape[0] == velocity.shape[1]
+    assert [entry.name for entry in tmp_path.iterdir()] == ["field.xdmf"]
+
+
+def test_wrong_names_and_windows_are_refused(recorded, tmp_path):
+    with pytest.raises(SceneError, match=r"must end in \.nc, \.vtu, \.xdmf"):
+        write_field(tmp_path / "field.png", recorded[0])
+    with pytest.raises(SceneError, match="cannot be written"):
+        write_field(tmp_path / "absent" / "field.vtu", recorded[0])
+    for start, end in ((5.0, 5.0), (5.0, 1.0), (-1.0, 2.0), (float("nan"), 2.0)):
+        with pytest.raises(SceneError, match="window"):
+            record_field(Leapfrog(PAPER, 16), start, end)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_picture_of_one_event(tmp_path):
+    solver = Leapfrog(PAPER, 32, 1.0)
+    events = EventObserver(PAPER, solver.nodes)
+    while events.count < 1:
+        follow(solver, solver.time + 1.0, [events])
+    field, _ = record_field(solver, solver.time, solver.time + 12.0, 1 / 16)
+    figure = picture(field)
+    assert [axes.get_ylabel() for axes in figure.axes[:2]] == ["depth / travel time"] * 2
+    figure.savefig(tmp_path / "event.png", dpi=60)
+    assert (tmp_path / "event.png").stat().st_size > 5000
