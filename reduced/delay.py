@@ -41,7 +41,7 @@ class Delay:
         self._newton_tolerance = max(1e-3 * tolerance, 1e-14)
         self._resolution = dense_resolution(tolerance, self._stages) if emit else end_resolution(tolerance)
         self._emit = emit
-        self.nodes, self._matrices = _matrices(self._stages)
+        self.nodes, self._matrices = collocation_matrices(self._stages)
         times, velocities = np.array(scene.drive.times), np.array(scene.drive.velocities, dtype=float)
         if scene.drive.is_constant:
             times, velocities = times[:1], velocities[:1]
@@ -142,7 +142,7 @@ def resample(values: Array, nodes: Array, new: int) -> Array:
 
 
 @cache
-def _matrices(stages: int) -> tuple[Array, Matrices]:
+def collocation_matrices(stages: int) -> tuple[Array, Matrices]:
     """Nodes and transposed matrices; the tail row gives the highest Legendre coefficient from nodal values."""
     rule = radau(stages)
     tail = np.linalg.inv(legendre.legvander(2.0 * rule.nodes - 1.0, stages - 1))[-1]

@@ -7,7 +7,7 @@ With one slab's incoming characteristic S = mu + eps v/2 (MODEL.md section 3), i
 which is (29, 35) with S = mu_ss + eps V/2 - 2 eps g(t - 1). Delayed values fall on the same collocation nodes: no interpolation.
 
 `nodes` is a tuple so that the compiler knows how many there are and unrolls the small loops (a factor 1.7 measured); the parts
-are inlined and take arrays one by one, since calls, tuples of arrays and row views cost reference counting (a factor 1.5 measured).
+are inlined and take arrays one by one: calls, tuples of arrays and row views cost reference counting (a factor 1.5 measured).
 """
 
 import math
@@ -33,7 +33,7 @@ _WEAK_COUPLING = 0.01
 STATE, UNKNOWN = 0, 1
 TIME, PSI, ELASTIC = 0, 1, 2
 RATE, RATE_SLOPE, MISMATCH, RATIO, INCREMENT, SLOPE, WEIGHT, WEIGHT_STATE, CHANGE, PREVIOUS, FRESH = range(11)
-_WORK_ROWS = 11
+WORK_ROWS = 11
 
 
 class Memory(NamedTuple):
@@ -66,9 +66,7 @@ class Physics(NamedTuple):
 
 
 @inlined
-def linearise(
-    nodes: Nodes, law: Law, impedance: float, h: float, incoming: Array, i: int, guess: Array, work: Array
-) -> float:  # fmt: skip
+def linearise(nodes: Nodes, law: Law, impedance: float, h: float, incoming: Array, i: int, guess: Array, work: Array) -> float:
     """Per node: friction and state linearised at the guess with z eliminated; returns the largest coupling |slope|."""
     s = len(nodes)
     coupling = 0.0
@@ -158,9 +156,23 @@ def correct(nodes: Nodes, guess: Array, work: Array) -> float:
 
 @inlined
 def solve_step(
-    nodes: Nodes, law: Law, impedance: float, h: float, nudge: float, start: float, length: float, psi: float, incoming: Array, i: int,
-    integral: Array, tail: Array, newton_tolerance: float, guess: Array, work: Array, system: Array,
-) -> int:  # fmt: skip
+    nodes: Nodes,
+    law: Law,
+    impedance: float,
+    h: float,
+    nudge: float,
+    start: float,
+    length: float,
+    psi: float,
+    incoming: Array,
+    i: int,
+    integral: Array,
+    tail: Array,
+    newton_tolerance: float,
+    guess: Array,
+    work: Array,
+    system: Array,
+) -> int:
     """Newton for the step's nodal psi and z, from and into `guess`, nodal v into work[RATE]; returns iterations, 0 = failed.
 
     z is eliminated node by node, and the small system for psi is summed (Neumann) where the state couples weakly, as in
@@ -210,9 +222,20 @@ def predict(nodes: Nodes, predict_rate: Array, predict_state: Array, left: float
 
 @inlined
 def emit(
-    nodes: Nodes, epsilon: float, velocity: float, start: float, length: float, integral: Array, incoming: Array, i: int, guess: Array,
-    work: Array, now: Array, pieces: Pieces, k: int,
-) -> None:  # fmt: skip
+    nodes: Nodes,
+    epsilon: float,
+    velocity: float,
+    start: float,
+    length: float,
+    integral: Array,
+    incoming: Array,
+    i: int,
+    guess: Array,
+    work: Array,
+    now: Array,
+    pieces: Pieces,
+    k: int,
+) -> None:
     """Write the step as piece k and advance the elastic stress y' = epsilon (V - v)."""
     s = len(nodes)
     pieces.time[k] = start
@@ -231,9 +254,16 @@ def emit(
 
 @njit
 def march_delay(
-    nodes: Nodes, law: Law, physics: Physics, matrices: Matrices, memory: Memory, count: int, newton_tolerance: float,
-    resolution: float, pieces: Pieces,
-) -> tuple[int, int, int]:  # fmt: skip
+    nodes: Nodes,
+    law: Law,
+    physics: Physics,
+    matrices: Matrices,
+    memory: Memory,
+    count: int,
+    newton_tolerance: float,
+    resolution: float,
+    pieces: Pieces,
+) -> tuple[int, int, int]:
     """March `count` steps; returns (steps kept, Newton iterations, verdict): verdict 0 done, 1 Newton failed, 2 the step's
     polynomial is not resolved to `resolution`. After 1 or 2 the memory is back at the last whole transit."""
     s = len(nodes)
@@ -243,7 +273,7 @@ def march_delay(
     steps = incoming.shape[0]
     length = 1.0 / steps
     h = length * physics.round_trip
-    work, system = np.empty((_WORK_ROWS, s)), np.empty((s, s))
+    work, system = np.empty((WORK_ROWS, s)), np.empty((s, s))
     saved, saved_guess, saved_now = incoming.copy(), guess.copy(), now.copy()
     i, anchor, iterations = memory.cursor[0], 0, 0
     drive_times = physics.drive_times
@@ -254,9 +284,23 @@ def march_delay(
             saved[:], saved_now[:], saved_guess[:] = incoming, now, guess
         left, start = now[PSI], now[TIME]
         used = solve_step(
-            nodes, law, 0.5 * epsilon, h, nudge, start, length, left, incoming, i,
-            integral, tail, newton_tolerance, guess, work, system,
-        )  # fmt: skip
+            nodes,
+            law,
+            0.5 * epsilon,
+            h,
+            nudge,
+            start,
+            length,
+            left,
+            incoming,
+            i,
+            integral,
+            tail,
+            newton_tolerance,
+            guess,
+            work,
+            system,
+        )
         iterations += used
         unresolved = 0.0
         for j in range(s):

@@ -24,8 +24,9 @@ _FIRST_LEVEL = 4
 class Ladder:
     """Marches `reduction` of the scene's slab pair to `tolerance`, the requested relative error of the cycle's figures.
 
-    Radau IIA with 6 nodes (order 11 at step ends, L-stable), step lengths 2 / 2^level transits. `failures` counts unconverged solves:
-    a step that cannot be solved at the shortest length raises NumericsError naming time and scene (a quasi-static model runs away).
+    Radau IIA with 6 nodes (order 11 at step ends, L-stable), step lengths 2 / 2^level transits. `failures` counts unconverged
+    solves: a step that cannot be solved at the shortest length raises NumericsError naming time and scene (a quasi-static model
+    runs away).
     """
 
     order_interface = "2 nodes - 1 at the ends of steps, nodes inside"
@@ -74,9 +75,17 @@ class Ladder:
         """March past `until` by at most one step, at most one chunk; see `Solver`."""
         pieces = Pieces(np.empty(_CHUNK), np.empty(_CHUNK), *(np.empty((_CHUNK, self.nodes.size)) for _ in range(4)))
         steps, iterations, verdict = march_ladder(
-            self._shape, self.scene.law, self._slabs, self._tables, self._rule, self._memory,
-            until, self._newton_tolerance, self._resolution, pieces,
-        )  # fmt: skip
+            self._shape,
+            self.scene.law,
+            self._slabs,
+            self._tables,
+            self._rule,
+            self._memory,
+            until,
+            self._newton_tolerance,
+            self._resolution,
+            pieces,
+        )
         self.iterations += iterations
         if verdict and steps == 0:
             now = self._memory.now

@@ -32,8 +32,8 @@ _FAR = 1e3
 
 
 class Rule(NamedTuple):
-    """Collocation matrices: `integral` (s, s), `tail` (s,) for the highest Legendre coefficient, and extrapolation to a step as long and
-    twice as long, `predict` (2, s, s), `predict_state` (2, s, s + 1)."""
+    """Collocation matrices: `integral` (s, s), `tail` (s,) for the highest Legendre coefficient, and extrapolation to a step as
+    long and twice as long, `predict` (2, s, s), `predict_state` (2, s, s + 1)."""
 
     integral: Array
     tail: Array
@@ -53,8 +53,8 @@ class Slabs(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """`modes` (N, 2): tau, p relative to epsilon; `guess` (2, s); `now`: time, psi, spring stress / epsilon, y, v, z; `level` (1,): that of the
-    next step."""
+    """`modes` (N, 2): tau, p relative to epsilon; `guess` (2, s); `now`: time, psi, spring stress / epsilon, y, v, z;
+    `level` (1,): that of the next step."""
 
     modes: Array
     guess: Array
@@ -65,7 +65,7 @@ class Memory(NamedTuple):
 @inlined
 def external_stress(
     nodes: Nodes, epsilon: float, tables: Tables, level: int, modes: Array, spring: float, rate: float, work: Array
-) -> None:  # fmt: skip
+) -> None:
     """E_j: spring, modes and momentum at the step's start, and the drive's share of the stage impedance."""
     s = len(nodes)
     for j in range(s):
@@ -79,9 +79,22 @@ def external_stress(
 
 @inlined
 def linearise(
-    nodes: Nodes, law: Law, epsilon: float, h: float, nudge: float, start: float, length: float, psi: float, integral: Array,
-    impedance: Array, level: int, guess: Array, work: Array, system: Array, change: Array,
-) -> None:  # fmt: skip
+    nodes: Nodes,
+    law: Law,
+    epsilon: float,
+    h: float,
+    nudge: float,
+    start: float,
+    length: float,
+    psi: float,
+    integral: Array,
+    impedance: Array,
+    level: int,
+    guess: Array,
+    work: Array,
+    system: Array,
+    change: Array,
+) -> None:
     """Newton system: rows 0..s-1 the state equation, rows s..2s-1 friction; columns psi then z."""
     s = len(nodes)
     for j in range(s):
@@ -193,9 +206,17 @@ def predict(
 
 @njit
 def march_ladder(
-    nodes: Nodes, law: Law, slabs: Slabs, tables: Tables, rule: Rule, memory: Memory, until: float, newton_tolerance: float, resolution: float,
+    nodes: Nodes,
+    law: Law,
+    slabs: Slabs,
+    tables: Tables,
+    rule: Rule,
+    memory: Memory,
+    until: float,
+    newton_tolerance: float,
+    resolution: float,
     pieces: Pieces,
-) -> tuple[int, int, int]:  # fmt: skip
+) -> tuple[int, int, int]:
     """March until `until` or until the pieces are full; returns (steps, Newton iterations, verdict), verdict 0 done, 1 no step
     is short enough. The last step may pass `until`."""
     s = len(nodes)

@@ -6,7 +6,8 @@ at the s nodes of a step of length h, A the collocation matrix and c = A 1, mode
     tau = W (tau_0 1 + h p_0 c - (residue h A + offset h^2 A^2) u),     W = (1 + 2 decay h A + omega^2 h^2 A^2)^-1,
 
 the spring  -spring h A u,  damping  -damping u,  and mass m  -(m/h) A^-1 (v - v_0 1).  The sum of the u-parts is one s x s
-matrix K(h): the cost of a Newton iteration does not depend on the number of modes. Everything is relative to epsilon, transit clock.
+matrix K(h): the cost of a Newton iteration does not depend on the number of modes. Everything is relative to epsilon, on the
+transit clock.
 """
 
 from typing import NamedTuple
@@ -22,8 +23,9 @@ LONGEST = 2.0
 
 
 class Tables(NamedTuple):
-    """Per level l: `length` (L,); `impedance` K (L, s, s) with and `elastic` (L, s, s) without mass; `inertia` m A^-1 1 / h (L, s);
-    `free` (L, N, 2, s): response to tau_0 and p_0; `forced` (L, N, s, s): response to -u. Per mode: `offset`, `omega_squared`."""
+    """Per level l: `length` (L,); `impedance` K (L, s, s) with and `elastic` (L, s, s) without mass; `inertia` m A^-1 1 / h,
+    (L, s); `free` (L, N, 2, s): response to tau_0 and p_0; `forced` (L, N, s, s): response to -u. Per mode `offset` and
+    `omega_squared`."""
 
     length: Array
     impedance: Array

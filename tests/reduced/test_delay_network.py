@@ -1,0 +1,109 @@
+"""The delay system of unlike, gripped, reflecting and layered slabs: against the alike march, itself, and exact echoes."""
+
+import numpy as np
+import pytest
+
+from reduced.delay import Delay
+from reduced.delay_network import DelayNetwork
+from reduced.exact import delay_system
+from reduced.network import common_divisor
+from scene import read
+from scene.errors import NumericsError, SceneError
+from scene.observe import EventObserver, follow, summarise
+
+ARRANGEMENTS = ("unlike", "unlike-irrational", "grip", "reflection", "layered", "ramp")
+
+
+def test_network_of_alike_slabs_equals_the_alike_march():
+    scene = read("paper", ["slab.log10_r=-2.6"])
+    assert follow(DelayNetwork(scene), 600).psi == pytest.approx(follow(Delay(scene), 600).psi, abs=2e-10)
+
+
+def test_alike_slabs_written_twice_take_the_same_course():
+    """Upper and lower slab marched apart (a lower round trip longer by one part in 1e15 makes them unlike)."""
+    keys = ["lower.epsilon=2.8e-5", f"lower.r={10**-2.6 * (1 + 4e-16)!r}", f"upper.r={10**-2.6!r}", "upper.epsilon=2.8e-5"]
+    twice = follow(DelayNetwork(read("paper", keys)), 200).psi
+    assert twice == pytest.approx(follow(Delay(read("paper", ["slab.log10_r=-2.6"])), 200).psi, abs=1e-10)
+
+
+@pytest.mark.parametrize("name", ARRANGEMENTS)
+def test_step_length_does_not_matter(name):
+    scene = read(name)
+    answers = []
+    for halvings in (0, 1):
+        solver = DelayNetwork(scene)
+        for _ in range(halvings):
+            solver._refine()
+        answers.append(follow(solver, 120).psi)
+    assert answers[0] == pytest.approx(answers[1], abs=2e-10)
+
+
+def test_full_grip_is_a_rigid_face():
+    grip = 'slab.face={kind="grip", stiffness=1.0, impedance=1e9}'
+    rigid = follow(Delay(read("paper")), 100).psi
+    assert follow(DelayNetwork(read("paper", [grip])), 100).psi == pytest.approx(rigid, abs=1e-7)
+
+
+def test_matched_layers_are_no_layers():
+    layers = "slab.layers=[{fraction=0.25, impedance=1.0}, {fraction=0.75, impedance=1.0}]"
+    plain = follow(Delay(read("paper")), 300).psi
+    assert follow(DelayNetwork(read("paper", [layers])), 300).psi == pytest.approx(plain, abs=1e-10)
+
+
+def test_swallowing_face_returns_no_wave():
+    """Behind R = 0 the interface sees a half space: mu = mu_ss - Z (v - V) at every moment, exactly."""
+    scene = read("paper", ['slab.face={kind="reflection", coefficient=0.0}'])
+    solver = DelayNetwork(scene)
+    pieces = solver.advance(30)
+    rate = np.exp(pieces.unknown)
+    radiated = scene.steady_stress - scene.impedance * (rate - scene.velocity)
+    assert np.abs(pieces.stress - radiated).max() < 1e-13
+    assert np.abs(rate - scene.velocity).max() > 1.0
+
+
+def test_echo_of_a_layer_arrives_after_its_own_round_trip():
+    """Before the joint's echo returns, the interface of a layered slab moves as that of a half space of the inner layer."""
+    layered = read("paper", ["slab.layers=[{fraction=0.5, impedance=1.0}, {fraction=0.5, impedance=3.0}]", "start.kind='jump'"])
+    pieces = DelayNetwork(layered).advance(1.0)
+    at = pieces.time[:, None] + pieces.length[:, None] * DelayNetwork(layered).nodes
+    radiated = layered.steady_stress - layered.impedance * (np.exp(pieces.unknown) - layered.velocity)
+    difference = np.abs(pieces.stress - radiated)
+    assert difference[at < 0.5 - 1e-9].max() < 1e-13
+    assert difference[at > 0.5 + 1e-9].max() > 1e-5
+
+
+@pytest.mark.parametrize(("ratio", "divisor"), [(2.0, 0.5), (1.5, 0.25), (np.sqrt(2.0), None)])
+def test_common_divisor_of_travel_times(ratio, divisor):
+    found = common_divisor(np.array([0.5, 0.5 * ratio]))
+    assert found == divisor or found == pytest.approx(divisor)
+
+
+def test_jump_start_keeps_its_accuracy_where_round_trips_are_commensurate():
+    scene = read("unlike", ['start.kind="jump"', "start.size=0.05"])
+    loose, tight = (follow(DelayNetwork(scene, tolerance=t), 100).psi for t in (1e-7, 1e-11))
+    assert loose == pytest.approx(tight, abs=1e-7)
+
+
+def test_grip_keeps_the_load_and_a_bare_reflection_loses_it():
+    """MODEL.md section 3: with R = 0.9 the load relaxes in 20 transits, a third of a cycle, and stick-slip dies; a grip that
+    reflects fast waves as much keeps it."""
+    drops = {}
+    for kind, face in (("bare", 'kind="reflection", coefficient=0.9'), ("grip", 'kind="grip", stiffness=10.0, impedance=19.0')):
+        scene = read("paper", [f"slab.face={{{face}}}", "slab.log10_r=-2.55"])
+        solver = DelayNetwork(scene)
+        observer = EventObserver(scene, solver.nodes)
+        follow(solver, 3000, [observer])
+        drops[kind] = summarise(observer.events, 2000).stress_drop.mean
+    assert drops["grip"] > 0.1
+    assert not drops["bare"] > 1e-3
+
+
+def test_viscous_slabs_are_refused_with_the_reason():
+    with pytest.raises(SceneError, match="disperse"):
+        delay_system(read("viscous"))
+
+
+def test_unresolvable_run_is_refused_with_place_and_time(monkeypatch):
+    monkeypatch.setattr("reduced.delay_network.MAX_STEPS", 8)
+    with pytest.raises(NumericsError, match=r"delay: the step at t = .* transits"):
+        follow(DelayNetwork(read("unlike", ["upper.log10_r=-2.2", "lower.log10_r=-2.2"])), 1000)
