@@ -1,0 +1,115 @@
+"""The registered studies: their shape, their verdicts, and that a wrong number turns a light red."""
+
+import dataclasses
+
+import pytest
+
+import scene
+from scene.input.source import gallery_names
+from validation.report import make_report
+from validation.report.picture import LARGEST, readme_picture
+from validation.studies import STUDIES, load
+from validation.studies import one_cycle as one_cycle_study
+from validation.study import Budget, Evidence, Outcome, StudyResult
+from validation.work_precision import Point, Setting, cheapest, time_run
+
+QUICK = Budget(quick=True)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_study_says_what_it_is(name):
+    study = load(name)
+    assert name == study.NAME
+    assert study.QUESTION.endswith("?")
+    assert set(study.SCENES) <= set(gallery_names())
+    assert all(seconds > 0 for seconds in study.SECONDS)
+
+
+def bad(result: StudyResult) -> list[str]:
+    return [f"{v.claim}: expected {v.expected}, ours {v.ours}" for v in result.verdicts if v.outcome is Outcome.FAIL]
+
+
+def test_scene_facts():
+    result = load("scene-facts").run(QUICK)
+    assert bad(result) == []
+    assert result.numbers["r_c delay"].value == pytest.approx(10**-2.6995497159, rel=1e-9)
+    groups = {row[0]: row[2] for row in result.tables[0].rows}
+    assert groups["r/r_{c}"] == pytest.approx(1.04604, rel=1e-5)
+    one_transit = result.tables[1].rows[-1][3]
+    assert one_transit == pytest.approx(2 * 0.03357797353158276 / (1e6 / 784.0) ** 0.5, rel=1e-12)
+
+
+@pytest.fixture(scope="module")
+def cycle():
+    return one_cycle_study.run(QUICK)
+
+
+def test_one_cycle_shows_the_numbers_it_must(cycle):
+    assert bad(cycle) == []
+    delay = [cycle.numbers[f"delay {name}"].value for name in ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")]
+    assert delay == pytest.approx([73.4721449, 0.1739634, 0.1547375, 4412.3205, 2.860302], rel=5e-7)
+    periods = {"kelvin-voigt": 70.7323450, "block8": 76.6102996, "block12": 77.8685694}
+    assert {m: cycle.numbers[f"{m} period"].value for m in periods} == pytest.approx(periods, rel=1e-8)
+    modal = {"modal:1": 73.5148, "modal:2": 73.4717, "modal:8": 73.4721}
+    assert {m: cycle.numbers[f"{m} period"].value for m in modal} == pytest.approx(modal, abs=6e-5)
+    assert "3.7 % short" in cycle.answer
+
+
+def test_one_cycle_lists_what_it_leaves_out(cycle):
+    assert ["Quasi-static" in o.what or "Quasi-dynamic" in o.what for o in cycle.omissions] == [True, True]
+    assert "runs away" in cycle.omissions[0].why
+
+
+def test_a_wrong_reference_turns_the_light_red(monkeypatch):
+    true = one_cycle_study.reference_orbit
+    monkeypatch.setattr(one_cycle_study, "MODELS", ("delay", "fd"))
+    run = one_cycle_study._run("delay")
+    assert [v.outcome for v in one_cycle_study._against_reference({"delay": run})] == [Outcome.PASS]
+    wrong = {**true("delay", -2.68), "stress_drop": 0.1739634131 * (1 + 2e-6)}
+    monkeypatch.setattr(one_cycle_study, "reference_orbit", lambda model, log10_r: wrong)
+    assert [v.outcome for v in one_cycle_study._against_reference({"delay": run})] == [Outcome.FAIL]
+
+
+def test_claims():
+    result = load("claims").run(QUICK)
+    assert bad(result) == []
+    findings = {verdict.claim[:3].strip() for verdict in result.verdicts if verdict.outcome is Outcome.FINDING}
+    assert findings == {"P5", "P6", "P11"}
+    settled = {verdict.claim.split()[0] for verdict in result.verdicts}
+    left_out = {omission.what.split(",")[0] for omission in result.omissions}
+    assert {f"P{n}" for n in range(1, 15)} == settled | (left_out & {"P8", "P9", "P10", "P14"})
+    assert any(verdict.evidence is Evidence.PAPER and "70.73" in verdict.expected for verdict in result.verdicts)
+
+
+def test_timed_run_knows_its_error():
+    exact = {"period": 73.4721449443, "stress_drop": 0.1739634131}
+    point = time_run(Setting("fd", cells=32, cfl=1.0), scene.read("paper"), 2500.0, exact, repeats=1)
+    assert point.period_error == pytest.approx(-8.0e-6, rel=0.02)
+    assert point.seconds > 0.0
+    assert Setting("fd", cells=32, cfl=0.5).words == "32 cells, CFL 0.5"
+    assert Setting("delay", tolerance=1e-5).words == "tolerance 10^{-5}"
+
+
+def test_cheapest_point_within_an_error():
+    points = [
+        Point(Setting("a"), 3.0, 1.0, 1e-9, 0.0),
+        Point(Setting("b"), 1.0, 1.0, 1e-3, 0.0),
+        Point(Setting("c"), 2.0, 1.0, -1e-8, 0.0),
+    ]
+    assert cheapest(points, 1e-7).setting.model == "c"
+    assert cheapest(points, 1e-10) is None
+
+
+@pytest.mark.slow
+def test_quick_report_is_whole(tmp_path):
+    page = make_report(tmp_path, quick=True)
+    html = page.read_text()
+    assert html.count('class="study"') == len(STUDIES)
+    assert "did not finish" not in html
+    picture = readme_picture(tmp_path, tmp_path / "docs" / "one-cycle.png")
+    assert 10_000 < picture.stat().st_size < LARGEST
+
+
+def test_numbers_are_finite(cycle):
+    assert all(number.value == number.value for number in cycle.numbers.values())
+    assert dataclasses.asdict(cycle.tables[0])["emphasis"] == (0,)
