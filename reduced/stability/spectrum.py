@@ -43,7 +43,8 @@ def leading_roots(problem: Characteristic, most: int = 8) -> Complex:
     upper = np.concatenate([roots[real].real + 0j, roots[~real & (roots.imag > 0.0)]])
     upper = upper[np.argsort(-upper.real)]
     pairs = np.column_stack([upper, upper.conj()]).ravel()
-    return pairs[np.column_stack([np.full(upper.shape, True), upper.imag > 0.0]).ravel()][:most]
+    kept = np.column_stack([np.full(upper.shape, True), upper.imag > 0.0]).ravel()
+    return np.asarray(pairs[kept][:most], dtype=np.complex128)
 
 
 def _mirrored(problem: Characteristic, low: complex) -> complex:

@@ -1,41 +1,74 @@
-"""`slipwave stability`: is steady sliding stable, and where would it change? From impedance alone, for any scene and model."""
+"""`slipwave stability`: is steady sliding stable, where does it lose stability, and how do small disturbances grow?"""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any
 
-from validation.commands.options import Json, Model, SceneName, Settings, read_scene
+import typer
+
+from validation.commands.options import Json, SceneName, Settings, read_scene
 
 if TYPE_CHECKING:
     from reduced.stability import Stability
+    from scene.scene import Scene
+
+StabilityModel = Annotated[
+    str,
+    typer.Option(
+        "--model",
+        help="delay (exact; so are auto and the full-wave models), quasistatic, quasidynamic, block8, block12, kelvin-voigt, "
+        "modal:N, fitted:N, or taylor (the truncation that cannot be used)",
+    ),
+]
 
 
-def stability(scene: SceneName, model: Model = "auto", settings: Settings = None, json: Json = False) -> None:
-    """Tell whether steady sliding is stable, its critical round trip and epsilon, and the leading roots."""
+def stability(scene: SceneName, model: StabilityModel = "delay", settings: Settings = None, json: Json = False) -> None:
+    """Stability of steady sliding from the slabs' impedance alone, for any scene and model."""
     from reduced.stability import analyse
     from validation.output import print_json
-    from validation.wording import describe
 
     what = read_scene(scene, settings)
     found = analyse(what, "delay" if model == "auto" else model)
     if json:
-        roots = [[root.real, root.imag] for root in found.leading_roots]
-        print_json(
-            {"scene": what.name}
-            | {key: value for key, value in vars(found).items() if key != "leading_roots"}
-            | {"leading_roots": roots}
-        )
-        return
-    for line in describe(what):
+        print_json(result_of(what, found))
+    else:
+        _print(what, found)
+
+
+def result_of(scene: "Scene", found: "Stability") -> dict[str, Any]:
+    """The JSON of the command, as CONTRACT names its keys; frequencies and roots in 1/(L/V*), null where there is no value."""
+    return {
+        "scene": scene.name,
+        "model": found.model,
+        "omega_c": found.omega_c,
+        "log10_r_c": found.log10_r_c,
+        "epsilon_c": found.epsilon_c,
+        "stable": found.stable,
+        "unstable_roots": found.unstable_roots,
+        "leading_roots": [[root.real, root.imag] for root in found.leading_roots],
+        "essential_abscissa": found.essential_abscissa,
+    }
+
+
+def _print(scene: "Scene", found: "Stability") -> None:
+    import math
+
+    from validation.output import figures, print_table
+    from validation.wording import describe
+
+    for line in describe(scene):
         print(line)
-    _print(found)
-
-
-def _print(found: "Stability") -> None:
-    from validation.output import figures
-
-    verdict = "stable" if found.stable else "unstable"
-    print(f"model {found.model}: steady sliding is {verdict} ({found.unstable_roots} unstable roots)")
-    print(f"omega_c = {figures(found.omega_c, 12)} V*/L at the onset, log10 r_c = {figures(found.log10_r_c, 12)}")
-    print(f"epsilon_c = {figures(found.epsilon_c, 12)} at the scene's r")
-    print("leading roots [V*/L]: " + ", ".join(f"{root.real:.9g} {root.imag:+.9g}i" for root in found.leading_roots))
-    if found.essential_abscissa == found.essential_abscissa:
-        print(f"the infinitely many fast roots tend to the real part {figures(found.essential_abscissa, 9)}")
+    verdict = "stable" if found.stable else f"unstable: {found.unstable_roots} growing roots (certified count)"
+    print(f"model {found.model}: steady sliding at V = {scene.velocity:g} is {verdict}\n")
+    rows = [
+        ["critical frequency omega_c [V*/L]", figures(found.omega_c, 10), ""],
+        ["critical round trip log10 r_c", figures(found.log10_r_c, 10), f"scene {figures(math.log10(scene.transit), 10)}"],
+        ["critical epsilon", figures(found.epsilon_c, 10), f"scene {figures(scene.upper.epsilon, 10)}"],
+        ["pile of fast roots, Re s [V*/L]", figures(found.essential_abscissa, 10), ""],
+    ]
+    print_table(["", "critical", "here"], rows)
+    print()
+    roots = [
+        [f"{figures(root.real, 8)} {root.imag:+.8g} i", figures(abs(root.imag) * scene.transit / (2.0 * math.pi), 6)]
+        for root in found.leading_roots
+        if root.imag >= 0.0
+    ]
+    print_table(["leading roots s [V*/L], conjugates left out", "cycles per transit"], roots)
