@@ -77,8 +77,8 @@ def method_for(order: int) -> RungeKutta:
 class March:
     """Marches `grid` under `scene` with `method`; a `Solver` (scene.observe.follow).
 
-    `limit` is the longest stable step (transits) of the waves, of which the share `cfl` is taken, less what it takes for whole
-    pieces to tile the transit. Raises SceneError naming cfl and its allowed range.
+    `limit` is the longest stable step (transits) of the waves; `step` is the share `cfl` of it, or of what the grips and the
+    viscosity allow if that is less. Raises SceneError naming cfl and its allowed range.
     """
 
     def __init__(self, scene: Scene, model: str, grid: Grid, method: RungeKutta, limit: float, cfl: float) -> None:
@@ -86,8 +86,7 @@ class March:
         self.nodes = np.linspace(0.0, 1.0, STEPS_PER_PIECE + 1)
         self.failures = 0
         self.system = assemble(scene, grid)
-        self.steps = _steps_per_transit(_require_cfl(cfl) * min(limit, _decay_limit(self.system, method)))
-        self.step = 1.0 / self.steps
+        self.step = _require_cfl(cfl) * min(limit, _decay_limit(self.system, method))
         self._taken = 0
         self._unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
         memory = grid.size if isinstance(self.system.medium, Viscous) else 0
@@ -100,11 +99,11 @@ class March:
     @property
     def time(self) -> float:
         """Time reached, in transits."""
-        return self._taken / self.steps
+        return self._taken * self.step
 
     def advance(self, until: float) -> Pieces:
         """March towards `until` (transits), at most one chunk."""
-        wanted = math.ceil((until * self.steps - self._taken) / STEPS_PER_PIECE - 1e-6)
+        wanted = math.ceil((until / self.step - self._taken) / STEPS_PER_PIECE - 1e-6)
         pieces = _room(self._taken, self.step, min(MOST_PIECES, max(1, wanted)))
         failures, _ = _march(
             self.system, self.method, self.step, self._taken, self._state, self._trial, self._rates, self._unknowns, pieces
@@ -118,11 +117,6 @@ def _require_cfl(cfl: float) -> float:
     if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.floating) or not 0.0 < cfl <= 1.0:
         raise SceneError(f"cfl = {cfl!r}: must lie in (0, 1]")
     return float(cfl)
-
-
-def _steps_per_transit(longest: float) -> int:
-    """Whole pieces to the transit, their steps no longer than `longest`."""
-    return STEPS_PER_PIECE * max(1, math.ceil(1.0 / (STEPS_PER_PIECE * longest) - 1e-9))
 
 
 def _decay_limit(system: System, method: RungeKutta) -> float:
