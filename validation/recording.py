@@ -1,11 +1,20 @@
-"""A run as a netCDF file: events always, the interface's history if the scene records it, and where it all came from."""
+"""A run as a netCDF file: events always, the interface's history if the scene records it, and where it all came from; and the
+fields of a full-wave run's last transits."""
 
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
-from scene.observe import HistoryObserver, Solver
+from scene.errors import SceneError
+from scene.observe import Final, HistoryObserver, Pieces, Solver, final_state
+from scene.observe.follow import Observer
 from validation.output import whole_file
 from validation.simulate import Run
+
+if TYPE_CHECKING:
+    from fullwave.field import Field
+    from fullwave.snapshot import FieldSolver
 
 _EVENT_NOTES = {
     "time": ("start of the slip event", "transit"),
@@ -22,6 +31,58 @@ _HISTORY_NOTES = {
     "stress": ("friction stress mu", "normal stress"),
     "elastic_stress": ("elastic stress y", "normal stress"),
 }
+
+
+FIELD_FILES = (".vtu", ".xdmf", ".nc")
+"""Kinds of file that fields are written to."""
+
+FIELD_WINDOW = 100.0
+"""Transits before the end of the run whose fields are kept: more than a cycle of the paper's scenes, never all of a long run."""
+
+
+class _Latest:
+    """Remembers the latest pieces: the record's own last sample may lie a little before the end of the run."""
+
+    pieces: Pieces | None = None
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        self.pieces = pieces
+
+
+class FieldMarch:
+    """Marches a full-wave solver as `follow` does and keeps the fields of the last FIELD_WINDOW transits for `write`.
+
+    Raises SceneError if the solver has no fields.
+    """
+
+    def __init__(self, solver: Solver, path: Path) -> None:
+        if not hasattr(solver, "snapshot"):
+            raise SceneError(
+                f"--fields = {str(path)!r}: model {solver.model} has no grid to take fields from; use a full-wave model"
+            )
+        self._path = path
+        self._field: Field | None = None
+
+    def __call__(
+        self, solver: Solver, until: float, observers: Sequence[Observer] = (), progress: Callable[[float], None] | None = None
+    ) -> Final:
+        """March to `until` (transits), as `follow`."""
+        from fullwave.field import record_field
+
+        start, latest = max(until - FIELD_WINDOW, solver.time), _Latest()
+        self._field, _ = record_field(
+            cast("FieldSolver", solver), start, until, observers=[*observers, latest], progress=progress
+        )
+        assert latest.pieces is not None
+        return final_state(solver, latest.pieces, until)
+
+    def write(self) -> None:
+        """Write the fields, if the run reached its end; the file is whole or absent."""
+        from fullwave.field_files import write_field
+
+        if self._field is not None:
+            write_field(self._path, self._field)
 
 
 def history_for(solver: Solver) -> HistoryObserver | None:

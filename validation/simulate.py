@@ -1,13 +1,23 @@
 """One model on one scene from start to end: the run behind `slipwave run`, `compare` and `bench`."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from scene.errors import NumericsError
 from scene.observe import Energy, EventObserver, Events, Final, RunStatistics, Solver, follow, summarise
 from scene.observe.follow import Observer
 from validation.progress import progress
+
+
+class March(Protocol):
+    """What takes a solver to the end of a run: `scene.observe.follow`, or something that does more on the way."""
+
+    def __call__(
+        self, solver: Solver, until: float, observers: Sequence[Observer] = (), progress: Callable[[float], None] | None = None
+    ) -> Final:
+        """March `solver` to `until` (transits), feeding the observers and telling progress."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +36,7 @@ class Run:
     failed: str = ""
 
 
-def simulate(solver: Solver, until: float, observers: Sequence[Observer] = ()) -> Run:
+def simulate(solver: Solver, until: float, observers: Sequence[Observer] = (), march: March = follow) -> Run:
     """March `solver` to `until` (transits) with progress on stderr; statistics are those of the run's second half.
 
     A NumericsError of the solver does not escape: it is kept in `failed`, beside what was computed before.
@@ -37,7 +47,7 @@ def simulate(solver: Solver, until: float, observers: Sequence[Observer] = ()) -
     began = time.perf_counter()
     try:
         with progress(f"{solver.scene.name}, {solver.model}", until) as report:
-            final = follow(solver, until, [watch, *observers], report)
+            final = march(solver, until, [watch, *observers], report)
     except NumericsError as error:
         failed = str(error)
     wall = time.perf_counter() - began

@@ -1,7 +1,7 @@
 """Observers: reduce a run to events, period, drops and extrema while it streams by, piece by piece."""
 
 from scene.observe.events import EventObserver, Events
-from scene.observe.follow import Final, Solver, follow
+from scene.observe.follow import Final, Solver, final_state, follow
 from scene.observe.history import HistoryObserver
 from scene.observe.ledger import Energy
 from scene.observe.pieces import Pieces
@@ -17,6 +17,7 @@ __all__ = [
     "RunStatistics",
     "Solver",
     "Spread",
+    "final_state",
     "follow",
     "summarise",
 ]

@@ -67,7 +67,7 @@ def follow(
             progress(solver.time)
     if pieces is None:
         raise NumericsError(f"{solver.model}: nothing to do: until = {until} is not after t = {solver.time}")
-    return _final(solver, pieces, until)
+    return final_state(solver, pieces, until)
 
 
 def _require_finite(solver: Solver, pieces: Pieces) -> None:
@@ -79,7 +79,8 @@ def _require_finite(solver: Solver, pieces: Pieces) -> None:
         )
 
 
-def _final(solver: Solver, pieces: Pieces, until: float) -> Final:
+def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:
+    """The interface at `until` (transits), which lies within `pieces`, the solver's latest, from the polynomial there."""
     k = max(0, int((pieces.time < until - 1e-9).sum()) - 1)
     point = min(1.0, (until - pieces.time[k]) / pieces.length[k])
     row = interpolation_matrix(lagrange_basis(solver.nodes), np.array([point]))[0]

@@ -20,26 +20,34 @@ def run(
     cfl: Cfl = None,
     tol: Tolerance = None,
     out: Annotated[Path | None, typer.Option(metavar="FILE.nc", help="write events (and the interface, if recorded)")] = None,
-    fields: Annotated[Path | None, typer.Option(metavar="FILE", help="full wave: write the fields as .vtu or .xdmf")] = None,
+    fields: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="full wave: write velocity and stress of the last 100 transits, .vtu, .xdmf or .nc"),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Run one model on one scene; print events, periods and stress drops of the run's second half."""
     from scene.errors import NumericsError
+    from scene.observe import follow
     from validation.models import build, resolve
     from validation.output import print_json, require_writable
-    from validation.recording import history_for, write_run
+    from validation.recording import FIELD_FILES, FieldMarch, history_for, write_run
     from validation.simulate import simulate
 
     what = read_scene(scene, settings, until)
     if out is not None:
         require_writable(out, (".nc",))
+    if fields is not None:
+        require_writable(fields, FIELD_FILES, "--fields")
     chosen, why = resolve(model, what)
     solver = build(chosen, what, cells, cfl, tol)
-    _refuse_fields(fields, chosen)
+    picture = FieldMarch(solver, fields) if fields is not None else None
     if why:
         typer.echo(f"model auto: {chosen} ({why})", err=True)
     history = history_for(solver) if out is not None else None
-    done = simulate(solver, what.until, [history] if history else [])
+    done = simulate(solver, what.until, [history] if history else [], picture or follow)
+    if picture is not None:
+        picture.write()
     if out is not None:
         write_run(out, done, history)
     if json:
@@ -77,13 +85,6 @@ def _energy(done: "Run") -> dict[str, float] | None:
     ledger = {name: getattr(done.energy, name) for name in ("input", "friction", "radiated", "stored", "residual")}
     viscous = any(slab.viscosity for slab in (done.solver.scene.upper, done.solver.scene.lower))
     return ledger | ({"viscous": done.energy.viscous} if viscous else {})
-
-
-def _refuse_fields(fields: Path | None, model: str) -> None:
-    if fields is not None:
-        from scene.errors import SceneError
-
-        raise SceneError(f"--fields = {str(fields)!r}: model {model} of this version writes no fields; use --out FILE.nc")
 
 
 def _print(done: "Run") -> None:
