@@ -69,11 +69,6 @@ class Delay:
         """The delay system keeps no ledger: its slabs have no inside."""
         return None
 
-    def restart_clock(self) -> None:
-        """Call the present moment t = 0 and stop the nudge: the state is kept."""
-        self._memory.now[TIME] = 0.0
-        self._physics = self._physics._replace(nudge=0.0)
-
     def advance(self, until: float) -> Pieces:
         """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
         while True:

@@ -8,7 +8,7 @@ from reduced.collocation import radau
 from reduced.delay import collocation_matrices, dense_resolution
 from reduced.delay_kernel import first_guess
 from reduced.network import Lines, common_divisor, lines_of
-from reduced.network_kernel import ELASTIC, PSI, TIME, Memory, Motion, Network, march_network
+from reduced.network_kernel import ELASTIC, PSI, TIME, Integers, Memory, Motion, Network, march_network
 from scene.errors import NumericsError
 from scene.friction import unknown_of
 from scene.observe.ledger import Energy
@@ -71,11 +71,6 @@ class DelayNetwork:
         """The delay system keeps no ledger: its slabs have no inside."""
         return None
 
-    def restart_clock(self) -> None:
-        """Call the present moment t = 0 and stop the nudge: the state is kept."""
-        self._memory.now[TIME] = 0.0
-        self._motion = self._motion._replace(nudge=0.0)
-
     def advance(self, until: float) -> Pieces:
         """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
         matrices = self._matrices
@@ -119,7 +114,7 @@ class DelayNetwork:
             lines.follow,
             lines.yield_,
             lines.spring,
-            grip,
+            np.asarray(grip, dtype=float),
             scene.impedance,
             scene.steady_stress + scene.impedance * scene.velocity,
             scene.steady_stress,
@@ -160,7 +155,7 @@ class DelayNetwork:
         self._memory = Memory(waves, old.grip, guess, old.now, np.zeros(1, dtype=np.int64))
 
 
-def delay_rows(steps_back: Array, nodes: Array) -> tuple[Array, Array]:
+def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:
     """How many steps each node looks back for a delay of `steps_back` (L,) steps, (L, s), and the weights there, (L, s, s)."""
     place = nodes - steps_back[:, None]
     back = -np.floor(place - 1e-9).astype(np.int64)

@@ -66,11 +66,6 @@ class Ladder:
         """No ledger: a reduction's energy is not the slabs'."""
         return None
 
-    def restart_clock(self) -> None:
-        """Call the present moment t = 0 and stop the nudge: the state is kept."""
-        self._memory.now[TIME] = 0.0
-        self._slabs = self._slabs._replace(nudge=0.0)
-
     def advance(self, until: float) -> Pieces:
         """March past `until` by at most one step, at most one chunk; see `Solver`."""
         pieces = Pieces(np.empty(_CHUNK), np.empty(_CHUNK), *(np.empty((_CHUNK, self.nodes.size)) for _ in range(4)))

@@ -1,0 +1,70 @@
+"""The start `orbit`: the model is marched until it has settled on its own periodic orbit, and the clock is set to zero there.
+
+This finds stable orbits only; where cycles go on changing (a torus, chaos, steady sliding) the run is refused with the reason.
+"""
+
+from scene.errors import NumericsError, SceneError
+from scene.observe import Energy, Pieces, Solver, follow
+from scene.observe.pieces import Array
+from scene.scene import Scene
+from validation.orbits import NoCycle, settle
+
+_TOLERANCE = 1e-9
+
+
+class OnOrbit:
+    """A solver whose t = 0 is the start of a slip event of its settled orbit, to within one step; see `Solver`."""
+
+    def __init__(self, solver: Solver, origin: float) -> None:
+        self._solver, self._origin = solver, origin
+        self._ledger = solver.energy()
+        self.scene: Scene = solver.scene
+        self.model = solver.model
+        self.nodes: Array = solver.nodes
+
+    @property
+    def time(self) -> float:
+        """Transits since the start on the orbit."""
+        return self._solver.time - self._origin
+
+    @property
+    def failures(self) -> int:
+        """Unconverged solves, those of the approach included."""
+        return self._solver.failures
+
+    def advance(self, until: float) -> Pieces:
+        """March towards `until` (transits since the start on the orbit)."""
+        pieces = self._solver.advance(until + self._origin)
+        return pieces._replace(time=pieces.time - self._origin)
+
+    def energy(self) -> Energy | None:
+        """Ledger since the start on the orbit."""
+        now, before = self._solver.energy(), self._ledger
+        if now is None or before is None:
+            return None
+        names = ("input", "friction", "radiated", "viscous", "stored")
+        return Energy(**{name: getattr(now, name) - getattr(before, name) for name in names})
+
+
+def begin_on_orbit(solver: Solver) -> OnOrbit:
+    """March `solver` onto its orbit and up to the next slip event, which becomes t = 0.
+
+    Raises SceneError if the drive changes (there is no orbit then), NumericsError if the model does not settle.
+    """
+    scene = solver.scene
+    if not scene.drive.is_constant:
+        raise SceneError("start.kind = 'orbit': needs a constant drive.velocity; with a ramp use 'nudge' or 'jump'")
+    try:
+        settled = settle(solver, _TOLERANCE)
+    except NoCycle as reason:
+        raise NumericsError(f"start.kind = 'orbit': {reason} (scene {scene.name!r})") from None
+    if not settled.settled:
+        raise NumericsError(
+            f"start.kind = 'orbit': {solver.model} had not settled after {settled.transits:.0f} transits: its last cycles differ "
+            f"by {settled.unrest:.1e} (scene {scene.name!r}); it may have no stable periodic orbit here"
+        )
+    next_event = settled.observer.last_start + settled.orbit.period.value
+    while next_event <= solver.time:
+        next_event += settled.orbit.period.value
+    follow(solver, next_event)
+    return OnOrbit(solver, solver.time)
