@@ -1,0 +1,170 @@
+"""Finite elements assembled by scikit-fem: velocity and stress both continuous and of degree P, faces held weakly.
+
+Galerkin for the pair w_t = s_x, s_t = w_x in one layer, with the characteristic states w* at its ends:
+
+    M w' = Q s + (w* - w)_ends,    M s' = Q w +- (w* - w)_ends,    Q_ij = integral of phi_i phi_j',   Q + Q^T = ends only,
+
+so the energy w.M w + s.M s changes through the ends only, as in every family. Elements P1 and P2 are scikit-fem's, the others
+Lagrange polynomials on Gauss-Lobatto nodes (`gll_element`). mass = "lumped" takes M in those nodes (diagonal; spectral elements,
+Komatitsch and Vilotte 1998), "consistent" integrates it exactly and solves a banded system in every stage (P1: order 4 inside).
+A layer is one mesh; two layers meet through upwind states.
+"""
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse
+import skfem
+from numpy.typing import NDArray
+
+from fullwave.gll_element import ElementLineGLL
+from fullwave.line import Block, Grid, Section, require_whole, sections_of, shortest_cell
+from fullwave.lobatto import gauss_lobatto
+from fullwave.march import March, method_for
+from fullwave.stability import line_spectrum, longest_step
+from fullwave.system import register_operator
+from scene.errors import SceneError
+from scene.observe.pieces import Array
+from scene.scene import Scene
+from scene.slab import KelvinVoigtViscosity
+
+MOST_DEGREE = 16
+MASSES = ("lumped", "consistent")
+_SAMPLE_NODES = 32  # of the line from which the step limit is computed
+
+
+class Assembled(NamedTuple):
+    """Rows of M^-1 Q (lumped) or Q (consistent) over all nodes, compressed; Cholesky factor of M in lower banded form, shape
+    (bandwidth + 1, nodes), or (0, 0). Slot of w at node i: i; of s: `half` + i."""
+
+    pointer: NDArray[np.int64]
+    column: NDArray[np.int64]
+    value: Array
+    factor: Array
+    half: int
+
+
+def element_of(degree: int) -> Any:
+    """The scikit-fem element of `degree`."""
+    return {1: skfem.ElementLineP1, 2: skfem.ElementLineP2}.get(degree, lambda: ElementLineGLL(degree))()
+
+
+@skfem.BilinearForm
+def _mass(u: Any, v: Any, _: Any) -> Any:
+    return u * v
+
+
+@skfem.BilinearForm
+def _slope(u: Any, v: Any, _: Any) -> Any:
+    return u.grad[0] * v
+
+
+def assemble_layer(cells: int, degree: int, mass: str) -> tuple[Array, Any, Any]:
+    """Depths of the nodes (n,), M and Q (sparse, n by n) of a layer of length 1, nodes in order of depth."""
+    mesh = skfem.MeshLine(np.linspace(0.0, 1.0, cells + 1))
+    points, weights = gauss_lobatto(degree)
+    in_nodes = (0.5 * (points + 1.0)[None, :], 0.5 * weights)
+    exact = skfem.Basis(mesh, element_of(degree), intorder=2 * degree)
+    basis = skfem.Basis(mesh, element_of(degree), quadrature=in_nodes) if mass == "lumped" else exact
+    order = np.argsort(exact.doflocs[0])
+    matrices = [form.assemble(which).tocsr()[order][:, order] for form, which in ((_mass, basis), (_slope, exact))]
+    return exact.doflocs[0][order], matrices[0], matrices[1]
+
+
+def mesh_grid(sections: list[Section], degree: int, mass: str) -> Grid:
+    """Every section as one block."""
+    layers = [assemble_layer(section.cells, degree, mass) for section in sections]
+    first = np.cumsum([0] + [depth.size for depth, _, _ in layers])
+    half = -(-int(first[-1]) // 4) * 4
+    blocks, norms, slopes = [], [], []
+    for start, section, (depth, unit_mass, slope) in zip(first, sections, layers, strict=False):
+        norm = section.length * unit_mass
+        slots = start + np.arange(depth.size)
+        diagonal = norm.diagonal()
+        lumped = mass == "lumped"
+        lift = (1.0 / diagonal[0], 1.0 / diagonal[-1]) if lumped else (1.0, 1.0)
+        depths = section.start + section.length * depth
+        blocks.append(Block(section, slots, half + slots, depths, diagonal if lumped else norm, lift))
+        norms.append(norm)
+        slopes.append(scipy.sparse.diags_array(1.0 / diagonal) @ slope if lumped else slope)
+    rows = scipy.sparse.block_diag(slopes, format="csr")
+    rows.data[np.abs(rows.data) < 1e-13 * np.abs(rows.data).max()] = 0.0
+    rows.eliminate_zeros()
+    factor = np.zeros((0, 0)) if mass == "lumped" else _banded_cholesky(scipy.sparse.block_diag(norms, format="csr"), degree)
+    operator = Assembled(rows.indptr.astype(np.int64), rows.indices.astype(np.int64), rows.data, factor, half)
+    return Grid(operator, 2 * half, tuple(blocks))
+
+
+def _banded_cholesky(matrix: Any, bandwidth: int) -> Array:
+    bands = np.zeros((bandwidth + 1, matrix.shape[0]))
+    for k in range(bandwidth + 1):
+        diagonal = matrix.diagonal(-k)
+        bands[k, : diagonal.size] = diagonal
+    return np.ascontiguousarray(scipy.linalg.cholesky_banded(bands, lower=True))
+
+
+def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
+    pointer, column, value, half = operator.pointer, operator.column, operator.value, operator.half
+    for i in range(pointer.size - 1):
+        strain = 0.0
+        force = 0.0
+        for k in range(pointer[i], pointer[i + 1]):
+            strain += value[k] * state[column[k]]
+            force += value[k] * state[half + column[k]]
+        rates[at + i] = force
+        rates[at + half + i] = strain
+
+
+def _finish(operator, rates, at):  # type: ignore[no-untyped-def]
+    factor = operator.factor
+    bandwidth, nodes = factor.shape[0] - 1, factor.shape[1]
+    for begin in (at, at + operator.half):
+        for i in range(nodes):
+            total = rates[begin + i]
+            for k in range(1, min(bandwidth, i) + 1):
+                total -= factor[k, i - k] * rates[begin + i - k]
+            rates[begin + i] = total / factor[0, i]
+        for i in range(nodes - 1, -1, -1):
+            total = rates[begin + i]
+            for k in range(1, min(bandwidth, nodes - 1 - i) + 1):
+                total -= factor[k, i] * rates[begin + i + k]
+            rates[begin + i] = total / factor[0, i]
+
+
+register_operator(Assembled, _apply, _finish)
+
+
+@cache
+def courant_limit(degree: int, mass: str) -> float:
+    """Longest stable dt/h (h the length of an element in travel time)."""
+    cells = max(4, _SAMPLE_NODES // degree)
+    _, norm, slope = assemble_layer(cells, degree, mass)
+    inverse = np.linalg.inv(norm.toarray())
+    spectrum = line_spectrum(inverse @ slope.toarray(), inverse[:, 0])
+    return longest_step(spectrum, method_for(degree + 1)) * cells
+
+
+class FiniteElement(March):
+    """`scene` by elements of `degree` (1 to 16), `cells` per slab, `mass` "lumped" or "consistent"; `cfl` is the share (0, 1] of
+    the longest stable step. Raises SceneError naming the option and its allowed range, or the viscosity it cannot honour.
+    """
+
+    cfl_max = 1.0
+    exact_when = "never: the error falls as h^(degree + 1)"
+    conserves = "nothing; the ends' penalties dissipate at the order of the scheme, so that energy never grows"
+
+    def __init__(self, scene: Scene, degree: int = 4, cells: int = 8, cfl: float = 0.9, mass: str = "lumped") -> None:
+        require_whole("degree", degree, 1, MOST_DEGREE)
+        if mass not in MASSES:
+            raise SceneError(f"mass = {mass!r}: must be one of {', '.join(MASSES)}")
+        if mass == "consistent" and any(isinstance(s.viscosity, KelvinVoigtViscosity) for s in (scene.upper, scene.lower)):
+            raise SceneError(
+                'mass = "consistent": cannot honour Kelvin-Voigt viscosity; fem with mass = "lumped", dg and sbp can'
+            )
+        self.degree, self.mass = degree, mass
+        self.order_bulk = self.order_interface = degree + 1
+        sections = sections_of(scene, cells, 1)
+        limit = courant_limit(degree, mass) * shortest_cell(sections)
+        super().__init__(scene, f"fem:{degree}", mesh_grid(sections, degree, mass), method_for(degree + 1), limit, cfl)
