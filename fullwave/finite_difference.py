@@ -10,7 +10,6 @@ exact_when   cfl = 1 in a uniform slab: waves then travel without error, and wha
 conserves    the energy K(u at n + 1/2) + P(sigma at n, n + 1), to rounding (`leapfrog.ledger`)
 """
 
-import math
 from typing import Any
 
 import numpy as np
@@ -19,11 +18,11 @@ from fullwave.leapfrog.build import steady_memory, steady_side
 from fullwave.leapfrog.drives import compiled_drive
 from fullwave.leapfrog.faces import Grip
 from fullwave.leapfrog.grid import common_step, slab_grid
-from fullwave.leapfrog.kernel import STEPS_PER_PIECE, Clock, Mirror, Side, march, take_step
+from fullwave.leapfrog.kernel import STEPS_PER_PIECE, Clock, Mirror, Side, march
 from fullwave.leapfrog.ledger import energy_of
 from fullwave.sampling import empty_pieces, pieces_until, sample_nodes
 from fullwave.snapshot import Snapshot
-from scene.errors import NumericsError, SceneError
+from scene.errors import SceneError
 from scene.observe import Energy, Pieces
 from scene.observe.pieces import Array
 from scene.scene import Scene
@@ -58,19 +57,11 @@ class Leapfrog:
         self._drive = compiled_drive(scene.drive)
         self._memory = steady_memory(scene)
         self._sample = -1
-        self._take_first_sample()
-
-    def _take_first_sample(self) -> None:
-        converged = take_step(self.scene.law, self._clock, self._drive, self._sides[0], self._lower, self._memory, 0)
-        self._sample = 0
-        self.failures += not converged
-        if not math.isfinite(float(self._memory.sum())):
-            raise NumericsError(f"{self.model}: no finite slip rate at t = 0 (scene {self.scene.name!r})")
 
     @property
     def time(self) -> float:
         """Time reached, in transits."""
-        return self._sample * self.step
+        return max(self._sample, 0) * self.step
 
     @property
     def settings(self) -> dict[str, float]:
@@ -84,10 +75,11 @@ class Leapfrog:
 
     def advance(self, until: float) -> Pieces:
         """March towards `until` (transits), at most one chunk of `sampling.MOST_PIECES` pieces."""
-        pieces = empty_pieces(pieces_until(self._sample, self.step, until))
+        begin = max(self._sample, 0)
+        pieces = empty_pieces(pieces_until(begin, self.step, until))
         law, upper = self.scene.law, self._sides[0]
         self.failures += march(law, self._clock, self._drive, upper, self._lower, self._memory, self._sample, pieces)
-        self._sample += STEPS_PER_PIECE * pieces.time.size
+        self._sample = begin + STEPS_PER_PIECE * pieces.time.size
         return pieces
 
     def energy(self) -> Energy:

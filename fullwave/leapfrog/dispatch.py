@@ -12,9 +12,13 @@ from numba.extending import overload
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
-def dispatch(generic: Callable[..., Any], versions: dict[type, Callable[..., Any]]) -> None:
-    """Make `generic(first, ...)` compile to `versions[class of first]`; argument names must be those of `generic`."""
+def dispatch(generic: Callable[..., Any], versions: dict[type, Callable[..., Any]], inline: bool = False) -> None:
+    """Make `generic(first, ...)` compile to `versions[class of first]`; argument names must be those of `generic`.
 
-    @overload(generic, jit_options=_OPTIONS, strict=False)
+    `inline` compiles it into its callers: worth it for small parts of a hot loop, where handing over arrays costs more than the
+    work; not for loops over cells, which vectorise better on their own.
+    """
+
+    @overload(generic, jit_options=_OPTIONS, strict=False, inline="always" if inline else "never")
     def _choose(*arguments):  # type: ignore[no-untyped-def]
         return versions[arguments[0].instance_class]

@@ -44,7 +44,7 @@ def _ramps(drive, time):  # type: ignore[no-untyped-def]
     return drive.velocities[k - 1] + share * (drive.velocities[k] - drive.velocities[k - 1])
 
 
-dispatch(velocity_at, {Constant: _constant, Ramps: _ramps})
+dispatch(velocity_at, {Constant: _constant, Ramps: _ramps}, inline=True)
 
 
 def compiled_drive(drive: Drive) -> Constant | Ramps:

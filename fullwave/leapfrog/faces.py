@@ -78,8 +78,8 @@ def _push_grip(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
     return traction * mean
 
 
-dispatch(settle, {Rigid: _settle_rigid, Grip: _settle_grip})
-dispatch(push, {Rigid: _push_rigid, Grip: _push_grip})
+dispatch(settle, {Rigid: _settle_rigid, Grip: _settle_grip}, inline=True)
+dispatch(push, {Rigid: _push_rigid, Grip: _push_grip}, inline=True)
 
 
 def compiled_face(slab: Slab, ratio: float, step: float, steady_stress: float) -> Rigid | Grip:

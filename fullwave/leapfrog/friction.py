@@ -16,7 +16,7 @@ from scene.friction import Law, respond
 from scene.interface import solve_interface
 
 _NEWTON_ITERATIONS = 8
-_CONVERGED = 1e-8  # a Newton step this small leaves an error of its square
+_CONVERGED = 1e-7  # a Newton step this small leaves an error of half its square, 5e-15
 _LARGEST_STEP = 2.0
 _BRACKETINGS = 200
 
@@ -33,8 +33,9 @@ def solve_friction(
         slope = friction_z + impedance * v_z
         own = 1.0 - half * rate_psi
         determinant = slope * own + friction_psi * half * rate_z
-        z_step = (friction_psi * evolution - own * balance) / determinant
-        psi_step = -(slope * evolution + half * rate_z * balance) / determinant
+        inverse = 1.0 / determinant
+        z_step = (friction_psi * evolution - own * balance) * inverse
+        psi_step = -(slope * evolution + half * rate_z * balance) * inverse
         size = abs(z_step) + abs(psi_step)
         if not (determinant > 0.0 and size < _LARGEST_STEP):
             break

@@ -12,7 +12,7 @@ from fullwave.leapfrog.drives import Constant, Ramps, velocity_at
 from fullwave.leapfrog.faces import Grip, Rigid
 from fullwave.leapfrog.friction import solve_friction
 from fullwave.leapfrog.media import Medium, accelerate, load, strain
-from scene.compiled import njit
+from scene.compiled import inlined, njit
 from scene.friction import Law
 from scene.observe.pieces import Array, Pieces
 from scene.start import NUDGE_CENTRE
@@ -121,20 +121,20 @@ def _strain_mirror(lower):  # type: ignore[no-untyped-def]
     pass
 
 
-dispatch(meet, {Side: _meet_side, Mirror: _meet_mirror})
-dispatch(part, {Side: _part_side, Mirror: _part_mirror})
-dispatch(follow_on, {Side: _follow_side, Mirror: _follow_mirror})
-dispatch(slip_rate, {Side: _slip_side, Mirror: _slip_mirror})
-dispatch(strain_lower, {Side: _strain_side, Mirror: _strain_mirror})
+dispatch(meet, {Side: _meet_side, Mirror: _meet_mirror}, inline=True)
+dispatch(part, {Side: _part_side, Mirror: _part_mirror}, inline=True)
+dispatch(follow_on, {Side: _follow_side, Mirror: _follow_mirror}, inline=True)
+dispatch(slip_rate, {Side: _slip_side, Mirror: _slip_mirror}, inline=True)
+dispatch(strain_lower, {Side: _strain_side, Mirror: _strain_mirror}, inline=True)
 
 
-@njit
+@inlined
 def _nudge(clock: Clock, time: float) -> float:
     gap = time - NUDGE_CENTRE
     return clock.nudge * math.exp(-gap * gap) if gap * gap < 600.0 else 0.0
 
 
-@njit
+@inlined
 def take_step(law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lower: Side | Mirror, memory: Array, n: int) -> bool:
     """Bring the run to sample `n` (time n dt); False if the friction solve did not converge or the step was
     too long to follow the state."""
@@ -173,14 +173,14 @@ def take_step(law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lowe
     return converged and abs(change) < COARSEST_HALF_STEP
 
 
-@njit
+@inlined
 def _extrapolated(memory: Array, slot: int) -> float:
     """The quartic through the last five samples, one step on."""
     outer, inner = memory[slot] - memory[slot + 3], memory[slot + 1] - memory[slot + 2]
     return float(5.0 * outer - 10.0 * inner + memory[slot + 4])
 
 
-@njit
+@inlined
 def _shift(memory: Array, slot: int, value: float) -> None:
     for i in range(4, 0, -1):
         memory[slot + i] = memory[slot + i - 1]
@@ -191,22 +191,28 @@ def _shift(memory: Array, slot: int, value: float) -> None:
 def march(
     law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lower: Side | Mirror, memory: Array, first: int, pieces: Pieces
 ) -> int:
-    """Fill `pieces` with the steps after sample `first`; returns how many of them failed (`take_step`)."""
+    """Fill `pieces` with the steps after sample `first` (-1: none taken yet, so begin with sample 0); returns how many of them
+    failed (`take_step`). Neighbouring pieces both get the sample that they share."""
     failures = 0
-    n = first
-    for k in range(pieces.time.size):
-        pieces.time[k] = n * clock.step
-        pieces.length[k] = STEPS_PER_PIECE * clock.step
-        _record(memory, pieces, k, 0)
-        for j in range(1, STEPS_PER_PIECE + 1):
-            n += 1
-            if not take_step(law, clock, drive, upper, lower, memory, n):
-                failures += 1
+    start = max(first, 0)
+    if first >= 0:
+        _record(memory, pieces, 0, 0)
+    for n in range(first + 1, start + STEPS_PER_PIECE * pieces.time.size + 1):
+        if not take_step(law, clock, drive, upper, lower, memory, n):
+            failures += 1
+        k = (n - start) // STEPS_PER_PIECE
+        j = (n - start) - STEPS_PER_PIECE * k
+        if j == 0 and k > 0:
+            _record(memory, pieces, k - 1, STEPS_PER_PIECE)
+        if k < pieces.time.size:
             _record(memory, pieces, k, j)
+    for k in range(pieces.time.size):
+        pieces.time[k] = (start + STEPS_PER_PIECE * k) * clock.step
+        pieces.length[k] = STEPS_PER_PIECE * clock.step
     return failures
 
 
-@njit
+@inlined
 def _record(memory: Array, pieces: Pieces, k: int, j: int) -> None:
     pieces.unknown[k, j] = memory[Z]
     pieces.state[k, j] = memory[PSI]

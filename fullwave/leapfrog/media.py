@@ -117,6 +117,6 @@ LOADS = {Uniform: load_elastic, Layered: load_elastic}
 ACCELERATES = {Uniform: _accelerate_uniform, Layered: accelerate_layered}
 STRAINS = {Uniform: _strain_uniform, Layered: strain_layered}
 """Open to further media: see `viscous`."""
-dispatch(load, LOADS)
+dispatch(load, LOADS, inline=True)
 dispatch(accelerate, ACCELERATES)
 dispatch(strain, STRAINS)
