@@ -32,7 +32,8 @@ class Request(NamedTuple):
 @dataclass(frozen=True)
 class Family:
     """One row of the registry. `pattern` is the name as shown (`modal:N`), `parameters` the numbers allowed after the colon,
-    `options` the numerical options it takes, `honours` the scene features it can do (keys of FEATURES)."""
+    `options` the numerical options it takes, `honours` the scene features it can do (keys of FEATURES), `grids` the cells per
+    slab that a benchmark tries."""
 
     pattern: str
     module: str
@@ -42,6 +43,7 @@ class Family:
     options: tuple[str, ...]
     parameters: range | tuple[int, ...] = ()
     default: int | None = None
+    grids: tuple[int, ...] = ()
 
     @property
     def name(self) -> str:
@@ -83,6 +85,29 @@ def _leapfrog(scene: Scene, model: str, request: Request) -> Solver:
     return Leapfrog(scene, **request.given("cells", "cfl"))
 
 
+def _by_parts(scene: Scene, model: str, request: Request) -> Solver:
+    from fullwave.summation_by_parts import SummationByParts
+
+    return SummationByParts(scene, order=_number(request), **request.given("cells", "cfl"))
+
+
+def _elements(scene: Scene, model: str, request: Request) -> Solver:
+    from fullwave.finite_element import FiniteElement
+
+    return FiniteElement(scene, degree=_number(request), **request.given("cells", "cfl"))
+
+
+def _galerkin(scene: Scene, model: str, request: Request) -> Solver:
+    from fullwave.discontinuous import DiscontinuousGalerkin
+
+    return DiscontinuousGalerkin(scene, degree=_number(request), **request.given("cells", "cfl"))
+
+
+def _number(request: Request) -> int:
+    assert request.parameter is not None
+    return request.parameter
+
+
 _ODE = ("tolerance",)
 _GRID = ("cells", "cfl")
 _PLAIN = frozenset({"ramp"})
@@ -100,6 +125,21 @@ FAMILIES = (
     Family("kelvin-voigt", "reduced.ladder", "the paper's ODE, one Kelvin-Voigt element", _ladder, _RIGID, _ODE),
     Family("modal:N", "reduced.ladder", "the slabs' first N exact modes", _ladder, _LOSSLESS, _ODE, range(65), 2),
     Family("fitted:N", "reduced.ladder", "passive rational fit of the exact impedance", _ladder, _ANY, _ODE, range(65), 4),
-    Family("fd", "fullwave.finite_difference", "full wave: staggered leapfrog", _leapfrog, _ANY, _GRID),
+    Family("fd", "fullwave.finite_difference", "full wave: staggered leapfrog", _leapfrog, _ANY, _GRID, grids=(16, 32, 64)),
+    Family(
+        "sbp:P",
+        "fullwave.summation_by_parts",
+        "full wave: summation by parts",
+        _by_parts,
+        _ANY,
+        _GRID,
+        (2, 4, 6),
+        4,
+        (16, 32, 64),
+    ),
+    Family("fem:P", "fullwave.finite_element", "full wave: finite elements", _elements, _ANY, _GRID, range(1, 17), 4, (2, 4, 8)),
+    Family(
+        "dg:P", "fullwave.discontinuous", "full wave: discontinuous Galerkin", _galerkin, _ANY, _GRID, range(1, 25), 7, (1, 2, 4)
+    ),
 )
 """Cheapest first; `auto` takes the first that is exact."""

@@ -52,5 +52,6 @@ def simulate(solver: Solver, until: float, observers: Sequence[Observer] = (), m
         failed = str(error)
     wall = time.perf_counter() - began
     statistics = summarise(watch.events, 0.5 * until)
-    energy = None if failed else solver.energy()
+    ledger: Callable[[], Energy | None] | None = getattr(solver, "energy", None)
+    energy = None if failed or ledger is None else ledger()
     return Run(solver, until, watch.events, watch.count, statistics, final, energy, wall, failed)

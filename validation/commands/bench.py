@@ -9,10 +9,7 @@ if TYPE_CHECKING:
     from validation.families import Family
     from validation.simulate import Run
 
-_LADDERS: dict[str, tuple[dict[str, Any], ...]] = {
-    "tolerance": ({"tolerance": 1e-5}, {"tolerance": 1e-7}, {"tolerance": 1e-9}),
-    "cells": ({"cells": 16}, {"cells": 32}, {"cells": 64}),
-}
+_TOLERANCES = (1e-5, 1e-7, 1e-9)
 _REFERENCE_TOLERANCE = 1e-11
 _WARM_UP = 2.0  # transits; loads or compiles the model before its clock starts
 
@@ -41,8 +38,10 @@ def bench(scene: SceneName, until: Until = None, settings: Settings = None, json
         _print(rows, name, what.until)
 
 
-def _settings(family: "Family") -> tuple[dict[str, Any], ...]:
-    return next((_LADDERS[option] for option in _LADDERS if option in family.options), ({},))
+def _settings(family: "Family") -> list[dict[str, Any]]:
+    if family.grids:
+        return [{"cells": cells} for cells in family.grids]
+    return [{"tolerance": tolerance} for tolerance in _TOLERANCES]
 
 
 def _reference(scene: "Scene", trials: "list[tuple[Family, dict[str, Any]]]") -> "Run":
@@ -64,6 +63,8 @@ def _timed(scene: "Scene", family: "Family", setting: dict[str, Any]) -> "Run":
 def _row(run: "Run", setting: dict[str, Any], reference: "Run") -> dict[str, Any]:
     ours, theirs = run.statistics, reference.statistics
     errors = {name: abs(getattr(ours, name).mean / getattr(theirs, name).mean - 1.0) for name in ("period", "stress_drop")}
+    if run.failed:
+        errors = dict.fromkeys(errors, float("nan"))
     row = {"model": run.solver.model, "setting": setting, "wall_s": run.wall_s, "error": errors, "failures": run.solver.failures}
     return row | ({"failed": run.failed} if run.failed else {})
 
@@ -84,6 +85,6 @@ def _print(rows: list[dict[str, Any]], reference: str, until: float) -> None:
     ]
     print_table(heading, table)
     print(f"\n{until:g} transits; relative errors of the second half's mean against {reference} (tight)")
-    for row in rows:
-        if "failed" in row:
-            print(f"failed: {row['failed']}")
+    failures = {row["model"]: row["failed"] for row in rows if "failed" in row}
+    for reason in failures.values():
+        print(f"failed: {reason}")

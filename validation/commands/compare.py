@@ -60,6 +60,8 @@ def _row(run: "Run", reference: "Run") -> dict[str, Any]:
     ours, theirs = run.statistics, reference.statistics
     drops = {name: asdict(getattr(ours, name)) for name in ("period", "stress_drop", "elastic_stress_drop")}
     errors = {name: getattr(ours, name).mean / getattr(theirs, name).mean - 1.0 for name in ("period", "stress_drop")}
+    if run.failed:
+        errors = dict.fromkeys(errors, float("nan"))
     row = {"model": run.solver.model, "events": run.starts, **drops, "v_max": ours.v_max, "v_min": ours.v_min, "error": errors}
     return row | {"failures": run.solver.failures, "wall_s": run.wall_s} | ({"failed": run.failed} if run.failed else {})
 
