@@ -57,11 +57,11 @@ def _print(scene: "Scene", found: "Stability") -> None:
     for line in describe(scene):
         print(line)
     verdict = "stable" if found.stable else f"unstable: {found.unstable_roots} growing roots (certified count)"
-    print(f"model {found.model}: steady sliding at V = {scene.velocity:g} is {verdict}\n")
+    print(f"model {found.model}: steady sliding is {verdict} at V = {scene.velocity:g}\n")
     rows = [
-        ["critical frequency omega_c [V*/L]", figures(found.omega_c, 10), ""],
-        ["critical round trip log10 r_c", figures(found.log10_r_c, 10), f"scene {figures(math.log10(scene.transit), 10)}"],
-        ["critical epsilon", figures(found.epsilon_c, 10), f"scene {figures(scene.upper.epsilon, 10)}"],
+        ["critical frequency omega_c [V*/L]", figures(found.omega_c, 12), ""],
+        ["critical round trip log10 r_c", figures(found.log10_r_c, 12), f"scene {figures(math.log10(scene.transit), 10)}"],
+        ["critical epsilon", figures(found.epsilon_c, 12), f"scene {figures(scene.upper.epsilon, 10)}"],
         ["pile of fast roots, Re s [V*/L]", figures(found.essential_abscissa, 10), ""],
     ]
     print_table(["", "critical", "here"], rows)

@@ -11,6 +11,7 @@ STUDIES = {
     "one-cycle": "one_cycle",
     "leapfrog-convergence": "leapfrog_convergence",
     "cost-and-error": "cost_and_error",
+    "stability-boundaries": "stability_boundaries",
     "claims": "claims",
 }
 """Name of each study and the module of this package that holds it."""

@@ -1,0 +1,45 @@
+import numpy as np
+import pytest
+
+import scene
+from reduced import closed_forms
+from validation.studies import load
+from validation.studies.stability_measured import critical_over_velocity
+from validation.studies.stability_verdicts import closed_form_verdicts
+from validation.study import Budget, Outcome
+
+
+@pytest.fixture(scope="module")
+def result():
+    return load("stability-boundaries").run(Budget(quick=True))
+
+
+def test_every_verdict_holds(result):
+    assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
+    assert len(result.verdicts) == 9
+
+
+def test_numbers(result):
+    assert result.numbers["log10 r_c, quasistatic"].value == pytest.approx(-2.698970004336, abs=1e-11)
+    assert result.numbers["error of (27) at V = 1e4"].value == pytest.approx(-0.07672436, rel=1e-6)
+
+
+def test_error_laws_are_close_and_get_closer(result):
+    rows = {row[0]: row for row in next(t for t in result.tables if t.name == "error-laws").rows}
+    for row in rows.values():
+        assert abs(row[5] - 1.0) < 0.3 * abs(row[4] - 1.0)
+    assert rows["`kelvin-voigt`"][2] == pytest.approx(-5.3328e-07, rel=1e-4)
+
+
+@pytest.mark.parametrize("figure", range(4))
+def test_figures_draw(result, figure):
+    assert result.figures[figure].draw().axes
+
+
+def test_a_wrong_closed_form_turns_a_light_red(monkeypatch):
+    paper = scene.read("paper")
+    measured = critical_over_velocity(paper, np.array([1.0, 1e4]))
+    right = closed_forms.kelvin_voigt_r
+    monkeypatch.setattr(closed_forms, "kelvin_voigt_r", lambda slopes, epsilon: 1.000001 * right(slopes, epsilon))
+    outcomes = [verdict.outcome for verdict in closed_form_verdicts(paper, measured)]
+    assert outcomes.count(Outcome.FAIL) == 2

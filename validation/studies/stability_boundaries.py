@@ -1,0 +1,110 @@
+"""Where steady sliding loses stability, in the exact system and in every reduction of it: the paper's Figs 2 and 3 and beyond."""
+
+import math
+
+import numpy as np
+
+import scene
+from reduced.stability import (
+    Stability,
+    analyse,
+    boundary,
+    critical_round_trip,
+    friction_slopes,
+    with_parameter,
+)
+from scene.scene import Scene
+from validation.report.text import plain
+from validation.studies.stability_boundaries_figures import critical_curves, impedances, planes, spectra
+from validation.studies.stability_measured import MODELS, Curves, Law, critical_over_velocity, error_laws
+from validation.studies.stability_tables import law_table, scene_table, velocity_table
+from validation.studies.stability_verdicts import TRACED, closed_form_verdicts, fig_2, fig_3, taylor
+from validation.study import Budget, Figure, Number, StudyResult
+
+NAME = "stability-boundaries"
+QUESTION = "Where does steady sliding give way to stick-slip, and how far off is each reduction there?"
+SCENES = ("paper", "rock", "unlike", "unlike-irrational", "grip", "layered", "viscous", "reflection", "slip-law")
+SECONDS = (8.0, 10.0)
+
+_WINDOW = ((-3.2, -0.75), (-6.0, -1.0))
+_SPECTRA = ("delay", "kelvin-voigt", "modal:1", "modal:8", "block12")
+
+
+def run(budget: Budget) -> StudyResult:
+    """Compute the curves, trace the boundaries, hold both against the closed forms."""
+    paper = scene.read("paper")
+    curves = critical_over_velocity(paper, np.geomspace(1.0, 1e4, 25 if budget.quick else 81))
+    budget.report(0.2)
+    traced = {model: boundary(paper, model, ("log10_r", "log10_epsilon"), _WINDOW) for model in TRACED}
+    budget.report(0.6)
+    found = {name: analyse(scene.read(name)) for name in SCENES}
+    spectrum = {model: analyse(paper, model) for model in _SPECTRA}
+    budget.report(0.8)
+    laws = error_laws(paper)
+    slopes = friction_slopes(paper.law, paper.velocity)
+    return StudyResult(
+        answer=_answer(curves, laws),
+        figures=(
+            Figure("critical-r", _FIG_2, lambda: critical_curves(curves.velocity, curves.delay, curves.kelvin_voigt)),
+            Figure("planes", _FIG_3, lambda: planes(traced, slopes, paper)),
+            Figure("impedance", _FIG_Z, lambda: impedances(paper)),
+            Figure("spectrum", _FIG_S, lambda: spectra(spectrum, paper.transit)),
+        ),
+        tables=(velocity_table(curves), law_table(laws, paper), scene_table(found)),
+        verdicts=(*closed_form_verdicts(paper, curves), *fig_2(curves), *fig_3(traced, slopes, paper), taylor(paper)),
+        notes=(_HOW, *_remarks()),
+        numbers=_numbers(paper, curves, found),
+    )
+
+
+def _answer(curves: Curves, laws: dict[str, Law]) -> str:
+    below = float(np.abs(curves.error[curves.velocity <= 1e3]).max())
+    return (
+        "Where the slabs’ impedance cancels friction’s, which every model can be asked before it is run. The paper’s ODE misses "
+        f"the exact r_{{c}} by {plain(abs(laws['kelvin-voigt'].measured[0]), '.0e')} at V = 100, by {plain(below, '.1e')} at V = "
+        f"10^{{3}} and by {100 * abs(float(curves.error[-1])):.0f} % at V = 10^{{4}}."
+    )
+
+
+def _remarks() -> tuple[str, ...]:
+    bare = analyse(with_parameter(scene.read("reflection"), "reflection", 0.5))
+    return (
+        "Slabs held through a bare reflection coefficient have no spring. With R = 0.5 on both faces the paper’s pair has "
+        f"{bare.unstable_roots} growing root, real ({plain(bare.leading_roots[0].real, '.5g')} V*/L): it runs away at any r "
+        "instead of sticking and slipping. With the gallery’s R = 0.999 the load leaks slowly enough for an ordinary onset.",
+        "Two unlike slabs behind rigid faces have modes in which both swing almost freely and alike, so that friction feels next "
+        "to nothing: if the ratio of round trips is irrational their damping has no lower bound (`unlike-irrational`: 0).",
+    )
+
+
+def _numbers(paper: Scene, curves: Curves, found: dict[str, Stability]) -> dict[str, Number]:
+    at_paper = {model: math.log10(critical_round_trip(paper, model)[0]) for model in MODELS}
+    return (
+        {f"log10 r_c, {model}": Number(value, 1e-11) for model, value in at_paper.items()}
+        | {f"log10 r_c, scene {name}": Number(one.log10_r_c, 1e-9) for name, one in found.items()}
+        | {"error of (27) at V = 1e4": Number(float(curves.error[-1]), 1e-9)}
+    )
+
+
+_HOW = (
+    "One equation for every scene and model: friction impedance plus slab impedance is zero, H(s) + Z(s) = 0. Growing roots are "
+    "counted by the argument principle on a contour that provably holds all of them (a passive slab cannot make one where "
+    "Re H > 0), then found by Newton’s method."
+)
+_FIG_2 = (
+    "Critical round trip r_{c} over the drive V, of the exact delay system and of the paper’s Kelvin–Voigt system, left; "
+    "relative error of the latter, right. Computed from impedance; (39) and (27) give the same to rounding. The paper’s Fig 2."
+)
+_FIG_3 = (
+    "Stability boundaries in the (r, ε) plane at V = 100. Lines: closed forms (40) and (28); marks: traced by continuation of a "
+    "neutral root. Steady sliding is unstable below the first branch; across the second a further pair of roots crosses. Between "
+    "√8/ω_{c} and √24/ω_{c} the ODE has no boundary. The paper’s Fig 3."
+)
+_FIG_Z = (
+    "Impedance of the slab pair, what the interface feels: modulus over ε and phase of Z(s) on s = 0.2 + iω per transit, left; "
+    "relative error of every reduction against the exact Z, right."
+)
+_FIG_S = (
+    "Roots s of steady sliding at log_{10} r = −2.68: the growing slow pair (conjugates left out), in which all models agree, "
+    "and the reverberations, at 2π, 4π ... per transit in the exact system. Dashed: where its fast roots pile up."
+)
