@@ -18,8 +18,9 @@ from fullwave.leapfrog.build import steady_memory, steady_side
 from fullwave.leapfrog.drives import compiled_drive
 from fullwave.leapfrog.faces import Grip
 from fullwave.leapfrog.grid import common_step, slab_grid
-from fullwave.leapfrog.kernel import STEPS_PER_PIECE, Clock, Mirror, Side, march
+from fullwave.leapfrog.kernel import STEPS_PER_PIECE, Clock, march
 from fullwave.leapfrog.ledger import energy_of
+from fullwave.leapfrog.sides import Mirror, Side
 from fullwave.sampling import empty_pieces, pieces_until, sample_nodes
 from fullwave.snapshot import Snapshot
 from scene.errors import SceneError

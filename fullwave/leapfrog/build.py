@@ -4,8 +4,9 @@ import numpy as np
 
 from fullwave.leapfrog.faces import compiled_face
 from fullwave.leapfrog.grid import Grid
-from fullwave.leapfrog.kernel import DRIVE, ELASTIC, MEMORY, PSI, STATE, STRESS, Side, Z
+from fullwave.leapfrog.kernel import DRIVE, ELASTIC, MEMORY, PSI, STATE, STRESS, Z
 from fullwave.leapfrog.media import Medium, elastic_medium
+from fullwave.leapfrog.sides import Side
 from fullwave.leapfrog.viscous import kelvin_voigt_medium, standard_linear_medium
 from scene.friction import unknown_of
 from scene.observe.pieces import Array

@@ -7,11 +7,10 @@ velocities on to n + 3/2. A sample (z, psi, mu, y) is taken at each whole time; 
 import math
 from typing import NamedTuple
 
-from fullwave.leapfrog.dispatch import dispatch
 from fullwave.leapfrog.drives import Constant, Ramps, velocity_at
-from fullwave.leapfrog.faces import Grip, Rigid
 from fullwave.leapfrog.friction import solve_friction
-from fullwave.leapfrog.media import Medium, accelerate, load, strain
+from fullwave.leapfrog.media import accelerate, load, strain
+from fullwave.leapfrog.sides import Mirror, Side, follow_on, meet, part, slip_rate, strain_lower
 from scene.compiled import inlined, njit
 from scene.friction import Law
 from scene.observe.pieces import Array, Pieces
@@ -30,19 +29,6 @@ COARSEST_HALF_STEP = 1.0
 psi is not carried further than this beyond its mean, so that the run stays near the quasi-steady state instead of ringing."""
 
 
-class Side(NamedTuple):
-    """A slab that is marched."""
-
-    medium: Medium
-    face: Rigid | Grip
-
-
-class Mirror(NamedTuple):
-    """The lower slab of an alike pair: it does what the upper does, and is not marched."""
-
-    unused: float = 0.0
-
-
 class Clock(NamedTuple):
     """dt (transits), one transit on the friction clock, stiffness of both slabs per transit, stress of steady sliding, nudge
     size."""
@@ -52,80 +38,6 @@ class Clock(NamedTuple):
     stiffness: float
     steady_stress: float
     nudge: float
-
-
-def meet(lower: Side | Mirror, impedance: float, incoming: float, mean: float, following: float) -> tuple[float, float]:
-    """(Z, S) of both slabs together, given the upper's."""
-    raise NotImplementedError(type(lower))
-
-
-def part(lower: Side | Mirror, impedance: float, incoming: float, stress: float, v: float) -> float:
-    """The upper slab's interface velocity when the slip rate is v."""
-    raise NotImplementedError(type(lower))
-
-
-def follow_on(lower: Side | Mirror, rate: float, power: float, mean: float, following: float) -> float:
-    """Move the lower slab; power of both faces together."""
-    raise NotImplementedError(type(lower))
-
-
-def slip_rate(lower: Side | Mirror, own: float) -> float:
-    """v at the half step, given the upper slab's interface velocity."""
-    raise NotImplementedError(type(lower))
-
-
-def strain_lower(lower: Side | Mirror) -> None:
-    """Stresses of the lower slab."""
-    raise NotImplementedError(type(lower))
-
-
-def _meet_side(lower, impedance, incoming, mean, following):  # type: ignore[no-untyped-def]
-    own, other = load(lower.medium, lower.face, mean, following)
-    total = impedance + own
-    return impedance * own / total, (incoming * own + other * impedance) / total
-
-
-def _meet_mirror(lower, impedance, incoming, mean, following):  # type: ignore[no-untyped-def]
-    return 0.5 * impedance, incoming
-
-
-def _part_side(lower, impedance, incoming, stress, v):  # type: ignore[no-untyped-def]
-    return (incoming - stress) / impedance
-
-
-def _part_mirror(lower, impedance, incoming, stress, v):  # type: ignore[no-untyped-def]
-    return 0.5 * v
-
-
-def _follow_side(lower, rate, power, mean, following):  # type: ignore[no-untyped-def]
-    return power + accelerate(lower.medium, lower.face, rate, mean, following)
-
-
-def _follow_mirror(lower, rate, power, mean, following):  # type: ignore[no-untyped-def]
-    return 2.0 * power
-
-
-def _slip_side(lower, own):  # type: ignore[no-untyped-def]
-    return own + lower.medium.velocity[0]
-
-
-def _slip_mirror(lower, own):  # type: ignore[no-untyped-def]
-    return 2.0 * own
-
-
-def _strain_side(lower):  # type: ignore[no-untyped-def]
-    strain(lower.medium)
-
-
-def _strain_mirror(lower):  # type: ignore[no-untyped-def]
-    pass
-
-
-dispatch(meet, {Side: _meet_side, Mirror: _meet_mirror}, inline=True)
-dispatch(part, {Side: _part_side, Mirror: _part_mirror}, inline=True)
-dispatch(follow_on, {Side: _follow_side, Mirror: _follow_mirror}, inline=True)
-dispatch(slip_rate, {Side: _slip_side, Mirror: _slip_mirror}, inline=True)
-dispatch(strain_lower, {Side: _strain_side, Mirror: _strain_mirror}, inline=True)
 
 
 @inlined

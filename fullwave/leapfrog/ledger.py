@@ -9,7 +9,8 @@ import numpy as np
 
 from fullwave.leapfrog.faces import Grip
 from fullwave.leapfrog.grid import Grid
-from fullwave.leapfrog.kernel import FRICTION, INPUT, Clock, Side
+from fullwave.leapfrog.kernel import FRICTION, INPUT, Clock
+from fullwave.leapfrog.sides import Side
 from fullwave.leapfrog.viscous import StandardLinear
 from scene.observe import Energy
 from scene.observe.pieces import Array

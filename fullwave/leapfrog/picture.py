@@ -4,7 +4,8 @@ import numpy as np
 
 from fullwave.leapfrog.faces import Rigid
 from fullwave.leapfrog.grid import Grid
-from fullwave.leapfrog.kernel import RATE, STRESS, Clock, Side, Z
+from fullwave.leapfrog.kernel import RATE, STRESS, Clock, Z
+from fullwave.leapfrog.sides import Side
 from fullwave.leapfrog.viscous import KelvinVoigt
 from fullwave.snapshot import SlabSnapshot, Snapshot
 from scene.friction import rate_of
