@@ -1,0 +1,34 @@
+"""The leapfrog below cfl 1 against discontinuous Galerkin: different bulk, different time stepping, different interface.
+
+What they share is the scene, the friction law and the scalar interface solve.
+"""
+
+import dataclasses
+
+import pytest
+
+import scene
+from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.finite_difference import Leapfrog
+from scene.observe import follow
+from scene.slab import GripFace, Layer, StandardLinearViscosity
+from validation.convergence import extrapolated
+
+PAPER = scene.read("paper")
+ROUND_TRIP = PAPER.transit
+SLABS = {
+    "unlike": [{}, {"epsilon": 8.4e-5, "round_trip": 2**0.5 * ROUND_TRIP}],
+    "layers-and-grip": [{"layers": (Layer(0.3, 1.0), Layer(0.7, 3.0)), "face": GripFace(2.0, 1.0)}],
+    "standard-linear": [{"viscosity": StandardLinearViscosity(3 * ROUND_TRIP, 0.5)}],
+}
+
+
+@pytest.mark.parametrize("name", SLABS)
+def test_two_discretisations_agree_to_ten_digits(name):
+    upper, lower = (dataclasses.replace(PAPER.upper, **changes) for changes in (SLABS[name][0], SLABS[name][-1]))
+    chosen = dataclasses.replace(PAPER, upper=upper, lower=lower)
+    coarse, fine = (follow(Leapfrog(chosen, cells, 0.9), 60.0) for cells in (320, 640))
+    witness = follow(DiscontinuousGalerkin(chosen, degree=7, cells=8), 60.0)
+    for quantity in ("psi", "ln_v", "mu"):
+        ours = extrapolated(getattr(coarse, quantity), getattr(fine, quantity), 2)
+        assert ours == pytest.approx(getattr(witness, quantity), abs=2e-10), quantity
