@@ -113,7 +113,7 @@ _GRID = ("cells", "cfl")
 _PLAIN = frozenset({"ramp"})
 _RIGID = _PLAIN | {"unlike", "incommensurate"}
 _LOSSLESS = _RIGID | {"layers"}
-_ANY = frozenset(FEATURES) - {"orbit"}
+_ANY = frozenset(FEATURES)
 _SPRUNG = _ANY - {"reflection"}
 
 FAMILIES = (

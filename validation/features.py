@@ -2,7 +2,6 @@
 
 from scene.scene import Scene
 from scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
-from scene.start import StartKind
 
 FEATURES = {
     "unlike": "unlike slabs",
@@ -13,7 +12,6 @@ FEATURES = {
     "kelvin-voigt": "Kelvin-Voigt viscosity",
     "standard-linear": "standard-linear viscosity",
     "ramp": "a drive that changes",
-    "orbit": "a start on the model's own orbit",
 }
 """Name of every feature, with the phrase that describes it."""
 
@@ -29,8 +27,6 @@ def features_of(scene: Scene) -> frozenset[str]:
         found.add("incommensurate")
     if not scene.drive.is_constant:
         found.add("ramp")
-    if scene.start.kind is StartKind.ORBIT:
-        found.add("orbit")
     return frozenset(found)
 
 

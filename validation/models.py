@@ -9,6 +9,7 @@ from scene.errors import SceneError
 from scene.input.wording import nearest, shorten
 from scene.observe import Solver
 from scene.scene import Scene
+from scene.start import StartKind
 from validation.families import FAMILIES, OPTIONS, Family, Request
 from validation.features import FEATURES, features_of
 
@@ -39,7 +40,7 @@ def build(model: str, scene: Scene, cells: int | None = None, cfl: float | None 
     """The solver called `model` for `scene`; `cells` and `cfl` are for full-wave models, `tolerance` for those that take one.
 
     Raises SceneError for an unknown model (naming the nearest), a number out of range after the colon, an option the model does
-    not take, and a scene it cannot do (naming the models that can).
+    not take, and a scene it cannot do (naming the models that can). A start on the orbit marches the model there first.
     """
     model, _ = resolve(model, scene)
     family, parameter = _parse(model)
@@ -52,6 +53,10 @@ def build(model: str, scene: Scene, cells: int | None = None, cfl: float | None 
     name = model if parameter is None else f"{family.name}:{parameter}"
     solver = family.make(scene, name, request)
     solver.model = name
+    if scene.start.kind is StartKind.ORBIT:
+        from validation.orbit_start import begin_on_orbit
+
+        return begin_on_orbit(solver)
     return solver
 
 

@@ -37,7 +37,10 @@ class Solver(Protocol):
     scene: Scene
     model: str
     nodes: Array
-    failures: int
+
+    @property
+    def failures(self) -> int:
+        """Interface or step solves so far that did not converge."""
 
     @property
     def time(self) -> float:

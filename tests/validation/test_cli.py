@@ -274,10 +274,11 @@ def test_compare_lays_models_over_each_other(tmp_path: Path, capsys: pytest.Capt
 
 
 def test_bench_rows_have_time_and_error(capsys: pytest.CaptureFixture[str]) -> None:
+    from validation.models import families
+
     assert main(["bench", "paper", "--until", "400", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)
-    found = {row["model"].partition(":")[0] for row in result["models"]}
-    assert {"delay", "fd"} <= found
+    assert {row["model"] for row in result["models"]} == {family.example for family in families()}
     for row in result["models"]:
         assert row["wall_s"] > 0
     errors = [row["error"]["period"] for row in result["models"] if row["model"] == "fd"]
