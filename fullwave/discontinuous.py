@@ -6,7 +6,7 @@ talk through upwind states only (`fullwave.system`). Hesthaven and Warburton, No
 Kopriva and Gassner (2010) for the collocation. Layers begin and end on elements, so impedance jumps cost no order.
 """
 
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -94,6 +94,6 @@ class DiscontinuousGalerkin(March):
         self.degree = degree
         self.order_bulk = self.order_interface = degree + 1
         sections = sections_of(scene, cells, 1)
-        grid = element_grid(sections, degree)
+        build = partial(element_grid, degree=degree)
         limit = courant_limit(degree) * shortest_cell(sections)
-        super().__init__(scene, f"dg:{degree}", grid, method_for(degree + 1), limit, cfl)
+        super().__init__(scene, f"dg:{degree}", build, sections, method_for(degree + 1), limit, cfl)

@@ -10,7 +10,7 @@ Komatitsch and Vilotte 1998), "consistent" integrates it exactly and solves a ba
 A layer is one mesh; two layers meet through upwind states.
 """
 
-from functools import cache
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -51,12 +51,12 @@ def element_of(degree: int) -> Any:
     return {1: skfem.ElementLineP1, 2: skfem.ElementLineP2}.get(degree, lambda: ElementLineGLL(degree))()
 
 
-@skfem.BilinearForm
+@skfem.BilinearForm  # type: ignore[untyped-decorator]
 def _mass(u: Any, v: Any, _: Any) -> Any:
     return u * v
 
 
-@skfem.BilinearForm
+@skfem.BilinearForm  # type: ignore[untyped-decorator]
 def _slope(u: Any, v: Any, _: Any) -> Any:
     return u.grad[0] * v
 
@@ -166,5 +166,6 @@ class FiniteElement(March):
         self.degree, self.mass = degree, mass
         self.order_bulk = self.order_interface = degree + 1
         sections = sections_of(scene, cells, 1)
+        build = partial(mesh_grid, degree=degree, mass=mass)
         limit = courant_limit(degree, mass) * shortest_cell(sections)
-        super().__init__(scene, f"fem:{degree}", mesh_grid(sections, degree, mass), method_for(degree + 1), limit, cfl)
+        super().__init__(scene, f"fem:{degree}", build, sections, method_for(degree + 1), limit, cfl)

@@ -12,7 +12,7 @@ from fullwave.lobatto import gauss_lobatto
 from scene.observe.pieces import Array, interpolation_matrix, lagrange_basis
 
 
-class ElementLineGLL(ElementH1):
+class ElementLineGLL(ElementH1):  # type: ignore[misc]
     """Degree >= 1, on the reference interval [0, 1]; vertices first, then the inner nodes from left to right."""
 
     nodal_dofs = 1

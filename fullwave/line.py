@@ -19,13 +19,14 @@ MOST_CELLS = 1_000_000
 
 class Section(NamedTuple):
     """One layer of one slab: slab 0 (upper) or 1 (lower), depth of its near end and thickness (transits of the upper slab),
-    impedance eps, cells."""
+    impedance eps, cells, and the fewest cells that the family can make of a section."""
 
     slab: int
     start: float
     length: float
     impedance: float
     cells: int
+    fewest: int
 
 
 class Block(NamedTuple):
@@ -67,7 +68,7 @@ def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:
         for layer in slab.layers:
             length = 0.5 * slab.round_trip / scene.transit * layer.fraction
             wanted = int(np.ceil(cells * slab.round_trip / shortest * layer.fraction - 1e-9))
-            sections.append(Section(index, depth, length, slab.epsilon * layer.impedance, max(fewest, wanted)))
+            sections.append(Section(index, depth, length, slab.epsilon * layer.impedance, max(fewest, wanted), fewest))
             depth += length
     return sections
 

@@ -1,20 +1,28 @@
 """The march shared by all method-of-lines families: Runge-Kutta steps of fixed length, samples of the interface at their ends."""
 
 import math
+from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
 
-from fullwave.line import Grid, assemble
+from fullwave.limits import Builder, relaxation_limit, viscous_limit
+from fullwave.line import Section, assemble
 from fullwave.motion import rates_of
+from fullwave.readout import slab_fields, stored_energy
 from fullwave.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, RungeKutta, combine
+from fullwave.snapshot import SlabSnapshot, Snapshot
 from fullwave.stability import longest_decay_step
-from fullwave.system import ELASTIC, PSI, SCALARS, SPRING, YIELDING, System, Viscous
+from fullwave.system import ELASTIC, FRICTION, INPUT, PSI, RADIATED, SCALARS, VISCOUS, System, Viscous
 from scene.compiled import njit
-from scene.errors import SceneError
+from scene.errors import NumericsError, SceneError
 from scene.friction import unknown_of
-from scene.observe import Pieces
+from scene.observe import Energy, Pieces
 from scene.observe.pieces import Array
 from scene.scene import Scene
+
+Shape: TypeAlias = Callable[[Array], Array]
+"""A field as a function of depth."""
 
 STEPS_PER_PIECE = 8
 """Steps in one piece: its nine samples make a polynomial of degree 8, so observers never limit a scheme of order 8 or less."""
@@ -75,18 +83,24 @@ def method_for(order: int) -> RungeKutta:
 
 
 class March:
-    """Marches `grid` under `scene` with `method`; a `Solver` (scene.observe.follow).
+    """Marches `scene`, its `sections` gridded by `build`, with `method`; a `Solver` (scene.observe.follow).
 
-    `limit` is the longest stable step (transits) of the waves; `step` is the share `cfl` of it, or of what the grips and the
-    viscosity allow if that is less. Raises SceneError naming cfl and its allowed range.
+    `limit` is the longest stable step (transits) of elastic waves; `step` is the share `cfl` of it, or of what grips, viscosity
+    and friction's state allow if that is less. Raises SceneError naming cfl and its allowed range.
     """
 
-    def __init__(self, scene: Scene, model: str, grid: Grid, method: RungeKutta, limit: float, cfl: float) -> None:
-        self.scene, self.model, self.grid, self.method, self.cfl = scene, model, grid, method, cfl
+    def __init__(
+        self, scene: Scene, model: str, build: Builder, sections: list[Section], method: RungeKutta, limit: float, cfl: float
+    ) -> None:
+        self.scene, self.model, self.method, self.cfl = scene, model, method, cfl
         self.nodes = np.linspace(0.0, 1.0, STEPS_PER_PIECE + 1)
         self.failures = 0
-        self.system = assemble(scene, grid)
-        self.step = _require_cfl(cfl) * min(limit, _decay_limit(self.system, method))
+        self.grid = build(sections)
+        self.system = assemble(scene, self.grid)
+        grid = self.grid
+        self.step = _require_cfl(cfl) * min(limit, relaxation_limit(self.system, method))
+        if isinstance(self.system.medium, Viscous):
+            self.step = min(self.step, cfl * viscous_limit(scene, build, sections, method))
         self._taken = 0
         self._unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
         memory = grid.size if isinstance(self.system.medium, Viscous) else 0
@@ -105,26 +119,57 @@ class March:
         """March towards `until` (transits), at most one chunk."""
         wanted = math.ceil((until / self.step - self._taken) / STEPS_PER_PIECE - 1e-6)
         pieces = _room(self._taken, self.step, min(MOST_PIECES, max(1, wanted)))
-        failures, _ = _march(
+        failures, fastest = _march(
             self.system, self.method, self.step, self._taken, self._state, self._trial, self._rates, self._unknowns, pieces
         )
         self.failures += failures
         self._taken += STEPS_PER_PIECE * pieces.time.size
+        if self.step > longest_decay_step(fastest, self.method):
+            raise NumericsError(
+                f"{self.model}: before t = {self.time:.6g} transits the frictional state relaxes at {fastest:.4g} per transit, "
+                f"too fast for steps of {self.step:.4g}: more cells or a smaller cfl (scene {self.scene.name!r})"
+            )
         return pieces
+
+    def energy(self) -> Energy:
+        """Ledger since t = 0, in units of sigma L; integrated with the motion, so it closes at the order of the scheme."""
+        scalars = self._state[self.grid.size :]
+        stored = stored_energy(self.grid, self.system, self._state)
+        supplied, friction, radiated, viscous = (float(scalars[slot]) for slot in (INPUT, FRICTION, RADIATED, VISCOUS))
+        return Energy(supplied, friction, radiated, viscous, stored)
+
+    def snapshot(self) -> Snapshot:
+        """Velocity and stress at the nodes at `time`."""
+        shots = [slab_fields(self.grid, self.system, self._state, slab) for slab in range(self.system.interface.sides)]
+        lower = SlabSnapshot(shots[0].depth, -shots[0].velocity, shots[0].stress) if self.scene.alike else shots[1]
+        return Snapshot(self.time, shots[0], lower)
+
+    def impose(self, slab: int, velocity: Shape, stress: Shape) -> None:
+        """Set the fields of slab 0 (upper) or 1 (lower): functions of depth (transits of the upper slab, array in, array out).
+        `velocity` in V* in the slab's own direction of drive, `stress` in units of the normal stress, both in full."""
+        for block in self.grid.blocks:
+            if block.section.slab == slab:
+                self._state[block.velocity] = velocity(block.depth) - 0.5 * self.scene.velocity
+                self._state[block.stress] = (stress(block.depth) - self.scene.steady_stress) / block.section.impedance
+
+    def state(self) -> dict[str, Array]:
+        """Everything that changes during a run, as arrays; `restore` takes it back to the bit."""
+        counts = np.array([self._taken, self.failures], dtype=float)
+        return {"counts": counts, "state": self._state.copy(), "unknowns": self._unknowns.copy()}
+
+    def restore(self, state: dict[str, Array]) -> None:
+        """Go on from `state`, taken from a solver of the same scene and settings; SceneError if it does not fit."""
+        for name, array in (("state", self._state), ("unknowns", self._unknowns)):
+            if name not in state or state[name].shape != array.shape:
+                raise SceneError(f"checkpoint: {name} does not fit this scene with model {self.model}")
+            array[...] = state[name]
+        self._taken, self.failures = (int(count) for count in state["counts"])
 
 
 def _require_cfl(cfl: float) -> float:
     if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.floating) or not 0.0 < cfl <= 1.0:
         raise SceneError(f"cfl = {cfl!r}: must lie in (0, 1]")
     return float(cfl)
-
-
-def _decay_limit(system: System, method: RungeKutta) -> float:
-    """Longest step at which the grips and the memory stresses relax stably."""
-    rate = float((system.tops[SPRING] * system.tops[YIELDING]).max())
-    if isinstance(system.medium, Viscous):
-        rate = max(rate, float(system.medium.rate.max()))
-    return longest_decay_step(rate, method)
 
 
 def _room(first: int, step: float, count: int) -> Pieces:

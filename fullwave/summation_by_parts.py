@@ -10,7 +10,7 @@ Q x^k = k H x^(k-1), k = 0..m, linear in both. What they leave free at order 6 (
 A layer is one block; two layers meet through upwind states, as slab and interface do.
 """
 
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -54,17 +54,19 @@ def boundary_closure(order: int) -> tuple[Array, Array]:
     """(H, D) near an end, h = 1: norm of the first `rows` nodes, and those rows of D, shape (rows, rows + order/2)."""
     rows = 1 if order == 2 else order
     unknowns, matrix, known = _accuracy_conditions(order, rows)
-    solution, _, rank, _ = np.linalg.lstsq(matrix, known, rcond=1e-11)
+    found, _, rank, _ = np.linalg.lstsq(matrix, known, rcond=1e-11)
+    solution: Array = np.asarray(found, dtype=np.float64)
     free = np.linalg.svd(matrix)[2][rank:].T
     if free.size:
         _, beyond, wanted = _accuracy_conditions(order, rows, (order // 2 + 1,))
-        solution = solution + free @ np.linalg.lstsq(beyond @ free, wanted - beyond @ solution, rcond=None)[0]
-    norm = solution[:rows]
+        solution += free @ np.linalg.lstsq(beyond @ free, wanted - beyond @ solution, rcond=None)[0]
+    norm: Array = solution[:rows]
     skew = np.zeros((rows, rows))
     for value, (i, j) in zip(solution[rows:], unknowns, strict=True):
         skew[i, j], skew[j, i] = value, -value
     skew[0, 0] = -0.5
-    return norm, np.hstack((skew, _known_part(order, rows))) / norm[:, None]
+    closure: Array = np.hstack((skew, _known_part(order, rows))) / norm[:, None]
+    return norm, closure
 
 
 def _known_part(order: int, rows: int) -> Array:
@@ -118,7 +120,7 @@ def difference_matrix(order: int, cells: int) -> tuple[Array, Array]:
 
 def fewest_cells(order: int) -> int:
     """Cells that keep the two ends' rows apart."""
-    return 2 * boundary_closure(order)[1].shape[0] + order // 2
+    return 2 * (1 if order == 2 else order) + order // 2
 
 
 def difference_grid(sections: list[Section], order: int) -> Grid:
@@ -193,5 +195,6 @@ class SummationByParts(March):
         self.order_bulk = order
         self.order_interface = min(order, 5)
         sections = sections_of(scene, cells, fewest_cells(order))
+        build = partial(difference_grid, order=order)
         limit = courant_limit(order) * shortest_cell(sections)
-        super().__init__(scene, f"sbp:{order}", difference_grid(sections, order), method_for(order), limit, cfl)
+        super().__init__(scene, f"sbp:{order}", build, sections, method_for(order), limit, cfl)
