@@ -1,8 +1,9 @@
 """Checkpoints: a run killed at any moment goes on from the last one and ends with the same bits as if nothing had happened.
 
-A solver that can be saved has `settings` (what it was built with besides the scene), `state() -> dict of arrays` and
-`restore(dict)`; an observer has the last two. The file is .npz, whole or absent, and carries the scene's digest (without `until`,
-so a run may be prolonged), the model and its settings: a checkpoint of anything else is refused, never misread.
+A solver that can be saved has `state() -> dict of arrays` and `restore(dict)`, and may have `settings` (what it was built with
+besides the scene; its step stands for them if not); an observer has the first two. The file is .npz, whole or absent, and
+carries the scene's digest (without `until`, so a run may be prolonged), the model and its settings: a checkpoint of anything
+else is refused, never misread.
 """
 
 import dataclasses
@@ -44,15 +45,12 @@ class ResumableSolver(Protocol):
     scene: Scene
     model: str
     nodes: Array
+    step: float
     failures: int
 
     @property
     def time(self) -> float:
         """Time reached, in transits."""
-
-    @property
-    def settings(self) -> dict[str, Any]:
-        """What it was built with besides the scene, as JSON values."""
 
     def advance(self, until: float) -> Pieces:
         """As `scene.observe.follow.Solver`."""
@@ -100,23 +98,33 @@ def follow_with_checkpoints(
     observers: Mapping[str, ResumableObserver] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Final:
-    """As `scene.observe.follow`, saving to `path` about every `every` transits, and starting from `path` if it exists."""
+    """As `scene.observe.follow`, saving to `path` about every `every` transits, and starting from `path` if it exists.
+
+    Raises SceneError as `load` does, and if the checkpoint is later than `until`.
+    """
     watching = dict(observers or {})
     if path.exists():
         load(path, solver, watching)
+        if solver.time >= until - 1e-9:
+            raise SceneError(f"until = {until:g}: checkpoint {str(path)!r} is already at t = {solver.time:g}")
+    piece = solver.step * solver.nodes.size
     mark = every * (np.floor(solver.time / every + 1e-9) + 1)
-    while mark < until - 1e-9:
+    while mark < until - piece:
         if mark > solver.time:
             follow(solver, mark, list(watching.values()), progress)
-            if solver.time < until - 1e-9:
-                save(path, solver, watching)
+            save(path, solver, watching)
         mark += every
     return follow(solver, until, list(watching.values()), progress)
 
 
 def _facts(solver: ResumableSolver) -> dict[str, Any]:
     digest = dataclasses.replace(solver.scene, until=0.0).digest
-    return {"format": FORMAT, "scene": digest, "model": solver.model, "settings": solver.settings}
+    return {
+        "format": FORMAT,
+        "scene": digest,
+        "model": solver.model,
+        "settings": getattr(solver, "settings", {"step": solver.step}),
+    }
 
 
 def _read(path: Path) -> tuple[dict[str, Any], State]:

@@ -68,6 +68,16 @@ def test_killed_and_resumed_equals_uninterrupted(tmp_path):
     assert_same_bits(outcome(solver, events), outcome(straight, watching))
 
 
+@pytest.mark.parametrize("beyond", [0.0, 0.01, 0.05, 0.1])
+def test_a_mark_just_before_the_end(tmp_path, beyond):
+    """A mark's last piece must not run past the end of the run."""
+    end = 40.0 + beyond
+    solver, straight = Leapfrog(PAPER, 32, 0.9), Leapfrog(PAPER, 32, 0.9)
+    assert follow_with_checkpoints(solver, end, tmp_path / "run.npz", 10.0) == follow(straight, end)
+    with pytest.raises(SceneError, match="already at"):
+        follow_with_checkpoints(solver, 10.0, tmp_path / "run.npz", 10.0)
+
+
 @pytest.mark.parametrize("name", ["unlike", "everything", "standard-linear"])
 def test_every_slab_comes_back_to_the_bit(tmp_path, name):
     path = tmp_path / "run.npz"
@@ -123,3 +133,16 @@ def test_a_failed_save_leaves_the_old_file(tmp_path, monkeypatch):
     assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
     with pytest.raises(SceneError, match="cannot be written"):
         save(tmp_path / "absent" / "run.npz", solver)
+
+
+def test_other_families_are_saved_alike(tmp_path):
+    from fullwave.discontinuous import DiscontinuousGalerkin
+
+    path = tmp_path / "run.npz"
+    straight, resumed = DiscontinuousGalerkin(PAPER), DiscontinuousGalerkin(PAPER)
+    follow(straight, 20.0)
+    save(path, straight)
+    load(path, resumed)
+    assert follow(straight, 40.0) == follow(resumed, 40.0)
+    with pytest.raises(SceneError, match="settings is"):
+        load(path, DiscontinuousGalerkin(PAPER, cells=8))
