@@ -70,7 +70,7 @@ def strain(medium: Medium) -> None:
     raise NotImplementedError(type(medium))
 
 
-def load_elastic(medium, face, mean, following):  # type: ignore[no-untyped-def]
+def load_elastic(medium: Medium, face: Rigid | Grip, mean: float, following: float) -> tuple[float, float]:
     """The half cell's own momentum only."""
     return medium.inertia, medium.stress[0] + medium.inertia * medium.velocity[0]
 
@@ -87,7 +87,7 @@ def _accelerate_uniform(medium, face, rate, mean, following):  # type: ignore[no
     return push(face, stress[n - 1] + medium.inertia * (top - old), top, mean)
 
 
-def accelerate_layered(medium, face, rate, mean, following):  # type: ignore[no-untyped-def]
+def accelerate_layered(medium: Medium, face: Rigid | Grip, rate: float, mean: float, following: float) -> float:
     """As the uniform slab, with a mass of its own for each node."""
     velocity, stress, mobility = medium.velocity, medium.stress, medium.mobility
     n = stress.size
@@ -106,7 +106,7 @@ def _strain_uniform(medium):  # type: ignore[no-untyped-def]
         stress[j] += medium.stiffness * (velocity[j + 1] - velocity[j])
 
 
-def strain_layered(medium):  # type: ignore[no-untyped-def]
+def strain_layered(medium: Medium) -> None:
     """As the uniform slab, with a stiffness of its own for each cell."""
     velocity, stress, stiffness = medium.velocity, medium.stress, medium.stiffness
     for j in range(stress.size):
