@@ -10,8 +10,10 @@ STUDIES = {
     "scene-facts": "scene_facts",
     "one-cycle": "one_cycle",
     "leapfrog-convergence": "leapfrog_convergence",
+    "grid-convergence": "grid_convergence",
     "cost-and-error": "cost_and_error",
     "stability-boundaries": "stability_boundaries",
+    "error-laws": "error_laws",
     "claims": "claims",
 }
 """Name of each study and the module of this package that holds it."""

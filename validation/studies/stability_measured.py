@@ -1,16 +1,13 @@
-"""What the study of stability boundaries measures: critical r over V, and the error laws of the reductions."""
+"""What the study of stability boundaries measures: critical r over V."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from reduced import closed_forms
-from reduced.stability import critical_round_trip, error_law, friction_slopes, scaled
+from reduced.stability import critical_round_trip, friction_slopes, scaled
 from scene.observe.pieces import Array
 from scene.scene import Scene
-
-MODELS = ("quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:1", "modal:2", "modal:8")
-"""The reductions whose error law is measured."""
 
 
 class Curves(NamedTuple):
@@ -38,25 +35,3 @@ def critical_over_velocity(paper: Scene, velocities: Array) -> Curves:
             gap = max(gap, abs(r_c / closed(slopes, paper.upper.epsilon) - 1.0))
             computed[model].append(r_c)
     return Curves(velocities, np.array(computed["delay"]), np.array(computed["kelvin-voigt"]), gap)
-
-
-class Law(NamedTuple):
-    """Relative error of a model's critical r at the paper's epsilon and at a quarter of it, and what the law predicts."""
-
-    measured: tuple[float, float]
-    predicted: tuple[float, float]
-    power: int
-
-
-def error_laws(paper: Scene) -> dict[str, Law]:
-    """Every model's law, measured at the paper's epsilon and at a quarter of it."""
-    slopes = friction_slopes(paper.law, paper.velocity)
-    softer = [paper, scaled(paper, epsilon=0.25)]
-    exact = [critical_round_trip(what) for what in softer]
-    result = {}
-    for model in MODELS:
-        law = error_law(model, slopes)
-        measured = [critical_round_trip(what, model)[0] / r - 1.0 for what, (r, _) in zip(softer, exact, strict=True)]
-        predicted = [law.at(r * omega) for r, omega in exact]
-        result[model] = Law((measured[0], measured[1]), (predicted[0], predicted[1]), law.power)
-    return result

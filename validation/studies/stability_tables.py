@@ -1,20 +1,13 @@
 """Tables of the study of stability boundaries."""
 
+import math
+
 import numpy as np
 
-from reduced.stability import Stability, critical_round_trip
-from scene.scene import Scene
+from reduced.stability import Stability
 from validation.report.text import plain
-from validation.studies.stability_measured import Curves, Law
+from validation.studies.stability_measured import Curves
 from validation.study import Cell, Column, Table
-
-_LAW_TEXT = {
-    "quasistatic": "θ²/12",
-    "quasidynamic": "θ G_{φ}/(2ω_{c})",
-    "block8": "−θ²/24",
-    "block12": "θ^{4}/720",
-    "kelvin-voigt": "−θ^{4}/480",
-}
 
 
 def velocity_table(curves: Curves) -> Table:
@@ -32,31 +25,21 @@ def velocity_table(curves: Curves) -> Table:
     return Table("critical-r", "Critical round trip over the drive V, the paper’s Fig 2.", columns, rows)
 
 
-def law_table(laws: dict[str, Law], paper: Scene) -> Table:
-    """Error law of every reduction beside its measured error."""
-    r, omega = critical_round_trip(paper)
+def model_table(onsets: dict[str, tuple[float, float]]) -> Table:
+    """Critical r and frequency of every model at the paper's V and epsilon."""
+    exact = onsets["delay"][0]
     rows: list[tuple[Cell, ...]] = [
-        (f"`{model}`", _LAW_TEXT.get(model, "θ^{4} Σ_{k>N} 2/(2πk)^{4}"), law.measured[0], law.predicted[0], *_ratios(law))
-        for model, law in laws.items()
+        (f"`{model}`", math.log10(r), r / exact - 1.0 if model != "delay" else None, omega, r * omega)
+        for model, (r, omega) in onsets.items()
     ]
-    caption = (
-        "How wrong a reduction is about the onset, known in advance: relative error of its critical r, measured and by the "
-        f"leading term in θ = r ω_{{c}} = {r * omega:.4f} (radians per transit, at the paper’s ε), and the ratio of the two "
-        "there and at a quarter of ε."
-    )
     columns = (
         Column("model"),
-        Column("law"),
-        Column("measured", "", ".4e"),
-        Column("law’s value", "", ".4e"),
-        Column("ratio", "at ε", ".6f"),
-        Column("ratio", "at ε/4", ".6f"),
+        Column("log_{10} r_{c}", "", ".11f"),
+        Column("error of r_{c}", "relative", ".3e"),
+        Column("ω at onset", "V*/L", ".8f"),
+        Column("r_{c} ω", "per transit", ".8f"),
     )
-    return Table("error-laws", caption, columns, tuple(rows))
-
-
-def _ratios(law: Law) -> tuple[float, float]:
-    return law.measured[0] / law.predicted[0], law.measured[1] / law.predicted[1]
+    return Table("models", "Onset of stick-slip in every model, V = 100, ε = 2.8 · 10^{-5}.", columns, tuple(rows))
 
 
 def scene_table(found: dict[str, Stability]) -> Table:
