@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.collocation import Nodes
-from scene.compiled import inlined, njit
+from scene.compiled import inlined, njit, overwrite
 from scene.drive import interpolate_drive
 from scene.friction import Law, respond
 from scene.interface import solve_interface
@@ -274,14 +274,19 @@ def march_delay(
     length = 1.0 / steps
     h = length * physics.round_trip
     work, system = np.empty((WORK_ROWS, s)), np.empty((s, s))
-    saved, saved_guess, saved_now = incoming.copy(), guess.copy(), now.copy()
+    saved, saved_guess, saved_now = np.empty_like(incoming), np.empty_like(guess), np.empty_like(now)
+    overwrite(saved, incoming)
+    overwrite(saved_now, now)
+    overwrite(saved_guess, guess)
     i, anchor, iterations = memory.cursor[0], 0, 0
     drive_times = physics.drive_times
     constant, velocity = velocities.size == 1, velocities[0]
     for n in range(count):
         if i == 0:
             anchor = n
-            saved[:], saved_now[:], saved_guess[:] = incoming, now, guess
+            overwrite(saved, incoming)
+            overwrite(saved_now, now)
+            overwrite(saved_guess, guess)
         left, start = now[PSI], now[TIME]
         used = solve_step(
             nodes,
@@ -306,13 +311,17 @@ def march_delay(
         for j in range(s):
             unresolved += tail[j] * guess[UNKNOWN, j]
         if used == 0 or not abs(unresolved) <= resolution:
-            incoming[:], now[:], guess[:] = saved, saved_now, saved_guess
+            overwrite(incoming, saved)
+            overwrite(now, saved_now)
+            overwrite(guess, saved_guess)
             memory.cursor[0] = (i - (n - anchor)) % steps
             return anchor, iterations, 1 if used == 0 else 2
         if not constant:
             velocity = interpolate_drive(drive_times, velocities, start + 0.5 * length)
-        if pieces.time.size > 0:
+        if pieces.time.size == count:
             emit(nodes, epsilon, velocity, start, length, integral, incoming, i, guess, work, now, pieces, n)
+        elif n == count - 1:
+            emit(nodes, epsilon, velocity, start, length, integral, incoming, i, guess, work, now, pieces, 0)
         for j in range(s):
             if not constant:
                 velocity = interpolate_drive(drive_times, velocities, start + nodes[j] * length + 0.5)

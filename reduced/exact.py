@@ -5,11 +5,11 @@ from reduced.delay_network import DelayNetwork
 from scene.scene import Scene
 
 
-def delay_system(scene: Scene, tolerance: float = 1e-9, emit: bool = True) -> Delay | DelayNetwork:
+def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
     """The marching delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless ones.
 
-    `emit` = False asks for the state at the end only (see `Delay`). Raises SceneError for viscous slabs.
+    A scene that records nothing gets the state at the end only (`Delay`, emit=False). Raises SceneError for viscous slabs.
     """
     if scene.alike and scene.upper.is_plain:
-        return Delay(scene, tolerance=tolerance, emit=emit)
+        return Delay(scene, tolerance=tolerance, emit=bool(scene.record))
     return DelayNetwork(scene, tolerance=tolerance)

@@ -226,7 +226,8 @@ def march_ladder(
     work, system, change = np.empty((_WORK_ROWS, s)), np.empty((2 * s, 2 * s)), np.empty(2 * s)
     deepest = tables.length.size - 1
     iterations, k = 0, 0
-    work[_DRIVE, :] = velocities[0]
+    for j in range(s):
+        work[_DRIVE, j] = velocities[0]
     while k < pieces.time.size and now[TIME] < until - 1e-9:
         level = levels[0]
         length = tables.length[level]

