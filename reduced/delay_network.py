@@ -7,7 +7,7 @@ import numpy as np
 from reduced.collocation import radau
 from reduced.delay import collocation_matrices, dense_resolution
 from reduced.delay_kernel import first_guess
-from reduced.network import Lines, common_divisor, lines_of
+from reduced.network import common_divisor, lines_of
 from reduced.network_kernel import ELASTIC, PSI, TIME, Integers, Memory, Motion, Network, march_network
 from scene.errors import NumericsError
 from scene.friction import unknown_of
@@ -25,9 +25,9 @@ class DelayNetwork:
     """Marches the exact system to `tolerance`, the requested relative error of the cycle's figures.
 
     The step divides every travel time where these have a common divisor: break points then lie on steps, and a jump start keeps
-    its accuracy. Otherwise delayed waves are interpolated within their step to the same tolerance, and a jump start costs order
-    where its echoes fall inside steps. A step that is too coarse is halved for good, the stored waves resampled. `failures`
-    counts unconverged solves: a step that cannot be solved with MAX_STEPS a transit raises NumericsError.
+    its accuracy. Otherwise delayed waves are interpolated within their step to the same tolerance (and a jump start takes
+    `DelayBreaks`). A step that is too coarse is halved for good, the stored waves resampled. `failures` counts unconverged
+    solves: a step that cannot be solved with MAX_STEPS a transit raises NumericsError.
     """
 
     order_interface = "nodes; 2 nodes - 1 at the ends of steps where round trips are commensurate"
@@ -73,37 +73,27 @@ class DelayNetwork:
 
     def advance(self, until: float) -> Pieces:
         """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
-        matrices = self._matrices
         while True:
             count = min(_CHUNK, math.ceil((until - self.time) / self._length - 1e-6))
             pieces = Pieces(np.empty(count), np.empty(count), *(np.empty((count, self._stages)) for _ in range(4)))
-            steps, iterations, verdict = march_network(
-                tuple(self.nodes),
-                self.scene.law,
-                self._network,
-                self._motion,
-                matrices.integral,
-                matrices.predict,
-                matrices.predict_state,
-                matrices.tail,
-                self._memory,
-                self._length,
-                count,
-                *self._tolerances,
-                pieces,
-            )
-            self.iterations += iterations
+            steps, verdict = self._march(count, pieces)
             if verdict:
                 self._refine()
             if steps:
                 return Pieces(*(array[:steps] for array in pieces))
 
+    def _march(self, count: int, pieces: Pieces) -> tuple[int, int]:
+        """(steps kept, verdict) of `count` steps."""
+        rule = (self._matrices.integral, self._matrices.predict, self._matrices.predict_state, self._matrices.tail)
+        systems = (tuple(self.nodes), self.scene.law, self._network, self._motion, *rule, self._memory)
+        steps, iterations, verdict = march_network(*systems, self._length, count, *self._tolerances, pieces)
+        self.iterations += iterations
+        return steps, verdict
+
     def _compile(self) -> Network:
         """The lines with the delays of the present step length."""
         lines, scene = self._lines, self.scene
         back, weights = delay_rows(lines.travel / self._length, self.nodes)
-        h_spring = self._length * lines.spring * lines.yield_
-        grip = np.linalg.inv(np.eye(self._stages) + h_spring[:, None, None] * radau(self._stages).integral)
         return Network(
             lines.impedance,
             back,
@@ -114,12 +104,18 @@ class DelayNetwork:
             lines.follow,
             lines.yield_,
             lines.spring,
-            np.asarray(grip, dtype=float),
+            self._grip_response(self._length),
             scene.impedance,
             scene.steady_stress + scene.impedance * scene.velocity,
             scene.steady_stress,
             lines.weight,
         )
+
+    def _grip_response(self, length: float) -> Array:
+        """(1 + h K yield A)^-1 of every slab for a step of `length`."""
+        h_spring = length * self._lines.spring * self._lines.yield_
+        inverse = np.linalg.inv(np.eye(self._stages) + h_spring[:, None, None] * radau(self._stages).integral)
+        return np.asarray(inverse, dtype=float)
 
     def _begin(self) -> Memory:
         """Steady sliding, no wave, psi displaced if the start is a jump."""
@@ -135,12 +131,8 @@ class DelayNetwork:
 
     def _refine(self) -> None:
         """Half the step: the stored waves are evaluated at the nodes of the two halves of each step."""
+        self._require_room()
         old = self._memory
-        if 2.0 / self._length > MAX_STEPS / min(1.0, 2.0 * float(self._lines.travel.min())):
-            raise NumericsError(
-                f"delay: the step at t = {self.time:.6g} transits cannot be resolved with {self.steps:.0f} steps a transit "
-                f"(psi = {self.psi:.6g}, scene {self.scene.name!r}, digest {self.scene.digest})"
-            )
         self._length *= 0.5
         self._network = self._compile()
         halves = interpolation_matrix(lagrange_basis(self.nodes), np.r_[0.5 * self.nodes, 0.5 + 0.5 * self.nodes])
@@ -153,6 +145,14 @@ class DelayNetwork:
         )
         guess = np.repeat([[old.now[PSI]], [float(old.guess[1, 0])]], stages, axis=1)
         self._memory = Memory(waves, old.grip, guess, old.now, np.zeros(1, dtype=np.int64))
+
+    def _require_room(self) -> None:
+        """NumericsError unless the step may still be halved."""
+        if 2.0 / self._length > MAX_STEPS / min(1.0, 2.0 * float(self._lines.travel.min())):
+            raise NumericsError(
+                f"delay: the step at t = {self.time:.6g} transits cannot be resolved with {self.steps:.0f} steps a transit "
+                f"(psi = {self.psi:.6g}, scene {self.scene.name!r}, digest {self.scene.digest})"
+            )
 
 
 def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:
@@ -169,6 +169,3 @@ def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:
 def _snap(point: float, nodes: Array) -> float:
     nearest = float(nodes[np.abs(nodes - point).argmin()])
     return nearest if abs(nearest - point) < 1e-9 else point
-
-
-__all__ = ["DelayNetwork", "Lines"]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from reduced.delay import Delay
+from reduced.delay_breaks import DelayBreaks
 from reduced.delay_network import DelayNetwork
 from reduced.exact import delay_system
 from reduced.network import common_divisor
@@ -82,6 +83,21 @@ def test_jump_start_keeps_its_accuracy_where_round_trips_are_commensurate():
     scene = read("unlike", ['start.kind="jump"', "start.size=0.05"])
     loose, tight = (follow(DelayNetwork(scene, tolerance=t), 100).psi for t in (1e-7, 1e-11))
     assert loose == pytest.approx(tight, abs=1e-7)
+
+
+def test_jump_start_keeps_its_accuracy_where_round_trips_are_not():
+    scene = read("unlike-irrational", ['start.kind="jump"', "start.size=0.05"])
+    solvers = [delay_system(scene, tolerance=t) for t in (1e-6, 1e-10)]
+    loose, tight = (follow(solver, 30).psi for solver in solvers)
+    assert isinstance(solvers[0], DelayBreaks)
+    assert solvers[0].break_points > 100
+    assert loose == pytest.approx(tight, abs=1e-7)
+
+
+@pytest.mark.parametrize("name", ["yardstick", "unlike", "grip", "layered"])
+def test_break_points_found_by_measure_equal_those_on_the_grid(name):
+    scene = read(name, ['start.kind="jump"', "start.size=0.05"])
+    assert follow(DelayBreaks(scene), 12).psi == pytest.approx(follow(DelayNetwork(scene), 12).psi, abs=1e-11)
 
 
 def test_grip_keeps_the_load_and_a_bare_reflection_loses_it():
