@@ -51,7 +51,7 @@ def take(out: Path, folder: Path = FOLDER) -> list[Path]:
         record = json.loads(path.read_text(encoding="utf-8"))
         if record["numbers"]:
             target = folder / f"{record['study']}.json"
-            target.write_text(json.dumps(record["numbers"], indent=1) + "\n", encoding="utf-8")
+            target.write_text(json.dumps(record["numbers"], indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
             written.append(target)
     return written
 
