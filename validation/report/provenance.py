@@ -6,6 +6,7 @@ import subprocess
 from importlib import metadata
 from pathlib import Path
 
+import scene
 import validation
 from scene.compiled import source_digest
 
@@ -18,6 +19,7 @@ def provenance() -> dict[str, str]:
         "slipwave": metadata.version("slipwave"),
         "commit": commit(),
         "solver sources": source_digest(),
+        "scene paper": scene.read("paper").digest,
         "platform": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
         "cores": str(_cores()),
