@@ -20,10 +20,10 @@ import skfem
 from numpy.typing import NDArray
 
 from fullwave.gll_element import ElementLineGLL
-from fullwave.line import Block, Grid, Section, require_whole, sections_of, shortest_cell
+from fullwave.line import Block, Grid, Section, require_whole, sections_of
 from fullwave.lobatto import gauss_lobatto
 from fullwave.march import March, method_for
-from fullwave.stability import line_spectrum, longest_step
+from fullwave.stability import MARGIN, line_spectrum, longest_step
 from fullwave.system import register_operator
 from scene.errors import SceneError
 from scene.observe.pieces import Array
@@ -32,7 +32,7 @@ from scene.slab import KelvinVoigtViscosity
 
 MOST_DEGREE = 16
 MASSES = ("lumped", "consistent")
-_SAMPLE_NODES = 32  # of the line from which the step limit is computed
+_SAMPLE_NODES = 96  # of the longest line from which a step limit is computed
 
 
 class Assembled(NamedTuple):
@@ -136,14 +136,18 @@ def _finish(operator, rates, at):  # type: ignore[no-untyped-def]
 register_operator(Assembled, _apply, _finish)
 
 
+def sample_cells(degree: int, cells: int) -> int:
+    """Cells of the line that stands for a layer of `cells`: beyond these the limit changes by less than the margin."""
+    return min(cells, max(6, min(16, _SAMPLE_NODES // degree)))
+
+
 @cache
-def courant_limit(degree: int, mass: str) -> float:
-    """Longest stable dt/h (h the length of an element in travel time)."""
-    cells = max(4, _SAMPLE_NODES // degree)
+def courant_limit(degree: int, mass: str, cells: int) -> float:
+    """Longest stable dt/h (h the length of an element in travel time) of a layer of `cells`."""
     _, norm, slope = assemble_layer(cells, degree, mass)
     inverse = np.linalg.inv(norm.toarray())
     spectrum = line_spectrum(inverse @ slope.toarray(), inverse[:, 0])
-    return longest_step(spectrum, method_for(degree + 1)) * cells
+    return MARGIN * longest_step(spectrum, method_for(degree + 1)) * cells
 
 
 class FiniteElement(March):
@@ -164,8 +168,8 @@ class FiniteElement(March):
                 'mass = "consistent": cannot honour Kelvin-Voigt viscosity; fem with mass = "lumped", dg and sbp can'
             )
         self.degree, self.mass = degree, mass
-        self.order_bulk = self.order_interface = degree + 1
+        self.order_bulk, self.order_interface = degree + degree % 2, degree + 1
         sections = sections_of(scene, cells, 1)
         build = partial(mesh_grid, degree=degree, mass=mass)
-        limit = courant_limit(degree, mass) * shortest_cell(sections)
+        limit = min(courant_limit(degree, mass, sample_cells(degree, s.cells)) * s.length / s.cells for s in sections)
         super().__init__(scene, f"fem:{degree}", build, sections, method_for(degree + 1), limit, cfl)

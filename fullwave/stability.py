@@ -16,8 +16,11 @@ from fullwave.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, RungeKutta, stabil
 from scene.observe.pieces import Array
 
 Complex = NDArray[np.complex128]
+MARGIN = 0.99
+"""Share of the computed limit that is used where the line is cut short for the computation."""
+
 _GROWTH = 1e-11  # amplification of one step that is still called rounding
-_PHASES = 48
+_PHASES = 24
 _BISECTIONS = 40
 
 

@@ -1,0 +1,93 @@
+"""Exact solutions in slabs whose friction depends on the rate alone (ageing law with b = 0, so F = a ln v).
+
+Deviations from steady sliding at V = 1 with zero stress; depth x is travel time from the interface, one transit the clock,
+the outer face at x = 1/2.
+"""
+
+import dataclasses
+
+import numpy as np
+
+import scene
+from scene.drive import steady_drive
+from scene.friction.ageing import Ageing
+from scene.slab import Slab
+from scene.start import Start
+
+EPSILON = 0.02
+SLAB = Slab(EPSILON, 1e-3)
+LOCKED = 1e15
+"""Direct effect a so large that no wave changes the slip rate."""
+
+
+def rate_scene(direct, upper=None, lower=None, **changes):
+    """Two slabs on an interface with F = `direct` ln v, sliding steadily at V = 1."""
+    upper = SLAB if upper is None else dataclasses.replace(SLAB, **upper)
+    lower = upper if lower is None else dataclasses.replace(SLAB, **lower)
+    return dataclasses.replace(
+        scene.read("paper"),
+        law=Ageing(0.0, direct, 0.0),
+        upper=upper,
+        lower=lower,
+        drive=steady_drive(1.0),
+        start=Start(size=0.0),
+        **changes,
+    )
+
+
+def pulse(x, centre=0.25, width=0.035):
+    """A smooth bump, below rounding at the slab's ends."""
+    return np.exp(-(((x - centre) / width) ** 2))
+
+
+def send(solver, shape, direction, slab=0, impedance=EPSILON):
+    """Start a pulse of velocity `shape` on its way to the interface (-1) or to the outer face (+1)."""
+    solver.impose(slab, lambda x: 0.5 + shape(x), lambda x: -direction * impedance * shape(x))
+
+
+def step_to(solver, time):
+    """March to exactly `time`, with steps shortened so that whole pieces tile it."""
+    pieces = np.ceil(time / (8 * solver.step) - 1e-9)
+    solver.step = time / (8 * pieces)
+    while solver.time < time - 1e-9:
+        solver.advance(time)
+
+
+def fields(solver, slab=0):
+    """Depth, deviation of velocity (own direction) and of stress over the impedance, block by block, and the norm."""
+    blocks = [block for block in solver.grid.blocks if block.section.slab == slab]
+    state = solver.state()["state"]
+    joined = [
+        np.concatenate(parts) for parts in zip(*((b.depth, state[b.velocity], state[b.stress]) for b in blocks), strict=True)
+    ]
+    norm = np.concatenate([b.norm if isinstance(b.norm, np.ndarray) else np.asarray(b.norm.sum(axis=1)).ravel() for b in blocks])
+    return (*joined, norm)
+
+
+def reflected_at_interface(arriving, direct):
+    """Outgoing s - w at the interface of alike slabs when s + w = `arriving` comes in: F(1 + 2 w) = eps s, by Newton."""
+    w = np.zeros_like(arriving)
+    for _ in range(60):
+        residual = direct * np.log1p(2.0 * w) - EPSILON * (arriving - w)
+        w = w - residual / (2.0 * direct / (1.0 + 2.0 * w) + EPSILON)
+    return arriving - 2.0 * w
+
+
+def reflection_error(solver, direct, height, time=0.5):
+    """L2 error of both fields after a pulse of `height` has met the interface and come back."""
+    send(solver, lambda x: height * pulse(x), -1)
+    step_to(solver, time)
+    x, w, s, norm = fields(solver)
+    outgoing = reflected_at_interface(2.0 * height * pulse(time - x), direct)
+    exact = np.where(x < time, outgoing, 0.0)  # s - w; nothing arrives any more
+    return float(np.sqrt(norm @ ((w + 0.5 * exact) ** 2 + (s - 0.5 * exact) ** 2)))
+
+
+def standing_error(solver, waves=3, time=1.3):
+    """L2 error of both fields of the standing wave w = cos(k t) sin(k x), s = sin(k t) cos(k x), the interface locked."""
+    k = 2.0 * np.pi * waves
+    solver.impose(0, lambda x: 0.5 + np.sin(k * x), lambda x: 0.0 * x)
+    step_to(solver, time)
+    x, w, s, norm = fields(solver)
+    exact_w, exact_s = np.cos(k * time) * np.sin(k * x), np.sin(k * time) * np.cos(k * x)
+    return float(np.sqrt(norm @ ((w - exact_w) ** 2 + (s - exact_s) ** 2)))
