@@ -16,7 +16,7 @@ from reduced.impedance import Complex, Jet, Ratio, ratio_of
 from reduced.impedance.line import slab_ratio
 from reduced.stability.friction import FrictionSlopes, friction_slopes
 from scene.scene import Scene
-from scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
+from scene.slab import GripFace, KelvinVoigtViscosity, Slab, StandardLinearViscosity
 
 _SHARED = 1e-6
 
@@ -63,6 +63,15 @@ class Characteristic:
         return max(self.scene.upper.round_trip, self.scene.lower.round_trip)
 
     @property
+    def anchors(self) -> tuple[float, ...]:
+        """Points of the real axis near which D varies on a scale of its own: 0, the friction state's rate, and the relaxation
+        rates of viscous slabs and grips."""
+        found = {0.0, -self.slopes.healing}
+        for slab in (self.scene.upper, self.scene.lower):
+            found.update(_rates(slab))
+        return tuple(found)
+
+    @property
     def leftmost(self) -> float:
         """Re s (< 0) left of which D need not be analytic: the relaxation of a viscous slab; -inf if both are elastic."""
         return max(-_fastest_relaxation(self.scene.upper), -_fastest_relaxation(self.scene.lower))
@@ -75,6 +84,15 @@ def _fastest_relaxation(slab: Slab) -> float:
         case StandardLinearViscosity(time, ratio):
             return 1.0 / (time * (1.0 + ratio))
     return float("inf")
+
+
+def _rates(slab: Slab) -> list[float]:
+    rates = [-_fastest_relaxation(slab)] if slab.viscosity else []
+    if isinstance(slab.viscosity, StandardLinearViscosity):
+        rates.append(-1.0 / slab.viscosity.time)
+    if isinstance(slab.face, GripFace) and slab.face.impedance > 0.0:
+        rates.append(-slab.face.stiffness / (slab.face.impedance * slab.round_trip))
+    return rates
 
 
 def characteristic(scene: Scene, model: str = "delay") -> Characteristic:

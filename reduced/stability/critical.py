@@ -20,8 +20,9 @@ from reduced.impedance import Jet, is_exact, ratio_of
 from reduced.stability.characteristic import characteristic
 from reduced.stability.crossing import crossing
 from reduced.stability.friction import FrictionSlopes, friction_slopes
-from reduced.stability.spectrum import unstable_count
+from reduced.stability.spectrum import leading_roots, unstable_count
 from scene.drive import steady_drive
+from scene.errors import NumericsError
 from scene.scene import Scene
 
 _THETA = np.unique(np.concatenate([np.geomspace(1e-9, 1.0, 1200), np.linspace(1.0, 60.0, 6000)]))
@@ -108,7 +109,14 @@ def _by_counting(scene: Scene, model: str) -> tuple[float, float]:
     while high - low > 1e-4:
         middle = 0.5 * (low + high)
         low, high = (low, middle) if unstable(middle) else (middle, high)
-    return _refine(at, model, 0.5 * (low + high), scene.transit)
+    try:
+        return _refine(at, model, 0.5 * (low + high), scene.transit)
+    except NumericsError:  # Newton's method has no hold on a shallow crossing; counting has
+        while high - low > 1e-12 * max(1.0, abs(low)):
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if unstable(middle) else (middle, high)
+        growing = leading_roots(characteristic(at(high), model), 1)
+        return scene.transit * 2.0**high, abs(float(growing[0].imag))
 
 
 def _refine(at: Callable[[float], Scene], model: str, start: float, transit: float) -> tuple[float, float]:

@@ -14,6 +14,7 @@ Function = Callable[[Complex], Jet]
 _STEP = 0.5
 """Largest |D'/D| ds along the contour: the argument cannot turn unseen between two samples."""
 _MOST_POINTS = 400_000
+_SHORTEST = 1e-12
 _NEWTON_ROUNDS = 40
 _FEW = 6
 _DEEPEST = 40
@@ -32,13 +33,14 @@ def rectangle(low: complex, high: complex) -> Complex:
     return np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag), low])
 
 
-def count_zeros(function: Function, corners: Complex) -> int:
+def count_zeros(function: Function, corners: Complex, anchors: tuple[float, ...] = ()) -> int:
     """Zeros of an analytic function inside a closed polyline: its winding number.
 
-    Sides are halved until |D'/D| times the step is below 1/2 at both ends of every piece and D turns by less than 60 degrees over
-    it.
-    Raises NumericsError if a zero lies on the contour.
+    Sides are halved until |D'/D| times the step is below 1/2 at both ends of every piece, D turns by less than 60 degrees over
+    it, and it is shorter than its distance from every one of the `anchors`, the points of the real axis near which D varies on a
+    scale of its own. Raises NumericsError if a zero lies on the contour.
     """
+    floor = _SHORTEST * float(np.abs(corners).max())
     points = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in pairwise(corners)] + [corners[-1:]])
     while True:
         jet = function(points)
@@ -49,7 +51,10 @@ def count_zeros(function: Function, corners: Complex) -> int:
             raise NumericsError(
                 f"stability: the characteristic function is 0 or not finite on the contour at s = {_first_bad(points, rate)}"
             )
-        long = (np.maximum(rate[1:], rate[:-1]) * np.abs(np.diff(points)) > _STEP) | (np.abs(turn) > np.pi / 3.0)
+        pieces = np.abs(np.diff(points))
+        long = (np.maximum(rate[1:], rate[:-1]) * pieces > _STEP) | (np.abs(turn) > np.pi / 3.0)
+        for anchor in anchors:
+            long |= pieces > np.maximum(np.abs(0.5 * (points[1:] + points[:-1]) - anchor), floor)
         if not long.any():
             return round(float(turn.sum()) / (2.0 * np.pi))
         if len(points) > _MOST_POINTS:
@@ -75,13 +80,14 @@ def polish(function: Function, starts: Complex, rounds: int = _NEWTON_ROUNDS) ->
     return np.where(converged & np.isfinite(s), s, np.nan)
 
 
-def zeros_in(function: Function, low: complex, high: complex, expected: int | None = None, depth: int = 0) -> Complex:
-    """All zeros in the rectangle with corners `low` (left, below) and `high`, each once; at most a few dozen are sensible.
+def zeros_in(
+    function: Function, low: complex, high: complex, expected: int, anchors: tuple[float, ...] = (), depth: int = 0
+) -> Complex:
+    """All `expected` zeros in the rectangle with corners `low` (left, below) and `high`, each once; a few dozen are sensible.
 
-    As many as the argument principle counts there: the rectangle is quartered until Newton's method finds them all. Raises
-    NumericsError if they cannot be told apart.
+    `expected` is the rectangle's own count; `anchors` as in `count_zeros`. The rectangle is halved until Newton's method finds
+    them all. Raises NumericsError if they cannot be told apart.
     """
-    expected = count_zeros(function, rectangle(low, high)) if expected is None else expected
     if expected == 0:
         return np.empty(0, dtype=np.complex128)
     if expected <= _FEW:
@@ -92,10 +98,13 @@ def zeros_in(function: Function, low: complex, high: complex, expected: int | No
             return inside
     if depth > _DEEPEST:
         raise NumericsError(f"stability: {expected} roots near s = {0.5 * (low + high):.6g} cannot be told apart")
-    return np.concatenate([zeros_in(function, *half, count, depth + 1) for half, count in _halves(function, low, high, expected)])
+    halves = _halves(function, low, high, expected, anchors)
+    return np.concatenate([zeros_in(function, *half, count, anchors, depth + 1) for half, count in halves])
 
 
-def _halves(function: Function, low: complex, high: complex, expected: int) -> list[tuple[tuple[complex, complex], int]]:
+def _halves(
+    function: Function, low: complex, high: complex, expected: int, anchors: tuple[float, ...]
+) -> list[tuple[tuple[complex, complex], int]]:
     """Both halves of a rectangle across its longer side, with their counts; the cut moves aside if it meets a zero."""
     size = high - low
     for share in _CUTS:
@@ -106,7 +115,7 @@ def _halves(function: Function, low: complex, high: complex, expected: int) -> l
             cut = low.real + share * size.real
             first, second = (low, complex(cut, high.imag)), (complex(cut, low.imag), high)
         try:
-            count = count_zeros(function, rectangle(*first))
+            count = count_zeros(function, rectangle(*first), anchors)
         except NumericsError:
             continue
         return [(first, count), (second, expected - count)]

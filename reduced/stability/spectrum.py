@@ -5,8 +5,9 @@ import numpy as np
 from reduced.impedance import Complex
 from reduced.stability.characteristic import Characteristic
 from reduced.stability.roots import count_zeros, half_disc, polish, rectangle, zeros_in
+from scene.errors import NumericsError
 
-_INSET = 1e-9
+_INSET = 1e-12
 """The contour runs this far right of the imaginary axis, relative to its radius: a neutral root does not count as unstable."""
 
 _RIPPLES = 4.6
@@ -14,6 +15,7 @@ _RIPPLES = 4.6
 
 _CROWD = 60
 _DEEPEST_STRIP = 6.0
+_TRIES = 5
 
 
 def unstable_count(problem: Characteristic, active: bool = False) -> int:
@@ -27,7 +29,7 @@ def unstable_count(problem: Characteristic, active: bool = False) -> int:
         radius = max(radius, 20.0 / problem.transit)
     elif not problem.slopes.weakening:
         return 0
-    return count_zeros(problem.jet, half_disc(1.001 * radius, _INSET * radius))
+    return count_zeros(problem.jet, half_disc(1.001 * radius, _INSET * radius), problem.anchors)
 
 
 def leading_roots(problem: Characteristic, most: int = 8) -> Complex:
@@ -37,7 +39,7 @@ def leading_roots(problem: Characteristic, most: int = 8) -> Complex:
     certified. Sorted by falling real part; 1/(L/V*). Raises NumericsError if roots cannot be told apart.
     """
     low, count = _rectangle(problem, most)
-    roots = zeros_in(problem.jet, low, _mirrored(problem, low), count)
+    roots = zeros_in(problem.jet, low, _mirrored(problem, low), count, problem.anchors)
     roots = roots[~problem.idle(roots)]
     real = np.abs(roots.imag) < 1e-10 * np.abs(roots)
     upper = np.concatenate([roots[real].real + 0j, roots[~real & (roots.imag > 0.0)]])
@@ -52,28 +54,34 @@ def _mirrored(problem: Characteristic, low: complex) -> complex:
     return complex(max(problem.slopes.reach, 1.0 / problem.longest), -low.imag)
 
 
-def _rectangle(problem: Characteristic, most: int) -> tuple[complex, int]:
-    """(lower left corner, number of roots inside) of a rectangle symmetric about the real axis."""
-
-    def count(left: float, top: float) -> int:
+def _counted(problem: Characteristic, left: float, top: float) -> tuple[complex, int]:
+    """(lower left corner, number of roots inside) of the search rectangle, moved a little if a root lies on its rim."""
+    for _ in range(_TRIES):
         corner = complex(-left, -top)
-        return count_zeros(problem.jet, rectangle(corner, _mirrored(problem, corner)))
+        try:
+            return corner, count_zeros(problem.jet, rectangle(corner, _mirrored(problem, corner)), problem.anchors)
+        except NumericsError:
+            left, top = 0.983 * left, 0.983 * top
+    raise NumericsError(f"stability: roots crowd at Re s = {-left:.6g}")
 
+
+def _rectangle(problem: Characteristic, most: int) -> tuple[complex, int]:
+    """The search rectangle that holds enough roots and few, and its count."""
     unit, wall = 1.0 / problem.longest, -0.9 * problem.leftmost
     left, top = min(0.3 * unit, wall), max(1.05 * problem.slopes.reach, _RIPPLES * np.pi * unit)
-    found = count(left, top)
-    while found > _CROWD and left > 1e-9 * unit:
-        fewer = count(left / 3.0, top)
-        if fewer < most:
+    found = _counted(problem, left, top)
+    while found[1] > _CROWD and left > 1e-9 * unit:
+        fewer = _counted(problem, left / 3.0, top)
+        if fewer[1] < most:
             break
         left, found = left / 3.0, fewer
-    while found > _CROWD:  # the fast roots all lie in one thin strip: only the slow ones then
+    while found[1] > _CROWD:  # the fast roots all lie in one thin strip: only the slow ones then
         top /= 3.0
-        found = count(left, top)
-    while found < most and left < min(_DEEPEST_STRIP * unit, wall):
+        found = _counted(problem, left, top)
+    while found[1] < most and left < min(_DEEPEST_STRIP * unit, wall):
         left = min(3.0 * left, wall)
-        found = count(left, top)
-    return complex(-left, -top), found
+        found = _counted(problem, left, top)
+    return found
 
 
 def follow_root(problem: Characteristic, start: complex) -> complex:
