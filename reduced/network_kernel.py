@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.collocation import Nodes
-from reduced.delay_kernel import PREVIOUS, RATE, STATE, UNKNOWN, WORK_ROWS, predict, solve_step
+from reduced.delay_kernel import PREVIOUS, RATE, STATE, UNKNOWN, WORK_ROWS, force, predict, solve_step
 from scene.compiled import njit, overwrite
 from scene.drive import interpolate_drive
 from scene.friction import Law
@@ -151,7 +151,7 @@ def march_network(
     waves, grip, guess, now = memory.waves, memory.grip, memory.guess, memory.now
     layers, ring, slabs = waves.shape[0], waves.shape[2], network.first.size
     arrived, launched, pull = np.empty((layers, 2, s)), np.empty((layers, 2, s)), np.empty((3, s))
-    work, system, incoming, drive = np.empty((WORK_ROWS, s)), np.empty((s, s)), np.empty((1, s)), np.zeros(s)
+    work, system, incoming, drive = np.zeros((WORK_ROWS, s)), np.empty((s, s)), np.empty((1, s)), np.zeros(s)
     saved_guess, saved_grip = np.empty_like(guess), np.empty_like(grip)
     impedance, h = network.interface_impedance, length * motion.round_trip
     velocities, drive_times = motion.drive_velocities, motion.drive_times
@@ -176,19 +176,17 @@ def march_network(
             share = network.weight * impedance / network.impedance[first]
             for j in range(s):
                 incoming[0, j] += share * arrived[first, INWARD, j]
+        if motion.nudge != 0.0:
+            force(nodes, motion.nudge, start, length, integral, work)
         used = solve_step(
             nodes,
             law,
             impedance,
             h,
-            motion.nudge,
-            start,
-            length,
             left,
             incoming,
             0,
             integral,
-            tail,
             newton_tolerance,
             guess,
             work,
