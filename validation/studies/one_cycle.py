@@ -1,40 +1,26 @@
 """All models over one stick-slip cycle of the paper's reference scene, against the delay system."""
 
 import math
-from typing import NamedTuple
 
 import scene
 from scene.errors import NumericsError
 from validation.closed_forms import Onset
 from validation.models import build
-from validation.orbits import Cycle, NoCycle, Orbit, Settled, one_cycle, settle
+from validation.orbits import NoCycle, one_cycle, settle
 from validation.reference import reference, reference_orbit
 from validation.report.text import plain
 from validation.studies.one_cycle_figures import overlay, panels
-from validation.study import Budget, Cell, Column, Evidence, Figure, Number, Omission, StudyResult, Table, Verdict, judge
+from validation.studies.one_cycle_tables import LOG10_R, QUANTITIES, Run, beside_reference, drops, error, rates
+from validation.study import Budget, Evidence, Figure, Number, Omission, StudyResult, Verdict, judge
 
 NAME = "one-cycle"
 QUESTION = "Do the simplified models run through the same cycle as the wave?"
 SCENES = ("paper",)
 SECONDS = (5.0, 6.0)
 
-LOG10_R = -2.68
 MODELS = ("delay", "fd", "modal:8", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
 _CELLS, _CFL = 128, 0.5
-_QUANTITIES = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}", "v_min": "v_{min}"}
 _DIGITS = {"modal:1": 1e-6, "modal:2": 1e-6, "modal:8": 1e-6, "delay": 5e-7}
-
-
-class Run(NamedTuple):
-    """A model on its orbit and one cycle of it."""
-
-    settled: Settled
-    cycle: Cycle
-
-    @property
-    def orbit(self) -> Orbit:
-        """Its figures."""
-        return self.settled.orbit
 
 
 def run(budget: Budget) -> StudyResult:
@@ -44,7 +30,7 @@ def run(budget: Budget) -> StudyResult:
         runs[model] = _run(model)
         budget.report((count + 1) / len(MODELS))
     cycles = {model: one.cycle for model, one in runs.items()}
-    errors = {model: _error(one, runs["delay"], "period") for model, one in runs.items()}
+    errors = {model: error(one, runs["delay"], "period") for model, one in runs.items()}
     escape = _quasistatic()
     return StudyResult(
         answer=_answer(runs),
@@ -52,7 +38,7 @@ def run(budget: Budget) -> StudyResult:
             Figure("overlay", _OVERLAY, lambda: overlay(cycles), lead=True),
             Figure("panels", _PANELS, lambda: panels(cycles, errors)),
         ),
-        tables=(_drops(runs), _rates(runs), _beside_reference(runs)),
+        tables=(drops(runs), rates(runs), beside_reference(runs)),
         verdicts=(*_against_reference(runs), _full_wave(runs), _runaway(escape), _steady()),
         notes=(reference()["how"],),
         numbers=_numbers(runs),
@@ -89,77 +75,17 @@ def _slides_steadily(model: str) -> bool:
     return False
 
 
-def _error(one: Run, exact: Run, quantity: str) -> float:
-    return one.orbit.values()[quantity] / exact.orbit.values()[quantity] - 1.0
-
-
 def _percent(one: Run, exact: Run, quantity: str = "period") -> str:
-    return f"{100 * abs(_error(one, exact, quantity)):.1f} %"
+    return f"{100 * abs(error(one, exact, quantity)):.1f} %"
 
 
 def _answer(runs: dict[str, Run]) -> str:
     exact = runs["delay"]
-    modes = [plain(abs(_error(runs[name], exact, "period")), ".0e") for name in ("modal:1", "modal:2")]
+    modes = [plain(abs(error(runs[name], exact, "period")), ".0e") for name in ("modal:1", "modal:2")]
     return (
         f"All do in outline; the paper’s ODE falls {_percent(runs['kelvin-voigt'], exact)} short in period, the blocks "
         f"overshoot by {_percent(runs['block8'], exact)} and {_percent(runs['block12'], exact)}, one exact mode of the slabs "
         f"brings the error down to {modes[0]}, two to {modes[1]}."
-    )
-
-
-def _row(runs: dict[str, Run], model: str, quantities: tuple[str, ...]) -> list[Cell]:
-    cells: list[Cell] = [model]
-    for quantity in quantities:
-        error = None if model == "delay" else _error(runs[model], runs["delay"], quantity)
-        cells += [runs[model].orbit.values()[quantity], error]
-    return cells
-
-
-def _columns(quantities: tuple[tuple[str, str, str], ...]) -> tuple[Column, ...]:
-    pairs = [(Column(_QUANTITIES[name], unit, spec), Column("error", "relative", ".1e")) for name, unit, spec in quantities]
-    return (Column("model"), *(column for pair in pairs for column in pair))
-
-
-def _drops(runs: dict[str, Run]) -> Table:
-    names = ("period", "stress_drop", "elastic_stress_drop")
-    columns = _columns(tuple(zip(names, ("transits", "σ", "σ"), (".9g", ".7f", ".7f"), strict=True)))
-    caption = (
-        "The settled orbit at log_{10} r = −2.68, V = 100. T: time from one slip event to the next on the transit clock; Δμ: "
-        "largest less smallest stress; Δy: the same of the elastic stress, y′ = ε (V − v). Errors are relative, against the "
-        "delay system."
-    )
-    return Table("drops", caption, columns, tuple(tuple(_row(runs, model, names)) for model in runs), (0,))
-
-
-def _rates(runs: dict[str, Run]) -> Table:
-    names = ("v_max", "v_min")
-    columns = _columns(tuple(zip(names, ("V*", "V*"), (".8g", ".7g"), strict=True)))
-    rows = []
-    for model, one in runs.items():
-        rows.append((*_row(runs, model, names), one.settled.cycles, one.settled.unrest, one.settled.solver.failures))
-    caption = (
-        "Largest and smallest slip rate v over the cycle, from the dense polynomials. *Unrest* is the largest relative spread "
-        "of any of the five quantities over the last four cycles when the run was stopped: what is left of the transient."
-    )
-    more = (Column("cycles run", "", ".0f"), Column("unrest", "", ".0e"), Column("failed solves", "", ".0f"))
-    return Table("rates", caption, (*columns, *more), tuple(rows), (0,))
-
-
-def _beside_reference(runs: dict[str, Run]) -> Table:
-    rows: list[tuple[Cell, ...]] = []
-    for model, one in runs.items():
-        for quantity, known in reference_orbit(model, LOG10_R).items():
-            ours = one.orbit.values()[quantity]
-            rows.append((model, _QUANTITIES[quantity], known, ours, ours / known - 1.0))
-    columns = (
-        Column("model"),
-        Column("quantity"),
-        Column("reference", "", ".10g"),
-        Column("ours", "", ".10g"),
-        Column("difference", "relative", ".0e"),
-    )
-    return Table(
-        "reference", "Beside reference values of other programs (first note below); T in transits.", columns, tuple(rows)
     )
 
 
@@ -179,14 +105,14 @@ def _against_reference(runs: dict[str, Run]) -> list[Verdict]:
                 f"{known['period']:.10g}",
                 f"{one.orbit.period.value:.10g}",
                 judge(off < limit),
-                f"`{model}`: period T; worst of {', '.join(map(_QUANTITIES.__getitem__, known))} off by {plain(off, '.0e')}",
+                f"`{model}`: period T; worst of {', '.join(map(QUANTITIES.__getitem__, known))} off by {plain(off, '.0e')}",
             )
         )
     return verdicts
 
 
 def _full_wave(runs: dict[str, Run]) -> Verdict:
-    off = max(abs(_error(runs["fd"], runs["delay"], name)) for name in _QUANTITIES)
+    off = max(abs(error(runs["fd"], runs["delay"], name)) for name in QUANTITIES)
     return Verdict(
         "The full wave runs on the delay system’s orbit",
         Evidence.WITNESS,
