@@ -7,8 +7,9 @@ from reduced.stability.characteristic import Characteristic
 from reduced.stability.roots import count_zeros, half_disc, polish, rectangle, zeros_in
 from scene.errors import NumericsError
 
-_INSET = 1e-12
-"""The contour runs this far right of the imaginary axis, relative to its radius: a neutral root does not count as unstable."""
+_INSETS = (1e-9, 1e-11, 1e-7)
+"""The contour runs this far right of the imaginary axis, relative to its radius, the first that meets no root: a neutral
+root does not count as unstable."""
 
 _RIPPLES = 4.6
 """Leading roots are looked for up to this many times pi per longer round trip: two pairs of reverberations."""
@@ -29,7 +30,12 @@ def unstable_count(problem: Characteristic, active: bool = False) -> int:
         radius = max(radius, 20.0 / problem.transit)
     elif not problem.slopes.weakening:
         return 0
-    return count_zeros(problem.jet, half_disc(1.001 * radius, _INSET * radius), problem.anchors)
+    for inset in _INSETS:
+        try:
+            return count_zeros(problem.jet, half_disc(1.001 * radius, inset * radius), problem.anchors)
+        except NumericsError as error:  # a neutral root: pass it on its other side
+            failure = error
+    raise failure
 
 
 def leading_roots(problem: Characteristic, most: int = 8) -> Complex:
