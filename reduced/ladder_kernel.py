@@ -24,8 +24,8 @@ from scene.start import NUDGE_CENTRE, NUDGE_REACH
 
 TIME, PSI, SPRING, ELASTIC, RATE, UNKNOWN_END = range(6)
 STATE, UNKNOWN = 0, 1
-_V, _V_Z, _F, _F_Z, _F_PSI, _G, _G_Z, _G_PSI, _DRIVE, _EXTERNAL = range(10)
-_WORK_ROWS = 10
+_V, _V_Z, _F, _F_Z, _F_PSI, _G, _G_Z, _G_PSI, _DRIVE, _EXTERNAL, _FORCED = range(11)
+_WORK_ROWS = 11
 _MAX_NEWTON = 12
 _LARGEST_CHANGE = 2.0
 _FAR = 1e3
@@ -77,15 +77,20 @@ def external_stress(
         work[_EXTERNAL, j] = epsilon * total
 
 
+@njit
+def force(nodes: Nodes, nudge: float, start: float, length: float, work: Array) -> None:
+    """work[_FORCED] <- the nudge at the nodes; kept out of the Newton loop, which it would slow."""
+    for j in range(len(nodes)):
+        since = start + nodes[j] * length - NUDGE_CENTRE
+        work[_FORCED, j] = length * nudge * math.exp(-since * since) if abs(since) < NUDGE_REACH else 0.0
+
+
 @inlined
 def linearise(
     nodes: Nodes,
     law: Law,
     epsilon: float,
     h: float,
-    nudge: float,
-    start: float,
-    length: float,
     psi: float,
     integral: Array,
     impedance: Array,
@@ -99,13 +104,13 @@ def linearise(
     s = len(nodes)
     for j in range(s):
         answer = respond(law, guess[UNKNOWN, j], guess[STATE, j])
-        for row in range(8):
-            work[row, j] = 0.0
         work[_V, j], work[_V_Z, j], work[_F, j], work[_F_Z, j] = answer[0], answer[1], answer[2], answer[3]
-        work[_F_PSI, j], work[_G, j], work[_G_Z, j], work[_G_PSI, j] = answer[4], h * answer[5], h * answer[6], h * answer[7]
-        if nudge != 0.0 and abs(start - NUDGE_CENTRE) < NUDGE_REACH:
-            since = start + nodes[j] * length - NUDGE_CENTRE
-            work[_G, j] += length * nudge * math.exp(-since * since)
+        work[_F_PSI, j], work[_G, j], work[_G_Z, j], work[_G_PSI, j] = (
+            answer[4],
+            h * answer[5] + work[_FORCED, j],
+            h * answer[6],
+            h * answer[7],
+        )
     for j in range(s):
         change[j] = psi - guess[STATE, j]
         change[s + j] = work[_EXTERNAL, j] - work[_F, j]
@@ -223,7 +228,7 @@ def march_ladder(
     epsilon, nudge, velocities, drive_times = slabs.epsilon, slabs.nudge, slabs.drive_velocities, slabs.drive_times
     modes, guess, now, levels = memory.modes, memory.guess, memory.now, memory.level
     integral, tail, impedance = rule.integral, rule.tail, tables.impedance
-    work, system, change = np.empty((_WORK_ROWS, s)), np.empty((2 * s, 2 * s)), np.empty(2 * s)
+    work, system, change = np.zeros((_WORK_ROWS, s)), np.empty((2 * s, 2 * s)), np.empty(2 * s)
     deepest = tables.length.size - 1
     iterations, k = 0, 0
     for j in range(s):
@@ -237,10 +242,12 @@ def march_ladder(
             for j in range(s):
                 work[_DRIVE, j] = interpolate_drive(drive_times, velocities, start + nodes[j] * length)
         external_stress(nodes, epsilon, tables, level, modes, now[SPRING], now[RATE], work)
+        if nudge != 0.0:
+            force(nodes, nudge, start, length, work)
         solved = False
         for _ in range(_MAX_NEWTON):
             iterations += 1
-            linearise(nodes, law, epsilon, h, nudge, start, length, psi, integral, impedance, level, guess, work, system, change)
+            linearise(nodes, law, epsilon, h, psi, integral, impedance, level, guess, work, system, change)
             if not eliminate(nodes, system, change):
                 break
             error = correct(nodes, epsilon, impedance, level, guess, work, change)
