@@ -1,0 +1,25 @@
+"""Scenes and solvers that between them reach every branch of the method-of-lines march."""
+
+from functools import partial
+
+from leapfrog_scenes import SCENES
+
+from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.finite_element import FiniteElement
+from fullwave.summation_by_parts import SummationByParts
+
+FAMILIES = {
+    "dg:5": partial(DiscontinuousGalerkin, degree=5, cells=3),
+    "fem:4": partial(FiniteElement, degree=4, cells=4),
+    "fem:2 consistent": partial(FiniteElement, degree=2, cells=6, mass="consistent"),
+    "sbp:6": partial(SummationByParts, order=6, cells=16),
+}
+VISCOUS_AND_CONSISTENT = ("fem:2 consistent", ("kelvin-voigt", "everything"))
+"""What no solver takes: Kelvin-Voigt viscosity with a consistent mass."""
+
+PAIRS = [
+    (family, scene)
+    for family in FAMILIES
+    for scene in SCENES
+    if not (family == VISCOUS_AND_CONSISTENT[0] and scene in VISCOUS_AND_CONSISTENT[1])
+]

@@ -1,0 +1,87 @@
+"""What each family's operator must satisfy: accuracy, summation by parts, the elements of scikit-fem."""
+
+import numpy as np
+import pytest
+import skfem
+
+from fullwave.finite_element import assemble_layer
+from fullwave.gll_element import ElementLineGLL
+from fullwave.lobatto import gauss_lobatto
+from fullwave.summation_by_parts import boundary_closure, difference_matrix
+
+STRAND_4 = np.array([17 / 48, 59 / 48, 43 / 48, 49 / 48])
+STRAND_6 = np.array([13649 / 43200, 12013 / 8640, 2711 / 4320, 5359 / 4320, 7877 / 8640, 43801 / 43200])
+
+
+@pytest.mark.parametrize("order", [2, 4, 6])
+def test_differences_are_exact_to_their_order(order):
+    """x^k for k <= order/2 everywhere, for k <= order inside."""
+    matrix, _ = difference_matrix(order, 24)
+    x = np.linspace(0.0, 1.0, 25)
+    rows = boundary_closure(order)[1].shape[0]
+    for k in range(order + 1):
+        error = np.abs(matrix @ x**k - k * x ** max(k - 1, 0))
+        assert error[rows:-rows].max() < 1e-11
+        if k <= order // 2:
+            assert error.max() < 2e-11
+    beyond = np.abs(matrix @ x ** (order // 2 + 1) - (order // 2 + 1) * x ** (order // 2))
+    assert beyond.max() > 1e-5  # the ends are of order/2 and no better
+
+
+@pytest.mark.parametrize("order", [2, 4, 6])
+def test_differences_sum_by_parts(order):
+    matrix, norm = difference_matrix(order, 30)
+    q = norm[:, None] * matrix
+    ends = np.zeros_like(q)
+    ends[0, 0], ends[-1, -1] = -1.0, 1.0
+    np.testing.assert_allclose(q + q.T, ends, atol=1e-13)
+    assert (norm > 0.0).all()
+    assert norm.sum() == pytest.approx(1.0, rel=1e-13)
+
+
+def test_norms_are_strands():
+    np.testing.assert_allclose(boundary_closure(4)[0], STRAND_4, rtol=1e-12)
+    np.testing.assert_allclose(boundary_closure(6)[0], STRAND_6, rtol=1e-11)
+
+
+@pytest.mark.parametrize("mass", ["lumped", "consistent"])
+@pytest.mark.parametrize("degree", [1, 2, 3, 7, 12])
+def test_elements_sum_by_parts(degree, mass):
+    depth, norm, slope = assemble_layer(3, degree, mass)
+    assert (np.diff(depth) > 0.0).all()
+    ends = np.zeros(slope.shape)
+    ends[0, 0], ends[-1, -1] = -1.0, 1.0
+    np.testing.assert_allclose((slope + slope.T).toarray(), ends, atol=1e-12)
+    derivative = np.linalg.solve(norm.toarray(), slope.toarray())
+    for k in range(degree + 1 if mass == "consistent" else degree):
+        np.testing.assert_allclose(derivative @ depth**k, k * depth ** max(k - 1, 0), atol=1e-9)
+    off_diagonal = np.abs(norm.toarray() - np.diag(norm.diagonal())).max()
+    assert (off_diagonal < 1e-15) == (mass == "lumped")
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 6, 11])
+def test_gll_element_is_a_lagrange_basis(degree):
+    element = ElementLineGLL(degree)
+    for i in range(degree + 1):
+        values, _ = element.lbasis(element.doflocs.T, i)
+        np.testing.assert_allclose(values, np.eye(degree + 1)[i], atol=1e-13)
+        step = 1e-6
+        at = np.array([[0.3, 0.7123]])
+        difference = (element.lbasis(at + step, i)[0] - element.lbasis(at - step, i)[0]) / (2 * step)
+        np.testing.assert_allclose(element.lbasis(at, i)[1][0], difference, rtol=1e-6, atol=1e-7)
+
+
+def test_gll_element_solves_a_problem_of_scikit_fem():
+    """-u'' = pi^2 sin(pi x) with degree 6 on four elements, to 1e-8."""
+    basis = skfem.Basis(skfem.MeshLine(np.linspace(0, 1, 5)), ElementLineGLL(6), intorder=14)
+    stiffness = skfem.BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0]).assemble(basis)
+    load = skfem.LinearForm(lambda v, w: np.pi**2 * np.sin(np.pi * w.x[0]) * v).assemble(basis)
+    solution = skfem.solve(*skfem.condense(stiffness, load, D=basis.get_dofs()))
+    np.testing.assert_allclose(solution, np.sin(np.pi * basis.doflocs[0]), atol=1e-8)
+
+
+@pytest.mark.parametrize("degree", [1, 4, 9, 24])
+def test_gauss_lobatto_is_exact_to_its_degree(degree):
+    nodes, weights = gauss_lobatto(degree)
+    for k in range(2 * degree):
+        assert weights @ nodes**k == pytest.approx((1 + (-1) ** k) / (k + 1), abs=1e-13)

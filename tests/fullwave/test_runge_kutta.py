@@ -1,0 +1,57 @@
+"""The Runge-Kutta tables: order conditions, order on a nonlinear problem, stability limits as documented."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fullwave.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, combine, stability_polynomial
+from fullwave.stability import longest_decay_step, longest_step
+
+METHODS = pytest.mark.parametrize("method", [CLASSICAL, DORMAND_PRINCE_8], ids=["order 4", "order 8"])
+
+
+def integrate(method, steps, until=2.0):
+    """u' = -u^2 cos(3t) (with u beside it, padded to eight), u(0) = 1, by the compiled sums."""
+    step = until / steps
+    state, trial, rates = np.zeros(8), np.zeros(8), np.zeros(8 * method.stages)
+    state[0] = 1.0
+    weight = step * method.weight
+    for n in range(steps):
+        for stage in range(method.stages):
+            combine(weight, method.stages, stage, state, rates, trial)
+            rates[8 * stage] = -(trial[0] ** 2) * math.cos(3.0 * (n + method.abscissae[stage]) * step)
+        combine(weight, method.stages, method.stages, state, rates, state)
+    return state[0]
+
+
+@METHODS
+def test_order_on_a_nonlinear_problem(method):
+    exact = 1.0 / (1.0 + math.sin(6.0) / 3.0)
+    errors = [abs(integrate(method, steps) - exact) for steps in (8, 16)]
+    assert math.log2(errors[0] / errors[1]) > method.order - 0.7
+    assert abs(integrate(method, 64) - exact) < (1e-12 if method.order == 8 else 1e-6)
+
+
+@METHODS
+def test_stability_polynomial_is_the_exponential_to_the_order(method):
+    coefficients = stability_polynomial(method)
+    exponential = [1.0 / math.factorial(k) for k in range(method.order + 1)]
+    np.testing.assert_allclose(coefficients[: method.order + 1], exponential, rtol=1e-11)
+    following = coefficients[method.order + 1] if coefficients.size > method.order + 1 else 0.0
+    assert abs(following * math.factorial(method.order + 1) - 1.0) > 1e-3
+
+
+@METHODS
+def test_weights_integrate_polynomials(method):
+    final = method.weight.reshape(-1, method.stages)[-1]
+    for k in range(method.order):
+        assert final @ method.abscissae**k == pytest.approx(1.0 / (k + 1), abs=3e-15)
+
+
+def test_stability_limits_as_documented():
+    imaginary, real = np.array([1.0j]), -1.0
+    assert longest_step(imaginary, CLASSICAL) == pytest.approx(2.0 * math.sqrt(2.0), rel=1e-5)
+    assert longest_step(imaginary, DORMAND_PRINCE_8) == pytest.approx(5.961, abs=2e-3)
+    assert longest_decay_step(-real, CLASSICAL) == pytest.approx(2.785, abs=1e-3)
+    assert longest_decay_step(-real, DORMAND_PRINCE_8) == pytest.approx(6.39, abs=1e-2)
