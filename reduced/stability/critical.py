@@ -26,7 +26,7 @@ from scene.errors import NumericsError
 from scene.scene import Scene
 
 _THETA = np.unique(np.concatenate([np.geomspace(1e-9, 1.0, 1200), np.linspace(1.0, 60.0, 6000)]))
-_LAST_OCTAVE = 20
+_FIRST_OCTAVE, _LAST_OCTAVE = -20, 10
 
 
 def scaled(scene: Scene, round_trip: float = 1.0, epsilon: float = 1.0, velocity: float | None = None) -> Scene:
@@ -101,9 +101,9 @@ def _by_counting(scene: Scene, model: str) -> tuple[float, float]:
     def unstable(exponent: float) -> bool:
         return unstable_count(characteristic(at(exponent), model)) > 0
 
-    exponents = range(-_LAST_OCTAVE, _LAST_OCTAVE + 1)
+    exponents = range(_FIRST_OCTAVE, _LAST_OCTAVE + 1)
     low = next((float(k - 1) for k in exponents if unstable(k)), math.nan)
-    if math.isnan(low) or low < -_LAST_OCTAVE:
+    if math.isnan(low) or low < _FIRST_OCTAVE:
         return math.nan, math.nan
     high = low + 1.0
     while high - low > 1e-4:
