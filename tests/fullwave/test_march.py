@@ -1,0 +1,166 @@
+"""The march as users meet it: agreement, resumption to the bit, refusals, step limits that friction does not move, the ledger."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from leapfrog_scenes import SCENES
+from march_scenes import FAMILIES, PAIRS
+
+import scene
+from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.finite_element import FiniteElement
+from fullwave.summation_by_parts import SummationByParts
+from scene.errors import NumericsError, SceneError
+from scene.observe import follow
+from scene.slab import Slab
+from scene.start import Start, StartKind
+
+PAPER = scene.read("paper")
+FINE = {
+    "dg": (DiscontinuousGalerkin, {"degree": 7, "cells": 6}),
+    "fem": (FiniteElement, {"degree": 7, "cells": 6}),
+    "sbp": (SummationByParts, {"order": 6, "cells": 96}),
+}
+SMOOTH = [name for name in SCENES if name not in ("everything", "stiff-grip")]
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_families_agree_on_every_scene(name):
+    finals = {family: follow(kind(SCENES[name], **options), 20.0) for family, (kind, options) in FINE.items()}
+    for family in ("fem", "sbp"):
+        assert finals[family].psi == pytest.approx(finals["dg"].psi, abs=1e-9)
+        assert finals[family].mu == pytest.approx(finals["dg"].mu, abs=1e-9)
+
+
+def test_final_psi_of_the_race_to_ten_digits():
+    """psi(600) of the paper's scene at log10 r = -2.6, as three programs for the delay system give it."""
+    solver = DiscontinuousGalerkin(scene.read("paper", ["slab.log10_r=-2.6"]), degree=7, cells=8)
+    assert follow(solver, 600.0).psi == pytest.approx(-2.81740188949, abs=2e-11)
+
+
+@pytest.mark.parametrize(("family", "name"), [pair for pair in PAIRS if pair[1] in ("grip", "standard-linear", "unlike")])
+def test_resumed_run_equals_the_uninterrupted_one_to_the_bit(family, name):
+    whole, first, second = (FAMILIES[family](SCENES[name]) for _ in range(3))
+    follow(whole, 12.0)
+    follow(first, 5.3)
+    second.restore({key: array.copy() for key, array in first.state().items()})
+    assert second.time == first.time
+    follow(second, 12.0)
+    for key, array in whole.state().items():
+        np.testing.assert_array_equal(second.state()[key], array)
+
+
+def test_restore_refuses_another_solver():
+    with pytest.raises(SceneError, match="checkpoint: state does not fit"):
+        FAMILIES["dg:5"](PAPER).restore(FAMILIES["fem:4"](PAPER).state())
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "message"),
+    [
+        (DiscontinuousGalerkin, {"degree": 0}, "degree = 0: must be a whole number from 1 to 24"),
+        (DiscontinuousGalerkin, {"cells": 0}, "cells = 0: must be a whole number from 1"),
+        (DiscontinuousGalerkin, {"cfl": 1.5}, r"cfl = 1.5: must lie in \(0, 1\]"),
+        (DiscontinuousGalerkin, {"cfl": True}, r"cfl = True: must lie in \(0, 1\]"),
+        (FiniteElement, {"mass": "heavy"}, "mass = 'heavy': must be one of lumped, consistent"),
+        (FiniteElement, {"degree": 2.0}, "degree = 2.0: must be a whole number"),
+        (SummationByParts, {"order": 3}, "order = 3: must be 2, 4 or 6"),
+        (SummationByParts, {"order": 6, "cells": 9}, "cells = 9: must be a whole number from 15"),
+    ],
+)
+def test_wrong_options_are_refused_by_name(kind, options, message):
+    with pytest.raises(SceneError, match=message):
+        kind(PAPER, **options)
+
+
+def test_consistent_mass_refuses_kelvin_voigt_and_says_who_can():
+    with pytest.raises(SceneError, match='Kelvin-Voigt viscosity; fem with mass = "lumped", dg and sbp can'):
+        FiniteElement(SCENES["kelvin-voigt"], mass="consistent")
+
+
+def amplitude(kind, options, chosen, share):
+    """Largest field after 400 steps at `share` of the longest stable step, from noise at the grid scale."""
+    solver = kind(chosen, **options, cfl=1.0)
+    solver.step *= share
+    generator = np.random.default_rng(2)
+    noise = 1e-3 * chosen.velocity
+    solver.impose(
+        0,
+        lambda x: 0.5 * chosen.velocity + noise * generator.standard_normal(x.size),
+        lambda x: chosen.steady_stress + noise * chosen.upper.epsilon * generator.standard_normal(x.size),
+    )
+    try:
+        while solver.time < 400 * solver.step:
+            solver.advance(400 * solver.step)
+    except NumericsError:
+        return np.inf
+    return float(np.abs(solver.state()["state"][: solver.grid.size]).max() / noise)
+
+
+@pytest.mark.parametrize("stiffness", [1.0, 1e4, 1e8])
+@pytest.mark.parametrize("family", FINE)
+def test_step_limit_is_sharp_and_blind_to_friction(family, stiffness):
+    """a and b scaled by 1..1e8: stable at 0.99 of the limit, not at 1.08, with the same limit."""
+    kind, options = FINE[family]
+    law = PAPER.law._replace(a=stiffness * PAPER.law.a, b=stiffness * PAPER.law.b)
+    chosen = dataclasses.replace(PAPER, law=law, start=Start(size=0.0))
+    assert kind(chosen, **options).step == kind(PAPER, **options).step
+    assert amplitude(kind, options, chosen, 0.99) < 20.0
+    assert amplitude(kind, options, chosen, 1.08) > 1e3
+
+
+def test_state_too_fast_for_the_step_is_reported_in_one_line():
+    """r V so large that explicit steps of psi would run away: never in silence."""
+    fast = dataclasses.replace(PAPER, upper=Slab(2.8e-5, 10.0), lower=Slab(2.8e-5, 10.0))
+    solver = DiscontinuousGalerkin(fast, degree=3, cells=2)
+    solver.step *= 20.0
+    with pytest.raises(NumericsError, match=r"dg:3: before t = .* state relaxes at .* per transit, too fast for steps of"):
+        follow(solver, 50.0)
+
+
+@pytest.mark.parametrize("name", ["alike", "grip", "absorbing", "layers", "kelvin-voigt", "standard-linear"])
+def test_ledger_closes(name):
+    for family, (kind, options) in FINE.items():
+        solver = kind(SCENES[name], **options)
+        follow(solver, 30.0)
+        energy = solver.energy()
+        assert abs(energy.residual) < 1e-9, family
+        assert energy.friction > 0.0
+        assert (energy.viscous > 0.0) == (name in ("kelvin-voigt", "standard-linear"))
+        assert (energy.radiated > 0.0) == (name in ("grip", "absorbing", "layers"))
+
+
+def test_ledger_residual_falls_at_the_order_of_the_scheme():
+    chosen = scene.read("paper", ["slab.log10_r=-2.2"])
+    residuals = []
+    for cells in (16, 24, 32):
+        solver = SummationByParts(chosen, order=4, cells=cells)
+        follow(solver, 60.0)
+        residuals.append(abs(solver.energy().residual))
+    assert np.log(residuals[0] / residuals[2]) / np.log(2.0) > 3.0
+
+
+@pytest.mark.parametrize("family", FINE)
+def test_jump_start_converges_without_growth(family):
+    """A jump of psi returns every transit: first order or better, nothing runs away."""
+    kind, options = FINE[family]
+    chosen = dataclasses.replace(PAPER, start=Start(StartKind.JUMP, 0.5))
+    finals = []
+    for factor in (1, 2, 4):
+        solver = kind(chosen, **options | {"cells": factor * options["cells"]})
+        finals.append(follow(solver, 60.0).psi)
+        assert np.abs(solver.state()["state"][: solver.grid.size]).max() < 1e4
+    assert abs(finals[2] - finals[1]) < 0.7 * abs(finals[1] - finals[0]) or abs(finals[1] - finals[0]) < 1e-6
+
+
+def test_snapshot_of_alike_slabs_is_antisymmetric_and_meets_at_the_interface():
+    solver = DiscontinuousGalerkin(PAPER, degree=5, cells=4)
+    final = follow(solver, 20.0)
+    shot = solver.snapshot()
+    assert shot.upper.depth[0] == 0.0
+    assert shot.upper.depth[-1] == 1.0
+    assert (np.diff(shot.upper.depth) > 0.0).all()
+    np.testing.assert_array_equal(shot.lower.velocity, -shot.upper.velocity)
+    assert shot.upper.stress[0] == pytest.approx(final.mu, abs=1e-3)
+    assert shot.upper.velocity[-1] == pytest.approx(50.0, rel=1e-2)
