@@ -13,6 +13,7 @@ STUDIES = {
     "grid-convergence": "grid_convergence",
     "cost-and-error": "cost_and_error",
     "stability-boundaries": "stability_boundaries",
+    "slip-event": "slip_event",
     "error-laws": "error_laws",
     "claims": "claims",
 }

@@ -1,0 +1,176 @@
+"""The waves of one slip event in the (time, depth) plane."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+import scene
+from fullwave.field import Field, record_field
+from fullwave.field_picture import picture
+from scene.observe import EventObserver, follow
+from scene.observe.pieces import Array
+from validation.models import build
+from validation.report.text import plain
+from validation.study import Budget, Cell, Column, Evidence, Figure, Number, StudyResult, Table, Verdict, judge
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
+
+    from fullwave.snapshot import FieldSolver
+
+NAME = "slip-event"
+QUESTION = "What do the slabs do during one slip event?"
+SCENES = ("paper",)
+SECONDS = (4.0, 5.0)
+
+_MODEL, _SETTLED = "dg:7", 600.0
+_BEFORE, _AFTER, _SEARCHED, _INTERVAL = 5.0, 7.0, 24.0, 1.0 / 96.0
+_DEPTHS = (0.0, 0.25, 0.5, 0.75, 1.0)
+
+
+@dataclass(frozen=True)
+class Event:
+    """The fields about one slip event, `time` counted from its fastest moment (transits), and the cells used."""
+
+    field: Field
+    cells: int
+
+    @property
+    def slip_rate(self) -> Array:
+        """v at the interface (V*)."""
+        return 2.0 * self.field.upper.velocity[:, 0]
+
+
+def run(budget: Budget) -> StudyResult:
+    """Record one event, draw it, and hold its waves against straight characteristics."""
+    event = _record(16 if budget.quick else 32)
+    budget.report(0.8)
+    off = characteristics(event.field)
+    largest = float(event.slip_rate.max())
+    return StudyResult(
+        answer=f"The interface creeps faster with every transit, slips at up to {largest:,.0f} V* and stays beyond 10 V for "
+        f"{_lasting(event):.1f} transits, until the wave it sent out comes back and stops it; the wave goes on to and fro.",
+        figures=(Figure("event", _CAPTION, lambda: _draw(event)),),
+        tables=(_arrivals(event),),
+        verdicts=(
+            Verdict(
+                "Waves cross the slabs on straight characteristics, unchanged",
+                Evidence.EXACT,
+                "0",
+                plain(off, ".0e"),
+                judge(off < 1e-4),
+                f"`{_MODEL}`, {event.cells} cells a slab: outgoing wave at each depth against the interface’s, earlier by "
+                "the travel time; largest difference over its range",
+            ),
+            _driven_face(event),
+        ),
+        numbers={
+            "largest slip rate": Number(largest, 1e-3),
+            "stress swing": Number(float(np.ptp(event.field.upper.stress[:, 0])), 1e-3),
+        },
+    )
+
+
+def _record(cells: int) -> Event:
+    """March to the orbit, predict the next event from the last period, keep the fields about its fastest moment."""
+    what = scene.read("paper")
+    solver = build(_MODEL, what, cells=cells)
+    observer = EventObserver(what, solver.nodes)
+    follow(solver, _SETTLED, [observer])
+    period = float(observer.events.period[-1])
+    start = float(observer.events.time[-1]) + period
+    while start - _BEFORE <= solver.time:
+        start += period
+    recorded, _ = record_field(cast("FieldSolver", solver), start - _BEFORE, start + _SEARCHED, _INTERVAL)
+    fastest = recorded.time[int(np.argmax(recorded.upper.velocity[:, 0]))]
+    return Event(_window(recorded, float(fastest)), cells)
+
+
+def _window(recorded: Field, origin: float) -> Field:
+    """The part of the record about `origin`, times counted from it."""
+    time = recorded.time - origin
+    kept = (time >= -_BEFORE) & (time <= _AFTER)
+    upper = replace(recorded.upper, velocity=recorded.upper.velocity[kept], stress=recorded.upper.stress[kept])
+    return replace(recorded, time=time[kept], upper=upper)
+
+
+def characteristics(field: Field) -> float:
+    """Largest change of the outgoing wave, stress - epsilon velocity, between the interface and any depth, over its range."""
+    slab, upper = field.scene.upper, field.upper
+    outgoing = upper.stress - slab.epsilon * upper.velocity
+    source = CubicSpline(field.time, outgoing[:, 0])
+    worst = 0.0
+    for depth, wave in zip(upper.depth, outgoing.T, strict=True):
+        emitted = field.time - 0.5 * depth
+        inside = emitted >= field.time[0]
+        worst = max(worst, float(np.abs(wave - source(emitted))[inside].max()))
+    return worst / float(np.ptp(outgoing[:, 0]))
+
+
+def _lasting(event: Event) -> float:
+    """Transits for which the slip rate is beyond 10 V."""
+    fast = event.field.time[event.slip_rate > 10.0 * event.field.scene.velocity]
+    return float(np.ptp(fast))
+
+
+def _driven_face(event: Event) -> Verdict:
+    """The outer face moves with the drive, whatever the waves do."""
+    field = event.field
+    off = float(np.abs(field.upper.velocity[:, -1] / (0.5 * field.scene.velocity) - 1.0).max())
+    return Verdict(
+        "The rigid outer face keeps the drive’s velocity through the event",
+        Evidence.EXACT,
+        "V/2",
+        f"V/2 to {plain(off, '.0e')}",
+        judge(off < 1e-3),
+        "largest relative difference in the window; the scheme imposes the face weakly",
+    )
+
+
+def _arrivals(event: Event) -> Table:
+    """The wave at a few depths."""
+    field, rows = event.field, []
+    upper = field.upper
+    for depth in _DEPTHS:
+        k = int(np.argmin(np.abs(upper.depth - depth)))
+        moved = np.abs(upper.velocity[:, k] - 0.5 * field.scene.velocity)
+        fastest = float(field.time[int(np.argmax(moved))]) if depth < 1.0 else None
+        row: tuple[Cell, ...] = (depth, fastest, float(upper.velocity[:, k].max()), float(np.ptp(upper.stress[:, k])))
+        rows.append(row)
+    columns = (
+        Column("depth", "", ".2f"),
+        Column("fastest at", "transits", ".3f"),
+        Column("velocity there", "V*", ".4g"),
+        Column("swing of stress", "σ", ".5f"),
+    )
+    caption = (
+        "The wave at five depths of the upper slab (0 the interface, 1 the outer face): when it moves fastest, in transits from "
+        "the interface’s fastest moment, how fast (the interface’s slip rate is twice its velocity), and how far the shear "
+        "stress swings in the window of the figure."
+    )
+    return Table("depths", caption, columns, tuple(rows))
+
+
+def _draw(event: Event) -> "Drawing":
+    figure = picture(event.field, " ")
+    upper, lower, *_ = figure.axes
+    lower.set_xlabel("time since the fastest slip (transits)")
+    for axes in (upper, lower):
+        axes.set_ylabel("")
+        axes.set_xlim(-_BEFORE, _AFTER)
+    return figure
+
+
+_CAPTION = (
+    "One slip event of the paper’s scene in the (time, depth) plane, by discontinuous Galerkin. Above: velocity of both slabs, "
+    "colours linear within ±V and logarithmic beyond. Below: shear stress over the normal stress. The interface is the line in "
+    "the middle; velocity jumps across it by the slip rate, stress does not. Left: slip speeds up from transit to transit, "
+    "under what is left of the standing wave of the event before. About time 0 the interface lets go and stress collapses; the "
+    "disturbance leans outwards, since it needs half a transit from the interface to the outer face, which is held to its drive "
+    "and sends it back with its velocity reversed. Within a transit of the fastest slip the returning wave has taken the load "
+    "away and slip all but stops. The interface now holds its face as firmly as the drive holds the other, so the wave runs to "
+    "and fro between the two, hardly weaker each time: the chequered right half, one transit from colour to like colour, and "
+    "the ripples of the slow phase in the first study’s figure."
+)
