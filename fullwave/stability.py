@@ -42,6 +42,7 @@ def longest_step(spectrum: Complex, method: RungeKutta) -> float:
     amplification = Polynomial(stability_polynomial(method))
 
     def stable(step: float) -> bool:
+        """Whether no eigenvalue is amplified by this step."""
         return bool(np.abs(amplification(step * spectrum)).max() <= 1.0 + _GROWTH)
 
     radius = float(np.abs(spectrum).max())

@@ -38,6 +38,7 @@ def plain_kelvin_voigt(scene: Scene, until: float, tolerance: float) -> PlainRun
     calls = 0
 
     def rates(t: float, state: np.ndarray) -> list[float]:
+        """Right-hand side of (41) in y, w, ln v, psi."""
         nonlocal calls
         calls += 1
         y, w, ln_v, psi = state
@@ -48,6 +49,7 @@ def plain_kelvin_voigt(scene: Scene, until: float, tolerance: float) -> PlainRun
         return [epsilon * (velocity - v), 24.0 * (y - stress) - 3.0 * epsilon * v * ln_v_rate, ln_v_rate, psi_rate]
 
     def crossing(t: float, state: np.ndarray) -> float:
+        """ln v - ln V, zero where a slip event starts."""
         return float(state[2]) - math.log(velocity)
 
     crossing.direction = 1.0  # type: ignore[attr-defined]

@@ -60,18 +60,22 @@ class _Plane:
     ranges: Real
 
     def values(self, u: Real) -> Real:
+        """The two parameters at the scaled point u of [0, 1]^2."""
         return np.asarray(self.ranges[:, 0] + u * (self.ranges[:, 1] - self.ranges[:, 0]))
 
     def problem(self, u: Real) -> Characteristic:
+        """Characteristic function of the scene with these parameters."""
         first, second = self.values(u)
         changed = with_parameter(with_parameter(self.scene, self.over[0], first), self.over[1], second)
         return characteristic(changed, self.model)
 
     def residual(self, x: Real) -> Real:
+        """(Re, Im) of the imbalance at x = (ln omega, u)."""
         value = complex(self.problem(x[1:]).imbalance(1j * math.exp(x[0])))
         return np.array([value.real, value.imag])
 
     def jacobian(self, x: Real) -> Real:
+        """Central differences of the residual."""
         shifts = _DIFFERENCE * np.eye(3)
         return np.column_stack([(self.residual(x + d) - self.residual(x - d)) / (2.0 * _DIFFERENCE) for d in shifts])
 

@@ -60,11 +60,13 @@ def _by_angle(scene: Scene, model: str, slopes: FrictionSlopes) -> tuple[float, 
     one_port = ratio_of(scene, model)
 
     def zeta(theta: float | NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Z at the phase theta = omega * transit."""
         p, q = one_port(Jet.variable(1j * np.asarray(theta) / scene.transit))
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(q.value / p.value)
 
     def excess(theta: float | NDArray[np.float64]) -> NDArray[np.float64]:
+        """Reactance of friction and slabs together: zero at a crossing."""
         z = zeta(theta)
         return _reactance(slopes, _omega(slopes, z)) + z.imag
 
@@ -92,6 +94,7 @@ def _by_counting(scene: Scene, model: str) -> tuple[float, float]:
     A fit, which costs a new fit for every r, starts from the exact one-port's answer instead."""
 
     def at(exponent: float) -> Scene:
+        """The scene with both round trips scaled by 2^exponent."""
         return scaled(scene, round_trip=2.0**exponent)
 
     if not is_exact(model):
@@ -99,6 +102,7 @@ def _by_counting(scene: Scene, model: str) -> tuple[float, float]:
         return _refine(at, model, math.log2(exact / scene.transit), scene.transit) if exact > 0.0 else (math.nan, math.nan)
 
     def unstable(exponent: float) -> bool:
+        """Whether a root lies in the right half plane there."""
         return unstable_count(characteristic(at(exponent), model)) > 0
 
     exponents = range(_FIRST_OCTAVE, _LAST_OCTAVE + 1)
@@ -139,6 +143,7 @@ def critical_epsilon(scene: Scene, model: str = "delay") -> float:
     one_port = ratio_of(scene, model)
 
     def balance(omega: float) -> complex:
+        """Ratio of friction impedance to slab impedance."""
         p, q = one_port(Jet.variable(1j * omega))
         return complex(-slopes.impedance_at(omega) * p.value / q.value)
 
@@ -158,6 +163,7 @@ def critical_velocity(scene: Scene, model: str = "delay", decades: float = 6.0, 
     from scipy.optimize import brentq
 
     def margin(exponent: float) -> float:
+        """ln(r_c / r) at V = 10^exponent."""
         r_c, _ = critical_round_trip(scaled(scene, velocity=10.0**exponent), model)
         return math.log(r_c / scene.transit) if math.isfinite(r_c) else math.inf
 

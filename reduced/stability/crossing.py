@@ -33,6 +33,7 @@ def crossing(problem_at: Callable[[float], Characteristic], start: float) -> tup
 
 def _newton(problem_at: Callable[[float], Characteristic], start: float, omega: float) -> tuple[float, float]:
     def residual(x: Real) -> Real:
+        """(Re, Im) of the imbalance at x = (exponent, ln omega)."""
         value = complex(problem_at(float(x[0])).imbalance(1j * math.exp(x[1])))
         return np.array([value.real, value.imag])
 

@@ -36,6 +36,7 @@ def _law(name: str) -> Callable[[Scene, float], Scene]:
 
 def _face(name: str, kind: type[GripFace] | type[ReflectingFace]) -> Callable[[Scene, float], Scene]:
     def change(slab: Slab, value: float) -> Slab:
+        """The slab with its face changed, if it has one of this kind."""
         face: Any = slab.face
         changed = {name: value} if isinstance(slab.face, kind) else {}
         return dataclasses.replace(slab, face=dataclasses.replace(face, **changed))

@@ -33,6 +33,7 @@ def summarise(events: Events, after: float) -> RunStatistics:
     keep = events.time >= after
 
     def spread(values: Array) -> Spread:
+        """Mean and standard deviation over the chosen cycles."""
         chosen = values[keep]
         return Spread(float(chosen.mean()), float(chosen.std())) if chosen.size else Spread(np.nan, np.nan)
 

@@ -36,6 +36,7 @@ def _run(studies: list[Study], folder: Path, quick: bool) -> dict[str, store.Sto
             start = bar.tasks[task].completed
 
             def report(share: float, start: float = start, study: Study = study) -> None:
+                """Move the bar to this share of the study."""
                 bar.update(task, completed=start + share * _seconds(study, quick))
 
             bar.update(task, description=study.NAME)
@@ -72,6 +73,7 @@ def attempt(study: Study, work: Callable[[Callable[[], float]], store.Stored]) -
     began = time.perf_counter()
 
     def seconds() -> float:
+        """Wall time since the work began."""
         return time.perf_counter() - began
 
     try:

@@ -63,6 +63,7 @@ def _settings(quick: bool) -> list[Setting]:
 
 def _answer(points: list[Point]) -> str:
     def told(point: Point) -> str:
+        """Run time and error of one point in words."""
         return f"{1e3 * point.seconds:.0f} ms ({plain(abs(point.period_error), '.0e')})"
 
     of = {name: [p for p in points if p.setting.model == name] for name in ("delay", "fd", "kelvin-voigt", "block8")}
