@@ -82,8 +82,10 @@ class Slab:
 
     @property
     def compliance(self) -> float:
-        """Quasi-static displacement per stress: layers, sum of round_trip fraction / (2 impedance), and the grip's spring."""
-        layers = sum(layer.fraction * self.round_trip / (2.0 * self.epsilon * layer.impedance) for layer in self.layers)
+        """Quasi-static displacement per stress: layers, sum of round_trip fraction / (2 impedance), a standard linear solid
+        relaxed, and the grip's spring."""
+        softer = 1.0 + (self.viscosity.ratio if isinstance(self.viscosity, StandardLinearViscosity) else 0.0)
+        layers = softer * sum(layer.fraction * self.round_trip / (2.0 * self.epsilon * layer.impedance) for layer in self.layers)
         grip = self.round_trip / (self.epsilon * self.face.stiffness) if isinstance(self.face, GripFace) else 0.0
         return layers + grip
 

@@ -10,7 +10,7 @@ from reduced.impedance.modes import is_lossless, locked_modes, spring_and_mass
 from reduced.reduction import REDUCTIONS, Reduction, mode_count, reduction
 from scene.errors import SceneError
 from scene.scene import Scene
-from scene.slab import ReflectingFace, Slab, StandardLinearViscosity
+from scene.slab import ReflectingFace
 
 
 def reduce_scene(scene: Scene, name: str) -> Reduction:
@@ -35,12 +35,7 @@ def relaxed_spring(scene: Scene) -> float:
     slabs = (scene.upper, scene.lower)
     if any(isinstance(slab.face, ReflectingFace) and slab.face.coefficient < 1.0 for slab in slabs):
         return 0.0
-    return scene.transit / (sum(_relaxed_compliance(slab) for slab in slabs) * scene.upper.epsilon)
-
-
-def _relaxed_compliance(slab: Slab) -> float:
-    softer = slab.viscosity.ratio if isinstance(slab.viscosity, StandardLinearViscosity) else 0.0
-    return slab.compliance + softer * Slab(slab.epsilon, slab.round_trip, layers=slab.layers).compliance
+    return scene.stiffness / scene.upper.epsilon
 
 
 def _quasistatic(scene: Scene, name: str) -> Reduction:
