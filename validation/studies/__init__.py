@@ -14,6 +14,8 @@ STUDIES = {
     "cost-and-error": "cost_and_error",
     "stability-boundaries": "stability_boundaries",
     "slip-event": "slip_event",
+    "stability-attacks": "stability_attacks",
+    "model-error": "model_error",
     "error-laws": "error_laws",
     "claims": "claims",
 }
