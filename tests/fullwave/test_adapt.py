@@ -1,0 +1,58 @@
+"""Grids chosen from a tolerance: the estimate bounds the true error, refusals are clear."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from leapfrog_scenes import SCENES
+
+from fullwave.adapt import degree_for, to_tolerance
+from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.summation_by_parts import SummationByParts
+from scene.errors import NumericsError, SceneError
+from scene.observe import EventObserver, follow
+from scene.start import Start, StartKind
+
+
+def cycles(solver, until=400.0):
+    observer = EventObserver(solver.scene, solver.nodes)
+    follow(solver, until, [observer])
+    return np.concatenate((observer.events.period, observer.events.stress_drop))
+
+
+@pytest.mark.parametrize("name", ["alike", "unlike", "grip"])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+def test_estimate_bounds_the_error_in_period_and_drop(name, tolerance):
+    chosen = SCENES[name]
+    solver, choice = to_tolerance(chosen, tolerance)
+    assert solver.time == 0.0
+    assert choice.quantity == "cycles"
+    assert choice.error_estimate <= tolerance
+    exact = cycles(DiscontinuousGalerkin(chosen, degree=11, cells=8))
+    error = np.abs(cycles(solver) / exact - 1).max()
+    assert error < max(2.0 * choice.error_estimate, 1e-11)
+
+
+def test_family_can_be_fixed():
+    solver, choice = to_tolerance(SCENES["alike"], 1e-4, SummationByParts, order=6)
+    assert solver.model == "sbp:6"
+    assert choice.tried[-1] == (choice.cells, choice.error_estimate)
+
+
+def test_tighter_tolerances_take_higher_degrees():
+    degrees = [degree_for(tolerance) for tolerance in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)]
+    assert degrees == sorted(degrees)
+    assert degrees[0] >= 3
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1.0, 0.5, float("nan"), True, "small"])
+def test_wrong_tolerance_is_refused(tolerance):
+    with pytest.raises(SceneError, match=r"tolerance = .*: must lie in \[1e-12, 0.1\]"):
+        to_tolerance(SCENES["alike"], tolerance)
+
+
+def test_a_jump_out_of_reach_is_a_numerical_failure(monkeypatch):
+    monkeypatch.setattr("fullwave.adapt.MOST_TRIED_CELLS", 12)
+    jump = dataclasses.replace(SCENES["alike"], start=Start(StartKind.JUMP, 0.5), until=60.0)
+    with pytest.raises(NumericsError, match="tolerance 1e-11 not reached with"):
+        to_tolerance(jump, 1e-11)
