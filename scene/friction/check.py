@@ -1,6 +1,7 @@
 """Numerical check of a friction law supplied from outside: a wrong derivative is refused before it can bend a result."""
 
 import itertools
+import math
 from typing import Any
 
 from scene.errors import SceneError
@@ -8,6 +9,7 @@ from scene.errors import SceneError
 _RATES = (1e-2, 0.7, 3.0, 40.0, 900.0)
 _STATE_OFFSETS = (-0.8, 0.0, 0.6)
 _STEP = 1e-5
+_WIDE = 0.5
 _TOLERANCE = 1e-6
 _PARAMETERS = (0.4, 0.02, 0.03)
 _ANSWERS = ("v", "v_z", "F", "F_z", "F_psi", "G", "G_z", "G_psi")
@@ -42,6 +44,8 @@ def _sample(name: str, law: Any, parameters: tuple[float, ...]) -> Any:
 def _check_at(name: str, law: Any, sample: Any, rate: float, offset: float) -> None:
     z = law.unknown_of(sample, rate)
     _require(name, "rate_of(unknown_of(v))", law.rate_of(sample, z), rate)
+    bend = (law.rate_of(sample, z + _WIDE) - 2.0 * rate + law.rate_of(sample, z - _WIDE)) / (2.0 * math.cosh(_WIDE) - 2.0)
+    _require(name, f"v'' at z = {z:.6g} (solvers continue v by v'' = v: use e^z or 2 c sinh z)", bend, rate)
     steady = law.steady_state(sample, rate)
     answer = law.respond(sample, z, steady + offset)
     if len(answer) != len(_ANSWERS):

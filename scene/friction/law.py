@@ -6,8 +6,9 @@ compiled in) and one pure function in the well-scaled variables: the rate unknow
     respond(law, z, psi) -> (v, v_z, F, F_z, F_psi, G, G_z, G_psi)
 
 v is the slip rate, F the friction coefficient (1), and psi' = G(z, psi) on the friction clock L/V*; subscripts are partial
-derivatives. `steady_state(law, v) -> psi` solves G = 0. Laws that allow v <= 0 also supply `rate_of(law, z) -> v` and its
-inverse `unknown_of(law, v) -> z`. Argument names are part of the interface (numba matches them).
+derivatives. `steady_state(law, v) -> psi` solves G = 0. Laws that allow v <= 0
+also supply `rate_of(law, z) -> v` and its inverse `unknown_of(law, v) -> z`; v'' = v in z, as for e^z and sinh z, is relied on.
+Argument names are part of the interface (numba matches them).
 """
 
 import math
