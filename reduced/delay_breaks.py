@@ -1,6 +1,6 @@
 """The delay system when a jump echoes through round trips that have no common divisor: steps end on the break points.
 
-A jump at t = 0 returns with every round trip, and with every sum of round trips, for ever (DESIGN.md rule 1). What jumps is
+A jump at t = 0 returns with every round trip, and with every sum of round trips, for ever (MODEL.md section 7). What jumps is
 measured: at each step's start the wave just launched at every end of every layer is compared with the one of the step before; a
 jump above the tolerance makes its arrival at the layer's other end a break point, where a step will end. Jumps that have faded
 are forgotten.

@@ -1,4 +1,4 @@
-"""Every key of a scene file with its type and range (CONTRACT: the scene file). Shape only: `assemble` joins the keys."""
+"""Every key of a scene file with its type and range (README: the table of scene keys). Shape only: `assemble` joins the keys."""
 
 from itertools import pairwise
 from typing import Annotated, Any, Literal, TypeAlias

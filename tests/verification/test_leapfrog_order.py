@@ -87,7 +87,7 @@ def jump_limit():
 
 @pytest.mark.parametrize("cfl", [0.5, 0.9, 1.0])
 def test_jump_start_is_of_order_one(jump_limit, cfl):
-    """The jump comes back every transit (DESIGN.md rule 1): order 1 is what there is. Steps end on t at every level."""
+    """The jump comes back every transit (MODEL.md section 7): order 1 is what there is. Steps end on t at every level."""
     cells = (45, 90, 180, 360)
     errors = [abs(final_state(JUMP, n, cfl, 60.0)[1] - jump_limit) for n in cells]
     fit = assert_order(errors, 1 / np.array(cells), 1, tolerance=0.2, absolute=1e-5)

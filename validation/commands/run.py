@@ -59,7 +59,7 @@ def run(
 
 
 def result_of(done: "Run") -> dict[str, Any]:
-    """The JSON of a run, as CONTRACT names its keys; `failed` is there only if the numerics failed."""
+    """The JSON of a run (users rely on its keys); `failed` is there only if the numerics failed."""
     from dataclasses import asdict
 
     found = done.statistics

@@ -34,7 +34,7 @@ def stability(scene: SceneName, model: StabilityModel = "delay", settings: Setti
 
 
 def result_of(scene: "Scene", found: "Stability") -> dict[str, Any]:
-    """The JSON of the command, as CONTRACT names its keys; frequencies and roots in 1/(L/V*), null where there is no value."""
+    """The JSON of the command (users rely on its keys); frequencies and roots in 1/(L/V*), null where there is no value."""
     return {
         "scene": scene.name,
         "model": found.model,
