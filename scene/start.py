@@ -1,7 +1,7 @@
 """How a run starts. Every start builds on steady sliding at the drive's initial velocity.
 
 nudge  smooth: d psi/dt~ gains size * exp(-(t~ - 6)^2), t~ in transits of the upper slab. Keeps every scheme at its full order.
-jump   psi(0) = psi_ss + size with no wave in the slabs: breaks compatibility; the jump returns every transit (MODEL.md section 7).
+jump   psi(0) = psi_ss + size with no wave in the slabs: breaks compatibility; the jump returns for ever (MODEL.md section 7).
 orbit  on the model's own periodic orbit, at the start of a slip event.
 """
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from scene.errors import SceneError
 from scene.observe import Solver
 from scene.scene import Scene
 from validation.features import FEATURES, features_of
@@ -82,25 +83,39 @@ def _ladder(scene: Scene, model: str, request: Request) -> Solver:
 def _leapfrog(scene: Scene, model: str, request: Request) -> Solver:
     from fullwave.finite_difference import Leapfrog
 
-    return Leapfrog(scene, **request.given("cells", "cfl"))
+    return _grid(Leapfrog, scene, request)
 
 
 def _by_parts(scene: Scene, model: str, request: Request) -> Solver:
     from fullwave.summation_by_parts import SummationByParts
 
-    return SummationByParts(scene, order=_number(request), **request.given("cells", "cfl"))
+    return _grid(SummationByParts, scene, request, order=_number(request))
 
 
 def _elements(scene: Scene, model: str, request: Request) -> Solver:
     from fullwave.finite_element import FiniteElement
 
-    return FiniteElement(scene, degree=_number(request), **request.given("cells", "cfl"))
+    return _grid(FiniteElement, scene, request, degree=_number(request))
 
 
 def _galerkin(scene: Scene, model: str, request: Request) -> Solver:
     from fullwave.discontinuous import DiscontinuousGalerkin
 
-    return DiscontinuousGalerkin(scene, degree=_number(request), **request.given("cells", "cfl"))
+    return _grid(DiscontinuousGalerkin, scene, request, degree=_number(request))
+
+
+def _grid(kind: Callable[..., Any], scene: Scene, request: Request, **shape: int) -> Solver:
+    """A full wave on the grid asked for, or on one fine enough for the tolerance: then `choice` tells which and how good."""
+    if request.tolerance is None:
+        solver: Solver = kind(scene, **shape, **request.given("cells", "cfl"))
+        return solver
+    if request.cells is not None:
+        raise SceneError(f"tolerance = {request.tolerance:g}: chooses the cells itself; leave out cells = {request.cells}")
+    from fullwave.adapt import to_tolerance
+
+    chosen, choice = to_tolerance(scene, request.tolerance, kind, **shape, **request.given("cfl"))
+    chosen.choice = choice  # type: ignore[attr-defined]
+    return chosen
 
 
 def _number(request: Request) -> int:
@@ -109,7 +124,7 @@ def _number(request: Request) -> int:
 
 
 _ODE = ("tolerance",)
-_GRID = ("cells", "cfl")
+_GRID = ("cells", "cfl", "tolerance")
 _PLAIN = frozenset({"ramp"})
 _RIGID = _PLAIN | {"unlike", "incommensurate"}
 _LOSSLESS = _RIGID | {"layers"}

@@ -77,9 +77,14 @@ def build_all(
         if not any(option in family.options for family in found):
             raise SceneError(f"{option} = {value:g}: none of the models {models} takes it")
     return [
-        build(name, scene, **{option: value for option, value in given.items() if option in family.options})
+        build(name, scene, **{option: value for option, value in given.items() if _takes(family, option, given)})
         for name, family in zip(names, found, strict=True)
     ]
+
+
+def _takes(family: Family, option: str, given: dict[str, float]) -> bool:
+    """Whether this one of several models is handed the option: asked-for cells leave nothing for a tolerance to choose."""
+    return option in family.options and not (option == "tolerance" and "cells" in given and "cells" in family.options)
 
 
 def _parse(model: str) -> tuple[Family, int | None]:

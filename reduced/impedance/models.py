@@ -26,7 +26,8 @@ def is_exact(model: str) -> bool:
 def ratio_of(scene: Scene, model: str = "delay") -> Callable[[Jet], Ratio]:
     """The function s -> (p, q), Y = p/q and Z = q/p, of a scene's slab pair under a model.
 
-    `model` is any reduction's name, `delay`, or `taylor` (the unusable next truncation). Raises SceneError as `reduction_of` does.
+    `model` is any reduction's name, `delay`, or `taylor` (the unusable next truncation). Raises SceneError as `reduction_of`
+    does.
     """
     if is_exact(model):
         return lambda s: pair_ratio(scene, s)

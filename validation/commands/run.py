@@ -41,6 +41,9 @@ def run(
         require_writable(fields, FIELD_FILES, "--fields")
     chosen, why = resolve(model, what)
     solver = build(chosen, what, cells, cfl, tol)
+    grid = getattr(solver, "choice", None)
+    if grid is not None:
+        typer.echo(f"{solver.model}: {grid.cells} cells, estimated error of {grid.quantity} {grid.error_estimate:.1e}", err=True)
     picture = FieldMarch(solver, fields) if fields is not None else None
     if why:
         typer.echo(f"model auto: {chosen} ({why})", err=True)
