@@ -3,6 +3,8 @@
 This finds stable orbits only; where cycles go on changing (a torus, chaos, steady sliding) the run is refused with the reason.
 """
 
+from typing import Any
+
 from scene.errors import NumericsError, SceneError
 from scene.observe import Energy, Pieces, Solver, follow
 from scene.observe.pieces import Array
@@ -10,6 +12,7 @@ from scene.scene import Scene
 from validation.orbits import NoCycle, settle
 
 _TOLERANCE = 1e-9
+_PASSED_ON = frozenset({"snapshot", "step", "total_cells", "settings", "choice"})
 
 
 class OnOrbit:
@@ -21,6 +24,12 @@ class OnOrbit:
         self.scene: Scene = solver.scene
         self.model = solver.model
         self.nodes: Array = solver.nodes
+
+    def __getattr__(self, name: str) -> Any:
+        """What a full wave offers beside marching. Not its state: a checkpoint of it would not know where t = 0 was."""
+        if name in _PASSED_ON:
+            return getattr(self._solver, name)
+        raise AttributeError(name)
 
     @property
     def time(self) -> float:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import scene
-from scene.observe import Pieces
+from scene.observe import EventObserver, Pieces, follow
+from validation.models import build
 from validation.orbits import NoCycle, one_cycle, settle
 
 PERIOD = 50.0
@@ -84,3 +85,14 @@ def test_one_cycle_starts_at_its_event():
 def test_return_to_steady_sliding_is_no_cycle():
     with pytest.raises(NoCycle, match="back to steady sliding"):
         settle(Relaxing(0.2, amplitude=1e-4))
+
+
+def test_a_start_on_the_orbit_has_no_transient_and_keeps_its_grid() -> None:
+    solver = build("fd", scene.read("paper", ["start.kind=orbit"]), cells=24)
+    watch = EventObserver(solver.scene, solver.nodes)
+    follow(solver, 400.0, [watch])
+    assert np.ptp(watch.events.period) < 1e-6
+    assert watch.events.time[0] == pytest.approx(watch.events.period[0], abs=0.2)
+    assert hasattr(solver, "snapshot")
+    with pytest.raises(AttributeError):
+        solver.state()
