@@ -15,6 +15,8 @@ STUDIES = {
     "stability-boundaries": "stability_boundaries",
     "slip-event": "slip_event",
     "stability-attacks": "stability_attacks",
+    "energy": "energy",
+    "unlike-slabs": "unlike_slabs",
     "model-error": "model_error",
     "error-laws": "error_laws",
     "claims": "claims",

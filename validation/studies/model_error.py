@@ -213,7 +213,7 @@ def _fit(runs: Runs) -> Verdict:
         "A fit of the exact impedance of alike slabs finds their modes",
         Evidence.EXACT,
         "same period",
-        f"differs by {plain(off, '.0e')}",
+        f"differs by {plain(off, '.0e')}" if off else "the same",
         judge(off < 1e-8),
         "`fitted:4` against `modal:4`: an elastic slab behind a rigid face has no better poles to offer",
     )
