@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 NAME = "slip-event"
 QUESTION = "What do the slabs do during one slip event?"
 SCENES = ("paper",)
-SECONDS = (4.0, 5.0)
+SECONDS = (5.0, 8.0)
 
-_MODEL, _SETTLED = "dg:7", 600.0
+_MODEL, _SETTLED = "dg:7", 2400.0
 _BEFORE, _AFTER, _SEARCHED, _INTERVAL = 5.0, 7.0, 24.0, 1.0 / 96.0
 _DEPTHS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
