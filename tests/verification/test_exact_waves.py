@@ -1,6 +1,5 @@
 """Every method-of-lines family against exact waves: interface, outer faces, layers, standing waves, viscous slabs."""
 
-import dataclasses
 from functools import partial
 
 import numpy as np
@@ -112,16 +111,19 @@ def test_viscous_standing_wave_decays_as_the_dispersion_relation_says(family, vi
 
 
 @pytest.mark.parametrize("family", ["dg:3", "fem:5", "sbp:4"])
-def test_noise_in_a_locked_slab_never_gains_energy(family):
-    """Noise at the grid scale, an absolutely still interface and rigid faces, at the full step: energy falls at every look."""
-    options = dict(FAMILIES[family].keywords) | {"cfl": 1.0, "cells": 16}
+@pytest.mark.parametrize(("looks", "apart"), [(12, 40.0), pytest.param(10, 1e5, marks=pytest.mark.slow)])
+def test_noise_in_a_locked_slab_never_gains_energy(family, looks, apart):
+    """Noise at the grid scale, an absolutely still interface and rigid faces, at the full step (slow: over 1e6 transits)."""
+    options = dict(FAMILIES[family].keywords) | {"cfl": 1.0, "cells": 10 if family == "sbp:4" else 2}
     solver = FAMILIES[family].func(rate_scene(LOCKED), **options)
     generator = np.random.default_rng(5)
     solver.impose(0, lambda x: 0.5 + generator.standard_normal(x.size), lambda x: EPSILON * generator.standard_normal(x.size))
     energies = []
-    for _ in range(12):
+    for look in range(looks + 1):
+        while solver.time < look * apart:
+            solver.advance(look * apart)
         _, w, s, norm = fields(solver)
         energies.append(float(norm @ (w**2 + s**2)))
-        step_to(solver, solver.time + 40.0)
-    assert (np.diff(energies) <= 1e-12 * energies[0]).all()
-    assert dataclasses.asdict(solver.energy())["radiated"] == 0.0
+    assert (np.diff(energies) <= 1e-9 * energies[0]).all()
+    assert energies[-1] < energies[0]
+    assert solver.energy().radiated == 0.0
