@@ -24,6 +24,13 @@ def run(
         Path | None,
         typer.Option(metavar="FILE", help="full wave: write velocity and stress of the last 100 transits, .vtu, .xdmf or .nc"),
     ] = None,
+    checkpoint: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="full wave: save the run here on its way, and go on from FILE if it exists"),
+    ] = None,
+    every: Annotated[
+        float | None, typer.Option("--checkpoint-every", metavar="TRANSITS", help="time between checkpoints (default 1000)")
+    ] = None,
     json: Json = False,
 ) -> None:
     """Run one model on one scene; print events, periods and stress drops of the run's second half."""
@@ -32,6 +39,7 @@ def run(
     from validation.models import build, resolve
     from validation.output import print_json, require_writable
     from validation.recording import FIELD_FILES, FieldMarch, history_for, write_run
+    from validation.resuming import march_for
     from validation.simulate import simulate
 
     what = read_scene(scene, settings, until)
@@ -45,10 +53,11 @@ def run(
     if grid is not None:
         typer.echo(f"{solver.model}: {grid.cells} cells, estimated error of {grid.quantity} {grid.error_estimate:.1e}", err=True)
     picture = FieldMarch(solver, fields) if fields is not None else None
+    march = march_for(solver, checkpoint, every, picture or follow)
     if why:
         typer.echo(f"model auto: {chosen} ({why})", err=True)
     history = history_for(solver) if out is not None else None
-    done = simulate(solver, what.until, [history] if history else [], picture or follow)
+    done = simulate(solver, what.until, [history] if history else [], march)
     if picture is not None:
         picture.write()
     if out is not None:

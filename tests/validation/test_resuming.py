@@ -1,0 +1,79 @@
+"""`slipwave run --checkpoint`: a killed run goes on to the same bits; what does not belong is refused in one line."""
+
+import json
+import random
+import subprocess
+import sys
+import time
+
+import pytest
+
+from validation.cli import main
+
+BASE = ["run", "paper", "--model", "dg:7", "--json"]
+SLIPWAVE = [sys.executable, "-m", "validation.cli"]
+
+
+def outcome(words):
+    done = subprocess.run([*SLIPWAVE, *words], capture_output=True, text=True, check=True, timeout=60)
+    result = json.loads(done.stdout)
+    del result["wall_s"]
+    return result
+
+
+def test_killed_run_goes_on_to_the_same_bits(tmp_path):
+    file = tmp_path / "run.npz"
+    words = [*BASE, "--cells", "8", "--until", "6000"]
+    saving = [*words, "--checkpoint", str(file), "--checkpoint-every", "50"]
+    process = subprocess.Popen([*SLIPWAVE, *saving], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    for _ in range(3000):
+        if file.exists():
+            break
+        time.sleep(0.01)
+    time.sleep(random.uniform(0.0, 0.5))
+    running = process.poll() is None
+    process.kill()
+    process.wait()
+    assert running, "the run was over before it could be killed"
+    assert outcome(saving) == outcome(words)
+
+
+def test_prolonged_run_equals_one_that_never_stopped(tmp_path, capsys):
+    file = str(tmp_path / "run.npz")
+    whole = [*BASE, "--model", "fd", "--until", "500"]
+    assert main([*whole[:-1], "300", "--checkpoint", file, "--checkpoint-every", "90"]) == 0
+    capsys.readouterr()
+    assert main([*whole, "--checkpoint", file]) == 0
+    resumed = json.loads(capsys.readouterr().out)
+    assert main(whole) == 0
+    direct = json.loads(capsys.readouterr().out)
+    assert {**resumed, "wall_s": 0} == {**direct, "wall_s": 0}
+
+
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        (["--model", "delay"], "cheap to run again"),
+        (["--set", "start.kind=orbit"], "start on the orbit"),
+        (["--model", "dg:5"], "this run needs 'dg:5'"),
+        (["--cells", "8"], "settings"),
+        (["--set", "slab.log10_r=-2.6"], "scene"),
+        (["--until", "50"], "already at"),
+        (["--checkpoint-every", "0"], "positive"),
+        (["--fields", "fields.nc"], "--fields"),
+    ],
+)
+def test_what_does_not_belong_is_refused(tmp_path, capsys, monkeypatch, words, hint):
+    monkeypatch.chdir(tmp_path)
+    assert main([*BASE, "--until", "200", "--checkpoint", "run.npz", "--checkpoint-every", "90"]) == 0
+    capsys.readouterr()
+    assert main([*BASE, "--until", "200", "--checkpoint", "run.npz", *words]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.count("\n") == 1
+    assert hint in said.err
+
+
+def test_interval_needs_a_file(capsys):
+    assert main([*BASE, "--checkpoint-every", "90"]) == 2
+    assert "--checkpoint FILE" in capsys.readouterr().err
