@@ -17,6 +17,7 @@ STUDIES = {
     "stability-attacks": "stability_attacks",
     "energy": "energy",
     "unlike-slabs": "unlike_slabs",
+    "partial-reflection": "partial_reflection",
     "model-error": "model_error",
     "error-laws": "error_laws",
     "claims": "claims",

@@ -60,8 +60,8 @@ def run(budget: Budget) -> StudyResult:
         notes=(
             "Neither scene’s cycles have come to rest at 600 transits: the last complete one is compared as it is, at the same "
             "moment of every model’s run.",
-            "The full wave marches two slabs where the alike pair needs one. Leapfrog pays less than twice for that, discontinuous "
-            "Galerkin more than twice: its verdict says so; where the time goes is not known.",
+            "The full wave marches two slabs where the alike pair needs one. Leapfrog pays less than twice for that, "
+            "discontinuous Galerkin more than twice: its verdict says so; where the time goes is not known.",
         ),
         numbers={f"{name}: ψ({UNTIL:.0f})": Number(some[0].figures["psi"], 1e-10) for name, some in runs.items()},
         omissions=(Omission("Simplified models of unlike slabs.", "This study asks whether the two exact descriptions agree."),),
