@@ -4,6 +4,12 @@ Each slab is cut into `cells` elements. In each, w and s are polynomials of degr
 as the quadrature too (collocation: the mass matrix is diagonal and the step almost twice as long as with exact mass). Neighbours
 talk through upwind states only (`fullwave.system`). Hesthaven and Warburton, Nodal Discontinuous Galerkin Methods (2008), ch. 3;
 Kopriva and Gassner (2010) for the collocation. Layers begin and end on elements, so impedance jumps cost no order.
+
+order        P + 1 in the fields, more in the interface's outputs; time stepping of order 8 (4 up to degree 3)
+cfl_max      1, as a share of the longest stable step: dt/h = 1.24, 0.51, 0.29 for P = 1, 2, 3 and 0.43, 0.31, 0.24, 0.185, 0.15
+             for P = 4 to 8 (h an element's travel time), computed from the spectrum
+exact_when   never
+conserves    nothing: the upwind states dissipate at the order of the scheme, so that energy never grows
 """
 
 from functools import cache, partial

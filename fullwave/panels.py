@@ -45,11 +45,13 @@ def _signature(arrays_and_indices: Any) -> Any:
     return types.void(*kinds)
 
 
-@intrinsic
-def add_rows(typing, weight, first, count, rows, start, stride, base, out, at):  # type: ignore[no-untyped-def]
+@intrinsic  # type: ignore[untyped-decorator]
+def add_rows(
+    typing: Any, weight: Any, first: Any, count: Any, rows: Any, start: Any, stride: Any, base: Any, out: Any, at: Any
+) -> Any:
     """out[at:at + 8] = base[at:at + 8] + sum over j < count of weight[first + j] * rows[start + j * stride:][:8]."""
 
-    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+    def _generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         kinds = signature.args
         total = _weighted_sum(context, builder, kinds, arguments[:6])
         held = builder.load(_address(context, builder, kinds[6], arguments[6], arguments[8]), align=8)
@@ -57,14 +59,16 @@ def add_rows(typing, weight, first, count, rows, start, stride, base, out, at): 
         builder.store(builder.fadd(held, total, flags=_FUSE), target, align=8)
         return context.get_dummy_value()
 
-    return _signature((weight, first, count, rows, start, stride, base, out, at)), generate
+    return _signature((weight, first, count, rows, start, stride, base, out, at)), _generate
 
 
-@intrinsic
-def differentiate_rows(typing, weight, first, count, rows, start, stride, scale, lane, out, at):  # type: ignore[no-untyped-def]
+@intrinsic  # type: ignore[untyped-decorator]
+def differentiate_rows(
+    typing: Any, weight: Any, first: Any, count: Any, rows: Any, start: Any, stride: Any, scale: Any, lane: Any, out: Any, at: Any
+) -> Any:
     """out[at:at + 8] = scale[lane:lane + 8] * the same sum with its halves exchanged (D w to the stress, D s to the velocity)."""
 
-    def generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
+    def _generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         kinds = signature.args
         total = _weighted_sum(context, builder, kinds, arguments[:6])
         factors = builder.load(_address(context, builder, kinds[6], arguments[6], arguments[7]), align=8)
@@ -73,4 +77,4 @@ def differentiate_rows(typing, weight, first, count, rows, start, stride, scale,
         builder.store(builder.fmul(factors, swapped, flags=_FUSE), target, align=8)
         return context.get_dummy_value()
 
-    return _signature((weight, first, count, rows, start, stride, scale, lane, out, at)), generate
+    return _signature((weight, first, count, rows, start, stride, scale, lane, out, at)), _generate

@@ -41,17 +41,17 @@ def longest_step(spectrum: Complex, method: RungeKutta) -> float:
     """Largest step below which no eigenvalue (per unit of the same clock) is amplified."""
     amplification = Polynomial(stability_polynomial(method))
 
-    def stable(step: float) -> bool:
+    def _stable(step: float) -> bool:
         """Whether no eigenvalue is amplified by this step."""
         return bool(np.abs(amplification(step * spectrum)).max() <= 1.0 + _GROWTH)
 
     radius = float(np.abs(spectrum).max())
     steps = np.linspace(0.0, 20.0 / radius, 401)[1:]
-    first_bad = next((k for k, step in enumerate(steps) if not stable(step)), len(steps) - 1)
+    first_bad = next((k for k, step in enumerate(steps) if not _stable(step)), len(steps) - 1)
     low, high = (steps[first_bad - 1] if first_bad else 0.0), steps[first_bad]
     for _ in range(_BISECTIONS):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if stable(middle) else (low, middle)
+        low, high = (middle, high) if _stable(middle) else (low, middle)
     return float(low)
 
 

@@ -111,7 +111,7 @@ def finish(operator: Operator, rates: Array, at: int) -> None:
     raise NotImplementedError(type(operator))
 
 
-def nothing_left(operator, rates, at):  # type: ignore[no-untyped-def]
+def nothing_left(operator: Operator, rates: Array, at: int) -> None:
     """`finish` of an operator whose norm is diagonal."""
 
 

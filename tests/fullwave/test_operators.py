@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 import skfem
 
+from fullwave.closure import boundary_closure
 from fullwave.finite_element import assemble_layer
 from fullwave.gll_element import ElementLineGLL
 from fullwave.lobatto import gauss_lobatto
-from fullwave.summation_by_parts import boundary_closure, difference_matrix
+from fullwave.summation_by_parts import difference_matrix
 
 STRAND_4 = np.array([17 / 48, 59 / 48, 43 / 48, 49 / 48])
 STRAND_6 = np.array([13649 / 43200, 12013 / 8640, 2711 / 4320, 5359 / 4320, 7877 / 8640, 43801 / 43200])
