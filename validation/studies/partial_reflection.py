@@ -226,8 +226,9 @@ def _bare_table(leaks: tuple[float, ...], bare: list[Point], held: list[Point], 
 
 _GRIP = (
     "Period and stress drop over the impedance of grips of two stiffnesses K (in ε a transit), log_{10} r = −2.6. Z_{g} = ε "
-    "swallows every wave. Lines: delay system, settled; circles: full wave (discontinuous Galerkin), the last "
-    f"complete cycle before {_UNTIL:.0f} transits."
+    "swallows every wave. Lines: delay system, settled (a gap: no cycle). Circles: full wave (discontinuous "
+    f"Galerkin), crosses: delay system, both in the last complete cycle before {_UNTIL:.0f} transits, not settled where it is "
+    "long."
 )
 _BARE = (
     "Period, stress drop and largest rate over 1 − R, log_{10} r = −2.66: bare coefficients, which leak the load, and grips of "

@@ -19,16 +19,18 @@ def over_grip(grid: Array, orbits: Mapping[float, Sequence[Any]], pairs: Sequenc
     for (stiffness, points), (color, dashes) in zip(orbits.items(), _LOOKS, strict=True):
         for axes, which in zip(panels, (0, 1), strict=True):
             label = f"delay system, $K = {stiffness:g}$"
-            axes.semilogx(grid, [point[which] for point in points], color=color, linestyle=dashes, label=label)
+            axes.semilogx(grid, [point[which] for point in points], color=color, linestyle=dashes, marker=".", label=label)
             some = [pair for pair in pairs if pair.stiffness == stiffness]
-            axes.plot([p.impedance for p in some], [p.wave[which] for p in some], "o", color="#d55e00", markerfacecolor="none")
+            at = [p.impedance for p in some]
+            axes.plot(at, [p.exact[which] for p in some], "+", color=color, markersize=8)
+            axes.plot(at, [p.wave[which] for p in some], "o", color="#d55e00", markerfacecolor="none")
     panels[1].lines[-1].set_label("full wave")
     for axes, name in zip(panels, ("period $T$ (transits)", r"stress drop $\Delta\mu$"), strict=True):
         axes.set_ylim(bottom=0.0)
         axes.set_ylabel(name)
         axes.set_xlabel(r"$Z_g/\epsilon$")
         axes.grid(True)
-    lines = [panels[1].lines[0], panels[1].lines[2], panels[1].lines[-1]]
+    lines = [panels[1].lines[0], panels[1].lines[3], panels[1].lines[-1]]
     figure.legend(handles=lines, loc="outside upper left", ncols=3, handlelength=3.0)
     return figure
 
