@@ -1,6 +1,6 @@
 """Rate-and-state friction laws as plain data and compiled pure functions; `LAWS` lists the registered ones by name."""
 
-from scene.friction import ageing, ageing_regularised, slip, slip_regularised
+from scene.friction import ageing, ageing_regularised, regularised, slip, slip_regularised
 from scene.friction.law import LAWS, Law, rate_of, register, respond, steady_state, unknown_of
 
 register("ageing", ageing.Ageing, ageing.respond, ageing.steady_state)
@@ -9,17 +9,17 @@ register(
     "ageing-regularised",
     ageing_regularised.AgeingRegularised,
     ageing_regularised.respond,
-    ageing_regularised.steady_state,
-    ageing_regularised.rate_of,
-    ageing_regularised.unknown_of,
+    regularised.steady_state,
+    regularised.rate_of,
+    regularised.unknown_of,
 )
 register(
     "slip-regularised",
     slip_regularised.SlipRegularised,
     slip_regularised.respond,
-    slip_regularised.steady_state,
-    slip_regularised.rate_of,
-    slip_regularised.unknown_of,
+    regularised.steady_state,
+    regularised.rate_of,
+    regularised.unknown_of,
 )
 
 __all__ = ["LAWS", "Law", "rate_of", "register", "respond", "steady_state", "unknown_of"]
