@@ -25,7 +25,7 @@ QUESTION = "What do the slabs do during one slip event?"
 SCENES = ("paper",)
 SECONDS = (5.0, 8.0)
 
-_MODEL, _SETTLED = "dg:7", 2400.0
+_MODEL, _SETTLED = "dg:7", 1600.0
 _BEFORE, _AFTER, _SEARCHED, _INTERVAL = 5.0, 7.0, 24.0, 1.0 / 96.0
 _DEPTHS = (0.0, 0.25, 0.5, 0.75, 1.0)
 
@@ -45,7 +45,7 @@ class Event:
 
 def run(budget: Budget) -> StudyResult:
     """Record one event, draw it, and hold its waves against straight characteristics."""
-    event = _record(16 if budget.quick else 32)
+    event = _record(16 if budget.quick else 24)
     budget.report(0.8)
     off = characteristics(event.field)
     largest = float(event.slip_rate.max())
