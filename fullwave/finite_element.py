@@ -38,7 +38,7 @@ from scene.slab import KelvinVoigtViscosity
 
 MOST_DEGREE = 16
 MASSES = ("lumped", "consistent")
-_SAMPLE_NODES = 96  # of the longest line from which a step limit is computed
+_SAMPLE_NODES = 56  # of the longest line from which a step limit is computed; LAPACK slows down beyond 70
 
 
 class Assembled(NamedTuple):
@@ -144,7 +144,7 @@ register_operator(Assembled, _apply, _finish)
 
 def sample_cells(degree: int, cells: int) -> int:
     """Cells of the line that stands for a layer of `cells`: beyond these the limit changes by less than the margin."""
-    return min(cells, max(6, min(16, _SAMPLE_NODES // degree)))
+    return min(cells, max(6, _SAMPLE_NODES // degree))
 
 
 @cache
