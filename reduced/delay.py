@@ -74,7 +74,8 @@ class Delay:
     def advance(self, until: float) -> Pieces:
         """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
         while True:
-            count = min(_CHUNK if self._emit else _LONG_CHUNK, math.ceil((until - self.time) * self.steps - 1e-6))
+            wanted = max(1, math.ceil((until - self.time) * self.steps - 1e-6))
+            count = min(_CHUNK if self._emit else _LONG_CHUNK, wanted)
             pieces = self._pieces(count if self._emit else 1)
             kept, verdict = self._march(count, pieces)
             self._memory.now[TIME] = round(self._memory.now[TIME] * self.steps) / self.steps

@@ -51,6 +51,7 @@ class DelayNetwork:
         self._motion = Motion(scene.transit, scene.stiffness, scene.start.nudge_size, scene.velocity, times, velocities)
         self._network = self._compile()
         self._memory = self._begin()
+        self._origin, self._done = 0.0, 0
 
     @property
     def time(self) -> float:
@@ -74,9 +75,11 @@ class DelayNetwork:
     def advance(self, until: float) -> Pieces:
         """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
         while True:
-            count = min(_CHUNK, math.ceil((until - self.time) / self._length - 1e-6))
+            count = min(_CHUNK, max(1, math.ceil((until - self.time) / self._length - 1e-6)))
             pieces = Pieces(np.empty(count), np.empty(count), *(np.empty((count, self._stages)) for _ in range(4)))
             steps, verdict = self._march(count, pieces)
+            self._done += steps
+            self._memory.now[TIME] = self._origin + self._done * self._length  # a sum of steps would drift
             if verdict:
                 self._refine()
             if steps:
@@ -133,6 +136,7 @@ class DelayNetwork:
         """Half the step: the stored waves are evaluated at the nodes of the two halves of each step."""
         self._require_room()
         old = self._memory
+        self._origin, self._done = self.time, 0
         self._length *= 0.5
         self._network = self._compile()
         halves = interpolation_matrix(lagrange_basis(self.nodes), np.r_[0.5 * self.nodes, 0.5 + 0.5 * self.nodes])

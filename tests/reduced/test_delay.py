@@ -120,6 +120,13 @@ def test_end_between_steps_is_read_from_the_polynomial():
     assert part.time - 33.37 < 1.0 / part.steps
 
 
+def test_an_end_that_rounding_just_misses_is_reached():
+    solver = Delay(paper(-2.6))
+    follow(solver, 20.0)
+    solver.advance(20.0 + 1e-9)
+    assert solver.time > 20.0
+
+
 def test_ramped_drive_ends_at_the_new_steady_state():
     scene = read("paper", ["slab.log10_r=-2.75", "drive.velocity=[[0, 100.0], [40, 130.0]]", "start.size=0.0"])
     final = follow(Delay(scene), 6000)

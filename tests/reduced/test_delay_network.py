@@ -114,6 +114,16 @@ def test_grip_keeps_the_load_and_a_bare_reflection_loses_it():
     assert not drops["bare"] > 1e-3
 
 
+def test_an_end_that_rounding_just_misses_is_reached():
+    solver = DelayNetwork(read("unlike-irrational"))
+    follow(solver, 500.0)
+    assert abs(solver.time - 500.0) < 0.5
+    for just_beyond in (1e-12, 1e-9, 1e-7):
+        before = solver.time
+        solver.advance(before + just_beyond)
+        assert solver.time > before
+
+
 def test_viscous_slabs_are_refused_with_the_reason():
     with pytest.raises(SceneError, match="disperse"):
         delay_system(read("viscous"))
