@@ -10,6 +10,7 @@ The folder is `$NUMBA_CACHE_DIR/<digest>` if that variable is set, else `$XDG_CA
 import hashlib
 import os
 import tempfile
+import uuid
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -18,6 +19,7 @@ import numba
 
 _ROOT = Path(__file__).resolve().parent.parent
 _ROOMS = ("scene", "reduced", "fullwave")
+_PROCESS = uuid.uuid4().hex[:12]
 _dispatchers: list[Any] = []
 _disk_cache_enabled = True
 
@@ -52,8 +54,20 @@ numba.config.CACHE_DIR = str(_cache_folder())
 def njit(function: Function) -> Function:
     """Compile `function` with numba, cached on disk; fused multiply-add allowed, no other reordering of arithmetic."""
     dispatcher = numba.njit(cache=_disk_cache_enabled, error_model="numpy", fastmath={"contract"})(function)
+    _own_file_names(dispatcher)
     _dispatchers.append(dispatcher)
     return cast(Function, dispatcher)
+
+
+def _own_file_names(dispatcher: Any) -> None:
+    """Name this process's compiled files after itself.
+
+    numba numbers them 1, 2, ...: two processes that start on an empty cache both write number 1, and whoever reads the index of
+    the one may get the machine code of the other. With names of their own they can at worst compile the same thing twice.
+    """
+    file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    if file is not None:
+        file._data_name_pattern = file._data_name_pattern.replace("{number", f"{_PROCESS}.{{number")
 
 
 def inlined(function: Function) -> Function:
