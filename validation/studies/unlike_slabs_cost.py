@@ -17,11 +17,13 @@ _MODELS: dict[str, tuple[float, dict[str, float]]] = {
     "fd": (200.0, {"cells": 128, "cfl": 0.5}),
 }
 """Row -> transits timed and options."""
+_CELLS_RATIO = 3.0
+"""Cells of the 2 : 1 pair over those of one slab of the alike pair: the longer round trip takes twice as many of the same size."""
 _LIMITS = {
     "delay": {"commensurate": 3.0, "irrational": 10.0},
-    "dg:7": {"commensurate": 2.5},
-    "dg:7, finer": {"commensurate": 2.5},
-    "fd": {"commensurate": 2.5},
+    "dg:7": {"commensurate": 1.1 * _CELLS_RATIO},
+    "dg:7, finer": {"commensurate": 1.1 * _CELLS_RATIO},
+    "fd": {"commensurate": 1.1 * _CELLS_RATIO},
 }
 
 Costs = dict[str, dict[str, float]]
@@ -100,11 +102,17 @@ def cost_verdicts(found: Costs) -> list[Verdict]:
                 Verdict(
                     f"Cost of unlike slabs over alike ones: {'delay system' if model == 'delay' else 'full wave'}",
                     Evidence.SELF,
-                    f"{limit:g} times at most" if model == "delay" else "2 times, within a quarter",
+                    f"{limit:g} times at most"
+                    if model == "delay"
+                    else f"{_CELLS_RATIO:g} times, as the cells are, within a tenth",
                     f"{ratio:.1f} times",
                     judge(ratio <= limit),
                     f"`{model.partition(',')[0]}`, {_words(model)}, {pair} round trips"
-                    + ("; two slabs are marched instead of one" if model != "delay" else ""),
+                    + (
+                        "; two slabs are marched instead of one, and the longer one has twice the cells"
+                        if model != "delay"
+                        else ""
+                    ),
                 )
             )
     return verdicts
