@@ -18,7 +18,7 @@ _MODELS: dict[str, tuple[float, dict[str, float]]] = {
 }
 """Row -> transits timed and options."""
 _CELLS_RATIO = 3.0
-"""Cells of the 2 : 1 pair over those of one slab of the alike pair: the longer round trip takes twice as many of the same size."""
+"""Cells of the 2 : 1 pair over those of one alike slab: the longer round trip takes twice as many of the same size."""
 _LIMITS = {
     "delay": {"commensurate": 3.0, "irrational": 10.0},
     "dg:7": {"commensurate": 1.1 * _CELLS_RATIO},
