@@ -49,7 +49,7 @@ class Delay:
         self._physics = Physics(scene.upper.epsilon, scene.transit, scene.start.nudge_size, times, velocities)
         self.failures = 0
         self.iterations = 0
-        self._begin(steps or _first_steps(scene))
+        self._begin(steps or _first_steps(scene, self._stages))
         self._march(0, self._pieces(0))  # loads or compiles the march, so that a run's wall time is the march's
 
     @property
@@ -166,13 +166,15 @@ def end_resolution(tolerance: float) -> float:
     return float(min(0.02, max((30.0 * tolerance) ** 0.5, 1e-6)))
 
 
-def _first_steps(scene: Scene) -> int:
+def _first_steps(scene: Scene, stages: int) -> int:
     """Steps a transit to begin with, from the fastest acceleration possible: (ln v)' <= r b / Z where radiation limits v
-    (3 at log10 r = -2.68 of the paper's scene, 12 at -2.3)."""
+    (8 nodes: 3 at log10 r = -2.68 of the paper's scene, 14 at -2.3)."""
     z = unknown_of(scene.law, scene.velocity)
     _, v_z, _, _, friction_psi, _, g_z, _ = respond(scene.law, z, scene.steady_psi)
     fastest = scene.transit * abs(friction_psi * g_z) / (scene.impedance * v_z)
-    return _next_count(int(np.clip(3.0 * (fastest / 7.3) ** 1.7, _FEWEST_STEPS, _MOST_FIRST_STEPS)) - 1)
+    guess = 3.0 * (fastest / 7.3) ** 1.7 * math.sqrt(_TIGHT_NODES / stages)
+    steps = int(np.clip(guess, _FEWEST_STEPS, _MOST_FIRST_STEPS))
+    return steps if steps < 5 else steps + steps % 2
 
 
 def _next_count(steps: int) -> int:

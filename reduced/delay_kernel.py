@@ -26,7 +26,7 @@ from scene.start import NUDGE_CENTRE, NUDGE_REACH
 
 _MAX_NEWTON = 25
 _LARGEST_CHANGE = 2.0
-_WEAK_COUPLING = 0.01
+_WEAK_COUPLING = 0.04
 
 
 # rows of the guess, entries of `now`, rows of the scratch
@@ -89,12 +89,12 @@ def linearise(nodes: Nodes, law: Law, impedance: float, h: float, incoming: Arra
 
 
 @inlined
-def neumann(nodes: Nodes, integral: Array, work: Array) -> None:
-    """change <- (1 + K + K^2) change with K = A diag(slope): enough where |K| < 0.01 inside a Newton iteration."""
+def neumann(nodes: Nodes, integral: Array, work: Array, sweeps: int) -> None:
+    """change <- (1 + K + ... + K^sweeps) change with K = A diag(slope), small: enough inside a Newton iteration."""
     s = len(nodes)
     for j in range(s):
         work[PREVIOUS, j] = work[CHANGE, j]
-    for _ in range(2):
+    for _ in range(sweeps):
         for j in range(s):
             work[FRESH, j] = work[CHANGE, j]
         for k in range(s):
@@ -201,7 +201,7 @@ def solve_step(
             for j in range(s):
                 work[CHANGE, j] += integral[k, j] * factor
         if coupling < _WEAK_COUPLING:
-            neumann(nodes, integral, work)
+            neumann(nodes, integral, work, 2 if coupling < 0.01 else 3)
         else:
             eliminate(nodes, integral, work, system)
         error = correct(nodes, guess, work)
