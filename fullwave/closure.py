@@ -1,14 +1,26 @@
 """The end rows of summation-by-parts differences, from their accuracy conditions.
 
-They are not copied from a table but solved for: H and Q together from the conditions Q x^k = k H x^(k-1), k = 0..m, linear in
-both. What they leave free at order 2m = 6 (one number) makes the error of x^(m+1) least. The norms are those of Strand (1994).
+They are not copied from a table but solved for: H and Q together from the conditions Q x^k = k H x^(k-1), k = 0..2m-1, linear in
+both, so that the end rows of order 2m - 1 cost the solution none of the interior's order 2m. For that the norm of the 2m + 1 end
+nodes must be a full matrix; that of the end node itself stands alone (Strand's restricted full norm), so that a penalty acts on
+one node. What the conditions leave free makes the error of x^(2m) least. Order 2 needs one row: the trapezoidal rule.
+Strand, J. Comput. Phys. 110 (1994); Carpenter, Nordstrom and Gottlieb, J. Comput. Phys. 148 (1999).
 """
 
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scene.observe.pieces import Array
+
+
+class _Unknowns(NamedTuple):
+    """Index pairs (i, j), i <= j, of the unknown entries of H and (i < j) of Q."""
+
+    norm: tuple[NDArray[np.intp], NDArray[np.intp]]
+    skew: tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
 def central_coefficients(order: int) -> Array:
@@ -21,24 +33,36 @@ def central_coefficients(order: int) -> Array:
     return np.concatenate((np.linalg.solve(offsets[None, :] ** powers[:, None].astype(float), known), np.zeros(3 - half)))
 
 
+def closure_rows(order: int) -> int:
+    """Nodes at each end whose rows differ from the interior's."""
+    return 1 if order == 2 else order + 1
+
+
 @cache
 def boundary_closure(order: int) -> tuple[Array, Array]:
-    """(H, D) near an end, h = 1: norm of the first `rows` nodes, and those rows of D, shape (rows, rows + order/2)."""
-    rows = 1 if order == 2 else order
-    unknowns, matrix, known = _accuracy_conditions(order, rows)
-    found, _, rank, _ = np.linalg.lstsq(matrix, known, rcond=1e-11)
-    solution: Array = np.asarray(found, dtype=np.float64)
+    """(H, D) near an end, h = 1: norm (rows, rows) of the end nodes, and their rows of D, shape (rows, rows + order/2)."""
+    rows = closure_rows(order)
+    unknowns = _unknowns(rows)
+    exact = [_condition(order, unknowns, degree) for degree in range(order)]
+    matrix, known = (np.concatenate(parts) for parts in zip(*exact, strict=True))
+    solution, _, rank, _ = np.linalg.lstsq(matrix, known, rcond=1e-12)
     free = np.linalg.svd(matrix)[2][rank:].T
-    if free.size:
-        _, beyond, wanted = _accuracy_conditions(order, rows, (order // 2 + 1,))
-        solution += free @ np.linalg.lstsq(beyond @ free, wanted - beyond @ solution, rcond=None)[0]
-    norm: Array = solution[:rows]
-    skew = np.zeros((rows, rows))
-    for value, (i, j) in zip(solution[rows:], unknowns, strict=True):
-        skew[i, j], skew[j, i] = value, -value
+    beyond, wanted = _condition(order, unknowns, order)
+    solution = solution + free @ np.linalg.lstsq(beyond @ free, wanted - beyond @ solution, rcond=None)[0]
+    norm, skew = np.zeros((rows, rows)), np.zeros((rows, rows))
+    count = unknowns.norm[0].size
+    norm[unknowns.norm] = norm.T[unknowns.norm] = solution[:count]
+    skew[unknowns.skew] = solution[count:]
+    skew -= skew.T
     skew[0, 0] = -0.5
-    closure: Array = np.hstack((skew, _known_part(order, rows))) / norm[:, None]
-    return norm, closure
+    closure = np.linalg.solve(norm, np.hstack((skew, _known_part(order, rows))))
+    return norm, np.asarray(closure, dtype=np.float64)
+
+
+def _unknowns(rows: int) -> _Unknowns:
+    upper = np.triu_indices(rows)
+    alone = (upper[0] > 0) | (upper[1] == 0)
+    return _Unknowns((upper[0][alone], upper[1][alone]), np.triu_indices(rows, 1))
 
 
 def _known_part(order: int, rows: int) -> Array:
@@ -52,22 +76,20 @@ def _known_part(order: int, rows: int) -> Array:
     return part
 
 
-def _accuracy_conditions(
-    order: int, rows: int, degrees: tuple[int, ...] | None = None
-) -> tuple[list[tuple[int, int]], Array, Array]:
-    """Pairs (i, j) of the unknown q_ij, and the linear system in (h_0.., q_ij) that makes D exact for x^k, k in `degrees`."""
-    pairs = [(i, j) for i in range(rows) for j in range(i + 1, rows)]
-    points = np.arange(rows + order // 2, dtype=float)
-    known_part = _known_part(order, rows)
-    equations, right = [], []
-    for degree in range(order // 2 + 1) if degrees is None else degrees:
-        powers = points**degree
-        slope = degree * points ** max(degree - 1, 0)
-        for i in range(rows):
-            row = np.zeros(rows + len(pairs))
-            row[i] = -slope[i]
-            for q, (a, b) in enumerate(pairs):
-                row[rows + q] = powers[b] * (a == i) - powers[a] * (b == i)
-            equations.append(row)
-            right.append(-float(known_part[i] @ powers[rows:]) + 0.5 * powers[0] * (i == 0))
-    return pairs, np.array(equations), np.array(right)
+def _condition(order: int, unknowns: _Unknowns, degree: int) -> tuple[Array, Array]:
+    """The linear system, one row per end node, that makes D exact for (x/rows)^degree; columns: entries of H, then of Q."""
+    rows = closure_rows(order)
+    points = np.arange(rows + order // 2) / rows
+    powers, slopes = points**degree, degree / rows * points ** max(degree - 1, 0)
+    matrix = np.zeros((rows, unknowns.norm[0].size + unknowns.skew[0].size))
+    columns = np.arange(matrix.shape[1])
+    of_norm, of_skew = columns[: unknowns.norm[0].size], columns[unknowns.norm[0].size :]
+    i, j = unknowns.norm
+    matrix[j, of_norm] = -slopes[i]
+    matrix[i, of_norm] = -slopes[j]
+    i, j = unknowns.skew
+    matrix[i, of_skew] = powers[j]
+    matrix[j, of_skew] = -powers[i]
+    known = -_known_part(order, rows) @ powers[rows:]
+    known[0] += 0.5 * powers[0]
+    return matrix, known

@@ -5,9 +5,9 @@ as the quadrature too (collocation: the mass matrix is diagonal and the step alm
 talk through upwind states only (`fullwave.system`). Hesthaven and Warburton, Nodal Discontinuous Galerkin Methods (2008), ch. 3;
 Kopriva and Gassner (2010) for the collocation. Layers begin and end on elements, so impedance jumps cost no order.
 
-order        P + 1 in the fields, more in the interface's outputs; time stepping of order 8 (4 up to degree 3)
-cfl_max      1, as a share of the longest stable step: dt/h = 1.24, 0.51, 0.29 for P = 1, 2, 3 and 0.43, 0.31, 0.24, 0.185, 0.15
-             for P = 4 to 8 (h an element's travel time), computed from the spectrum
+order        P + 1 in the fields, up to 2 P + 1 in the interface's outputs; time stepping of order 8 (4 for degree 1)
+cfl_max      1, as a share of the longest stable step: dt/h = 1.24 for P = 1 and 1.18, 0.66, 0.43, 0.31, 0.24, 0.185, 0.15 for
+             P = 2 to 8 (h an element's travel time), computed from the spectrum
 exact_when   never
 conserves    nothing: the upwind states dissipate at the order of the scheme, so that energy never grows
 """
@@ -87,7 +87,7 @@ def courant_limit(degree: int) -> float:
 class DiscontinuousGalerkin(March):
     """`scene` by elements of `degree` (1 to 24), `cells` per slab; `cfl` is the share (0, 1] of the longest stable step.
 
-    The time integration is of order 8 (of order 4 up to degree 3), so that it does not cap the elements.
+    The time integration is of order 8 (of order 4 for degree 1), so that it does not cap the elements.
     Raises SceneError naming the option and its allowed range.
     """
 

@@ -10,8 +10,8 @@ Komatitsch and Vilotte 1998), "consistent" integrates it exactly and solves a ba
 A layer is one mesh; two layers meet through upwind states.
 
 order        P + 1 or more in the interface's outputs from a smooth start; in the fields P + 1 for odd P and P for even P
-cfl_max      1, as a share of the longest stable step: dt/h = 2.85, 0.94, 0.51 for P = 1, 2, 3 and 0.71, 0.50, 0.38, 0.29 for
-             P = 4 to 7 (lumped; h an element's travel time), computed from the spectrum
+cfl_max      1, as a share of the longest stable step: dt/h = 2.80 for P = 1 and 1.97, 1.08, 0.71, 0.50, 0.38, 0.30 for P = 2 to
+             7 (lumped; h an element's travel time), computed from the spectrum
 exact_when   never
 conserves    nothing: the ends' penalties dissipate at the order of the scheme, so that energy never grows
 """

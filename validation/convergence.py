@@ -1,7 +1,8 @@
 """Order of convergence fitted to errors on a ladder of grids, with a confidence interval and stated exclusions.
 
 With four or five levels the interval measures scatter, not bias: a clean second-order scheme gives 2.001 +- 0.0005. A verdict
-(`shortfall`) therefore asks for the fitted order within a tolerance of the declared one and an interval narrow enough to tell.
+(`shortfall`) therefore asks for the declared order within the interval or a small tolerance of the fitted one, and for an
+interval narrow enough to tell.
 """
 
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from scene.observe.pieces import Array
 
 _ROUND_OFF = 100.0 * np.finfo(float).eps
 _ASYMPTOTIC = 0.15
-_FEWEST = 3
+_FEWEST = 4
 _WIDEST = 0.5  # half-width beyond which a fit proves nothing
 
 
@@ -45,8 +46,8 @@ def fit(cells: Array, errors: Array, scale: float = 1.0) -> Fit:
     """Fit the order of `errors` (positive) on grids of `cells` (increasing).
 
     Excluded by rule: levels at rounding (error below 100 machine epsilons of `scale`, and all finer ones), then coarse levels
-    whose local order differs by more than 0.15 from the finest one, as long as three levels remain. Raises ValueError with fewer
-    than three usable levels.
+    whose local order differs by more than 0.15 from the finest one, as long as four levels remain. Raises ValueError with fewer
+    than four usable levels.
     """
     errors = np.asarray(errors, dtype=float)
     cells = np.asarray(cells, dtype=float)
@@ -76,11 +77,13 @@ def _regress(x: Array, y: Array, finest: float, used: slice) -> Fit:
 
 
 def shortfall(result: Fit, declared: float, tolerance: float = 0.1, at_least: bool = False, widest: float = _WIDEST) -> str:
-    """Why `result` does not support the `declared` order; empty if it does. With `at_least` a higher order is no fault."""
+    """Why `result` does not support the `declared` order; empty if it does: the interval is no wider than `widest`, and the
+    declared order lies in it or within `tolerance` of the fitted one. With `at_least` a higher order is no fault."""
     if result.half_width > widest:
         return f"confidence interval too wide to tell: {result}"
-    if result.order < declared - tolerance or (not at_least and result.order > declared + tolerance):
-        return f"declared {declared:g} +- {tolerance:g}, observed {result}"
+    allowed = max(tolerance, result.half_width)
+    if result.order < declared - allowed or (not at_least and result.order > declared + allowed):
+        return f"declared {declared:g} +- {allowed:.2g}, observed {result}"
     return ""
 
 

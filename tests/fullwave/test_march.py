@@ -66,7 +66,7 @@ def test_restore_refuses_another_solver():
         (FiniteElement, {"mass": "heavy"}, "mass = 'heavy': must be one of lumped, consistent"),
         (FiniteElement, {"degree": 2.0}, "degree = 2.0: must be a whole number"),
         (SummationByParts, {"order": 3}, "order = 3: must be 2, 4 or 6"),
-        (SummationByParts, {"order": 6, "cells": 9}, "cells = 9: must be a whole number from 15"),
+        (SummationByParts, {"order": 6, "cells": 9}, "cells = 9: must be a whole number from 16"),
     ],
 )
 def test_wrong_options_are_refused_by_name(kind, options, message):

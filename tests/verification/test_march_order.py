@@ -19,13 +19,13 @@ from scene.observe import EventObserver, follow
 
 STANDING = rate_scene(LOCKED)
 CELLS = {
-    1: (48, 64, 96, 128),
-    2: (24, 32, 48, 64, 96),
-    3: (16, 24, 32, 48),
-    4: (8, 12, 16, 24),
-    5: (8, 12, 16, 24),
-    6: (6, 8, 12, 16),
-    7: (6, 8, 12, 16),
+    1: (48, 64, 96, 128, 192),
+    2: (32, 48, 64, 96, 128),
+    3: (16, 24, 32, 48, 64),
+    4: (12, 16, 24, 32, 48),
+    5: (8, 12, 16, 24, 32),
+    6: (6, 8, 12, 16, 24),
+    7: (6, 8, 12, 16, 20),
 }
 FINEST = {1: 2e-2, 2: 2e-3, 3: 5e-5, 4: 2e-6, 5: 1e-7, 6: 3e-8, 7: 5e-10}
 
@@ -33,8 +33,7 @@ FINEST = {1: 2e-2, 2: 2e-3, 3: 5e-5, 4: 2e-6, 5: 1e-7, 6: 3e-8, 7: 5e-10}
 @pytest.mark.parametrize("degree", CELLS)
 def test_discontinuous_fields_are_of_order_degree_plus_one(degree):
     errors = [standing_error(DiscontinuousGalerkin(STANDING, degree, cells)) for cells in CELLS[degree]]
-    tolerance = 0.25 if degree == 2 else 0.1  # degree 2 comes down from 4
-    fit = assert_order(errors, 1 / np.array(CELLS[degree]), degree + 1, tolerance, absolute=FINEST[degree])
+    fit = assert_order(errors, 1 / np.array(CELLS[degree]), degree + 1, 0.15, absolute=FINEST[degree])
     print(f"dg:{degree} fields: {fit}")
 
 
@@ -44,17 +43,18 @@ def test_element_fields_are_of_the_odd_order(degree, mass):
     """degree + 1 for odd degrees, degree for even ones: Galerkin for a first-order pair, measured and declared as order_bulk."""
     solvers = [FiniteElement(STANDING, degree, cells, mass=mass) for cells in CELLS[degree]]
     errors = [standing_error(solver) for solver in solvers]
-    tolerance = 0.5 if degree == 7 else 0.25
     cells = 1 / np.array(CELLS[degree])
-    fit = assert_order(errors, cells, solvers[0].order_bulk, tolerance, absolute=FINEST[degree], widest=2.0)
+    fit = assert_order(errors, cells, solvers[0].order_bulk, 0.1, absolute=FINEST[degree], at_least=True)
     print(f"fem:{degree} {mass} fields: {fit}")
 
 
-@pytest.mark.parametrize(("order", "declared"), [(2, 2.0), (4, 3.0), (6, 4.0)])
-def test_difference_fields_are_of_the_ends_order(order, declared):
-    cells = (48, 64, 96, 128)
+@pytest.mark.parametrize(
+    ("order", "cells", "finest"),
+    [(2, (48, 64, 96, 128), 2e-2), (4, (64, 96, 128, 192), 1e-5), (6, (64, 96, 128, 192, 256), 1e-8)],
+)
+def test_difference_fields_are_of_the_order_inside(order, cells, finest):
     errors = [standing_error(SummationByParts(STANDING, order, n)) for n in cells]
-    print(f"sbp:{order} fields: {assert_order(errors, 1 / np.array(cells), declared, at_least=True, absolute=2e-2)}")
+    print(f"sbp:{order} fields: {assert_order(errors, 1 / np.array(cells), order, 0.1, absolute=finest, at_least=True)}")
 
 
 # a rough scene for the outputs of a cycle, else rounding is met before the asymptote; a gentle one where no asymptote is met else
@@ -69,14 +69,14 @@ CASES = {
     "dg:7": (DiscontinuousGalerkin, {"degree": 7}, (4, 6, 8, 10)),
     "fem:1": (FiniteElement, {"degree": 1}, (144, 216, 324, 486)),
     "fem:2": (FiniteElement, {"degree": 2}, (48, 64, 96, 128)),
-    "fem:3": (FiniteElement, {"degree": 3}, (32, 48, 64, 96)),
+    "fem:3": (FiniteElement, {"degree": 3}, (12, 16, 24, 32)),
     "fem:4": (FiniteElement, {"degree": 4}, (12, 16, 24, 32)),
     "fem:5": (FiniteElement, {"degree": 5}, (8, 12, 16, 24)),
     "fem:6": (FiniteElement, {"degree": 6}, (8, 10, 12, 16)),
     "fem:7": (FiniteElement, {"degree": 7}, (6, 8, 10, 12)),
     "sbp:2": (SummationByParts, {"order": 2}, (144, 216, 324, 486)),
     "sbp:4": (SummationByParts, {"order": 4}, (128, 192, 256, 384)),
-    "sbp:6": (SummationByParts, {"order": 6}, (48, 64, 96, 128)),
+    "sbp:6": (SummationByParts, {"order": 6}, (24, 32, 48, 64)),
 }
 OUTPUTS = ("period", "stress_drop", "elastic_stress_drop", "v_max")
 _FLOOR = 3e-10  # relative; below it an output counts as found, and its error is left out of the slope
