@@ -99,7 +99,8 @@ def _epsilon(key: str, table: schema.SlabTable, units: Units | None) -> float:
     if density is None or modulus is None:
         absent = "density" if density is None else "shear_modulus"
         raise SceneError(f"{key}.{absent}: missing; density and shear_modulus [SI] must both be given")
-    return _in_range(f"{key}.density", density, "epsilon", units.epsilon(density, modulus), EPSILON)
+    sources = {f"{key}.density": density, f"{key}.shear_modulus": modulus} | _named(units, "normal_stress", "reference_velocity")
+    return _in_range("epsilon", units.epsilon(density, modulus), EPSILON, sources)
 
 
 def _round_trip(key: str, table: schema.SlabTable, units: Units | None) -> float:
@@ -112,13 +113,20 @@ def _round_trip(key: str, table: schema.SlabTable, units: Units | None) -> float
         return table.r if table.r is not None else float(10.0 ** (table.log10_r or 0.0))
     if units is None or table.density is None or table.shear_modulus is None:
         raise SceneError(f"{key}.thickness = {table.thickness:g}: must come with density and shear_modulus, or be replaced by r")
+    sources = {f"{key}.{name}": getattr(table, name) for name in ("thickness", "density", "shear_modulus")}
     round_trip = units.round_trip(table.density, table.shear_modulus, table.thickness)
-    return _in_range(f"{key}.thickness", table.thickness, "r", round_trip, ROUND_TRIP)
+    return _in_range("r", round_trip, ROUND_TRIP, sources | _named(units, "memory_length", "reference_velocity"))
 
 
-def _in_range(key: str, value: float, what: str, result: float, allowed: Range) -> float:
+def _named(units: Units, *keys: str) -> dict[str, float]:
+    return {f"interface.{key}": getattr(units, key) for key in keys}
+
+
+def _in_range(what: str, result: float, allowed: Range, sources: dict[str, float]) -> float:
+    """`result`, derived from the keys `sources`; outside `allowed` every one of them is named, for any may be the wrong one."""
     if not allowed.low <= result <= allowed.high:
-        raise SceneError(f"{key} = {value:g}: gives {what} = {result:g}, which must be {allowed}")
+        given = ", ".join(f"{key} = {value:g}" for key, value in sources.items())
+        raise SceneError(f"{given}: give {what} = {result:.9g}, which must be {allowed}")
     return result
 
 

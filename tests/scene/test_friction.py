@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from scene.compiled import njit
@@ -34,7 +34,6 @@ def test_the_four_laws_are_registered() -> None:
     assert [name_of(law_called(name)) for name in LAWS] == list(LAWS)
 
 
-@settings(deadline=None)  # the first call may compile
 @given(names, rates, offsets)
 def test_derivatives_are_those_of_finite_differences(name: str, rate: float, offset: float) -> None:
     law = law_called(name)
@@ -54,7 +53,6 @@ def test_derivatives_are_those_of_finite_differences(name: str, rate: float, off
         assert given_one == pytest.approx(measured, rel=1e-6, abs=1e-7 * size)
 
 
-@settings(deadline=None)  # the first call may compile
 @given(names, rates)
 def test_steady_sliding_is_steady_and_weakens_as_b_exceeds_a(name: str, rate: float) -> None:
     law = law_called(name)
@@ -67,7 +65,6 @@ def test_steady_sliding_is_steady_and_weakens_as_b_exceeds_a(name: str, rate: fl
     assert answer[2] == pytest.approx(0.369 + (0.0349 - 0.0489) * math.log(rate), abs=slack + 1e-13)
 
 
-@settings(deadline=None)  # the first call may compile
 @given(st.sampled_from(REGULARISED), rates, offsets)
 def test_a_regularised_law_equals_its_plain_one_at_forward_rates(name: str, rate: float, offset: float) -> None:
     regularised, plain = law_called(name), law_called(name.removesuffix("-regularised"))
