@@ -1,12 +1,13 @@
 """A full wave to a requested tolerance: degree, cells and step chosen by comparing grids, with an a-posteriori error estimate.
 
-The scene is run from its own start for 400 transits (or all it asks for) on two grids whose cells differ by the factor 3/2. The
-largest relative difference of any complete cycle's period or stress drop is taken for the finer one's error (a bound as long as
-the refinement gains a factor of two; orders 4 and more gain five and more); grids are refined until it is below the tolerance.
+The scene is run from its own start for 400 transits (or all it asks for) on grids whose cells grow by the factor 3/2. d, the
+largest relative difference between two successive grids of any complete cycle's period or stress drop, gains a factor g from
+one refinement to the next; the finer grid's error is estimated as the rest of that geometric series, d / (g - 1), but never as
+less than d. Grids are refined until the estimate is below the tolerance, or until the gain shows that too many would be needed.
 Where no cycle closes, ln v and psi at the end of the probe stand in.
 
 The estimate holds for the length of the probe. A chaotic run loses it at the rate at which its neighbours part; a start with a
-jump (order 1 in every scheme) costs many cells and may be refused.
+jump (order 1 in every scheme) costs many cells and is refused when they are out of reach.
 """
 
 import math
@@ -28,6 +29,9 @@ PROBE = 400.0
 """Transits of a probe, unless the scene asks for less."""
 
 _RATIO = 1.5
+_LEAST_GAIN = 0.25  # of one refinement beyond 1: rounding makes differences stagnate without the error being large
+_MOST_OUTLOOK = math.log(1e6)  # of the growth in cells that a trend is extended to
+_SETTLED = 24  # cells from which the gain is trusted to go on
 
 
 @dataclass(frozen=True)
@@ -70,20 +74,33 @@ def to_tolerance(
         options = {"degree": degree_for(tolerance)} | options
     cells = _fewest(scene, kind, options)
     tried: list[tuple[int, float]] = []
-    before = None
-    while cells <= MOST_TRIED_CELLS:
+    before, difference, needed = None, math.inf, 0.0
+    while max(cells, needed) <= MOST_TRIED_CELLS:
         solver = kind(scene, cells=cells, **options)
         now = _probe(solver)
-        estimate = _estimate(before, now)
+        last, difference = difference, _difference(before, now)
+        gain = last / difference if 0.0 < difference < math.inf else math.inf
+        estimate = difference / min(1.0, max(gain - 1.0, _LEAST_GAIN))
         tried.append((cells, estimate))
         if now is not None and estimate <= tolerance:
             fresh = kind(scene, cells=cells, **options)
             return fresh, Choice(cells, fresh.step, now.quantity, estimate, tuple(tried))
+        needed = _needed(cells, estimate / tolerance, gain) if cells >= _SETTLED else 0.0
         before, cells = now, math.ceil(_RATIO * cells)
+    outlook = ""
+    if needed > MOST_TRIED_CELLS:
+        outlook = f"; its trend asks for some {float(f'{needed:.1g}'):,.0f} cells, {MOST_TRIED_CELLS} are the most tried"
     raise NumericsError(
-        f"{solver.model}: tolerance {tolerance:g} not reached with {tried[-1][0]} cells: estimated error {tried[-1][1]:.2g} "
-        f"(scene {scene.name!r})"
+        f"{solver.model}: tolerance {tolerance:g} not reached with {tried[-1][0]} cells: estimated error {tried[-1][1]:.2g}"
+        f"{outlook} (scene {scene.name!r})"
     )
+
+
+def _needed(cells: int, factor: float, gain: float) -> float:
+    """Cells that would bring the error down by `factor` if every refinement went on gaining `gain`; 0 if that cannot be told."""
+    if not 1.0 < gain < math.inf or not math.isfinite(factor):
+        return 0.0
+    return cells * math.exp(min(_MOST_OUTLOOK, math.log(factor) * math.log(_RATIO) / math.log(gain)))
 
 
 def _fewest(scene: Scene, kind: Callable[..., March], options: dict[str, Any]) -> int:
@@ -112,8 +129,8 @@ def _probe(solver: March) -> _Found | None:
     return _Found("final state", np.array([final.ln_v, final.psi]))
 
 
-def _estimate(before: _Found | None, now: _Found | None) -> float:
-    """Largest relative error of `now`, infinite unless both probes found the same cycles."""
+def _difference(before: _Found | None, now: _Found | None) -> float:
+    """Largest relative difference of two probes, infinite unless both found the same cycles."""
     if before is None or now is None or before.quantity != now.quantity or before.values.size != now.values.size:
         return math.inf
     worst = float((np.abs(now.values - before.values) / np.maximum(np.abs(now.values), 1e-3)).max())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from leapfrog_scenes import SCENES
 
-from fullwave.adapt import degree_for, to_tolerance
+from fullwave.adapt import _Found, degree_for, to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.summation_by_parts import SummationByParts
 from scene.errors import NumericsError, SceneError
@@ -56,3 +56,26 @@ def test_a_jump_out_of_reach_is_a_numerical_failure(monkeypatch):
     jump = dataclasses.replace(SCENES["alike"], start=Start(StartKind.JUMP, 0.5), until=60.0)
     with pytest.raises(NumericsError, match="tolerance 1e-11 not reached with"):
         to_tolerance(jump, 1e-11)
+
+
+def test_a_jump_is_given_up_as_soon_as_its_trend_is_seen():
+    """Order 1: a factor of 1e6 in the error would take a million times the cells, so few are tried."""
+    jump = dataclasses.replace(SCENES["alike"], start=Start(StartKind.JUMP, 0.5), until=60.0)
+    with pytest.raises(NumericsError, match=r"trend asks for some [\d,]+ cells, 400 are the most tried") as refusal:
+        to_tolerance(jump, 1e-11)
+    assert int(str(refusal.value).split(" cells:")[0].split()[-1]) < 60
+
+
+def test_estimate_of_a_slow_series_is_more_than_its_last_difference(monkeypatch):
+    """Values 1 + 1/n converge at order 1: the rest of the series is twice its last difference (ratio 3/2)."""
+
+    class Slow:
+        model, step = "slow", 1.0
+
+        def __init__(self, scene, cells):
+            self.cells = cells
+
+    monkeypatch.setattr("fullwave.adapt._probe", lambda solver: _Found("cycles", np.array([1.0 + 1.0 / solver.cells])))
+    _, choice = to_tolerance(SCENES["alike"], 0.02, Slow)
+    assert choice.error_estimate == pytest.approx(1.0 / choice.cells, rel=0.15)
+    assert choice.error_estimate <= 0.02
