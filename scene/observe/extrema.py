@@ -62,8 +62,18 @@ def _peak(basis: Basis, values: Array, slopes: Array, sign: float, at: int) -> f
     left = basis.nodes[at - 1] if at > 0 else 0.0
     right = basis.nodes[at + 1] if at + 1 < n else basis.nodes[n - 1]
     if right > left and sign * evaluate(basis, slopes, left) > 0.0 > sign * evaluate(basis, slopes, right):
-        return sign * float(evaluate(basis, values, find_root(basis, slopes, 0.0, left, right)))
+        return _trusted(sign * float(evaluate(basis, values, find_root(basis, slopes, 0.0, left, right))), values, sign)
     return float(sign * values[at])
+
+
+@njit
+def _trusted(peak: float, values: Array, sign: float) -> float:
+    """`peak`, unless it overshoots the nodes so far that a front must lie between them (a polynomial rings there, and in ln v by
+    decades): then the nodes' own. A sine whose period is the piece's length overshoots by less."""
+    top, bottom = sign * values[0], sign * values[0]
+    for j in range(1, values.size):
+        top, bottom = max(top, sign * values[j]), min(bottom, sign * values[j])
+    return peak if peak - top <= 4.0 * (top - bottom) / (values.size - 1) ** 2 else float(top)
 
 
 @njit
@@ -117,6 +127,7 @@ def _peak_within(basis: Basis, values: Array, slopes: Array, sign: float, begin:
         right = min(basis.nodes[j], end) if j < n else end
         if right > left:
             if sign * evaluate(basis, slopes, left) > 0.0 >= sign * evaluate(basis, slopes, right):
-                best = max(best, sign * evaluate(basis, values, find_root(basis, slopes, 0.0, left, right)))
+                peak = sign * float(evaluate(basis, values, find_root(basis, slopes, 0.0, left, right)))
+                best = max(best, _trusted(peak, values, sign))
             left = right
     return best

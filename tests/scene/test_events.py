@@ -135,3 +135,12 @@ def test_interpolation_is_exact_for_polynomials() -> None:
     for degree in range(4):
         assert interpolation_matrix(basis, points) @ RADAU**degree == pytest.approx(points**degree, abs=1e-13)
         assert basis.derivative @ RADAU**degree == pytest.approx(degree * RADAU ** max(degree - 1, 0), abs=1e-11)
+
+
+def test_a_front_between_samples_does_not_ring() -> None:
+    """ln v that jumps within a piece: the polynomial through it overshoots by decades of v, the extrema must not."""
+    nodes = np.linspace(0.0, 1.0, 9)
+    events = watch(lambda t: slow(t) + 4.0 * np.sign(slow(t)), nodes, 100.0, 333)
+    assert events.v_max.size >= 3
+    assert (np.log(events.v_max) < LOG_V + 7.0 + 1e-6).all()
+    assert (np.log(events.v_min) > LOG_V - 7.0 - 1e-6).all()
