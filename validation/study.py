@@ -3,6 +3,7 @@
     NAME      words joined by hyphens, as in `slipwave report --only NAME`
     QUESTION  one sentence
     SCENES    gallery names of the scenes it runs; their contents are part of the key under which its result is stored
+    FILES     optional: files and folders of the checkout that it reads; part of that key too
     SECONDS   (quick, full) rough wall time, for the time left only
     run(budget) -> StudyResult
 

@@ -11,8 +11,9 @@ import pytest
 
 from scene.errors import NumericsError, SceneError
 from validation import studies
-from validation.report import baseline, make_report, store
+from validation.report import baseline, make_report, sources, store
 from validation.report.drawing import canvas
+from validation.studies import load
 from validation.study import Budget, Column, Evidence, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict
 
 
@@ -127,11 +128,27 @@ def test_key_follows_the_solver_sources_and_the_scenes(fake, monkeypatch, tmp_pa
     monkeypatch.setattr(store, "source_digest", lambda: "other")
     assert store.study_key(module, False) != before
     monkeypatch.undo()
-    monkeypatch.setattr(store, "_GALLERY", tmp_path)
+    monkeypatch.setattr(sources, "_GALLERY", tmp_path)
     module.SCENES = ("paper",)
     (tmp_path / "paper.toml").write_text("[drive]\nvelocity = 100.0\n")
     before = store.study_key(module, False)
     (tmp_path / "paper.toml").write_text("[drive]\nvelocity = 101.0\n")
+    assert store.study_key(module, False) != before
+
+
+def test_key_follows_every_file_that_a_study_imports():
+    """Also those whose names do not begin with the study's own."""
+    names = {path.name for path in sources.sources_of(load("stability-attacks"))}
+    assert {"stability_attacks.py", "attack_runs.py", "models.py", "study.py", "paper.toml"} <= names
+    assert not {"energy.py", "cli.py", "page.py"} & names
+
+
+def test_key_follows_the_files_that_a_study_reads(fake, tmp_path):
+    module = fake.add("first")
+    module.FILES = (tmp_path,)
+    (tmp_path / "a.py").write_text("x = 1")
+    before = store.study_key(module, False)
+    (tmp_path / "a.py").write_text("x = 2")
     assert store.study_key(module, False) != before
 
 

@@ -5,20 +5,16 @@ import json
 import math
 import os
 import shutil
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-import validation
 from scene.compiled import source_digest
+from validation.report.sources import sources_of
 from validation.study import Column, Evidence, Number, Omission, Outcome, Study, StudyResult, Table, Verdict
 
-_HELPERS = Path(validation.__file__).parent
-_GALLERY = Path(validation.__file__).parent.parent / "scene" / "gallery"
 _PACKAGES = ("numpy", "scipy", "numba", "matplotlib")
-_NOT_A_TOOL = ("__init__.py", "cli.py", "output.py", "progress.py", "recording.py", "wording.py")
 _FORMAT = 1
 
 
@@ -47,22 +43,13 @@ class Stored:
 
 
 def study_key(study: Study, quick: bool) -> str:
-    """Hash of the solver rooms, the shared tools of this room, the study's own source, its scenes and its settings."""
+    """Hash of the solver rooms, of all else the study depends on (`sources_of`), and of its settings."""
     digest = hashlib.sha256(f"{_FORMAT} {source_digest()} {quick}".encode())
     for package in _PACKAGES:
         digest.update(f"{package} {metadata.version(package)}".encode())
-    for path in _sources(study):
+    for path in sources_of(study):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
-
-
-def _sources(study: Study) -> Iterable[Path]:
-    own = Path(str(getattr(study, "__file__", __file__)))
-    yield from sorted(own.parent.glob(f"{own.stem}*.py"))
-    yield from (path for path in sorted(_HELPERS.glob("*.py")) if path.name not in _NOT_A_TOOL)
-    yield _HELPERS / "report" / "drawing.py"
-    yield from sorted(_HELPERS.glob("*.json"))
-    yield from (path for name in study.SCENES if (path := _GALLERY / f"{name}.toml").exists())
 
 
 def load(folder: Path, study: Study, key: str) -> Stored | None:

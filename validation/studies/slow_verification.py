@@ -1,0 +1,86 @@
+"""The tests that are too slow for every commit, run as they stand in the checkout."""
+
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
+
+from validation.study import Budget, Cell, Column, Evidence, Omission, StudyResult, Table, Verdict, judge
+
+NAME = "slow-verification"
+QUESTION = "Do the verification tests pass that are too slow for every commit?"
+SCENES: tuple[str, ...] = ()
+SECONDS = (0.1, 120.0)
+
+_CHECKOUT = Path(__file__).parents[2]
+FILES = (_CHECKOUT / "tests" / "verification", _CHECKOUT / "tests" / "fullwave")
+
+
+class Tested(NamedTuple):
+    """One test: the file it is in, its name, its seconds, and the first line of what went wrong (empty if nothing did)."""
+
+    file: str
+    name: str
+    seconds: float
+    fault: str
+
+
+def run(budget: Budget) -> StudyResult:
+    """Run them in a process of their own (full report only)."""
+    missing = [folder for folder in FILES if not folder.is_dir()]
+    if budget.quick or missing:
+        why = (
+            "The tests are not installed with the package: run the report in a checkout."
+            if missing
+            else "In the full report only."
+        )
+        return StudyResult("Not asked here.", omissions=(Omission("The verification tests marked as slow.", why),))
+    with tempfile.TemporaryDirectory() as folder:
+        record = Path(folder) / "tests.xml"
+        ended = subprocess.run(_command(record), cwd=_CHECKOUT, capture_output=True, text=True, check=False)
+        if not record.exists():
+            raise RuntimeError(f"the tests did not run: {(ended.stdout + ended.stderr).strip()[-300:]}")
+        tests = list(read_record(record))
+    return summarised(tests)
+
+
+def summarised(tests: list[Tested]) -> StudyResult:
+    """Table of the tests and one verdict per file."""
+    faults = sum(bool(test.fault) for test in tests)
+    rows: list[tuple[Cell, ...]] = [(test.file, test.name, test.seconds, test.fault or "passed") for test in tests]
+    columns = (Column("file"), Column("test"), Column("time", "s", ".1f"), Column("outcome"))
+    caption = "Every test of the full wave that is marked as slow; its own docstring says what it holds the schemes to."
+    return StudyResult(
+        answer=f"{len(tests) - faults} of {len(tests)} pass.",
+        tables=(Table("tests", caption, columns, tuple(rows)),),
+        verdicts=tuple(_verdict(file, [t for t in tests if t.file == file]) for file in dict.fromkeys(t.file for t in tests)),
+    )
+
+
+def _verdict(file: str, tests: list[Tested]) -> Verdict:
+    faulty = [test.name for test in tests if test.fault]
+    return Verdict(
+        "Slow verification tests pass",
+        Evidence.SELF if "order" in file else Evidence.EXACT,
+        f"{len(tests)} of {len(tests)}",
+        f"{len(tests) - len(faulty)} of {len(tests)}",
+        judge(not faulty),
+        f"`{file}`" + (f": {', '.join(faulty)}" if faulty else ""),
+    )
+
+
+def _command(record: Path) -> list[str]:
+    folders = [str(folder) for folder in FILES]
+    return [sys.executable, "-m", "pytest", "-q", "-m", "slow", "-p", "no:cacheprovider", f"--junitxml={record}", *folders]
+
+
+def read_record(path: Path) -> Iterator[Tested]:
+    """The tests of a JUnit file as pytest writes it."""
+    for case in ElementTree.parse(path).getroot().iter("testcase"):
+        file = case.get("classname", "").replace(".", "/") + ".py"
+        bad = case.find("failure") if case.find("failure") is not None else case.find("error")
+        fault = "" if bad is None else (bad.get("message") or "failed").splitlines()[0]
+        yield Tested(file, case.get("name", ""), float(case.get("time", "0")), fault)
