@@ -10,6 +10,7 @@ _brief.maxstring = _brief.maxother = 40
 _brief.maxlevel = 2
 _brief.maxlist = _brief.maxdict = _brief.maxtuple = 3
 _LONGEST_KEY = 60
+_LONGEST_VALUE = 200
 
 
 def shorten(value: Any) -> str:
@@ -18,7 +19,7 @@ def shorten(value: Any) -> str:
         text = _brief.repr(value)
     except (ValueError, RecursionError):  # integers beyond Python's limit of printable digits
         text = f"<{type(value).__name__} too large to print>"
-    return one_line(text)
+    return _cut(one_line(text), _LONGEST_VALUE)  # a control character takes up to ten places
 
 
 def one_line(text: str) -> str:
@@ -28,8 +29,11 @@ def one_line(text: str) -> str:
 
 def key_text(parts: Iterable[str | int]) -> str:
     """Dotted key, cut short in the middle if it is monstrous."""
-    text = one_line(".".join(str(part) for part in parts))
-    return text if len(text) <= _LONGEST_KEY else f"{text[:40]}...{text[-15:]}"
+    return _cut(one_line(".".join(str(part) for part in parts)), _LONGEST_KEY)
+
+
+def _cut(text: str, longest: int) -> str:
+    return text if len(text) <= longest else f"{text[: longest - 18]}...{text[-15:]}"
 
 
 def nearest(word: str, known: Iterable[str], cutoff: float = 0.5) -> str | None:

@@ -232,6 +232,11 @@ def test_override_texts(text: str) -> None:
     complaint("paper", [text])
 
 
+def test_a_monstrous_value_is_cut_short_after_its_control_characters_are_spelled_out() -> None:
+    monster = {f"{letter * 40}": "\x85" * 40 for letter in "\x81\x82\x83"}
+    assert len(complaint(changed(FULL, "upper.epsilon", monster))) < 300
+
+
 def test_overrides_that_name_no_key() -> None:
     assert "slab.r = '1\\n" in complaint("paper", ["slab.r=1\nx=2"])
     assert "slab.epsilon.x" in complaint("paper", ["slab.epsilon.x=1"])
