@@ -16,8 +16,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fullwave.files import whole_or_absent
 from scene.errors import SceneError
+from scene.files import whole_or_absent
 from scene.observe import Energy, Final, Pieces, follow
 from scene.observe.pieces import Array
 from scene.scene import Scene

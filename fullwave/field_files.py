@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fullwave.field import Field
-from fullwave.files import whole_or_absent
 from scene.errors import SceneError
+from scene.files import whole_or_absent
 from scene.observe.pieces import Array
 
 if TYPE_CHECKING:

@@ -1,11 +1,9 @@
-"""Results on their way out: tables and JSON on stdout, files that are whole or absent."""
+"""Results on their way out: tables and JSON on stdout, and whether a file can be written."""
 
 import json
 import math
 import os
-import tempfile
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -68,31 +66,6 @@ def _problem(path: Path, suffixes: tuple[str, ...]) -> str:
     if not os.access(path.parent, os.W_OK | os.X_OK):
         return f"the folder {str(path.parent)!r} cannot be written"
     return ""
-
-
-@contextmanager
-def whole_file(path: Path, option: str = "--out") -> Iterator[Path]:
-    """A temporary name beside `path` that takes its place when the block ends well and vanishes when it does not."""
-    try:
-        descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem[:40]}-", suffix=path.suffix)
-        os.close(descriptor)
-    except OSError as error:
-        raise SceneError(f"{option} = {str(path)!r}: cannot be written: {_reason(error)}") from None
-    temporary = Path(name)
-    try:
-        yield temporary
-        temporary.chmod(0o666 & ~_umask())
-        os.replace(temporary, path)
-    except OSError as error:
-        raise SceneError(f"{option} = {str(path)!r}: cannot be written: {_reason(error)}") from None
-    finally:
-        temporary.unlink(missing_ok=True)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def _reason(error: Exception) -> str:

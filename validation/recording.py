@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from scene.errors import SceneError
+from scene.files import whole_or_absent
 from scene.observe import Final, HistoryObserver, Pieces, Solver, final_state
 from scene.observe.follow import Observer
-from validation.output import whole_file
 from validation.simulate import Run
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def write_run(path: Path, done: Run, history: HistoryObserver | None) -> None:
         "complete": 0 if done.failed else 1,
         "failed": done.failed,
     }
-    with whole_file(path) as temporary:
+    with whole_or_absent(path) as temporary:
         xarray.Dataset(variables, attrs=facts).to_netcdf(temporary, engine="netcdf4")
 
 

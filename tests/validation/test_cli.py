@@ -1,4 +1,4 @@
-"""The command line as its users meet it: output, exit statuses, files whole or absent."""
+"""The command line as its users meet it: output, exit statuses."""
 
 import json
 import resource
@@ -11,7 +11,6 @@ import pytest
 
 from validation import cli
 from validation.cli import main, spread
-from validation.output import whole_file
 
 RUN_KEYS = {
     "scene",
@@ -317,24 +316,3 @@ def test_options_take_several_values() -> None:
     assert spread(["report", "--only", "x", "y", "--quick"]) == ["report", "--only", "x", "--only", "y", "--quick"]
     assert spread(["run", "p", "--set", "a=1", "--set", "b=-2"]) == ["run", "p", "--set", "a=1", "--set", "b=-2"]
     assert spread(["--set"]) == ["--set"]
-
-
-def write_half(target: Path) -> None:
-    with whole_file(target) as temporary:
-        temporary.write_text("half")
-        raise KeyboardInterrupt
-
-
-def test_a_file_is_whole_or_absent(tmp_path: Path) -> None:
-    target = tmp_path / "x.nc"
-    with pytest.raises(KeyboardInterrupt):
-        write_half(target)
-    assert list(tmp_path.iterdir()) == []
-    target.write_text("old")
-    with pytest.raises(ZeroDivisionError), whole_file(target):
-        _ = 1 / 0
-    assert target.read_text() == "old"
-    with whole_file(target) as temporary:
-        temporary.write_text("new")
-    assert target.read_text() == "new"
-    assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]

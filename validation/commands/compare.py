@@ -96,7 +96,7 @@ def _draw(out: Path, runs: "list[Run]", cycles: "list[Cycle | None]") -> None:
     """Stress and slip rate over one cycle, aligned on the start of the slip event, one pen per model."""
     from matplotlib.figure import Figure
 
-    from validation.output import whole_file
+    from scene.files import whole_or_absent
 
     sheet = Figure(figsize=(9.0, 6.0), layout="constrained")
     above, below = sheet.subplots(2, 1, sharex=True)
@@ -110,5 +110,5 @@ def _draw(out: Path, runs: "list[Run]", cycles: "list[Cycle | None]") -> None:
     below.set_xlabel("transits since the slip event's start")
     if any(cycles):
         above.legend(fontsize="small")
-    with whole_file(out) as temporary:
+    with whole_or_absent(out) as temporary:
         sheet.savefig(temporary, dpi=150)

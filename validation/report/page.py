@@ -1,12 +1,12 @@
 """The page: stored results through one template into one self-contained HTML file."""
 
 import base64
-import os
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from scene.files import whole_or_absent
 from validation.report import baseline, text
 from validation.report.store import Picture, Stored
 from validation.study import Evidence, Outcome, Verdict
@@ -40,19 +40,10 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], quic
         changes=_changes(studies),
         wall=sum(study.wall_seconds for study in studies),
     )
-    return write_whole(out / "index.html", page)
-
-
-def write_whole(path: Path, content: str) -> Path:
-    """Write a text file so that a reader finds the old one or the new one, never a part."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        part.write_text(content, encoding="utf-8")
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-    return path
+    out.mkdir(parents=True, exist_ok=True)
+    with whole_or_absent(out / "index.html") as temporary:
+        temporary.write_text(page, encoding="utf-8")
+    return out / "index.html"
 
 
 def matrix(studies: Sequence[Stored]) -> list[dict[str, Any]]:

@@ -7,15 +7,18 @@ from pathlib import Path
 
 from scene.errors import SceneError
 
+_LONGEST_STEM = 40
+
 
 @contextmanager
 def whole_or_absent(path: Path) -> Iterator[Path]:
-    """A name beside `path` to write to: takes its place, safely on the disk, when the block ends well, vanishes when not.
+    """A name beside `path`, of the same kind, to write to: takes its place, safely on the disk, when the block ends well,
+    vanishes when not.
 
-    Raises SceneError naming the file if it cannot be written. A process killed inside the block leaves `path` as it was, and a
-    `.partial-` file that the next attempt overwrites.
+    Raises SceneError naming the file if it cannot be written. A process killed inside the block leaves `path` as it was and the
+    hidden part beside it; its process number is in the name, so that two runs never write to the same part.
     """
-    temporary = path.with_name(f".partial-{path.name}")
+    temporary = path.with_name(f".{path.stem[:_LONGEST_STEM]}-{os.getpid()}{path.suffix}")
     try:
         yield temporary
         with temporary.open("rb") as written:
