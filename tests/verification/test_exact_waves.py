@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 import pytest
 import scipy.linalg
-from exact_waves import EPSILON, LOCKED, SLAB, fields, pulse, rate_scene, reflection_error, send, step_to
+from exact_waves import EPSILON, LOCKED, SLAB, fields, pulse, rate_scene, reflection_error, send, squared, step_to
 
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
@@ -40,7 +40,7 @@ def test_pulse_at_the_outer_face(family, reflection):
     send(solver, pulse, +1)
     step_to(solver, 0.5)
     x, w, s, norm = fields(solver)
-    error = np.sqrt(norm @ ((w + reflection * pulse(x)) ** 2 + (s + reflection * pulse(x)) ** 2))
+    error = np.sqrt(squared(norm, w + reflection * pulse(x), s + reflection * pulse(x)))
     assert error < 2e-4
 
 
@@ -51,7 +51,7 @@ def test_matched_grip_swallows_a_pulse_but_keeps_the_load(family):
     send(solver, pulse, +1)
     step_to(solver, 0.5)
     _, w, s, norm = fields(solver)
-    assert np.sqrt(norm @ (w**2 + s**2)) < 2e-4
+    assert np.sqrt(squared(norm, w, s)) < 2e-4
 
 
 @EVERY
@@ -66,7 +66,7 @@ def test_echo_of_a_layer(family):
     echo, passed = (1.0 - ratio) / (1.0 + ratio) * pulse(x, 0.145, 0.02), 2.0 / (1.0 + ratio) * pulse(x, 0.355, 0.02)
     near = x < 0.25
     exact_w, exact_s = np.where(near, echo, passed), np.where(near, echo, -passed)
-    assert np.sqrt(norm @ ((w - exact_w) ** 2 + (s - exact_s) ** 2)) < 1e-3
+    assert np.sqrt(squared(norm, w - exact_w, s - exact_s)) < 1e-3
 
 
 @EVERY
@@ -80,7 +80,7 @@ def test_pulse_passes_into_an_unlike_slab(family):
     for slab, share in ((0, (1.0 - ratio) / (1.0 + ratio)), (1, -2.0 / (1.0 + ratio))):
         x, w, s, norm = fields(solver, slab)
         exact = share * pulse(x, 0.25, 0.04)
-        error = np.sqrt(norm @ ((w - exact) ** 2 + (s + exact) ** 2))
+        error = np.sqrt(squared(norm, w - exact, s + exact))
         assert error < 2e-4
 
 
@@ -106,24 +106,5 @@ def test_viscous_standing_wave_decays_as_the_dispersion_relation_says(family, vi
     amplitude = scipy.linalg.expm(modal * time)[:, 0]
     x, w, s, norm = fields(solver)
     assert 0.05 < np.abs(amplitude[:2]).max() < 0.9
-    error = np.sqrt(norm @ ((w - amplitude[0] * np.sin(k * x)) ** 2 + (s - amplitude[1] * np.cos(k * x)) ** 2))
+    error = np.sqrt(squared(norm, w - amplitude[0] * np.sin(k * x), s - amplitude[1] * np.cos(k * x)))
     assert error < 2e-5
-
-
-@pytest.mark.parametrize("family", ["dg:3", "fem:5", "sbp:4"])
-@pytest.mark.parametrize(("looks", "apart"), [(12, 40.0), pytest.param(10, 1e5, marks=pytest.mark.slow)])
-def test_noise_in_a_locked_slab_never_gains_energy(family, looks, apart):
-    """Noise at the grid scale, an absolutely still interface and rigid faces, at the full step (slow: over 1e6 transits)."""
-    options = dict(FAMILIES[family].keywords) | {"cfl": 1.0, "cells": 12 if family == "sbp:4" else 2}
-    solver = FAMILIES[family].func(rate_scene(LOCKED), **options)
-    generator = np.random.default_rng(5)
-    solver.impose(0, lambda x: 0.5 + generator.standard_normal(x.size), lambda x: EPSILON * generator.standard_normal(x.size))
-    energies = []
-    for look in range(looks + 1):
-        while solver.time < look * apart:
-            solver.advance(look * apart)
-        _, w, s, norm = fields(solver)
-        energies.append(float(norm @ (w**2 + s**2)))
-    assert (np.diff(energies) <= 1e-9 * energies[0]).all()
-    assert energies[-1] < energies[0]
-    assert solver.energy().radiated == 0.0

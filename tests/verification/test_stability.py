@@ -1,0 +1,74 @@
+"""Nothing grows: noise at the grid scale against the step limit, whatever friction, medium and face, and in a locked slab for a
+million transits."""
+
+import numpy as np
+import pytest
+from exact_waves import EPSILON, LOCKED, fields, rate_scene, squared
+
+from fullwave.finite_difference import Leapfrog
+from validation.models import build
+from validation.studies.attack_limits import CELLS, MEDIA, around_the_limit, growth, rubbing, state_reach
+
+
+@pytest.mark.parametrize("medium", MEDIA)
+@pytest.mark.parametrize("model", CELLS)
+def test_noise_grows_beyond_the_limit_and_nowhere_below(model, medium):
+    below, above = around_the_limit(model, medium)
+    assert below < 20.0
+    assert above > 100.0
+
+
+@pytest.mark.parametrize("decade", [-4, *range(9)])
+@pytest.mark.parametrize("model", CELLS)
+def test_limit_is_blind_to_friction(model, decade):
+    """a/v from 1e-4 to 1e8 Z: the same step, stable at 0.99 of it; not at 1.04 unless friction swallows the waves (1 Z)."""
+    what = rubbing(decade)
+    assert build(model, what, cells=CELLS[model]).step == build(model, rubbing(0), cells=CELLS[model]).step
+    assert growth(model, what, 0.99) < 20.0
+    assert decade == 0 or growth(model, what, 1.04) > 100.0
+
+
+@pytest.mark.parametrize("model", CELLS)
+def test_fast_state_limits_the_explicit_step_alone(model):
+    """psi relaxing 1e4 times a transit: the real reach of the Runge-Kutta method, and none for the leapfrog's implicit step."""
+    reach = {"fd": np.inf, "sbp:2": 2.785, "fem:1": 2.785}.get(model, 6.394)
+    assert state_reach(model) == pytest.approx(reach, rel=0.015)
+
+
+NOISY = {"sbp:2": 6, "sbp:4": 12, "sbp:6": 16, "fem:1": 6, "fem:4": 2, "dg:3": 2, "dg:4": 2, "dg:7": 2}
+
+
+@pytest.mark.parametrize("model", NOISY)
+@pytest.mark.parametrize(("looks", "apart"), [(12, 40.0), pytest.param(10, 1e5, marks=pytest.mark.slow)])
+def test_noise_in_a_locked_slab_never_gains_energy(model, looks, apart):
+    """An absolutely still interface and rigid faces, at the full step; energy in the scheme's own norm (slow: 1e6 transits)."""
+    solver = build(model, rate_scene(LOCKED), cells=NOISY[model], cfl=1.0)
+    draw = np.random.default_rng(5).standard_normal
+    solver.impose(0, lambda x: 0.5 + draw(x.size), lambda x: EPSILON * draw(x.size))
+    energies = []
+    for look in range(looks + 1):
+        while solver.time < look * apart:
+            solver.advance(look * apart)
+        _, w, s, norm = fields(solver)
+        energies.append(squared(norm, w, s))
+    print(f"{model}: {energies[-1] / energies[0]:.3g} of the energy left after {looks * apart:g} transits")
+    assert (np.diff(energies) <= 1e-9 * energies[0]).all()
+    assert energies[-1] < energies[0]
+    assert solver.energy().radiated == 0.0
+
+
+@pytest.mark.parametrize("transits", [500, pytest.param(1_000_000, marks=pytest.mark.slow)])
+def test_noise_in_the_leapfrogs_locked_slab_comes_back_unchanged(transits):
+    """At cfl 1 waves travel without error, so that every transit repeats the one before; rounding alone may add up."""
+    solver = Leapfrog(rate_scene(LOCKED), cells=12, cfl=1.0)
+    solver.advance(1.0)
+    state = solver.state()
+    state["upper.velocity"][1:-1] += np.random.default_rng(5).standard_normal(11)
+    solver.restore(state)
+    begin, before = solver.time, state["upper.velocity"].copy()
+    while solver.time < begin + transits:
+        solver.advance(begin + transits)
+    assert (solver.time - begin) % 1.0 == pytest.approx(0.0, abs=1e-9)
+    drift = np.abs(solver.state()["upper.velocity"] - before).max()
+    print(f"fd: changed by {drift:.1e} after {transits} transits")
+    assert drift < 1e-13 * transits
