@@ -34,7 +34,7 @@ class Request(NamedTuple):
 class Family:
     """One row of the registry. `pattern` is the name as shown (`modal:N`), `parameters` the numbers allowed after the colon,
     `options` the numerical options it takes, `honours` the scene features it can do (keys of FEATURES), `grids` the cells per
-    slab that a benchmark tries."""
+    slab that a benchmark tries, `suited` the number after the colon for a tolerance, where the name may be given without one."""
 
     pattern: str
     module: str
@@ -45,6 +45,11 @@ class Family:
     parameters: range | tuple[int, ...] = ()
     default: int | None = None
     grids: tuple[int, ...] = ()
+    suited: Callable[[float], int] | None = None
+
+    def chosen(self, tolerance: float | None) -> int | None:
+        """The number after the colon where the user left it open."""
+        return self.default if tolerance is None or self.suited is None else self.suited(tolerance)
 
     @property
     def name(self) -> str:
@@ -123,6 +128,16 @@ def _number(request: Request) -> int:
     return request.parameter
 
 
+def _degree_for(tolerance: float) -> int:
+    from fullwave.adapt import degree_for
+
+    return degree_for(tolerance)
+
+
+def _highest_order(tolerance: float) -> int:
+    return 6
+
+
 _ODE = ("tolerance",)
 _GRID = ("cells", "cfl", "tolerance")
 _PLAIN = frozenset({"ramp"})
@@ -150,12 +165,33 @@ FAMILIES = (
         _ANY,
         _GRID,
         (2, 4, 6),
-        4,
-        (16, 32, 64),
+        default=6,
+        grids=(16, 32, 64),
+        suited=_highest_order,
     ),
-    Family("fem:P", "fullwave.finite_element", "full wave: finite elements", _elements, _ANY, _GRID, range(1, 17), 4, (2, 4, 8)),
     Family(
-        "dg:P", "fullwave.discontinuous", "full wave: discontinuous Galerkin", _galerkin, _ANY, _GRID, range(1, 25), 7, (1, 2, 4)
+        "fem:P",
+        "fullwave.finite_element",
+        "full wave: finite elements",
+        _elements,
+        _ANY,
+        _GRID,
+        range(1, 17),
+        default=4,
+        grids=(2, 4, 8),
+        suited=_degree_for,
+    ),
+    Family(
+        "dg:P",
+        "fullwave.discontinuous",
+        "full wave: discontinuous Galerkin",
+        _galerkin,
+        _ANY,
+        _GRID,
+        range(1, 25),
+        default=7,
+        grids=(1, 2, 4),
+        suited=_degree_for,
     ),
 )
 """Cheapest first; `auto` takes the first that is exact."""

@@ -37,15 +37,18 @@ def resolve(model: str, scene: Scene) -> tuple[str, str]:
 
 
 def build(model: str, scene: Scene, cells: int | None = None, cfl: float | None = None, tolerance: float | None = None) -> Solver:
-    """The solver called `model` for `scene`; `cells` and `cfl` are for full-wave models, `tolerance` for those that take one.
+    """The solver called `model` for `scene`; `cells` and `cfl` are for full-wave models, `tolerance` for those that take one;
+    a grid's degree may be left out of its name and is then chosen (`dg` for `dg:P`).
 
     Raises SceneError for an unknown model (naming the nearest), a number out of range after the colon, an option the model does
     not take, and a scene it cannot do (naming the models that can). A start on the orbit marches the model there first.
     """
     model, _ = resolve(model, scene)
     family, parameter = _parse(model)
+    _require_options(model, family, Request(parameter, cells, cfl, tolerance))
+    if parameter is None:
+        parameter = family.chosen(tolerance)
     request = Request(parameter, cells, cfl, tolerance)
-    _require_options(model, family, request)
     refusal = family.refusal(scene)
     if refusal:
         able = ", ".join(other.pattern for other in honouring(scene)) or "none of this installation"
@@ -95,6 +98,8 @@ def _parse(model: str) -> tuple[Family, int | None]:
         guess = nearest(name, [family.name for family in families()])
         hint = f'; did you mean "{guess}"?' if guess else ""
         raise SceneError(f"model = {shorten(model)}: must be one of {known}{hint}")
+    if not colon and family.suited is not None:
+        return family, None
     if not family.parameters:
         if colon:
             raise SceneError(f"model = {shorten(model)}: {name} takes no number")

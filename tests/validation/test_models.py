@@ -73,6 +73,15 @@ def test_numbers_are_told_canonically() -> None:
     assert build("modal:02", scene.read("paper")).model == "modal:2"
 
 
+@pytest.mark.parametrize(
+    ("name", "tolerance", "model"),
+    [("dg", None, "dg:7"), ("dg", 1e-4, "dg:5"), ("dg", 1e-8, "dg:7"), ("fem", 1e-6, "fem:6"), ("sbp", 1e-3, "sbp:6")],
+)
+def test_a_degree_left_open_suits_the_tolerance(name: str, tolerance: float | None, model: str) -> None:
+    solver = build(name, scene.read("paper", ["run.until=20"]), tolerance=tolerance)
+    assert solver.model == model
+
+
 def test_options_go_to_the_models_that_take_them() -> None:
     delay, leapfrog = build_all("delay,fd", scene.read("paper"), cells=10, tolerance=1e-6)
     assert (delay.model, leapfrog.model) == ("delay", "fd")

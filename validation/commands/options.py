@@ -14,8 +14,8 @@ SceneName: TypeAlias = Annotated[
 Model: TypeAlias = Annotated[
     str,
     typer.Option(
-        help="delay, quasistatic, quasidynamic, block8, block12, kelvin-voigt, modal:N, fd, sbp:P, fem:P, dg:P, or auto: the "
-        "cheapest that is exact for the scene"
+        help="delay, quasistatic, quasidynamic, block8, block12, kelvin-voigt, modal:N, fd, sbp:P, fem:P, dg:P (sbp, fem "
+        "and dg choose P themselves, by --tol), or auto: the cheapest that is exact for the scene"
     ),
 ]
 Until: TypeAlias = Annotated[float | None, typer.Option(metavar="TRANSITS", help="length of the run (default: the scene's)")]
@@ -26,7 +26,12 @@ Settings: TypeAlias = Annotated[
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="print JSON instead of a table")]
 Cells: TypeAlias = Annotated[int | None, typer.Option(help="full wave: cells per slab")]
 Cfl: TypeAlias = Annotated[float | None, typer.Option(help="full wave: c dt / dx")]
-Tolerance: TypeAlias = Annotated[float | None, typer.Option("--tol", help="error tolerance, for models that take one")]
+Tolerance: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        "--tol", help="relative error asked for; a full wave chooses cells and step for it and estimates what it reached"
+    ),
+]
 Out: TypeAlias = Annotated[Path | None, typer.Option(help="file to write")]
 
 
