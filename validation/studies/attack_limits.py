@@ -160,3 +160,12 @@ def around_the_limit(model: str, medium: str) -> tuple[float, float]:
     scenes = [rubbing(decade, medium) for decade in _SOFT_AND_STIFF]
     below, above = (max(growth(model, what, share, steps) for what in scenes) for share, steps in ((0.99, _STEPS), (1.05, 2000)))
     return below, above
+
+
+def stops_beyond(model: str, share: float, until: float = 120.0) -> bool:
+    """Whether a run of the paper's scene at `share` of the declared step ends with a message."""
+    try:
+        follow(with_step(model, scene.read("paper"), share), until)
+    except NumericsError:
+        return True
+    return False
