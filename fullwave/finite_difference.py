@@ -21,11 +21,11 @@ from fullwave.leapfrog.grid import common_step, slab_grid
 from fullwave.leapfrog.kernel import STEPS_PER_PIECE, Clock, march
 from fullwave.leapfrog.ledger import energy_of
 from fullwave.leapfrog.sides import Mirror, Side
-from fullwave.sampling import empty_pieces, pieces_until, sample_nodes
+from fullwave.sampling import pieces_until, sample_nodes
 from fullwave.snapshot import Snapshot
 from scene.errors import SceneError
 from scene.observe import Energy, Pieces
-from scene.observe.pieces import Array
+from scene.observe.pieces import Array, empty_pieces
 from scene.scene import Scene
 
 MOST_CELLS = 1_000_000
@@ -77,7 +77,7 @@ class Leapfrog:
     def advance(self, until: float) -> Pieces:
         """March towards `until` (transits), at most one chunk of `sampling.MOST_PIECES` pieces."""
         begin = max(self._sample, 0)
-        pieces = empty_pieces(pieces_until(begin, self.step, until))
+        pieces = empty_pieces(pieces_until(begin, self.step, until), self.nodes.size)
         law, upper = self.scene.law, self._sides[0]
         self.failures += march(law, self._clock, self._drive, upper, self._lower, self._memory, self._sample, pieces)
         self._sample = begin + STEPS_PER_PIECE * pieces.time.size

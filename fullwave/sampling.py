@@ -3,7 +3,7 @@ step and an observer's interpolation never limits a scheme of order four or less
 
 import numpy as np
 
-from scene.observe.pieces import Array, Pieces
+from scene.observe.pieces import Array
 
 STEPS_PER_PIECE = 4
 """Steps of the solver in one piece; neighbouring pieces share their end samples."""
@@ -15,12 +15,6 @@ MOST_PIECES = 1024
 def sample_nodes() -> Array:
     """Nodes of a piece in [0, 1]."""
     return np.linspace(0.0, 1.0, STEPS_PER_PIECE + 1)
-
-
-def empty_pieces(count: int) -> Pieces:
-    """Room for `count` pieces."""
-    shape = (count, STEPS_PER_PIECE + 1)
-    return Pieces(np.empty(count), np.empty(count), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape))
 
 
 def pieces_until(first: int, step: float, until: float, most: int = MOST_PIECES) -> int:

@@ -42,6 +42,11 @@ def radau(stages: int) -> Collocation:
     )
 
 
+def highest_coefficient(nodes: Array) -> Array:
+    """Row (s,) that gives the highest Legendre coefficient of a polynomial from its nodal values: how well a step resolves it."""
+    return np.asarray(np.linalg.inv(legendre.legvander(2.0 * nodes - 1.0, nodes.size - 1))[-1]).copy()
+
+
 def radau_nodes(stages: int) -> Array:
     """Right Radau points on (0, 1]: roots of P_s - P_(s-1), shifted."""
     coefficients = np.zeros(stages + 1)

@@ -4,14 +4,15 @@ import math
 from functools import cache
 
 import numpy as np
-from numpy.polynomial import legendre
 
-from reduced.collocation import radau
-from reduced.delay_kernel import PSI, TIME, UNKNOWN, Matrices, Memory, Physics, first_guess, march_delay
-from scene.errors import NumericsError, SceneError
+from reduced.collocation import highest_coefficient, radau
+from reduced.delay_kernel import PSI, TIME, Matrices, Memory, Physics, march_delay
+from reduced.delay_march import DelayMarch
+from reduced.step_guess import first_guess
+from reduced.step_newton import UNKNOWN
+from scene.errors import SceneError
 from scene.friction import respond, unknown_of
-from scene.observe.ledger import Energy
-from scene.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis
+from scene.observe.pieces import Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from scene.scene import Scene
 
 MAX_STEPS = 4096
@@ -20,7 +21,7 @@ _LOOSE_NODES, _TIGHT_NODES, _LOOSE = 6, 8, 3e-7
 _FEWEST_STEPS, _MOST_FIRST_STEPS = 3, 24
 
 
-class Delay:
+class Delay(DelayMarch):
     """Marches the exact system to `tolerance`, the requested relative error of what is asked for.
 
     Asked for are the figures of the cycle, dense extrema included (`emit`, the default), or only the state at the end of the run
@@ -32,51 +33,33 @@ class Delay:
 
     order_interface = "2 nodes - 1 at the ends of steps, nodes inside"
     exact_when = "alike plain slabs"
+    _memory: Memory
 
     def __init__(
         self, scene: Scene, nodes: int | None = None, steps: int | None = None, tolerance: float = 1e-9, emit: bool = True
     ) -> None:
         refuse_unless_plain(scene)
-        self.scene, self.model = scene, "delay"
+        super().__init__(scene)
         self._stages = nodes or (_LOOSE_NODES if tolerance > _LOOSE else _TIGHT_NODES)
         self._newton_tolerance = max(1e-3 * tolerance, 1e-14)
         self._resolution = dense_resolution(tolerance, self._stages) if emit else end_resolution(tolerance)
         self._emit = emit
         self.nodes, self._matrices = collocation_matrices(self._stages)
-        times, velocities = np.array(scene.drive.times), np.array(scene.drive.velocities, dtype=float)
-        if scene.drive.is_constant:
-            times, velocities = times[:1], velocities[:1]
-        self._physics = Physics(scene.upper.epsilon, scene.transit, scene.start.nudge_size, times, velocities)
-        self.failures = 0
-        self.iterations = 0
+        self._physics = Physics(scene.upper.epsilon, scene.transit, scene.start.nudge_size, *scene.drive.knots())
         self._begin(steps or _first_steps(scene, self._stages))
-        self._march(0, self._pieces(0))  # loads or compiles the march, so that a run's wall time is the march's
-
-    @property
-    def time(self) -> float:
-        """Transits since the start."""
-        return float(self._memory.now[TIME])
-
-    @property
-    def psi(self) -> float:
-        """psi at the present moment."""
-        return float(self._memory.now[PSI])
+        self._march(0, empty_pieces(0, self._stages))  # loads or compiles the march, so that a run's wall time is the march's
 
     @property
     def steps(self) -> int:
         """Steps a transit in use now."""
         return int(self._memory.incoming.shape[0])
 
-    def energy(self) -> Energy | None:
-        """The delay system keeps no ledger: its slabs have no inside."""
-        return None
-
     def advance(self, until: float) -> Pieces:
         """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
         while True:
             wanted = max(1, math.ceil((until - self.time) * self.steps - 1e-6))
             count = min(_CHUNK if self._emit else _LONG_CHUNK, wanted)
-            pieces = self._pieces(count if self._emit else 1)
+            pieces = empty_pieces(count if self._emit else 1, self._stages)
             kept, verdict = self._march(count, pieces)
             self._memory.now[TIME] = round(self._memory.now[TIME] * self.steps) / self.steps
             if verdict:
@@ -102,19 +85,13 @@ class Delay:
         incoming = np.full((steps, self._stages), scene.steady_stress + 0.5 * scene.upper.epsilon * scene.velocity)
         self._memory = self._remember(incoming, np.array([0.0, psi, scene.steady_stress]), 0)
 
-    def _pieces(self, count: int) -> Pieces:
-        return Pieces(np.empty(count), np.empty(count), *(np.empty((count, self._stages)) for _ in range(4)))
-
     def _refine(self) -> None:
         """More steps a transit: the stored polynomials are evaluated at the new nodes. Between nodes they are good to the dense
         tolerance only, so where just the end is wanted and resolved, the run begins again instead."""
         old, cursor = self.steps, int(self._memory.cursor[0])
         new = 2 * old if cursor else _next_count(old)
         if new > MAX_STEPS:
-            raise NumericsError(
-                f"delay: the step at t = {self.time:.6g} transits cannot be resolved with {old} steps a transit "
-                f"(psi = {self._memory.now[PSI]:.6g}, scene {self.scene.name!r}, digest {self.scene.digest})"
-            )
+            raise self._unresolved(old)
         if self._emit:
             finer = resample(self._memory.incoming, self.nodes, new)
             self._memory = self._remember(finer, self._memory.now, cursor * new // old)
@@ -150,8 +127,8 @@ def resample(values: Array, nodes: Array, new: int) -> Array:
 def collocation_matrices(stages: int) -> tuple[Array, Matrices]:
     """Nodes and transposed matrices; the tail row gives the highest Legendre coefficient from nodal values."""
     rule = radau(stages)
-    tail = np.linalg.inv(legendre.legvander(2.0 * rule.nodes - 1.0, stages - 1))[-1]
-    return rule.nodes, Matrices(rule.integral.T.copy(), rule.predict.T.copy(), rule.predict_state.T.copy(), tail)
+    matrices = (rule.integral.T.copy(), rule.predict.T.copy(), rule.predict_state.T.copy(), highest_coefficient(rule.nodes))
+    return rule.nodes, Matrices(*matrices)
 
 
 def dense_resolution(tolerance: float, stages: int) -> float:

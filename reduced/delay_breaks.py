@@ -11,12 +11,12 @@ import math
 
 import numpy as np
 
-from reduced.delay_kernel import UNKNOWN
+from reduced.delay_kernel import PSI, TIME
 from reduced.delay_network import DelayNetwork
-from reduced.network_kernel import PSI, TIME
+from reduced.step_newton import UNKNOWN
 from scene.errors import NumericsError
 from scene.friction import respond
-from scene.observe.pieces import Pieces, interpolation_matrix, lagrange_basis
+from scene.observe.pieces import Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from scene.scene import Scene
 
 _RING = 8192
@@ -47,7 +47,7 @@ class DelayBreaks(DelayNetwork):
 
     def advance(self, until: float) -> Pieces:
         """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
-        pieces = Pieces(np.empty(_PIECES), np.empty(_PIECES), *(np.empty((_PIECES, self._stages)) for _ in range(4)))
+        pieces = empty_pieces(_PIECES, self._stages)
         k = 0
         while k < _PIECES and self.time < until - 1e-9:
             if self._step(Pieces(*(array[k : k + 1] for array in pieces))):

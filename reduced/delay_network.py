@@ -6,13 +6,13 @@ import numpy as np
 
 from reduced.collocation import radau
 from reduced.delay import collocation_matrices, dense_resolution
-from reduced.delay_kernel import first_guess
+from reduced.delay_kernel import ELASTIC, PSI, TIME
+from reduced.delay_march import DelayMarch
 from reduced.network import common_divisor, lines_of
-from reduced.network_kernel import ELASTIC, PSI, TIME, Integers, Memory, Motion, Network, march_network
-from scene.errors import NumericsError
+from reduced.network_kernel import Integers, Memory, Motion, Network, march_network
+from reduced.step_guess import first_guess
 from scene.friction import unknown_of
-from scene.observe.ledger import Energy
-from scene.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis
+from scene.observe.pieces import Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from scene.scene import Scene
 
 NODES = 8
@@ -21,7 +21,7 @@ _FEWEST = 3.0
 _CHUNK = 2048
 
 
-class DelayNetwork:
+class DelayNetwork(DelayMarch):
     """Marches the exact system to `tolerance`, the requested relative error of the cycle's figures.
 
     The step divides every travel time where these have a common divisor: break points then lie on steps, and a jump start keeps
@@ -32,11 +32,10 @@ class DelayNetwork:
 
     order_interface = "nodes; 2 nodes - 1 at the ends of steps where round trips are commensurate"
     exact_when = "lossless slabs"
+    _memory: Memory
 
     def __init__(self, scene: Scene, tolerance: float = 1e-9, nodes: int = NODES) -> None:
-        self.scene, self.model = scene, "delay"
-        self.failures = 0
-        self.iterations = 0
+        super().__init__(scene)
         self._stages = nodes
         self.nodes, self._matrices = collocation_matrices(nodes)
         self._tolerances = (max(1e-3 * tolerance, 1e-14), dense_resolution(tolerance, nodes))
@@ -45,38 +44,21 @@ class DelayNetwork:
         self._commensurate = divisor is not None
         longest = min(1.0 / _FEWEST, float(self._lines.travel.min()))
         self._length = divisor / max(1, math.ceil(divisor / longest)) if divisor else longest
-        times, velocities = np.array(scene.drive.times), np.array(scene.drive.velocities, dtype=float)
-        if scene.drive.is_constant:
-            times, velocities = times[:1], velocities[:1]
-        self._motion = Motion(scene.transit, scene.stiffness, scene.start.nudge_size, scene.velocity, times, velocities)
+        self._motion = Motion(scene.transit, scene.stiffness, scene.start.nudge_size, scene.velocity, *scene.drive.knots())
         self._network = self._compile()
         self._memory = self._begin()
         self._origin, self._done = 0.0, 0
-
-    @property
-    def time(self) -> float:
-        """Transits since the start."""
-        return float(self._memory.now[TIME])
-
-    @property
-    def psi(self) -> float:
-        """psi at the present moment."""
-        return float(self._memory.now[PSI])
 
     @property
     def steps(self) -> float:
         """Steps a transit in use now."""
         return 1.0 / self._length
 
-    def energy(self) -> Energy | None:
-        """The delay system keeps no ledger: its slabs have no inside."""
-        return None
-
     def advance(self, until: float) -> Pieces:
         """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
         while True:
             count = min(_CHUNK, max(1, math.ceil((until - self.time) / self._length - 1e-6)))
-            pieces = Pieces(np.empty(count), np.empty(count), *(np.empty((count, self._stages)) for _ in range(4)))
+            pieces = empty_pieces(count, self._stages)
             steps, verdict = self._march(count, pieces)
             self._done += steps
             self._memory.now[TIME] = self._origin + self._done * self._length  # a sum of steps would drift
@@ -153,10 +135,7 @@ class DelayNetwork:
     def _require_room(self) -> None:
         """NumericsError unless the step may still be halved."""
         if 2.0 / self._length > MAX_STEPS / min(1.0, 2.0 * float(self._lines.travel.min())):
-            raise NumericsError(
-                f"delay: the step at t = {self.time:.6g} transits cannot be resolved with {self.steps:.0f} steps a transit "
-                f"(psi = {self.psi:.6g}, scene {self.scene.name!r}, digest {self.scene.digest})"
-            )
+            raise self._unresolved(self.steps)
 
 
 def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:

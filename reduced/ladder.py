@@ -3,16 +3,15 @@
 from functools import cache
 
 import numpy as np
-from numpy.polynomial import legendre
 
-from reduced.collocation import Collocation, radau
+from reduced.collocation import Collocation, highest_coefficient, radau
 from reduced.ladder_kernel import ELASTIC, PSI, RATE, SPRING, TIME, UNKNOWN_END, Memory, Rule, Slabs, march_ladder
 from reduced.ladder_tables import Tables, prediction_tables, step_tables
 from reduced.reduction import Reduction
 from scene.errors import NumericsError
 from scene.friction import rate_of, unknown_of
 from scene.observe.ledger import Energy
-from scene.observe.pieces import Array, Pieces
+from scene.observe.pieces import Pieces, empty_pieces
 from scene.scene import Scene
 
 STAGES = 6
@@ -41,10 +40,7 @@ class Ladder:
         self._tables = _tables(reduction, stages)
         self._newton_tolerance = max(1e-2 * tolerance, 1e-14)
         self._resolution = max(tolerance ** (stages / (stages + 2.0)), 1e-10)
-        times, velocities = np.array(scene.drive.times), np.array(scene.drive.velocities, dtype=float)
-        if scene.drive.is_constant:
-            times, velocities = times[:1], velocities[:1]
-        self._slabs = Slabs(scene.upper.epsilon, scene.transit, scene.stiffness, scene.start.nudge_size, times, velocities)
+        self._slabs = Slabs(scene.upper.epsilon, scene.transit, scene.stiffness, scene.start.nudge_size, *scene.drive.knots())
         self._memory = self._begin(stages)
 
     def _begin(self, stages: int) -> Memory:
@@ -68,7 +64,7 @@ class Ladder:
 
     def advance(self, until: float) -> Pieces:
         """March past `until` by at most one step, at most one chunk; see `Solver`."""
-        pieces = Pieces(np.empty(_CHUNK), np.empty(_CHUNK), *(np.empty((_CHUNK, self.nodes.size)) for _ in range(4)))
+        pieces = empty_pieces(_CHUNK, self.nodes.size)
         steps, iterations, verdict = march_ladder(
             self._shape,
             self.scene.law,
@@ -97,7 +93,7 @@ class Ladder:
 def _rule(stages: int) -> tuple[Collocation, Rule, tuple[float, ...]]:
     """Collocation rule, its compiled form, and the nodes as the tuple that tells the compiler their number."""
     rule = radau(stages)
-    tail: Array = np.linalg.inv(legendre.legvander(2.0 * rule.nodes - 1.0, stages - 1))[-1].copy()
+    tail = highest_coefficient(rule.nodes)
     return rule, Rule(rule.integral, tail, *prediction_tables(rule, (1.0, 2.0))), tuple(float(x) for x in rule.nodes)
 
 

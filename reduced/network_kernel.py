@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.collocation import Nodes
-from reduced.delay_kernel import PREVIOUS, RATE, STATE, UNKNOWN, WORK_ROWS, force, predict, solve_step
+from reduced.delay_kernel import ELASTIC, PSI, TIME
+from reduced.step_guess import force, predict, resolved
+from reduced.step_newton import PREVIOUS, RATE, STATE, UNKNOWN, WORK_ROWS, solve_step
 from scene.compiled import njit, overwrite
 from scene.drive import interpolate_drive
 from scene.friction import Law
 from scene.observe.pieces import Array, Pieces
 
-TIME, PSI, ELASTIC = 0, 1, 2
 OUTWARD, INWARD = 0, 1
 Integers = NDArray[np.int64]
 
@@ -178,25 +179,9 @@ def march_network(
                 incoming[0, j] += share * arrived[first, INWARD, j]
         if motion.nudge != 0.0:
             force(nodes, motion.nudge, start, length, integral, work)
-        used = solve_step(
-            nodes,
-            law,
-            impedance,
-            h,
-            left,
-            incoming,
-            0,
-            integral,
-            newton_tolerance,
-            guess,
-            work,
-            system,
-        )
+        used = solve_step(nodes, law, impedance, h, left, incoming, 0, integral, newton_tolerance, guess, work, system)
         iterations += used
-        unresolved = 0.0
-        for j in range(s):
-            unresolved += tail[j] * guess[UNKNOWN, j]
-        if used == 0 or not abs(unresolved) <= resolution:
+        if used == 0 or not resolved(nodes, tail, guess, resolution):
             overwrite(guess, saved_guess)
             overwrite(grip, saved_grip)
             return n, iterations, 1 if used == 0 else 2

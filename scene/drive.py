@@ -23,6 +23,11 @@ class Drive:
         """True when V never changes, so that solvers may skip everything that depends on it."""
         return len(set(self.velocities)) == 1
 
+    def knots(self) -> tuple[Array, Array]:
+        """(times, velocities) as arrays for compiled solvers; one knot if V never changes."""
+        kept = 1 if self.is_constant else len(self.times)
+        return np.array(self.times[:kept], dtype=float), np.array(self.velocities[:kept], dtype=float)
+
     @property
     def initial(self) -> float:
         """V at and before t = 0: the rate of the steady sliding that every start builds on."""

@@ -27,6 +27,11 @@ class Pieces(NamedTuple):
     elastic: Array
 
 
+def empty_pieces(count: int, nodes: int) -> Pieces:
+    """Room for `count` pieces of `nodes` values each."""
+    return Pieces(np.empty(count), np.empty(count), *(np.empty((count, nodes)) for _ in range(4)))
+
+
 class Basis(NamedTuple):
     """Lagrange basis on the pieces' nodes in [0, 1]: barycentric weights and the matrix that differentiates nodal values."""
 

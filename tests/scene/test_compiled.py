@@ -8,7 +8,7 @@ from pathlib import Path
 PROGRAM = """
 import sys
 import numpy as np
-from reduced.delay_kernel import first_guess
+from reduced.step_guess import first_guess
 from scene.friction import LAWS
 law = LAWS[sys.argv[1]].parameters(0.369, 0.0349, 0.0489)
 guess = np.empty(3)

@@ -1,0 +1,64 @@
+"""Around the Newton iteration of a collocation step of the delay system: where it starts, what forces it, whether its polynomial
+is resolved. See `reduced.step_newton` for the rows of `guess` and `work`."""
+
+import math
+
+from reduced.collocation import Nodes
+from reduced.step_newton import FORCED, FRESH, PREVIOUS, STATE, UNKNOWN
+from scene.compiled import inlined, njit
+from scene.friction import Law
+from scene.interface import solve_interface
+from scene.observe.pieces import Array
+from scene.start import NUDGE_CENTRE, NUDGE_REACH
+
+
+@njit
+def first_guess(law: Law, impedance: float, incoming: Array, psi: float, z: float, guess: Array) -> int:
+    """Nodal z for frozen psi; returns the number of non-converged solves. Used where there is no earlier step to extend."""
+    failures = 0
+    for j in range(guess.size):
+        z, iterations = solve_interface(law, impedance, incoming[j], psi, z)
+        guess[j] = z
+        failures += iterations == 0
+    return failures
+
+
+@njit
+def force(nodes: Nodes, nudge: float, start: float, length: float, integral: Array, work: Array) -> None:
+    """work[FORCED] <- integral of the nudge from the step's start to each node; kept out of the Newton loop, which it would slow
+    by a quarter."""
+    for j in range(len(nodes)):
+        work[FORCED, j] = 0.0
+    if abs(start - NUDGE_CENTRE) > NUDGE_REACH:
+        return
+    for k in range(len(nodes)):
+        since = start + nodes[k] * length - NUDGE_CENTRE
+        size = length * nudge * math.exp(-since * since)
+        for j in range(len(nodes)):
+            work[FORCED, j] += integral[k, j] * size
+
+
+@inlined
+def resolved(nodes: Nodes, tail: Array, guess: Array, resolution: float) -> bool:
+    """Whether the highest Legendre coefficient of z in the step, `tail` times the nodal values, is within `resolution`."""
+    coefficient = 0.0
+    for j in range(len(nodes)):
+        coefficient += tail[j] * guess[UNKNOWN, j]
+    return abs(coefficient) <= resolution
+
+
+@inlined
+def predict(nodes: Nodes, predict_rate: Array, predict_state: Array, left: float, guess: Array, work: Array) -> None:
+    """Replace the nodal values by those one step on of their polynomials: the next step's guess."""
+    s = len(nodes)
+    for j in range(s):
+        work[PREVIOUS, j] = predict_state[0, j] * left
+        work[FRESH, j] = 0.0
+    for k in range(s):
+        psi, z = guess[STATE, k], guess[UNKNOWN, k]
+        for j in range(s):
+            work[PREVIOUS, j] += predict_state[k + 1, j] * psi
+            work[FRESH, j] += predict_rate[k, j] * z
+    for j in range(s):
+        guess[STATE, j] = work[PREVIOUS, j]
+        guess[UNKNOWN, j] = work[FRESH, j]
