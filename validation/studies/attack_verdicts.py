@@ -41,7 +41,7 @@ def answer(found: Found) -> str:
     return (
         f"The step limit lies at {min(stiff):.2f} to {max(stiff):.2f} of the declared one however stiff friction is; of "
         f"{len(outcomes)} attacks {len(outcomes) - told - silent} end right, {told} with a message, {silent} silently wrong; "
-        f"noise in a locked slab never gains energy (at most {max(found.noise.values()):.3g} of it is left)."
+        f"noise in a locked slab never gains energy (at most {max(found.noise.values()):.6g} of it is left)."
     )
 
 
@@ -68,7 +68,7 @@ def medium_verdict(media: dict[str, dict[str, tuple[float, float]]]) -> Verdict:
         "Noise stays at 0.99 of the limit and grows at 1.05, whatever slabs and faces",
         Evidence.EXACT,
         f"below {_CALM:g}, above {_GROWN:g}",
-        f"at most {below:.1f}, at least {plain(above, '.0e')}",
+        f"at most {below:.1f}, " + (f"at least {plain(above, '.0e')}" if math.isfinite(above) else "all beyond any number"),
         judge(below < _CALM and above > _GROWN),
         f"{len(media)} media by {len(CELLS)} families, over the noise put in",
     )
