@@ -101,7 +101,7 @@ def test_break_points_found_by_measure_equal_those_on_the_grid(name):
 
 
 def test_grip_keeps_the_load_and_a_bare_reflection_loses_it():
-    """MODEL.md section 3: with R = 0.9 the load relaxes in 20 transits, a third of a cycle, and stick-slip dies; a grip that
+    """MODEL.md section 3: with R = 0.9 the load relaxes in 10 transits, far less than a cycle, and stick-slip dies; a grip that
     reflects fast waves as much keeps it."""
     drops = {}
     for kind, face in (("bare", 'kind="reflection", coefficient=0.9'), ("grip", 'kind="grip", stiffness=10.0, impedance=19.0')):
@@ -112,6 +112,22 @@ def test_grip_keeps_the_load_and_a_bare_reflection_loses_it():
         drops[kind] = summarise(observer.events, 2000).stress_drop.mean
     assert drops["grip"] > 0.1
     assert not drops["bare"] > 1e-3
+
+
+@pytest.mark.parametrize(("coefficient", "tolerance"), [(0.999, 1e-8), (0.9, 1e-6), (0.5, 1e-3)])
+def test_the_load_on_a_held_interface_falls_to_the_coefficient_every_transit(coefficient, tolerance):
+    """MODEL.md section 3: to 1/e in -1/ln R, about 1/(1 - R), transits. The drive stops, strong healing (b = 15 a) holds the
+    interface."""
+    face = [f"slab.face.coefficient={coefficient}", "interface.a=0.02", "interface.b=0.3"]
+    scene = read("reflection", [*face, "drive.velocity=[[0, 100], [1, 0]]", "start.size=0"])
+    solver, lasting = DelayNetwork(scene), -1.0 / np.log(coefficient)
+    times, loads = [], []
+    for periods in (1, 2):
+        final = follow(solver, 12 + round(periods * lasting))
+        times.append(solver.time)
+        loads.append(final.mu - scene.steady_stress)
+    assert np.diff(times) / np.log(loads[0] / loads[1]) == pytest.approx(lasting, rel=tolerance)
+    assert abs(lasting * (1 - coefficient) - 1) < 1 - coefficient
 
 
 def test_an_end_that_rounding_just_misses_is_reached():
