@@ -13,7 +13,7 @@ import numpy as np
 
 from fullwave.snapshot import FieldSolver, SlabSnapshot, Snapshot
 from scene.errors import SceneError
-from scene.observe import Final, follow
+from scene.observe import Final, Pieces, final_state, follow
 from scene.observe.follow import Observer
 from scene.observe.pieces import Array
 from scene.scene import Scene
@@ -91,7 +91,7 @@ def record_field(
     observers: Sequence[Observer] = (),
     progress: Callable[[float], None] | None = None,
 ) -> tuple[Field, Final]:
-    """March to `end` and keep the fields from `start` on, about every `interval` (transits; rounded up to the solver's pieces).
+    """March to `end` and keep the fields from `start` on, every `interval` (transits; rounded up to the solver's steps).
 
     Returns the record and the interface's state at `end`. Raises SceneError if the window is empty or already past, and
     NumericsError as `follow` does.
@@ -100,14 +100,26 @@ def record_field(
         raise SceneError(f"window = [{start:g}, {end:g}]: must be later than t = {solver.time:g} and of positive length")
     if start > solver.time:
         follow(solver, start, observers, progress)
-    shots = [solver.snapshot()]
-    final = None
+    solver.keep_frames()
+    shots, latest = [solver.snapshot()], _Latest()
     while solver.time < end - 1e-9:
-        final = follow(solver, min(end, solver.time + interval), observers, progress)
-        shots.append(solver.snapshot())
-    if final is None:
+        follow(solver, min(end, solver.time + interval), [*observers, latest], progress)
+        for frame in solver.frames():
+            if min(shots[-1].time + interval, solver.time) - 1e-9 < frame.time:
+                shots.append(frame)
+    if latest.pieces is None:
         raise SceneError(f"window = [{start:g}, {end:g}]: shorter than the solver's step")
-    return assemble(solver.scene, solver.model, shots), final
+    return assemble(solver.scene, solver.model, shots), final_state(solver, latest.pieces, end)
+
+
+class _Latest:
+    """Remembers the latest pieces: the record's own last sample may lie a little beyond the end of the run."""
+
+    pieces: Pieces | None = None
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        self.pieces = pieces
 
 
 def assemble(scene: Scene, model: str, shots: Sequence[Snapshot]) -> Field:

@@ -94,6 +94,13 @@ class Leapfrog:
 
         return snapshot_of(self.scene, self.time, self._clock, self._memory, self._sides, self._grids)
 
+    def keep_frames(self) -> None:
+        """As `FieldSolver`: nothing to do, four steps of a leapfrog are short."""
+
+    def frames(self) -> list[Snapshot]:
+        """As `FieldSolver`: the fields now."""
+        return [self.snapshot()]
+
     def state(self) -> dict[str, Array]:
         """Everything that changes during a run, as arrays; `restore` takes it back to the bit."""
         arrays = {"sample": np.array([self._sample]), "failures": np.array([self.failures]), "memory": self._memory.copy()}

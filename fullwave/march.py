@@ -42,10 +42,11 @@ def _march(
     rates: Array,
     unknowns: Array,
     pieces: Pieces,
+    frames: Array,
 ) -> tuple[int, float]:
     """Fill `pieces`, advancing `state` from step number `first`. `unknowns` (3, stages) holds z of the last three steps' stages,
-    latest first: a parabola through them starts each friction solve, which saves two of four iterations. Returns (failed solves,
-    fastest state relaxation per transit)."""
+    latest first: a parabola through them starts each friction solve, which saves two of four iterations. `frames`, if it has
+    rows, takes the state at the beginning of every step. Returns (failed solves, fastest state relaxation per transit)."""
     operator, medium, interface, drive = system.operator, system.medium, system.interface, system.drive
     slots, facts, tops, arrivals = system.slots, system.facts, system.tops, system.arrivals
     weight, abscissae = step * method.weight, step * method.abscissae
@@ -55,6 +56,9 @@ def _march(
     fastest = 0.0
     for n in range(8 * count + 1):
         time = (first + n) * step
+        if n < frames.shape[0]:
+            for i in range(state.size):
+                frames[n, i] = state[i]
         for stage in range(stages):
             combine(weight, stages, stage, state, rates, trial)
             guess = 3.0 * (unknowns[0, stage] - unknowns[1, stage]) + unknowns[2, stage]
@@ -110,6 +114,7 @@ class March:
         self._state = np.zeros(grid.size + SCALARS + memory)
         self._state[grid.size + PSI] = scene.steady_psi + scene.start.jump_size
         self._state[grid.size + ELASTIC] = scene.steady_stress
+        self._frames, self._keeps_frames = np.empty((0, self._state.size)), False
         self._trial = np.zeros(self._state.size)
         self._rates = np.zeros(method.stages * self._state.size)
 
@@ -122,8 +127,18 @@ class March:
         """March towards `until` (transits), at most one chunk."""
         wanted = math.ceil((until / self.step - self._taken) / STEPS_PER_PIECE - 1e-6)
         pieces = _room(self._taken, self.step, min(MOST_PIECES, max(1, wanted)))
+        self._frames = np.empty((self._keeps_frames * (STEPS_PER_PIECE * pieces.time.size + 1), self._state.size))
         failures, fastest = _march(
-            self.system, self.method, self.step, self._taken, self._state, self._trial, self._rates, self._unknowns, pieces
+            self.system,
+            self.method,
+            self.step,
+            self._taken,
+            self._state,
+            self._trial,
+            self._rates,
+            self._unknowns,
+            pieces,
+            self._frames,
         )
         self.failures += failures
         self._taken += STEPS_PER_PIECE * pieces.time.size
@@ -143,9 +158,21 @@ class March:
 
     def snapshot(self) -> Snapshot:
         """Velocity and stress at the nodes at `time`."""
-        shots = [slab_fields(self.grid, self.system, self._state, slab) for slab in range(self.system.interface.sides)]
+        return self._shot(self.time, self._state)
+
+    def keep_frames(self) -> None:
+        """As `FieldSolver`: steps of high order are long, pieces of eight of them too long for a picture of waves."""
+        self._keeps_frames = True
+
+    def frames(self) -> list[Snapshot]:
+        """As `FieldSolver`."""
+        begin = self._taken - self._frames.shape[0] + 1
+        return [self._shot((begin + k) * self.step, state) for k, state in enumerate(self._frames) if k] or [self.snapshot()]
+
+    def _shot(self, time: float, state: Array) -> Snapshot:
+        shots = [slab_fields(self.grid, self.system, state, slab) for slab in range(self.system.interface.sides)]
         lower = SlabSnapshot(shots[0].depth, -shots[0].velocity, shots[0].stress) if self.scene.alike else shots[1]
-        return Snapshot(self.time, shots[0], lower)
+        return Snapshot(time, shots[0], lower)
 
     def impose(self, slab: int, velocity: Shape, stress: Shape) -> None:
         """Set the fields of slab 0 (upper) or 1 (lower): functions of depth (transits of the upper slab, array in, array out).

@@ -28,7 +28,7 @@ class Snapshot:
 
 
 class FieldSolver(Protocol):
-    """A solver whose fields can be recorded: the `Solver` protocol and `snapshot`."""
+    """A solver whose fields can be recorded: the `Solver` protocol, `snapshot`, `keep_frames` and `frames`."""
 
     scene: Scene
     model: str
@@ -47,3 +47,9 @@ class FieldSolver(Protocol):
 
     def snapshot(self) -> Snapshot:
         """The fields now."""
+
+    def keep_frames(self) -> None:
+        """From now on `frames` has the fields of every step, as far as the solver's pieces are long."""
+
+    def frames(self) -> list[Snapshot]:
+        """The fields at the ends of the last advance's steps, where kept; at least those now."""

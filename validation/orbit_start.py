@@ -12,7 +12,7 @@ from scene.scene import Scene
 from validation.orbits import NoCycle, settle
 
 _TOLERANCE = 1e-9
-_PASSED_ON = frozenset({"snapshot", "step", "total_cells", "settings", "choice"})
+_PASSED_ON = frozenset({"snapshot", "keep_frames", "frames", "step", "total_cells", "settings", "choice"})
 
 
 class OnOrbit:

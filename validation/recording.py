@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 
 from scene.errors import SceneError
 from scene.files import whole_or_absent
-from scene.observe import Final, HistoryObserver, Pieces, Solver, final_state
+from scene.observe import Final, HistoryObserver, Solver
 from scene.observe.follow import Observer
 from validation.simulate import Run
 
@@ -40,29 +40,16 @@ FIELD_WINDOW = 100.0
 """Transits before the end of the run whose fields are kept: more than a cycle of the paper's scenes, never all of a long run."""
 
 
-class _Latest:
-    """Remembers the latest pieces: the record's own last sample may lie a little before the end of the run."""
-
-    pieces: Pieces | None = None
-
-    def scan(self, pieces: Pieces) -> None:
-        """Take the next pieces of the run, in order."""
-        self.pieces = pieces
-
-
 class FieldMarch:
-    """Marches a full-wave solver as `follow` does and keeps the fields of the last FIELD_WINDOW transits for `write`.
+    """Marches a full-wave solver as `follow` does and keeps the `field` of the last FIELD_WINDOW transits (None before the end).
 
-    Raises SceneError if the solver has no fields.
+    Raises SceneError, naming what asked (`asked`), if the solver has no fields.
     """
 
-    def __init__(self, solver: Solver, path: Path) -> None:
+    def __init__(self, solver: Solver, asked: str) -> None:
         if not hasattr(solver, "snapshot"):
-            raise SceneError(
-                f"--fields = {str(path)!r}: model {solver.model} has no grid to take fields from; use a full-wave model"
-            )
-        self._path = path
-        self._field: Field | None = None
+            raise SceneError(f"{asked}: model {solver.model} has no grid to take fields from; use a full-wave model")
+        self.field: Field | None = None
 
     def __call__(
         self, solver: Solver, until: float, observers: Sequence[Observer] = (), progress: Callable[[float], None] | None = None
@@ -70,19 +57,18 @@ class FieldMarch:
         """March to `until` (transits), as `follow`."""
         from fullwave.field import record_field
 
-        start, latest = max(until - FIELD_WINDOW, solver.time), _Latest()
-        self._field, _ = record_field(
-            cast("FieldSolver", solver), start, until, observers=[*observers, latest], progress=progress
-        )
-        assert latest.pieces is not None
-        return final_state(solver, latest.pieces, until)
+        start = max(until - FIELD_WINDOW, solver.time)
+        self.field, final = record_field(cast("FieldSolver", solver), start, until, observers=observers, progress=progress)
+        return final
 
-    def write(self) -> None:
-        """Write the fields, if the run reached its end; the file is whole or absent."""
-        from fullwave.field_files import write_field
 
-        if self._field is not None:
-            write_field(self._path, self._field)
+def fields_for(solver: Solver, fields: Path | None, out: Path | None) -> FieldMarch | None:
+    """The march that keeps fields, if --fields or, for a run written to `out`, the scene's `record` asks for them."""
+    if fields is not None:
+        return FieldMarch(solver, f"--fields = {str(fields)!r}")
+    if out is not None and "fields" in solver.scene.record:
+        return FieldMarch(solver, 'run.record: "fields"')
+    return None
 
 
 def history_for(solver: Solver) -> HistoryObserver | None:
@@ -92,8 +78,9 @@ def history_for(solver: Solver) -> HistoryObserver | None:
     return HistoryObserver(solver.scene.law, solver.nodes)
 
 
-def write_run(path: Path, done: Run, history: HistoryObserver | None) -> None:
-    """Write `done` to `path`, which is whole or absent; `complete` is 0 if the numerics failed on the way.
+def write_run(path: Path, done: Run, history: HistoryObserver | None, field: "Field | None" = None) -> None:
+    """Write `done` to `path`, which is whole or absent; `complete` is 0 if the numerics failed on the way. A `field` becomes the
+    file's group "fields".
 
     Raises SceneError if the file cannot be written.
     """
@@ -123,6 +110,8 @@ def write_run(path: Path, done: Run, history: HistoryObserver | None) -> None:
     }
     with whole_or_absent(path) as temporary:
         xarray.Dataset(variables, attrs=facts).to_netcdf(temporary, engine="netcdf4")
+        if field is not None:
+            field.dataset().to_netcdf(temporary, mode="a", group="fields", engine="netcdf4")
 
 
 def _notes(facts: tuple[str, str]) -> dict[str, str]:

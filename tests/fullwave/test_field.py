@@ -8,6 +8,7 @@ import pytest
 import xarray
 from leapfrog_scenes import PAPER, SCENES
 
+from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.field import record_field
 from fullwave.field_files import profile, sheet, write_field
 from fullwave.field_picture import picture
@@ -140,3 +141,19 @@ def test_picture_of_one_event(tmp_path):
     assert [axes.get_ylabel() for axes in figure.axes[:2]] == ["depth / travel time"] * 2
     figure.savefig(tmp_path / "event.png", dpi=60)
     assert (tmp_path / "event.png").stat().st_size > 5000
+
+
+def test_frames_lie_closer_than_the_pieces_of_a_march_of_high_order():
+    """Eight steps of order 8 are half a transit: the record has every step, and the run is the same to the bit."""
+    chosen = SCENES["unlike"]
+    solver, plain, other = (DiscontinuousGalerkin(chosen, degree=5, cells=2) for _ in range(3))
+    field, final = record_field(solver, 10.0, 13.0)
+    assert np.diff(field.time).max() < 1.001 * max(solver.step, 1 / 32)
+    assert follow(plain, 13.0) == final
+    assert field.time[-1] == plain.time
+    assert np.array_equal(field.upper.velocity[-1], plain.snapshot().upper.velocity)
+    other.step *= 0.25  # its pieces end where the record has frames in the midst of pieces
+    follow(other, 10.9)
+    at = np.argmin(np.abs(field.time - other.time))
+    assert field.time[at] == pytest.approx(other.time, abs=1e-9)
+    assert field.lower.stress[at] == pytest.approx(other.snapshot().lower.stress, abs=1e-7)

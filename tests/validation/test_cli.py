@@ -300,6 +300,21 @@ def test_fields_of_the_last_transits_are_written_whole(tmp_path: Path, capsys: p
     assert json.loads(capsys.readouterr().out)["final"] == pytest.approx(plain["final"], rel=1e-12)
 
 
+def test_fields_that_a_scene_records_go_into_the_run_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    import xarray
+
+    out = tmp_path / "run.nc"
+    asked = ["run", "unlike", "--until", "20", "--set", 'run.record=["events", "fields"]', "--out", str(out)]
+    assert main([*asked, "--model", "sbp:6", "--cells", "16"]) == 0
+    capsys.readouterr()
+    with xarray.open_dataset(out, group="fields") as data:
+        assert {"upper_velocity", "lower_stress"} <= set(data)
+        assert float(data["time"].diff("time").max()) < 0.2  # steps, not pieces of eight
+    before = out.read_bytes()
+    assert "run.record" in refused(capsys, *asked, "--model", "delay")
+    assert out.read_bytes() == before
+
+
 def test_stability_of_the_paper_scene(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["stability", "paper", "--json"]) == 0
     result = json.loads(capsys.readouterr().out)

@@ -19,7 +19,9 @@ def run(
     cells: Cells = None,
     cfl: Cfl = None,
     tol: Tolerance = None,
-    out: Annotated[Path | None, typer.Option(metavar="FILE.nc", help="write events (and the interface, if recorded)")] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE.nc", help="write events, and the interface and fields if recorded")
+    ] = None,
     fields: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="full wave: write velocity and stress of the last 100 transits, .vtu, .xdmf or .nc"),
@@ -34,11 +36,12 @@ def run(
     json: Json = False,
 ) -> None:
     """Run one model on one scene; print events, periods and stress drops of the run's second half."""
+    from fullwave.field_files import write_field
     from scene.errors import NumericsError
     from scene.observe import follow
     from validation.models import build, resolve
     from validation.output import print_json, require_writable
-    from validation.recording import FIELD_FILES, FieldMarch, history_for, write_run
+    from validation.recording import FIELD_FILES, fields_for, history_for, write_run
     from validation.resuming import march_for
     from validation.simulate import simulate
 
@@ -52,16 +55,17 @@ def run(
     grid = getattr(solver, "choice", None)
     if grid is not None:
         typer.echo(f"{solver.model}: {grid.cells} cells, estimated error of {grid.quantity} {grid.error_estimate:.1e}", err=True)
-    picture = FieldMarch(solver, fields) if fields is not None else None
+    picture = fields_for(solver, fields, out)
     march = march_for(solver, checkpoint, every, picture or follow)
     if why:
         typer.echo(f"model auto: {chosen} ({why})", err=True)
     history = history_for(solver) if out is not None else None
     done = simulate(solver, what.until, [history] if history else [], march)
-    if picture is not None:
-        picture.write()
+    field = picture.field if picture is not None else None
+    if fields is not None and field is not None:
+        write_field(fields, field)
     if out is not None:
-        write_run(out, done, history)
+        write_run(out, done, history, field if "fields" in what.record else None)
     if json:
         print_json(result_of(done))
     else:
