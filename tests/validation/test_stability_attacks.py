@@ -23,7 +23,7 @@ def test_attacks_end_right_or_with_a_message(name):
 
 @pytest.mark.parametrize("name", ["V 4", "jump back"])
 def test_late_cycles_are_right(name):
-    assert not any(outcome.silently_wrong(1e-2, 2e-2) for outcome in attack(name, 200.0).values())
+    assert not any(outcome.silently_wrong(1e-2, 2e-2) for outcome in attack(name, late=True).values())
 
 
 @pytest.mark.parametrize("model", ["sbp:4", "dg:3"])

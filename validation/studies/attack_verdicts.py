@@ -25,7 +25,7 @@ class Found(NamedTuple):
     reach: dict[str, float]
     media: dict[str, dict[str, tuple[float, float]]]
     stopped: dict[str, bool]
-    until: float
+    late: bool
     attacks: dict[str, dict[str, Outcome]]
     advice: dict[str, Advice]
     transits: float
@@ -100,13 +100,12 @@ def stop_verdict(stopped: dict[str, bool]) -> Verdict:
     )
 
 
-def attack_verdict(name: str, some: dict[str, Outcome], until: float) -> Verdict:
+def attack_verdict(name: str, some: dict[str, Outcome], beyond: bool) -> Verdict:
     """Whether an attack ended right or with a message in every family."""
     silent = [model for model, outcome in some.items() if outcome.silently_wrong(_RIGHT, _LATE)]
     errors = [outcome.error for outcome in some.values() if not outcome.reported]
-    late = [outcome.late for outcome in some.values() if not outcome.reported]
-    beyond = until > 40.0
-    ours = f"ψ to {plain(max(errors), '.0e')}" + (f", late {plain(max(late), '.0e')}" if beyond else "") if errors else "messages"
+    late = max((outcome.late for outcome in some.values() if not outcome.reported), default=0.0)
+    ours = f"ψ to {plain(max(errors), '.0e')}" + (f", late {plain(late, '.0e')}" if beyond else "") if errors else "messages"
     return Verdict(
         "Extreme scenes end right or with a message, never wrong in silence",
         Evidence.WITNESS,

@@ -27,7 +27,7 @@ def run(budget: Budget) -> StudyResult:
         tables=(
             tables.limit_table(found.decades, found.limits, found.reach),
             tables.medium_table(found.media),
-            tables.attack_table(found.attacks, found.until),
+            tables.attack_table(found.attacks, found.late),
             *tables.message_table(found.attacks),
             tables.advice_table(found.advice),
             tables.noise_table(found.noise, found.transits),
@@ -37,7 +37,7 @@ def run(budget: Budget) -> StudyResult:
             verdicts.medium_verdict(found.media),
             verdicts.state_verdict(found.reach),
             verdicts.stop_verdict(found.stopped),
-            *(verdicts.attack_verdict(name, some, found.until) for name, some in found.attacks.items()),
+            *(verdicts.attack_verdict(name, some, found.late) for name, some in found.attacks.items()),
             verdicts.advice_verdict(found.advice),
             verdicts.noise_verdict(found.noise, found.transits),
         ),
@@ -51,7 +51,7 @@ def run(budget: Budget) -> StudyResult:
 
 def _measure(budget: Budget) -> Found:
     decades = _QUICK_DECADES if budget.quick else _FULL_DECADES
-    until, transits = (40.0, 1e3) if budget.quick else (200.0, 1e5)
+    transits = 1e3 if budget.quick else 2e4
     parts = _Progress(budget.report, 4 * len(CELLS) + len(ATTACKS))
     limits = {model: [limit_at(model, decade) for decade in decades] for model in parts.over(CELLS)}
     media = {
@@ -64,8 +64,8 @@ def _measure(budget: Budget) -> Found:
         {model: state_reach(model) for model in parts.over(CELLS)},
         media,
         {model: stops_beyond(model, 1.25) for model in parts.over(CELLS)},
-        until,
-        {name: attack(name, until) for name in parts.over(ATTACKS)},
+        not budget.quick,
+        {name: attack(name, not budget.quick) for name in parts.over(ATTACKS)},
         {model: advised(model) for model in (_ADVISED if budget.quick else CELLS)},
         transits,
         {model: locked_noise(model, transits) for model in parts.over(CELLS)},
