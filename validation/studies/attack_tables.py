@@ -36,32 +36,31 @@ def limit_table(decades: tuple[int, ...], limits: dict[str, list[float]], reach:
 def medium_table(found: dict[str, dict[str, tuple[float, float]]]) -> Table:
     """Noise just below and just above the limit."""
     rows: list[tuple[Cell, ...]] = [
-        (medium, *(f"{_size(below)}\u00a0→\u00a0{_size(above)}" for below, above in (some[model] for model in CELLS)))
+        (medium, *(f"{_size(below)}, {_size(above)}" for below, above in (some[model] for model in CELLS)))
         for medium, some in found.items()
     ]
     caption = (
-        "Largest field, over the size of the noise put in, after 400 steps at 0.99 of the limit → after 2000 steps at 1.05 of "
-        "it; the larger of soft (a/v = 10^{-2} Z) and stiff (10^{4} Z) friction. ∞: beyond the range of numbers."
+        "Largest field, over the size of the noise put in, after 400 steps at 0.99 of the limit, then after 2000 steps at 1.05 "
+        "of it; the larger of soft (a/v = 10^{-2} Z) and stiff (10^{4} Z) friction. ∞: beyond the range of numbers."
     )
     return Table("media", caption, (Column("medium"), *(Column(model) for model in CELLS)), tuple(rows))
 
 
 def _size(value: float) -> str:
-    return "∞" if value > 1e300 else plain(value, ".0e" if value > 1e4 or value < 0.01 else ".2g")
+    return "∞" if value > 1e300 else plain(value, ".0e" if value > 1e4 or value < 0.01 else ".1g")
 
 
 def attack_table(found: dict[str, dict[str, Outcome]], late: bool) -> Table:
     """Outcome of every attack by every family."""
     rows: list[tuple[Cell, ...]] = [
         (
-            ATTACKS[name].title,
-            ATTACKS[name].finer,
+            ATTACKS[name].title + (f", cells × {ATTACKS[name].finer}" if ATTACKS[name].finer > 1 else ""),
             ATTACKS[name].late if late else 40.0,
             *(some[model].wording for model in CELLS),
         )
         for name, some in found.items()
     ]
-    columns = (Column("attack"), Column("cells ×", "", ".0f"), Column("until", "t", ".0f"), *(Column(model) for model in CELLS))
+    columns = (Column("attack"), Column("until", "t", ".0f"), *(Column(model) for model in CELLS))
     ending = (
         "; behind the semicolon, at the end of the run, the error of ψ or, if that is less, the largest relative error of mean "
         "period, stress drop and v_{max} of the cycles in the second half"
@@ -72,8 +71,8 @@ def attack_table(found: dict[str, dict[str, Outcome]], late: bool) -> Table:
     caption = (
         "Largest difference of ψ from the delay system’s at 6, 8, 12, 20 and 40 transits of the upper slab"
         f"{ending}. Smooth start of the paper’s scene unless told otherwise. *n failures*: interface solves that were counted as "
-        "failed; *message*: the run was refused or ended with the words in a table below. Cells of the faster slab, times the "
-        f"second column: {cells}."
+        "failed; *message*: the run was refused or ended with the words in a table below. Cells of the faster slab: "
+        f"{cells}."
     )
     return Table("attacks", caption, columns, tuple(rows))
 

@@ -12,7 +12,7 @@ from validation.study import Budget, Number, StudyResult
 NAME = "stability-attacks"
 QUESTION = "Can the full wave be upset, and does it say so?"
 SCENES = ("paper", "unlike")
-SECONDS = (8.0, 40.0)
+SECONDS = (8.0, 32.0)
 
 _QUICK_DECADES, _FULL_DECADES = (-4, 0, 2, 4, 8), (-4, -2, *range(9))
 _QUICK_MEDIA = ("alike slabs", "impedances 1 : 1000", "layers 1 : 100", "Kelvin-Voigt, 0.02 transits")
