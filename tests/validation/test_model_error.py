@@ -3,7 +3,8 @@ import math
 import pytest
 
 from validation.studies import load
-from validation.studies.model_error import Run, error, states
+from validation.studies.model_error_runs import Run, error, states
+from validation.studies.model_error_verdicts import target
 from validation.study import Budget, Outcome
 
 STUDY = load("model-error")
@@ -41,5 +42,5 @@ def test_a_model_that_found_no_orbit_has_no_error():
 
 def test_a_worse_model_turns_a_light_red(result):
     fine = {-2.68: Run(73.0, 0.17, 1.0)}
-    verdict = STUDY._target({"delay": fine, "modal:1": {-2.68: Run(73.2, 0.17, 1.0)}}, "modal:1")
+    verdict = target({"delay": fine, "modal:1": {-2.68: Run(73.2, 0.17, 1.0)}}, "modal:1")
     assert verdict.outcome is Outcome.FAIL

@@ -3,6 +3,8 @@ import math
 import pytest
 
 from validation.studies import load
+from validation.studies.partial_reflection_runs import Pair, Point, locking_leak
+from validation.studies.partial_reflection_verdicts import agreement, keeps, locks
 from validation.study import Budget, Outcome
 
 STUDY = load("partial-reflection")
@@ -29,13 +31,13 @@ def test_figures_draw(result, figure):
 
 
 def test_where_the_interface_locks():
-    assert STUDY._locking_leak() == pytest.approx(2.0 / 11.0)
+    assert locking_leak() == pytest.approx(2.0 / 11.0)
 
 
 def test_a_lost_grip_and_a_wrong_end_turn_lights_red():
-    points = [STUDY.Point(77.0, 0.2, 5000.0), STUDY.Point()]
+    points = [Point(77.0, 0.2, 5000.0), Point()]
     assert math.isnan(points[1].period)
-    assert STUDY._keeps((1e-3, 0.1), points).outcome is Outcome.FAIL
-    assert STUDY._locks({0.1: "steady", 0.5: "steady"}, 2.0 / 11.0).outcome is Outcome.FAIL
-    pair = STUDY.Pair(1.0, 1.0, STUDY.Point(77.0, 0.2, 5000.0), STUDY.Point(77.0, 0.2, 5000.1))
-    assert STUDY._agreement([pair]).outcome is Outcome.FAIL
+    assert keeps((1e-3, 0.1), points).outcome is Outcome.FAIL
+    assert locks({0.1: "steady", 0.5: "steady"}, 2.0 / 11.0).outcome is Outcome.FAIL
+    pair = Pair(1.0, 1.0, Point(77.0, 0.2, 5000.0), Point(77.0, 0.2, 5000.1))
+    assert agreement([pair]).outcome is Outcome.FAIL

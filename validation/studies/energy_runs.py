@@ -1,0 +1,86 @@
+"""What the energy ledgers of the full wave leave open on each grid, and their entries over two cycles."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+
+import scene
+from scene.observe import EventObserver, follow
+from scene.observe.pieces import Array
+from validation.models import build
+from validation.studies.energy_figures import ENTRIES, History
+
+UNTIL = 200.0
+"""Transits after which the books are closed."""
+
+_ROUNDING = 3e-13
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """A family, the order it declares (None: it conserves) and its grids."""
+
+    model: str
+    declared: float | None
+    cells: tuple[int, ...]
+
+
+LADDERS = (
+    Ladder("fd", None, (6, 12, 24, 48, 96)),
+    Ladder("sbp:2", 2.0, (6, 12, 24, 48, 96)),
+    Ladder("fem:1", 2.0, (6, 12, 24, 48, 96)),
+    Ladder("fem:2", 3.0, (4, 8, 16, 32)),
+    Ladder("dg:1", 2.0, (4, 8, 16, 32, 64)),
+    Ladder("dg:2", 3.0, (3, 6, 12, 24)),
+)
+
+HIGH = {"sbp:4": 48, "sbp:6": 48, "fem:4": 8, "dg:4": 8, "dg:7": 4}
+"""Families of high degree and their cells."""
+
+BOUNDARIES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "rigid faces": ("paper", ()),
+    "grips": ("grip", ()),
+    "viscous": ("viscous", ()),
+}
+"""What takes the energy: gallery name of the scene and changes to it."""
+
+
+def _solver(model: str, cells: int, name: str) -> Any:
+    gallery, changes = BOUNDARIES[name]
+    return build(model, scene.read(gallery, list(changes)), cells=cells)
+
+
+def residual_of(model: str, cells: int, name: str) -> float:
+    """What does not close after `UNTIL` transits, relative to the largest entry."""
+    solver = _solver(model, cells, name)
+    follow(solver, UNTIL)
+    return float(cast(Any, solver.energy()).residual)
+
+
+def mean_order(cells: tuple[int, ...], residual: Array) -> float:
+    """Mean order over the grids above rounding; NaN if fewer than two are."""
+    above = np.abs(residual) > _ROUNDING
+    if above.sum() < 2:
+        return math.nan
+    return -float(np.polyfit(np.log(np.array(cells)[above]), np.log(np.abs(residual)[above]), 1)[0])
+
+
+def history_of(name: str, cells: int) -> History:
+    """The ledger's entries over two cycles of the settled orbit, from the start of an event."""
+    solver = _solver("dg:7", cells, name)
+    observer = EventObserver(solver.scene, solver.nodes)
+    follow(solver, 2400.0, [observer])
+    period = float(observer.events.period[-1])
+    moments = solver.time + np.linspace(0.0, 2.0 * period, 1000)
+    rows = []
+    for moment in moments[1:]:
+        if moment > solver.time:
+            follow(solver, moment)
+        energy = solver.energy()
+        rows.append((solver.time, *(getattr(energy, entry) for entry in ENTRIES)))
+    table = np.array(rows)
+    return History(
+        period, table[:, 0] - table[0, 0], {entry: table[:, k + 1] - table[0, k + 1] for k, entry in enumerate(ENTRIES)}
+    )
