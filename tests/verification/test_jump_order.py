@@ -1,8 +1,9 @@
 """A start that jumps: what the jump costs each family, and that it costs no more later on.
 
 The jump comes back every transit for ever (MODEL.md section 7). A grid smears it over a width of h^(q/(q + 1)), q the order at
-which the scheme damps what it cannot resolve (2 P + 1 for upwind elements of degree P), so that just under order 1 is what there
-is: 7/8 for dg:3, 15/16 for dg:7; about 0.9 and 0.8 are measured for differences and for continuous elements. The witness is the delay system, which keeps the jump on its steps.
+which the scheme damps what it cannot resolve (2 P + 1 for upwind elements of degree P), so that just under order 1 is what
+there is: 7/8 for dg:3, 15/16 for dg:7; about 0.9 and 0.8 are measured for differences and for continuous elements. The witness
+is the delay system, which keeps the jump on its steps.
 """
 
 import dataclasses
