@@ -17,12 +17,8 @@ Adding a reduction of the alike pair is one line of `REDUCTIONS`.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from scene.errors import SceneError
-
-if TYPE_CHECKING:
-    from scene.scene import Scene
 
 MOST_MODES = 64
 
@@ -105,16 +101,3 @@ def mode_count(name: str) -> int:
     if not count.isascii() or not count.isdigit() or int(count) > MOST_MODES:
         raise SceneError(f"model = {name!r}: {kind}:N needs a whole number N in 0..{MOST_MODES}")
     return int(count)
-
-
-def reduction_of(scene: "Scene", name: str) -> Reduction:
-    """The reduction `name` of this scene's slab pair, relative to the upper slab's epsilon and transit.
-
-    Alike plain slabs take the table above; any other scene is reduced from its own impedance. Raises SceneError saying why where
-    a reduction makes no sense for the scene (and which one does).
-    """
-    if scene.alike and scene.upper.is_plain and not name.startswith("fitted:"):
-        return reduction(name)
-    from reduced.impedance import reduce_scene
-
-    return reduce_scene(scene, name)

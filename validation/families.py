@@ -79,8 +79,8 @@ def _delay(scene: Scene, model: str, request: Request) -> Solver:
 
 
 def _ladder(scene: Scene, model: str, request: Request) -> Solver:
+    from reduced.impedance import reduction_of
     from reduced.ladder import Ladder
-    from reduced.reduction import reduction_of
 
     return Ladder(scene, reduction_of(scene, model), **request.given("tolerance"))
 

@@ -12,7 +12,7 @@ from reduced.impedance.models import (
     ratio_of,
 )
 from reduced.impedance.rational import poles_and_residues, taylor_poles
-from reduced.impedance.reduce import reduce_scene
+from reduced.impedance.reduce import reduce_scene, reduction_of
 
 __all__ = [
     "Complex",
@@ -28,6 +28,7 @@ __all__ = [
     "poles_and_residues",
     "ratio_of",
     "reduce_scene",
+    "reduction_of",
     "slab_ratio",
     "taylor_poles",
 ]

@@ -8,7 +8,7 @@ import numpy as np
 from reduced.impedance.jet import Complex, Jet
 from reduced.impedance.line import Ratio, pair_ratio
 from reduced.impedance.rational import poles_and_residues, real_part_on_axis, reduction_ratio, taylor_poles, taylor_ratio
-from reduced.reduction import reduction_of
+from reduced.impedance.reduce import reduction_of
 from scene.errors import SceneError
 from scene.scene import Scene
 

@@ -13,6 +13,17 @@ from scene.scene import Scene
 from scene.slab import ReflectingFace
 
 
+def reduction_of(scene: Scene, name: str) -> Reduction:
+    """The reduction `name` of this scene's slab pair, relative to the upper slab's epsilon and transit.
+
+    Alike plain slabs take the table above; any other scene is reduced from its own impedance. Raises SceneError saying why where
+    a reduction makes no sense for the scene (and which one does).
+    """
+    if scene.alike and scene.upper.is_plain and not name.startswith("fitted:"):
+        return reduction(name)
+    return reduce_scene(scene, name)
+
+
 def reduce_scene(scene: Scene, name: str) -> Reduction:
     """The reduction `name` of any scene, relative to the upper slab's epsilon and transit.
 

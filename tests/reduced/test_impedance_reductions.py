@@ -8,7 +8,8 @@ from one_port_scenes import EPSILON, EVERY, LOSSLESS, LOSSY, ROUND_TRIP, paper
 
 from reduced.impedance import check_passivity, impedance, poles_and_residues, taylor_poles
 from reduced.impedance.modes import locked_modes, spring_and_mass
-from reduced.reduction import Reduction, reduction_of
+from reduced.impedance.reduce import reduction_of
+from reduced.reduction import Reduction
 from scene.errors import SceneError
 
 T = np.array([0.01 + 0.3j, 0.2 + 1j, 2.0j, 3 + 9j])

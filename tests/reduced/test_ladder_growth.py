@@ -8,8 +8,8 @@ import pytest
 from one_port_scenes import EVERY
 from scipy.interpolate import CubicSpline
 
+from reduced.impedance import reduction_of
 from reduced.ladder import Ladder
-from reduced.reduction import reduction_of
 from reduced.stability import characteristic, critical_round_trip, leading_roots, scaled
 from scene.observe import HistoryObserver, follow
 from scene.scene import Scene

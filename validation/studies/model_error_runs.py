@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 import scene
-from reduced.reduction import reduction_of
+from reduced.impedance import reduction_of
 from scene.observe import EventObserver, follow
 from scene.observe.pieces import Array
 from scene.scene import Scene
@@ -74,6 +74,7 @@ def curves(runs: Runs) -> dict[str, tuple[Array, Array, Array]]:
     grid = np.array(list(runs["delay"]))
 
     def sizes(model: str, quantity: str) -> Array:
+        """Errors of one figure over the grid."""
         return np.abs([error(runs, model, x, quantity) for x in grid])
 
     return {model: (grid, sizes(model, "period"), sizes(model, "drop")) for model in MODELS}

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from reduced.reduction import reduction_of
+from reduced.impedance import reduction_of
 from validation.report.text import plain
 from validation.studies.model_error_runs import Runs, curves, error, scene_at
 from validation.study import Evidence, Verdict, judge
