@@ -137,7 +137,7 @@ class SummationByParts(March):
     exact_when = "never: the error falls as h^order"
     conserves = "nothing; the penalties dissipate at the order of the scheme, so that energy never grows"
 
-    def __init__(self, scene: Scene, order: int = 4, cells: int = 64, cfl: float = 0.9) -> None:
+    def __init__(self, scene: Scene, order: int = 6, cells: int = 32, cfl: float = 0.9) -> None:
         if order not in ORDERS:
             raise SceneError(f"order = {order!r}: must be 2, 4 or 6")
         self.order_bulk = self.order_interface = order
