@@ -1,7 +1,8 @@
 """The equations of motion without friction, as a matrix: the plain reference of `fullwave.motion`, and the source of the step
 limit where viscosity has a say in the spectrum.
 
-The interface is either locked (each slab by itself, v = 0) or free (mu constant): every friction law lies between these two.
+The interface is either locked (v = 0: unlike slabs are welded, alike ones stand still there) or free (mu constant): every
+friction law lies between these two.
 """
 
 import numpy as np
@@ -83,9 +84,11 @@ def _jumps(system: System, state: Array, stress: Array, locked: bool) -> Array:
     common = impedance[far] * arriving[far] - impedance[near] * arriving[near]
     common /= impedance[far] * stiffened[far] + impedance[near] * stiffened[near]
     star[near] = star[far] = common
-    if not locked:
-        ends = slice(pairs, pairs + interface.sides)
-        star[ends] = arriving[ends] / stiffened[ends]
+    ends = slice(pairs, pairs + interface.sides)
+    star[ends] = arriving[ends] / stiffened[ends]
+    if locked:
+        free = interface.copies * star[ends].sum(axis=0)
+        star[ends] -= interface.impedance * free / (impedance[ends] * stiffened[ends])
     tops = slice(pairs + interface.sides, None)
     load = state[interface.size + GRIP : interface.size + GRIP + interface.sides]
     star[tops] = system.tops[YIELDING][:, None] * (load - arriving[tops])

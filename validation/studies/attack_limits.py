@@ -34,6 +34,7 @@ MEDIA: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
     "free face": ({"face": ReflectingFace(-1.0)}, None),
     "Kelvin-Voigt, 0.02 transits": ({"viscosity": KelvinVoigtViscosity(0.02 * _ROUND_TRIP)}, None),
     "Kelvin-Voigt, 1 transit": ({"viscosity": KelvinVoigtViscosity(_ROUND_TRIP)}, None),
+    "Kelvin-Voigt over elastic": ({"viscosity": KelvinVoigtViscosity(0.02 * _ROUND_TRIP)}, {}),
     "standard linear, 3 transits": ({"viscosity": StandardLinearViscosity(3.0 * _ROUND_TRIP, 0.5)}, None),
 }
 """Changes to the paper's upper slab and to the lower one (None: alike)."""
