@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scene.friction import rate_of
-from scene.observe import EventObserver, Pieces, Solver
+from scene.observe import EventObserver, Pieces, Solver, follow
 from scene.observe.pieces import Array
 
 
@@ -16,6 +16,13 @@ class Cycle(NamedTuple):
     slip_rate: Array
     stress: Array
     period: float
+
+
+def watch(solver: Solver, until: float) -> EventObserver:
+    """March `solver` to `until` (transits); the observer holds the slip events on the way. Raises NumericsError as `follow`."""
+    observer = EventObserver(solver.scene, solver.nodes)
+    follow(solver, until, [observer])
+    return observer
 
 
 class CycleObserver:

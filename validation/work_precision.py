@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from scene.observe import EventObserver, Solver, follow
 from scene.scene import Scene
+from validation.cycle import watch
 from validation.models import build
 from validation.orbits import estimate
 
@@ -78,7 +79,5 @@ def _solver(setting: Setting, scene: Scene) -> Solver:
 
 def _march(setting: Setting, scene: Scene, until: float) -> tuple[float, EventObserver]:
     began = time.perf_counter()
-    solver = _solver(setting, scene)
-    observer = EventObserver(scene, solver.nodes)
-    follow(solver, until, [observer])
+    observer = watch(_solver(setting, scene), until)
     return time.perf_counter() - began, observer

@@ -7,8 +7,9 @@ from typing import Any, cast
 import numpy as np
 
 import scene
-from scene.observe import EventObserver, follow
+from scene.observe import follow
 from scene.observe.pieces import Array
+from validation.cycle import watch
 from validation.models import build
 from validation.studies.energy_figures import ENTRIES, History
 
@@ -70,9 +71,7 @@ def mean_order(cells: tuple[int, ...], residual: Array) -> float:
 def history_of(name: str, cells: int) -> History:
     """The ledger's entries over two cycles of the settled orbit, from the start of an event."""
     solver = _solver("dg:7", cells, name)
-    observer = EventObserver(solver.scene, solver.nodes)
-    follow(solver, 2400.0, [observer])
-    period = float(observer.events.period[-1])
+    period = float(watch(solver, 2400.0).events.period[-1])
     moments = solver.time + np.linspace(0.0, 2.0 * period, 1000)
     rows = []
     for moment in moments[1:]:

@@ -7,9 +7,9 @@ import numpy as np
 
 import scene
 from reduced.impedance import reduction_of
-from scene.observe import EventObserver, follow
 from scene.observe.pieces import Array
 from scene.scene import Scene
+from validation.cycle import watch
 from validation.models import build
 from validation.orbits import NoCycle, Settled, settle
 
@@ -43,8 +43,7 @@ def scene_at(log10_r: float) -> Scene:
 
 def warm_up(model: str) -> None:
     """March a little, so that compiled code is loaded before anything is timed."""
-    solver = build(model, scene_at(-2.68))
-    follow(solver, 2.0, [EventObserver(solver.scene, solver.nodes)])
+    watch(build(model, scene_at(-2.68)), 2.0)
 
 
 def orbit_of(model: str, log10_r: float) -> Run | None:

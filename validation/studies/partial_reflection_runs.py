@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import scene
 from scene.friction.ageing import Ageing
-from scene.observe import EventObserver, follow
+from scene.observe import follow
 from scene.scene import Scene
+from validation.cycle import watch
 from validation.models import build
 from validation.orbits import NoCycle, settle
 
@@ -77,10 +78,7 @@ def pair_of(stiffness: float, impedance: float, quick: bool) -> Pair:
 
 
 def _last(what: Scene, model: str, cells: int | None, tolerance: float | None) -> Point:
-    solver = build(model, what, cells=cells, tolerance=tolerance)
-    observer = EventObserver(what, solver.nodes)
-    follow(solver, UNTIL, [observer])
-    events = observer.events
+    events = watch(build(model, what, cells=cells, tolerance=tolerance), UNTIL).events
     return Point(float(events.period[-1]), float(events.stress_drop[-1]), float(events.v_max[-1]))
 
 

@@ -9,8 +9,8 @@ from scipy.interpolate import CubicSpline
 import scene
 from fullwave.field import Field, record_field
 from fullwave.field_picture import picture
-from scene.observe import EventObserver, follow
 from scene.observe.pieces import Array
+from validation.cycle import watch
 from validation.models import build
 from validation.report.text import plain
 from validation.study import Budget, Cell, Column, Evidence, Figure, Number, StudyResult, Table, Verdict, judge
@@ -77,10 +77,9 @@ def _record(cells: int) -> Event:
     """March to the orbit, predict the next event from the last period, keep the fields about its fastest moment."""
     what = scene.read("paper")
     solver = build(_MODEL, what, cells=cells)
-    observer = EventObserver(what, solver.nodes)
-    follow(solver, _SETTLED, [observer])
-    period = float(observer.events.period[-1])
-    start = float(observer.events.time[-1]) + period
+    events = watch(solver, _SETTLED).events
+    period = float(events.period[-1])
+    start = float(events.time[-1]) + period
     while start - _BEFORE <= solver.time:
         start += period
     recorded, _ = record_field(cast("FieldSolver", solver), start - _BEFORE, start + _SEARCHED, _INTERVAL)
