@@ -14,6 +14,7 @@ from scene.observe.pieces import Array
 _ROUND_OFF = 100.0 * np.finfo(float).eps
 _ASYMPTOTIC = 0.15
 _FEWEST = 4
+_FEWEST_DENSE = 6
 _WIDEST = 0.5  # half-width beyond which a fit proves nothing
 
 
@@ -36,6 +37,13 @@ class Fit:
     def __str__(self) -> str:
         quality = f"finest pair {self.finest:.3f}, R2 {self.r_squared:.6f}, levels {self.used.start + 1} to {self.used.stop}"
         return f"order {self.order:.3f} +- {self.half_width:.3f} (95 %), {quality}"
+
+    def half_width_at(self, confidence: float) -> float:
+        """Half-width of the interval of another `confidence` than 0.95."""
+        from scipy.special import stdtrit
+
+        freedom = self.used.stop - self.used.start - 2
+        return self.half_width * float(stdtrit(freedom, 0.5 + 0.5 * confidence) / stdtrit(freedom, 0.975))
 
     def holds(self, declared: float, allowance: float = 0.1) -> bool:
         """The declared order lies in the confidence interval or within `allowance` of the fitted one."""
@@ -61,6 +69,36 @@ def fit(cells: Array, errors: Array, scale: float = 1.0) -> Fit:
         start += 1
     used = slice(start, end)
     return _regress(np.log(cells[used]), np.log(errors[used]), float(local[-1]), used)
+
+
+def fit_dense(cells: Array, errors: Array, start: int = 0, floor: float = 0.0) -> Fit:
+    """As `fit` for a ladder of many close grids whose errors scatter, so that local orders say little.
+
+    Levels count from number `start` to the last before the first error at or below `floor` (or rounding). Of these the coarsest
+    are left out, as long as six remain, while a parabola through the logarithms is curved for certain (95 %): its bend would hide
+    in the interval of a straight line, or falsify a narrow one. Raises ValueError with fewer than four usable levels.
+    """
+    errors = np.asarray(errors, dtype=float)
+    spent = np.nonzero(~(errors[start:] > max(floor, _ROUND_OFF)))[0]
+    end = start + int(spent[0]) if spent.size else errors.size
+    if end - start < _FEWEST:
+        raise ValueError(f"{end - start} usable levels; an order needs {_FEWEST}")
+    x, y = np.log(np.asarray(cells, dtype=float)[:end]), np.log(errors[:end])
+    while end - start > _FEWEST_DENSE and _curved(x[start:], y[start:]):
+        start += 1
+    finest = -float((y[-1] - y[-2]) / (x[-1] - x[-2]))
+    return _regress(x[start:], y[start:], finest, slice(start, end))
+
+
+def _curved(x: Array, y: Array) -> bool:
+    """Whether the 95 % interval of the quadratic coefficient of y over x excludes zero."""
+    from scipy.special import stdtrit
+
+    powers = np.vander((x - x.mean()) / np.ptp(x), 3)
+    coefficients = np.linalg.lstsq(powers, y, rcond=None)[0]
+    residual = y - powers @ coefficients
+    variance = residual @ residual / (x.size - 3) * np.linalg.inv(powers.T @ powers)[0, 0]
+    return bool(abs(coefficients[0]) > stdtrit(x.size - 3, 0.975) * np.sqrt(variance))
 
 
 def _regress(x: Array, y: Array, finest: float, used: slice) -> Fit:

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from order import assert_order
 
-from validation.convergence import extrapolated, fit, shortfall
+from validation.convergence import extrapolated, fit, fit_dense, shortfall
+from validation.ladders import GENTLE, LADDERS
+from validation.orders import QUANTITIES, Climb
 
 STEPS = 0.1 * 0.5 ** np.arange(6)
 
@@ -52,3 +54,62 @@ def test_a_wrong_order_size_or_noise_is_caught(errors, message):
 
 def test_extrapolation():
     assert extrapolated(5 + 0.1**2, 5 + 0.05**2, 2) == pytest.approx(5.0, abs=1e-14)
+
+
+CELLS = np.array([2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 17, 20, 24], dtype=float)
+
+
+def test_dense_ladder_drops_what_bends_and_what_rounds():
+    bent = CELLS**-4.0 * (1 + 40 / CELLS**2)
+    found = fit_dense(CELLS, bent, floor=1e-5)
+    assert found.used == slice(5, 11)  # six levels left of those above the floor
+    assert found.order == pytest.approx(4.0, abs=0.6)
+    straight = fit_dense(CELLS, 3 * CELLS**-4.0, start=2)
+    assert straight.order == pytest.approx(4.0, abs=1e-9)
+    with pytest.raises(ValueError, match="3 usable"):
+        fit_dense(CELLS, CELLS**-4.0, floor=1.01 * CELLS[3] ** -4.0)
+
+
+def test_interval_of_a_dense_ladder_covers_the_truth():
+    random = np.random.default_rng(2)
+    found = [fit_dense(CELLS, CELLS**-6.0 * np.exp(0.5 * random.standard_normal(CELLS.size))) for _ in range(300)]
+    covered = np.mean([abs(one.order - 6.0) < one.half_width for one in found])
+    assert 0.85 < covered < 0.99  # a few windows are shortened by chance
+    assert found[0].half_width_at(0.99) > 1.3 * found[0].half_width
+    assert found[0].half_width_at(0.95) == pytest.approx(found[0].half_width)
+
+
+def climbed(model, order, scatter=0.0):
+    ladder, random = LADDERS[model], np.random.default_rng(3)
+    cells = np.array(ladder.levels(), dtype=float)
+    errors = {
+        name: (8 * cells / cells[0]) ** -order * np.exp(scatter * random.standard_normal(cells.size)) for name in QUANTITIES
+    }
+    return Climb(ladder, cells, np.ones(cells.size), errors)
+
+
+@pytest.mark.parametrize(
+    ("model", "order", "scatter"), [("dg:3", 4.0, 0.0), ("dg:3", 6.3, 0.3), ("sbp:4", 3.95, 0.0), ("fd", 2.02, 0.0)]
+)
+def test_a_ladder_of_the_right_order_holds(model, order, scatter):
+    assert [one for one in climbed(model, order, scatter).shortfall() if "finest" not in one] == []
+
+
+@pytest.mark.parametrize(("model", "order"), [("dg:3", 3.8), ("dg:5", 5.0), ("sbp:4", 3.8), ("fd", 1.9), ("fd", 2.1)])
+def test_a_ladder_of_the_wrong_order_does_not(model, order):
+    complaints = climbed(model, order).shortfall()
+    assert len(complaints) == 6
+    assert all("declared" in one for one in complaints)
+
+
+def test_levels_rise_and_end():
+    levels = LADDERS["dg:3"].levels()
+    assert levels[:5] == [2, 3, 4, 5, 6]
+    assert levels[-1] <= LADDERS["dg:3"].most
+    assert LADDERS["dg:3"].course is GENTLE
+
+
+def test_coarse_grids_do_not_count_while_any_output_is_unresolved():
+    one = climbed("dg:3", 4.0)
+    one.errors["v_max"][:4] = 1.0
+    assert one.resolved == 4

@@ -1,0 +1,57 @@
+"""Every full-wave family reaches its declared order in T, both drops, v_max and the final state, from the smooth start.
+
+The reference is a pair of elements of another kind on a fine grid, which have to agree: evidence from within the full wave. The
+report holds the same ladders against the delay system. fem:1 (lumped) and sbp:2 are the same scheme in two words: one witness.
+"""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from validation.ladders import GENTLE, LADDERS, ROUGH
+from validation.models import build
+from validation.orders import QUANTITIES, WIDEST_TOGETHER, climb, errors, measure
+
+FINE = {"dg:12": 12, "fem:11": 14}
+"""Galerkin and elements of high degree: the first refers the elements and differences, the second refers Galerkin."""
+
+
+@cache
+def fine(model, course):
+    return measure(build(model, course.scene, cells=FINE[model]), course)
+
+
+@pytest.mark.parametrize("course", [GENTLE, ROUGH], ids=["gentle", "rough"])
+def test_the_references_agree_below_the_floor(course):
+    apart = errors(fine("dg:12", course), fine("fem:11", course))
+    print({name: f"{error:.1e}" for name, error in apart.items()})
+    assert max(apart.values()) < course.floor
+    assert fine("dg:12", course)["period"].size >= 12
+
+
+QUICK = ("fd", "sbp:2", "sbp:4", "sbp:6", "fem:3", "fem:7", "dg:2", "dg:5", "dg:7")
+
+
+@pytest.mark.parametrize("model", [pytest.param(m, marks=() if m in QUICK else pytest.mark.slow) for m in LADDERS])
+def test_every_output_reaches_the_declared_order(model):
+    ladder = LADDERS[model]
+    climbed = climb(ladder, fine("fem:11" if model.startswith("dg") else "dg:12", ladder.course), build)
+    for name in QUANTITIES:
+        print(f"{model} {name}: {climbed.fit(name)}, finest error {climbed.fit(name).finest_error:.1e}")
+    print(f"{model} together: {climbed.fit_together()}")
+    assert climbed.shortfall() == []
+    assert climbed.fit_together().half_width < WIDEST_TOGETHER
+
+
+@pytest.mark.parametrize("model", [model for model in LADDERS if model != "fd"])
+def test_the_table_declares_what_the_scheme_does(model):
+    solver = build(model, GENTLE.scene, cells=LADDERS[model].first + 30)
+    assert LADDERS[model].declared == solver.order_interface
+
+
+@pytest.mark.slow
+def test_lumped_linear_elements_are_differences_of_order_two():
+    both = [measure(build(model, GENTLE.scene, cells=40), GENTLE) for model in ("fem:1", "sbp:2")]
+    for name in QUANTITIES:
+        assert np.abs(both[0][name] / both[1][name] - 1.0).max() < 1e-9

@@ -1,0 +1,162 @@
+"""Observed orders of the full-wave families: climb a ladder of grids, fit every output's error. For the tests and the report.
+
+Errors are relative and root mean squares: of an output over all complete cycles of the run (the same on every grid), of the final
+state over 256 moments of the last transits (ln v, psi and mu, each to its range there). A single number would change sign on its
+way to zero; a mean square does not.
+
+Which grids count is ruled, not chosen. The first is that from which on every error stays below 3^-order: what a scheme of the
+declared order leaves on cells three times finer than those whose error is all there is. The last is the last one whose error is
+above the reference's own. Of these, `validation.convergence.fit_dense` drops coarse ones that still bend.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from scene.errors import NumericsError
+from scene.observe import EventObserver, Pieces, Solver, follow
+from scene.observe.pieces import Array, interpolation_matrix, lagrange_basis
+from validation.convergence import Fit, fit_dense, shortfall
+from validation.ladders import Course, Ladder
+
+OUTPUTS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}"}
+"""What is taken of every cycle, and its symbol."""
+
+QUANTITIES = {**OUTPUTS, "state": "state"}
+"""What an order is asked of: the outputs, and the final state."""
+
+WIDEST = 1.5
+"""Half-width (95 %) beyond which the order of one output proves nothing. High orders leave seven to fifteen whole cell counts
+between resolution and rounding, over which a single output scatters; hence also the order of all outputs together, held to
+`WIDEST_TOGETHER`."""
+
+WIDEST_TOGETHER = 0.5
+
+_MOMENTS = 256
+_ALMOST = 0.05  # a narrow interval may miss the declared order by this much: the bend that is left over
+_RESOLVED = 3.0
+_WORTH_REPEATING = 0.01  # seconds
+_ONE_OF_FIVE = 0.99  # confidence for each of five quantities that makes 95 % for all of them
+
+Measured: TypeAlias = dict[str, Array]
+"""By quantity: one entry per complete cycle; for the state (256, 3): ln v or the law's unknown, psi, mu."""
+Maker: TypeAlias = Callable[..., Solver]
+"""As `validation.models.build`."""
+
+
+class Moments:
+    """An observer that keeps the interface at given `times` (transits, within the run)."""
+
+    def __init__(self, nodes: Array, times: Array) -> None:
+        self._basis, self._times = lagrange_basis(nodes), times
+        self.state = np.full((times.size, 3), np.nan)
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        ends = pieces.time + pieces.length
+        for i in np.nonzero((self._times > pieces.time[0]) & (self._times <= ends[-1]))[0]:
+            k = int(np.searchsorted(ends, self._times[i]))
+            row = interpolation_matrix(self._basis, np.array([(self._times[i] - pieces.time[k]) / pieces.length[k]]))[0]
+            self.state[i] = [row @ values[k] for values in (pieces.unknown, pieces.state, pieces.stress)]
+
+
+def measure(solver: Solver, course: Course) -> Measured:
+    """Run `solver` over the `course`."""
+    events = EventObserver(solver.scene, solver.nodes)
+    last = np.linspace(course.until - course.window, course.until, _MOMENTS, endpoint=False)
+    moments = Moments(solver.nodes, last)
+    follow(solver, course.until, [events, moments])
+    return {name: getattr(events.events, name) for name in OUTPUTS} | {"state": moments.state}
+
+
+def errors(ours: Measured, reference: Measured) -> dict[str, float]:
+    """Relative root-mean-square error of every quantity; infinite for outputs of a run with another number of cycles."""
+    found = {}
+    for name in OUTPUTS:
+        alike = ours[name].shape == reference[name].shape
+        found[name] = _mean_square(ours[name] / reference[name] - 1.0) if alike else np.inf
+    found["state"] = _mean_square((ours["state"] - reference["state"]) / np.ptp(reference["state"], axis=0))
+    return found
+
+
+def _mean_square(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+@dataclass(frozen=True)
+class Climb:
+    """A ladder climbed: cells, run times in seconds, and errors by quantity, one entry per grid."""
+
+    ladder: Ladder
+    cells: Array
+    seconds: Array
+    errors: dict[str, Array]
+
+    @property
+    def resolved(self) -> int:
+        """Number of the first level that counts."""
+        worst = np.max(list(self.errors.values()), axis=0)
+        coarse = np.nonzero(~(worst < _RESOLVED**-self.ladder.declared))[0]
+        return int(coarse[-1]) + 1 if coarse.size else 0
+
+    def fit(self, name: str) -> Fit:
+        """The order of one quantity; ValueError where fewer than four levels count."""
+        return fit_dense(self.cells, self.errors[name], self.resolved, self.ladder.course.floor)
+
+    def fit_together(self) -> Fit:
+        """The order of the geometric mean of all errors, over the levels where each is above the floor: scatters least."""
+        every = np.array(list(self.errors.values()))
+        every = every[:, : int(np.cumprod((every > self.ladder.course.floor).all(axis=0)).sum())]
+        return fit_dense(self.cells, np.exp(np.log(every).mean(axis=0)), self.resolved)
+
+    def shortfall(self) -> list[str]:
+        """What speaks against the promised order, quantity by quantity; empty if nothing does.
+
+        The promised order has to lie in the interval or below it (schemes of order 2: in it), the interval to be narrow enough,
+        the finest error below the ladder's bound. Intervals of single quantities are taken at 99 %, which makes 95 % for five.
+        """
+        complaints = {name: self._falls_short(self.fit(name), WIDEST, _ONE_OF_FIVE) for name in self.errors}
+        complaints["together"] = self._falls_short(self.fit_together(), WIDEST_TOGETHER, 0.95)
+        return [f"{name}: {complaint}" for name, complaint in complaints.items() if complaint]
+
+    def _falls_short(self, found: Fit, widest: float, confidence: float) -> str:
+        two = self.ladder.declared == 2.0
+        tolerance = max(_ALMOST, found.half_width_at(confidence))
+        told = shortfall(found, 2.0 if two else self.ladder.promised, tolerance, at_least=not two, widest=widest)
+        if not told and found.finest_error > self.ladder.finest:
+            return f"finest error {found.finest_error:.1e}, not below {self.ladder.finest:.0e}"
+        return told
+
+
+def climb(ladder: Ladder, reference: Measured, build: Maker) -> Climb:
+    """Run every grid of the `ladder` up to the first whose state is at the floor; grids too coarse to be marched are left out."""
+    rows = []
+    for cells in ladder.levels():
+        try:
+            seconds, found = _timed(build, ladder, cells)
+        except NumericsError:
+            continue
+        rows.append((cells, seconds, errors(found, reference)))
+        if rows[-1][2]["state"] < ladder.course.floor:
+            break
+    return Climb(
+        ladder,
+        np.array([cells for cells, _, _ in rows], dtype=float),
+        np.array([seconds for _, seconds, _ in rows]),
+        {name: np.array([found[name] for _, _, found in rows]) for name in QUANTITIES},
+    )
+
+
+def _timed(build: Maker, ladder: Ladder, cells: int) -> tuple[float, Measured]:
+    """(seconds of the march and of watching it, what it gave); short runs are repeated and the fastest counts."""
+    best, spent = np.inf, 0.0
+    while spent < _WORTH_REPEATING:
+        solver = build(ladder.model, ladder.course.scene, cells=cells, cfl=ladder.cfl)
+        began = time.perf_counter()
+        found = measure(solver, ladder.course)
+        taken = time.perf_counter() - began
+        best, spent = min(best, taken), spent + taken
+    return best, found
