@@ -48,28 +48,40 @@ Maker: TypeAlias = Callable[..., Solver]
 
 
 class Moments:
-    """An observer that keeps the interface at given `times` (transits, within the run)."""
+    """An observer that knows the interface at given `times` (transits, within the run); it keeps the pieces they lie in."""
 
     def __init__(self, nodes: Array, times: Array) -> None:
         self._basis, self._times = lagrange_basis(nodes), times
-        self.state = np.full((times.size, 3), np.nan)
+        self._kept: list[Pieces] = []
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
-        ends = pieces.time + pieces.length
-        for i in np.nonzero((self._times > pieces.time[0]) & (self._times <= ends[-1]))[0]:
-            k = int(np.searchsorted(ends, self._times[i]))
-            row = interpolation_matrix(self._basis, np.array([(self._times[i] - pieces.time[k]) / pieces.length[k]]))[0]
-            self.state[i] = [row @ values[k] for values in (pieces.unknown, pieces.state, pieces.stress)]
+        wanted = (pieces.time + pieces.length >= self._times[0]) & (pieces.time <= self._times[-1])
+        if wanted.any():
+            self._kept.append(Pieces(*(values[wanted] for values in pieces)))
+
+    def state(self) -> Array:
+        """The law's unknown (ln v), psi and mu, shape (times, 3), from the pieces' polynomials."""
+        pieces = Pieces(*(np.concatenate(parts) for parts in zip(*self._kept, strict=True)))
+        which = np.clip(np.searchsorted(pieces.time, self._times, side="right") - 1, 0, None)
+        rows = interpolation_matrix(self._basis, (self._times - pieces.time[which]) / pieces.length[which])
+        return np.stack([(rows * values[which]).sum(axis=1) for values in (pieces.unknown, pieces.state, pieces.stress)], axis=1)
 
 
 def measure(solver: Solver, course: Course) -> Measured:
     """Run `solver` over the `course`."""
+    return _measure(solver, course)[1]
+
+
+def _measure(solver: Solver, course: Course) -> tuple[float, Measured]:
+    """(seconds of the march and of the event detection, what they gave)."""
     events = EventObserver(solver.scene, solver.nodes)
     last = np.linspace(course.until - course.window, course.until, _MOMENTS, endpoint=False)
     moments = Moments(solver.nodes, last)
+    began = time.perf_counter()
     follow(solver, course.until, [events, moments])
-    return {name: getattr(events.events, name) for name in OUTPUTS} | {"state": moments.state}
+    seconds = time.perf_counter() - began
+    return seconds, {name: getattr(events.events, name) for name in OUTPUTS} | {"state": moments.state()}
 
 
 def errors(ours: Measured, reference: Measured) -> dict[str, float]:
@@ -151,12 +163,10 @@ def climb(ladder: Ladder, reference: Measured, build: Maker) -> Climb:
 
 
 def _timed(build: Maker, ladder: Ladder, cells: int) -> tuple[float, Measured]:
-    """(seconds of the march and of watching it, what it gave); short runs are repeated and the fastest counts."""
+    """As `_measure`; short runs are repeated and the fastest counts."""
     best, spent = np.inf, 0.0
     while spent < _WORTH_REPEATING:
         solver = build(ladder.model, ladder.course.scene, cells=cells, cfl=ladder.cfl)
-        began = time.perf_counter()
-        found = measure(solver, ladder.course)
-        taken = time.perf_counter() - began
+        taken, found = _measure(solver, ladder.course)
         best, spent = min(best, taken), spent + taken
     return best, found

@@ -33,7 +33,7 @@ def convergence_and_cost(curves: Mapping[str, tuple[Array, Array, Array]]) -> "F
         right.loglog(1e3 * seconds, shown, **look)
     left.set_xlabel("points per slab")
     right.set_xlabel("run time (ms)")
-    left.set_ylabel(r"error of $\psi$")
+    left.set_ylabel("error of the state")
     for axes in (left, right):
         axes.grid(True)
         axes.set_axisbelow(True)
