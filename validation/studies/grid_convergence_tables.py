@@ -7,8 +7,9 @@ from validation.study import Cell, Column, Table
 
 
 def told(found: Fit) -> str:
-    """An order with its 95 % interval."""
-    return f"{found.order:.2f} ± {found.half_width:.2f}"
+    """An order with its 95 % interval, in as many digits as that is worth."""
+    digits = 2 if found.half_width >= 0.01 else 3
+    return f"{found.order:.{digits}f} ± {max(found.half_width, 0.001):.{digits}f}"
 
 
 def spread(one: Climb) -> str:
