@@ -1,8 +1,8 @@
 """Every full-wave family reaches its declared order in T, both drops, v_max and the final state, from the smooth start.
 
 The reference is a pair of elements of another kind on a fine grid, which have to agree: evidence from within the full wave, blind
-to faults that all families of the march share, except through the leapfrog. The report, and one test in tests/validation, hold the
-same ladders against the delay system. fem:1 (lumped) and sbp:2 are the same scheme in two words: one witness.
+to faults that all families of the march share, except through the leapfrog. The report and tests/validation hold the same ladders
+against the delay system. fem:1 (lumped) and sbp:2 are the same scheme in two words: one witness.
 """
 
 from functools import cache

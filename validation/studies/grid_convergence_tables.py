@@ -1,5 +1,7 @@
 """Tables of the orders, and of the finest errors with their run times."""
 
+import math
+
 from validation.convergence import Fit
 from validation.ladders import ROUGH
 from validation.orders import QUANTITIES, Climb
@@ -7,9 +9,8 @@ from validation.study import Cell, Column, Table
 
 
 def told(found: Fit) -> str:
-    """An order with its 95 % interval, in as many digits as that is worth."""
-    digits = 2 if found.half_width >= 0.01 else 3
-    return f"{found.order:.{digits}f} ± {max(found.half_width, 0.001):.{digits}f}"
+    """An order with its 95 % interval, rounded up."""
+    return f"{found.order:.2f}\u00a0±\u00a0{math.ceil(100 * found.half_width) / 100:.2f}"
 
 
 def spread(one: Climb) -> str:
@@ -23,7 +24,7 @@ def orders_table(climbs: list[Climb]) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for one in climbs:
         together = one.fit_together()
-        grids = f"{one.cells[one.resolved]:.0f}–{one.cells[-1]:.0f}"
+        grids = f"{one.cells[one.resolved]:.0f}\u2060–\u2060{one.cells[-1]:.0f}"
         orders = (told(one.fit(name)) for name in QUANTITIES)
         rows.append((one.ladder.model, _scene(one), grids, f"{one.ladder.declared:g}", *orders, told(together)))
     columns = (
@@ -35,10 +36,11 @@ def orders_table(climbs: list[Climb]) -> Table:
         Column("all together"),
     )
     caption = (
-        "Fitted orders with their 95 % confidence intervals. T, Δμ, Δy, v_{max}: period, stress drop, elastic drop and "
-        "largest rate, errors as root mean squares over all complete cycles; state: ψ, ln v and μ over the last transits; all "
-        "together: geometric mean of the five errors. Cells: grids on which the waves are resolved. Smooth start, V = 2000; "
-        "scene s: log_{10} r = −2.77, 60 transits; scene r (rougher, for orders from five on): −2.59, 120 transits."
+        "Fitted orders with their 95 % confidence intervals, rounded up. T, Δμ, Δy, v_{max}: period, stress drop, elastic "
+        "drop and largest rate, errors as root mean squares over all complete cycles; state: ψ, ln v and μ over the last "
+        "transits; all together: geometric mean of the five errors. Cells: grids on which the waves are resolved. Smooth "
+        "start, V = 2000; scene s: log_{10} r = −2.77, 60 transits; scene r (rougher, for orders from five on): −2.59, 120 "
+        "transits."
     )
     return Table("orders", caption, columns, tuple(rows))
 
