@@ -116,7 +116,10 @@ def _regress(x: Array, y: Array, finest: float, used: slice) -> Fit:
 
 def shortfall(result: Fit, declared: float, tolerance: float = 0.1, at_least: bool = False, widest: float = _WIDEST) -> str:
     """Why `result` does not support the `declared` order; empty if it does: the interval is no wider than `widest`, and the
-    declared order lies in it or within `tolerance` of the fitted one. With `at_least` a higher order is no fault."""
+    declared order lies in it or within `tolerance` of the fitted one. With `at_least` a higher order is no fault, and an interval
+    of any width that lies above the declared order (its ends moved out by `tolerance` if that is more) proves it."""
+    if at_least and result.order - max(tolerance, result.half_width) >= declared:
+        return ""
     if result.half_width > widest:
         return f"confidence interval too wide to tell: {result}"
     allowed = max(tolerance, result.half_width)

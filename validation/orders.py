@@ -127,8 +127,9 @@ class Climb:
     def shortfall(self) -> list[str]:
         """What speaks against the promised order, quantity by quantity; empty if nothing does.
 
-        The promised order has to lie in the interval or below it (schemes of order 2: in it), the interval to be narrow enough,
-        the finest error below the ladder's bound. Intervals of single quantities are taken at 99 %, which makes 95 % for five.
+        The promised order has to lie below the interval, or in it and the interval be narrow enough (schemes of order 2: in it);
+        the finest error has to lie below the ladder's bound. Intervals of single quantities are taken at 99 %, which makes 95 %
+        for five.
         """
         complaints = {name: self._falls_short(self.fit(name), WIDEST, _ONE_OF_FIVE) for name in self.errors}
         complaints["together"] = self._falls_short(self.fit_together(), WIDEST_TOGETHER, 0.95)

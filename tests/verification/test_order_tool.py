@@ -52,6 +52,14 @@ def test_a_wrong_order_size_or_noise_is_caught(errors, message):
         assert_order(errors, STEPS[: errors.size], 2, absolute=1e-9)
 
 
+def test_a_wide_interval_above_the_declared_order_proves_it():
+    scattered = fit(1 / STEPS, STEPS**6 * np.array([1, 6, 1, 6, 1, 6]))
+    assert 1.0 < scattered.half_width < scattered.order - 3
+    assert shortfall(scattered, 3, at_least=True) == ""
+    assert "too wide" in shortfall(scattered, 3)
+    assert "too wide" in shortfall(scattered, 6, at_least=True)
+
+
 def test_extrapolation():
     assert extrapolated(5 + 0.1**2, 5 + 0.05**2, 2) == pytest.approx(5.0, abs=1e-14)
 
