@@ -86,6 +86,13 @@ def test_page_is_one_file_without_scripts_or_addresses(fake, tmp_path):
     assert sorted(path.name for path in (page.parent / "data/first").iterdir()) == ["overlay.png", "overlay.svg", "result.json"]
 
 
+def test_every_anchor_is_unique(fake, tmp_path):
+    fake.add("first")
+    fake.add("second")  # whose tables have the same names
+    anchors = re.findall(r'\bid="([^"]*)"', make_report(tmp_path).read_text())
+    assert len(anchors) == len(set(anchors)) > 4
+
+
 def test_every_tag_is_closed(fake, tmp_path):
     fake.add("first")
     stack = []
