@@ -1,4 +1,4 @@
-"""The slab with a grid: finite differences, finite elements, discontinuous Galerkin.
+"""The slab with a grid: leapfrog and summation-by-parts differences, finite elements, discontinuous Galerkin.
 
 Imports only `scene`, never `reduced`: it is an independent witness.
 """

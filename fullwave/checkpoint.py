@@ -18,19 +18,15 @@ from numpy.typing import NDArray
 
 from scene.errors import SceneError
 from scene.files import whole_or_absent
-from scene.observe import Energy, Final, Pieces, follow
-from scene.observe.pieces import Array
-from scene.scene import Scene
+from scene.observe import Final, follow
+from scene.observe.follow import Observer, Solver
 
 FORMAT = 1
 State = dict[str, NDArray[Any]]
 
 
-class ResumableObserver(Protocol):
+class ResumableObserver(Observer, Protocol):
     """An observer that can be saved."""
-
-    def scan(self, pieces: Pieces) -> None:
-        """Take the next pieces, in order."""
 
     def state(self) -> State:
         """Everything remembered."""
@@ -39,24 +35,10 @@ class ResumableObserver(Protocol):
         """Go on from `state`."""
 
 
-class ResumableSolver(Protocol):
+class ResumableSolver(Solver, Protocol):
     """A solver that can be saved."""
 
-    scene: Scene
-    model: str
-    nodes: Array
     step: float
-    failures: int
-
-    @property
-    def time(self) -> float:
-        """Time reached, in transits."""
-
-    def advance(self, until: float) -> Pieces:
-        """As `scene.observe.follow.Solver`."""
-
-    def energy(self) -> Energy | None:
-        """As `scene.observe.follow.Solver`."""
 
     def state(self) -> State:
         """Everything that changes during a run."""

@@ -1,19 +1,27 @@
 """The end rows of summation-by-parts differences, from their accuracy conditions.
 
-They are not copied from a table but solved for: H and Q together from the conditions Q x^k = k H x^(k-1), k = 0..2m-1, linear in
-both, so that the end rows of order 2m - 1 cost the solution none of the interior's order 2m. For that the norm of the 2m + 1 end
-nodes must be a full matrix; that of the end node itself stands alone (Strand's restricted full norm), so that a penalty acts on
-one node. What the conditions leave free makes the error of x^(2m) least. Order 2 needs one row: the trapezoidal rule.
-Strand, J. Comput. Phys. 110 (1994); Carpenter, Nordstrom and Gottlieb, J. Comput. Phys. 148 (1999).
+They are not copied from a table but solved for: H and Q together from the conditions Q p = H p' for all polynomials p of degree
+2m - 1 or less, linear in both, so that D = H^-1 Q is of order 2m - 1 in the end rows and the solution keeps the order 2m of the
+interior. For that the norm of the 2m + 1 end nodes must be a full matrix; that of the end node itself stands alone (Strand's
+restricted full norm), so that a penalty acts on one node. The conditions leave three entries free for order 4 and four for order
+6; they make the residual Q p - H p' of degree 2m least (sum of squares), which determines them. Order 2 needs one row: the
+trapezoidal rule. Strand, J. Comput. Phys. 110 (1994); Carpenter, Nordstrom and Gottlieb, J. Comput. Phys. 148 (1999).
+
+The conditions depend on each other (rank 18 of 20, 39 of 42), hence least squares; the singular values that count lie above 4e-4
+of the largest, the others are rounding. H is positive definite and rounding moves its entries by some 1e-11 at order 6, whereas Q
+stays skew and the conditions hold to rounding (tests/fullwave/test_closure.py, against rational arithmetic).
 """
 
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import Legendre
 from numpy.typing import NDArray
 
 from scene.observe.pieces import Array
+
+_DEPENDENT = 1e-12  # singular values below this share of the largest belong to conditions that follow from others
 
 
 class _Unknowns(NamedTuple):
@@ -24,7 +32,7 @@ class _Unknowns(NamedTuple):
 
 
 def central_coefficients(order: int) -> Array:
-    """c_k of u'(0) = sum c_k (u_k - u_-k), k = 1..3 (zero beyond order/2), h = 1."""
+    """c_k of u'(0) = sum c_k (u_k - u_-k), k = 1..3 (zero beyond order/2), h = 1: exact for x, x^3, .., x^(order - 1)."""
     half = order // 2
     powers = 2 * np.arange(half) + 1
     offsets = np.arange(1, half + 1)
@@ -45,7 +53,7 @@ def boundary_closure(order: int) -> tuple[Array, Array]:
     unknowns = _unknowns(rows)
     exact = [_condition(order, unknowns, degree) for degree in range(order)]
     matrix, known = (np.concatenate(parts) for parts in zip(*exact, strict=True))
-    solution, _, rank, _ = np.linalg.lstsq(matrix, known, rcond=1e-12)
+    solution, _, rank, _ = np.linalg.lstsq(matrix, known, rcond=_DEPENDENT)
     free = np.linalg.svd(matrix)[2][rank:].T
     beyond, wanted = _condition(order, unknowns, order)
     solution = solution + free @ np.linalg.lstsq(beyond @ free, wanted - beyond @ solution, rcond=None)[0]
@@ -77,10 +85,13 @@ def _known_part(order: int, rows: int) -> Array:
 
 
 def _condition(order: int, unknowns: _Unknowns, degree: int) -> tuple[Array, Array]:
-    """The linear system, one row per end node, that makes D exact for (x/rows)^degree; columns: entries of H, then of Q."""
+    """The linear system, one row per end node, that makes D exact for a polynomial of `degree`; columns: entries of H, then of Q.
+
+    Legendre's polynomials over the nodes concerned: powers of x ask the same, twenty times more sensitive to rounding."""
     rows = closure_rows(order)
-    points = np.arange(rows + order // 2) / rows
-    powers, slopes = points**degree, degree / rows * points ** max(degree - 1, 0)
+    points = np.arange(rows + order // 2, dtype=float)
+    polynomial = Legendre.basis(degree, domain=[points[0], points[-1]])
+    values, slopes = polynomial(points), polynomial.deriv()(points)
     matrix = np.zeros((rows, unknowns.norm[0].size + unknowns.skew[0].size))
     columns = np.arange(matrix.shape[1])
     of_norm, of_skew = columns[: unknowns.norm[0].size], columns[unknowns.norm[0].size :]
@@ -88,8 +99,8 @@ def _condition(order: int, unknowns: _Unknowns, degree: int) -> tuple[Array, Arr
     matrix[j, of_norm] = -slopes[i]
     matrix[i, of_norm] = -slopes[j]
     i, j = unknowns.skew
-    matrix[i, of_skew] = powers[j]
-    matrix[j, of_skew] = -powers[i]
-    known = -_known_part(order, rows) @ powers[rows:]
-    known[0] += 0.5 * powers[0]
+    matrix[i, of_skew] = values[j]
+    matrix[j, of_skew] = -values[i]
+    known = -_known_part(order, rows) @ values[rows:]
+    known[0] += 0.5 * values[0]
     return matrix, known

@@ -3,7 +3,7 @@
 Bulk: velocities at nodes and half times, stresses in cells and at whole times, central differences in both (`leapfrog.media`).
 Interface: the half cell's momentum balance is Z v + F(v, psi) = R, the scalar condition of every solver (`leapfrog.friction`).
 
-order        2 in every output from a smooth start, 1 after a jump, at every cfl <= 1
+order        2 in the fields and in every output from a smooth start, 1 after a jump, at every cfl <= 1
 cfl_max      1 (a slab, or a layer, whose cells do not divide it runs a little below the others)
 exact_when   cfl = 1 in a uniform slab: waves then travel without error, and what remains is the delay system (35) discretised by
              the midpoint rule. Its agreement with that system is no independent evidence; below cfl = 1 it is.
@@ -18,17 +18,17 @@ from fullwave.leapfrog.build import steady_memory, steady_side
 from fullwave.leapfrog.drives import compiled_drive
 from fullwave.leapfrog.faces import Grip
 from fullwave.leapfrog.grid import common_step, slab_grid
-from fullwave.leapfrog.kernel import STEPS_PER_PIECE, Clock, march
+from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, Clock, march
 from fullwave.leapfrog.ledger import energy_of
 from fullwave.leapfrog.sides import Mirror, Side
+from fullwave.options import MOST_CELLS, require_cfl, require_whole
 from fullwave.sampling import pieces_until, sample_nodes
 from fullwave.snapshot import Snapshot
 from scene.errors import SceneError
 from scene.observe import Energy, Pieces
-from scene.observe.pieces import Array, empty_pieces
+from scene.observe.pieces import Array
 from scene.scene import Scene
 
-MOST_CELLS = 1_000_000
 _MUTABLE = ("velocity", "stress", "relaxing", "lost")
 
 
@@ -40,14 +40,19 @@ class Leapfrog:
     """
 
     model = "fd"
+    order_bulk = order_interface = 2
+    cfl_max = 1.0
+    exact_when = "cfl = 1 in uniform slabs, but for the midpoint rule at the interface"
+    conserves = "the staggered energy, to rounding"
 
     def __init__(self, scene: Scene, cells: int = 64, cfl: float = 1.0) -> None:
-        _check(cells, cfl)
+        require_whole("cells", cells, 2, MOST_CELLS)
+        require_cfl(cfl)
         self._set_up(scene, int(cells), float(cfl))
 
     def _set_up(self, scene: Scene, cells: int, cfl: float) -> None:
         self.scene, self.cells, self.cfl = scene, cells, cfl
-        self.nodes = sample_nodes()
+        self.nodes = sample_nodes(STEPS_PER_PIECE)
         self.failures = 0
         self.step = common_step(scene, cells, cfl)
         slabs = [scene.upper] if scene.alike else [scene.upper, scene.lower]
@@ -75,9 +80,9 @@ class Leapfrog:
         return sum(grid.width.size for grid in self._grids)
 
     def advance(self, until: float) -> Pieces:
-        """March towards `until` (transits), at most one chunk of `sampling.MOST_PIECES` pieces."""
+        """March towards `until` (transits), at most one chunk."""
         begin = max(self._sample, 0)
-        pieces = empty_pieces(pieces_until(begin, self.step, until), self.nodes.size)
+        pieces = pieces_until(begin, self.step, until, STEPS_PER_PIECE, MOST_PIECES)
         law, upper = self.scene.law, self._sides[0]
         self.failures += march(law, self._clock, self._drive, upper, self._lower, self._memory, self._sample, pieces)
         self._sample = begin + STEPS_PER_PIECE * pieces.time.size
@@ -123,10 +128,3 @@ class Leapfrog:
             if isinstance(side.face, Grip):
                 found[f"{label}.face"] = side.face.memory
         return found
-
-
-def _check(cells: int, cfl: float) -> None:
-    if isinstance(cells, bool) or not isinstance(cells, int | np.integer) or not 2 <= cells <= MOST_CELLS:
-        raise SceneError(f"cells = {cells!r}: must be a whole number from 2 to {MOST_CELLS}")
-    if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.integer | np.floating) or not 0.0 < cfl <= 1.0:
-        raise SceneError(f"cfl = {cfl!r}: must lie in (0, 1]")

@@ -6,12 +6,12 @@ Galerkin for the pair w_t = s_x, s_t = w_x in one layer, with the characteristic
 
 so the energy w.M w + s.M s changes through the ends only, as in every family. Elements P1 and P2 are scikit-fem's, the others
 Lagrange polynomials on Gauss-Lobatto nodes (`gll_element`). mass = "lumped" takes M in those nodes (diagonal; spectral elements,
-Komatitsch and Vilotte 1998), "consistent" integrates it exactly and solves a banded system in every stage (P1: order 4 inside).
-A layer is one mesh; two layers meet through upwind states.
+Komatitsch and Vilotte, Bull. Seismol. Soc. Am. 88, 1998; P1 is then sbp:2 in other words), "consistent" integrates it exactly and
+solves a banded system in every stage (P1: order 4 inside). A layer is one mesh; two layers meet through upwind states.
 
 order        P + 1 or more in the interface's outputs from a smooth start; in the fields P + 1 for odd P and P for even P
-cfl_max      1, as a share of the longest stable step: dt/h = 2.80 for P = 1 and 1.97, 1.08, 0.71, 0.50, 0.38, 0.30 for P = 2 to
-             7 (lumped; h an element's travel time), computed from the spectrum
+cfl_max      1, as a share of the longest stable step: dt/h = 2.80 for P = 1 and 1.97, 1.08, 0.71, 0.51, 0.38, 0.30 for P = 2 to
+             7 (lumped; h an element's travel time; 1.62 for consistent P1), computed from the spectrum, less a hundredth
 exact_when   never
 conserves    nothing: the ends' penalties dissipate at the order of the scheme, so that energy never grows
 """
@@ -26,9 +26,10 @@ import skfem
 from numpy.typing import NDArray
 
 from fullwave.gll_element import ElementLineGLL
-from fullwave.line import Block, Grid, Section, require_whole, sections_of
+from fullwave.line import Block, Grid, Section, padded_half, sections_of
 from fullwave.lobatto import gauss_lobatto
 from fullwave.march import March, method_for
+from fullwave.options import require_whole
 from fullwave.stability import MARGIN, line_spectrum, longest_step
 from fullwave.system import register_operator
 from scene.errors import SceneError
@@ -38,7 +39,7 @@ from scene.slab import KelvinVoigtViscosity
 
 MOST_DEGREE = 16
 MASSES = ("lumped", "consistent")
-_SAMPLE_NODES = 56  # of the longest line from which a step limit is computed; LAPACK slows down beyond 70
+_SAMPLE_NODES = 56  # of the longest line from which a step limit is computed; LAPACK takes three times as long beyond 75
 
 
 class Assembled(NamedTuple):
@@ -83,7 +84,7 @@ def mesh_grid(sections: list[Section], degree: int, mass: str) -> Grid:
     """Every section as one block."""
     layers = [assemble_layer(section.cells, degree, mass) for section in sections]
     first = np.cumsum([0] + [depth.size for depth, _, _ in layers])
-    half = -(-int(first[-1]) // 4) * 4
+    half = padded_half(int(first[-1]))
     blocks, norms, slopes = [], [], []
     for start, section, (depth, unit_mass, slope) in zip(first, sections, layers, strict=False):
         norm = section.length * unit_mass
@@ -162,7 +163,7 @@ class FiniteElement(March):
     """
 
     cfl_max = 1.0
-    exact_when = "never: the error falls as h^(degree + 1)"
+    exact_when = "never"
     conserves = "nothing; the ends' penalties dissipate at the order of the scheme, so that energy never grows"
 
     def __init__(self, scene: Scene, degree: int = 4, cells: int = 8, cfl: float = 0.9, mass: str = "lumped") -> None:

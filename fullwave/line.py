@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fullwave.leapfrog.drives import compiled_drive
+from fullwave.options import MOST_CELLS, require_whole
+from fullwave.panels import LANES
 from fullwave.system import IMPEDANCE, LIFT, STIFFENED, STRESS, Elastic, Interface, Operator, System, Viscous
-from scene.errors import SceneError
 from scene.observe.pieces import Array
 from scene.scene import Scene
 from scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
-
-MOST_CELLS = 1_000_000
 
 
 class Section(NamedTuple):
@@ -43,8 +42,8 @@ class Block(NamedTuple):
 
 @dataclass(frozen=True)
 class Grid:
-    """What a family supplies: its compiled operator, the number of slots (a multiple of 8) and the blocks, from the interface
-    outwards, slab by slab."""
+    """What a family supplies: its compiled operator, the number of slots (a multiple of panels.LANES) and the blocks, from the
+    interface outwards, slab by slab."""
 
     operator: Operator
     size: int
@@ -73,10 +72,9 @@ def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:
     return sections
 
 
-def require_whole(name: str, value: int, least: int, most: int) -> None:
-    """Raises SceneError unless `value` is a whole number from `least` to `most`."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
-        raise SceneError(f"{name} = {value!r}: must be a whole number from {least} to {most}")
+def padded_half(nodes: int) -> int:
+    """Slots of w, and as many of s, in which `nodes` nodes fit, so that both together fill whole panels."""
+    return -(-2 * nodes // LANES) * LANES // 2
 
 
 def shortest_cell(sections: list[Section]) -> float:
@@ -141,7 +139,10 @@ def _shares(dashpot: float, stiffened: float) -> tuple[float, float]:
 
 
 def energy_weight(grid: Grid) -> Array:
-    """eps h per slot of the grid (size,): half of its product with w^2 or s^2 is energy over one transit."""
+    """eps h per slot of the grid (size,): its product with half of w^2 or s^2, summed, is energy over one transit.
+
+    A norm that is no diagonal gives its row sums, which integrate to the order of the scheme but need not be positive: good
+    enough for the heat's ledger; what is stored is summed with the norm itself (`readout`)."""
     weight = np.zeros(grid.size)
     for block in grid.blocks:
         norm = block.norm if isinstance(block.norm, np.ndarray) else np.asarray(block.norm.sum(axis=1)).ravel()

@@ -1,17 +1,15 @@
 """The march shared by all method-of-lines families: Runge-Kutta steps of fixed length, samples of the interface at their ends."""
 
-import math
-from collections.abc import Callable
-from typing import TypeAlias
-
 import numpy as np
 
 from fullwave.limits import Builder, relaxation_limit, viscous_limit
 from fullwave.line import Section, assemble
 from fullwave.motion import rates_of
-from fullwave.readout import slab_fields, stored_energy
+from fullwave.options import require_cfl
+from fullwave.readout import Shape, impose_fields, snapshot_of, stored_energy
 from fullwave.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, RungeKutta, combine
-from fullwave.snapshot import SlabSnapshot, Snapshot
+from fullwave.sampling import pieces_until, sample_nodes
+from fullwave.snapshot import Snapshot
 from fullwave.stability import longest_decay_step
 from fullwave.system import ELASTIC, FRICTION, INPUT, PSI, RADIATED, SCALARS, VISCOUS, System, Viscous
 from scene.compiled import njit
@@ -20,9 +18,6 @@ from scene.friction import unknown_of
 from scene.observe import Energy, Pieces
 from scene.observe.pieces import Array
 from scene.scene import Scene
-
-Shape: TypeAlias = Callable[[Array], Array]
-"""A field as a function of depth."""
 
 STEPS_PER_PIECE = 8
 """Steps in one piece: its nine samples make a polynomial of degree 8, so observers never limit a scheme of order 8 or less."""
@@ -54,7 +49,7 @@ def _march(
     stages, size, count = method.stages, interface.size, pieces.time.size
     failures = 0
     fastest = 0.0
-    for n in range(8 * count + 1):
+    for n in range(STEPS_PER_PIECE * count + 1):
         time = (first + n) * step
         if n < frames.shape[0]:
             for i in range(state.size):
@@ -70,9 +65,10 @@ def _march(
             fastest = max(fastest, relaxation)
             if stage == 0:
                 sample = (z, state[size + PSI], mu, state[size + ELASTIC])
-                for k in range(max(0, (n - 1) // 8), min(count, n // 8 + 1)):
-                    unknown[k, n - 8 * k], psis[k, n - 8 * k], stress[k, n - 8 * k], elastic[k, n - 8 * k] = sample
-                if n == 8 * count:
+                for k in range(max(0, (n - 1) // STEPS_PER_PIECE), min(count, n // STEPS_PER_PIECE + 1)):
+                    j = n - STEPS_PER_PIECE * k
+                    unknown[k, j], psis[k, j], stress[k, j], elastic[k, j] = sample
+                if n == STEPS_PER_PIECE * count:
                     return failures, fastest
             unknowns[2, stage] = unknowns[1, stage]
             unknowns[1, stage] = unknowns[0, stage]
@@ -99,15 +95,16 @@ class March:
     def __init__(
         self, scene: Scene, model: str, build: Builder, sections: list[Section], method: RungeKutta, limit: float, cfl: float
     ) -> None:
-        self.scene, self.model, self.method, self.cfl = scene, model, method, cfl
-        self.nodes = np.linspace(0.0, 1.0, STEPS_PER_PIECE + 1)
+        require_cfl(cfl)
+        self.scene, self.model, self.method, self.cfl = scene, model, method, float(cfl)
+        self.nodes = sample_nodes(STEPS_PER_PIECE)
         self.failures = 0
         self.grid = build(sections)
         self.system = assemble(scene, self.grid)
         grid = self.grid
-        self.step = _require_cfl(cfl) * min(limit, relaxation_limit(self.system, method))
+        self.step = self.cfl * min(limit, relaxation_limit(self.system, method))
         if isinstance(self.system.medium, Viscous):
-            self.step = min(self.step, cfl * viscous_limit(scene, build, sections, method))
+            self.step = min(self.step, self.cfl * viscous_limit(scene, build, sections, method))
         self._taken = 0
         self._unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
         memory = grid.size if isinstance(self.system.medium, Viscous) else 0
@@ -125,8 +122,7 @@ class March:
 
     def advance(self, until: float) -> Pieces:
         """March towards `until` (transits), at most one chunk."""
-        wanted = math.ceil((until / self.step - self._taken) / STEPS_PER_PIECE - 1e-6)
-        pieces = _room(self._taken, self.step, min(MOST_PIECES, max(1, wanted)))
+        pieces = pieces_until(self._taken, self.step, until, STEPS_PER_PIECE, MOST_PIECES)
         self._frames = np.empty((self._keeps_frames * (STEPS_PER_PIECE * pieces.time.size + 1), self._state.size))
         failures, fastest = _march(
             self.system,
@@ -158,7 +154,7 @@ class March:
 
     def snapshot(self) -> Snapshot:
         """Velocity and stress at the nodes at `time`."""
-        return self._shot(self.time, self._state)
+        return self._shown(self.time, self._state)
 
     def keep_frames(self) -> None:
         """As `FieldSolver`: steps of high order are long, pieces of eight of them too long for a picture of waves."""
@@ -167,20 +163,15 @@ class March:
     def frames(self) -> list[Snapshot]:
         """As `FieldSolver`."""
         begin = self._taken - self._frames.shape[0] + 1
-        return [self._shot((begin + k) * self.step, state) for k, state in enumerate(self._frames) if k] or [self.snapshot()]
+        return [self._shown((begin + k) * self.step, state) for k, state in enumerate(self._frames) if k] or [self.snapshot()]
 
-    def _shot(self, time: float, state: Array) -> Snapshot:
-        shots = [slab_fields(self.grid, self.system, state, slab) for slab in range(self.system.interface.sides)]
-        lower = SlabSnapshot(shots[0].depth, -shots[0].velocity, shots[0].stress) if self.scene.alike else shots[1]
-        return Snapshot(time, shots[0], lower)
+    def _shown(self, time: float, state: Array) -> Snapshot:
+        return snapshot_of(self.grid, self.system, time, state)
 
     def impose(self, slab: int, velocity: Shape, stress: Shape) -> None:
         """Set the fields of slab 0 (upper) or 1 (lower): functions of depth (transits of the upper slab, array in, array out).
         `velocity` in V* in the slab's own direction of drive, `stress` in units of the normal stress, both in full."""
-        for block in self.grid.blocks:
-            if block.section.slab == slab:
-                self._state[block.velocity] = velocity(block.depth) - 0.5 * self.scene.velocity
-                self._state[block.stress] = (stress(block.depth) - self.scene.steady_stress) / block.section.impedance
+        impose_fields(self.grid, self.system, self._state, slab, velocity, stress)
 
     def state(self) -> dict[str, Array]:
         """Everything that changes during a run, as arrays; `restore` takes it back to the bit."""
@@ -194,16 +185,3 @@ class March:
                 raise SceneError(f"checkpoint: {name} does not fit this scene with model {self.model}")
             array[...] = state[name]
         self._taken, self.failures = (int(count) for count in state["counts"])
-
-
-def _require_cfl(cfl: float) -> float:
-    if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.floating) or not 0.0 < cfl <= 1.0:
-        raise SceneError(f"cfl = {cfl!r}: must lie in (0, 1]")
-    return float(cfl)
-
-
-def _room(first: int, step: float, count: int) -> Pieces:
-    shape = (count, STEPS_PER_PIECE + 1)
-    times = (first + STEPS_PER_PIECE * np.arange(count, dtype=float)) * step
-    lengths = np.full(count, STEPS_PER_PIECE * step, dtype=float)
-    return Pieces(times, lengths, np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape))

@@ -14,8 +14,12 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-_VECTOR = ir.VectorType(ir.DoubleType(), 8)
-_SWAPPED = ir.Constant(ir.VectorType(ir.IntType(32), 8), [4, 5, 6, 7, 0, 1, 2, 3])
+LANES = 8
+"""Columns abreast; flat arrays that are summed panel by panel have a multiple of this size."""
+
+_VECTOR = ir.VectorType(ir.DoubleType(), LANES)
+_LANE_NUMBERS = ir.VectorType(ir.IntType(32), LANES)
+_SWAPPED = ir.Constant(_LANE_NUMBERS, [*range(LANES // 2, LANES), *range(LANES // 2)])
 _FUSE = ("contract",)
 
 
@@ -27,12 +31,12 @@ def _address(context: Any, builder: Any, kind: Any, array: Any, index: Any) -> A
 def _weighted_sum(context: Any, builder: Any, kinds: Any, arguments: Any) -> Any:
     """The loop over j; returns the vector of eight sums."""
     weight, first, count, rows, start, stride = arguments
-    total = cgutils.alloca_once_value(builder, ir.Constant(_VECTOR, [0.0] * 8))
+    total = cgutils.alloca_once_value(builder, ir.Constant(_VECTOR, [0.0] * LANES))
     weights = context.make_array(kinds[0])(context, builder, weight).data
     with cgutils.for_range(builder, count) as loop:
         factor = builder.load(builder.gep(weights, [builder.add(first, loop.index)]))
         lane = builder.insert_element(ir.Constant(_VECTOR, ir.Undefined), factor, ir.Constant(ir.IntType(32), 0))
-        broadcast = builder.shuffle_vector(lane, lane, ir.Constant(ir.VectorType(ir.IntType(32), 8), [0] * 8))
+        broadcast = builder.shuffle_vector(lane, lane, ir.Constant(_LANE_NUMBERS, [0] * LANES))
         index = builder.add(start, builder.mul(loop.index, stride))
         row = builder.load(_address(context, builder, kinds[3], rows, index), align=8)
         product = builder.fmul(broadcast, row, flags=_FUSE)

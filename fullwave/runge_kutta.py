@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fullwave.panels import add_rows
+from fullwave.panels import LANES, add_rows
 from scene.compiled import inlined
 from scene.observe.pieces import Array
 
@@ -47,8 +47,8 @@ def stability_polynomial(method: RungeKutta) -> Array:
 @inlined
 def combine(weight: Array, stages: int, row: int, base: Array, rates: Array, out: Array) -> None:
     """out = base + sum of row `row` of `weight` (times the step) over the earlier stages' rates (flat, stages times base.size).
-    Sizes are multiples of 8; out may be base."""
-    for i in range(0, base.size, 8):
+    Sizes are multiples of panels.LANES; out may be base."""
+    for i in range(0, base.size, LANES):
         add_rows(weight, row * stages, row, rates, i, base.size, base, out, i)
 
 

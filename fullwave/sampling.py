@@ -1,23 +1,21 @@
-"""Time-step samples grouped into `Pieces`: four steps make a quartic, so event times and extrema are read to fifth order in the
-step and an observer's interpolation never limits a scheme of order four or less."""
+"""Samples at the ends of equal steps, grouped into `Pieces`: n steps make a polynomial of degree n, so that what observers read
+between the samples is of order n + 1 and never limits a scheme of order n or less."""
 
 import numpy as np
 
-from scene.observe.pieces import Array
-
-STEPS_PER_PIECE = 4
-"""Steps of the solver in one piece; neighbouring pieces share their end samples."""
-
-MOST_PIECES = 1024
-"""Pieces in one chunk: memory stays at some 200 kB and the cost of leaving compiled code is spread over 4096 steps."""
+from scene.observe.pieces import Array, Pieces, empty_pieces
 
 
-def sample_nodes() -> Array:
-    """Nodes of a piece in [0, 1]."""
-    return np.linspace(0.0, 1.0, STEPS_PER_PIECE + 1)
+def sample_nodes(steps: int) -> Array:
+    """Nodes of a piece of `steps` steps in [0, 1]: neighbouring pieces share their end samples."""
+    return np.linspace(0.0, 1.0, steps + 1)
 
 
-def pieces_until(first: int, step: float, until: float, most: int = MOST_PIECES) -> int:
-    """Pieces (1 to `most`) that take a run of equal steps (transits) from sample `first` to `until` or just past it."""
-    wanted = (until / step - first) / STEPS_PER_PIECE
-    return int(min(most, max(1, np.ceil(wanted - 1e-6))))
+def pieces_until(first: int, step: float, until: float, steps: int, most: int) -> Pieces:
+    """Room for the pieces (1 to `most`, of `steps` steps each) that take a march from sample `first` to `until` (transits) or
+    just past it, with their times filled in."""
+    wanted = (until / step - first) / steps
+    pieces = empty_pieces(int(min(most, max(1, np.ceil(wanted - 1e-6)))), steps + 1)
+    pieces.time[:] = (first + steps * np.arange(pieces.time.size)) * step
+    pieces.length[:] = steps * step
+    return pieces

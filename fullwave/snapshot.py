@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 from typing import Protocol
 
-from scene.observe import Energy
-from scene.observe.pieces import Array, Pieces
-from scene.scene import Scene
+from scene.observe.follow import Solver
+from scene.observe.pieces import Array
 
 
 @dataclass(frozen=True)
@@ -27,23 +26,8 @@ class Snapshot:
     lower: SlabSnapshot
 
 
-class FieldSolver(Protocol):
-    """A solver whose fields can be recorded: the `Solver` protocol, `snapshot`, `keep_frames` and `frames`."""
-
-    scene: Scene
-    model: str
-    nodes: Array
-    failures: int
-
-    @property
-    def time(self) -> float:
-        """Time reached, in transits."""
-
-    def advance(self, until: float) -> Pieces:
-        """As `scene.observe.follow.Solver`."""
-
-    def energy(self) -> Energy | None:
-        """As `scene.observe.follow.Solver`."""
+class FieldSolver(Solver, Protocol):
+    """A solver whose fields can be recorded."""
 
     def snapshot(self) -> Snapshot:
         """The fields now."""

@@ -5,16 +5,22 @@ s = sigma/eps are deviations from steady sliding, each in the slab's own directi
 
     w_t = s_x,    s_t = w_x    (d'Alembert's pair),       v = w_upper + w_lower at the interface.
 
-A block answers with a summation-by-parts operator D (`apply`: discontinuous Galerkin, finite difference or finite element) and is
-held at both ends only through the characteristic states w* of its faces (upwind; penalty 1/h_0, the inverse of the end's norm):
+A block answers with a summation-by-parts operator D = H^-1 Q, Q + Q^T = diag(-1, 0, .., 0, 1) (`apply`: discontinuous Galerkin,
+finite difference or finite element), and is held at both ends only through the characteristic states w* of its faces:
 
     w_t = D s + sum_ends l (w* - w),     s_t = D w +- l (w* - w)     (+ at the end away from the interface).
 
-The energy then changes by -w* mu* - sum eps (w - w*)^2: nothing grows, and no friction stiffness enters the step limit.
-Three kinds of face, all solved for w* from what arrives at them (MODEL.md section 3):
+l = H^-1 e, e the unit vector of the end: 1/h_0 at the end node where h_0 stands alone in H (a diagonal norm, or the differences'
+restricted full one); a consistent mass spreads it over the block (`finish`). With s* = s +- (w* - w), the stress that belongs to
+w*, the energy eps (w.H w + s.H s)/2 then changes by
+
+    sum_ends +- eps s* w* - eps (w - w*)^2,
+
+the power of what is outside less what upwinding takes: nothing grows, and no friction stiffness enters the step limit.
+Three kinds of face, all solved for w* from the characteristic o = s -+ w that arrives at them (MODEL.md section 3):
     joint      between two blocks: stress and velocity continuous;
     interface  one scalar friction solve (scene.interface) for both slabs;
-    top        rigid, grip or bare reflection: w* = A V + B (y_g - o), o = s - w what arrives.
+    top        rigid, grip or bare reflection: w* = A V + B (y_g - o).
 
 Viscosity. Standard linear: a memory stress m per node, s_t = D w + ... - rate m, m_t = fraction (D w + ...) - rate m.
 Kelvin-Voigt: s is the elastic part and s + tau s_t the stress; the ends' impedances gain the factor 1 + tau l, which solves for
@@ -34,12 +40,13 @@ from scene.observe.pieces import Array
 Operator: TypeAlias = Any
 """An instance of a family's operator class (a NamedTuple)."""
 
-# scalars carried behind the grid values, integrated by the same Runge-Kutta method
+# scalars carried behind the grid values, integrated by the same Runge-Kutta method (GRIP: one load per slab); SCALARS of them,
+# a multiple of panels.LANES
 PSI, ELASTIC, GRIP, INPUT, FRICTION, RADIATED, VISCOUS, SCALARS = 0, 1, 2, 4, 5, 6, 7, 8
 
-
 # rows of `System.slots` and `System.facts`, one column per trace (an end of a block): first the joints' ends in pairs (near the
-# interface, far), then the ends at the interface, then those at the tops. SIGN is -1 at a block's near end; STIFFENED 1 + tau l
+# interface, far), then the ends at the interface, then those at the tops. LIFT is l, SIGN -1 at a near end and 1 at a far one,
+# STIFFENED 1 + tau l
 VELOCITY, STRESS = 0, 1
 LIFT, SIGN, STIFFENED, IMPEDANCE = 0, 1, 2, 3
 

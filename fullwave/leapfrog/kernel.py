@@ -17,6 +17,10 @@ from scene.observe.pieces import Array, Pieces
 from scene.start import NUDGE_CENTRE
 
 STEPS_PER_PIECE = 4
+"""Steps in one piece: a quartic, so that events and extrema are read to fifth order in the step of a scheme of order two."""
+
+MOST_PIECES = 1024
+"""Pieces in one chunk: memory stays at some 200 kB and the cost of leaving compiled code is spread over 4096 steps."""
 
 # slots of the interface's memory
 STATE, STRESS, ELASTIC, DRIVE, INPUT, FRICTION = 0, 1, 2, 3, 4, 5
@@ -118,9 +122,6 @@ def march(
             _record(memory, pieces, k - 1, STEPS_PER_PIECE)
         if k < pieces.time.size:
             _record(memory, pieces, k, j)
-    for k in range(pieces.time.size):
-        pieces.time[k] = (start + STEPS_PER_PIECE * k) * clock.step
-        pieces.length[k] = STEPS_PER_PIECE * clock.step
     return failures
 
 

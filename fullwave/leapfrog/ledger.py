@@ -21,7 +21,7 @@ def energy_of(clock: Clock, memory: Array, sides: list[tuple[Side, Grid]], veloc
     sums = [side_energy(side, grid, clock.steady_stress, velocity) for side, grid in sides]
     stored, radiated, viscous = (copies * sum(column) for column in zip(*sums, strict=True))
     unit = clock.transit
-    spent = unit * grid_step(sides)
+    spent = unit * clock.step
     return Energy(
         input=float(spent * memory[INPUT]),
         friction=float(spent * memory[FRICTION]),
@@ -29,11 +29,6 @@ def energy_of(clock: Clock, memory: Array, sides: list[tuple[Side, Grid]], veloc
         viscous=unit * viscous,
         stored=unit * stored,
     )
-
-
-def grid_step(sides: list[tuple[Side, Grid]]) -> float:
-    """The common step, transits."""
-    return sides[0][1].step
 
 
 def side_energy(side: Side, grid: Grid, steady_stress: float, velocity: float) -> tuple[float, float, float]:

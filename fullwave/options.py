@@ -1,0 +1,19 @@
+"""What a user may ask of a grid: whole numbers in a range, a Courant number in (0, 1]."""
+
+import numpy as np
+
+from scene.errors import SceneError
+
+MOST_CELLS = 1_000_000
+
+
+def require_whole(name: str, value: int, least: int, most: int) -> None:
+    """Raises SceneError unless `value` is a whole number from `least` to `most`."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
+        raise SceneError(f"{name} = {value!r}: must be a whole number from {least} to {most}")
+
+
+def require_cfl(cfl: float) -> None:
+    """Raises SceneError unless `cfl` is a number in (0, 1]."""
+    if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.integer | np.floating) or not 0.0 < cfl <= 1.0:
+        raise SceneError(f"cfl = {cfl!r}: must lie in (0, 1]")
