@@ -1,4 +1,7 @@
-"""The march as users meet it: agreement, resumption to the bit, refusals, step limits that friction does not move, the ledger."""
+"""The march as users meet it: agreement, resumption to the bit, refusals, the ledger.
+
+Step limits: tests/verification/test_noise.
+"""
 
 import dataclasses
 
@@ -77,37 +80,6 @@ def test_wrong_options_are_refused_by_name(kind, options, message):
 def test_consistent_mass_refuses_kelvin_voigt_and_says_who_can():
     with pytest.raises(SceneError, match='Kelvin-Voigt viscosity; fem with mass = "lumped", dg and sbp can'):
         FiniteElement(SCENES["kelvin-voigt"], mass="consistent")
-
-
-def amplitude(kind, options, chosen, share):
-    """Largest field after 400 steps at `share` of the longest stable step, from noise at the grid scale."""
-    solver = kind(chosen, **options, cfl=1.0)
-    solver.step *= share
-    generator = np.random.default_rng(2)
-    noise = 1e-3 * chosen.velocity
-    solver.impose(
-        0,
-        lambda x: 0.5 * chosen.velocity + noise * generator.standard_normal(x.size),
-        lambda x: chosen.steady_stress + noise * chosen.upper.epsilon * generator.standard_normal(x.size),
-    )
-    try:
-        while solver.time < 400 * solver.step:
-            solver.advance(400 * solver.step)
-    except NumericsError:
-        return np.inf
-    return float(np.abs(solver.state()["state"][: solver.grid.size]).max() / noise)
-
-
-@pytest.mark.parametrize("stiffness", [1.0, 1e4, 1e8])
-@pytest.mark.parametrize("family", FINE)
-def test_step_limit_is_sharp_and_blind_to_friction(family, stiffness):
-    """a and b scaled by 1..1e8: stable at 0.99 of the limit, not at 1.08, with the same limit."""
-    kind, options = FINE[family]
-    law = PAPER.law._replace(a=stiffness * PAPER.law.a, b=stiffness * PAPER.law.b)
-    chosen = dataclasses.replace(PAPER, law=law, start=Start(size=0.0))
-    assert kind(chosen, **options).step == kind(PAPER, **options).step
-    assert amplitude(kind, options, chosen, 0.99) < 20.0
-    assert amplitude(kind, options, chosen, 1.08) > 1e3
 
 
 def test_state_too_fast_for_the_step_is_reported_in_one_line():

@@ -10,6 +10,7 @@ import numpy as np
 import scipy.sparse
 
 import scene
+from fullwave.march import STEPS_PER_PIECE
 from scene.drive import steady_drive
 from scene.friction.ageing import Ageing
 from scene.slab import Slab
@@ -48,8 +49,8 @@ def send(solver, shape, direction, slab=0, impedance=EPSILON):
 
 def step_to(solver, time):
     """March to exactly `time`, with steps shortened so that whole pieces tile it."""
-    pieces = np.ceil(time / (8 * solver.step) - 1e-9)
-    solver.step = time / (8 * pieces)
+    pieces = np.ceil(time / (STEPS_PER_PIECE * solver.step) - 1e-9)
+    solver.step = time / (STEPS_PER_PIECE * pieces)
     while solver.time < time - 1e-9:
         solver.advance(time)
 
@@ -98,7 +99,7 @@ def standing_error(solver, waves=3, time=1.3):
     step_to(solver, 0.8)
     squares = []
     while solver.time < time:
-        solver.advance(solver.time + 8 * solver.step)
+        solver.advance(solver.time + STEPS_PER_PIECE * solver.step)
         x, w, s, norm = fields(solver)
         exact_w, exact_s = np.cos(k * solver.time) * np.sin(k * x), np.sin(k * solver.time) * np.cos(k * x)
         squares.append(squared(norm, w - exact_w, s - exact_s))

@@ -82,10 +82,12 @@ def peak(model, cells, transits):
 
 @EVERY
 def test_memory_does_not_grow_with_the_run(model):
-    """What a chunk of samples takes is all that a long run holds beside the grid."""
+    """What a chunk of samples takes is all that a long run holds beside the grid.
+
+    Some tens of kB of the interpreter's own come and go; keeping the samples would take ten times as much."""
     short, long = (peak(model, GRIDS[model], transits) for transits in (400.0, 1200.0))
     print(f"{model}: {short / 1e3:.0f} kB, {long / 1e3:.0f} kB for three times as long")
-    assert long < 1.05 * short
+    assert long < 1.5 * short
 
 
 @EVERY

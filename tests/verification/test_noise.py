@@ -1,10 +1,13 @@
 """Nothing grows: noise at the grid scale against the step limit, whatever friction, medium and face, and in a locked slab for a
 million transits."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from exact_waves import EPSILON, LOCKED, fields, rate_scene, squared
 
+import scene
 from fullwave.finite_difference import Leapfrog
 from validation.models import build
 from validation.studies.attack_limits import CELLS, MEDIA, around_the_limit, growth, rubbing, state_reach
@@ -26,6 +29,17 @@ def test_limit_is_blind_to_friction(model, decade):
     assert build(model, what, cells=CELLS[model]).step == build(model, rubbing(0), cells=CELLS[model]).step
     assert growth(model, what, 0.99) < 20.0
     assert decade == 0 or growth(model, what, 1.04) > 100.0
+
+
+@pytest.mark.parametrize("stiffness", [1e4, 1e8])
+@pytest.mark.parametrize("model", [model for model in CELLS if model != "fd"])
+def test_limit_is_blind_to_a_stiff_state(model, stiffness):
+    """a and b of the ageing law scaled: the same step, stable at 0.99 of it, not at 1.04."""
+    plain = scene.read("paper", ["start.size=0"])
+    stiff = dataclasses.replace(plain, law=plain.law._replace(a=stiffness * plain.law.a, b=stiffness * plain.law.b))
+    assert build(model, stiff, cells=CELLS[model]).step == build(model, plain, cells=CELLS[model]).step
+    assert growth(model, stiff, 0.99) < 20.0
+    assert growth(model, stiff, 1.04) > 100.0
 
 
 @pytest.mark.parametrize("model", CELLS)
