@@ -7,7 +7,7 @@ restricted full norm), so that a penalty acts on one node. The conditions leave 
 6; they make the residual Q p - H p' of degree 2m least (sum of squares), which determines them. Order 2 needs one row: the
 trapezoidal rule. Strand, J. Comput. Phys. 110 (1994); Carpenter, Nordstrom and Gottlieb, J. Comput. Phys. 148 (1999).
 
-The conditions depend on each other (rank 18 of 20, 39 of 42), hence least squares; the singular values that count lie above 4e-4
+The conditions depend on each other (rank 18 of 20, 39 of 42), hence least squares; the singular values that count lie above 3e-4
 of the largest, the others are rounding. H is positive definite and rounding moves its entries by some 1e-11 at order 6, whereas Q
 stays skew and the conditions hold to rounding (tests/fullwave/test_closure.py, against rational arithmetic).
 """
