@@ -26,7 +26,7 @@ def test_late_cycles_are_right(name):
     assert not any(outcome.silently_wrong(1e-2, 2e-2) for outcome in attack(name, late=True).values())
 
 
-@pytest.mark.parametrize("model", ["sbp:4", "dg:3"])
+@pytest.mark.parametrize("model", ["sbp:4", "fem:4"])
 def test_cells_that_the_message_asks_for_make_the_run_right(model):
     advice = advised(model)
     assert 0 < advice.stopped < advice.cells
