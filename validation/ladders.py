@@ -80,7 +80,7 @@ _FAMILIES = (
     Ladder("fd", 2.0, 2.0, GENTLE, 24, 280, 5e-5, cfl=0.5),
     Ladder("sbp:2", 2.0, 1.95, GENTLE, 24, 280, 5e-5),
     Ladder("sbp:4", 4.0, 3.9, GENTLE, 16, 260, 1e-8),
-    Ladder("sbp:6", 6.0, 4.8, ROUGH, 17, 170, 1e-9),
+    Ladder("sbp:6", 6.0, 6.0, ROUGH, 17, 170, 1e-9),
     *_elements("fem"),
     *_elements("dg"),
 )
