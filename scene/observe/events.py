@@ -120,7 +120,8 @@ def _scan(
                     starts += 1
                 memory[_BELOW_SINCE] = math.nan
             elif right_value < threshold - margin and math.isnan(memory[_BELOW_SINCE]):
-                memory[_BELOW_SINCE] = pieces.time[k] + pieces.length[k] * right
+                point = _crossing(basis, z, threshold - margin, left, right)
+                memory[_BELOW_SINCE] = pieces.time[k] + pieces.length[k] * point
             left, left_value = right, right_value
         memory[_LAST_VALUE] = left_value
         if begin > 0.0:
@@ -131,11 +132,14 @@ def _scan(
 
 
 @njit
-def _crossing(basis: Basis, z: Array, threshold: float, left: float, right: float) -> Any:
-    """Point of [left, right] where v rises through V; the piece's left end if it jumped there between two pieces."""
-    if left == 0.0 and evaluate(basis, z, 0.0) >= threshold:
+def _crossing(basis: Basis, z: Array, level: float, left: float, right: float) -> Any:
+    """Point of [left, right] where the rate passes `level`, up or down; the piece's left end if it did so between two pieces.
+
+    A root, not a node: a stick is measured against a round trip, and must not be shorter for longer pieces.
+    """
+    if left == 0.0 and (evaluate(basis, z, 0.0) >= level) == (evaluate(basis, z, right) >= level):
         return 0.0
-    return find_root(basis, z, threshold, left, right)
+    return find_root(basis, z, level, left, right)
 
 
 @njit

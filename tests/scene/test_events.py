@@ -66,6 +66,21 @@ def test_ripples_that_cross_many_times_count_once(size: float) -> None:
     assert events.period == pytest.approx(np.full(9, PERIOD), abs=1e-5)
 
 
+@pytest.mark.parametrize("nodes", [RADAU, EQUISPACED], ids=["radau", "equispaced"])
+@pytest.mark.parametrize("pieces", [120, 400, 4000])
+@pytest.mark.parametrize(("below", "counted"), [(0.99, 0), (1.01, 4)])
+def test_a_stick_is_as_long_as_the_polynomial_is_below_not_the_nodes(
+    nodes: Array, pieces: int, below: float, counted: int
+) -> None:
+    """ln v falls below ln V for a hair more or less than a round trip, whatever the sampling."""
+    level = np.cos(np.pi * below / PERIOD)
+
+    def brief(t: Array) -> Array:
+        return level - np.cos(2 * np.pi * t / PERIOD)
+
+    assert watch(brief, nodes, 100.0, pieces, begin=-10.0).time.size == counted
+
+
 def test_steady_sliding_with_rounding_noise_has_no_event() -> None:
     noise = np.random.default_rng(1)
     assert watch(lambda t: 1e-13 * noise.standard_normal(t.shape), RADAU, 100.0, 400).time.size == 0
