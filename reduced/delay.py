@@ -1,4 +1,4 @@
-"""The exact delay system (29, 35) for alike plain slabs, by Radau collocation whose steps divide the transit."""
+"""The exact delay system (29, 35) for alike plain slabs, by Radau collocation whose steps divide the transit (`transit_mesh`)."""
 
 import math
 from functools import cache
@@ -10,9 +10,10 @@ from reduced.delay_kernel import PSI, TIME, Matrices, Memory, Physics, march_del
 from reduced.delay_march import DelayMarch
 from reduced.step_guess import first_guess
 from reduced.step_newton import UNKNOWN
+from reduced.transit_mesh import TransitMesh, cuts_of, transit_mesh
 from scene.errors import SceneError
 from scene.friction import respond, unknown_of
-from scene.observe.pieces import Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
+from scene.observe.pieces import Array, Pieces, empty_pieces
 from scene.scene import Scene
 
 MAX_STEPS = 4096
@@ -46,22 +47,23 @@ class Delay(DelayMarch):
         self._emit = emit
         self.nodes, self._matrices = collocation_matrices(self._stages)
         self._physics = Physics(scene.upper.epsilon, scene.transit, scene.start.nudge_size, *scene.drive.knots())
-        self._begin(steps or _first_steps(scene, self._stages))
+        self._cuts = cuts_of(scene.drive)
+        self._begin(transit_mesh(steps or _first_steps(scene, self._stages), self._cuts))
         self._march(0, empty_pieces(0, self._stages))  # loads or compiles the march, so that a run's wall time is the march's
 
     @property
     def steps(self) -> int:
         """Steps a transit in use now."""
-        return int(self._memory.incoming.shape[0])
+        return self._mesh.steps
 
     def advance(self, until: float) -> Pieces:
         """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
         while True:
-            wanted = max(1, math.ceil((until - self.time) * self.steps - 1e-6))
+            wanted = self._mesh.steps_until(until - self.time, int(self._memory.cursor[0]))
             count = min(_CHUNK if self._emit else _LONG_CHUNK, wanted)
             pieces = empty_pieces(count if self._emit else 1, self._stages)
             kept, verdict = self._march(count, pieces)
-            self._memory.now[TIME] = round(self._memory.now[TIME] * self.steps) / self.steps
+            self._memory.now[TIME] = self._on_mesh(self.time)
             if verdict:
                 self._refine()
             if not self._emit and not verdict:
@@ -78,23 +80,29 @@ class Delay(DelayMarch):
         self.iterations += iterations
         return kept, verdict
 
-    def _begin(self, steps: int) -> None:
+    def _on_mesh(self, time: float) -> float:
+        """`time` without the rounding of many additions: the start of the step that comes next."""
+        start = float(self._mesh.starts[int(self._memory.cursor[0])])
+        return round(time - start) + start
+
+    def _begin(self, mesh: TransitMesh) -> None:
         """Steady sliding at t = 0, psi displaced if the start is a jump."""
         scene = self.scene
         psi = scene.steady_psi + scene.start.jump_size
-        incoming = np.full((steps, self._stages), scene.steady_stress + 0.5 * scene.upper.epsilon * scene.velocity)
+        incoming = np.full((mesh.steps, self._stages), scene.steady_stress + 0.5 * scene.upper.epsilon * scene.velocity)
+        self._mesh = mesh
         self._memory = self._remember(incoming, np.array([0.0, psi, scene.steady_stress]), 0)
 
     def _refine(self) -> None:
         """More steps a transit: the stored polynomials are evaluated at the new nodes. Between nodes they are good to the dense
         tolerance only, so where just the end is wanted and resolved, the run begins again instead."""
-        old, cursor = self.steps, int(self._memory.cursor[0])
-        new = 2 * old if cursor else _next_count(old)
-        if new > MAX_STEPS:
-            raise self._unresolved(old)
+        old, cursor = self._mesh, int(self._memory.cursor[0])
+        new = old.halved() if cursor else transit_mesh(_next_count(old.count), self._cuts)
+        if new.count > MAX_STEPS:
+            raise self._unresolved(old.steps)
         if self._emit:
-            finer = resample(self._memory.incoming, self.nodes, new)
-            self._memory = self._remember(finer, self._memory.now, cursor * new // old)
+            self._mesh = new
+            self._memory = self._remember(old.resample(self._memory.incoming, self.nodes, new), self._memory.now, 2 * cursor)
         else:
             self._begin(new)
 
@@ -105,22 +113,13 @@ class Delay(DelayMarch):
         self.failures += first_guess(
             self.scene.law, 0.5 * self.scene.upper.epsilon, incoming[cursor], now[PSI], start, guess[UNKNOWN]
         )
-        return Memory(incoming, guess, now.copy(), np.array([cursor]))
+        return Memory(incoming, self._mesh.lengths, guess, now.copy(), np.array([cursor]))
 
 
 def refuse_unless_plain(scene: Scene) -> None:
     """SceneError unless both slabs are alike, homogeneous, elastic and driven through rigid faces."""
     if not (scene.alike and scene.upper.is_plain):
         raise SceneError(f"model = delay: scene {scene.name!r} is not a pair of alike plain slabs with rigid faces")
-
-
-def resample(values: Array, nodes: Array, new: int) -> Array:
-    """Nodal values (old, s) of a piecewise polynomial on the transit at the nodes of `new` equal steps, shape (new, s)."""
-    old, stages = values.shape
-    at = (np.arange(new)[:, None] + nodes) * (old / new)
-    step = np.clip(np.ceil(at - 1e-9).astype(int) - 1, 0, old - 1)
-    weights = interpolation_matrix(lagrange_basis(nodes), (at - step).ravel()).reshape(new, stages, stages)
-    return np.asarray(np.einsum("isk,isk->is", weights, values[step]))
 
 
 @cache

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.collocation import Nodes
-from reduced.step_guess import force, predict, resolved
+from reduced.step_guess import force, hold, predict, resolved
 from reduced.step_newton import RATE, STATE, UNKNOWN, WORK_ROWS, solve_step
 from scene.compiled import inlined, njit, overwrite
 from scene.drive import interpolate_drive
@@ -26,9 +26,11 @@ TIME, PSI, ELASTIC = 0, 1, 2
 
 class Memory(NamedTuple):
     """State at a step's end. `incoming` (steps, s): S at the nodes of the coming transit, from row `cursor[0]` on cyclically;
-    `guess` (2, s): predicted nodal psi and z of the next step; `now`: time (transits), psi, y."""
+    `lengths` (steps,) of the steps in transits; `guess` (2, s): predicted nodal psi and z of the next step; `now`: time
+    (transits), psi, y."""
 
     incoming: Array
+    lengths: Array
     guess: Array
     now: Array
     cursor: NDArray[np.int64]
@@ -57,7 +59,8 @@ class Physics(NamedTuple):
 def emit(
     nodes: Nodes,
     epsilon: float,
-    velocity: float,
+    drive_times: Array,
+    drive_velocities: Array,
     start: float,
     length: float,
     integral: Array,
@@ -78,7 +81,10 @@ def emit(
         pieces.state[k, j] = guess[STATE, j]
         pieces.stress[k, j] = incoming[i, j] - 0.5 * epsilon * work[RATE, j]
         pieces.elastic[k, j] = now[ELASTIC]
+    velocity = drive_velocities[0]
     for m in range(s):
+        if drive_velocities.size > 1:
+            velocity = interpolate_drive(drive_times, drive_velocities, start + nodes[m] * length)
         factor = length * epsilon * (velocity - work[RATE, m])
         for j in range(s):
             pieces.elastic[k, j] += integral[m, j] * factor
@@ -103,9 +109,7 @@ def march_delay(
     incoming, guess, now = memory.incoming, memory.guess, memory.now
     integral, predict_rate, predict_state, tail = matrices.integral, matrices.predict, matrices.predict_state, matrices.tail
     epsilon, nudge, velocities = physics.epsilon, physics.nudge, physics.drive_velocities
-    steps = incoming.shape[0]
-    length = 1.0 / steps
-    h = length * physics.round_trip
+    steps, lengths = incoming.shape[0], memory.lengths
     work, system = np.zeros((WORK_ROWS, s)), np.empty((s, s))
     saved, saved_guess, saved_now = np.empty_like(incoming), np.empty_like(guess), np.empty_like(now)
     overwrite(saved, incoming)
@@ -120,7 +124,8 @@ def march_delay(
             overwrite(saved, incoming)
             overwrite(saved_now, now)
             overwrite(saved_guess, guess)
-        left, start = now[PSI], now[TIME]
+        left, start, length = now[PSI], now[TIME], lengths[i]
+        h = length * physics.round_trip
         if nudge != 0.0:
             force(nodes, nudge, start, length, integral, work)
         used = solve_step(nodes, law, 0.5 * epsilon, h, left, incoming, i, integral, newton_tolerance, guess, work, system)
@@ -131,19 +136,19 @@ def march_delay(
             overwrite(guess, saved_guess)
             memory.cursor[0] = (i - (n - anchor)) % steps
             return anchor, iterations, 1 if used == 0 else 2
-        if not constant:
-            velocity = interpolate_drive(drive_times, velocities, start + 0.5 * length)
         if pieces.time.size == count:
-            emit(nodes, epsilon, velocity, start, length, integral, incoming, i, guess, work, now, pieces, n)
+            emit(nodes, epsilon, drive_times, velocities, start, length, integral, incoming, i, guess, work, now, pieces, n)
         elif n == count - 1:
-            emit(nodes, epsilon, velocity, start, length, integral, incoming, i, guess, work, now, pieces, 0)
+            emit(nodes, epsilon, drive_times, velocities, start, length, integral, incoming, i, guess, work, now, pieces, 0)
         for j in range(s):
             if not constant:
                 velocity = interpolate_drive(drive_times, velocities, start + nodes[j] * length + 0.5)
             incoming[i, j] += epsilon * (velocity - work[RATE, j])
         now[PSI] = guess[STATE, s - 1]
         now[TIME] = start + length
-        i = i + 1 if i + 1 < steps else 0
+        i, last = i + 1 if i + 1 < steps else 0, guess[UNKNOWN, s - 1]
         predict(nodes, predict_rate, predict_state, left, guess, work)
+        if lengths[i] != length:
+            hold(nodes, now[PSI], last, guess)
     memory.cursor[0] = i
     return count, iterations, 0

@@ -62,3 +62,11 @@ def predict(nodes: Nodes, predict_rate: Array, predict_state: Array, left: float
     for j in range(s):
         guess[STATE, j] = work[PREVIOUS, j]
         guess[UNKNOWN, j] = work[FRESH, j]
+
+
+@njit
+def hold(nodes: Nodes, psi: float, z: float, guess: Array) -> None:
+    """The values at a step's end as the next step's guess, where its length differs and no polynomial may be extended."""
+    for j in range(len(nodes)):
+        guess[STATE, j] = psi
+        guess[UNKNOWN, j] = z
