@@ -93,7 +93,8 @@ def record_field(
 ) -> tuple[Field, Final]:
     """March to `end` and keep the fields from `start` on, every `interval` (transits; rounded up to the solver's steps).
 
-    Returns the record and the interface's state at `end`. Raises SceneError if the window is empty or already past, and
+    Returns the record and the interface's state at `end`. The record goes on to the end of the solver's piece, so its last sample
+    may lie beyond `end` by less than one piece (a few steps). Raises SceneError if the window is empty or already past, and
     NumericsError as `follow` does.
     """
     if not (solver.time <= start < end and interval > 0.0):

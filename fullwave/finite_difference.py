@@ -26,7 +26,7 @@ from fullwave.sampling import pieces_until, sample_nodes
 from fullwave.snapshot import Snapshot
 from scene.errors import SceneError
 from scene.observe import Energy, Pieces
-from scene.observe.pieces import Array
+from scene.observe.pieces import Array, empty_pieces
 from scene.scene import Scene
 
 _MUTABLE = ("velocity", "stress", "relaxing", "lost")
@@ -81,11 +81,13 @@ class Leapfrog:
 
     def advance(self, until: float) -> Pieces:
         """March towards `until` (transits), at most one chunk."""
-        begin = max(self._sample, 0)
-        pieces = pieces_until(begin, self.step, until, STEPS_PER_PIECE, MOST_PIECES)
+        return self._fill(pieces_until(max(self._sample, 0), self.step, until, STEPS_PER_PIECE, MOST_PIECES))
+
+    def _fill(self, pieces: Pieces) -> Pieces:
+        """March through `pieces`; through none, the sample at t = 0 is taken if it was not yet."""
         law, upper = self.scene.law, self._sides[0]
         self.failures += march(law, self._clock, self._drive, upper, self._lower, self._memory, self._sample, pieces)
-        self._sample = begin + STEPS_PER_PIECE * pieces.time.size
+        self._sample = max(self._sample, 0) + STEPS_PER_PIECE * pieces.time.size
         return pieces
 
     def energy(self) -> Energy:
@@ -97,6 +99,8 @@ class Leapfrog:
         """Velocity and stress at the nodes at `time`, second order."""
         from fullwave.leapfrog.picture import snapshot_of
 
+        if self._sample < 0:  # the velocity of the interface at t = 0 is only known with the sample taken there
+            self._fill(empty_pieces(0, self.nodes.size))
         return snapshot_of(self.scene, self.time, self._clock, self._memory, self._sides, self._grids)
 
     def keep_frames(self) -> None:

@@ -1,5 +1,6 @@
 """Field records: right values at right places, files that other programs read, nothing half-written."""
 
+import dataclasses
 import itertools
 
 import meshio
@@ -15,6 +16,7 @@ from fullwave.field_picture import picture
 from fullwave.finite_difference import Leapfrog
 from scene.errors import SceneError
 from scene.observe import EventObserver, HistoryObserver, follow
+from scene.start import Start, StartKind
 
 
 @pytest.fixture(scope="module", params=["alike", "unlike"])
@@ -71,6 +73,29 @@ def test_recording_changes_nothing():
     one, two = Leapfrog(PAPER, 32, 0.9), Leapfrog(PAPER, 32, 0.9)
     _, final = record_field(one, 20.0, 22.0)
     assert follow(two, 22.0) == final
+    assert one.state()["memory"].tobytes() == two.state()["memory"].tobytes()
+
+
+@pytest.mark.parametrize("name", ["alike", "unlike", "kelvin-voigt", "grip"])
+def test_the_first_frame_at_rest_is_steady_sliding(name):
+    field, _ = record_field(Leapfrog(SCENES[name], 32, 0.9), 0.0, 0.5)
+    for slab in field.slabs.values():
+        assert abs(slab.velocity[0]) == pytest.approx(SCENES[name].velocity / 2, rel=1e-7)
+        assert slab.stress[0] == pytest.approx(SCENES[name].steady_stress, rel=1e-7)
+
+
+@pytest.mark.parametrize("name", ["alike", "unlike"])
+def test_the_first_frame_after_a_jump_is_the_first_sample_and_the_run_stays_the_same(name):
+    chosen = dataclasses.replace(SCENES[name], start=Start(StartKind.JUMP, 0.1))
+    one, two = Leapfrog(chosen, 32, 0.9), Leapfrog(chosen, 32, 0.9)
+    history = HistoryObserver(chosen.law, one.nodes)
+    field, final = record_field(one, 0.0, 2.0, observers=[history])
+    lower = -field.upper.velocity if field.lower is None else field.lower.velocity
+    slip, columns = field.upper.velocity[:, 0] - lower[:, 0], history.columns()
+    assert slip[0] == pytest.approx(columns["slip_rate"][0], rel=1e-12)
+    assert slip[0] != pytest.approx(chosen.velocity, rel=0.01)
+    assert field.upper.stress[0, 0] == pytest.approx(columns["stress"][0], rel=1e-12)
+    assert follow(two, 2.0) == final
     assert one.state()["memory"].tobytes() == two.state()["memory"].tobytes()
 
 
