@@ -22,9 +22,9 @@ from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, Clock, march
 from fullwave.leapfrog.ledger import energy_of
 from fullwave.leapfrog.sides import Mirror, Side
 from fullwave.options import MOST_CELLS, require_cfl, require_whole
+from fullwave.restoring import take_back, whole_numbers
 from fullwave.sampling import pieces_until, sample_nodes
 from fullwave.snapshot import Snapshot
-from scene.errors import SceneError
 from scene.observe import Energy, Pieces
 from scene.observe.pieces import Array, empty_pieces
 from scene.scene import Scene
@@ -70,9 +70,10 @@ class Leapfrog:
         return max(self._sample, 0) * self.step
 
     @property
-    def settings(self) -> dict[str, float]:
-        """What it was built with besides the scene."""
-        return {"cells": self.cells, "cfl": self.cfl}
+    def settings(self) -> dict[str, Any]:
+        """All that shapes its numbers besides the scene."""
+        widths = [grid.width.size for grid in self._grids]
+        return {"cells": self.cells, "slabs": widths, "cfl": self.cfl, "step": self.step}
 
     @property
     def total_cells(self) -> int:
@@ -117,13 +118,9 @@ class Leapfrog:
 
     def restore(self, state: dict[str, Array]) -> None:
         """Go on from `state`, taken from a solver of the same scene and settings; SceneError if it does not fit."""
-        own = {"memory": self._memory} | self._arrays()
-        for name, array in own.items():
-            if name not in state or state[name].shape != array.shape:
-                raise SceneError(f"checkpoint: {name} does not fit this scene with {self.cells} cells")
-            array[...] = state[name]
-        self._sample = int(state["sample"][0])
-        self.failures = int(state["failures"][0])
+        sample, failures = *whole_numbers(state, "sample", (-1,)), *whole_numbers(state, "failures", (0,))
+        take_back({"memory": self._memory} | self._arrays(), state, f"{self.model}, {self.cells} cells")
+        self._sample, self.failures = sample, failures
 
     def _arrays(self) -> dict[str, Array]:
         found: dict[str, Any] = {}

@@ -1,5 +1,7 @@
 """The march shared by all method-of-lines families: Runge-Kutta steps of fixed length, samples of the interface at their ends."""
 
+from typing import Any
+
 import numpy as np
 
 from fullwave.limits import Builder, relaxation_limit, viscous_limit
@@ -7,13 +9,14 @@ from fullwave.line import Section, assemble
 from fullwave.motion import rates_of
 from fullwave.options import require_cfl
 from fullwave.readout import Shape, impose_fields, snapshot_of, stored_energy
+from fullwave.restoring import take_back, whole_numbers
 from fullwave.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, RungeKutta, combine
 from fullwave.sampling import pieces_until, sample_nodes
 from fullwave.snapshot import Snapshot
 from fullwave.stability import longest_decay_step
 from fullwave.system import ELASTIC, FRICTION, INPUT, PSI, RADIATED, SCALARS, VISCOUS, System, Viscous
 from scene.compiled import njit
-from scene.errors import NumericsError, SceneError
+from scene.errors import NumericsError
 from scene.friction import unknown_of
 from scene.observe import Energy, Pieces
 from scene.observe.pieces import Array
@@ -97,6 +100,7 @@ class March:
     ) -> None:
         require_cfl(cfl)
         self.scene, self.model, self.method, self.cfl = scene, model, method, float(cfl)
+        self.sections = tuple(sections)
         self.nodes = sample_nodes(STEPS_PER_PIECE)
         self.failures = 0
         self.grid = build(sections)
@@ -114,6 +118,12 @@ class March:
         self._frames, self._keeps_frames = np.empty((0, self._state.size)), False
         self._trial = np.zeros(self._state.size)
         self._rates = np.zeros(method.stages * self._state.size)
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """All that shapes its numbers besides the scene and the model's name."""
+        cells = [section.cells for section in self.sections]
+        return {"cells": cells, "mass": getattr(self, "mass", None), "cfl": self.cfl, "step": self.step}
 
     @property
     def time(self) -> float:
@@ -180,8 +190,6 @@ class March:
 
     def restore(self, state: dict[str, Array]) -> None:
         """Go on from `state`, taken from a solver of the same scene and settings; SceneError if it does not fit."""
-        for name, array in (("state", self._state), ("unknowns", self._unknowns)):
-            if name not in state or state[name].shape != array.shape:
-                raise SceneError(f"checkpoint: {name} does not fit this scene with model {self.model}")
-            array[...] = state[name]
-        self._taken, self.failures = (int(count) for count in state["counts"])
+        taken, failures = whole_numbers(state, "counts", (0, 0))
+        take_back({"state": self._state, "unknowns": self._unknowns}, state, self.model)
+        self._taken, self.failures = taken, failures

@@ -101,7 +101,7 @@ def test_every_slab_comes_back_to_the_bit(tmp_path, name):
 def test_another_run_is_refused(tmp_path):
     path = tmp_path / "run.npz"
     save(path, Leapfrog(PAPER, 16))
-    with pytest.raises(SceneError, match=r"settings is \{'cells': 16.*needs \{'cells': 32"):
+    with pytest.raises(SceneError, match="settings differ from this run's: cells is 16, not 32, slabs is"):
         load(path, Leapfrog(PAPER, 32))
     with pytest.raises(SceneError, match="scene is"):
         load(path, Leapfrog(SCENES["unlike"], 16))
@@ -133,16 +133,3 @@ def test_a_failed_save_leaves_the_old_file(tmp_path, monkeypatch):
     assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
     with pytest.raises(SceneError, match="cannot be written"):
         save(tmp_path / "absent" / "run.npz", solver)
-
-
-def test_other_families_are_saved_alike(tmp_path):
-    from fullwave.discontinuous import DiscontinuousGalerkin
-
-    path = tmp_path / "run.npz"
-    straight, resumed = DiscontinuousGalerkin(PAPER), DiscontinuousGalerkin(PAPER)
-    follow(straight, 20.0)
-    save(path, straight)
-    load(path, resumed)
-    assert follow(straight, 40.0) == follow(resumed, 40.0)
-    with pytest.raises(SceneError, match="settings is"):
-        load(path, DiscontinuousGalerkin(PAPER, cells=8))

@@ -77,3 +77,22 @@ def test_what_does_not_belong_is_refused(tmp_path, capsys, monkeypatch, words, h
 def test_interval_needs_a_file(capsys):
     assert main([*BASE, "--checkpoint-every", "90"]) == 2
     assert "--checkpoint FILE" in capsys.readouterr().err
+
+
+def test_a_grid_alike_in_size_and_step_is_refused(tmp_path, capsys):
+    words = ["run", "paper", "--model", "dg:7", "--set", "drive.velocity=1e6", "--checkpoint", str(tmp_path / "run.npz")]
+    assert main([*words, "--cells", "9", "--until", "60", "--checkpoint-every", "20"]) == 0
+    capsys.readouterr()
+    assert main([*words, "--cells", "12", "--until", "90", "--json"]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.count("\n") == 1
+    assert "cells is [9], not [12]" in said.err
+
+
+def test_a_text_file_is_no_checkpoint(tmp_path, capsys):
+    (tmp_path / "run.npz").write_text("a diary\n")
+    assert main([*BASE, "--until", "50", "--checkpoint", str(tmp_path / "run.npz")]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "run.npz' cannot be read: it is not a checkpoint, or damaged" in said
