@@ -1,9 +1,9 @@
-"""The delay system when a jump echoes through round trips that have no common divisor: steps end on the break points.
+"""The delay system when jumps or kinks echo where no equal steps can end: steps end on the break points.
 
-A jump at t = 0 returns with every round trip, and with every sum of round trips, for ever (MODEL.md section 7). What jumps is
-measured: at each step's start the wave just launched at every end of every layer is compared with the one of the step before; a
-jump above the tolerance makes its arrival at the layer's other end a break point, where a step will end. Jumps that have faded
-are forgotten.
+A jump at t = 0 returns with every round trip, and with every sum of round trips, for ever (MODEL.md section 7); so does the kink
+that a knot of the drive makes. What breaks is measured: at each step's start the waves just launched at every end of every layer
+are compared, in value and in slope, with those of the step before; a break above the tolerance makes its arrival at the layer's
+other end a break point, where a step will end. Breaks that have faded are forgotten.
 """
 
 import heapq
@@ -23,26 +23,30 @@ _RING = 8192
 _PIECES = 256
 _SAME = 1e-10
 _SHORTEST = 1e-7
+_KINK = 100.0  # smallest kink over the largest coefficient left out of a step: slopes are that much less certain than values
 
 
 class DelayBreaks(DelayNetwork):
-    """As `DelayNetwork`, with steps of varying length that end where a jump arrives; costs about 0.2 ms a step.
+    """As `DelayNetwork`, with steps of varying length that end where a break arrives; costs about 0.2 ms a step.
 
-    `break_points` counts the jumps that were followed. Raises NumericsError where their number outgrows the stored history.
+    `break_points` counts the jumps and kinks that were followed. Raises NumericsError where they outgrow the stored history.
     """
 
-    exact_when = "lossless slabs, any start"
+    exact_when = "lossless slabs, any start, any drive"
 
     def __init__(self, scene: Scene, tolerance: float = 1e-9) -> None:
         super().__init__(scene, tolerance)
         self._network = self._network._replace(whole=False)
         psi, z = scene.steady_psi, float(self._memory.guess[UNKNOWN, 0])
         self._smallest_jump = tolerance * respond(scene.law, z, psi)[3]
-        self._left = interpolation_matrix(lagrange_basis(self.nodes), np.zeros(1))[0]
+        basis = lagrange_basis(self.nodes)
+        self._left = interpolation_matrix(basis, np.zeros(1))[0]
+        self._slope_left, self._slope_right = self._left @ basis.derivative, basis.derivative[-1]
+        self._smallest_kink = max(self._smallest_jump, _KINK * self._tolerances[1] * respond(scene.law, z, psi)[3])
         self._start_times, self._lengths = np.full(_RING, np.nan), np.ones(_RING)
         layers = self._lines.travel.size
         self._memory = self._memory._replace(waves=np.zeros((layers, 2, _RING, self._stages)))
-        self._arrivals: list[float] = []
+        self._arrivals = [] if scene.drive.is_constant else [float(time) for time in scene.drive.times if time > 0.0]
         self.break_points = 0
 
     def advance(self, until: float) -> Pieces:
@@ -74,7 +78,7 @@ class DelayBreaks(DelayNetwork):
         if abs(left - length) < _SAME:
             now[TIME] = heapq.heappop(self._arrivals)
             self._forget_guess()
-        self._follow_jumps(slot, start)
+        self._follow_breaks(slot, start)
         return steps == 1
 
     def _look_back(self, start: float, length: float, slot: int) -> None:
@@ -99,12 +103,14 @@ class DelayBreaks(DelayNetwork):
         network.back[:] = (slot - chosen) % _RING
         self._network = network._replace(grip=self._grip_response(length))
 
-    def _follow_jumps(self, slot: int, start: float) -> None:
-        """Make break points of the arrivals of what has just jumped."""
+    def _follow_breaks(self, slot: int, start: float) -> None:
+        """Make break points of the arrivals of what has just jumped or kinked."""
         waves = self._memory.waves
-        before = waves[:, :, slot - 1, -1] if start > 0.0 else np.zeros(waves.shape[:2])
-        jumps = np.abs(waves[:, :, slot] @ self._left - before)
-        for layer in np.flatnonzero(jumps.max(axis=1) > self._smallest_jump):
+        now, before = waves[:, :, slot], waves[:, :, slot - 1] if start > 0.0 else np.zeros(waves[:, :, slot].shape)
+        jumps = np.abs(now @ self._left - before[:, :, -1])
+        slopes = now @ self._slope_left / self._lengths[slot] - before @ self._slope_right / self._lengths[slot - 1]
+        broken = (jumps > self._smallest_jump) | (np.abs(slopes) * self._length > self._smallest_kink)
+        for layer in np.flatnonzero(broken.any(axis=1)):
             arrival = start + float(self._lines.travel[layer])
             if not any(abs(arrival - known) < _SHORTEST for known in self._arrivals):
                 heapq.heappush(self._arrivals, arrival)

@@ -1,5 +1,7 @@
 """The exact delay system of a scene, by the cheapest march that can do it."""
 
+import numpy as np
+
 from reduced.delay import Delay
 from reduced.delay_breaks import DelayBreaks
 from reduced.delay_network import DelayNetwork
@@ -7,15 +9,26 @@ from reduced.network import common_divisor, lines_of
 from scene.scene import Scene
 from scene.start import StartKind
 
+_ALIGNED = 1e-7  # of a step: a kink so close to its end costs that share of itself
+
 
 def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
-    """The marching delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless ones.
+    """The marching delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless ones,
+    with steps that follow jumps and kinks of the drive where equal ones cannot end on them (far dearer).
 
     A scene that records nothing gets the state at the end only (`Delay`, emit=False). Raises SceneError for viscous slabs.
     """
     if scene.alike and scene.upper.is_plain:
         return Delay(scene, tolerance=tolerance, emit=bool(scene.record))
-    jump = scene.start.kind is StartKind.JUMP
-    if jump and common_divisor(lines_of(scene).travel) is None:
+    if _breaks_within_steps(scene):
         return DelayBreaks(scene, tolerance=tolerance)
     return DelayNetwork(scene, tolerance=tolerance)
+
+
+def _breaks_within_steps(scene: Scene) -> bool:
+    """Whether a jump or a knot of the drive comes back where no equal steps can end."""
+    divisor = common_divisor(lines_of(scene).travel)
+    if divisor is None:
+        return scene.start.kind is StartKind.JUMP or not scene.drive.is_constant
+    knots = np.array([] if scene.drive.is_constant else scene.drive.times) / divisor
+    return bool((np.abs(knots - np.round(knots)) > _ALIGNED).any())

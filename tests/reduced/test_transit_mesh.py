@@ -7,6 +7,9 @@ import scene
 from fullwave.discontinuous import DiscontinuousGalerkin
 from reduced.collocation import radau_nodes
 from reduced.delay import Delay
+from reduced.delay_breaks import DelayBreaks
+from reduced.delay_network import DelayNetwork
+from reduced.exact import delay_system
 from reduced.transit_mesh import cuts_of, transit_mesh
 from scene.observe import EventObserver, follow
 
@@ -60,3 +63,19 @@ def test_a_ramp_with_knots_anywhere_converges():
     for tolerance in (1e-8, 1e-10):
         assert outputs(Delay(ramp, tolerance=tolerance)) == pytest.approx(best, abs=30 * tolerance)
     assert outputs(DiscontinuousGalerkin(ramp, degree=7, cells=40)) == pytest.approx(best, abs=3e-8)
+
+
+@pytest.mark.parametrize("name", ["unlike", "grip"])
+def test_a_ramp_of_other_slabs_is_followed_along_its_kinks(name):
+    ramp = scene.read(name, ODD)
+    solver = delay_system(ramp, tolerance=1e-9)
+    assert isinstance(solver, DelayBreaks)
+    final = follow(solver, 80.0)
+    witness = follow(DiscontinuousGalerkin(ramp, degree=7, cells=24), 80.0)
+    assert final.psi == pytest.approx(witness.psi, abs=3e-9)
+    assert final.ln_v == pytest.approx(witness.ln_v, abs=3e-9)
+
+
+def test_knots_on_the_steps_need_no_following():
+    aligned = scene.read("unlike", ["drive.velocity=[[0.0, 100.0], [20.0, 100.0], [40.5, 200.0]]"])
+    assert type(delay_system(aligned)) is DelayNetwork
