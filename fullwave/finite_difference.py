@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from fullwave.budget import enough_memory, require_bytes, steps_at_once
 from fullwave.leapfrog.build import steady_memory, steady_side
 from fullwave.leapfrog.drives import compiled_drive
 from fullwave.leapfrog.faces import Grip
@@ -29,6 +30,8 @@ from scene.observe import Energy, Pieces
 from scene.observe.pieces import Array, empty_pieces
 from scene.scene import Scene
 
+_CELL_BYTES = 150.0  # measured: 50 in an elastic slab, 130 in a Kelvin-Voigt one, their building included
+_CELL_WORK = 20.0  # products that a cell's step takes as long as: 1 ns in an elastic slab, 10 in a Kelvin-Voigt one
 _MUTABLE = ("velocity", "stress", "relaxing", "lost")
 
 
@@ -48,7 +51,8 @@ class Leapfrog:
     def __init__(self, scene: Scene, cells: int = 64, cfl: float = 1.0) -> None:
         require_whole("cells", cells, 2, MOST_CELLS)
         require_cfl(cfl)
-        self._set_up(scene, int(cells), float(cfl))
+        with enough_memory(cells):
+            self._set_up(scene, int(cells), float(cfl))
 
     def _set_up(self, scene: Scene, cells: int, cfl: float) -> None:
         self.scene, self.cells, self.cfl = scene, cells, cfl
@@ -56,6 +60,8 @@ class Leapfrog:
         self.failures = 0
         self.step = common_step(scene, cells, cfl)
         slabs = [scene.upper] if scene.alike else [scene.upper, scene.lower]
+        travels = [slab.round_trip / scene.transit for slab in slabs]
+        require_bytes(cells, _CELL_BYTES * cfl * 0.5 * sum(travels) / self.step)
         self._grids = [slab_grid(slab, slab.round_trip / scene.transit, self.step, cfl, cells) for slab in slabs]
         self._sides = [steady_side(scene, slab, grid) for slab, grid in zip(slabs, self._grids, strict=True)]
         self._lower: Side | Mirror = Mirror() if scene.alike else self._sides[1]
@@ -63,6 +69,7 @@ class Leapfrog:
         self._drive = compiled_drive(scene.drive)
         self._memory = steady_memory(scene)
         self._sample = -1
+        self._stride = steps_at_once(_CELL_WORK * self.total_cells)
 
     @property
     def time(self) -> float:
@@ -82,7 +89,8 @@ class Leapfrog:
 
     def advance(self, until: float) -> Pieces:
         """March towards `until` (transits), at most one chunk."""
-        return self._fill(pieces_until(max(self._sample, 0), self.step, until, STEPS_PER_PIECE, MOST_PIECES))
+        most = min(MOST_PIECES, max(1, self._stride // STEPS_PER_PIECE))
+        return self._fill(pieces_until(max(self._sample, 0), self.step, until, STEPS_PER_PIECE, most))
 
     def _fill(self, pieces: Pieces) -> Pieces:
         """March through `pieces`; through none, the sample at t = 0 is taken if it was not yet."""

@@ -18,7 +18,7 @@ from scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, Sta
 
 class Section(NamedTuple):
     """One layer of one slab: slab 0 (upper) or 1 (lower), depth of its near end and thickness (transits of the upper slab),
-    impedance eps, cells, and the fewest cells that the family can make of a section."""
+    impedance eps, cells, the fewest cells that the family can make of a section, and the cells per slab that were asked for."""
 
     slab: int
     start: float
@@ -26,6 +26,7 @@ class Section(NamedTuple):
     impedance: float
     cells: int
     fewest: int
+    asked: int
 
 
 class Block(NamedTuple):
@@ -67,7 +68,8 @@ def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:
         for layer in slab.layers:
             length = 0.5 * slab.round_trip / scene.transit * layer.fraction
             wanted = int(np.ceil(cells * slab.round_trip / shortest * layer.fraction - 1e-9))
-            sections.append(Section(index, depth, length, slab.epsilon * layer.impedance, max(fewest, wanted), fewest))
+            count = max(fewest, wanted)
+            sections.append(Section(index, depth, length, slab.epsilon * layer.impedance, count, fewest, cells))
             depth += length
     return sections
 

@@ -1,0 +1,159 @@
+"""Chunks of compiled work that end soon and leave no trace in the numbers; grids too big for the memory, refused before any is
+taken."""
+
+import dataclasses
+import resource
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+
+import numpy as np
+import pytest
+from leapfrog_scenes import PAPER, SCENES
+from march_scenes import FAMILIES
+
+import fullwave.march
+import scene
+from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.finite_difference import Leapfrog
+from fullwave.finite_element import FiniteElement
+from fullwave.summation_by_parts import SummationByParts
+from scene.errors import SceneError
+from scene.observe import EventObserver, HistoryObserver, follow
+
+SLIPWAVE = [sys.executable, "-m", "validation.cli", "run", "paper"]
+SMALL = {**FAMILIES, "fd": partial(Leapfrog, cells=16, cfl=0.9)}
+
+
+def outcome(solver, until):
+    events, history = EventObserver(solver.scene, solver.nodes), HistoryObserver(solver.scene.law, solver.nodes)
+    final = follow(solver, until, [events, history])
+    parts = [*solver.state().values(), *events.state().values(), *history.columns().values()]
+    return [array.tobytes() for array in parts], final, solver.failures, solver.time
+
+
+@pytest.mark.parametrize("name", ["grip", "unlike", "standard-linear"])
+@pytest.mark.parametrize("family", SMALL)
+def test_no_bit_depends_on_the_length_of_a_chunk(family, name):
+    whole = outcome(SMALL[family](SCENES[name]), 30.0)
+    for stride in (1, 3, 8, 29, 80):
+        solver = SMALL[family](SCENES[name])
+        solver._stride = stride
+        assert outcome(solver, 30.0) == whole, stride
+
+
+def test_failures_are_counted_once_whatever_the_chunks():
+    """A solve that fails at the sample two chunks share is one failure."""
+    counts = []
+    for stride in (10**6, 5):
+        solver = DiscontinuousGalerkin(PAPER, degree=3, cells=2)
+        solver._stride = stride
+        solver._state[0] = np.nan  # nothing converges from here on
+        with np.errstate(all="ignore"):
+            while solver.time < 5.0:
+                solver.advance(5.0)
+        counts.append(solver.failures)
+    assert counts[0] == counts[1] > 0
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "most"),
+    [
+        (DiscontinuousGalerkin, {"degree": 24, "cells": 20_000}, 1.0),
+        (SummationByParts, {"order": 6, "cells": 200_000}, 1.0),
+        (FiniteElement, {"degree": 4, "cells": 20_000}, 1.0),
+        (Leapfrog, {"cells": 1_000_000}, 1.0),
+    ],
+)
+def test_a_big_grid_leaves_compiled_code_soon(kind, options, most, monkeypatch):
+    module = fullwave.finite_difference if kind is Leapfrog else fullwave.march
+    compiled, longest = module.march, []
+
+    def timed(*arguments):
+        before = time.process_time()
+        answer = compiled(*arguments)
+        longest.append(time.process_time() - before)
+        return answer
+
+    kind(PAPER).advance(0.01)  # compiles
+    solver = kind(PAPER, **options)
+    monkeypatch.setattr(module, "march", timed)
+    solver.advance(1e6)
+    assert max(longest) < most
+
+
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        (DiscontinuousGalerkin, {"degree": 24}),
+        (FiniteElement, {"degree": 16}),
+        (FiniteElement, {"degree": 16, "mass": "consistent"}),
+    ],
+)
+def test_a_grid_beyond_the_memory_is_refused_at_once(kind, options):
+    before, used = time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(SceneError, match=r"cells = 1000000: would take .* GB of memory, .* at most some \d+ fit"):
+        kind(PAPER, cells=1_000_000, **options)
+    assert time.process_time() - before < 5.0
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - used < 100_000
+
+
+def test_the_other_slab_counts_too():
+    """Cells are those of the faster slab; a slower one takes many more."""
+    slow = dataclasses.replace(PAPER.upper, round_trip=3000.0 * PAPER.upper.round_trip)
+    unlike = dataclasses.replace(PAPER, lower=slow)
+    for kind in (SummationByParts, DiscontinuousGalerkin):
+        with pytest.raises(SceneError, match=r"cells = 10000: would take .* GB"):
+            kind(unlike, cells=10_000)
+
+
+def test_memory_that_is_not_there_is_one_line(monkeypatch):
+    def full(*arguments):
+        raise MemoryError
+
+    monkeypatch.setattr(fullwave.march, "assemble", full)
+    with pytest.raises(SceneError, match="cells = 9: not enough memory on this machine"):
+        DiscontinuousGalerkin(PAPER, cells=9)
+    monkeypatch.setattr(fullwave.finite_difference, "steady_side", full)
+    with pytest.raises(SceneError, match="cells = 9: not enough memory on this machine"):
+        Leapfrog(PAPER, cells=9)
+
+
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        (DiscontinuousGalerkin, {"degree": 7, "cells": 5000}),
+        (FiniteElement, {"degree": 8, "cells": 3000}),
+        (SummationByParts, {"order": 6, "cells": 100_000}),
+    ],
+)
+def test_the_count_is_about_what_is_taken(kind, options, monkeypatch):
+    """tracemalloc would not see what scipy's C++ takes for itself; what it sees must be covered."""
+    import tracemalloc
+
+    counted = []
+    kind(PAPER)
+    monkeypatch.setattr("fullwave.budget.require_bytes", lambda cells, needed: counted.append(needed))
+    tracemalloc.start()
+    kind(PAPER, **options)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert 0.6 * peak < counted[0] < 2.0 * peak
+
+
+def test_interrupt_ends_a_big_run():
+    words = [*SLIPWAVE, "--model", "dg:24", "--cells", "10000", "--until", "10"]
+    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # whoever runs the tests may have it ignored
+    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=heard)
+    time.sleep(4.0)
+    process.send_signal(signal.SIGINT)
+    begun = time.monotonic()
+    assert process.wait(timeout=30) == 130
+    assert time.monotonic() - begun < 8.0
+
+
+def test_paper_is_far_below_every_limit():
+    assert DiscontinuousGalerkin(scene.read("paper"))._stride > 4096
+    assert Leapfrog(scene.read("paper"))._stride > 4096
