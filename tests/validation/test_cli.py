@@ -97,6 +97,19 @@ def test_auto_says_what_it_took_and_why(capsys: pytest.CaptureFixture[str]) -> N
     assert json.loads(out)["period"] == {"mean": None, "std": None}
 
 
+def test_a_grid_chosen_for_a_tolerance_is_told_with_its_error(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["run", "paper", "--model", "dg:5", "--tol", "1e-4", "--until", "150"]
+    assert main([*words, "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert set(result) == RUN_KEYS | {"grid"}
+    assert set(result["grid"]) == {"cells", "step", "quantity", "error_estimate"}
+    assert result["grid"]["quantity"] == "cycles"
+    assert 0.0 < result["grid"]["error_estimate"] <= 1e-4
+    assert main(words) == 0
+    line = f"grid chosen for the tolerance: {result['grid']['cells']} cells, steps of {result['grid']['step']:.4g}"
+    assert line in capsys.readouterr().out
+
+
 def test_si_scenes_are_told_in_si_too(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "paper-si", "--model", "delay", "--until", "600"]) == 0
     out = capsys.readouterr().out
@@ -128,7 +141,9 @@ def test_full_wave_options_reach_the_model(capsys: pytest.CaptureFixture[str]) -
         (["run", "paper", "--set", "slab.r=1e-3", "slab.epsilom=1"], "slab.epsilom"),
         (["run", "paper", "--set", "slab"], "KEY=VALUE"),
         (["run", "paper", "--model", "delay", "--cells", "10"], "takes no cells"),
-        (["run", "paper", "--model", "delay", "--tol", "0"], "tolerance = 0"),
+        (["run", "paper", "--model", "delay", "--tol", "0"], "tolerance = 0: must lie in [1e-14, 0.1] for model delay"),
+        (["run", "paper", "--model", "dg", "--tol", "0"], "tolerance = 0: must lie in [1e-12, 0.1] for model dg"),
+        (["run", "paper", "--model", "dg:7", "--tol", "1e-13"], "tolerance = 1e-13: must lie in [1e-12, 0.1] for model dg:7"),
         (["run", "paper", "--model", "fd", "--cells", "0"], "cells = 0"),
         (["run", "paper", "--model", "fd", "--cfl", "1.5"], "cfl = 1.5"),
         (["run", "paper", "--fields", "x.vtu", "--model", "delay"], "--fields"),

@@ -8,6 +8,7 @@ import typer
 from validation.commands.options import Cells, Cfl, Json, Model, SceneName, Settings, Tolerance, Until, read_scene
 
 if TYPE_CHECKING:
+    from scene.observe import Solver
     from validation.simulate import Run
 
 
@@ -52,9 +53,9 @@ def run(
         require_writable(fields, FIELD_FILES, "--fields")
     chosen, why = resolve(model, what)
     solver = build(chosen, what, cells, cfl, tol)
-    grid = getattr(solver, "choice", None)
+    grid = _grid(solver)
     if grid is not None:
-        typer.echo(f"{solver.model}: {grid.cells} cells, estimated error of {grid.quantity} {grid.error_estimate:.1e}", err=True)
+        typer.echo(f"{solver.model}: {_told(grid)}", err=True)
     picture = fields_for(solver, fields, out)
     march = march_for(solver, checkpoint, every, picture or follow)
     if why:
@@ -75,7 +76,8 @@ def run(
 
 
 def result_of(done: "Run") -> dict[str, Any]:
-    """The JSON of a run (users rely on its keys); `failed` is there only if the numerics failed."""
+    """The JSON of a run (users rely on its keys); `grid` is there only if the solver chose it for a tolerance, `failed` only if
+    the numerics failed."""
     from dataclasses import asdict
 
     found = done.statistics
@@ -92,7 +94,20 @@ def result_of(done: "Run") -> dict[str, Any]:
         "failures": done.solver.failures,
         "wall_s": done.wall_s,
     }
-    return result | ({"failed": done.failed} if done.failed else {})
+    grid = _grid(done.solver)
+    return result | ({"grid": grid} if grid else {}) | ({"failed": done.failed} if done.failed else {})
+
+
+def _grid(solver: "Solver") -> dict[str, Any] | None:
+    """The grid that a full wave chose for a tolerance, and the relative error estimated there (`fullwave.adapt.Choice`)."""
+    choice = getattr(solver, "choice", None)
+    return {name: getattr(choice, name) for name in ("cells", "step", "quantity", "error_estimate")} if choice else None
+
+
+def _told(grid: dict[str, Any]) -> str:
+    return (
+        f"{grid['cells']} cells, steps of {grid['step']:.4g}, estimated error of {grid['quantity']} {grid['error_estimate']:.1e}"
+    )
 
 
 def _energy(done: "Run") -> dict[str, float] | None:
@@ -109,6 +124,9 @@ def _print(done: "Run") -> None:
 
     for line in describe(done.solver.scene):
         print(line)
+    grid = _grid(done.solver)
+    if grid:
+        print(f"grid chosen for the tolerance: {_told(grid)}")
     cycles = done.statistics.cycles
     print(f"model {done.solver.model}, {done.until:g} transits: {done.starts} slip events; the second half has {cycles} cycles")
     if cycles:
