@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from leapfrog_scenes import SCENES
 
-from fullwave.adapt import _Found, degree_for, to_tolerance
+from fullwave.adapt import _Found, _probed_until, degree_for, to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.summation_by_parts import SummationByParts
+from scene.drive import Drive
 from scene.errors import NumericsError, SceneError
 from scene.observe import EventObserver, follow
 from scene.start import Start, StartKind
@@ -64,6 +65,20 @@ def test_a_jump_is_given_up_as_soon_as_its_trend_is_seen():
     with pytest.raises(NumericsError, match=r"trend asks for some [\d,]+ cells, 400 are the most tried") as refusal:
         to_tolerance(jump, 1e-11)
     assert int(str(refusal.value).split(" cells:")[0].split()[-1]) < 60
+
+
+@pytest.mark.parametrize(
+    ("drive", "until", "end"),
+    [
+        (Drive((0.0,), (100.0,)), 2000.0, 400.0),
+        (Drive((0.0, 500.0, 510.0), (100.0, 100.0, 1000.0)), 2000.0, 910.0),
+        (Drive((0.0, 500.0, 510.0), (100.0, 100.0, 1000.0)), 900.0, 900.0),
+        (Drive((0.0, 500.0), (100.0, 100.0)), 2000.0, 400.0),
+        (Drive((-50.0, -20.0), (100.0, 200.0)), 2000.0, 400.0),
+    ],
+)
+def test_a_probe_goes_beyond_the_last_knot_of_the_drive(drive, until, end):
+    assert _probed_until(dataclasses.replace(SCENES["alike"], drive=drive, until=until)) == end
 
 
 def test_estimate_of_a_slow_series_is_more_than_its_last_difference(monkeypatch):

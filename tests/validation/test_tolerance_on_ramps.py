@@ -1,0 +1,47 @@
+"""A full wave's own choice of grid on drives that change: the error of the whole run against the delay system."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import scene
+from scene.observe import EventObserver, Solver, follow
+from scene.scene import Scene
+from validation.models import build
+
+STEEP = "drive.velocity=[[0.0,100.0],[120.0,100.0],[123.0,1000.0]]"
+LATE = "drive.velocity=[[0.0,100.0],[500.0,100.0],[510.0,1000.0]]"
+
+
+def cycles(solver: Solver, until: float) -> NDArray[np.float64]:
+    watch = EventObserver(solver.scene, solver.nodes)
+    follow(solver, until, [watch])
+    return np.concatenate((watch.events.period, watch.events.stress_drop))
+
+
+def error_and_estimate(chosen: Scene, tolerance: float) -> tuple[float, float]:
+    exact = cycles(build("delay", chosen, tolerance=1e-12), chosen.until)
+    solver = build("dg", chosen, tolerance=tolerance)
+    estimate: float = solver.choice.error_estimate  # type: ignore[attr-defined]
+    return float(np.abs(cycles(solver, chosen.until) / exact - 1.0).max()), estimate
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-5, 1e-6])
+def test_a_ramp_beyond_the_probe_of_a_constant_drive_is_seen(monkeypatch: pytest.MonkeyPatch, tolerance: float) -> None:
+    """Three cells are enough up to the ramp, whatever the tolerance; they err by 5e-6 after it."""
+    monkeypatch.setattr("fullwave.adapt.PROBE", 110.0)
+    error, estimate = error_and_estimate(scene.read("paper", [STEEP, "run.until=200"]), tolerance)
+    assert error <= 2.0 * estimate
+    assert error <= tolerance
+    assert estimate <= tolerance
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "settings", "tolerance"),
+    [("paper", [LATE, "run.until=900"], 1e-7), ("paper", [LATE, "run.until=900"], 1e-8), ("ramp", ["run.until=2000"], 1e-9)],
+)
+def test_ramps_of_long_runs(name: str, settings: list[str], tolerance: float) -> None:
+    error, estimate = error_and_estimate(scene.read(name, settings), tolerance)
+    assert error <= 2.0 * estimate
+    assert error <= tolerance
