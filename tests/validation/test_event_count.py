@@ -1,5 +1,7 @@
 """The number of slip events belongs to the physics: neither model, tolerance nor grid may change it."""
 
+from typing import Any
+
 import pytest
 
 import scene
@@ -23,7 +25,7 @@ BRIEF_STICKS = ["drive.velocity=1e4"]
         ("fd", {"cells": 150}),
     ],
 )
-def test_brief_sticks_are_counted_alike(model: str, options: dict[str, float]) -> None:
+def test_brief_sticks_are_counted_alike(model: str, options: dict[str, Any]) -> None:
     chosen = scene.read("paper", BRIEF_STICKS)
     solver = build(model, chosen, **options)
     watch = EventObserver(chosen, solver.nodes)
@@ -35,7 +37,8 @@ def test_brief_sticks_are_counted_alike(model: str, options: dict[str, float]) -
 def test_other_scenes_keep_their_count(name: str, count: int) -> None:
     chosen = scene.read(name)
     counts = []
-    for model, options in (("delay", {}), ("delay", {"tolerance": 1e-6}), ("fd", {"cells": 64})):
+    settings: list[tuple[str, dict[str, Any]]] = [("delay", {}), ("delay", {"tolerance": 1e-6}), ("fd", {"cells": 64})]
+    for model, options in settings:
         solver = build(model, chosen, **options)
         watch = EventObserver(chosen, solver.nodes)
         follow(solver, 500.0, [watch])
