@@ -247,6 +247,17 @@ def test_baseline_tells_what_moved(fake, tmp_path, monkeypatch):
     assert '<td class="n">73</td><td class="n">73.001</td>' in html
 
 
+def test_what_a_quick_report_leaves_out_is_no_change(fake, tmp_path, monkeypatch):
+    numbers = {"T": Number(73.0), "order": Number(2.0)}
+    fake.add("first", lambda budget: StudyResult("", numbers=dict(list(numbers.items())[: 1 if budget.quick else 2])))
+    monkeypatch.setattr(baseline.compare, "__defaults__", (tmp_path / "baseline",))
+    make_report(tmp_path / "full")
+    baseline.take(tmp_path / "full", tmp_path / "baseline")
+    assert "All 1 numbers of first are within" in make_report(tmp_path / "quick", quick=True).read_text()
+    del numbers["order"]
+    assert "All" not in make_report(tmp_path / "again").read_text().partition("Since the baseline")[2].partition("<h2>")[0]
+
+
 def test_progress_reaches_the_study(fake, tmp_path):
     seen = []
 

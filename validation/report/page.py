@@ -37,7 +37,7 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], quic
         tally=tally(studies),
         leads=[(study, picture) for study in studies for picture in study.pictures if picture.lead],
         omissions=[(study, o) for study in studies if study.result for o in study.result.omissions],
-        changes=_changes(studies),
+        changes=_changes(studies, quick),
         wall=sum(study.wall_seconds for study in studies),
     )
     out.mkdir(parents=True, exist_ok=True)
@@ -80,12 +80,13 @@ def tally(studies: Sequence[Stored]) -> dict[str, int]:
     return counts | {"broken": sum(study.result is None for study in studies)}
 
 
-def _changes(studies: Sequence[Stored]) -> dict[str, Any]:
+def _changes(studies: Sequence[Stored], quick: bool) -> dict[str, Any]:
+    """What moved since the baseline; it is a full report's, so a number that a quick one leaves out is no change."""
     compared = {study.name: baseline.compare(study) for study in studies}
     return {
         "compared": [name for name, changes in compared.items() if changes is not None],
         "numbers": sum(len(study.result.numbers) for study in studies if study.result and compared[study.name] is not None),
-        "list": [change for changes in compared.values() for change in changes or ()],
+        "list": [change for changes in compared.values() for change in changes or () if not (quick and change.now is None)],
     }
 
 

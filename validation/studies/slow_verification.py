@@ -37,7 +37,7 @@ def run(budget: Budget) -> StudyResult:
             if missing
             else "In the full report only."
         )
-        return StudyResult("Not asked here.", omissions=(Omission("The verification tests marked as slow.", why),))
+        return StudyResult("Not asked in this report.", omissions=(Omission("The verification tests marked as slow.", why),))
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "tests.xml"
         ended = subprocess.run(_command(record), cwd=_CHECKOUT, capture_output=True, text=True, check=False)
