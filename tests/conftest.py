@@ -1,5 +1,8 @@
 """Random tests repeat the same examples in every run; `pytest --hypothesis-profile=explore` looks for new ones."""
 
+import math
+
+import pytest
 from hypothesis import HealthCheck, settings
 
 # no deadline: the first call may compile
@@ -8,3 +11,9 @@ _COMMON = {"deadline": None, "print_blob": True, "suppress_health_check": [Healt
 settings.register_profile("repeatable", derandomize=True, max_examples=200, **_COMMON)
 settings.register_profile("explore", max_examples=3000, **_COMMON)
 settings.load_profile("repeatable")
+
+
+@pytest.fixture(autouse=True)
+def no_progress(monkeypatch):
+    """Tests of what is printed must not depend on how long it took: no test waits for progress unless it says so."""
+    monkeypatch.setattr("validation.progress.PATIENCE", math.inf)

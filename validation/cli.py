@@ -49,6 +49,8 @@ def main(arguments: list[str] | None = None) -> int:
         if explain is None:
             raise
         return _tell(explain(), INPUT_WRONG)
+    if status == INTERRUPTED:  # typer takes the KeyboardInterrupt of a command for itself
+        return _tell("interrupted", INTERRUPTED)
     return status if isinstance(status, int) else 0
 
 

@@ -93,7 +93,7 @@ def test_the_documented_example_is_the_one_that_runs() -> None:
 
 
 def test_the_example_runs_and_its_models_are_as_far_apart_as_the_papers() -> None:
-    done = subprocess.run([sys.executable, ROOT / "examples" / "own_law.py"], capture_output=True, text=True, timeout=120)
+    done = subprocess.run([sys.executable, ROOT / "examples" / "own_law.py"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     periods = {line.split(":")[0]: float(line.split()[2]) for line in done.stdout.splitlines()}
     assert set(periods) == {"fd", "kelvin-voigt"}

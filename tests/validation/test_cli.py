@@ -1,7 +1,6 @@
 """The command line as its users meet it: output, exit statuses."""
 
 import json
-import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -30,7 +29,7 @@ RUN_KEYS |= {"failures", "wall_s"}
 
 def command(*words: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "validation.cli", *words], capture_output=True, text=True, cwd=folder, timeout=120
+        [sys.executable, "-m", "validation.cli", *words], capture_output=True, text=True, cwd=folder, check=False
     )
 
 
@@ -45,23 +44,25 @@ def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
 
 
 def test_help_answers_at_once() -> None:
-    """Under 0.3 s of processor time, start of the interpreter included; the best of three, as others may use the machine."""
-    took = []
-    for _ in range(3):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = command("--help")
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        took.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    assert done.returncode == 0
+    """Nothing that takes long to import is imported for it (`make bench` times it)."""
+    code = "import sys; from validation.cli import main; main(['--help']); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    imported = {name.partition(".")[0] for name in done.stdout.splitlines()[-1].split()}
+    assert not imported & {
+        "numpy",
+        "numba",
+        "scipy",
+        "matplotlib",
+        "pydantic",
+        "xarray",
+        "netCDF4",
+        "skfem",
+        "jinja2",
+        "reduced",
+        "fullwave",
+    }
     for name in ("run", "compare", "bench", "scenes", "report"):
         assert f"  {name} " in done.stdout
-    assert min(took) < 0.3
-
-
-def test_help_loads_nothing_heavy() -> None:
-    heavy = ("numpy", "numba", "pydantic", "matplotlib", "xarray", "skfem")
-    code = f"import sys, validation.cli; print([name for name in {heavy} if name in sys.modules])"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "[]\n"
 
 
 def test_scenes_are_listed_one_line_each(capsys: pytest.CaptureFixture[str]) -> None:
@@ -250,6 +251,16 @@ def test_failed_numerics_are_status_3_and_keep_what_was_computed(
     with xarray.open_dataset(out) as data:
         assert data.attrs["complete"] == 0
         assert "gave up" in data.attrs["failed"]
+
+
+def test_an_interrupt_is_one_line_and_status_130(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def interrupted(*arguments: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("validation.models.build", interrupted)
+    assert main(["run", "paper"]) == cli.INTERRUPTED
+    out, err = capsys.readouterr()
+    assert (out, err) == ("", "slipwave: interrupted\n")
 
 
 def test_a_bug_is_a_traceback_and_status_1(tmp_path: Path) -> None:

@@ -1,10 +1,9 @@
 """`slipwave run --checkpoint`: a killed run goes on to the same bits; what does not belong is refused in one line."""
 
 import json
-import random
+import signal
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -14,27 +13,47 @@ BASE = ["run", "paper", "--model", "dg:7", "--json"]
 SLIPWAVE = [sys.executable, "-m", "validation.cli"]
 
 
+KILLED = """
+import os, signal, sys
+import fullwave.march
+from validation.cli import main
+
+left = int(sys.argv[2])
+
+
+def mortal(function):
+    def call(*arguments):
+        global left
+        left -= 1
+        if left == 0:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return function(*arguments)
+
+    return call
+
+
+room = {"march": fullwave.march, "replace": os}[sys.argv[1]]
+setattr(room, sys.argv[1], mortal(getattr(room, sys.argv[1])))
+sys.exit(main(sys.argv[3:]))
+"""
+
+
 def outcome(words):
-    done = subprocess.run([*SLIPWAVE, *words], capture_output=True, text=True, check=True, timeout=60)
+    done = subprocess.run([*SLIPWAVE, *words], capture_output=True, text=True, check=True)
     result = json.loads(done.stdout)
     del result["wall_s"]
     return result
 
 
-def test_killed_run_goes_on_to_the_same_bits(tmp_path):
+@pytest.mark.parametrize(("at", "count"), [("march", 9), ("march", 40), ("replace", 5)])
+def test_killed_run_goes_on_to_the_same_bits(tmp_path, at, count):
+    """Killed on its way into compiled code, or as a checkpoint was to take the place of the one before."""
     file = tmp_path / "run.npz"
-    words = [*BASE, "--cells", "8", "--until", "6000"]
+    words = [*BASE, "--cells", "8", "--until", "1500"]
     saving = [*words, "--checkpoint", str(file), "--checkpoint-every", "50"]
-    process = subprocess.Popen([*SLIPWAVE, *saving], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    for _ in range(3000):
-        if file.exists():
-            break
-        time.sleep(0.01)
-    time.sleep(random.uniform(0.0, 0.5))
-    running = process.poll() is None
-    process.kill()
-    process.wait()
-    assert running, "the run was over before it could be killed"
+    done = subprocess.run([sys.executable, "-c", KILLED, at, str(count), *saving], capture_output=True, check=False)
+    assert done.returncode == -signal.SIGKILL
+    assert file.exists()
     assert outcome(saving) == outcome(words)
 
 

@@ -1,37 +1,38 @@
-"""What a run costs: time in proportion to cells times steps, twice for two slabs, nothing for a rigid face; memory of one grid.
+"""What a run costs, counted: steps times values, twice for two slabs, nothing for a rigid face; memory of one grid.
 
-Times are processor time, the least of several runs taken in turn, so that only ratios of neighbours in one test are compared.
+The seconds that a step takes are measured by `make bench`.
 """
 
 import dataclasses
-import time
+import gc
 import tracemalloc
 
-import numpy as np
 import pytest
 
 import scene
 from scene.observe import follow
 from scene.slab import GripFace, ReflectingFace
+from tests.compiled_work import count_calls
 from validation.models import build
 
 PAPER = scene.read("paper")
 GRIDS = {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}
-"""Cells that make a transit cost some 0.1 ms or, in the method of lines, 0.3 ms."""
 EVERY = pytest.mark.parametrize("model", GRIDS)
+TRANSITS = 20.0
 
 
-def seconds(model, runs, repeats=4):
-    """Least time of each of `runs` (scene, cells, transits)."""
-    times = np.full((repeats, len(runs)), np.inf)
-    for repeat in range(repeats):
-        for number, (what, cells, transits) in enumerate(runs):
-            solver = build(model, what, cells=cells)
-            follow(solver, 1.0)
-            began = time.process_time()
-            follow(solver, 1.0 + transits)
-            times[repeat, number] = time.process_time() - began
-    return times.min(axis=0)
+@pytest.fixture
+def cost(monkeypatch):
+    """A function of (model, scene, cells, transits): steps that compiled code takes, and values that it marches in each."""
+    calls = count_calls(monkeypatch)
+
+    def count(model, what, cells, transits=TRANSITS):
+        calls.clear()
+        follow(build(model, what, cells=cells), transits)
+        (values,) = {call.values for call in calls}
+        return sum(call.steps for call in calls), values
+
+    return count
 
 
 def faced(face):
@@ -41,37 +42,43 @@ def faced(face):
 
 
 @EVERY
-def test_time_is_proportional_to_cells_times_steps(model):
-    """Twice the transits: twice the time. Four times the cells: four times the steps, so 16 times the time or less."""
+def test_work_is_proportional_to_cells_times_steps(model, cost):
+    """Twice the transits: twice the steps, of the same values. Four times the cells: four times the steps, of four times the
+    values. A run ends with the piece of up to 8 steps in which its end lies."""
     cells = GRIDS[model]
-    base, longer, finer = seconds(model, [(PAPER, cells, 20.0), (PAPER, cells, 40.0), (PAPER, 4 * cells, 20.0)])
-    print(f"{model}: {longer / base:.2f} for twice the transits, {finer / base:.1f} for four times the cells")
-    assert 1.6 < longer / base < 2.4
-    assert 4.0 < finer / base < 20.0
+    (steps, values), longer, (more, finer) = (
+        cost(model, PAPER, cells),
+        cost(model, PAPER, cells, 40.0),
+        cost(model, PAPER, 4 * cells),
+    )
+    print(f"{model}: {steps} steps of {values} values; {longer[0] / steps:.4f}, {more / steps:.4f}, {finer / values:.4f} times")
+    assert longer[1] == values
+    assert longer[0] == pytest.approx(2 * steps, abs=16)
+    assert more == pytest.approx(4 * steps, abs=40)
+    assert finer == pytest.approx(4 * values, abs=40)
 
 
 @EVERY
-def test_unlike_slabs_cost_twice_what_alike_ones_do(model):
+def test_unlike_slabs_cost_twice_what_alike_ones_do(model, cost):
     """Equal round trips, so that both have the same cells and steps."""
     unlike = dataclasses.replace(PAPER, lower=dataclasses.replace(PAPER.lower, epsilon=1.001 * PAPER.lower.epsilon))
-    alike, both = seconds(model, [(PAPER, 2 * GRIDS[model], 20.0), (unlike, 2 * GRIDS[model], 20.0)])
-    print(f"{model}: unlike over alike {both / alike:.2f}")
-    assert both / alike < 2.3
+    (steps, values), (both_steps, both_values) = cost(model, PAPER, GRIDS[model]), cost(model, unlike, GRIDS[model])
+    print(f"{model}: {both_steps} for {steps} steps, {both_values} for {values} values")
+    assert both_steps == steps
+    assert both_values == pytest.approx(2 * values, abs=10)
 
 
 @EVERY
-def test_a_rigid_face_costs_nothing(model):
-    """No dearer than faces that do more, which themselves add no more than one node's worth."""
-    faces = [PAPER, faced(GripFace(100.0, 10.0)), faced(ReflectingFace(0.999))]
-    rigid, grip, reflecting = seconds(model, [(what, GRIDS[model], 20.0) for what in faces])
-    print(f"{model}: grip over rigid {grip / rigid:.2f}, reflection over rigid {reflecting / rigid:.2f}")
-    assert rigid < 1.1 * min(grip, reflecting)
-    assert max(grip, reflecting) < 1.4 * rigid
+@pytest.mark.parametrize("face", [GripFace(100.0, 10.0), ReflectingFace(0.999)])
+def test_a_rigid_face_costs_nothing(model, face, cost):
+    """Faces that do more need the same steps of the same values (their one number each is among the scalars)."""
+    assert cost(model, faced(face), GRIDS[model]) == cost(model, PAPER, GRIDS[model])
 
 
 def peak(model, cells, transits):
     """Most memory (bytes) that a run holds at once, the solver included, with everything compiled."""
     follow(build(model, PAPER, cells=cells), 0.1)
+    gc.collect()
     tracemalloc.start()
     try:
         follow(build(model, PAPER, cells=cells), transits)
@@ -82,12 +89,13 @@ def peak(model, cells, transits):
 
 @EVERY
 def test_memory_does_not_grow_with_the_run(model):
-    """What a chunk of samples takes is all that a long run holds beside the grid.
-
-    Some tens of kB of the interpreter's own come and go; keeping the samples would take ten times as much."""
+    """What a chunk of samples takes is all that a long run holds beside the grid: keeping its samples, four numbers a step, would
+    take the 800 transits' ten times what is allowed for the interpreter's own coming and going."""
+    solver = build(model, PAPER, cells=GRIDS[model])
+    samples = 4 * 8 * 800.0 / solver.step
     short, long = (peak(model, GRIDS[model], transits) for transits in (400.0, 1200.0))
-    print(f"{model}: {short / 1e3:.0f} kB, {long / 1e3:.0f} kB for three times as long")
-    assert long < 1.5 * short
+    print(f"{model}: {short / 1e3:.0f} kB, {long / 1e3:.0f} kB for three times as long, {samples / 1e3:.0f} kB of samples more")
+    assert long - short < 0.1 * samples
 
 
 @EVERY

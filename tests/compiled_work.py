@@ -1,0 +1,38 @@
+"""What solvers hand to compiled code, counted: a measure of the work of a run that no busy machine can change."""
+
+from typing import NamedTuple
+
+import fullwave.finite_difference
+import fullwave.march
+from fullwave.leapfrog import kernel
+from fullwave.leapfrog.sides import Side
+from fullwave.system import SCALARS
+
+
+class Call(NamedTuple):
+    """One go of compiled code: how many steps it took, and of how many values."""
+
+    steps: int
+    values: int
+
+
+def count_calls(monkeypatch) -> list[Call]:
+    """The calls that every full wave makes from now on, in order."""
+    calls: list[Call] = []
+    march, leapfrog = fullwave.march.march, fullwave.finite_difference.march
+
+    def counted_march(*arguments):
+        _, _, _, _, begin, end, state, *_ = arguments
+        calls.append(Call(end - begin, state.size - SCALARS))
+        return march(*arguments)
+
+    def counted_leapfrog(*arguments):
+        *_, upper, lower, _, first, pieces = arguments
+        media = [side.medium for side in (upper, lower) if isinstance(side, Side)]
+        steps = kernel.STEPS_PER_PIECE * pieces.time.size + (first < 0)
+        calls.append(Call(steps, sum(medium.velocity.size + medium.stress.size for medium in media)))
+        return leapfrog(*arguments)
+
+    monkeypatch.setattr(fullwave.march, "march", counted_march)
+    monkeypatch.setattr(fullwave.finite_difference, "march", counted_leapfrog)
+    return calls
