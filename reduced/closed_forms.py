@@ -75,14 +75,6 @@ def delay_epsilon(slopes: FrictionSlopes, r: float) -> float:
     return -slopes.healing * slopes.steady * math.tan(0.5 * r * omega) / (0.5 * omega)
 
 
-def delay_function(slopes: FrictionSlopes, epsilon: float, r: float, s: complex) -> complex:
-    """Q(s, r) = A(s) + C(s) e^(-s r) (37)."""
-    half, g = 0.5 * epsilon, slopes.healing
-    a = (slopes.direct + half) * s + g * (slopes.steady + half)
-    c = -(slopes.direct - half) * s - g * (slopes.steady - half)
-    return complex(a + c * np.exp(-s * r))
-
-
 def essential_abscissa(slopes: FrictionSlopes, epsilon: float, r: float) -> float:
     """Re s of the neutral spectrum: -(1/r) ln |(2 F_v + epsilon)/(2 F_v - epsilon)|, from (37) at high frequency."""
     return -math.log(abs((2.0 * slopes.direct + epsilon) / (2.0 * slopes.direct - epsilon))) / r

@@ -12,7 +12,6 @@ A rigid top is Z_g -> infinity (w = dV), a bare reflection R is Z_g = e (1 + R)/
 are counted so that the slip rate is the sum of both slabs' velocities; alike slabs march one, counted twice.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,7 +71,7 @@ def _top(slab: Slab, round_trip: float) -> tuple[float, float, float]:
     """(follow, yield, spring) of the slab's outer face."""
     outermost = slab.epsilon * slab.layers[-1].impedance
     face = slab.face
-    if isinstance(face, GripFace) and math.isfinite(face.impedance):
+    if isinstance(face, GripFace):
         total = slab.epsilon * face.impedance + outermost
         return slab.epsilon * face.impedance / total, 1.0 / total, face.stiffness * slab.epsilon / round_trip
     if isinstance(face, ReflectingFace):

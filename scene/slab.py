@@ -6,6 +6,7 @@ Impedances are in units of (normal stress)/V*, times in L/V*. `round_trip` is th
 interface to the outer face and back.
 """
 
+import math
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -19,8 +20,8 @@ class RigidFace:
 class GripFace:
     """A spring and a dashpot in parallel between drive and outer face (MODEL.md section 3).
 
-    `stiffness` K is relative to the slab's epsilon/round_trip, `impedance` Z_g to its epsilon; Z_g -> infinity is rigid,
-    Z_g = 1 swallows every wave and keeps the load.
+    `stiffness` K is relative to the slab's epsilon/round_trip, `impedance` Z_g to its epsilon; Z_g = 1 swallows every wave and
+    keeps the load. If either is infinite the face cannot move against the drive: a slab held so has a `RigidFace`.
     """
 
     stiffness: float
@@ -74,6 +75,10 @@ class Slab:
     face: Face = field(default_factory=RigidFace)
     viscosity: Viscosity | None = None
     layers: tuple[Layer, ...] = (Layer(1.0, 1.0),)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.face, GripFace) and math.inf in (self.face.stiffness, self.face.impedance):
+            object.__setattr__(self, "face", RigidFace())
 
     @property
     def interface_impedance(self) -> float:

@@ -140,8 +140,7 @@ def _highest_order(tolerance: float) -> int:
 
 _ODE = ("tolerance",)
 _GRID = ("cells", "cfl", "tolerance")
-_PLAIN = frozenset({"ramp"})
-_RIGID = _PLAIN | {"unlike", "incommensurate"}
+_RIGID = frozenset({"unlike"})
 _LOSSLESS = _RIGID | {"layers"}
 _ELASTIC = _LOSSLESS | {"grip", "reflection"}
 _ANY = frozenset(FEATURES)

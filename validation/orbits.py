@@ -1,8 +1,8 @@
 """Settle a model on its periodic orbit by running it until its cycles stop changing, and say how well that worked.
 
 A run converges at the rate of the orbit's largest Floquet multiplier and then stays at the solver's own jitter. The value given
-is the mean over the last few cycles, the error the whole spread among them: an upper estimate of what is left of the transient,
-not of the solver's discretisation error.
+is the mean over the last few cycles, the error half of (largest - smallest) among them: an estimate of what is left of the
+transient, not of the solver's discretisation error.
 """
 
 import time

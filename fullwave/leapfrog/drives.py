@@ -1,4 +1,5 @@
-"""The drive's total velocity V(t) as compiled code: a constant costs nothing, ramps are searched by a moving index."""
+"""The drive's total velocity V(t) as compiled code: a constant costs nothing, ramps are searched from their first
+knot at every call."""
 
 from typing import NamedTuple
 

@@ -16,7 +16,6 @@ Stresses are deviations from the stress of steady sliding, units of the normal s
 the whole time, `following` at the next half step; time in transits.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -85,7 +84,7 @@ dispatch(push, {Rigid: _push_rigid, Grip: _push_grip}, inline=True)
 def compiled_face(slab: Slab, ratio: float, step: float, steady_stress: float) -> Rigid | Grip:
     """The kernel's form of a slab's outer face; `ratio` is its round trip and `step` the time step, both in transits."""
     face = slab.face
-    if isinstance(face, GripFace) and math.isfinite(face.impedance):
+    if isinstance(face, GripFace):
         spring = face.stiffness * slab.epsilon / ratio
         return Grip(face.impedance * slab.epsilon, 0.5 * spring * step, steady_stress, np.zeros(2))
     if isinstance(face, ReflectingFace) and face.coefficient < 1.0:

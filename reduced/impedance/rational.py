@@ -68,16 +68,6 @@ def taylor_poles() -> Complex:
     return np.concatenate([[0.0], np.roots([1.0 / 1920.0, 0.0, 1.0 / 24.0, 0.0, 1.0])]).astype(complex)
 
 
-def termwise_passive(model: Reduction) -> bool:
-    """Every term is positive real by itself (c >= 0, 0 <= d <= 2 decay c, ...): enough for passivity, and not needed for it."""
-    modes = zip(model.residues, model.decays, model.offsets, strict=True)
-    return (
-        min(model.mass, model.damping, model.spring) >= 0.0
-        and all(c >= 0.0 and decay >= 0.0 and 0.0 <= d <= 2.0 * decay * c * (1.0 + 1e-12) for c, decay, d in modes)
-        and all(strength >= 0.0 and rate > 0.0 for strength, rate in model.relaxations)
-    )
-
-
 def real_part_on_axis(ratio: Ratio) -> NDArray[np.float64]:
     """Re Z relative to |Z| from a (p, q) evaluated on s = i omega or in the right half plane: >= 0 for a passive one-port."""
     p, q = ratio[0].value, ratio[1].value

@@ -7,7 +7,7 @@ those of the pair with its interface locked.
 import math
 
 from reduced.impedance.modes import is_lossless, locked_modes, spring_and_mass
-from reduced.reduction import REDUCTIONS, Reduction, mode_count, reduction
+from reduced.reduction import Reduction, mode_count, reduction
 from scene.errors import SceneError
 from scene.scene import Scene
 from scene.slab import ReflectingFace
@@ -32,13 +32,16 @@ def reduce_scene(scene: Scene, name: str) -> Reduction:
     block12, modal:N           need elastic slabs behind rigid faces; layers allowed
     block8, kelvin-voigt       the paper's truncations: homogeneous elastic slabs behind rigid faces
     fitted:N                   any scene
+    any other of the table     alike plain slabs, whose data it is
 
     Raises SceneError with the reason and the reductions that do fit.
     """
     kind = name.partition(":")[0]
-    if kind not in _BUILDERS:
-        return reduction(name)
-    return _BUILDERS[kind](scene, name)
+    if kind in _BUILDERS:
+        return _BUILDERS[kind](scene, name)
+    tabulated = reduction(name)
+    _require(scene.alike and scene.upper.is_plain, name, "alike homogeneous elastic slabs behind rigid faces")
+    return tabulated
 
 
 def relaxed_spring(scene: Scene) -> float:
@@ -139,4 +142,4 @@ _BUILDERS = {
     "kelvin-voigt": _kelvin_voigt,
     "fitted": _fitted,
 }
-assert set(_BUILDERS) == {*REDUCTIONS, "modal", "fitted"}
+"""What rebuilds a reduction from a scene's own impedance, by the word before the colon."""

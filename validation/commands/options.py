@@ -14,8 +14,8 @@ SceneName: TypeAlias = Annotated[
 Model: TypeAlias = Annotated[
     str,
     typer.Option(
-        help="delay, quasistatic, quasidynamic, block8, block12, kelvin-voigt, modal:N, fd, sbp:P, fem:P, dg:P (sbp, fem "
-        "and dg choose P themselves, by --tol), or auto: the cheapest that is exact for the scene"
+        help="delay, quasistatic, quasidynamic, block8, block12, kelvin-voigt, modal:N, fitted:N, fd, sbp:P, fem:P, dg:P "
+        "(sbp, fem and dg choose P themselves, by --tol), or auto: the cheapest that is exact for the scene"
     ),
 ]
 Until: TypeAlias = Annotated[float | None, typer.Option(metavar="TRANSITS", help="length of the run (default: the scene's)")]
