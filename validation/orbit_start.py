@@ -3,7 +3,8 @@
 This finds stable orbits only; where cycles go on changing (a torus, chaos, steady sliding) the run is refused with the reason.
 """
 
-from typing import Any
+import dataclasses
+from typing import TYPE_CHECKING, Any
 
 from scene.errors import NumericsError, SceneError
 from scene.observe import Energy, Pieces, Solver, follow
@@ -11,8 +12,11 @@ from scene.observe.pieces import Array
 from scene.scene import Scene
 from validation.orbits import NoCycle, settle
 
+if TYPE_CHECKING:
+    from fullwave.snapshot import FieldSolver, Snapshot
+
 _TOLERANCE = 1e-9
-_PASSED_ON = frozenset({"snapshot", "keep_frames", "frames", "step", "total_cells", "settings", "choice"})
+_PASSED_ON = frozenset({"step", "total_cells", "settings", "choice"})
 
 
 class OnOrbit:
@@ -26,7 +30,7 @@ class OnOrbit:
         self.nodes: Array = solver.nodes
 
     def __getattr__(self, name: str) -> Any:
-        """What a full wave offers beside marching. Not its state: a checkpoint of it would not know where t = 0 was."""
+        """What a full wave tells of its grid. Not its state: a checkpoint of it would not know where t = 0 was."""
         if name in _PASSED_ON:
             return getattr(self._solver, name)
         raise AttributeError(name)
@@ -55,6 +59,27 @@ class OnOrbit:
         return Energy(**{name: getattr(now, name) - getattr(before, name) for name in names})
 
 
+class FieldsOnOrbit(OnOrbit):
+    """The same for a solver whose fields can be recorded (`fullwave.snapshot.FieldSolver`): they carry the orbit's clock too."""
+
+    _solver: "FieldSolver"
+
+    def snapshot(self) -> "Snapshot":
+        """The fields now."""
+        return self._on_clock(self._solver.snapshot())
+
+    def keep_frames(self) -> None:
+        """From now on `frames` has the fields of every step."""
+        self._solver.keep_frames()
+
+    def frames(self) -> "list[Snapshot]":
+        """The fields at the ends of the last advance's steps, where kept."""
+        return [self._on_clock(frame) for frame in self._solver.frames()]
+
+    def _on_clock(self, shot: "Snapshot") -> "Snapshot":
+        return dataclasses.replace(shot, time=shot.time - self._origin)
+
+
 def begin_on_orbit(solver: Solver) -> OnOrbit:
     """March `solver` onto its orbit and up to the next slip event, which becomes t = 0.
 
@@ -76,4 +101,5 @@ def begin_on_orbit(solver: Solver) -> OnOrbit:
     while next_event <= solver.time:
         next_event += settled.orbit.period.value
     follow(solver, next_event)
-    return OnOrbit(solver, solver.time)
+    kind = FieldsOnOrbit if hasattr(solver, "snapshot") else OnOrbit
+    return kind(solver, solver.time)

@@ -1,0 +1,61 @@
+"""A run that starts on its orbit: everything it tells is on the clock that is 0 there, fields and ledger included."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+
+import scene
+from fullwave.field import Field, record_field
+from scene.observe import Final, HistoryObserver, Solver
+from validation.cli import main
+from validation.models import build
+
+CELLS, END = {"fd": 24, "dg:5": 4}, 10.0
+SHARPNESS = {"fd": 1e-9, "dg:5": 3e-3}
+"""Of a grid's own value at the interface against the friction solve's, relative: one and the same in the leapfrog."""
+
+
+@pytest.fixture(scope="module", params=CELLS)
+def recorded(request: pytest.FixtureRequest) -> tuple[Any, Field, Final, dict[str, np.ndarray]]:
+    chosen = scene.read("paper", ["start.kind=orbit"])
+    solver: Any = build(request.param, chosen, cells=CELLS[request.param])
+    history = HistoryObserver(chosen.law, solver.nodes)
+    field, final = record_field(solver, solver.time, END, 1 / 16, [history])
+    return solver, field, final, history.columns()
+
+
+def test_fields_carry_the_times_of_the_run(recorded: tuple[Solver, Field, Final, dict[str, np.ndarray]]) -> None:
+    solver, field, final, columns = recorded
+    sharpness = SHARPNESS[solver.model]
+    assert field.time[0] == 0.0
+    assert END - 1e-9 <= field.time[-1] == pytest.approx(solver.time, abs=1e-9)
+    assert np.diff(field.time).min() > 0.05
+    at = np.searchsorted(columns["time"], field.time[1:] - 1e-9)
+    assert columns["time"][at] == pytest.approx(field.time[1:], abs=1e-9)
+    assert 2.0 * field.upper.velocity[1:, 0] == pytest.approx(columns["slip_rate"][at], rel=sharpness)
+    assert field.upper.stress[1:, 0] == pytest.approx(columns["stress"][at], abs=0.1 * sharpness)
+    assert np.interp(END, columns["time"], columns["psi"]) == pytest.approx(final.psi, abs=1e-3)
+
+
+def test_the_ledger_begins_on_the_orbit(recorded: tuple[Solver, Field, Final, dict[str, np.ndarray]]) -> None:
+    """Friction's work from t = 0 on, by quadrature of the recorded motion: the approach is hundreds of times as much."""
+    solver, _, _, columns = recorded
+    times, first = np.unique(columns["time"], return_index=True)
+    power = (columns["stress"] * columns["slip_rate"])[first]
+    ledger = solver.energy()
+    assert ledger is not None
+    assert times[0] == pytest.approx(0.0, abs=0.2)
+    expected = solver.scene.transit * float(np.trapezoid(power, times))
+    assert ledger.friction == pytest.approx(expected, rel=3e-3)
+    assert abs(ledger.residual) < 1e-11
+
+
+def test_the_file_of_fields_begins_at_zero(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "orbit.nc"
+    words = ["run", "paper", "--set", "start.kind=orbit", "--model", "fd", "--cells", "16", "--until", "10"]
+    assert main([*words, "--fields", str(out)]) == 0
+    with xarray.open_dataset(out) as data:
+        assert float(data["time"][0]) == 0.0
+        assert 10.0 - 1e-9 <= float(data["time"][-1]) < 10.5
