@@ -18,11 +18,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from scene.compiled import source_digest
 from scene.errors import SceneError
 from scene.files import whole_or_absent
 from scene.observe import Final, follow
 from scene.observe.follow import Observer, Solver
+from scene.sources import source_digest
 
 FORMAT = 2
 _LONGEST_VALUE = 60  # characters of a fact in a message

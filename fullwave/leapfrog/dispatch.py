@@ -9,6 +9,8 @@ from typing import Any
 
 from numba.extending import overload
 
+from scene.compile_cache import add_choices
+
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
@@ -18,6 +20,7 @@ def dispatch(generic: Callable[..., Any], versions: dict[type, Callable[..., Any
     `inline` compiles it into its callers: worth it for small parts of a hot loop, where handing over arrays costs more than the
     work; not for loops over cells, which vectorise better on their own.
     """
+    add_choices(generic, versions.values)
 
     @overload(generic, jit_options=_OPTIONS, strict=False, inline="always" if inline else "never")
     def _choose(*arguments):  # type: ignore[no-untyped-def]

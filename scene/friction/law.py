@@ -12,14 +12,14 @@ Argument names are part of the interface (numba matches them).
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import FunctionType
 from typing import Any, NamedTuple, TypeAlias
 
 from numba.extending import overload
 
-from scene.compiled import leave_disk_cache
+from scene.compile_cache import add_choices
 from scene.errors import SceneError
 
 Law: TypeAlias = Any
@@ -63,14 +63,13 @@ def register(
     """Make a law known to every solver under `name`.
 
     A law from outside this package is checked first (its derivatives against finite differences, its steady state against G = 0)
-    and is compiled afresh in each process. Raises SceneError naming the first wrong function.
+    and is compiled in each process, never taken from disk. Raises SceneError naming the first wrong function.
     """
     law = Registered(parameters, respond, steady_state, rate_of, unknown_of)
     if Path(respond.__code__.co_filename).parent != _HOUSE:
         from scene.friction.check import check_law
 
         check_law(name, law)
-        leave_disk_cache()
     if LAWS.get(name, law) != law and LAWS[name].parameters is parameters:
         raise SceneError(
             f"friction law {name!r} is already registered with the same parameter class; give the new one its own class"
@@ -107,6 +106,13 @@ def unknown_of(law: Law, v: float) -> float:
 def _bare(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function without annotations, which numba would take for a difference between signatures."""
     return FunctionType(function.__code__, function.__globals__, function.__name__, function.__defaults__, function.__closure__)
+
+
+def _functions() -> Iterator[Callable[..., Any]]:
+    return (function for law in _BY_CLASS.values() for function in law[1:])
+
+
+add_choices(respond, _functions)
 
 
 @overload(respond)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import scene
 import validation
-from scene.compiled import source_digest
+from scene.sources import source_digest
 
 _ROOT = Path(validation.__file__).resolve().parent.parent
 

@@ -10,7 +10,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from scene.compiled import source_digest
+from scene.sources import source_digest
 from validation.report.sources import sources_of
 from validation.study import Column, Evidence, Number, Omission, Outcome, Study, StudyResult, Table, Verdict
 

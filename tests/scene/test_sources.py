@@ -1,0 +1,53 @@
+"""What a file of the house imports, and digests that see the program and not its explanation."""
+
+from pathlib import Path
+
+import pytest
+
+from scene.sources import ROOT, import_closure, inside, program
+
+
+def closure(file: str, packages: bool = True) -> set[str]:
+    return {path.relative_to(ROOT).as_posix() for path in import_closure([ROOT / file], packages)}
+
+
+def test_a_file_without_imports_of_the_house_is_alone() -> None:
+    assert closure("scene/errors.py", packages=False) == {"scene/errors.py"}
+
+
+def test_imports_are_followed_through_modules_packages_and_functions() -> None:
+    found = closure("scene/interface.py", packages=False)
+    assert {"scene/interface.py", "scene/compiled.py", "scene/friction/__init__.py", "scene/friction/slip.py"} <= found
+    assert "scene/friction/check.py" in found  # imported within `register`
+    assert not found & {"scene/__init__.py", "scene/input/read.py", "scene/scene.py"}
+
+
+def test_packages_on_the_way_are_included_unless_left_out() -> None:
+    assert closure("scene/observe/pieces.py", packages=False) == {"scene/observe/pieces.py"}
+    with_packages = closure("scene/drive.py")
+    assert {"scene/__init__.py", "scene/input/assemble.py"} <= with_packages
+
+
+@pytest.mark.parametrize(
+    ("other", "same"),
+    [
+        ('"""Other."""\n\n\n# a comment\ndef f(x):\n    """Told."""\n    return x + 1\n', True),
+        ("def f(x):\n    return (x +\n            1)\n", True),
+        ("def f(x):\n    return x + 2\n", False),
+        ("def f(x):\n    return x - 1\n", False),
+        ("def f(y):\n    return y + 1\n", False),
+        ("def f(x=0):\n    return x + 1\n", False),
+    ],
+)
+def test_a_digest_sees_the_program_only(other: str, same: bool, tmp_path: Path) -> None:
+    texts = "def f(x):\n    return x + 1\n", other
+    for number, text in enumerate(texts):
+        (tmp_path / f"{number}.py").write_text(text)
+    assert (program(tmp_path / "0.py") == program(tmp_path / "1.py")) is same
+
+
+def test_only_files_of_the_four_rooms_are_inside() -> None:
+    assert inside(ROOT / "scene" / "slab.py")
+    assert not inside(ROOT / "tests" / "conftest.py")
+    assert not inside(Path(__file__))
+    assert not inside(Path("/tmp/scene/slab.py"))
