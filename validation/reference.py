@@ -1,6 +1,7 @@
 """Reference numbers that come with the project: values by programs that share nothing with this one, and the paper's own."""
 
 import json
+from decimal import Decimal
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,3 +20,8 @@ def reference_orbit(model: str, log10_r: float) -> dict[str, float]:
     orbits: list[dict[str, float]] = reference()["orbits"].get(model, [])
     found = [orbit for orbit in orbits if orbit["log10_r"] == log10_r]
     return {name: value for name, value in found[0].items() if name != "log10_r"} if found else {}
+
+
+def half_digit(value: float) -> float:
+    """Half a unit in the last decimal place of a number as it is written: 0.005 for 73.47."""
+    return 0.5 * 10.0 ** int(Decimal(repr(value)).as_tuple().exponent)

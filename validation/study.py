@@ -81,7 +81,10 @@ class Figure:
 
 @dataclass(frozen=True)
 class Verdict:
-    """One claim held against one kind of evidence: what was expected, what came out, and how it fared."""
+    """One claim held against one kind of evidence: what was expected, what came out, and how it fared.
+
+    `room`: the limit over what was measured, for claims that bound a size; between 1 and some 30 unless rounding is measured.
+    """
 
     claim: str
     evidence: Evidence
@@ -89,6 +92,7 @@ class Verdict:
     ours: str
     outcome: Outcome
     remark: str = ""
+    room: float | None = None
 
 
 @dataclass(frozen=True)
@@ -115,7 +119,7 @@ class Omission:
 
 @dataclass(frozen=True)
 class StudyResult:
-    """All a study has to say; `answer` is one sentence."""
+    """All a study has to say; `answer` is one sentence that is true if no verdict fails, `conclusion` what may be said."""
 
     answer: str
     tables: tuple[Table, ...] = ()
@@ -124,6 +128,14 @@ class StudyResult:
     notes: tuple[str, ...] = ()
     numbers: dict[str, Number] = field(default_factory=dict)
     omissions: tuple[Omission, ...] = ()
+
+    @property
+    def conclusion(self) -> str:
+        """The answer, or which claims fail: no study answers yes beside a red light."""
+        failed = [verdict.claim for verdict in self.verdicts if verdict.outcome is Outcome.FAIL]
+        if not failed:
+            return self.answer
+        return f"Not shown: {len(failed)} of {len(self.verdicts)} checks fail ({'; '.join(dict.fromkeys(failed))})."
 
 
 class Study(Protocol):

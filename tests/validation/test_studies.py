@@ -52,7 +52,7 @@ def test_one_cycle_shows_the_numbers_it_must(cycle):
     assert {m: cycle.numbers[f"{m} period"].value for m in periods} == pytest.approx(periods, rel=1e-8)
     modal = {"modal:1": 73.5148, "modal:2": 73.4717, "modal:8": 73.4721}
     assert {m: cycle.numbers[f"{m} period"].value for m in modal} == pytest.approx(modal, abs=6e-5)
-    assert "3.7 % short" in cycle.answer
+    assert "by −3.7 % in the paper’s ODE" in cycle.answer
 
 
 def test_one_cycle_lists_what_it_leaves_out(cycle):

@@ -90,9 +90,9 @@ def _remove(folder: Path) -> None:
 
 def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) -> dict[str, Any]:
     figures = [{"name": f.name, "caption": f.caption, "lead": f.lead} for f in result.figures]
-    body = {name: getattr(result, name) for name in ("answer", "tables", "verdicts", "notes", "numbers", "omissions")}
+    body = {name: getattr(result, name) for name in ("tables", "verdicts", "notes", "numbers", "omissions")}
     record = {"study": study.NAME, "question": study.QUESTION, "key": key, "wall_seconds": wall_seconds, "figures": figures}
-    return record | {name: _plain(value) for name, value in body.items()}
+    return record | {"answer": result.conclusion} | {name: _plain(value) for name, value in body.items()}
 
 
 def _plain(value: Any) -> Any:

@@ -1,0 +1,40 @@
+"""Verdicts that bound a size, and what a study may say beside a red light."""
+
+import math
+
+import pytest
+
+from validation.bounds import bounded, too_roomy
+from validation.reference import half_digit
+from validation.study import Evidence, Outcome, StudyResult, Verdict
+
+
+@pytest.mark.parametrize(
+    ("size", "outcome"),
+    [(0.0, "pass"), (0.99e-6, "pass"), (1e-6, "fail"), (3e-6, "fail"), (math.nan, "fail"), (math.inf, "fail")],
+)
+def test_a_size_beyond_its_limit_is_red(size, outcome):
+    assert bounded("c", Evidence.EXACT, size, 1e-6).outcome == outcome
+
+
+def test_a_bound_tells_its_limit_and_its_room():
+    verdict = bounded("c", Evidence.EXACT, 2e-8, 1e-6, otherwise=Outcome.FINDING)
+    assert (verdict.expected, verdict.ours) == ("below 1 · 10^{−6}", "2.0 · 10^{−8}")
+    assert verdict.room == pytest.approx(50.0)
+    assert len(too_roomy([verdict, bounded("c", Evidence.EXACT, 4e-8, 1e-6), bounded("c", Evidence.EXACT, 0.0, 1.0)])) == 1
+    assert bounded("c", Evidence.EXACT, 2e-6, 1e-6, otherwise=Outcome.FINDING).outcome is Outcome.FINDING
+
+
+def test_no_study_answers_yes_beside_a_red_light():
+    held = Verdict("A holds", Evidence.EXACT, "1", "1", Outcome.PASS)
+    qualified = Verdict("B holds", Evidence.PAPER, "1", "1", Outcome.FINDING)
+    broken = Verdict("C holds", Evidence.EXACT, "1", "2", Outcome.FAIL)
+    assert StudyResult("They do.", verdicts=(held, qualified)).conclusion == "They do."
+    told = StudyResult("They do.", verdicts=(held, broken, qualified, broken)).conclusion
+    assert told == "Not shown: 2 of 4 checks fail (C holds)."
+    assert StudyResult(told, verdicts=(broken, held, qualified, broken)).conclusion == told
+
+
+@pytest.mark.parametrize(("value", "half"), [(73.47, 0.005), (73.4721449443, 5e-11), (1.5e-07, 5e-9)])
+def test_half_of_the_last_digit(value, half):
+    assert half_digit(value) == pytest.approx(half)

@@ -1,0 +1,89 @@
+"""What the report's first two studies conclude from their numbers: outcomes on both sides of every limit, answers, figures."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import scene
+from validation.orbits import Cycle, Estimate, Orbit, Settled
+from validation.reference import reference_orbit
+from validation.studies import one_cycle, scene_facts
+from validation.studies.one_cycle_figures import overlay, panels
+from validation.studies.one_cycle_tables import Run
+from validation.study import Outcome
+
+FIGURES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")
+DELAY = reference_orbit("delay", -2.68)
+
+
+def a_run(**changes: float) -> Run:
+    orbit = Orbit(*(Estimate(DELAY[name] * (1.0 + changes.get(name, 0.0)), 0.0) for name in FIGURES))
+    time = np.linspace(-4.0, 80.0, 40)
+    cycle = Cycle(time, 5.0 + np.cos(time) ** 2, np.zeros(40), 0.4 + 1e-3 * time, time)
+    return Run(Settled(orbit, SimpleNamespace(failures=0), None, 9, 1e-10, True, 1.0), cycle)
+
+
+def test_scenes_given_in_si_are_the_same_to_rounding():
+    paper = scene.read("paper")
+
+    def outcome(off):
+        upper = SimpleNamespace(epsilon=paper.upper.epsilon * (1.0 + off))
+        return scene_facts._verdicts(paper, SimpleNamespace(upper=upper, transit=paper.transit))[0].outcome
+
+    assert [outcome(7e-16), outcome(3e-15)] == [Outcome.PASS, Outcome.FAIL]
+
+
+def test_the_answer_tells_on_which_side_of_onset_the_scene_lies():
+    assert "4.6 % beyond the onset" in scene_facts._answer(1.046)
+    assert "4.6 % short of the onset" in scene_facts._answer(0.954)
+
+
+# half of the last digit known, relative: 0.1739634131, 0.1547375, 4412.32, 2.860302; and 2e-10 for our own orbit
+@pytest.mark.parametrize(
+    ("figure", "limit"),
+    [("period", 2e-10), ("stress_drop", 4.8e-10), ("elastic_stress_drop", 3.2e-7), ("v_max", 1.1e-6), ("v_min", 1.7e-7)],
+)
+def test_an_orbit_may_differ_by_the_digits_that_are_not_known(figure, limit):
+    outcomes = [one_cycle._against_reference({"delay": a_run(**{figure: off})})[0].outcome for off in (0.9 * limit, -3.0 * limit)]
+    assert outcomes == [Outcome.PASS, Outcome.FAIL]
+
+
+def test_the_leapfrog_may_be_a_thousandth_off():
+    for off, outcome in ((0.9e-3, Outcome.PASS), (-3e-3, Outcome.FAIL)):
+        assert one_cycle._full_wave({"delay": a_run(), "fd": a_run(v_min=off)}).outcome is outcome
+
+
+def test_what_ends_the_simplest_models(monkeypatch):
+    assert one_cycle._runaway("v grows").outcome is Outcome.PASS
+    assert one_cycle._runaway("").outcome is Outcome.FAIL
+    for steady, outcome in ((True, Outcome.PASS), (False, Outcome.FAIL)):
+        monkeypatch.setattr(one_cycle, "_slides_steadily", lambda model, steady=steady: steady)
+        assert one_cycle._steady().outcome is outcome
+
+
+def test_the_answer_tells_every_error_with_its_sign():
+    off = {"kelvin-voigt": -0.037, "block8": 0.043, "block12": 0.06, "modal:1": 6e-4, "modal:2": -6e-6}
+    runs = {"delay": a_run()} | {model: a_run(period=value) for model, value in off.items()}
+    told = one_cycle._answer(runs)
+    assert told.startswith("In outline, with the period off by −3.7 % in the paper’s ODE, by +4.3 % and +6.0 % in the blocks")
+    assert "by 6 · 10^{−4} with one exact mode" in told
+    assert one_cycle._answer(runs | {"block8": a_run(period=0.5)}).startswith("No, with the period off by −3.7 %")
+
+
+def test_figures_show_each_models_cycle():
+    models = ("delay", "fd", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
+    cycles = {model: a_run().cycle for model in models}
+    figure = overlay(cycles)
+    stress, zoomed, rate, _ = figure.axes
+    assert [axes.get_ylabel() for axes in (stress, rate)] == [r"stress $\mu$", r"slip rate $v/V^*$"]
+    assert rate.get_xlabel() == "time since the event began (transits)"
+    assert rate.get_yscale() == "log"
+    assert len(stress.get_lines()) == len(zoomed.get_lines()) == len(figure.legends[0].get_texts()) == 5
+    assert np.array_equal(stress.get_lines()[0].get_ydata(), cycles["delay"].stress)
+    assert np.array_equal(rate.get_lines()[0].get_ydata(), cycles["delay"].slip_rate)
+    small = panels(cycles, dict.fromkeys(models, -0.037)).axes
+    assert len(small) == 6
+    assert all(len(axes.get_lines()) == 2 for axes in small)
+    assert small[0].get_title().endswith("$-3.7$ %")
+    assert small[0].get_ylabel() == r"$\mu$"
