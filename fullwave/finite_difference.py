@@ -10,6 +10,7 @@ exact_when   cfl = 1 in a uniform slab: waves then travel without error, and wha
 conserves    the energy K(u at n + 1/2) + P(sigma at n, n + 1), to rounding (`leapfrog.ledger`)
 """
 
+import math
 from typing import Any
 
 import numpy as np
@@ -57,7 +58,7 @@ class Leapfrog:
     def _set_up(self, scene: Scene, cells: int, cfl: float) -> None:
         self.scene, self.cells, self.cfl = scene, cells, cfl
         self.nodes = sample_nodes(STEPS_PER_PIECE)
-        self.failures = 0
+        self.failures, self.failed_at = 0, math.nan
         self.step = common_step(scene, cells, cfl)
         slabs = [scene.upper] if scene.alike else [scene.upper, scene.lower]
         travels = [slab.round_trip / scene.transit for slab in slabs]
@@ -95,7 +96,10 @@ class Leapfrog:
     def _fill(self, pieces: Pieces) -> Pieces:
         """March through `pieces`; through none, the sample at t = 0 is taken if it was not yet."""
         law, upper = self.scene.law, self._sides[0]
-        self.failures += march(law, self._clock, self._drive, upper, self._lower, self._memory, self._sample, pieces)
+        failures, failed = march(law, self._clock, self._drive, upper, self._lower, self._memory, self._sample, pieces)
+        if failures and not self.failures:
+            self.failed_at = failed * self.step
+        self.failures += failures
         self._sample = max(self._sample, 0) + STEPS_PER_PIECE * pieces.time.size
         return pieces
 

@@ -1,5 +1,6 @@
 """The march shared by all method-of-lines families: Runge-Kutta steps of fixed length, samples of the interface at their ends."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -48,7 +49,7 @@ class March:
         self.scene, self.model, self.method, self.cfl = scene, model, method, float(cfl)
         self.sections = tuple(sections)
         self.nodes = sample_nodes(STEPS_PER_PIECE)
-        self.failures = 0
+        self.failures, self.failed_at = 0, math.nan
         with enough_memory(sections[0].asked):
             self._set_up(build, sections, limit)
 
@@ -103,7 +104,7 @@ class March:
         """March the `steps` of `pieces`, as many at once as leave the run open to an interrupt; fastest relaxation met."""
         fastest = 0.0
         for begin in range(0, steps + 1, self._stride):
-            failures, relaxation = march(
+            failures, failed, relaxation = march(
                 self.system,
                 self.method,
                 self.step,
@@ -117,6 +118,8 @@ class March:
                 pieces,
                 self._frames,
             )
+            if failures and not self.failures:
+                self.failed_at = (self._taken + failed) * self.step
             self.failures += failures
             fastest = max(fastest, relaxation)
         return fastest

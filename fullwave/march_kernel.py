@@ -29,17 +29,18 @@ def march(
     unknowns: Array,
     pieces: Pieces,
     frames: Array,
-) -> tuple[int, float]:
+) -> tuple[int, int, float]:
     """Take steps `begin` to `end` (excluded) of those that fill `pieces`, which begin at step number `first`; the one behind the
     last piece is its closing sample alone. `unknowns` (3, stages) holds z of the last three steps' stages, latest first: a
     parabola through them starts each friction solve, which saves two of four iterations. `frames`, if it has rows, takes the
-    state at the beginning of every step. Returns (failed solves, fastest state relaxation per transit)."""
+    state at the beginning of every step. Returns (failed solves, step n of the first or -1, fastest state relaxation per
+    transit)."""
     operator, medium, interface, drive = system.operator, system.medium, system.interface, system.drive
     slots, facts, tops, arrivals = system.slots, system.facts, system.tops, system.arrivals
     weight, abscissae = step * method.weight, step * method.abscissae
     unknown, psis, stress, elastic = pieces.unknown, pieces.state, pieces.stress, pieces.elastic
     stages, size, count = method.stages, interface.size, pieces.time.size
-    failures = 0
+    failures, failed = 0, -1
     fastest = 0.0
     for n in range(begin, end):
         time = (first + n) * step
@@ -60,10 +61,12 @@ def march(
                     j = n - STEPS_PER_PIECE * k
                     unknown[k, j], psis[k, j], stress[k, j], elastic[k, j] = sample
                 if n == STEPS_PER_PIECE * count:
-                    return failures, fastest  # whoever goes on repeats, and counts, this solve
-            failures += iterations == 0
+                    return failures, failed, fastest  # whoever goes on repeats, and counts, this solve
+            if iterations == 0:
+                failures += 1
+                failed = n if failed < 0 else failed
             unknowns[2, stage] = unknowns[1, stage]
             unknowns[1, stage] = unknowns[0, stage]
             unknowns[0, stage] = z
         combine(weight, stages, stages, state, rates, state)
-    return failures, fastest
+    return failures, failed, fastest

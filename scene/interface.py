@@ -15,6 +15,8 @@ from scene.friction import Law, respond
 
 MAX_ITERATIONS = 200
 _LARGEST_STEP = 4.0
+_OVERFLOWN = 1e300
+_PATIENCE = 40  # iterations of Newton; from a start hundreds above the root, where v = e^z rules, it gains one in z at a time
 _TOLERANCE = 1e-8  # of a Newton step: it leaves an error of its square
 
 
@@ -33,15 +35,19 @@ def solve_interface(law: Law, impedance: float, incoming: float, psi: float, z: 
         if not math.isfinite(residual):
             if math.isnan(incoming) or math.isnan(psi) or math.isnan(z):
                 return z, 0
-            residual = math.copysign(1e300, z)
+            residual = math.copysign(_OVERFLOWN, z)
         if residual > 0.0:
             high = z
         else:
             low = z
         step = -residual / (friction_z + impedance * v_z)
+        if abs(residual) >= _OVERFLOWN:
+            step = -math.copysign(_LARGEST_STEP, residual)
         if abs(step) <= _TOLERANCE * (1.0 + abs(z)):
             return z + step, iteration
         trial = z + min(_LARGEST_STEP, max(-_LARGEST_STEP, step))
+        if iteration > _PATIENCE:  # look further and further, and halve what lies between
+            trial = z - math.copysign(2.0 ** (iteration - _PATIENCE), residual) if math.isinf(high - low) else 0.5 * (low + high)
         if not low < trial < high:
             trial = 0.5 * (low + high)
             if not low < trial < high:

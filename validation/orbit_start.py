@@ -4,6 +4,7 @@ This finds stable orbits only; where cycles go on changing (a torus, chaos, stea
 """
 
 import dataclasses
+import math
 from typing import TYPE_CHECKING, Any
 
 from scene.errors import NumericsError, SceneError
@@ -44,6 +45,11 @@ class OnOrbit:
     def failures(self) -> int:
         """Unconverged solves, those of the approach included."""
         return self._solver.failures
+
+    @property
+    def failed_at(self) -> float:
+        """Time of the first unconverged solve (transits since the start on the orbit); NaN if none is known."""
+        return float(getattr(self._solver, "failed_at", math.nan)) - self._origin
 
     def advance(self, until: float) -> Pieces:
         """March towards `until` (transits since the start on the orbit)."""

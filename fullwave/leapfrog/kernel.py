@@ -106,23 +106,25 @@ def _shift(memory: Array, slot: int, value: float) -> None:
 @njit
 def march(
     law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lower: Side | Mirror, memory: Array, first: int, pieces: Pieces
-) -> int:
+) -> tuple[int, int]:
     """Fill `pieces` with the steps after sample `first` (-1: none taken yet, so begin with sample 0); returns how many of them
-    failed (`take_step`). Neighbouring pieces both get the sample that they share."""
-    failures = 0
+    failed (`take_step`), and the sample of the first that did (-1 if none). Neighbouring pieces both get the sample that they
+    share."""
+    failures, failed = 0, -1
     start = max(first, 0)
     if first >= 0:
         _record(memory, pieces, 0, 0)
     for n in range(first + 1, start + STEPS_PER_PIECE * pieces.time.size + 1):
         if not take_step(law, clock, drive, upper, lower, memory, n):
             failures += 1
+            failed = n if failed < 0 else failed
         k = (n - start) // STEPS_PER_PIECE
         j = (n - start) - STEPS_PER_PIECE * k
         if j == 0 and k > 0:
             _record(memory, pieces, k - 1, STEPS_PER_PIECE)
         if k < pieces.time.size:
             _record(memory, pieces, k, j)
-    return failures
+    return failures, failed
 
 
 @inlined

@@ -58,14 +58,16 @@ def follow(
 ) -> Final:
     """March `solver` to `until` (transits); returns the interface's state there, from the last piece's polynomial.
 
-    Raises NumericsError with the time, the model and the scene's digest when the numbers stop being finite.
+    Raises NumericsError with the time, the model and the scene's digest when the numbers stop being finite or a solve did not
+    converge; the observers have then seen the pieces before that.
     """
     pieces: Pieces | None = None
     while solver.time < until - 1e-9:
         pieces = solver.advance(until)
         _require_finite(solver, pieces)
         for observer in observers:
-            observer.scan(pieces)
+            observer.scan(_before_failure(solver, pieces))
+        _require_solved(solver, pieces)
         if progress is not None:
             progress(solver.time)
     if pieces is None:
@@ -80,6 +82,29 @@ def _require_finite(solver: Solver, pieces: Pieces) -> None:
             f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} transits "
             f"(scene {solver.scene.name!r}, digest {solver.scene.digest})"
         )
+
+
+def _before_failure(solver: Solver, pieces: Pieces) -> Pieces:
+    """The pieces that end before the first failed solve; all of them if none failed."""
+    if not solver.failures:
+        return pieces
+    good = pieces.time + pieces.length < _failed_at(solver, pieces)
+    return Pieces(*(array[good] for array in pieces))
+
+
+def _require_solved(solver: Solver, pieces: Pieces) -> None:
+    if solver.failures:
+        raise NumericsError(
+            f"{solver.model}: {solver.failures} solves of the interface or of a step did not converge by t = {solver.time:.6g} "
+            f"transits, the first at t = {_failed_at(solver, pieces):.6g}: what follows is not the scene's motion; use more "
+            f"cells or a smaller cfl (scene {solver.scene.name!r}, digest {solver.scene.digest})"
+        )
+
+
+def _failed_at(solver: Solver, pieces: Pieces) -> float:
+    """Time of the first failed solve, as far as the solver knows it; else the beginning of `pieces`."""
+    known = getattr(solver, "failed_at", math.nan)
+    return float(pieces.time[0]) if math.isnan(known) else float(known)
 
 
 def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:

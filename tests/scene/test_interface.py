@@ -7,11 +7,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from scene.compiled import njit
 from scene.friction import LAWS, Law, respond, steady_state, unknown_of
 from scene.interface import MAX_ITERATIONS, solve_interface
 
 PAPER = (0.369, 0.0349, 0.0489)
 LAW_NAMES = ("ageing", "slip", "ageing-regularised", "slip-regularised")
+
+
+@njit
+def solve(law: Law, impedance: float, incoming: float, psi: float, start: float) -> tuple[float, int]:
+    """As the solvers call it: compiled, so that e^z overflows to infinity."""
+    return solve_interface(law, impedance, incoming, psi, start)
 
 
 def law_called(name: str) -> Law:
@@ -66,6 +73,18 @@ def test_wright_omega_form_of_the_ageing_law() -> None:
     excess = (incoming - 0.369 - 0.0489 * psi) / 0.0349
     exact = excess - float(np.real(wrightomega(excess + math.log(impedance / 0.0349))))
     assert solve_interface(law, impedance, incoming, psi, 0.0)[0] == pytest.approx(exact, rel=1e-14)
+
+
+@pytest.mark.parametrize("name", LAW_NAMES)
+@pytest.mark.parametrize("impedance", [1.4e-5, 1.0])
+@pytest.mark.parametrize("start", [390.0, 900.0, -390.0])
+def test_a_start_hundreds_away_is_no_failure(name: str, impedance: float, start: float) -> None:
+    """Newton gains one in z an iteration where v = e^z rules, and gains nothing where e^z overflows."""
+    law = law_called(name)
+    wanted, incoming = incoming_for(law, impedance, 100.0, -4.6)
+    z, iterations = solve(law, impedance, incoming, -4.6, start)
+    assert 0 < iterations < 120
+    assert z == pytest.approx(wanted, rel=1e-12)
 
 
 def test_few_iterations_from_a_near_start() -> None:

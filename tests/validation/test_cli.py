@@ -215,7 +215,7 @@ class Doomed:
 
     def __init__(self, inner: Any) -> None:
         self._inner = inner
-        self.scene, self.nodes, self.model, self.failures = inner.scene, inner.nodes, "doomed", 3
+        self.scene, self.nodes, self.model, self.failures = inner.scene, inner.nodes, "doomed", 0
 
     @property
     def time(self) -> float:

@@ -15,8 +15,12 @@ _WARM_UP = 2.0  # transits; loads or compiles the model before its clock starts
 
 
 def bench(scene: SceneName, until: Until = None, settings: Settings = None, json: Json = False) -> None:
-    """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance."""
-    from scene.errors import SceneError
+    """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance.
+
+    A model that cannot do the scene (quasistatic runs away) is a row of the table; a failed solve, or a failed reference, is told
+    once more at the end.
+    """
+    from scene.errors import NumericsError, SceneError
     from validation.models import honouring
     from validation.output import print_json
     from validation.progress import progress
@@ -36,6 +40,9 @@ def bench(scene: SceneName, until: Until = None, settings: Settings = None, json
         print_json({"scene": what.name, "until": what.until, "reference": name, "models": rows})
     else:
         _print(rows, name, what.until)
+    failed = [reference.failed] if reference.failed else [row["failed"] for row in rows if row["failures"]]
+    if failed:
+        raise NumericsError("; ".join(failed))
 
 
 def _settings(family: "Family") -> list[dict[str, Any]]:

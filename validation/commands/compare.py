@@ -49,8 +49,9 @@ def compare(
         )
     else:
         _print(rows, reference.solver.model, out)
-    if all(run.failed for run in runs):
-        raise NumericsError(runs[0].failed)
+    failed = [run.failed for run in runs if run.failed]
+    if failed:
+        raise NumericsError("; ".join(failed))
 
 
 def _row(run: "Run", reference: "Run") -> dict[str, Any]:
