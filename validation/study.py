@@ -4,7 +4,8 @@
     QUESTION  one sentence
     SCENES    gallery names of the scenes it runs; their contents are part of the key under which its result is stored
     FILES     optional: files and folders of the checkout that it reads; part of that key too
-    SECONDS   (quick, full) rough wall time, for the time left only
+    SECONDS   (quick, full) rough wall time: the longest studies begin first; for the time left
+    TIMED     optional: True if its times are judged; such studies run alone, after all others
     run(budget) -> StudyResult
 
 Texts may hold the small markup of `validation.report.text`: x_{sub}, 10^{-9}, *emphasis*, `code`.

@@ -14,6 +14,13 @@ def report(
     """Run the studies whose scene, code or settings changed and write DIR/index.html."""
     from validation.output import require_folder
     from validation.report import make_report
+    from validation.report.red import RedReport
 
     require_folder(out)
-    print(make_report(out=out, quick=quick, only=only or None))
+    try:
+        print(make_report(out=out, quick=quick, only=only or None))
+    except RedReport as red:
+        print(red.page)
+        for line in red.lines:
+            typer.echo(line, err=True)
+        raise

@@ -43,6 +43,13 @@ def compare(stored: Stored, folder: Path = FOLDER) -> list[Change] | None:
     return changes
 
 
+def moved(stored: Stored, quick: bool) -> list[Change]:
+    """Numbers that left their baseline: moved beyond the tolerance or, in a full report, gone. A quick one leaves numbers out,
+    and a new number has nothing to be held against."""
+    changes = compare(stored) or []
+    return [change for change in changes if change.before is not None and not (quick and change.now is None)]
+
+
 def take(out: Path, folder: Path = FOLDER) -> list[Path]:
     """Write the numbers stored under out/data as the baseline in `folder`; returns the files written."""
     folder.mkdir(parents=True, exist_ok=True)

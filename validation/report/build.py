@@ -1,91 +1,133 @@
-"""Runs the studies one after the other (they measure times, so never side by side) and hands their results to the page."""
+"""Obtains the studies' results, side by side on the cores there are, and hands them to the page."""
 
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
+from importlib import import_module
 from pathlib import Path
+from typing import NamedTuple, cast
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from scene.errors import NumericsError
 from validation.report import store
 from validation.report.page import write_page
 from validation.report.provenance import provenance
+from validation.report.red import RedReport, red_lines
+from validation.report.side_by_side import cores, share_out
 from validation.studies import choose, load
 from validation.study import Budget, Study
 
 
-def build_report(out: Path, quick: bool, only: list[str] | None) -> Path:
+class Task(NamedTuple):
+    """A study to be run: its module's name, the folder and the key under which its result is stored."""
+
+    module: str
+    folder: Path
+    key: str
+    quick: bool
+
+
+def build_report(out: Path, quick: bool, only: list[str] | None, processes: int | None = None) -> Path:
     """See `validation.report.make_report`."""
-    fresh = _run([load(name) for name in choose(only)], out / "data", quick)
-    results = [result for name in choose(None) if (result := fresh.get(name) or _known(name, out / "data", quick))]
+    fresh = _obtain([load(name) for name in choose(only)], out / "data", quick, processes or cores())
+    results = [result for name in choose(None) if (result := fresh.get(name) or _known(load(name), out / "data", quick))]
     page = write_page(out, results, provenance(), quick)
-    broken = [result.name for result in results if result.error]
-    if broken:
-        raise NumericsError(f"{', '.join(broken)}: failed, the rest of the report is whole; {page} tells why")
+    lines = red_lines(results, quick)
+    if lines:
+        raise RedReport(lines, page)
     return page
 
 
-def _run(studies: list[Study], folder: Path, quick: bool) -> dict[str, store.Stored]:
-    """Obtain each study's result, telling on stderr how far it is and what time is left."""
-    results: dict[str, store.Stored] = {}
-    with _bar(Console(stderr=True)) as bar:
-        task = bar.add_task("", total=sum(_seconds(study, quick) for study in studies))
-        for study in studies:
-            start = bar.tasks[task].completed
-
-            def report(share: float, start: float = start, study: Study = study) -> None:
-                """Move the bar to this share of the study."""
-                bar.update(task, completed=start + share * _seconds(study, quick))
-
-            bar.update(task, description=study.NAME)
-            results[study.NAME] = _obtain(folder, study, Budget(quick, report))
-            report(1.0)
-            _say(bar.console, results[study.NAME])
+def _obtain(studies: list[Study], folder: Path, quick: bool, processes: int) -> dict[str, store.Stored]:
+    """Each study's result: the stored one if nothing changed, else a fresh one. Tells on stderr how far it is."""
+    results = {study.NAME: known for study in studies if (known := _known(study, folder, quick))}
+    wanted = [study for study in studies if study.NAME not in results]
+    with _Board([_seconds(study, quick) for study in wanted], [study.NAME for study in wanted]) as board:
+        for result in results.values():
+            board.say(result)
+        for result in _fresh(wanted, folder, quick, processes, board.progress):
+            results[result.name] = result
+            board.progress(result.name, 1.0)
+            board.say(result)
     return results
 
 
-def _known(name: str, folder: Path, quick: bool) -> store.Stored | None:
-    """A study that was not asked for this time is still shown if its stored result holds."""
-    study = load(name)
+def _known(study: Study, folder: Path, quick: bool) -> store.Stored | None:
     return store.load(folder, study, store.study_key(study, quick))
+
+
+def _fresh(
+    studies: list[Study], folder: Path, quick: bool, processes: int, progress: Callable[[str, float], None]
+) -> Iterator[store.Stored]:
+    """Results as they come: the longest studies first, several at a time; those that time, alone when all others are done."""
+    tasks = {
+        Task(str(getattr(study, "__name__", "")), folder, store.study_key(study, quick), quick): study
+        for study in sorted(studies, key=lambda study: -_seconds(study, quick))
+    }
+    shared = [task for task, study in tasks.items() if not getattr(study, "TIMED", False)]
+    if processes > 1 and len(shared) > 1:
+        for task, result in share_out(perform, shared, processes, lambda task, share: progress(tasks[task].NAME, share)):
+            yield result or _unfinished(tasks[task])
+    else:
+        yield from (perform(task, partial(progress, tasks[task].NAME)) for task in shared)
+    yield from (perform(task, partial(progress, tasks[task].NAME)) for task in tasks if task not in shared)
+
+
+def perform(task: Task, tell: Callable[[float], None]) -> store.Stored:
+    """Run a study and store its result; any exception ends this study only and becomes a result that says so."""
+    study = cast(Study, import_module(task.module))
+    began = time.perf_counter()
+    try:
+        result = study.run(Budget(task.quick, tell))
+        return store.save(task.folder, study, task.key, result, time.perf_counter() - began)
+    except Exception as error:
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        message = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno}, in {where.name})"
+        return store.Stored(study.NAME, study.QUESTION, time.perf_counter() - began, True, error=message)
+
+
+def _unfinished(study: Study) -> store.Stored:
+    error = "a process of the report died, killed or short of memory, before this study was done"
+    return store.Stored(study.NAME, study.QUESTION, 0.0, True, error=error)
 
 
 def _seconds(study: Study, quick: bool) -> float:
     return study.SECONDS[0 if quick else 1]
 
 
-def _bar(console: Console) -> Progress:
-    columns = (TextColumn("{task.description:24}"), BarColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn())
-    return Progress(*columns, console=console, transient=True)
+class _Board:
+    """The bar with the time left, and a line for each study that is done."""
 
+    def __init__(self, seconds: list[float], names: list[str]) -> None:
+        columns = (
+            TextColumn("{task.description:24}"),
+            BarColumn(),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+        )
+        console = Console(stderr=True)
+        self._bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
+        self._seconds = dict(zip(names, seconds, strict=True))
+        self._shares = dict.fromkeys(names, 0.0)
+        self._task = self._bar.add_task("", total=sum(seconds))
 
-def _obtain(folder: Path, study: Study, budget: Budget) -> store.Stored:
-    """The study's stored result if nothing changed, else a fresh one, stored; an exception becomes a result that says so."""
-    key = store.study_key(study, budget.quick)
-    known = store.load(folder, study, key)
-    return known or attempt(study, lambda seconds: store.save(folder, study, key, study.run(budget), seconds()))
+    def __enter__(self) -> "_Board":
+        self._bar.start()
+        return self
 
+    def __exit__(self, *exception: object) -> None:
+        self._bar.stop()
 
-def attempt(study: Study, work: Callable[[Callable[[], float]], store.Stored]) -> store.Stored:
-    """Run `work`, giving it a stop-watch; any exception ends this study only."""
-    began = time.perf_counter()
+    def progress(self, name: str, share: float) -> None:
+        """The study `name` has come this far."""
+        self._shares[name] = share
+        done = sum(share * self._seconds[name] for name, share in self._shares.items())
+        self._bar.update(self._task, completed=done, description=name)
 
-    def seconds() -> float:
-        """Wall time since the work began."""
-        return time.perf_counter() - began
-
-    try:
-        return work(seconds)
-    except Exception as error:
-        where = traceback.extract_tb(error.__traceback__)[-1]
-        message = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno}, in {where.name})"
-        return store.Stored(study.NAME, study.QUESTION, seconds(), True, error=message)
-
-
-def _say(console: Console, stored: store.Stored) -> None:
-    state = "failed" if stored.error else f"{stored.wall_seconds:6.1f} s" if stored.fresh else "  stored"
-    console.print(f"{stored.name:24} {state}", highlight=False)
-    if stored.error:
-        console.print(f"    {stored.error}", highlight=False, markup=False)
+    def say(self, stored: store.Stored) -> None:
+        """One line for a study that is done."""
+        state = "failed" if stored.error else f"{stored.wall_seconds:6.1f} s" if stored.fresh else "  stored"
+        self._bar.console.print(f"{stored.name:24} {state}", highlight=False)

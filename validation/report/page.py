@@ -64,13 +64,7 @@ def _light(verdicts: list[Verdict]) -> dict[str, Any] | None:
         return None
     worst = next(outcome for outcome in _WORST if any(v.outcome is outcome for v in verdicts))
     title = "; ".join(f"expected {v.expected}, ours {v.ours}" for v in verdicts)
-    return {"outcome": worst.value, "count": len(verdicts), "title": _untagged(title)}
-
-
-def _untagged(words: str) -> str:
-    for mark in ("_{", "^{", "}", "*", "`"):
-        words = words.replace(mark, "" if mark != "^{" else "^")
-    return words
+    return {"outcome": worst.value, "count": len(verdicts), "title": text.bare(title)}
 
 
 def tally(studies: Sequence[Stored]) -> dict[str, int]:

@@ -15,7 +15,7 @@ from validation.report.sources import sources_of
 from validation.study import Column, Evidence, Number, Omission, Outcome, Study, StudyResult, Table, Verdict
 
 _PACKAGES = ("numpy", "scipy", "numba", "matplotlib")
-_FORMAT = 1
+_FORMAT = 2
 
 
 @dataclass(frozen=True)
@@ -53,12 +53,28 @@ def study_key(study: Study, quick: bool) -> str:
 
 
 def load(folder: Path, study: Study, key: str) -> Stored | None:
-    """The study's stored result, if there is one under the same key."""
+    """The study's stored result, if there is a whole one under the same key: as it was written, pictures and all."""
+    place = folder / study.NAME
     try:
-        record = json.loads((folder / study.NAME / "result.json").read_text(encoding="utf-8"))
-        return _stored(folder / study.NAME, study, record) if record["key"] == key else None
-    except (OSError, ValueError, KeyError, TypeError):
+        record = json.loads((place / "result.json").read_bytes())
+        if not isinstance(record, dict) or record.pop("digest", "") != _digest(record, place) or record["key"] != key:
+            return None
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return None
+    return _stored(place, study, record)
+
+
+def _digest(record: dict[str, Any], place: Path) -> str:
+    """Of a result without its own digest, and of its pictures in the folder `place`."""
+    digest = hashlib.sha256(json.dumps(record, sort_keys=True).encode())
+    for figure in record["figures"]:
+        for path in _files(place, figure["name"]):
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def _files(place: Path, figure: str) -> tuple[Path, Path]:
+    return place / f"{figure}.svg", place / f"{figure}.png"
 
 
 def save(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds: float) -> Stored:
@@ -74,7 +90,8 @@ def save(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds
             with styled():
                 render(figure.draw(), part / figure.name)
         record = _record(study, key, result, wall_seconds)
-        (part / "result.json").write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        whole = {"digest": _digest(record, part)} | record
+        (part / "result.json").write_text(json.dumps(whole, indent=1, allow_nan=False) + "\n", encoding="utf-8")
         _remove(target)
         part.rename(target)
     finally:
@@ -115,9 +132,7 @@ def _revive(value: Any) -> Any:
 
 def _stored(folder: Path, study: Study, record: dict[str, Any]) -> Stored:
     """Inverse of `_record`."""
-    pictures = tuple(Picture(**f, svg=folder / f"{f['name']}.svg", png=folder / f"{f['name']}.png") for f in record["figures"])
-    for path in (path for picture in pictures for path in (picture.svg, picture.png)):
-        path.stat()
+    pictures = tuple(Picture(f["name"], f["caption"], f["lead"], *_files(folder, f["name"])) for f in record["figures"])
     result = StudyResult(
         answer=record["answer"],
         tables=tuple(_table(table) for table in record["tables"]),

@@ -47,6 +47,13 @@ def cell(value: Cell, spec: str) -> str:
     return number(float(value), spec) if spec else html.escape(str(value))
 
 
+def bare(words: str) -> str:
+    """`words` without the small markup, for titles and for the terminal."""
+    for mark in ("_{", "^{", "}", "*", "`"):
+        words = words.replace(mark, "^" if mark == "^{" else "")
+    return words
+
+
 def plain(value: float, spec: str = ".3g") -> str:
     """`value` in the small markup, for use inside sentences: 1.2 · 10^{-9}."""
     if not math.isfinite(value):

@@ -16,6 +16,7 @@ NAME = "cost-and-error"
 QUESTION = "What does each answer cost?"
 SCENES = ("paper", "yardstick")
 SECONDS = (12.0, 30.0)
+TIMED = True
 
 TRANSITS = 3000.0
 _LOG10_R = -2.68

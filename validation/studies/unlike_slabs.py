@@ -16,6 +16,7 @@ NAME = "unlike-slabs"
 QUESTION = "Do the exact delay system and the full wave agree for slabs that differ, and what does the difference cost?"
 SCENES = ("unlike", "unlike-irrational", "paper")
 SECONDS = (6.0, 16.0)
+TIMED = True
 
 UNTIL = 600.0
 _PAIRS = {"unlike": "2", "unlike-irrational": "√2"}

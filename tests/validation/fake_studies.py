@@ -1,0 +1,74 @@
+"""Synthetic studies for the tests of the report's machinery."""
+
+import importlib
+import math
+import sys
+import textwrap
+import types
+
+from validation import studies
+from validation.report.drawing import canvas
+from validation.study import Column, Evidence, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict
+
+
+def draw():
+    figure = canvas(height=2.0)
+    figure.add_subplot().plot([0, 1], [0, 1])
+    return figure
+
+
+def result():
+    return StudyResult(
+        answer="One <mode> is 6 · 10^{-4} off.",
+        tables=(
+            Table(
+                "t", "Periods *T*.", (Column("model"), Column("T", "transits", ".8g")), (("delay", 73.4721449), ("x", math.nan))
+            ),
+        ),
+        figures=(Figure("overlay", "One cycle.", draw, lead=True),),
+        verdicts=(
+            Verdict("T is right", Evidence.WITNESS, "73.47", "73.48", Outcome.PASS),
+            Verdict("T is right", Evidence.PAPER, "73.5", "80", Outcome.FINDING),
+            Verdict("T is right", Evidence.PAPER, "73.5", "73.5", Outcome.PASS),
+        ),
+        notes=("Clock: transits.",),
+        numbers={"T": Number(73.4721449, 1e-6), "void": Number(math.nan)},
+        omissions=(Omission("P8", "needs continuation"),),
+    )
+
+
+class Fake:
+    """Registers studies for one test and counts how often each runs."""
+
+    def __init__(self, monkeypatch, tmp_path):
+        self.patch, self.folder, self.runs = monkeypatch, tmp_path / "sources", []
+        self.folder.mkdir()
+        monkeypatch.setattr(studies, "STUDIES", {})
+
+    def add(self, name, run=lambda budget: result()):
+        module = types.ModuleType(f"validation.studies.{name}")
+        source = self.folder / f"{name}.py"
+        source.write_text(f"# {name}")
+        module.NAME, module.QUESTION, module.SCENES, module.SECONDS = name, f"Does {name} work?", (), (1.0, 1.0)
+        module.__file__ = str(source)
+
+        def counted(budget):
+            self.runs.append(name)
+            return run(budget)
+
+        module.run = counted
+        self.patch.setitem(sys.modules, module.__name__, module)
+        studies.STUDIES[name] = name
+        return module
+
+    def write(self, name, body, timed=False):
+        """A study in a file of its own, which other processes can import too; `body` is the text of `run`."""
+        source = self.folder / f"written_{name}.py"
+        lines = ["import os", "from pathlib import Path", "from validation.study import *", f"HERE = Path({str(self.folder)!r})"]
+        lines += [f"NAME, QUESTION, SCENES, SECONDS, TIMED = {name!r}, 'Does {name} work?', (), (1.0, 1.0), {timed}"]
+        source.write_text("\n".join([*lines, "def run(budget):", textwrap.indent(textwrap.dedent(body), "    ")]))
+        self.patch.syspath_prepend(self.folder)
+        sys.modules.pop(source.stem, None)  # an earlier test's
+        module = importlib.import_module(source.stem)
+        self.patch.setitem(sys.modules, f"validation.studies.{name}", module)
+        studies.STUDIES[name] = name

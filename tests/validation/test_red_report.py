@@ -1,0 +1,134 @@
+"""Red means red: a failing verdict, a number off its baseline or a broken study ends the command with status 3, and says so."""
+
+import json
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from fake_studies import result
+
+from validation.cli import NUMERICS_FAILED, main
+from validation.report import baseline, make_report
+from validation.report.red import RedReport
+from validation.study import Evidence, Number, Outcome, StudyResult, Verdict
+
+ROOT = Path(__file__).parents[2]
+
+
+def failing(claim):
+    return Verdict(claim, Evidence.EXACT, "below 10^{-9}", "3 · 10^{-4}", Outcome.FAIL, "at `r`\n= 1")
+
+
+@pytest.fixture
+def kept(tmp_path, monkeypatch):
+    """The folder of the baseline, for this test only."""
+    monkeypatch.setattr(baseline.compare, "__defaults__", (tmp_path / "baseline",))
+    return tmp_path / "baseline"
+
+
+def told(page):
+    """The numbers at the page's head: what holds, findings, fails, studies that did not finish."""
+    head = re.search(r'<p class="tally">(.*?)</p>', page.read_text())[1]
+    return [int(number) for number in re.findall(r"(\d+) (?:hold|finding|fail|stud)", head)]
+
+
+def test_every_reason_has_its_line(fake, kept, tmp_path, capsys):
+    out = tmp_path / "out"
+    values = [73.0, 5.0]
+
+    def measured(budget):
+        return StudyResult("", numbers={"T_{1}": Number(values[0], 1e-6), "v": Number(values[1], 1e-3)})
+
+    fake.add("first", measured)
+    make_report(out)
+    baseline.take(out, kept)
+    fake.add(
+        "second", lambda budget: StudyResult("", verdicts=(failing("Waves *stay*"), *result().verdicts, failing("Grips hold")))
+    )
+    fake.add("third", lambda budget: 1 / 0)
+    values[:] = 73.0001, 5.004
+    (out / "data" / "first" / "result.json").unlink()
+    capsys.readouterr()
+    assert main(["report", "--out", str(out)]) == NUMERICS_FAILED == 3
+    said = capsys.readouterr()
+    assert said.out == f"{out / 'index.html'}\n"
+    *lines, last = said.err.splitlines()[-5:]
+    assert lines[0] == "first: T_1: expected 73 within 1e-06, found 73.0001".replace("T_1", "T1")
+    assert lines[1:3] == [
+        "second: Waves stay: expected below 10^-9, found 3 · 10^-4 (at r = 1)",
+        "second: Grips hold: expected below 10^-9, found 3 · 10^-4 (at r = 1)",
+    ]
+    assert re.fullmatch(
+        r"third: failed: ZeroDivisionError: division by zero \(test_red_report.py, line \d+, in <lambda>\)", lines[3]
+    )
+    assert last == f"slipwave: the report is red for 4 reasons: see {out / 'index.html'}"
+    assert told(out / "index.html") == [2, 1, 2, 1]
+
+
+def test_green_is_status_0_and_its_head_counts_no_failure(fake, kept, tmp_path):
+    fake.add("first")
+    assert main(["report", "--out", str(tmp_path / "out")]) == 0
+    assert told(tmp_path / "out" / "index.html") == [2, 1, 0]
+
+
+def test_a_stored_failure_stays_red(fake, kept, tmp_path):
+    """Also where only another study was asked for."""
+    fake.add("first", lambda budget: StudyResult("", verdicts=(failing("Waves stay"),)))
+    fake.add("second")
+    for words in ([], ["--only", "second"], []):
+        assert main(["report", "--out", str(tmp_path), *words]) == 3
+    assert fake.runs == ["first", "second"]
+
+
+def test_baseline_tells_what_moved(fake, kept, tmp_path):
+    values = [73.0]
+    fake.add("first", lambda budget: StudyResult("", numbers={"T": Number(values[0], 1e-6)}))
+    assert "No baseline" in make_report(tmp_path / "out").read_text()
+    written = baseline.take(tmp_path / "out", kept)
+    assert json.loads(written[0].read_text()) == {"T": {"value": 73.0, "tolerance": 1e-6}}
+    assert "All 1 numbers of first are within" in make_report(tmp_path / "out").read_text()
+    values[0] = 73.001
+    with pytest.raises(RedReport) as red:
+        make_report(tmp_path / "other")
+    assert red.value.lines == ["first: T: expected 73 within 1e-06, found 73.001"]
+    assert '<td class="n">73</td><td class="n">73.001</td>' in red.value.page.read_text()
+
+
+def test_what_a_quick_report_leaves_out_is_no_change(fake, kept, tmp_path):
+    numbers = {"T": Number(73.0), "order": Number(2.0)}
+    fake.add("first", lambda budget: StudyResult("", numbers=dict(list(numbers.items())[: 1 if budget.quick else 2])))
+    make_report(tmp_path / "full")
+    baseline.take(tmp_path / "full", kept)
+    assert "All 1 numbers of first are within" in make_report(tmp_path / "quick", quick=True).read_text()
+    del numbers["order"]
+    with pytest.raises(RedReport) as red:
+        make_report(tmp_path / "again")
+    assert red.value.lines == ["first: order: expected 2 within 1e-06, found none"]
+
+
+def test_a_new_number_is_shown_and_not_red(fake, kept, tmp_path):
+    numbers = {"T": Number(73.0)}
+    fake.add("first", lambda budget: StudyResult("", numbers=dict(numbers)))
+    make_report(tmp_path / "out")
+    baseline.take(tmp_path / "out", kept)
+    numbers["order"] = Number(2.0)
+    assert '<td class="n">–</td><td class="n">2</td>' in make_report(tmp_path / "more").read_text()
+
+
+@pytest.mark.parametrize(("status", "ends"), [(0, 0), (3, 3)])
+def test_ci_runs_the_tests_and_the_report_and_goes_red_with_it(tmp_path, status, ends):
+    make = tmp_path / "make"
+    make.write_text(f'#!/bin/sh\necho "$@" >> {tmp_path}/asked\n[ "$1" != report ] || exit {status}\n')
+    make.chmod(0o755)
+    path = f"{tmp_path}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run([ROOT / ".ci" / "run"], env=os.environ | {"PATH": path}, check=False)
+    assert done.returncode == ends
+    assert {"test", "report QUICK=1"} <= set((tmp_path / "asked").read_text().splitlines())
+
+
+def test_make_hands_the_status_on(tmp_path):
+    """`make report` runs slipwave bare: what it ends with ends make."""
+    rule = subprocess.run(["make", "--dry-run", "report", "QUICK=1"], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert rule.stdout.splitlines()[-1] == ".venv/bin/slipwave report --quick"
