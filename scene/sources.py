@@ -61,17 +61,19 @@ def program(path: Path) -> str:
 
 @cache
 def _imported(path: Path, packages: bool) -> set[Path]:
-    return {file for name in _names(path) for file in _files(name, packages)}
+    return {file for name in imported_names(path) for file in _files(name, packages)}
 
 
-def _names(path: Path) -> Iterator[str]:
+@cache
+def imported_names(path: Path) -> tuple[str, ...]:
     """Modules that a file imports anywhere in it; for `from a import b` both a and a.b (relative imports are not used here)."""
+    names: list[str] = []
     for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.ImportFrom) and node.module:
-            yield node.module
-            yield from (f"{node.module}.{name.name}" for name in node.names)
+            names += [node.module, *(f"{node.module}.{name.name}" for name in node.names)]
         elif isinstance(node, ast.Import):
-            yield from (name.name for name in node.names)
+            names += [name.name for name in node.names]
+    return tuple(names)
 
 
 def _files(name: str, packages: bool) -> Iterator[Path]:

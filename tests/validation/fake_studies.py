@@ -6,7 +6,9 @@ import sys
 import textwrap
 import types
 
+import scene.sources
 from validation import studies
+from validation.report import sources
 from validation.report.drawing import canvas
 from validation.study import Column, Evidence, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict
 
@@ -37,6 +39,12 @@ def result():
     )
 
 
+def forget_sources():
+    """Programs are read once by each process; a test that edits one stands for several processes."""
+    for function in (scene.sources.program, scene.sources.imported_names, scene.sources._imported, sources._words):
+        function.cache_clear()
+
+
 class Fake:
     """Registers studies for one test and counts how often each runs."""
 
@@ -60,6 +68,12 @@ class Fake:
         self.patch.setitem(sys.modules, module.__name__, module)
         studies.STUDIES[name] = name
         return module
+
+    def edit(self, module, text):
+        """Put `text` at the end of a study's file, as a later process would find it."""
+        with open(module.__file__, "a") as source:
+            source.write(text)
+        forget_sources()
 
     def write(self, name, body, timed=False):
         """A study in a file of its own, which other processes can import too; `body` is the text of `run`."""

@@ -1,14 +1,21 @@
 """The study that runs the slow tests: reads pytest's record, and lets no failure through."""
 
+import json
+import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from validation.report.sources import sources_of
 from validation.studies import load
-from validation.studies.slow_verification import read_record, run, summarised
+from validation.studies.slow_verification import _command, read_record, run, summarised
 from validation.study import Budget, Outcome
+
+ROOT = Path(__file__).parents[2]
+MARK = "mark." + "slow"
 
 
 @pytest.fixture
@@ -43,4 +50,29 @@ def test_quick_report_says_what_it_leaves_out():
 
 
 def test_a_changed_test_asks_for_a_new_run():
-    assert "test_exact_waves.py" in {path.name for path in sources_of(load("slow-verification"))}
+    names = {path.name for path in sources_of(load("slow-verification"))}
+    assert {"test_exact_waves.py", "test_grid_convergence.py", "leapfrog_scenes.py", "march_kernel.py"} <= names
+
+
+def test_every_slow_test_of_the_tree_is_run(tmp_path):
+    """What the study's own command collects is all that is marked, wherever it is."""
+    (*command, folder) = _command(tmp_path / "record.xml")
+    assert folder == "tests"
+    done = subprocess.run([*command, folder, "--collect-only"], cwd=ROOT, capture_output=True, text=True, check=True)
+    collected = {line.partition(":")[0] for line in done.stdout.splitlines() if line.startswith("tests/")}
+    assert collected == {str(path.relative_to(ROOT)) for path in (ROOT / "tests").rglob("test_*.py") if MARK in path.read_text()}
+
+
+def test_an_installed_package_says_that_the_tests_are_missing(tmp_path):
+    """The four rooms without the checkout round them, as pip installs them."""
+    for room in ("scene", "reduced", "fullwave", "validation"):
+        shutil.copytree(ROOT / room, tmp_path / "site" / room, ignore=shutil.ignore_patterns("__pycache__"))
+    environment = os.environ | {"PYTHONPATH": str(tmp_path / "site")}
+    words = [sys.executable, "-m", "validation.cli", "report", "--only", "slow-verification", "--out", str(tmp_path / "out")]
+    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (0, f"{tmp_path / 'out' / 'index.html'}\n"), done.stderr
+    record = json.loads((tmp_path / "out" / "data" / "slow-verification" / "result.json").read_text())
+    assert [omission["why"] for omission in record["omissions"]] == [
+        "The tests are not installed with the package; a checkout has them."
+    ]
+    assert record["verdicts"] == []

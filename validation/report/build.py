@@ -21,8 +21,9 @@ from validation.study import Budget, Study
 
 
 class Task(NamedTuple):
-    """A study to be run: its module's name, the folder and the key under which its result is stored."""
+    """A study to be run: its name and module, the folder and the key under which its result is stored."""
 
+    name: str
     module: str
     folder: Path
     key: str
@@ -31,8 +32,19 @@ class Task(NamedTuple):
 
 def build_report(out: Path, quick: bool, only: list[str] | None, processes: int | None = None) -> Path:
     """See `validation.report.make_report`."""
-    fresh = _obtain([load(name) for name in choose(only)], out / "data", quick, processes or cores())
-    results = [result for name in choose(None) if (result := fresh.get(name) or _known(load(name), out / "data", quick))]
+    asked = choose(only)
+    studies = [load(name) for name in choose(None)]
+    tasks = {study.NAME: _task(study, out / "data", quick) for study in studies}
+    stored = {study.NAME: store.load(task.folder, study, task.key) for study, task in zip(studies, tasks.values(), strict=True)}
+    wanted = [study for study in studies if study.NAME in asked and stored[study.NAME] is None]
+    with _Board({study.NAME: _seconds(study, quick) for study in wanted}) as board:
+        for known in (result for name in asked if (result := stored[name])):
+            board.say(known)
+        for result in _run(wanted, tasks, processes or cores(), board.progress):
+            stored[result.name] = result
+            board.progress(result.name, 1.0)
+            board.say(result)
+    results = [result for result in stored.values() if result]
     page = write_page(out, results, provenance(), quick)
     lines = red_lines(results, quick)
     if lines:
@@ -40,39 +52,23 @@ def build_report(out: Path, quick: bool, only: list[str] | None, processes: int 
     return page
 
 
-def _obtain(studies: list[Study], folder: Path, quick: bool, processes: int) -> dict[str, store.Stored]:
-    """Each study's result: the stored one if nothing changed, else a fresh one. Tells on stderr how far it is."""
-    results = {study.NAME: known for study in studies if (known := _known(study, folder, quick))}
-    wanted = [study for study in studies if study.NAME not in results]
-    with _Board([_seconds(study, quick) for study in wanted], [study.NAME for study in wanted]) as board:
-        for result in results.values():
-            board.say(result)
-        for result in _fresh(wanted, folder, quick, processes, board.progress):
-            results[result.name] = result
-            board.progress(result.name, 1.0)
-            board.say(result)
-    return results
+def _task(study: Study, folder: Path, quick: bool) -> Task:
+    return Task(study.NAME, str(getattr(study, "__name__", "")), folder, store.study_key(study, quick), quick)
 
 
-def _known(study: Study, folder: Path, quick: bool) -> store.Stored | None:
-    return store.load(folder, study, store.study_key(study, quick))
-
-
-def _fresh(
-    studies: list[Study], folder: Path, quick: bool, processes: int, progress: Callable[[str, float], None]
+def _run(
+    studies: list[Study], tasks: dict[str, Task], processes: int, progress: Callable[[str, float], None]
 ) -> Iterator[store.Stored]:
     """Results as they come: the longest studies first, several at a time; those that time, alone when all others are done."""
-    tasks = {
-        Task(str(getattr(study, "__name__", "")), folder, store.study_key(study, quick), quick): study
-        for study in sorted(studies, key=lambda study: -_seconds(study, quick))
-    }
-    shared = [task for task, study in tasks.items() if not getattr(study, "TIMED", False)]
+    longest_first = sorted(studies, key=lambda study: -_seconds(study, tasks[study.NAME].quick))
+    timed = [tasks[study.NAME] for study in longest_first if getattr(study, "TIMED", False)]
+    shared = [task for study in longest_first if (task := tasks[study.NAME]) not in timed]
     if processes > 1 and len(shared) > 1:
-        for task, result in share_out(perform, shared, processes, lambda task, share: progress(tasks[task].NAME, share)):
-            yield result or _unfinished(tasks[task])
+        for task, result in share_out(perform, shared, processes, lambda task, share: progress(task.name, share)):
+            yield result or _unfinished(load(task.name))
     else:
-        yield from (perform(task, partial(progress, tasks[task].NAME)) for task in shared)
-    yield from (perform(task, partial(progress, tasks[task].NAME)) for task in tasks if task not in shared)
+        timed = shared + timed
+    yield from (perform(task, partial(progress, task.name)) for task in timed)
 
 
 def perform(task: Task, tell: Callable[[float], None]) -> store.Stored:
@@ -100,7 +96,7 @@ def _seconds(study: Study, quick: bool) -> float:
 class _Board:
     """The bar with the time left, and a line for each study that is done."""
 
-    def __init__(self, seconds: list[float], names: list[str]) -> None:
+    def __init__(self, seconds: dict[str, float]) -> None:
         columns = (
             TextColumn("{task.description:24}"),
             BarColumn(),
@@ -110,9 +106,9 @@ class _Board:
         )
         console = Console(stderr=True)
         self._bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
-        self._seconds = dict(zip(names, seconds, strict=True))
-        self._shares = dict.fromkeys(names, 0.0)
-        self._task = self._bar.add_task("", total=sum(seconds))
+        self._seconds = seconds
+        self._shares = dict.fromkeys(seconds, 0.0)
+        self._task = self._bar.add_task("", total=sum(seconds.values()))
 
     def __enter__(self) -> "_Board":
         self._bar.start()

@@ -1,46 +1,66 @@
-"""What a study's result depends on beside the solver rooms: the files it imports, its scenes, and what it says it reads."""
+"""What a study's result depends on: the files it is computed from, and the packages that these import."""
 
 import ast
-from collections.abc import Iterator
+import hashlib
+import platform
+from collections.abc import Iterable, Iterator
+from functools import cache
+from importlib import metadata
 from pathlib import Path
 
 import validation
+from scene.sources import import_closure, imported_names, program
 from validation.study import Study
 
 _ROOM = Path(validation.__file__).parent
 _GALLERY = _ROOM.parent / "scene" / "gallery"
+_READ = (".py", ".toml", ".json")
+
+
+def sources_digest(study: Study) -> str:
+    """Digest of all that the study's result depends on; comments and docstrings of programs are left out."""
+    files = sources_of(study)
+    digest = hashlib.sha256(" ".join(packages_of(files)).encode())
+    for path in files:
+        digest.update(path.name.encode())
+        digest.update(program(path).encode() if path.suffix == ".py" else path.read_bytes())
+    return digest.hexdigest()
 
 
 def sources_of(study: Study) -> list[Path]:
-    """Files, sorted: the study's own, all of this room that it imports (directly or not), the room's data, its scenes, and its
-    optional `FILES` (folders stand for the Python files in them)."""
+    """The study's own file and its optional `FILES` (folders stand for what is in them), all that these import in any room, the
+    data of this room, and the gallery's scenes that `SCENES` or any of these programs of this room names.
+
+    A package's `__init__.py` counts where the package itself is imported: `validation.report.text` does not need all that the
+    report's own entrance imports."""
+    read = list(_read(getattr(study, "FILES", ())))
     own = Path(str(getattr(study, "__file__", __file__)))
-    scenes = [path for name in study.SCENES if (path := _GALLERY / f"{name}.toml").exists()]
-    return [*imported(own), *sorted(_ROOM.glob("*.json")), *scenes, *_read(getattr(study, "FILES", ()))]
+    programs = import_closure([own, *(path for path in read if path.suffix == ".py")], packages=False)
+    words = set(study.SCENES).union(*(_words(path) for path in programs if path.is_relative_to(_ROOM) or path == own))
+    scenes = [path for path in sorted(_GALLERY.glob("*.toml")) if path.stem in words]
+    return [*programs, *(path for path in read if path.suffix != ".py"), *sorted(_ROOM.rglob("*.json")), *scenes]
 
 
-def imported(start: Path) -> list[Path]:
-    """`start` and every file of this room that it imports, sorted."""
-    found, to_read = {start}, [start]
-    while to_read:
-        for name in _names(to_read.pop()):
-            path = _ROOM.parent.joinpath(*name.split(".")).with_suffix(".py")
-            if name.startswith("validation.") and path not in found and path.exists():
-                found.add(path)
-                to_read.append(path)
-    return sorted(found)
+def packages_of(files: Iterable[Path]) -> list[str]:
+    """Python and the installed packages that `files` import, with their versions."""
+    names = {name.partition(".")[0] for path in files if path.suffix == ".py" for name in imported_names(path)}
+    found = {package for name in names for package in _packages().get(name, ()) if package != "slipwave"}
+    return [f"python {platform.python_version()}", *(f"{package} {metadata.version(package)}" for package in sorted(found))]
 
 
-def _names(path: Path) -> Iterator[str]:
-    """Modules that a file imports anywhere in it; for `from a import b` both a and a.b."""
-    for node in ast.walk(ast.parse(path.read_bytes())):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            yield node.module
-            yield from (f"{node.module}.{name.name}" for name in node.names)
-        elif isinstance(node, ast.Import):
-            yield from (name.name for name in node.names)
+@cache
+def _packages() -> dict[str, list[str]]:
+    return dict(metadata.packages_distributions())
 
 
-def _read(paths: tuple[Path, ...]) -> Iterator[Path]:
+@cache
+def _words(path: Path) -> frozenset[str]:
+    """Texts in a program, as this process first read it."""
+    tree = ast.walk(ast.parse(path.read_bytes()))
+    return frozenset(node.value for node in tree if isinstance(node, ast.Constant) and isinstance(node.value, str))
+
+
+def _read(paths: Iterable[Path]) -> Iterator[Path]:
     for path in paths:
-        yield from sorted(path.rglob("*.py")) if path.is_dir() else [path]
+        found = path.rglob("*") if path.is_dir() else [path]
+        yield from sorted(file for file in found if file.suffix in _READ and file.is_file())

@@ -6,15 +6,12 @@ import math
 import os
 import shutil
 from dataclasses import asdict, dataclass
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from scene.sources import source_digest
-from validation.report.sources import sources_of
+from validation.report.sources import sources_digest
 from validation.study import Column, Evidence, Number, Omission, Outcome, Study, StudyResult, Table, Verdict
 
-_PACKAGES = ("numpy", "scipy", "numba", "matplotlib")
 _FORMAT = 2
 
 
@@ -43,13 +40,8 @@ class Stored:
 
 
 def study_key(study: Study, quick: bool) -> str:
-    """Hash of the solver rooms, of all else the study depends on (`sources_of`), and of its settings."""
-    digest = hashlib.sha256(f"{_FORMAT} {source_digest()} {quick}".encode())
-    for package in _PACKAGES:
-        digest.update(f"{package} {metadata.version(package)}".encode())
-    for path in sources_of(study):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+    """Hash of all that the study's result depends on (`sources_digest`), and of its settings."""
+    return hashlib.sha256(f"{_FORMAT} {quick} {sources_digest(study)}".encode()).hexdigest()[:16]
 
 
 def load(folder: Path, study: Study, key: str) -> Stored | None:

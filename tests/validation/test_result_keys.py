@@ -1,0 +1,130 @@
+"""The key of a stored result: it changes with everything that the result depends on, and with nothing else."""
+
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+import scene
+import scene.input.source
+from scene.sources import ROOT, import_closure, program
+from validation.report import sources, store
+from validation.studies import STUDIES, load
+from validation.study import Budget
+
+READ_BYTES = Path.read_bytes
+
+
+def changes(monkeypatch, study, path):
+    """Whether an edit of the file `path` changes the study's key."""
+    before = store.study_key(study, False)
+    with monkeypatch.context() as patch:
+        patch.setattr(sources, "program", lambda file: "edited" if file == path else program(file))
+        patch.setattr(Path, "read_bytes", lambda file: b"edited" if file == path else READ_BYTES(file))
+        return store.study_key(study, False) != before
+
+
+EVERYWHERE = [
+    "scene/interface.py",
+    "scene/friction/ageing.py",
+    "scene/observe/events.py",
+    "scene/gallery/paper.toml",
+    "reduced/ladder_kernel.py",
+    "reduced/delay_kernel.py",
+    "reduced/impedance/__init__.py",
+    "fullwave/march_kernel.py",
+    "fullwave/leapfrog/kernel.py",
+    "validation/orbits.py",
+    "validation/reference.json",
+    "validation/studies/claims_figures.py",
+    "validation/studies/claims.py",
+    "scene/friction/__init__.py",
+]
+
+
+@pytest.mark.parametrize("path", EVERYWHERE)
+def test_a_key_follows_each_file_of_each_room(monkeypatch, path):
+    assert changes(monkeypatch, load("claims"), ROOT / path)
+
+
+@pytest.mark.parametrize("path", ["validation/cli.py", "validation/report/page.py", "validation/studies/energy.py", "README.md"])
+def test_a_key_follows_nothing_else(monkeypatch, path):
+    assert (ROOT / path).exists()
+    assert not changes(monkeypatch, load("claims"), ROOT / path)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_all_that_a_study_imports_and_all_data_are_in_its_key(name):
+    study = load(name)
+    files = set(sources.sources_of(study))
+    assert set(import_closure([Path(study.__file__)], packages=False)) <= files
+    assert set((ROOT / "validation").rglob("*.json")) <= files
+    assert {ROOT / "scene" / "gallery" / f"{scene}.toml" for scene in study.SCENES} <= files
+
+
+@pytest.mark.parametrize("name", ["scene-facts", "stability-boundaries"])
+def test_all_scenes_that_a_study_reads_are_in_its_key(name, monkeypatch):
+    read, seen = scene.input.source.load, []
+
+    def watched(name, *rest):
+        seen.append(str(name))
+        return read(name, *rest)
+
+    monkeypatch.setattr("scene.input.source.load", watched)
+    study = load(name)
+    study.run(Budget(quick=True))
+    known = {path.stem for path in sources.sources_of(study) if path.suffix == ".toml"}
+    assert {"scene-facts": {"rock", "paper-si"}, "stability-boundaries": {"paper", "slip-law"}}[name] <= set(seen) <= known
+
+
+def test_a_key_follows_every_package_and_python(monkeypatch):
+    study = load("claims")
+    before = store.study_key(study, False)
+    packages = [line.split()[0] for line in sources.packages_of(sources.sources_of(study))[1:]]
+    assert {"numpy", "scipy", "numba", "llvmlite", "scikit-fem", "pydantic", "matplotlib"} <= set(packages)
+    true = metadata.version
+    for changed in packages:
+        with monkeypatch.context() as patch:
+            patch.setattr(sources.metadata, "version", lambda name, changed=changed: "0" if name == changed else true(name))
+            assert store.study_key(study, False) != before, changed
+    monkeypatch.setattr(sources.platform, "python_version", lambda: "3.0.0")
+    assert store.study_key(study, False) != before
+
+
+def test_a_key_follows_the_settings_and_the_format(monkeypatch):
+    study = load("claims")
+    assert store.study_key(study, False) == store.study_key(study, False) != store.study_key(study, True)
+    before = store.study_key(study, False)
+    monkeypatch.setattr(store, "_FORMAT", 0)
+    assert store.study_key(study, False) != before
+
+
+def test_a_key_follows_an_edit_but_no_comment(fake, tmp_path):
+    module = fake.add("first")
+    before = store.study_key(module, False)
+    fake.edit(module, "\n# a comment")
+    assert store.study_key(module, False) == before
+    fake.edit(module, "\nedited = True")
+    assert store.study_key(module, False) != before
+
+
+def test_a_key_follows_the_files_that_a_study_reads(fake, tmp_path):
+    module = fake.add("first")
+    module.FILES = (tmp_path, tmp_path / "missing")
+    keys = set()
+    for name, text in (("a.py", "x = 1"), ("b.toml", "x = 1"), ("b.toml", "x = 2"), ("c.json", "1")):
+        (tmp_path / name).write_text(text)
+        keys.add(store.study_key(module, False))
+    assert len(keys) == 4
+
+
+def test_a_key_follows_the_scenes_that_a_program_names(fake):
+    module = fake.add("first")
+    before = store.study_key(module, False)
+    module.SCENES = ("rock",)
+    declared = store.study_key(module, False)
+    module.SCENES = ()
+    fake.edit(module, "\nnamed = 'rock'")
+    names = [path.stem for path in sources.sources_of(module) if path.suffix == ".toml"]
+    assert names == ["rock"]
+    assert declared != before
