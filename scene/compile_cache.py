@@ -1,10 +1,10 @@
 """Compiled code kept on disk: found again as long as nothing it was made from has changed, and never the end of a run.
 
 One file holds one function compiled for one set of argument types. Its name is a digest of all that shapes the machine code: the
-program text of the function's module, of every module it imports, and of every function that compiled code may choose by the
-class of an argument (`choices`, friction laws for example); the argument types, the processor, and the versions of Python, numpy,
-numba and llvmlite. A file opens with a digest of its contents; one that does not match is thrown away. Where the folder cannot be
-read or written, functions are compiled without it, which is told once.
+program text of the function's module, of those of its arguments' classes, of every module they import, and of the functions that
+compiled code chooses by class (`add_choices`, friction laws for example); the argument types, the processor, and the versions of
+Python, numpy, numba and llvmlite. A file opens with a digest of its contents; one that does not match is thrown away. Where the
+folder cannot be read or written, functions are compiled without it, which is told once.
 
 The folder is `$NUMBA_CACHE_DIR` if that variable is set, else `$XDG_CACHE_HOME/slipwave` (default ~/.cache). What has not been
 used for a month is removed. numba's own cache, which a user's functions may use, is left alone.
@@ -19,10 +19,10 @@ import shutil
 import sys
 import time
 import uuid
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import llvmlite  # type: ignore[import-untyped]
 import numba
@@ -40,13 +40,16 @@ _OLD_FOLDER = re.compile("[0-9a-f]{16}")  # up to version 0.1: one folder for ea
 _DIGEST_BYTES = hashlib.sha256().digest_size
 _VERSIONS = f"{sys.version} {np.__version__} {numba.__version__} {llvmlite.__version__}"
 
-_choices: list[tuple[Path, Callable[[], Iterable[Callable[..., Any]]]]] = []
+Choices: TypeAlias = Callable[[], Iterable[tuple[type, Callable[..., Any]]]]
+"""What a compiled call may become, by the class it is chosen for."""
+
+_choices: list[tuple[Path, Choices]] = []
 _is_told = False
 _is_writable = True
 
 
-def add_choices(generic: Callable[..., Any], choices: Callable[[], Iterable[Callable[..., Any]]]) -> None:
-    """Declare that a compiled call of `generic` may become any of `choices()`, which its module need not import."""
+def add_choices(generic: Callable[..., Any], choices: Choices) -> None:
+    """Declare that a compiled call of `generic` may become any of `choices()`, whose modules its own need not import."""
     _choices.append((_file_of(generic), choices))
 
 
@@ -99,7 +102,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
 
     def _path(self, sig: Any, codegen: Any) -> Path | None:
         """Where the code for `sig` belongs; None if it depends on foreign code, or on a file edited since the process began."""
-        sources = _sources(_file_of(self._function))
+        sources = _sources(_file_of(self._function), set(_classes(getattr(sig, "args", sig))))
         if sources is None:
             return None
         name = f"{self._function.__module__}.{self._function.__qualname__}"
@@ -125,17 +128,31 @@ def _resolved(name: str) -> Path:
     return Path(name).resolve()
 
 
-def _sources(start: Path) -> tuple[Path, ...] | None:
-    """The files whose text shapes code compiled in `start`, sorted; None if one of them is unknown to the house or too new."""
+def _classes(kinds: Iterable[Any]) -> Iterator[type]:
+    """Classes of the NamedTuples among numba types."""
+    for kind in kinds:
+        if hasattr(kind, "instance_class"):
+            yield kind.instance_class
+        yield from _classes(getattr(kind, "types", ()))
+
+
+def _sources(start: Path, classes: set[type]) -> tuple[Path, ...] | None:
+    """The files whose text shapes code compiled in `start` for arguments of `classes`, sorted; None if one of them is unknown to
+    the house or too new. A choice counts if its class is among them or in one of the files."""
     found: tuple[Path, ...] = ()
-    starts = {start}
+    starts = {start, *map(_home_of, classes)}
     while not starts <= set(found):
         if not all(inside(path) for path in starts):
             return None
         found = _closure(frozenset(starts.union(found)))
-        starts = {_file_of(choice) for owner, choices in _choices if owner in found for choice in choices()}
+        pairs = [pair for owner, choices in _choices if owner in found for pair in choices()]
+        starts = {_file_of(function) for kind, function in pairs if kind in classes or _home_of(kind) in found}
     # what was imported may be older than what is read now
     return None if any(path.stat().st_mtime > _STARTED for path in found) else found
+
+
+def _home_of(kind: type) -> Path:
+    return _resolved(getattr(sys.modules.get(kind.__module__), "__file__", None) or kind.__module__)
 
 
 @cache

@@ -20,7 +20,7 @@ def dispatch(generic: Callable[..., Any], versions: dict[type, Callable[..., Any
     `inline` compiles it into its callers: worth it for small parts of a hot loop, where handing over arrays costs more than the
     work; not for loops over cells, which vectorise better on their own.
     """
-    add_choices(generic, versions.values)
+    add_choices(generic, versions.items)
 
     @overload(generic, jit_options=_OPTIONS, strict=False, inline="always" if inline else "never")
     def _choose(*arguments):  # type: ignore[no-untyped-def]

@@ -108,8 +108,8 @@ def _bare(function: Callable[..., Any]) -> Callable[..., Any]:
     return FunctionType(function.__code__, function.__globals__, function.__name__, function.__defaults__, function.__closure__)
 
 
-def _functions() -> Iterator[Callable[..., Any]]:
-    return (function for law in _BY_CLASS.values() for function in law[1:])
+def _functions() -> Iterator[tuple[type, Callable[..., Any]]]:
+    return ((kind, function) for kind, law in _BY_CLASS.items() for function in law[1:])
 
 
 add_choices(respond, _functions)

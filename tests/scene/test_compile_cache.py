@@ -8,14 +8,17 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from numba import typeof
 
-from scene import compile_cache
+from scene import compile_cache, drive
 from scene.compiled import njit
 from scene.drive import interpolate_drive
+from scene.observe.pieces import Pieces
+from scene.sources import ROOT
 
 KNOTS = np.array([1.0, 2.0, 4.0])
 ANSWER = 1.5
@@ -183,7 +186,35 @@ def test_a_file_edited_since_the_process_began_keeps_its_functions_off_the_disk(
     assert list(folder.iterdir()) == []
 
 
-def test_a_choice_from_outside_the_house_keeps_callers_off_the_disk(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compile_cache, "_choices", [*compile_cache._choices, (compile_cache._file_of(njit), lambda: [ask])])
-    assert [ask(), ask()] == [(ANSWER, 0)] * 2
-    assert list(folder.iterdir()) == []
+class Foreign(NamedTuple):
+    knot: float
+
+
+@pytest.mark.parametrize("kind", [Pieces, Foreign])
+def test_a_choice_from_outside_the_house_keeps_its_callers_off_the_disk(
+    kind: type, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    choices = (compile_cache._file_of(njit), lambda: [(kind, ask)])
+    monkeypatch.setattr(compile_cache, "_choices", [*compile_cache._choices, choices])
+    monkeypatch.setattr(compile_cache, "_home_of", lambda kind: Path(drive.__file__) if kind is Pieces else Path(__file__))
+    expected = [0, 0] if kind is Pieces else [0, 1]  # the other is chosen for a class that these callers never see
+    assert [ask(), ask()] == [(ANSWER, hits) for hits in expected]
+
+
+def test_a_class_from_outside_the_house_keeps_code_for_it_off_the_disk() -> None:
+    kinds = set(compile_cache._classes([typeof((1.0, (Foreign(1.0), 2.0)))]))
+    assert kinds == {Foreign}
+    here = compile_cache._file_of(njit)
+    assert compile_cache._sources(here, kinds) is None
+    assert compile_cache._sources(here, set()) is not None
+
+
+def test_code_for_one_kind_of_grid_does_not_depend_on_another() -> None:
+    import fullwave.discontinuous
+    import fullwave.finite_element
+
+    kernel = ROOT / "fullwave" / "march_kernel.py"
+    sources = compile_cache._sources(kernel, {fullwave.discontinuous.Elements})
+    assert sources is not None
+    assert {ROOT / "fullwave" / "discontinuous.py", ROOT / "fullwave" / "viscosity.py"} <= set(sources)
+    assert ROOT / "fullwave" / "finite_element.py" not in sources
