@@ -6,8 +6,8 @@ from one_port_scenes import EPSILON, EVERY, LAYERS, LOSSLESS, ROUND_TRIP, paper,
 
 from reduced.impedance import admittance, admittance_slope, check_passivity, impedance, slab_ratio
 from reduced.impedance.jet import Jet
-from reduced.impedance.line import modulus
 from scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, RigidFace, Slab, StandardLinearViscosity
+from tests.one_port_by_hand import modulus, pair_impedance, slab_impedance
 
 S = np.array([0.01 + 0.1j, 0.3 + 1j, 2.2j, -0.2 + 3j, 5 + 40j, 1e3 + 1j]) / ROUND_TRIP
 
@@ -20,7 +20,7 @@ def one_slab(slab, s):
 def by_boundary_conditions(slab, s):
     """Z of a slab from the Helmholtz equation: u = A e^kx + B e^-kx in every layer, matched in displacement and stress, solved as
     one linear system. Depth x is measured in one-way travel time, so G u_x = (impedance g) u_x and k = s/sqrt(g)."""
-    g = complex(modulus(slab, Jet.variable(s)).value)
+    g = modulus(slab, s)
     k, n = s / np.sqrt(g), len(slab.layers)
     edges = np.concatenate([[0.0], np.cumsum([0.5 * slab.round_trip * layer.fraction for layer in slab.layers])])
     stress = [slab.epsilon * layer.impedance * g * k for layer in slab.layers]
@@ -64,6 +64,52 @@ VARIED = [
 def test_chained_sections_solve_the_wave_equation(slab):
     for s in S[:-1]:
         assert one_slab(slab, s) == pytest.approx(by_boundary_conditions(slab, s), rel=1e-11)
+
+
+@pytest.mark.parametrize("slab", VARIED)
+def test_chained_sections_are_those_of_the_model(slab):
+    """MODEL.md section 3 in plain complex arithmetic."""
+    for s in S[:-1]:
+        assert one_slab(slab, s) == pytest.approx(slab_impedance(slab, s), rel=1e-11)
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_both_slabs_are_in_series_in_every_scene(name):
+    assert impedance(EVERY[name], S[:-1]) == pytest.approx([pair_impedance(EVERY[name], s) for s in S[:-1]], rel=1e-11)
+
+
+RELAXATION = 3.0 * ROUND_TRIP
+ZENER = slab(viscosity=StandardLinearViscosity(RELAXATION, 0.5))
+CREEP = 0.05 * ROUND_TRIP
+SOLID = slab(viscosity=KelvinVoigtViscosity(CREEP))
+
+
+def test_a_slowly_sheared_viscous_slab_is_a_spring_with_its_dashpot():
+    """Thickness over modulus: Z -> G(s) / (H s) with G(0) and G'(0) of the solid. G/H = 2 eps/r."""
+    s, spring = 1e-5 / ROUND_TRIP, 2.0 * EPSILON / ROUND_TRIP
+    assert one_slab(ZENER, s) * s == pytest.approx(spring * (1.0 + 0.5 * RELAXATION * s) / 1.5, rel=1e-9)
+    assert one_slab(SOLID, s) * s == pytest.approx(spring * (1.0 + CREEP * s), rel=1e-9)
+
+
+def test_a_fast_sheared_viscous_slab_is_a_half_space_of_its_solid():
+    """No echo comes back: Z = sqrt(rho G(s)) = eps sqrt(g), g -> 1 (Zener), g -> s time (Kelvin-Voigt)."""
+    s = 1e7j / ROUND_TRIP
+    assert one_slab(SOLID, s) == pytest.approx(EPSILON * np.sqrt(1.0 + CREEP * s), rel=1e-12)
+    fast = 60.0 / ROUND_TRIP + s  # a Zener slab's echo dies in the right half plane only
+    assert one_slab(ZENER, fast) == pytest.approx(EPSILON * (1.0 - 0.5 / 1.5 / (2.0 * RELAXATION * fast)), rel=1e-12)
+
+
+def test_viscous_loss_per_cycle_at_the_relaxation_frequency():
+    """At omega = 1/time the memory stress of a Zener solid lags by 45 degrees: g = (1 + (1 + i)/4)/1.5 for ratio 1/2; a
+    Kelvin-Voigt solid has g = 1 + i there. Z of a thin slab is G/(H s)."""
+    thin = 1e-6
+    for time, viscosity, g in (
+        (2.0, StandardLinearViscosity(2.0, 0.5), (1.25 + 0.25j) / 1.5),
+        (2.0, KelvinVoigtViscosity(2.0), 1.0 + 1.0j),
+    ):
+        s = 1j / time
+        found = one_slab(Slab(EPSILON, thin, viscosity=viscosity), s)
+        assert found * s * thin / (2.0 * EPSILON) == pytest.approx(g, rel=1e-11)
 
 
 def test_plain_pair_is_half_a_coth():

@@ -1,0 +1,34 @@
+"""Growth or decay of a small disturbance, read off a run."""
+
+import dataclasses
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from scene.observe import HistoryObserver, Solver, follow
+from scene.scene import Scene
+from scene.start import Start
+
+BEFORE, AFTER = 60.0, 160.0
+STEP = 0.25
+
+
+def nudged(scene: Scene, size: float = 1e-4) -> Scene:
+    """`scene` with a nudge so small that its motion is linear."""
+    return dataclasses.replace(scene, start=Start(size=size))
+
+
+def measured_root(solver: Solver) -> complex:
+    """Slow root s per transit of x = psi - psi_ss between BEFORE and AFTER, `solver` starting from a small nudge: by fitting
+    x(t + 2h) - 2 e^(sigma h) cos(omega h) x(t + h) + e^(2 sigma h) x(t) = 0."""
+    history = HistoryObserver(solver.scene.law, solver.nodes, BEFORE, AFTER)
+    follow(solver, AFTER, [history])
+    columns = history.columns()
+    times, first = np.unique(columns["time"], return_index=True)
+    grid = np.arange(BEFORE + 2.0, AFTER - 2.0, STEP)
+    x = CubicSpline(times, columns["psi"][first] - solver.scene.steady_psi)(grid)
+    gap = round(8.0 / STEP)
+    rows = np.column_stack([x[gap:-gap], x[: -2 * gap]])
+    twice_cosine, product = np.linalg.lstsq(rows, x[2 * gap :], rcond=None)[0]
+    roots = np.roots([1.0, -twice_cosine, -product])
+    return complex(np.log(roots[np.argmax(roots.imag)])) / (gap * STEP)
