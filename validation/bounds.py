@@ -1,12 +1,13 @@
 """Verdicts that bound a size: an error, a residual, a difference. One rule for all studies, which also tells how tight it is."""
 
+import math
 from collections.abc import Iterable
 
 from validation.report.text import plain
 from validation.study import Evidence, Outcome, Verdict, judge
 
-ROOMY = 30.0
-"""A limit further above what is measured than this many times lets faults pass."""
+ROOMY, ROUNDING = 30.0, 1e-12
+"""A limit further above what is measured than this many times lets faults pass; below `ROUNDING` machines may differ by more."""
 
 
 def bounded(
@@ -19,11 +20,12 @@ def bounded(
     otherwise: Outcome = Outcome.FAIL,
 ) -> Verdict:
     """PASS if `size` (>= 0) lies below `limit`, else `otherwise`; NaN does not pass. `ours` may tell more than the size."""
-    room = limit / size if size > 0.0 else None
-    told = ours or plain(size, ".1e")
-    return Verdict(claim, evidence, f"below {plain(limit, '.2g')}", told, judge(size < limit, otherwise), remark, room)
+    outcome = judge(size < limit, otherwise)
+    known = size if math.isfinite(size) else None
+    return Verdict(claim, evidence, f"below {plain(limit, '.2g')}", ours or plain(size, ".1e"), outcome, remark, known, limit)
 
 
 def too_roomy(verdicts: Iterable[Verdict]) -> list[str]:
-    """Claims whose limit lies more than `ROOMY` times above what was measured."""
-    return [f"{v.claim}: {v.ours} ({v.remark}), {v.expected}" for v in verdicts if v.room and v.room > ROOMY]
+    """Claims whose limit lies more than `ROOMY` times above what was measured, and above rounding."""
+    bounds = [(v, v.size, v.limit) for v in verdicts if v.size is not None and v.limit is not None]
+    return [f"{v.claim}: {v.ours} ({v.remark}), {v.expected}" for v, size, limit in bounds if limit > max(ROOMY * size, ROUNDING)]

@@ -38,13 +38,6 @@ class Fit:
         quality = f"finest pair {self.finest:.3f}, R2 {self.r_squared:.6f}, levels {self.used.start + 1} to {self.used.stop}"
         return f"order {self.order:.3f} +- {self.half_width:.3f} (95 %), {quality}"
 
-    def half_width_at(self, confidence: float) -> float:
-        """Half-width of the interval of another `confidence` than 0.95."""
-        from scipy.special import stdtrit
-
-        freedom = self.used.stop - self.used.start - 2
-        return self.half_width * float(stdtrit(freedom, 0.5 + 0.5 * confidence) / stdtrit(freedom, 0.975))
-
     def holds(self, declared: float, allowance: float = 0.1) -> bool:
         """The declared order lies in the confidence interval or within `allowance` of the fitted one."""
         return abs(self.order - declared) <= max(allowance, self.half_width)

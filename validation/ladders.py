@@ -17,12 +17,14 @@ class Course:
     """What every grid of a ladder runs: the paper's material at V = 2000 V* from the smooth start, for `until` transits.
 
     The final state is that of the last `window` transits. `floor` is the relative error below which the reference is not trusted,
-    `density` the number of grids per doubling of the cells."""
+    `density` the number of grids per doubling of the cells, `slack` by how much the order of a single output may be fitted too
+    low: on many grids 0.05 (0.03 was seen), on few ones 0.75 (0.55 was seen; with 1 an order less would pass)."""
 
     log10_r: float
     until: float
     window: float
     density: int
+    slack: float
     floor: float = 2e-11
 
     @property
@@ -36,8 +38,8 @@ def _scene(log10_r: float) -> Scene:
     return scene.read("paper", [f"slab.log10_r={log10_r}", "drive.velocity=2000"])
 
 
-GENTLE = Course(-2.77, until=60.0, window=8.0, density=4)
-ROUGH = Course(-2.59, until=120.0, window=16.0, density=8)
+GENTLE = Course(-2.77, until=60.0, window=8.0, density=4, slack=0.05)
+ROUGH = Course(-2.59, until=120.0, window=16.0, density=8, slack=0.75)
 
 
 @dataclass(frozen=True)

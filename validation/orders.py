@@ -4,9 +4,12 @@ Errors are relative and root mean squares: of an output over all complete cycles
 state over 256 moments of the last transits (ln v, psi and mu, each to its range there). A single number would change sign on its
 way to zero; a mean square does not.
 
-Which grids count is ruled, not chosen. The first is that from which on every error stays below 3^-order: what a scheme of the
-declared order leaves on cells three times finer than those whose error is all there is. The last is the last one whose error is
-above the reference's own. Of these, `validation.convergence.fit_dense` drops coarse ones that still bend.
+A fixed rule selects the grids of a fit. The first is the coarsest from which on all errors are below 3^-order, that is, at least
+three times finer than a grid whose error is 100 %. The last is the last one whose error is above the reference's own. Of these,
+`validation.convergence.fit_dense` drops coarse ones that still bend.
+
+All outputs together must show the promised order within a confidence interval. A single output scatters more; its fitted order
+may lie below the promised one by no more than the course's `slack`.
 """
 
 import time
@@ -19,7 +22,7 @@ import numpy as np
 from scene.errors import NumericsError
 from scene.observe import EventObserver, Pieces, Solver, follow
 from scene.observe.pieces import Array, interpolation_matrix, lagrange_basis
-from validation.convergence import Fit, fit_dense, shortfall
+from validation.convergence import Fit, fit_dense
 from validation.ladders import Course, Ladder
 
 OUTPUTS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}"}
@@ -28,18 +31,11 @@ OUTPUTS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "
 QUANTITIES = {**OUTPUTS, "state": "state"}
 """What an order is asked of: the outputs, and the final state."""
 
-WIDEST = 1.5
-"""Half-width (95 %) beyond which the order of one output proves nothing. High orders leave seven to fifteen whole cell counts
-between resolution and rounding, over which a single output scatters; hence also the order of all outputs together, held to
-`WIDEST_TOGETHER`."""
-
-WIDEST_TOGETHER = 0.5
-
 _MOMENTS = 256
-_ALMOST = 0.05  # a narrow interval may miss the declared order by this much: the bend that is left over
+_ALMOST = 0.05  # a narrow interval may miss the promised order by this much: the bend that is left over
+_KNOWN = 0.5  # how far below the promised order the interval of all outputs may begin
 _RESOLVED = 3.0
 _WORTH_REPEATING = 0.01  # seconds
-_ONE_OF_FIVE = 0.99  # confidence for each of five quantities that makes 95 % for all of them
 
 Measured: TypeAlias = dict[str, Array]
 """By quantity: one entry per complete cycle; for the state (256, 3): ln v or the law's unknown, psi, mu."""
@@ -125,23 +121,35 @@ class Climb:
         return fit_dense(self.cells, np.exp(np.log(every).mean(axis=0)), self.resolved)
 
     def shortfall(self) -> list[str]:
-        """What speaks against the promised order, quantity by quantity; empty if nothing does.
-
-        The promised order has to lie below the interval, or in it and the interval be narrow enough (schemes of order 2: in it);
-        the finest error has to lie below the ladder's bound. Intervals of single quantities are taken at 99 %, which makes 95 %
-        for five.
-        """
-        complaints = {name: self._falls_short(self.fit(name), WIDEST, _ONE_OF_FIVE) for name in self.errors}
-        complaints["together"] = self._falls_short(self.fit_together(), WIDEST_TOGETHER, 0.95)
+        """What speaks against the promised order, quantity by quantity; empty if nothing does. Schemes of order 2 must not be
+        better either. The finest error of every quantity has to lie below the ladder's bound."""
+        fits = {name: self.fit(name) for name in self.errors}
+        complaints = {name: self._misses(one, 0.0, self.ladder.course.slack) for name, one in fits.items()}
+        together = self.fit_together()
+        complaints["together"] = self._misses(together, together.half_width, _ALMOST) or self._unknown(together)
         return [f"{name}: {complaint}" for name, complaint in complaints.items() if complaint]
 
-    def _falls_short(self, found: Fit, widest: float, confidence: float) -> str:
-        two = self.ladder.declared == 2.0
-        tolerance = max(_ALMOST, found.half_width_at(confidence))
-        told = shortfall(found, 2.0 if two else self.ladder.promised, tolerance, at_least=not two, widest=widest)
-        if not told and found.finest_error > self.ladder.finest:
+    def _misses(self, found: Fit, half_width: float, slack: float) -> str:
+        """Whether the order, give or take `half_width`, misses the promised one by more than `slack`, or the errors are large."""
+        allowed = max(half_width, slack)
+        if found.order + allowed < self._promised or (self._exact and found.order - allowed > self._promised):
+            return f"promised {self._promised:g}, observed {found}"
+        if found.finest_error > self.ladder.finest:
             return f"finest error {found.finest_error:.1e}, not below {self.ladder.finest:.0e}"
-        return told
+        return ""
+
+    def _unknown(self, found: Fit) -> str:
+        low, high = found.order - found.half_width, found.order + found.half_width
+        vague = low < self._promised - _KNOWN or (self._exact and high > self._promised + _KNOWN)
+        return f"interval too wide to tell: {found}" if vague else ""
+
+    @property
+    def _exact(self) -> bool:
+        return self.ladder.declared == 2.0
+
+    @property
+    def _promised(self) -> float:
+        return 2.0 if self._exact else self.ladder.promised
 
 
 def climb(ladder: Ladder, reference: Measured, build: Maker) -> Climb:

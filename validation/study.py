@@ -84,7 +84,7 @@ class Figure:
 class Verdict:
     """One claim held against one kind of evidence: what was expected, what came out, and how it fared.
 
-    `room`: the limit over what was measured, for claims that bound a size; between 1 and some 30 unless rounding is measured.
+    `size` and `limit`: what was measured and what is allowed, for claims that bound a size (`validation.bounds`).
     """
 
     claim: str
@@ -93,7 +93,8 @@ class Verdict:
     ours: str
     outcome: Outcome
     remark: str = ""
-    room: float | None = None
+    size: float | None = None
+    limit: float | None = None
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ def test_a_size_beyond_its_limit_is_red(size, outcome):
 def test_a_bound_tells_its_limit_and_its_room():
     verdict = bounded("c", Evidence.EXACT, 2e-8, 1e-6, otherwise=Outcome.FINDING)
     assert (verdict.expected, verdict.ours) == ("below 1 · 10^{−6}", "2.0 · 10^{−8}")
-    assert verdict.room == pytest.approx(50.0)
-    assert len(too_roomy([verdict, bounded("c", Evidence.EXACT, 4e-8, 1e-6), bounded("c", Evidence.EXACT, 0.0, 1.0)])) == 1
+    assert (verdict.size, verdict.limit) == (2e-8, 1e-6)
+    assert len(too_roomy([verdict, bounded("c", Evidence.EXACT, 4e-8, 1e-6), bounded("c", Evidence.EXACT, 1e-15, 1e-12)])) == 1
     assert bounded("c", Evidence.EXACT, 2e-6, 1e-6, otherwise=Outcome.FINDING).outcome is Outcome.FINDING
 
 

@@ -1,21 +1,24 @@
 """Every full-wave family against the delay system: order in every output, and run time against error."""
 
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 
 import scene
 from scene.observe.pieces import Array
+from validation.bounds import bounded
 from validation.ladders import GENTLE, LADDERS, ROUGH, Course, Ladder
 from validation.models import build
 from validation.orders import OUTPUTS, Climb, Measured, climb, errors, measure
 from validation.report.text import plain
+from validation.studies.grid_convergence_code import code_note, code_table
 from validation.studies.grid_convergence_figures import convergence_and_cost
 from validation.studies.grid_convergence_tables import finest_table, orders_table, spread, told
 from validation.study import Budget, Evidence, Figure, Number, StudyResult, Verdict, judge
 
 NAME = "grid-convergence"
-QUESTION = "Do four independent discretisations of the wave agree with the delay system, and at what cost?"
+QUESTION = "Do four discretisations of the wave agree with the delay system, and at what cost?"
 SCENES = ("paper", "paper-2.6")
 SECONDS = (10.0, 30.0)
 
@@ -28,10 +31,16 @@ _QUICK = ("fd", "sbp:2", "sbp:4", "sbp:6", "fem:7", "dg:2", "dg:7")
 _SPARSE = replace(GENTLE, density=2)
 """What the figure compares: one scene for all."""
 
-_PROMISED = {"dg:7": (8, 1e-9), "fem:7": (8, 1e-8), "sbp:6": (96, 1e-6)}
-"""Cells and the error allowed in period and stress drop of the paper's material at log10 r = -2.6."""
+_PROMISED = {"dg:7": (8, 8e-12), "fem:7": (8, 2e-11), "sbp:6": (96, 2e-9)}
+"""Cells and the error allowed in period and stress drop of the paper's material at log10 r = -2.6; 3e-13, 1e-12 and 1e-10 were
+measured."""
 
-_PAPER = Course(-2.6, until=200.0, window=20.0, density=1)
+_ENOUGH = 1e-4  # error of the state for which run times are told
+
+Curves: TypeAlias = dict[str, tuple[Array, Array, Array]]
+"""By family: points per slab, seconds, error of the state."""
+
+_PAPER = Course(-2.6, until=200.0, window=20.0, density=1, slack=0.0)
 
 
 def run(budget: Budget) -> StudyResult:
@@ -45,11 +54,11 @@ def run(budget: Budget) -> StudyResult:
     curves = {model: _curve(LADDERS[model], exact[GENTLE]) for model in _DRAWN}
     promises = _promises()
     return StudyResult(
-        answer=_answer(climbs, promises),
+        answer=_answer(climbs, promises, curves),
         figures=(Figure("families", _CAPTION, lambda: convergence_and_cost(curves)),),
-        tables=(orders_table(climbs), finest_table(climbs)),
+        tables=(orders_table(climbs), finest_table(climbs), code_table()),
         verdicts=(*(_order_verdict(one) for one in climbs), *(_promise(*one) for one in promises.items())),
-        notes=_NOTES,
+        notes=(code_note(), *_NOTES),
         numbers={f"{one.ladder.model} order": Number(one.fit_together().order, 5e-2) for one in climbs},
     )
 
@@ -76,11 +85,21 @@ def _promises() -> dict[str, float]:
     return found
 
 
-def _answer(climbs: list[Climb], promises: dict[str, float]) -> str:
+def _answer(climbs: list[Climb], promises: dict[str, float], curves: Curves) -> str:
     off = ", ".join(f"{_NAMED[model]} to {plain(error, '.0e')}" for model, error in promises.items())
     short = sum(bool(one.shortfall()) for one in climbs)
     orders = "every family tried reaches its order" if not short else f"{short} of {len(climbs)} families miss their order"
-    return f"They do: in period and stress drop {off}; {orders}. Time for the same error falls steeply with the order."
+    agree = all(error < _PROMISED[model][1] for model, error in promises.items())
+    return f"{'They do' if agree else 'Not all'}: in period and stress drop {off}; {orders}. {_cost(curves)}"
+
+
+def _cost(curves: Curves) -> str:
+    """Run times for one error of the state, where it is reached."""
+    times = {model: float(seconds[error < _ENOUGH].min(initial=np.inf)) for model, (_, seconds, error) in curves.items()}
+    told = ", ".join(
+        f"{1e3 * times[model]:.0f} ms with `{model}`" for model in ("fd", *_NAMED) if np.isfinite(times.get(model, np.inf))
+    )
+    return f"An error of the state below {plain(_ENOUGH, '.0e')} costs {told}."
 
 
 _NAMED = {"sbp:6": "summation by parts", "fem:7": "finite elements", "dg:7": "discontinuous Galerkin"}
@@ -106,33 +125,30 @@ _REMARKS = {"fem:1": ": the same numbers as `sbp:2`, no second witness"}
 
 def _promise(model: str, off: float) -> Verdict:
     cells, allowed = _PROMISED[model]
-    return Verdict(
-        "Independent discretisations agree with the delay system on period and stress drop",
+    return bounded(
+        "Discretisations of the wave agree with the delay system on period and stress drop",
         Evidence.WITNESS,
-        plain(allowed, ".0e"),
-        plain(off, ".0e"),
-        judge(bool(np.isfinite(off)) and off < allowed),
+        off,
+        allowed,
         f"`{model}` with {cells} cells a slab, log_{{10}} r = −2.6",
     )
 
 
 _NOTES = (
-    "The families share the interface condition and the event detector, and nothing else: neither grids nor difference "
-    "operators. The delay system, which every error is measured against, has no grid at all. Leapfrog runs at CFL 0.5, where "
-    "it is no rewriting of the delay system. `fem:1` (lumped mass) and `sbp:2` are algebraically the same scheme: their rows "
-    "agree because they must.",
+    "Leapfrog runs at CFL 0.5, where it is no rewriting of the delay system. `fem:1` (lumped mass) and `sbp:2` are "
+    "algebraically the same scheme: their rows agree because they must.",
     "Which grids count is ruled: from the first on which every error stays below 3^{−order} to the last whose error is above "
     "2 · 10^{−11}, where the reference ends; of these, coarse grids are left out while a parabola through the logarithms is "
     "curved for certain (95 %) and six remain. Four (smooth scene) or eight (rough scene) grids per doubling of the cells, as "
     "far as whole numbers go.",
-    "An order holds if the promised one lies in the interval or below it (orders of 2: in it, or within 0.05). Single outputs "
-    "take their 99 % interval, which makes 95 % for all five of a family; together they must be known to ± 0.5. High orders "
-    "have between seven and twenty whole cell counts from resolution to rounding, over which a single output still scatters: "
-    "no interval below ± 0.5 can be had there for every output. From degree 4 on what is read is near the order 8 of the time "
-    "stepping.",
-    "Scenes, the 3, the density of grids and the 99 % were settled after trials, so the highest degrees are shown to be about "
-    "order 8, not proven: the 95 % interval of `fem:7` in Δy ends just below 8, and on a rougher scene (log_{10} r = −2.54) "
-    "one version of the rule read 6.9 ± 0.4 in T.",
+    "An order holds if the 95 % interval of all outputs together reaches the promised one and begins less than half an order "
+    "below it (orders of 2: contains it, and is narrower than ± 0.5; 0.05 off is always allowed), and if no single output "
+    f"is fitted lower than promised by more than {GENTLE.slack:g} (smooth scene) or {ROUGH.slack:g} (rough scene). High orders "
+    "have between seven and twenty whole cell counts from resolution to rounding, over which a single output still scatters. "
+    "From degree 4 on what is read is near the order 8 of the time stepping.",
+    "Scenes, the 3, the density of grids and what a single output may lack were settled after trials, so the highest degrees "
+    "are shown to be about order 8, not proven: the 95 % interval of `fem:7` in Δy ends just below 8, and on a rougher scene "
+    "(log_{10} r = −2.54) one version of the rule read 6.9 ± 0.4 in T.",
 )
 
 _CAPTION = (

@@ -1,0 +1,119 @@
+"""The two studies of convergence: outcomes on both sides of every limit, answers, shared code, figures."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from validation.convergence import fit
+from validation.ladders import LADDERS
+from validation.orders import QUANTITIES, Climb
+from validation.studies import grid_convergence, leapfrog_convergence
+from validation.studies.grid_convergence_code import code_note, code_table, shared
+from validation.studies.grid_convergence_figures import convergence_and_cost
+from validation.studies.leapfrog_convergence_figures import ladders
+from validation.study import Evidence, Outcome
+
+CELLS = np.array([48, 96, 192, 384])
+NAMES = (*leapfrog_convergence._ORBIT, leapfrog_convergence._SMOOTH, leapfrog_convergence._JUMP)
+
+
+def leapfrog_errors(order=2.0, jump=1.0):
+    return {
+        name: dict.fromkeys(leapfrog_convergence.CFLS, 0.001 * (CELLS / 48.0) ** (-(jump if "jump" in name else order)))
+        for name in NAMES
+    }
+
+
+def fits_of(errors):
+    return {name: {cfl: fit(CELLS, values) for cfl, values in some.items()} for name, some in errors.items()}
+
+
+@pytest.mark.parametrize(
+    ("order", "jump", "red"), [(2.08, 0.92, 0), (1.92, 1.08, 0), (2.3, 1.0, 3), (1.7, 1.0, 3), (2.0, 0.7, 3), (2.0, 1.3, 3)]
+)
+def test_the_leapfrogs_orders_are_judged_on_both_sides(order, jump, red):
+    verdicts = leapfrog_convergence._verdicts(fits_of(leapfrog_errors(order, jump)))
+    assert [verdict.outcome for verdict in verdicts].count(Outcome.FAIL) == red
+    assert [verdict.evidence for verdict in verdicts].count(Evidence.SELF) == 2  # CFL 1 is the delay system's own rule
+
+
+@pytest.mark.parametrize(("cfl", "cells"), [(0.5, 60.0), (0.9, 60.0), (1.0, 3.0)])
+def test_what_extrapolation_leaves(cfl, cells):
+    """An error c h^2 with a part of order 4 that is just allowed, and three times that."""
+    limit = (cells / 384.0) ** 2 * 1e-7
+
+    def verdict(left):
+        fine = 1e-7
+        return leapfrog_convergence._extrapolated(np.array([4.0 * fine - 3.0 * left, fine]), 384, cfl)
+
+    assert verdict(0.9 * limit).outcome is Outcome.PASS
+    assert verdict(-0.9 * limit).outcome is Outcome.PASS
+    assert verdict(3.0 * limit).outcome is Outcome.FAIL
+    assert verdict(-3.0 * limit).outcome is Outcome.FAIL
+
+
+def test_the_leapfrogs_answer_follows_its_orders():
+    yes = leapfrog_convergence._answer(fits_of(leapfrog_errors(2.0, 1.0)))
+    assert yes.startswith("Yes: from the smooth start at orders 2.00 to 2.00")
+    assert leapfrog_convergence._answer(fits_of(leapfrog_errors(0.1, 1.0))).startswith("No: from the smooth start at orders 0.10")
+
+
+@pytest.mark.parametrize(("model", "limit"), [("dg:7", 8e-12), ("fem:7", 2e-11), ("sbp:6", 2e-9)])
+def test_agreement_on_the_papers_orbit(model, limit):
+    outcomes = [grid_convergence._promise(model, off).outcome for off in (0.9 * limit, 3.0 * limit, np.inf)]
+    assert outcomes == [Outcome.PASS, Outcome.FAIL, Outcome.FAIL]
+
+
+def climbed(model="sbp:4", order=4.0):
+    ladder = replace(LADDERS[model], finest=1.0)
+    cells = np.array(ladder.levels(), dtype=float)
+    return Climb(ladder, cells, np.ones(cells.size), dict.fromkeys(QUANTITIES, (4 * cells / cells[0]) ** (-order)))
+
+
+def test_the_grids_answer_follows_errors_and_orders():
+    fine = {"sbp:6": 1e-10, "fem:7": 1e-12, "dg:7": 3e-13}
+    curves = {"fd": (CELLS, np.array([1e-3, 2e-3, 3e-3, 4e-3]), np.array([1e-2, 1e-3, 9e-5, 1e-5]))}
+    told = grid_convergence._answer([climbed()], fine, curves)
+    assert told.startswith("They do: in period and stress drop summation by parts to 1 · 10^{−10}")
+    assert "every family tried reaches its order" in told
+    assert told.endswith("An error of the state below 1 · 10^{−4} costs 3 ms with `fd`.")
+    assert grid_convergence._answer([climbed()], fine | {"dg:7": 1e-9}, curves).startswith("Not all:")
+    assert "1 of 2 families miss their order" in grid_convergence._answer([climbed(), climbed(order=3.5)], fine, curves)
+
+
+def test_which_code_is_common_is_read_from_the_imports(monkeypatch):
+    assert {"fullwave.march", "fullwave.motion", "fullwave.march_kernel"} <= set(shared("sbp", "dg"))
+    assert not {"fullwave.march", "fullwave.motion", "fullwave.march_kernel"} & set(shared("fd", "dg"))
+    assert shared("delay", "fem") == ()
+    assert len(code_table().rows) == 10
+    note = code_note()
+    assert "`sbp`, `fem` and `dg` have 19 modules in common, among them the right-hand side with its faces" in note
+    assert "11 modules in common with them, but not the right-hand side" in note
+    assert "no solver modules in common with any of them" in note
+
+
+def test_the_figure_of_the_leapfrog_shows_every_error():
+    errors = leapfrog_errors()
+    figure = ladders(CELLS, errors, fits_of(errors))
+    panels = [axes for axes in figure.axes if axes.get_lines()]
+    assert len(panels) == len(NAMES)
+    assert [axes.get_ylabel() for axes in (figure.axes[0], figure.axes[4])] == ["relative error", "error"]
+    assert figure.axes[4].get_xlabel() == "cells per slab"
+    drawn = panels[0].get_lines()[1]
+    assert np.array_equal(drawn.get_xdata(), CELLS)
+    assert np.array_equal(drawn.get_ydata(), errors["period"][0.5])
+
+
+def test_the_figure_of_the_families_shows_error_over_points_and_time():
+    curves = {
+        "fd": (CELLS, np.array([1e-3, 2e-3, 3e-3, 4e-3]), 1e-3 * np.ones(4)),
+        "dg:4": (CELLS, CELLS * 1e-3, 1e-5 * np.ones(4)),
+    }
+    figure = convergence_and_cost(curves)
+    left, right = figure.axes
+    assert [axes.get_xlabel() for axes in (left, right)] == ["points per slab", "run time (ms)"]
+    assert left.get_ylabel() == "error of the state"
+    assert np.allclose(right.get_lines()[0].get_xdata(), [1.0, 2.0, 3.0, 4.0])
+    assert np.array_equal(left.get_lines()[1].get_ydata(), curves["dg:4"][2])
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["leapfrog", "Galerkin 4"]
