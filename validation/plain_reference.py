@@ -6,6 +6,7 @@ detection.
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,14 +34,36 @@ def plain_kelvin_voigt(scene: Scene, until: float, tolerance: float) -> PlainRun
     """
     from scipy.integrate import solve_ivp
 
+    rates = right_hand_side(scene)
+    ln_v = math.log(scene.velocity)
+
+    def crossing(t: float, state: np.ndarray) -> float:
+        """ln v - ln V, zero where a slip event starts."""
+        return float(state[2]) - ln_v
+
+    crossing.direction = 1.0  # type: ignore[attr-defined]
+    start = steady_state(scene)
+    began = time.perf_counter()
+    run = solve_ivp(rates, (0.0, until), start, method="LSODA", rtol=tolerance, atol=tolerance, events=crossing, max_step=3.0)
+    wall = time.perf_counter() - began
+    times = np.asarray(run.t_events)[0]
+    events = times[np.diff(times, prepend=-math.inf) > _APART]
+    return PlainRun(tolerance, float(events[-1] - events[-2]), wall, int(run.nfev))
+
+
+def steady_state(scene: Scene) -> list[float]:
+    """Steady sliding at V in y, w, ln v, psi."""
+    law, ln_v = scene.law, math.log(scene.velocity)
+    return [law.a_star + (law.a - law.b) * ln_v, 0.0, ln_v, -ln_v]
+
+
+def right_hand_side(scene: Scene) -> Callable[[float, np.ndarray], list[float]]:
+    """Time derivative (41) of y, w, ln v, psi on the transit clock, with the scene's nudge."""
     law, epsilon, r, velocity = scene.law, scene.upper.epsilon, scene.transit, scene.velocity
     size = scene.start.nudge_size
-    calls = 0
 
     def rates(t: float, state: np.ndarray) -> list[float]:
-        """Right-hand side of (41) in y, w, ln v, psi."""
-        nonlocal calls
-        calls += 1
+        """At time t (transits)."""
         y, w, ln_v, psi = state
         v = math.exp(ln_v)
         psi_rate = r * (math.exp(-psi) - v) + size * math.exp(-((t - NUDGE_CENTRE) ** 2))
@@ -48,16 +71,4 @@ def plain_kelvin_voigt(scene: Scene, until: float, tolerance: float) -> PlainRun
         stress = law.a_star + law.a * ln_v + law.b * psi
         return [epsilon * (velocity - v), 24.0 * (y - stress) - 3.0 * epsilon * v * ln_v_rate, ln_v_rate, psi_rate]
 
-    def crossing(t: float, state: np.ndarray) -> float:
-        """ln v - ln V, zero where a slip event starts."""
-        return float(state[2]) - math.log(velocity)
-
-    crossing.direction = 1.0  # type: ignore[attr-defined]
-    ln_v = math.log(velocity)
-    start = [law.a_star + (law.a - law.b) * ln_v, 0.0, ln_v, -ln_v]
-    began = time.perf_counter()
-    run = solve_ivp(rates, (0.0, until), start, method="LSODA", rtol=tolerance, atol=tolerance, events=crossing, max_step=3.0)
-    wall = time.perf_counter() - began
-    times = np.asarray(run.t_events)[0]
-    events = times[np.diff(times, prepend=-math.inf) > _APART]
-    return PlainRun(tolerance, float(events[-1] - events[-2]), wall, calls)
+    return rates

@@ -3,13 +3,14 @@
 import numpy as np
 
 import scene
+from validation.bounds import bounded
 from validation.models import build
 from validation.orbits import settle
 from validation.plain_reference import PlainRun, plain_kelvin_voigt
 from validation.reference import reference, reference_orbit
 from validation.report.text import plain
 from validation.studies.cost_and_error_figures import work_precision
-from validation.study import Budget, Cell, Column, Evidence, Figure, Omission, StudyResult, Table, Verdict, judge
+from validation.study import Budget, Cell, Column, Evidence, Figure, Omission, StudyResult, Table, Verdict
 from validation.work_precision import Point, Setting, cheapest, time_final, time_run
 
 NAME = "cost-and-error"
@@ -23,7 +24,8 @@ _LOG10_R = -2.68
 _ODES = ("kelvin-voigt", "block8", "block12", "modal:1", "modal:2", "modal:8")
 _TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 _RACE_ERROR = 1e-8
-_RACE_FACTOR = 50.0
+_RIVAL_ERROR = 5e-8  # LSODA at 1e-10; 5e-9 was measured
+_OUR_ERROR = 2e-10  # half the last digit known is 7e-11; 1e-11 was measured
 
 
 def run(budget: Budget) -> StudyResult:
@@ -41,7 +43,7 @@ def run(budget: Budget) -> StudyResult:
         answer=_answer(points),
         figures=(Figure("cost", _CAPTION, lambda: work_precision(points)),),
         tables=(_table(points), _final_states(), _race_table(ours, rivals)),
-        verdicts=(_race_verdict(ours, rivals), _agreement(rivals)),
+        verdicts=(_right(ours), _agreement(rivals)),
         notes=(
             "Times are of one core of the machine named above, compiled code warm, fastest of several runs; a run is "
             f"{TRANSITS:.0f} transits, march and event detection. A reduced model’s error stops falling where the model itself "
@@ -72,8 +74,8 @@ def _answer(points: list[Point]) -> str:
     best = {name: min(some, key=lambda p: abs(p.period_error)) for name, some in of.items()}
     return (
         f"For {TRANSITS:.0f} transits, with the error of the period in brackets, the exact delay system takes "
-        f"{told(quick['delay'])} to {told(best['delay'])}, the full wave {told(quick['fd'])} to {told(best['fd'])}; the paper’s "
-        f"ODE is no cheaper at {told(quick['kelvin-voigt'])}, only the blocks are, {told(quick['block8'])}."
+        f"{told(quick['delay'])} to {told(best['delay'])}, the full wave {told(quick['fd'])} to {told(best['fd'])}; at the least "
+        f"{told(quick['kelvin-voigt'])} with the paper’s ODE, {told(quick['block8'])} with a block."
     )
 
 
@@ -140,36 +142,45 @@ def _race_table(ours: list[Point], rivals: list[PlainRun]) -> Table:
     )
     caption = (
         f"The Kelvin–Voigt system over {TRANSITS:.0f} transits: this package against `scipy.integrate.solve_ivp` (LSODA) with "
-        f"the right-hand side in Python, both timed in this run. Errors of T against {known:.10g} of other programs."
+        f"the right-hand side in Python, both timed in this run. Errors of T against {known:.10g} of other programs. T to "
+        f"{plain(_RACE_ERROR, '.0e')}: {_race_factor(ours, rivals)}."
     )
     return Table("race", caption, columns, tuple(rows))
 
 
-def _race_verdict(ours: list[Point], rivals: list[PlainRun]) -> Verdict:
+def _race_factor(ours: list[Point], rivals: list[PlainRun]) -> str:
+    """How many times faster we are at the period to `_RACE_ERROR`: told, not judged, since clocks on a busy machine are."""
     known = reference_orbit("kelvin-voigt", _LOG10_R)["period"]
     able = [rival for rival in rivals if abs(rival.period / known - 1.0) <= _RACE_ERROR]
     best = cheapest(ours, _RACE_ERROR)
-    factor = min(rival.wall_seconds for rival in able) / best.seconds if able and best else 0.0
-    return Verdict(
-        "Kelvin–Voigt period to 10^{-8}: 50 times faster than LSODA with a Python right-hand side",
-        Evidence.WITNESS,
-        f"{_RACE_FACTOR:.0f} times",
-        f"{factor:.0f} times" if factor else "not reached",
-        judge(factor >= _RACE_FACTOR),
-        f"{1e3 * best.seconds:.0f} ms at {best.setting.words}" if best else "",
-    )
+    if not able or not best:
+        return "not reached by both"
+    return f"{min(rival.wall_seconds for rival in able) / best.seconds:.0f} times faster here"
 
 
 def _agreement(rivals: list[PlainRun]) -> Verdict:
+    """The rival at its least tolerance."""
     known = reference_orbit("kelvin-voigt", _LOG10_R)["period"]
-    off = min(abs(rival.period / known - 1.0) for rival in rivals)
-    return Verdict(
+    best = min(rivals, key=lambda rival: rival.tolerance)
+    return bounded(
         "A ten-line program of the paper’s ODE finds the same period",
         Evidence.WITNESS,
-        f"{known:.10g}",
-        f"off by {plain(off, '.0e')}",
-        judge(off < 1e-7),
+        abs(best.period / known - 1.0),
+        _RIVAL_ERROR,
         "scipy’s LSODA on system (41); shares no code with our models",
+        f"{best.period:.10g} for {known:.10g}",
+    )
+
+
+def _right(ours: list[Point]) -> Verdict:
+    """Our own run at the least tolerance, in the race's setting."""
+    best = min(ours, key=lambda point: point.setting.tolerance or 1.0)
+    return bounded(
+        "The Kelvin–Voigt run of the race has the period of other programs",
+        Evidence.WITNESS,
+        abs(best.period_error),
+        _OUR_ERROR,
+        f"at {best.setting.words}",
     )
 
 

@@ -1,0 +1,86 @@
+"""The plain program that the Kelvin-Voigt system is raced against: its equations and period, beside numbers of others."""
+
+import math
+
+import numpy as np
+import pytest
+
+import scene
+from validation.plain_reference import PlainRun, plain_kelvin_voigt, right_hand_side, steady_state
+from validation.studies import cost_and_error
+from validation.studies.cost_and_error_figures import work_precision
+from validation.study import Outcome
+from validation.work_precision import Point, Setting
+
+KNOWN = 70.732344990  # AUTO-07p, log10 r = -2.68
+
+
+def test_its_steady_sliding_turns_neutral_at_the_onset_that_auto_finds():
+    """At log10 r = -2.69954994745 a pair of eigenvalues is +-i 2 pi/49.66821032; the others belong to the ODE's damped wave."""
+    what = scene.read("paper", {"slab.log10_r": -2.69954994745})
+    rates, at = right_hand_side(what), np.array(steady_state(what))
+    before = -1e3  # transits: no nudge
+    assert rates(before, at) == pytest.approx([0.0] * 4, abs=1e-13)
+    columns = [np.subtract(rates(before, at + e), rates(before, at - e)) / 2e-6 for e in 1e-6 * np.eye(4)]
+    roots = np.linalg.eigvals(np.array(columns).T)
+    neutral = roots[np.argsort(np.abs(roots.real))[:2]]
+    assert np.abs(neutral.real).max() < 5e-10
+    assert np.abs(neutral.imag) == pytest.approx(2.0 * math.pi / 49.66821032, rel=1e-8)
+
+
+def test_it_is_nudged_as_the_scene_says():
+    what = scene.read("paper")
+    rates, at = right_hand_side(what), np.array(steady_state(what))
+    assert rates(6.0, at)[3] == pytest.approx(0.5)
+    assert rates(7.0, at)[3] == pytest.approx(0.5 * math.exp(-1.0))
+
+
+def test_it_finds_the_period():
+    run = plain_kelvin_voigt(scene.read("paper"), 2000.0, 1e-10)
+    assert run.period == pytest.approx(KNOWN, rel=1e-7)  # 3e-8 was measured: the transient
+    assert run.evaluations > 10_000
+
+
+def rival(off, tolerance=1e-10):
+    return PlainRun(tolerance, KNOWN * (1.0 + off), 3.0, 1)
+
+
+def ours(off, tolerance=1e-11):
+    return Point(Setting("kelvin-voigt", tolerance=tolerance), 0.02, KNOWN * (1.0 + off), off, math.nan)
+
+
+def test_both_runs_of_the_race_are_judged_at_their_least_tolerance():
+    assert cost_and_error._agreement([rival(4.5e-8), rival(1e-3, 1e-8)]).outcome is Outcome.PASS
+    assert cost_and_error._agreement([rival(-1.5e-7), rival(0.0, 1e-8)]).outcome is Outcome.FAIL
+    assert cost_and_error._right([ours(0.9 * cost_and_error._OUR_ERROR), ours(1e-3, 1e-3)]).outcome is Outcome.PASS
+    assert cost_and_error._right([ours(-3.0 * cost_and_error._OUR_ERROR), ours(0.0, 1e-3)]).outcome is Outcome.FAIL
+
+
+def test_the_race_is_told_and_not_judged():
+    assert cost_and_error._race_factor([ours(1e-9)], [rival(1e-9)]) == "150 times faster here"
+    assert cost_and_error._race_factor([ours(1e-3)], [rival(1e-9)]) == "not reached by both"
+
+
+def points():
+    return [
+        Point(Setting(model, tolerance=10.0**-k), 1e-3 * k, 73.0, -(10.0**-k), 0.0)
+        for model in ("delay", "kelvin-voigt", "block8")
+        for k in (3, 6, 15)
+    ] + [Point(Setting("fd", cells=16, cfl=0.5), 9e-3, 73.0, 2e-5, 0.0)]
+
+
+def test_the_answer_tells_times_and_errors():
+    told = cost_and_error._answer(points())
+    assert "delay system takes 3 ms (1 · 10^{−3}) to 15 ms (1 · 10^{−15})" in told
+    assert "the full wave 9 ms (2 · 10^{−5}) to 9 ms" in told
+    assert told.endswith("at the least 3 ms (1 · 10^{−3}) with the paper’s ODE, 3 ms (1 · 10^{−3}) with a block.")
+
+
+def test_the_figure_shows_every_run():
+    axes = work_precision(points()).axes[0]
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("run time (ms)", "relative error of the period")
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    assert len(axes.get_lines()) == 4
+    delay = axes.get_lines()[0]
+    assert np.allclose(delay.get_xdata(), [3.0, 6.0, 15.0])
+    assert np.allclose(delay.get_ydata(), [1e-3, 1e-6, 1e-13])
