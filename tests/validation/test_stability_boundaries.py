@@ -3,6 +3,7 @@ import pytest
 
 import scene
 from reduced import closed_forms
+from validation.bounds import too_roomy
 from validation.studies import load
 from validation.studies.stability_measured import critical_over_velocity
 from validation.studies.stability_verdicts import closed_form_verdicts
@@ -17,6 +18,7 @@ def result():
 def test_every_verdict_holds(result):
     assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
     assert len(result.verdicts) == 9
+    assert too_roomy(result.verdicts) == []
 
 
 def test_numbers(result):

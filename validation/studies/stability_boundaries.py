@@ -61,8 +61,9 @@ def _answer(curves: Curves, onsets: dict[str, tuple[float, float]]) -> str:
     here = onsets["kelvin-voigt"][0] / onsets["delay"][0] - 1.0
     below = float(np.abs(curves.error[curves.velocity <= 1e3]).max())
     return (
-        "Where the slabs’ impedance cancels friction’s, which every model can be asked before it is run. The paper’s ODE misses "
-        f"the exact r_{{c}} by {plain(abs(here), '.0e')} at V = 100, by {plain(below, '.1e')} at V = "
+        "Stick-slip begins where the impedance of the slabs cancels that of friction. This can be computed for every model "
+        "without running it. The paper’s ODE misses the exact r_{c} by "
+        f"{plain(abs(here), '.0e')} at V = 100, by {plain(below, '.1e')} at V = "
         f"10^{{3}} and by {100 * abs(float(curves.error[-1])):.0f} % at V = 10^{{4}}."
     )
 
