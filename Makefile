@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/installed
 
-.PHONY: install test report
+.PHONY: install test report bench
 
 install: $(STAMP)
 
@@ -23,3 +23,7 @@ test: $(STAMP)
 # make report QUICK=1 takes the cheap version of every study
 report: $(STAMP)
 	$(BIN)/slipwave report $(if $(QUICK),--quick)
+
+# ratios of run times, beside those of the last time; judges nothing
+bench: $(STAMP)
+	$(BIN)/python -m validation.benchmark reports/bench

@@ -5,7 +5,6 @@ is the mean over the last few cycles, the error half of (largest - smallest) amo
 transient, not of the solver's discretisation error.
 """
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 
@@ -14,6 +13,7 @@ import numpy as np
 from scene.friction import rate_of
 from scene.observe import EventObserver, Events, Pieces, Solver, follow
 from scene.observe.pieces import Array, interpolation_matrix, lagrange_basis
+from validation.timing import timed
 
 WINDOW = 4
 """Cycles over which an orbit is judged."""
@@ -49,7 +49,7 @@ class Orbit:
 @dataclass(frozen=True)
 class Settled:
     """A model on its orbit, or as near as it came: `unrest` is the largest relative spread of the last cycles; `settled` tells
-    whether it is below the tolerance or at the jitter of the solver; wall time of the march alone, in seconds."""
+    whether it is below the tolerance or at the jitter of the solver; processor time of the march, in seconds."""
 
     orbit: Orbit
     solver: Solver
@@ -57,7 +57,7 @@ class Settled:
     cycles: int
     unrest: float
     settled: bool
-    wall_seconds: float
+    seconds: float
 
     @property
     def transits(self) -> float:
@@ -79,19 +79,25 @@ def settle(
     solver fails.
     """
     observer = EventObserver(solver.scene, solver.nodes)
+    seconds, history = timed(lambda: _march_until_settled(solver, observer, tolerance, most, progress))
+    if not history:
+        raise NoCycle(f"{solver.model}: {observer.count} slip events in {solver.time:.0f} transits, too few to speak of an orbit")
+    settled = history[-1] < tolerance or (_stalled(history) and history[-1] < 1e-5)
+    return Settled(estimate(observer.events), solver, observer, observer.events.time.size, history[-1], settled, seconds)
+
+
+def _march_until_settled(
+    solver: Solver, observer: EventObserver, tolerance: float, most: float, progress: Callable[[float], None] | None
+) -> list[float]:
+    """The unrest after each stretch of WINDOW cycles."""
     history: list[float] = []
-    began = time.perf_counter()
     while solver.time < most and not _finished(history, tolerance):
         period = float(observer.events.period[-1]) if observer.events.period.size else _FIRST_STRETCH / WINDOW
         follow(solver, min(most, solver.time + WINDOW * period), [observer], progress)
         if observer.events.time.size >= WINDOW:
             _require_motion(solver, observer.events)
             history.append(unrest(observer.events))
-    wall = time.perf_counter() - began
-    if not history:
-        raise NoCycle(f"{solver.model}: {observer.count} slip events in {solver.time:.0f} transits, too few to speak of an orbit")
-    settled = history[-1] < tolerance or (_stalled(history) and history[-1] < 1e-5)
-    return Settled(estimate(observer.events), solver, observer, observer.events.time.size, history[-1], settled, wall)
+    return history
 
 
 def _require_motion(solver: Solver, events: Events) -> None:

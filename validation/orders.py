@@ -12,7 +12,6 @@ All outputs together must show the promised order within a confidence interval. 
 may lie below the promised one by no more than the course's `slack`.
 """
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -24,6 +23,7 @@ from scene.observe import EventObserver, Pieces, Solver, follow
 from scene.observe.pieces import Array, interpolation_matrix, lagrange_basis
 from validation.convergence import Fit, fit_dense
 from validation.ladders import Course, Ladder
+from validation.timing import timed
 
 OUTPUTS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}"}
 """What is taken of every cycle, and its symbol."""
@@ -70,13 +70,11 @@ def measure(solver: Solver, course: Course) -> Measured:
 
 
 def _measure(solver: Solver, course: Course) -> tuple[float, Measured]:
-    """(seconds of the march and of the event detection, what they gave)."""
+    """(processor seconds of the march and of the event detection, what they gave)."""
     events = EventObserver(solver.scene, solver.nodes)
     last = np.linspace(course.until - course.window, course.until, _MOMENTS, endpoint=False)
     moments = Moments(solver.nodes, last)
-    began = time.perf_counter()
-    follow(solver, course.until, [events, moments])
-    seconds = time.perf_counter() - began
+    seconds, _ = timed(lambda: follow(solver, course.until, [events, moments]))
     return seconds, {name: getattr(events.events, name) for name in OUTPUTS} | {"state": moments.state()}
 
 
@@ -96,7 +94,7 @@ def _mean_square(values: Array) -> float:
 
 @dataclass(frozen=True)
 class Climb:
-    """A ladder climbed: cells, run times in seconds, and errors by quantity, one entry per grid."""
+    """A ladder climbed: cells, processor seconds, and errors by quantity, one entry per grid."""
 
     ladder: Ladder
     cells: Array

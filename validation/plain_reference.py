@@ -5,25 +5,27 @@ detection.
 """
 
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from scene.scene import Scene
 from scene.start import NUDGE_CENTRE
+from validation.timing import timed
 
 _APART = 10.0  # transits; crossings of V closer than this belong to the same slip event
 
 
 @dataclass(frozen=True)
 class PlainRun:
-    """Period of the last cycle (transits), wall time in seconds and how often the right-hand side was evaluated."""
+    """Period of the last cycle (transits), processor time in seconds and how often the right-hand side was evaluated."""
 
     tolerance: float
     period: float
-    wall_seconds: float
+    seconds: float
     evaluations: int
 
 
@@ -43,12 +45,11 @@ def plain_kelvin_voigt(scene: Scene, until: float, tolerance: float) -> PlainRun
 
     crossing.direction = 1.0  # type: ignore[attr-defined]
     start = steady_state(scene)
-    began = time.perf_counter()
-    run = solve_ivp(rates, (0.0, until), start, method="LSODA", rtol=tolerance, atol=tolerance, events=crossing, max_step=3.0)
-    wall = time.perf_counter() - began
+    solve: Any = partial(solve_ivp, rates, (0.0, until), start, method="LSODA", rtol=tolerance, atol=tolerance)
+    seconds, run = timed(lambda: solve(events=crossing, max_step=3.0))
     times = np.asarray(run.t_events)[0]
     events = times[np.diff(times, prepend=-math.inf) > _APART]
-    return PlainRun(tolerance, float(events[-1] - events[-2]), wall, int(run.nfev))
+    return PlainRun(tolerance, float(events[-1] - events[-2]), seconds, int(run.nfev))
 
 
 def steady_state(scene: Scene) -> list[float]:

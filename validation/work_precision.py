@@ -1,19 +1,21 @@
 """Run time against error: one model at several settings, each timed on the same stretch of the same scene.
 
-Every point is a whole run from the start, march and event detection, after a warm-up that loads the compiled code; the time is
-the fastest of a few repetitions. Errors are relative, of the mean over the run's last cycles, against figures handed in.
+Every point is a whole run from the start, march and event detection, after a warm-up that loads the compiled code; the processor
+time is the least of a few repetitions. Errors are relative, of the mean over the run's last cycles, against figures handed in.
 """
 
 import math
-import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
-from scene.observe import EventObserver, Solver, follow
+from scene.errors import NumericsError
+from scene.observe import Solver, follow
 from scene.scene import Scene
 from validation.cycle import watch
 from validation.models import build
 from validation.orbits import estimate
+from validation.timing import timed
 
 _WARM_UP = 2.0  # transits
 
@@ -49,8 +51,8 @@ class Point:
 
 def time_run(setting: Setting, scene: Scene, until: float, exact: Mapping[str, float], repeats: int = 3) -> Point:
     """Run `setting` on `scene` to `until` (transits) and compare its last cycles with `exact` (names of `Orbit`)."""
-    _march(setting, scene, _WARM_UP)
-    runs = [_march(setting, scene, until) for _ in range(repeats)]
+    warm_up(setting, scene)
+    runs = [timed(lambda: watch(solver_of(setting, scene), until)) for _ in range(repeats)]
     orbit = estimate(runs[0][1].events).values()
     period, drop = (orbit[name] / exact[name] - 1.0 for name in ("period", "stress_drop"))
     return Point(setting, min(seconds for seconds, _ in runs), orbit["period"], period, drop)
@@ -58,13 +60,9 @@ def time_run(setting: Setting, scene: Scene, until: float, exact: Mapping[str, f
 
 def time_final(setting: Setting, scene: Scene, until: float, repeats: int = 3) -> tuple[float, float]:
     """(seconds, psi at `until`) of a run that observes nothing."""
-    _march(setting, scene, _WARM_UP)
-    seconds, psi = [], 0.0
-    for _ in range(repeats):
-        began = time.perf_counter()
-        psi = follow(_solver(setting, scene), until).psi
-        seconds.append(time.perf_counter() - began)
-    return min(seconds), psi
+    warm_up(setting, scene)
+    runs = [timed(lambda: follow(solver_of(setting, scene), until)) for _ in range(repeats)]
+    return min(seconds for seconds, _ in runs), runs[0][1].psi
 
 
 def cheapest(points: Sequence[Point], error: float) -> Point | None:
@@ -73,11 +71,12 @@ def cheapest(points: Sequence[Point], error: float) -> Point | None:
     return min(able, key=lambda point: point.seconds) if able else None
 
 
-def _solver(setting: Setting, scene: Scene) -> Solver:
+def solver_of(setting: Setting, scene: Scene) -> Solver:
+    """The solver that `setting` asks for, at the start of `scene`."""
     return build(setting.model, scene, cells=setting.cells, cfl=setting.cfl, tolerance=setting.tolerance)
 
 
-def _march(setting: Setting, scene: Scene, until: float) -> tuple[float, EventObserver]:
-    began = time.perf_counter()
-    observer = watch(_solver(setting, scene), until)
-    return time.perf_counter() - began, observer
+def warm_up(setting: Setting, scene: Scene) -> None:
+    """Load or compile what `setting` needs, before a clock starts."""
+    with suppress(NumericsError):  # a run that fails tells it itself
+        watch(solver_of(setting, scene), min(_WARM_UP, scene.until))

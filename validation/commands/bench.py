@@ -11,7 +11,6 @@ if TYPE_CHECKING:
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)
 _REFERENCE_TOLERANCE = 1e-11
-_WARM_UP = 2.0  # transits; loads or compiles the model before its clock starts
 
 
 def bench(scene: SceneName, until: Until = None, settings: Settings = None, json: Json = False) -> None:
@@ -60,11 +59,12 @@ def _reference(scene: "Scene", trials: "list[tuple[Family, dict[str, Any]]]") ->
 
 
 def _timed(scene: "Scene", family: "Family", setting: dict[str, Any]) -> "Run":
-    from validation.models import build
     from validation.simulate import simulate
+    from validation.work_precision import Setting, solver_of, warm_up
 
-    simulate(build(family.example, scene, **setting), min(_WARM_UP, scene.until))
-    return simulate(build(family.example, scene, **setting), scene.until)
+    chosen = Setting(family.example, **setting)
+    warm_up(chosen, scene)
+    return simulate(solver_of(chosen, scene), scene.until)
 
 
 def _row(run: "Run", setting: dict[str, Any], reference: "Run") -> dict[str, Any]:

@@ -45,7 +45,7 @@ def run(budget: Budget) -> StudyResult:
         tables=(_table(points), _final_states(), _race_table(ours, rivals)),
         verdicts=(_right(ours), _agreement(rivals)),
         notes=(
-            "Times are of one core of the machine named above, compiled code warm, fastest of several runs; a run is "
+            "Processor times on the machine named above, compiled code warm, least of several runs; a run is "
             f"{TRANSITS:.0f} transits, march and event detection. A reduced model’s error stops falling where the model itself "
             "is wrong: tightening its tolerance buys nothing beyond.",
         ),
@@ -131,7 +131,7 @@ def _race_table(ours: list[Point], rivals: list[PlainRun]) -> Table:
     rows: list[tuple[Cell, ...]] = [("slipwave", p.setting.words, 1e3 * p.seconds, p.period, p.period_error) for p in ours]
     for rival in rivals:
         rows.append(
-            ("scipy LSODA", Setting("", rival.tolerance).words, 1e3 * rival.wall_seconds, rival.period, rival.period / known - 1)
+            ("scipy LSODA", Setting("", rival.tolerance).words, 1e3 * rival.seconds, rival.period, rival.period / known - 1)
         )
     columns = (
         Column("program"),
@@ -155,7 +155,7 @@ def _race_factor(ours: list[Point], rivals: list[PlainRun]) -> str:
     best = cheapest(ours, _RACE_ERROR)
     if not able or not best:
         return "not reached by both"
-    return f"{min(rival.wall_seconds for rival in able) / best.seconds:.0f} times faster here"
+    return f"{min(rival.seconds for rival in able) / best.seconds:.0f} times faster here"
 
 
 def _agreement(rivals: list[PlainRun]) -> Verdict:

@@ -25,7 +25,7 @@ RESTLESS = 1e-6
 
 
 class Run(NamedTuple):
-    """A model's settled figures at one r, and milliseconds per 1000 transits."""
+    """A model's settled figures at one r, and milliseconds of processor time per 1000 transits."""
 
     period: float
     drop: float
@@ -57,7 +57,7 @@ def orbit_of(model: str, log10_r: float) -> Run | None:
 
 def _run(found: Settled) -> Run:
     orbit = found.orbit
-    return Run(orbit.period.value, orbit.stress_drop.value, 1e6 * found.wall_seconds / found.transits)
+    return Run(orbit.period.value, orbit.stress_drop.value, 1e6 * found.seconds / found.transits)
 
 
 def error(runs: Runs, model: str, log10_r: float, quantity: str) -> float:

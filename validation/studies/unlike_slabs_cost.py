@@ -1,13 +1,15 @@
 """Processor time per transit of unlike slabs beside alike ones, in one run, on orbits of the same kind."""
 
 import math
-import time
+from functools import partial
+from typing import Any
 
 import scene
-from scene.observe import EventObserver, follow
+from scene.observe import EventObserver, Final, follow
 from scene.scene import Scene
 from validation.models import build
 from validation.study import Cell, Column, Evidence, Table, Verdict, judge
+from validation.timing import in_turn
 
 _MODELS: dict[str, tuple[float, dict[str, float]]] = {
     "delay": (600.0, {"tolerance": 1e-9}),
@@ -41,24 +43,21 @@ def pairs() -> dict[str, Scene]:
 
 
 def costs(repeats: int) -> Costs:
-    """Fastest of `repeats` runs of every model on every pair, the pairs taken in turn."""
+    """Least of `repeats` runs of every model on every pair, the pairs taken in turn."""
     what = pairs()
     found: Costs = {}
     for row, (until, options) in _MODELS.items():
-        model = row.partition(",")[0]
+        runs = {name: partial(_prepared, row.partition(",")[0], one, until, options) for name, one in what.items()}
         for one in what.values():
-            _seconds(model, one, 2.0, options)
-        rounds = [{name: _seconds(model, one, until, options) for name, one in what.items()} for _ in range(repeats)]
+            _prepared(row.partition(",")[0], one, 2.0, options)()
+        rounds = in_turn(runs, repeats)
         found[row] = {name: 1e6 * min(some[name] for some in rounds) / until for name in what}
     return found
 
 
-def _seconds(model: str, what: Scene, until: float, options: dict[str, float]) -> float:
-    solver = build(model, what, **options)  # type: ignore[arg-type]
-    observer = EventObserver(what, solver.nodes)
-    began = time.process_time()
-    follow(solver, until, [observer])
-    return time.process_time() - began
+def _prepared(model: str, what: Scene, until: float, options: dict[str, Any]) -> partial[Final]:
+    solver = build(model, what, **options)
+    return partial(follow, solver, until, [EventObserver(what, solver.nodes)])
 
 
 def cost_table(found: Costs) -> Table:

@@ -1,0 +1,86 @@
+"""`make bench` on works of known cost: medians of ratios, a record that the next one is compared with."""
+
+import json
+from functools import partial
+
+import pytest
+
+from validation import benchmark, timing
+from validation.benchmark import Race, last, main, measure, races
+from validation.timing import in_turn, timed
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """Processor time that passes only where a work says so."""
+    spent = [0.0]
+    monkeypatch.setattr(timing, "_spent", lambda: spent[0])
+
+    def work(*seconds):
+        left = iter(seconds)
+
+        def pass_time(length):
+            spent[0] += length
+
+        def prepare():
+            spent[0] += 1000.0  # what is prepared does not count
+            return partial(pass_time, next(left))
+
+        return prepare
+
+    return work
+
+
+def test_time_is_that_of_the_process_and_of_its_children(monkeypatch):
+    class Usage:
+        ru_utime, ru_stime = 2.0, 0.5
+
+    monkeypatch.setattr(timing.time, "process_time", lambda: 1.25)
+    monkeypatch.setattr(timing.resource, "getrusage", lambda who: Usage)
+    assert timing._spent() == 3.75
+
+
+def test_works_take_turns_and_their_preparation_is_not_timed(clock):
+    assert in_turn({"a": clock(1.0, 2.0), "b": clock(3.0, 4.0)}, 2) == [{"a": 1.0, "b": 3.0}, {"a": 2.0, "b": 4.0}]
+    assert timed(lambda: 7) == (0.0, 7)
+
+
+def test_a_ratio_is_the_median_over_the_rounds_but_the_first(clock):
+    race = Race("a over b", clock(99.0, 2.0, 6.0, 4.0, 10.0, 8.0), clock(1.0, 1.0, 1.0, 1.0, 1.0, 1.0))
+    assert measure(race, rounds=5) == {"median": 6.0, "low": 4.0, "high": 8.0}
+
+
+def test_a_record_is_written_and_compared_with_the_last(clock, monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(benchmark, "ROUNDS", 1)
+    for name, first, line in (
+        ("1", 2.0, "a  2.00  2.00 to 2.00     -       -"),
+        ("2", 3.0, "a  3.00  3.00 to 3.00  2.00    +50%"),
+    ):
+        monkeypatch.setattr(benchmark, "races", lambda first=first: [Race("a", clock(*[first] * 99), clock(*[1.0] * 99))])
+        main(tmp_path / "bench")
+        lines = capsys.readouterr().out.splitlines()
+        assert " ".join(lines[1].split()) == " ".join(line.split())
+        (written,) = (tmp_path / "bench").glob("2*.json")
+        written.rename(tmp_path / "bench" / f"{name}.json")  # two in one second have one name
+    record = json.loads((tmp_path / "bench" / "2.json").read_text())
+    assert record["ratios"] == {"a": {"median": 3.0, "low": 3.0, "high": 3.0}}
+    assert {"commit", "processor", "cores", "Python", "numba"} <= record["machine"].keys()
+    assert last(tmp_path / "bench") == record
+
+
+def test_a_damaged_record_is_passed_over(tmp_path):
+    good = {"date": "then", "ratios": {"a": {"median": 2.0}}}
+    (tmp_path / "1.json").write_text(json.dumps(good))
+    for name, text in (("2", "{"), ("3", "[]"), ("4", '{"ratios": {"a": 1}}'), ("5", "")):
+        (tmp_path / f"{name}.json").write_text(text)
+    assert last(tmp_path) == good
+    assert last(tmp_path / "missing") == {}
+
+
+def test_the_races_are_told_apart_and_run():
+    """Names are the keys under which ratios are compared from one day to the next."""
+    named = {race.name: race for race in races()}
+    assert len(named) == len([*races()]) == 28
+    for name in ("fd: grip over rigid face", "slipwave --help over bare Python"):
+        ratio = measure(named[name], rounds=1)
+        assert 0.0 < ratio["low"] == ratio["median"] == ratio["high"]

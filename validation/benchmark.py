@@ -1,0 +1,132 @@
+"""`make bench`: what one run costs beside another, as ratios that a busy or a slow machine hardly changes.
+
+python -m validation.benchmark reports/bench       # measures, writes reports/bench/DATE.json, prints a table against the last one
+
+Both runs of a ratio take turns; a ratio is the median over the rounds, with the quartiles beside it. Nothing is judged.
+"""
+
+import dataclasses
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import scene
+from scene.files import whole_or_absent
+from scene.observe import EventObserver, follow
+from scene.scene import Scene
+from scene.slab import Face, GripFace, ReflectingFace
+from validation.output import print_table
+from validation.plain_reference import plain_kelvin_voigt
+from validation.report.provenance import provenance
+from validation.studies.unlike_slabs_cost import pairs
+from validation.timing import in_turn
+from validation.work_precision import Setting, solver_of
+
+ROUNDS = 9
+GRIDS = {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}
+"""Cells at which a transit costs some 0.1 ms or, in the method of lines, 0.3 ms."""
+
+Work = Callable[[], Callable[[], object]]
+
+
+class Race(NamedTuple):
+    """Two works (see `in_turn`) and the name of the ratio of their times, first over second."""
+
+    name: str
+    first: Work
+    second: Work
+
+
+def _run(setting: Setting, what: Scene, transits: float) -> Work:
+    """A march with its event detection, one transit after its start, when all that it needs is loaded."""
+
+    def prepare() -> Callable[[], object]:
+        solver = solver_of(setting, what)
+        follow(solver, 1.0)
+        return partial(follow, solver, 1.0 + transits, [EventObserver(what, solver.nodes)])
+
+    return prepare
+
+
+def _started(*words: str) -> Work:
+    """A Python process of its own, from start to end."""
+    return lambda: partial(subprocess.run, [sys.executable, *words], check=True, capture_output=True)
+
+
+def races() -> Iterator[Race]:
+    """All ratios: of sizes, of slabs and faces, of models, and against a plain program."""
+    paper = scene.read("paper")
+    unlike = dataclasses.replace(paper, lower=dataclasses.replace(paper.lower, epsilon=1.001 * paper.lower.epsilon))
+    for model, cells in GRIDS.items():
+        base = Setting(model, cells=cells)
+        once = _run(base, paper, 20.0)
+        yield Race(f"{model}: twice the transits", _run(base, paper, 40.0), once)
+        yield Race(f"{model}: four times the cells", _run(Setting(model, cells=4 * cells), paper, 20.0), once)
+        yield Race(f"{model}: unlike slabs over alike", _run(base, unlike, 20.0), once)
+        yield Race(f"{model}: grip over rigid face", _run(base, _faced(paper, GripFace(100.0, 10.0)), 20.0), once)
+        yield Race(f"{model}: reflection over rigid face", _run(base, _faced(paper, ReflectingFace(0.999)), 20.0), once)
+        yield Race(f"{model}: time of the delay system", once, _run(Setting("delay", tolerance=1e-9), paper, 20.0))
+    delay, pair = Setting("delay", tolerance=1e-9), pairs()
+    for name in ("commensurate", "irrational"):
+        yield Race(f"delay: {name} round trips over alike", _run(delay, pair[name], 200.0), _run(delay, pair["alike"], 200.0))
+    ours = Setting("kelvin-voigt", tolerance=1e-8)
+    yield Race(
+        "scipy's LSODA over kelvin-voigt", lambda: partial(plain_kelvin_voigt, paper, 300.0, 1e-8), _run(ours, paper, 300.0)
+    )
+    yield Race("slipwave --help over bare Python", _started("-m", "validation.cli", "--help"), _started("-c", ""))
+
+
+def _faced(what: Scene, face: Face) -> Scene:
+    slab = dataclasses.replace(what.upper, face=face)
+    return dataclasses.replace(what, upper=slab, lower=slab)
+
+
+def measure(race: Race, rounds: int = ROUNDS) -> dict[str, float]:
+    """Median and quartiles of the ratio over `rounds`, after one that does not count."""
+    times = in_turn({"first": race.first, "second": race.second}, rounds + 1)[1:]
+    low, median, high = np.quantile([one["first"] / one["second"] for one in times], (0.25, 0.5, 0.75))
+    return {"median": float(median), "low": float(low), "high": float(high)}
+
+
+def last(folder: Path) -> dict[str, Any]:
+    """The record written last in `folder`; empty if there is none that can be read."""
+    for path in sorted(folder.glob("*.json"), reverse=True):
+        with suppress(OSError, ValueError, TypeError, KeyError):
+            record = json.loads(path.read_text(encoding="utf-8"))
+            {float(ratio["median"]) for ratio in record["ratios"].values()}
+            return dict(record)
+    return {}
+
+
+def main(folder: Path) -> None:
+    """Measure all, write the record, print the table."""
+    before = last(folder)
+    now = datetime.now(UTC)
+    ratios = {race.name: measure(race) for race in races()}
+    record = {"date": now.strftime("%Y-%m-%d %H:%M UTC"), "machine": provenance(), "ratios": ratios}
+    folder.mkdir(parents=True, exist_ok=True)
+    with whole_or_absent(folder / now.strftime("%Y%m%d-%H%M%S.json")) as path:
+        path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    print_table(["ratio", "median", "quartiles", "last", "change"], [*_rows(ratios, before.get("ratios", {}))])
+    print(f"last: {before['date']}, commit {before['machine']['commit']}" if before else "no earlier measurement to compare with")
+
+
+def _rows(now: dict[str, dict[str, float]], before: dict[str, dict[str, float]]) -> Iterator[list[str]]:
+    for name, ratio in now.items():
+        old = float(before[name]["median"]) if name in before else math.nan
+        change = "-" if math.isnan(old) else f"{ratio['median'] / old - 1.0:+.0%}"
+        spread = f"{ratio['low']:.2f} to {ratio['high']:.2f}"
+        yield [name, f"{ratio['median']:.2f}", spread, "-" if math.isnan(old) else f"{old:.2f}", change]
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

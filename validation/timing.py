@@ -1,0 +1,29 @@
+"""Processor time, by one rule for all: that of this process and of those it started and waited for, so that others on the machine
+delay the answer and hardly change it."""
+
+import resource
+import time
+from collections.abc import Callable, Mapping
+from typing import TypeVar
+
+Answer = TypeVar("Answer")
+
+
+def timed(work: Callable[[], Answer]) -> tuple[float, Answer]:
+    """(processor seconds, answer) of `work`."""
+    began = _spent()
+    answer = work()
+    return _spent() - began, answer
+
+
+def _spent() -> float:
+    children = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.process_time() + children.ru_utime + children.ru_stime
+
+
+def in_turn(works: Mapping[str, Callable[[], Callable[[], object]]], repeats: int) -> list[dict[str, float]]:
+    """Processor seconds of every work, once in each of `repeats` rounds, so that a machine that slows down slows all of them.
+
+    A work first prepares, untimed, and returns what is timed.
+    """
+    return [{name: timed(prepare())[0] for name, prepare in works.items()} for _ in range(repeats)]
