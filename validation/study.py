@@ -25,7 +25,8 @@ Cell: TypeAlias = float | int | str | None
 
 
 class Outcome(StrEnum):
-    """How a claim fared. A claim of the paper's that fails is a finding; a promise of ours that fails is a failure."""
+    """How a claim fared. A claim of the paper's that fails is a finding, and so is a promised speed that was not reached;
+    any other promise of ours that fails is a failure."""
 
     PASS = "pass"
     FINDING = "finding"

@@ -8,7 +8,7 @@ import scene
 from scene.observe import EventObserver, Final, follow
 from scene.scene import Scene
 from validation.models import build
-from validation.study import Cell, Column, Evidence, Table, Verdict, judge
+from validation.study import Cell, Column, Evidence, Outcome, Table, Verdict, judge
 from validation.timing import in_turn
 
 _MODELS: dict[str, tuple[float, dict[str, float]]] = {
@@ -105,7 +105,7 @@ def cost_verdicts(found: Costs) -> list[Verdict]:
                     if model == "delay"
                     else f"{_CELLS_RATIO:g} times, as the cells are, within a tenth",
                     f"{ratio:.1f} times",
-                    judge(ratio <= limit),
+                    judge(ratio <= limit, Outcome.FINDING),
                     f"`{model.partition(',')[0]}`, {_words(model)}, {pair} round trips"
                     + (
                         "; two slabs are marched instead of one, and the longer one has twice the cells"
