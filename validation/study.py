@@ -5,7 +5,7 @@
     SCENES    gallery names of the scenes it runs; their contents are part of the key under which its result is stored
     FILES     optional: files and folders of the checkout that it reads; part of that key too
     SECONDS   (quick, full) rough wall time: the longest studies begin first; for the time left
-    TIMED     optional: True if its times are judged; such studies run alone, after all others
+    TIMED     optional: True if run times are its subject; such studies run alone, after all others
     run(budget) -> StudyResult
 
 Texts may hold the small markup of `validation.report.text`: x_{sub}, 10^{-9}, *emphasis*, `code`.
