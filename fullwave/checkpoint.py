@@ -88,6 +88,11 @@ def load(path: Path, solver: ResumableSolver, observers: Mapping[str, ResumableO
         raise SceneError(f"checkpoint {str(path)!r}: inconsistent: {reason}") from None
 
 
+def saved_time(path: Path) -> float:
+    """Where the run in `path` stood (transits). Raises SceneError if it is not a checkpoint."""
+    return float(_read(path)[0]["time"])
+
+
 def follow_with_checkpoints(
     solver: ResumableSolver,
     until: float,

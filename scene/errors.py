@@ -1,8 +1,12 @@
-"""The two ways a run can end badly; the command line turns them into exit status 2 and 3."""
+"""The ways a run can end before its time; the command line turns them into exit status 2, 3 and 130."""
 
 
 class SceneError(ValueError):
     """The user's input is wrong: one line naming the key, the value and the allowed range (exit 2)."""
+
+
+class Interrupted(Exception):
+    """The user stopped the work: one line saying when, and how to go on (exit 130)."""
 
 
 class NumericsError(ArithmeticError):

@@ -1,15 +1,19 @@
 """The `slipwave` command: parses the command line, runs one command, turns failures into exit statuses.
 
-0 done; 2 the user's input is wrong (one line); 3 the numerics failed (one line); 1 a bug (traceback).
+0 done; 2 the user's input is wrong or a result cannot be written (one line); 3 the numerics failed (one line); 130 interrupted
+(one line); 1 a bug (traceback).
 """
 
+import io
+import os
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import typer
 
-from scene.errors import NumericsError, SceneError
+from scene.errors import Interrupted, NumericsError, SceneError
 from validation.commands import bench, compare, report, run, scenes, stability
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
@@ -31,20 +35,26 @@ app.command("scenes")(scenes.scenes)
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command given by `arguments` (default: the process's own) and return the exit status."""
+    _prepare_streams()
     words = spread(sys.argv[1:] if arguments is None else arguments)
     command: Any = typer.main.get_command(app)
     try:
         status = command(words or ["--help"], prog_name="slipwave", standalone_mode=False)
+        sys.stdout.flush()
     except SceneError as error:
         return _tell(error, INPUT_WRONG)
     except NumericsError as error:
         return _tell(error, NUMERICS_FAILED)
+    except Interrupted as error:
+        return _tell(error, INTERRUPTED)
     except (KeyboardInterrupt, typer.Abort):
         return _tell("interrupted", INTERRUPTED)
-    except BrokenPipeError:  # whoever read our output has seen enough
-        sys.stderr.close()
+    except (BrokenPipeError, SystemExit):  # whoever read our output has seen enough (typer's word for it is the second)
+        _abandon_stdout()
         return 0
     except Exception as error:
+        if isinstance(error, OSError) and error.errno and error.filename is None:  # no file: a stream
+            return _tell(f"the result cannot be written to stdout: {str(error.strerror).lower()}", INPUT_WRONG)
         explain: Callable[[], str] | None = getattr(error, "format_message", None)  # typer's own complaints have one
         if explain is None:
             raise
@@ -69,8 +79,28 @@ def spread(words: list[str]) -> list[str]:
     return result
 
 
+def _prepare_streams() -> None:
+    """Let output go nowhere where a stream is closed, and spell out what the terminal's encoding lacks."""
+    sys.stdout = sys.stdout or io.StringIO()
+    sys.stderr = sys.stderr or io.StringIO()
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
+def _abandon_stdout() -> None:
+    """Send what Python still holds back, and would try to write at its end, nowhere."""
+    with suppress(OSError), open(os.devnull, "wb") as nowhere:
+        os.dup2(nowhere.fileno(), sys.stdout.fileno())
+
+
 def _tell(message: object, status: int) -> int:
-    print("slipwave: " + " ".join(str(message).split()), file=sys.stderr)
+    """One line on stderr, without what could steer a terminal."""
+    line = " ".join(str(message).split())
+    print("slipwave: " + "".join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in line), file=sys.stderr)
+    try:
+        sys.stdout.flush()
+    except OSError:
+        _abandon_stdout()
     return status
 
 

@@ -3,11 +3,46 @@
 import json
 import math
 import os
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from scene.errors import SceneError
+from scene.errors import Interrupted, NumericsError, SceneError
+
+
+def attempt(*deeds: Callable[[], None]) -> list[str]:
+    """Do all of `deeds`, whatever becomes of the others: a line for each that could not write what it should."""
+    problems = []
+    for deed in deeds:
+        try:
+            deed()
+        except SceneError as error:
+            problems.append(str(error))
+    return problems
+
+
+def conclude(failed: str, problems: Sequence[str], stopped: str = "") -> None:
+    """Raise, all in one line, what did not end well: Interrupted if `stopped` says how to go on, NumericsError if `failed` says
+    what failed, SceneError if there are only `problems` of writing."""
+    told = "; ".join(filter(None, [failed, stopped, *problems]))
+    if stopped:
+        raise Interrupted(told)
+    if failed:
+        raise NumericsError(told)
+    if problems:
+        raise SceneError(told)
+
+
+def printed(show: Callable[[], None]) -> None:
+    """Let `show` print and see that it reached stdout. Raises SceneError if stdout takes no more (a full disk behind it)."""
+    try:
+        show()
+        sys.stdout.flush()
+    except BrokenPipeError:  # whoever read it has seen enough
+        return
+    except OSError as error:
+        raise SceneError(f"the result cannot be written to stdout: {_reason(error)}") from None
 
 
 def print_json(result: Any) -> None:
@@ -61,6 +96,8 @@ def _problem(path: Path, suffixes: tuple[str, ...]) -> str:
         return f"the name must end in {' or '.join(suffixes)}"
     if path.is_dir():
         return "is a folder; must be a file"
+    if path.exists() and not path.is_file():
+        return "is no regular file"
     if not path.parent.is_dir():
         return f"the folder {str(path.parent)!r} does not exist"
     if not os.access(path.parent, os.W_OK | os.X_OK):

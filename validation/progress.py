@@ -48,10 +48,11 @@ class _Meter:
     def _draw(self, done: float) -> None:
         if self._bar is None:
             from rich.console import Console
+            from rich.markup import escape
             from rich.progress import Progress
 
             self._bar = Progress(console=Console(stderr=True), transient=True)
-            self._task = self._bar.add_task(self._label, total=self._total)
+            self._task = self._bar.add_task(escape(self._label), total=self._total)
             self._bar.start()
         assert self._task is not None
         self._bar.update(self._task, completed=done)

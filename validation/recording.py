@@ -1,15 +1,18 @@
 """A run as a netCDF file: events always, the interface's history if the scene records it, and where it all came from; and the
 fields of a full-wave run's last transits."""
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from scene.errors import SceneError
-from scene.files import whole_or_absent
-from scene.observe import Final, HistoryObserver, Solver
+from scene.files import part_of, whole_or_absent
+from scene.observe import Final, Solver
 from scene.observe.follow import Observer
+from validation.history_file import HistoryFile
 from validation.simulate import Run
 
 if TYPE_CHECKING:
@@ -71,30 +74,41 @@ def fields_for(solver: Solver, fields: Path | None, out: Path | None) -> FieldMa
     return None
 
 
-def history_for(solver: Solver) -> HistoryObserver | None:
-    """The observer of the interface's history, if the scene's `record` asks for it."""
-    if "interface" not in solver.scene.record:
-        return None
-    return HistoryObserver(solver.scene.law, solver.nodes)
+@contextmanager
+def history_for(solver: Solver, until: float, out: Path | None, checkpoint: Path | None) -> Iterator[HistoryFile | None]:
+    """The observer of the interface's history, if the run is written to `out` and the scene's `record` asks for it.
+
+    Its samples wait in a hidden file beside `out` that goes with the block; with checkpoints in a file beside them that stays,
+    for runs that go on.
+    """
+    if out is None or "interface" not in solver.scene.record:
+        yield None
+        return
+    path = part_of(out, ".samples") if checkpoint is None else checkpoint.with_name(f"{checkpoint.name}.samples")
+    history = HistoryFile(solver.scene.law, solver.nodes, path, until)
+    try:
+        yield history
+    finally:
+        history.close()
+        if checkpoint is None:
+            path.unlink(missing_ok=True)
 
 
-def write_run(path: Path, done: Run, history: HistoryObserver | None, field: "Field | None" = None) -> None:
-    """Write `done` to `path`, which is whole or absent; `complete` is 0 if the numerics failed on the way. A `field` becomes the
+def write_run(path: Path, done: Run, history: HistoryFile | None, field: "Field | None" = None) -> None:
+    """Write `done` to `path`, which is whole or absent; `complete` is 0 if the run ended before its time. A `field` becomes the
     file's group "fields".
 
-    Raises SceneError if the file cannot be written.
+    Raises SceneError if the file, or the history before, could not be written.
     """
     import xarray
 
+    if history is not None and history.problem:
+        raise SceneError(history.problem)
     scene = done.solver.scene
     variables = {
         ("event_time" if name == "time" else name): ("event", values, _notes(_EVENT_NOTES[name]))
         for name, values in done.events._asdict().items()
     }
-    if history is not None:
-        for name, values in history.columns().items():
-            label = "time" if name == "time" else f"interface_{name}"
-            variables[label] = ("sample", values, _notes(_HISTORY_NOTES[name]))
     facts = {
         "title": f"slipwave run of scene {scene.name} with model {done.solver.model}",
         "scene": scene.name,
@@ -110,8 +124,27 @@ def write_run(path: Path, done: Run, history: HistoryObserver | None, field: "Fi
     }
     with whole_or_absent(path) as temporary:
         xarray.Dataset(variables, attrs=facts).to_netcdf(temporary, engine="netcdf4")
+        if history is not None:
+            _append_history(temporary, history)
         if field is not None:
             field.dataset().to_netcdf(temporary, mode="a", group="fields", engine="netcdf4")
+
+
+def _append_history(path: Path, history: HistoryFile) -> None:
+    import netCDF4
+
+    with netCDF4.Dataset(path, "a") as file:
+        file.createDimension("sample", len(history))
+        columns = {}
+        for name, notes in _HISTORY_NOTES.items():
+            label = "time" if name == "time" else f"interface_{name}"
+            columns[name] = file.createVariable(label, "f8", ("sample",), fill_value=math.nan)
+            columns[name].setncatts(_notes(notes))
+        first = 0
+        for part in history.parts():
+            for name, values in part.items():
+                columns[name][first : first + values.size] = values
+            first += part["time"].size
 
 
 def _notes(facts: tuple[str, str]) -> dict[str, str]:

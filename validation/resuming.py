@@ -45,6 +45,19 @@ class CheckpointMarch:
         return follow_with_checkpoints(cast("ResumableSolver", solver), until, self._path, self._every, watching, progress)
 
 
+def way_on(solver: Solver, path: Path | None) -> str:
+    """How an interrupted run can be taken up again, for a message; `path` is where it was to keep checkpoints."""
+    if path is not None and path.exists():
+        from fullwave.checkpoint import saved_time
+
+        return f"{str(path)!r} holds the run up to t = {saved_time(path):.6g}: the same command goes on from there"
+    if path is not None:
+        return f"no checkpoint was due yet: --checkpoint-every TRANSITS keeps them more often in {str(path)!r}"
+    if hasattr(solver, "restore"):
+        return "no checkpoint was kept: --checkpoint FILE.npz keeps one to go on from"
+    return f"no checkpoint was kept, model {solver.model} has none: a full-wave model with --checkpoint FILE.npz keeps one"
+
+
 def march_for(solver: Solver, path: Path | None, every: float | None, otherwise: March) -> March:
     """What takes `solver` to the end of a run: by checkpoints if there is a `path` for them, else `otherwise`.
 

@@ -36,23 +36,36 @@ class Run:
     failed: str = ""
 
 
+class RunInterrupted(KeyboardInterrupt):
+    """The user stopped a run; `run` is what was known by then, its statistics those of the second half of what was run."""
+
+    def __init__(self, run: Run) -> None:
+        super().__init__(run.failed)
+        self.run = run
+
+
 def simulate(solver: Solver, until: float, observers: Sequence[Observer] = (), march: March = follow) -> Run:
     """March `solver` to `until` (transits) with progress on stderr; statistics are those of the run's second half.
 
     A scene that records nothing is not watched for events. A NumericsError of the solver does not escape: it is kept in
-    `failed`, beside what was computed before.
+    `failed`, beside what was computed before. Raises RunInterrupted with the same if the user stops it.
     """
     watch = EventObserver(solver.scene, solver.nodes)
     final: Final | None = None
-    failed = ""
+    failed, stopped = "", False
     began = time.perf_counter()
     try:
         with progress(f"{solver.scene.name}, {solver.model}", until) as report:
             final = march(solver, until, [watch, *observers] if solver.scene.record else list(observers), report)
     except NumericsError as error:
         failed = str(error)
+    except KeyboardInterrupt:
+        failed, stopped = f"interrupted at t = {solver.time:.6g} of {until:g} transits", True
     wall = time.perf_counter() - began
-    statistics = summarise(watch.events, 0.5 * until)
+    statistics = summarise(watch.events, 0.5 * (solver.time if stopped else until))
     ledger: Callable[[], Energy | None] | None = getattr(solver, "energy", None)
     energy = None if failed or ledger is None else ledger()
-    return Run(solver, until, watch.events, watch.count, statistics, final, energy, wall, failed)
+    done = Run(solver, until, watch.events, watch.count, statistics, final, energy, wall, failed)
+    if stopped:
+        raise RunInterrupted(done)
+    return done

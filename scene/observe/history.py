@@ -1,5 +1,7 @@
 """Keeps the interface's history for those who asked for it (record = ["interface"]); memory grows with the run."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from scene.friction import Law, rate_of
@@ -22,7 +24,10 @@ class HistoryObserver:
             return
         times = pieces.time[:, None] + pieces.length[:, None] * self._nodes
         keep = (times >= start) & (times <= end)
-        self._chunks.append(tuple(a[keep] for a in (times, pieces.unknown, pieces.state, pieces.stress, pieces.elastic)))
+        self._keep(tuple(a[keep] for a in (times, pieces.unknown, pieces.state, pieces.stress, pieces.elastic)))
+
+    def _keep(self, columns: tuple[Array, ...]) -> None:
+        self._chunks.append(columns)
 
     def state(self) -> dict[str, Array]:
         """Everything collected, as arrays, for a checkpoint."""
@@ -36,5 +41,11 @@ class HistoryObserver:
     def columns(self) -> dict[str, Array]:
         """time (transits), slip_rate (V*), psi, stress, elastic_stress: arrays of equal length."""
         columns = [np.concatenate(part) for part in zip(*self._chunks, strict=True)] if self._chunks else [np.empty(0)] * 5
-        rate = np.array([rate_of(self._law, z) for z in columns[1]], dtype=float)
-        return {"time": columns[0], "slip_rate": rate, "psi": columns[2], "stress": columns[3], "elastic_stress": columns[4]}
+        return named_columns(self._law, columns)
+
+
+def named_columns(law: Law, columns: Sequence[Array]) -> dict[str, Array]:
+    """Time, rate unknown, psi, mu and y by name, with the slip rate (V*) in place of the unknown."""
+    time, unknown, psi, stress, elastic = columns
+    rate = np.array([rate_of(law, z) for z in unknown], dtype=float)
+    return {"time": time, "slip_rate": rate, "psi": psi, "stress": stress, "elastic_stress": elastic}

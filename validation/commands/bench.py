@@ -19,20 +19,26 @@ def bench(scene: SceneName, until: Until = None, settings: Settings = None, json
     A model that cannot do the scene (quasistatic runs away) is a row of the table; a failed solve, or a failed reference, is told
     once more at the end.
     """
-    from scene.errors import NumericsError, SceneError
+    from scene.errors import SceneError
     from validation.models import honouring
-    from validation.output import print_json
+    from validation.output import conclude, print_json
     from validation.progress import progress
+    from validation.simulate import RunInterrupted
 
     what = read_scene(scene, settings, until)
     trials = [(family, setting) for family in honouring(what) for setting in _settings(family)]
     if not trials:
         raise SceneError(f"scene = {what.name!r}: no model of this installation can do it")
     reference = _reference(what, trials)
-    rows = []
+    rows: list[dict[str, Any]] = []
+    stopped = ""
     with progress("bench", len(trials)) as report:
         for done, (family, setting) in enumerate(trials):
-            rows.append(_row(_timed(what, family, setting), setting, reference))
+            try:
+                rows.append(_row(_timed(what, family, setting), setting, reference))
+            except RunInterrupted:
+                stopped = f"after {done} of {len(trials)} runs"
+                break
             report(done + 1)
     name = f"{reference.solver.model}"
     if json:
@@ -40,8 +46,7 @@ def bench(scene: SceneName, until: Until = None, settings: Settings = None, json
     else:
         _print(rows, name, what.until)
     failed = [reference.failed] if reference.failed else [row["failed"] for row in rows if row["failures"]]
-    if failed:
-        raise NumericsError("; ".join(failed))
+    conclude("; ".join(["interrupted"] * bool(stopped) + failed), [], stopped)
 
 
 def _settings(family: "Family") -> list[dict[str, Any]]:

@@ -26,32 +26,33 @@ def compare(
     json: Json = False,
 ) -> None:
     """Lay models over each other for one cycle; print periods and stress drops with their errors."""
-    from scene.errors import NumericsError
     from validation.cycle import CycleObserver
     from validation.models import build_all
-    from validation.output import print_json, require_writable
-    from validation.simulate import simulate
+    from validation.output import attempt, conclude, print_json, printed, require_writable
+    from validation.simulate import RunInterrupted, simulate
 
     what = read_scene(scene, settings, until)
     require_writable(out, (".png", ".pdf", ".svg"))
     solvers = build_all(models, what, cells, cfl, tol)
-    runs, cycles = [], []
+    runs, cycles, stopped = [], [], ""
     for solver in solvers:
         observer = CycleObserver(solver)
-        runs.append(simulate(solver, what.until, [observer]))
+        try:
+            runs.append(simulate(solver, what.until, [observer]))
+        except RunInterrupted as stop:
+            runs.append(stop.run)
+            stopped = f"model {solver.model}"
         cycles.append(observer.cycle())
+        if stopped:
+            break
     reference = next((run for run in runs if run.solver.model == "delay"), runs[0])
     rows = [_row(run, reference) for run in runs]
-    _draw(out, runs, cycles)
-    if json:
-        print_json(
-            {"scene": what.name, "until": what.until, "reference": reference.solver.model, "figure": str(out), "models": rows}
-        )
-    else:
-        _print(rows, reference.solver.model, out)
-    failed = [run.failed for run in runs if run.failed]
-    if failed:
-        raise NumericsError("; ".join(failed))
+    name = reference.solver.model
+    result = {"scene": what.name, "until": what.until, "reference": name, "figure": str(out), "models": rows}
+    problems = attempt(
+        lambda: printed(lambda: print_json(result) if json else _print(rows, name, out)), lambda: _draw(out, runs, cycles)
+    )
+    conclude("; ".join(run.failed for run in runs if run.failed), problems, stopped)
 
 
 def _row(run: "Run", reference: "Run") -> dict[str, Any]:

@@ -38,13 +38,12 @@ def run(
 ) -> None:
     """Run one model on one scene; print events, periods and stress drops of the run's second half."""
     from fullwave.field_files import write_field
-    from scene.errors import NumericsError
     from scene.observe import follow
     from validation.models import build, resolve
-    from validation.output import print_json, require_writable
+    from validation.output import attempt, conclude, printed, require_writable
     from validation.recording import FIELD_FILES, fields_for, history_for, write_run
-    from validation.resuming import march_for
-    from validation.simulate import simulate
+    from validation.resuming import march_for, way_on
+    from validation.simulate import RunInterrupted, simulate
 
     what = read_scene(scene, settings, until)
     if out is not None:
@@ -60,19 +59,29 @@ def run(
     march = march_for(solver, checkpoint, every, picture or follow)
     if why:
         typer.echo(f"model auto: {chosen} ({why})", err=True)
-    history = history_for(solver) if out is not None else None
-    done = simulate(solver, what.until, [history] if history else [], march)
-    field = picture.field if picture is not None else None
-    if fields is not None and field is not None:
-        write_field(fields, field)
-    if out is not None:
-        write_run(out, done, history, field if "fields" in what.record else None)
+    stopped = False
+    with history_for(solver, what.until, out, checkpoint) as history:
+        try:
+            done = simulate(solver, what.until, [history] if history is not None else [], march)
+        except RunInterrupted as stop:
+            done, stopped = stop.run, True
+        field = picture.field if picture is not None else None
+        deeds = [lambda: printed(lambda: _show(done, json))]  # first: what follows may meet a full disk
+        if fields is not None and field is not None:
+            deeds.append(lambda: write_field(fields, field))
+        if out is not None:
+            deeds.append(lambda: write_run(out, done, history, field if "fields" in what.record else None))
+        problems = attempt(*deeds)
+    conclude(done.failed, problems, way_on(solver, checkpoint) if stopped else "")
+
+
+def _show(done: "Run", json: bool) -> None:
+    from validation.output import print_json
+
     if json:
         print_json(result_of(done))
     else:
         _print(done)
-    if done.failed:
-        raise NumericsError(done.failed)
 
 
 def result_of(done: "Run") -> dict[str, Any]:

@@ -1,0 +1,62 @@
+"""The command line in a process of its own, with something done to it when the solver has come to a given time."""
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+_SCRIPT = """
+import resource, signal, sys
+from validation import progress
+
+due, deed, size = float(sys.argv[1]), sys.argv[2], int(sys.argv[3])
+
+
+def hooked(self, done):
+    global due
+    if done >= due:
+        due = float("inf")
+        if deed == "wait":
+            print("waiting", file=sys.stderr, flush=True)
+            signal.pause()
+        else:
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+
+progress._Meter.__call__ = hooked
+from validation.cli import main
+sys.exit(main(sys.argv[4:]))
+"""
+
+
+def interrupted(words: list[str], at: float, folder: Path) -> subprocess.CompletedProcess[str]:
+    """`slipwave words` in `folder`, interrupted (Ctrl-C) once it has come to t = `at`."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", _SCRIPT, str(at), "wait", "0", *words],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # may be ignored where tests are run
+    )
+    with process:
+        assert process.stderr is not None
+        said = []
+        for line in process.stderr:
+            said.append(line)
+            if line == "waiting\n":
+                process.send_signal(signal.SIGINT)
+                break
+        else:
+            pytest.fail("".join(said))
+        out, err = process.communicate()
+    return subprocess.CompletedProcess(words, process.returncode, out, err)
+
+
+def on_small_disk(words: list[str], size: int, folder: Path, at: float = 0.0) -> subprocess.CompletedProcess[str]:
+    """`slipwave words` in `folder`, where from t = `at` no file can become larger than `size` bytes."""
+    script = [sys.executable, "-c", _SCRIPT, str(at), "limit", str(size), *words]
+    return subprocess.run(script, cwd=folder, capture_output=True, text=True)

@@ -1,0 +1,135 @@
+"""The interface's history is written as the run goes on: the same numbers, in bounded memory, across checkpoints."""
+
+import tracemalloc
+from collections import namedtuple
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+import scene
+from scene.errors import SceneError
+from scene.observe import HistoryObserver, Pieces, follow
+from validation.cli import INPUT_WRONG, main
+from validation.history_file import HistoryFile
+from validation.models import build
+
+PAPER = scene.read("paper")
+NODES = np.linspace(0.0, 1.0, 5)
+INTERFACE = ["--set", 'run.record=["events","interface"]']
+
+
+def pieces(first: int, count: int = 400) -> Pieces:
+    rng = np.random.default_rng(first)
+    columns = [rng.normal(size=(count, NODES.size)) for _ in range(4)]
+    return Pieces(first + np.arange(count) / count, np.full(count, 1.0 / count), *columns)
+
+
+def test_memory_does_not_grow_with_the_run(tmp_path: Path) -> None:
+    """A run of 1.2 million samples, 48 MB, read back as well."""
+    history = HistoryFile(PAPER.law, NODES, tmp_path / "x.samples", 600.0)
+    chunks = [pieces(first) for first in range(3)]
+    tracemalloc.start()
+    for _ in range(200):
+        for chunk in chunks:
+            history.scan(chunk)
+    count = sum(part["time"].size for part in history.parts())
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    history.close()
+    assert count == len(history) == 1_200_000
+    assert (tmp_path / "x.samples").stat().st_size == 40 * count
+    assert peak < 12e6
+
+
+def test_what_comes_back_is_what_went_in(tmp_path: Path) -> None:
+    history, kept = HistoryFile(PAPER.law, NODES, tmp_path / "x", 9.0), HistoryObserver(PAPER.law, NODES)
+    for first in range(30):
+        history.scan(pieces(first))
+        kept.scan(pieces(first))
+    parts = list(history.parts())
+    assert len(parts) > 1
+    for name, values in kept.columns().items():
+        assert np.array_equal(np.concatenate([part[name] for part in parts]), values)
+    history.close()
+
+
+def test_a_run_goes_on_behind_the_samples_of_its_checkpoint(tmp_path: Path) -> None:
+    first = HistoryFile(PAPER.law, NODES, tmp_path / "x", 9.0)
+    first.scan(pieces(0))
+    saved = first.state()
+    first.scan(pieces(1))  # lost: the checkpoint is older
+    first.close()
+    second = HistoryFile(PAPER.law, NODES, tmp_path / "x", 9.0)
+    second.restore(saved)
+    second.scan(pieces(2))
+    times = np.concatenate([part["time"] for part in second.parts()])
+    second.close()
+    assert times.size == 2 * 400 * NODES.size
+    assert set(np.floor(times + 1e-9)) == {0.0, 1.0, 2.0, 3.0}
+    assert not np.any((times > 1.001) & (times < 1.999))
+
+
+def test_samples_that_are_not_the_checkpoints_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "x"
+    first = HistoryFile(PAPER.law, NODES, path, 9.0)
+    first.scan(pieces(0))
+    saved = first.state()
+    first.close()
+    content = path.read_bytes()
+    for wrong in (content[:-1], content[:100] + b"?" + content[101:]):
+        path.write_bytes(wrong)
+        with pytest.raises(SceneError, match="not the one that belongs to it"):
+            HistoryFile(PAPER.law, NODES, path, 9.0).restore(saved)
+    path.unlink()
+    with pytest.raises(SceneError, match="is gone"):
+        HistoryFile(PAPER.law, NODES, path, 9.0).restore(saved)
+
+
+def test_more_than_the_disk_has_is_refused_early(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """2000 samples a transit: 8 GB over 100 000 transits, and as much again in the file for the user."""
+    usage = namedtuple("usage", "free")
+    history = HistoryFile(PAPER.law, NODES, tmp_path / "x", 1e5)
+    monkeypatch.setattr("shutil.disk_usage", lambda path: usage(15.8e9))
+    for first in range(1000):
+        history.scan(pieces(first))
+    with pytest.raises(SceneError, match=r"would take 16 GB more of the disk .* has 16 GB left; shorten the run"):
+        history.scan(pieces(1000))
+    history.close()
+    roomy = HistoryFile(PAPER.law, NODES, tmp_path / "y", 1e5)
+    monkeypatch.setattr("shutil.disk_usage", lambda path: usage(16.2e9))
+    for first in range(1200):
+        roomy.scan(pieces(first))
+    roomy.close()
+
+
+def test_the_file_of_a_run_holds_the_solvers_own_samples(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "x.nc"
+    assert main(["run", "paper", "--model", "delay", "--until", "150", "--out", str(out), *INTERFACE]) == 0
+    solver = build("delay", scene.read("paper", {"run.until": 150.0}))
+    history = HistoryObserver(solver.scene.law, solver.nodes)
+    follow(solver, 150.0, [history])
+    with xarray.open_dataset(out) as data:
+        for name, values in history.columns().items():
+            assert np.array_equal(data["time" if name == "time" else f"interface_{name}"].values, values)
+        assert data["interface_stress"].attrs == {"long_name": "friction stress mu", "units": "normal stress"}
+    assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
+
+
+def test_a_prolonged_run_has_the_whole_history(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["run", "paper", "--model", "dg:3", "--cells", "4", *INTERFACE, "--json"]
+    saving = ["--checkpoint", str(tmp_path / "run.npz"), "--checkpoint-every", "20"]
+    assert main([*words, "--until", "50", "--out", str(tmp_path / "short.nc"), *saving]) == 0
+    assert main([*words, "--until", "90", "--out", str(tmp_path / "long.nc"), *saving]) == 0
+    assert main([*words, "--until", "90", "--out", str(tmp_path / "straight.nc")]) == 0
+    with xarray.open_dataset(tmp_path / "long.nc") as long, xarray.open_dataset(tmp_path / "straight.nc") as straight:
+        assert long["time"].size > 1000
+        assert np.array_equal(long["interface_slip_rate"].values, straight["interface_slip_rate"].values)
+    (tmp_path / "run.npz.samples").write_bytes(b"")
+    capsys.readouterr()
+    assert main([*words, "--until", "95", "--out", str(tmp_path / "other.nc"), *saving]) == INPUT_WRONG
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "run.npz.samples' is not the one that belongs to it" in err
+    assert len(err.splitlines()) == 1
