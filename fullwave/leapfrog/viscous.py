@@ -74,16 +74,16 @@ def standard_linear_medium(grid: Grid, velocity: float, time: float, ratio: floa
 
 def kelvin_voigt_medium(grid: Grid, velocity: float, time: float, face: Rigid | Grip) -> KelvinVoigt:
     """A slab that moves steadily at `velocity`, with its elimination prepared; viscous `time` in transits."""
-    n = grid.width.size
+    n, inertia = grid.width.size, grid.inertia
     damping = grid.impedance * time / grid.width
     alpha, pivot = np.zeros(n + 1), np.zeros(n + 1)
     if isinstance(face, Grip):
-        alpha[n] = damping[-1] / (grid.inertia[-1] + face.impedance + face.half_spring + damping[-1])
+        alpha[n] = damping[-1] / (inertia[-1] + face.impedance + face.half_spring + damping[-1])
     for j in range(n - 1, 0, -1):
-        pivot[j] = 1.0 / (grid.inertia[j] + damping[j] * (1.0 - alpha[j + 1]) + damping[j - 1])
+        pivot[j] = 1.0 / (inertia[j] + damping[j] * (1.0 - alpha[j + 1]) + damping[j - 1])
         alpha[j] = damping[j - 1] * pivot[j]
     return KelvinVoigt(
-        np.full(n + 1, velocity), np.zeros(n), grid.stiffness, grid.inertia, damping, alpha, pivot, np.zeros(n + 1), np.zeros(1)
+        np.full(n + 1, velocity), np.zeros(n), grid.stiffness, inertia, damping, alpha, pivot, np.zeros(n + 1), np.zeros(1)
     )
 
 

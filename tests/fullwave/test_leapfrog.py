@@ -8,7 +8,9 @@ import pytest
 from leapfrog_scenes import PAPER, SCENES, SLAB, of
 from scipy.optimize import fsolve
 
+import scene
 from fullwave.finite_difference import Leapfrog
+from fullwave.leapfrog.grid import Grid
 from scene.drive import steady_drive
 from scene.errors import NumericsError, SceneError
 from scene.observe import EventObserver, follow, summarise
@@ -166,3 +168,11 @@ def test_unlike_slabs_cost_cells_in_proportion():
     assert courant[0] == pytest.approx(0.9)
     assert 0.9 * (1 - 1 / 64) < courant[1] <= 0.9 * (1 + 1e-12)
     assert solver.total_cells == 64 + 90
+
+
+def test_a_viscous_slab_is_built_in_time_proportional_to_its_cells(monkeypatch):
+    made = []
+    mass = Grid.mass.fget
+    monkeypatch.setattr(Grid, "mass", property(lambda grid: (made.append(grid), mass(grid))[1]))
+    Leapfrog(scene.read("viscous"), cells=500)
+    assert len(made) <= 4

@@ -33,7 +33,7 @@ def test_a_title_names_its_own_round_trip(name: str) -> None:
 def test_the_height_of_the_jumps_echo() -> None:
     jump = scene.read("jump")
     left = math.exp(essential_abscissa(jump) * jump.transit)
-    assert f"with {100.0 * left:.0f} per cent of its height" in TITLES["jump"]
+    assert f"{100.0 * left:.0f} per cent of the height of the one before" in TITLES["jump"]
 
 
 def test_the_height_of_a_wave_in_viscous_slabs() -> None:
