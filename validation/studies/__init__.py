@@ -21,6 +21,7 @@ STUDIES = {
     "model-error": "model_error",
     "error-laws": "error_laws",
     "claims": "claims",
+    "planted-faults": "planted_faults",
     "slow-verification": "slow_verification",
 }
 """Name of each study and the module of this package that holds it."""

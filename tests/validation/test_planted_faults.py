@@ -1,0 +1,62 @@
+"""The study that shows the planted faults: a survivor is red, and the record is part of its key."""
+
+import json
+
+import pytest
+
+from validation.report import store
+from validation.studies import planted_faults
+from validation.study import Budget, Outcome
+
+CAUGHT = {
+    "name": "half-impedance",
+    "room": "scene",
+    "where": "scene/scene.py: Scene.impedance",
+    "what": "half the impedance",
+    "user": "periods 4 % long",
+    "caught": True,
+    "caught_by": "tests/scene/test_scene.py::test_impedance",
+    "seconds": 1.25,
+}
+SURVIVES = {
+    "name": "late-nudge",
+    "room": "reduced",
+    "what": "a late nudge",
+    "caught": False,
+    "says": "stays green",
+    "seconds": 180.0,
+}
+
+
+@pytest.fixture
+def record(monkeypatch, tmp_path):
+    path = tmp_path / "faults.json"
+    monkeypatch.setattr(planted_faults, "RECORD", path)
+    monkeypatch.setattr(planted_faults, "FILES", (path,))
+    return path
+
+
+def test_each_fault_has_its_row_and_each_room_its_verdict(record):
+    record.write_text(json.dumps({"faults": [CAUGHT, SURVIVES, CAUGHT | {"name": "other"}]}))
+    result = planted_faults.run(Budget())
+    assert [row[0] for row in result.tables[0].rows] == ["half-impedance", "late-nudge", "other"]
+    assert result.tables[0].rows[0][1:] == ("scene", "half the impedance", "tests/scene/test_scene.py::test_impedance", 1.25)
+    assert result.tables[0].rows[1][1:] == ("reduced", "a late nudge", "nothing", 180.0)
+    assert result.tables[0].emphasis == (1,)
+    assert [(v.outcome, v.ours) for v in result.verdicts] == [(Outcome.PASS, "2 of 2"), (Outcome.FAIL, "0 of 1")]
+    assert result.verdicts[1].remark == "in `reduced`; survives: late-nudge"
+    assert result.answer == "2 of 3 planted faults are caught."
+
+
+def test_without_a_record_it_says_so(record):
+    result = planted_faults.run(Budget())
+    assert [omission.what for omission in result.omissions] == ["The planted faults."]
+    assert result.verdicts == ()
+
+
+def test_a_new_record_is_a_new_key(record):
+    keys = [store.study_key(planted_faults, False)]
+    for faults in ([CAUGHT], [SURVIVES]):
+        record.write_text(json.dumps({"faults": faults}))
+        keys.append(store.study_key(planted_faults, False))
+    assert len(set(keys)) == 3

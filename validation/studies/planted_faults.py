@@ -1,0 +1,55 @@
+"""The planted faults: changes that make the program wrong, one at a time, and the test that notices each."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from validation.study import Budget, Cell, Column, Evidence, Omission, StudyResult, Table, Verdict, judge
+
+NAME = "planted-faults"
+QUESTION = "Does the test suite notice when the program is wrong?"
+SCENES: tuple[str, ...] = ()
+SECONDS = (0.1, 0.1)
+
+RECORD = Path(__file__).parents[2] / "reports" / "baseline" / "faults.json"
+FILES = (RECORD,)
+
+
+def run(budget: Budget) -> StudyResult:
+    """Show what `make faults` recorded last; planting them anew takes an hour and is not part of a report."""
+    if not RECORD.is_file():
+        return StudyResult(
+            "Not asked in this report.", omissions=(Omission("The planted faults.", "No record of them is here."),)
+        )
+    faults: list[dict[str, Any]] = json.loads(RECORD.read_text(encoding="utf-8"))["faults"]
+    survivors = [fault["name"] for fault in faults if not fault["caught"]]
+    rooms = list(dict.fromkeys(fault["room"] for fault in faults))
+    return StudyResult(
+        answer=f"{len(faults) - len(survivors)} of {len(faults)} planted faults are caught.",
+        tables=(_table(faults),),
+        verdicts=tuple(_verdict(room, [fault for fault in faults if fault["room"] == room]) for room in rooms),
+        notes=("`make faults` plants them anew, one at a time, in a copy of the checkout.",),
+    )
+
+
+def _table(faults: list[dict[str, Any]]) -> Table:
+    rows: list[tuple[Cell, ...]] = [
+        (fault["name"], fault["room"], fault["what"], fault.get("caught_by") or "nothing", float(fault["seconds"]))
+        for fault in faults
+    ]
+    columns = (Column("fault"), Column("room"), Column("what is wrong"), Column("caught by"), Column("time", "s", ".1f"))
+    caption = "Every planted fault, the test that noticed it, and the time which that took."
+    survivors = tuple(number for number, fault in enumerate(faults) if not fault["caught"])
+    return Table("faults", caption, columns, tuple(rows), survivors)
+
+
+def _verdict(room: str, faults: list[dict[str, Any]]) -> Verdict:
+    survivors = [fault["name"] for fault in faults if not fault["caught"]]
+    return Verdict(
+        "Planted faults are caught",
+        Evidence.EXACT,
+        f"{len(faults)} of {len(faults)}",
+        f"{len(faults) - len(survivors)} of {len(faults)}",
+        judge(bool(faults) and not survivors),
+        f"in `{room}`" + (f"; survives: {', '.join(survivors)}" if survivors else ""),
+    )
