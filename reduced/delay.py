@@ -5,10 +5,10 @@ from functools import cache
 
 import numpy as np
 
-from reduced.collocation import highest_coefficient, radau
+from reduced.collocation import growth_limit, highest_coefficient, radau
 from reduced.delay_kernel import PSI, TIME, Matrices, Memory, Physics, march_delay
 from reduced.delay_march import DelayMarch
-from reduced.step_guess import first_guess
+from reduced.step_guess import DONE, first_guess
 from reduced.step_newton import UNKNOWN
 from reduced.transit_mesh import TransitMesh, cuts_of, transit_mesh
 from scene.errors import SceneError
@@ -44,6 +44,7 @@ class Delay(DelayMarch):
         self._stages = nodes or (_LOOSE_NODES if tolerance > _LOOSE else _TIGHT_NODES)
         self._newton_tolerance = max(1e-3 * tolerance, 1e-14)
         self._resolution = dense_resolution(tolerance, self._stages) if emit else end_resolution(tolerance)
+        self._steepest = growth_limit(self._stages, tolerance)
         self._emit = emit
         self.nodes, self._matrices = collocation_matrices(self._stages)
         self._physics = Physics(scene.upper.epsilon, scene.transit, scene.start.nudge_size, *scene.drive.knots())
@@ -64,16 +65,16 @@ class Delay(DelayMarch):
             pieces = empty_pieces(count if self._emit else 1, self._stages)
             kept, verdict = self._march(count, pieces)
             self._memory.now[TIME] = self._on_mesh(self.time)
-            if verdict:
-                self._refine()
-            if not self._emit and not verdict:
+            if verdict != DONE:
+                self._refine(verdict)
+            if not self._emit and verdict == DONE:
                 return pieces
             if self._emit and kept:
                 return Pieces(*(array[:kept] for array in pieces))
 
     def _march(self, count: int, pieces: Pieces) -> tuple[int, int]:
         """(steps kept, verdict) of `count` steps."""
-        tolerances = (self._newton_tolerance, self._resolution)
+        tolerances = (self._newton_tolerance, self._resolution, self._steepest)
         kept, iterations, verdict = march_delay(
             tuple(self.nodes), self.scene.law, self._physics, self._matrices, self._memory, count, *tolerances, pieces
         )
@@ -93,13 +94,13 @@ class Delay(DelayMarch):
         self._mesh = mesh
         self._memory = self._remember(incoming, np.array([0.0, psi, scene.steady_stress]), 0)
 
-    def _refine(self) -> None:
+    def _refine(self, verdict: int) -> None:
         """More steps a transit: the stored polynomials are evaluated at the new nodes. Between nodes they are good to the dense
         tolerance only, so where just the end is wanted and resolved, the run begins again instead."""
         old, cursor = self._mesh, int(self._memory.cursor[0])
         new = old.halved() if cursor else transit_mesh(_next_count(old.count), self._cuts)
         if new.count > MAX_STEPS:
-            raise self._unresolved(old.steps)
+            raise self._unresolved(old.steps, verdict)
         if self._emit:
             self._mesh = new
             self._memory = self._remember(old.resample(self._memory.incoming, self.nodes, new), self._memory.now, 2 * cursor)

@@ -13,6 +13,7 @@ import numpy as np
 
 from reduced.delay_kernel import PSI, TIME
 from reduced.delay_network import DelayNetwork
+from reduced.step_guess import DONE
 from reduced.step_newton import UNKNOWN
 from scene.errors import NumericsError
 from scene.friction import respond
@@ -71,8 +72,8 @@ class DelayBreaks(DelayNetwork):
         self._length = length
         steps, verdict = self._march(1, piece)
         self._length = full
-        if verdict:
-            self._refine()
+        if verdict != DONE:
+            self._refine(verdict)
             return False
         self._start_times[slot], self._lengths[slot] = start, length
         if abs(left - length) < _SAME:
@@ -122,8 +123,8 @@ class DelayBreaks(DelayNetwork):
         guess[0] = self._memory.now[PSI]
         guess[UNKNOWN] = guess[UNKNOWN, 0]
 
-    def _refine(self) -> None:
+    def _refine(self, verdict: int) -> None:
         """Half the longest step; the history keeps its own lengths."""
-        self._require_room()
+        self._require_room(verdict)
         self._length *= 0.5
         self._forget_guess()

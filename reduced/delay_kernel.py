@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.collocation import Nodes
-from reduced.step_guess import force, hold, predict, resolved
+from reduced.step_guess import DONE, force, hold, judge_step, predict
 from reduced.step_newton import RATE, STATE, UNKNOWN, WORK_ROWS, solve_step
 from scene.compiled import inlined, njit, overwrite
 from scene.drive import interpolate_drive
@@ -101,10 +101,11 @@ def march_delay(
     count: int,
     newton_tolerance: float,
     resolution: float,
+    steepest: float,
     pieces: Pieces,
 ) -> tuple[int, int, int]:
-    """March `count` steps; returns (steps kept, Newton iterations, verdict): verdict 0 done, 1 Newton failed, 2 the step's
-    polynomial is not resolved to `resolution`. After 1 or 2 the memory is back at the last whole transit."""
+    """March `count` steps; returns (steps kept, Newton iterations, verdict of `judge_step`). Where that is not DONE the memory is
+    back at the last whole transit."""
     s = len(nodes)
     incoming, guess, now = memory.incoming, memory.guess, memory.now
     integral, predict_rate, predict_state, tail = matrices.integral, matrices.predict, matrices.predict_state, matrices.tail
@@ -130,12 +131,13 @@ def march_delay(
             force(nodes, nudge, start, length, integral, work)
         used = solve_step(nodes, law, 0.5 * epsilon, h, left, incoming, i, integral, newton_tolerance, guess, work, system)
         iterations += used
-        if used == 0 or not resolved(nodes, tail, guess, resolution):
+        verdict = judge_step(nodes, tail, guess, work, used, resolution, steepest)
+        if verdict != DONE:
             overwrite(incoming, saved)
             overwrite(now, saved_now)
             overwrite(guess, saved_guess)
             memory.cursor[0] = (i - (n - anchor)) % steps
-            return anchor, iterations, 1 if used == 0 else 2
+            return anchor, iterations, verdict
         if pieces.time.size == count:
             emit(nodes, epsilon, drive_times, velocities, start, length, integral, incoming, i, guess, work, now, pieces, n)
         elif n == count - 1:
@@ -151,4 +153,4 @@ def march_delay(
         if lengths[i] != length:
             hold(nodes, now[PSI], last, guess)
     memory.cursor[0] = i
-    return count, iterations, 0
+    return count, iterations, DONE

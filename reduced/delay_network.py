@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from reduced.collocation import radau
+from reduced.collocation import growth_limit, radau
 from reduced.delay import collocation_matrices, dense_resolution
 from reduced.delay_kernel import ELASTIC, PSI, TIME
 from reduced.delay_march import DelayMarch
 from reduced.network import common_divisor, lines_of
 from reduced.network_kernel import Integers, Memory, Motion, Network, march_network
-from reduced.step_guess import first_guess
+from reduced.step_guess import DONE, first_guess
 from scene.friction import unknown_of
 from scene.observe.pieces import Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from scene.scene import Scene
@@ -38,7 +38,8 @@ class DelayNetwork(DelayMarch):
         super().__init__(scene)
         self._stages = nodes
         self.nodes, self._matrices = collocation_matrices(nodes)
-        self._tolerances = (max(1e-3 * tolerance, 1e-14), dense_resolution(tolerance, nodes))
+        self._steepest = growth_limit(nodes, tolerance)
+        self._tolerances = (max(1e-3 * tolerance, 1e-14), dense_resolution(tolerance, nodes), self._steepest)
         self._lines = lines_of(scene)
         divisor = common_divisor(self._lines.travel)
         self._commensurate = divisor is not None
@@ -62,8 +63,8 @@ class DelayNetwork(DelayMarch):
             steps, verdict = self._march(count, pieces)
             self._done += steps
             self._memory.now[TIME] = self._origin + self._done * self._length  # a sum of steps would drift
-            if verdict:
-                self._refine()
+            if verdict != DONE:
+                self._refine(verdict)
             if steps:
                 return Pieces(*(array[:steps] for array in pieces))
 
@@ -114,9 +115,9 @@ class DelayNetwork(DelayMarch):
         self.failures += first_guess(scene.law, scene.impedance, steady, now[PSI], start, guess[1])
         return Memory(waves, np.zeros(self._lines.spring.size), guess, now, np.zeros(1, dtype=np.int64))
 
-    def _refine(self) -> None:
+    def _refine(self, verdict: int) -> None:
         """Half the step: the stored waves are evaluated at the nodes of the two halves of each step."""
-        self._require_room()
+        self._require_room(verdict)
         old = self._memory
         self._origin, self._done = self.time, 0
         self._length *= 0.5
@@ -132,10 +133,10 @@ class DelayNetwork(DelayMarch):
         guess = np.repeat([[old.now[PSI]], [float(old.guess[1, 0])]], stages, axis=1)
         self._memory = Memory(waves, old.grip, guess, old.now, np.zeros(1, dtype=np.int64))
 
-    def _require_room(self) -> None:
+    def _require_room(self, verdict: int) -> None:
         """NumericsError unless the step may still be halved."""
         if 2.0 / self._length > MAX_STEPS / min(1.0, 2.0 * float(self._lines.travel.min())):
-            raise self._unresolved(self.steps)
+            raise self._unresolved(self.steps, verdict)
 
 
 def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:

@@ -4,8 +4,10 @@ With the stage impedance K of `ladder_tables`, every reduction is the same inter
 
     F(z_j, psi_j) + epsilon sum_l K_jl v_l = E_j,      psi_j = psi_0 + h sum_l A_jl (r G(z_l, psi_l) + nudge(t_l)),
 
-E_j from the states at the step's start. Newton solves for (psi, z) at the nodes. Steps have lengths 2 / 2^level and are accepted
-when the highest Legendre coefficient of z and of psi stays below the resolution.
+E_j from the states at the step's start. Newton solves for (psi, z) at the nodes. Steps have lengths
+longest / 2^level and are accepted
+when the highest Legendre coefficient of z and of psi stays below the resolution and no disturbance grows faster than a step
+reproduces (`grows_unseen`).
 """
 
 import math
@@ -29,6 +31,7 @@ _WORK_ROWS = 11
 _MAX_NEWTON = 12
 _LARGEST_CHANGE = 2.0
 _FAR = 1e3
+SAME = 1e-9  # transits within which two times are one
 
 
 class Rule(NamedTuple):
@@ -50,6 +53,16 @@ class Slabs(NamedTuple):
     nudge: float
     drive_times: Array
     drive_velocities: Array
+
+
+class Limits(NamedTuple):
+    """`newton` and `resolution`: errors allowed of the iteration and of the polynomials; `growth`, the largest that a step
+    reproduces, and `impedance` (L,): Z/epsilon at s = growth/length of every level."""
+
+    newton: float
+    resolution: float
+    growth: float
+    impedance: Array
 
 
 class Memory(NamedTuple):
@@ -195,6 +208,21 @@ def advance_modes(nodes: Nodes, tables: Tables, level: int, modes: Array, length
 
 
 @inlined
+def grows_unseen(nodes: Nodes, epsilon: float, limits: Limits, level: int, work: Array) -> bool:
+    """Whether a disturbance of some node's state would grow by more than e^g within the step, g = `limits.growth`.
+
+    Frozen at a node, the motion's growth rates s are the zeros of (F_z + Z(s) v_z)(s - G_psi) + F_psi G_z, positive for large
+    s: below 0 at s = g/length there is a real one beyond.
+    """
+    g = limits.growth
+    for j in range(len(nodes)):
+        resistance = work[_F_Z, j] + epsilon * limits.impedance[level] * work[_V_Z, j]
+        if resistance * (g - work[_G_PSI, j]) + work[_F_PSI, j] * work[_G_Z, j] < 0.0:
+            return True
+    return False
+
+
+@inlined
 def predict(
     nodes: Nodes, predict_rate: Array, predict_state: Array, ratio: int, left: float, pieces: Pieces, k: int, guess: Array
 ) -> None:
@@ -209,6 +237,14 @@ def predict(
         guess[UNKNOWN, j] = z
 
 
+@inlined
+def hold(nodes: Nodes, now: Array, guess: Array) -> None:
+    """The present values as the guess of a step that no polynomial was extended to."""
+    for j in range(len(nodes)):
+        guess[STATE, j] = now[PSI]
+        guess[UNKNOWN, j] = now[UNKNOWN_END]
+
+
 @njit
 def march_ladder(
     nodes: Nodes,
@@ -218,12 +254,12 @@ def march_ladder(
     rule: Rule,
     memory: Memory,
     until: float,
-    newton_tolerance: float,
-    resolution: float,
+    stop: float,
+    limits: Limits,
     pieces: Pieces,
 ) -> tuple[int, int, int]:
     """March until `until` or until the pieces are full; returns (steps, Newton iterations, verdict), verdict 0 done, 1 no step
-    is short enough. The last step may pass `until`."""
+    is short enough. The last step may pass `until`, but none passes `stop`."""
     s = len(nodes)
     epsilon, nudge, velocities, drive_times = slabs.epsilon, slabs.nudge, slabs.drive_velocities, slabs.drive_times
     modes, guess, now, levels = memory.modes, memory.guess, memory.now, memory.level
@@ -233,8 +269,13 @@ def march_ladder(
     iterations, k = 0, 0
     for j in range(s):
         work[_DRIVE, j] = velocities[0]
-    while k < pieces.time.size and now[TIME] < until - 1e-9:
+    while k < pieces.time.size and now[TIME] < min(until, stop) - SAME:
         level = levels[0]
+        while level < deepest and now[TIME] + tables.length[level] > stop + SAME:
+            level += 1
+        if level != levels[0]:
+            levels[0] = level
+            hold(nodes, now, guess)
         length = tables.length[level]
         h = length * slabs.round_trip
         psi, start = now[PSI], now[TIME]
@@ -251,7 +292,7 @@ def march_ladder(
             if not eliminate(nodes, system, change):
                 break
             error = correct(nodes, epsilon, impedance, level, guess, work, change)
-            if error < newton_tolerance:
+            if error < limits.newton:
                 solved = True
                 break
             if not error < _FAR:
@@ -261,13 +302,11 @@ def march_ladder(
             tail_z += tail[j] * guess[UNKNOWN, j]
             tail_psi += tail[j] * guess[STATE, j]
         size = max(abs(tail_z), abs(tail_psi))
-        if not (solved and size <= resolution):
+        if not (solved and size <= limits.resolution) or grows_unseen(nodes, epsilon, limits, level, work):
             if level == deepest:
                 return k, iterations, 1
             levels[0] = level + 1
-            for j in range(s):
-                guess[STATE, j] = now[PSI]
-                guess[UNKNOWN, j] = now[UNKNOWN_END]
+            hold(nodes, now, guess)
             continue
         pieces.time[k] = start
         pieces.length[k] = length
@@ -285,7 +324,7 @@ def march_ladder(
         now[ELASTIC] += slabs.stiffness * slip
         now[PSI], now[RATE], now[UNKNOWN_END] = guess[STATE, s - 1], work[_V, s - 1], guess[UNKNOWN, s - 1]
         now[TIME] = start + length
-        longer = level > 0 and size < 0.5 ** (s + 1) * resolution
+        longer = level > 0 and size < 0.5 ** (s + 1) * limits.resolution
         levels[0] = level - 1 if longer else level
         predict(nodes, rule.predict, rule.predict_state, 1 if longer else 0, psi, pieces, k, guess)
         k += 1

@@ -19,7 +19,7 @@ from reduced.reduction import Reduction
 from scene.observe.pieces import Array, interpolation_matrix, lagrange_basis
 
 LONGEST = 2.0
-"""Longest step (transits); level l has length LONGEST / 2^l."""
+"""Longest step (transits); level l has length longest / 2^l."""
 
 
 class Tables(NamedTuple):
@@ -38,10 +38,10 @@ class Tables(NamedTuple):
     spring: float
 
 
-def step_tables(reduction: Reduction, rule: Collocation, levels: int) -> Tables:
-    """Tables of `reduction` for `levels` step lengths."""
+def step_tables(reduction: Reduction, rule: Collocation, levels: int, longest: float = LONGEST) -> Tables:
+    """Tables of `reduction` for `levels` step lengths, from `longest` (transits) on."""
     residue, offset, decay2, omega2 = _terms(reduction)
-    length = np.ldexp(LONGEST, -np.arange(levels))
+    length = np.ldexp(longest, -np.arange(levels))
     a, one = rule.integral, np.ones(rule.nodes.size)
     ha = length[:, None, None] * a
     ha2 = ha @ ha
@@ -56,6 +56,13 @@ def step_tables(reduction: Reduction, rule: Collocation, levels: int) -> Tables:
     return Tables(
         length, impedance, elastic + reduction.damping * np.eye(one.size), inertia, free, forced, offset, omega2, reduction.spring
     )
+
+
+def impedance_at(reduction: Reduction, s: Array) -> Array:
+    """Z(s)/epsilon for real s > 0 (1/transit)."""
+    residue, offset, decay2, omega2 = (term[:, None] for term in _terms(reduction))
+    modes = (residue * s + offset) / (s * s + decay2 * s + omega2)
+    return np.asarray(reduction.spring / s + reduction.mass * s + reduction.damping + modes.sum(axis=0))
 
 
 def _terms(reduction: Reduction) -> tuple[Array, Array, Array, Array]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from reduced.collocation import Nodes
 from reduced.delay_kernel import ELASTIC, PSI, TIME
-from reduced.step_guess import force, predict, resolved
+from reduced.step_guess import DONE, force, judge_step, predict
 from reduced.step_newton import PREVIOUS, RATE, STATE, UNKNOWN, WORK_ROWS, solve_step
 from scene.compiled import njit, overwrite
 from scene.drive import interpolate_drive
@@ -144,6 +144,7 @@ def march_network(
     count: int,
     newton_tolerance: float,
     resolution: float,
+    steepest: float,
     pieces: Pieces,
 ) -> tuple[int, int, int]:
     """March `count` steps of `length` transits; returns (steps, Newton iterations, verdict) as `march_delay` does, but a refused
@@ -181,10 +182,11 @@ def march_network(
             force(nodes, motion.nudge, start, length, integral, work)
         used = solve_step(nodes, law, impedance, h, left, incoming, 0, integral, newton_tolerance, guess, work, system)
         iterations += used
-        if used == 0 or not resolved(nodes, tail, guess, resolution):
+        verdict = judge_step(nodes, tail, guess, work, used, resolution, steepest)
+        if verdict != DONE:
             overwrite(guess, saved_guess)
             overwrite(grip, saved_grip)
-            return n, iterations, 1 if used == 0 else 2
+            return n, iterations, verdict
         emit(nodes, motion, impedance, integral, incoming, drive, guess, work, now, start, length, pieces, n)
         for slab in range(slabs):
             first = network.first[slab]
@@ -198,7 +200,7 @@ def march_network(
         now[PSI], now[TIME] = guess[STATE, s - 1], start + length
         memory.cursor[0] = cursor + 1 if cursor + 1 < ring else 0
         predict(nodes, predict_rate, predict_state, left, guess, work)
-    return count, iterations, 0
+    return count, iterations, DONE
 
 
 @njit

@@ -4,12 +4,15 @@ is resolved. See `reduced.step_newton` for the rows of `guess` and `work`."""
 import math
 
 from reduced.collocation import Nodes
-from reduced.step_newton import FORCED, FRESH, PREVIOUS, STATE, UNKNOWN
+from reduced.step_newton import FORCED, FRESH, PREVIOUS, SLOPE, STATE, UNKNOWN
 from scene.compiled import inlined, njit
 from scene.friction import Law
 from scene.interface import solve_interface
 from scene.observe.pieces import Array
 from scene.start import NUDGE_CENTRE, NUDGE_REACH
+
+DONE, NOT_SOLVED, NOT_SMOOTH, TOO_STEEP = range(4)
+"""What becomes of a step."""
 
 
 @njit
@@ -39,12 +42,20 @@ def force(nodes: Nodes, nudge: float, start: float, length: float, integral: Arr
 
 
 @inlined
-def resolved(nodes: Nodes, tail: Array, guess: Array, resolution: float) -> bool:
-    """Whether the highest Legendre coefficient of z in the step, `tail` times the nodal values, is within `resolution`."""
-    coefficient = 0.0
+def judge_step(nodes: Nodes, tail: Array, guess: Array, work: Array, used: int, resolution: float, steepest: float) -> int:
+    """DONE; NOT_SOLVED where Newton `used` no iteration; NOT_SMOOTH if the highest Legendre coefficient of z in the step, `tail`
+    times the nodal values, is above `resolution`; TOO_STEEP if a disturbance would grow by more than e^`steepest` within the step
+    (the slopes of the linearised step): an implicit step damps it, and a smooth solution that is left by everything in its
+    neighbourhood would pass."""
+    coefficient, growth = 0.0, 0.0
     for j in range(len(nodes)):
         coefficient += tail[j] * guess[UNKNOWN, j]
-    return abs(coefficient) <= resolution
+        growth = max(growth, work[SLOPE, j])
+    if used == 0:
+        return NOT_SOLVED
+    if not abs(coefficient) <= resolution:
+        return NOT_SMOOTH
+    return TOO_STEEP if growth > steepest else DONE
 
 
 @inlined

@@ -8,6 +8,7 @@ from reduced.delay_breaks import DelayBreaks
 from reduced.delay_network import DelayNetwork
 from reduced.exact import delay_system
 from reduced.network import common_divisor
+from reduced.step_guess import NOT_SMOOTH
 from scene import read
 from scene.errors import NumericsError, SceneError
 from scene.observe import EventObserver, follow, summarise
@@ -34,7 +35,7 @@ def test_step_length_does_not_matter(name):
     for halvings in (0, 1):
         solver = DelayNetwork(scene)
         for _ in range(halvings):
-            solver._refine()
+            solver._refine(NOT_SMOOTH)
         answers.append(follow(solver, 120).psi)
     assert answers[0] == pytest.approx(answers[1], abs=2e-10)
 

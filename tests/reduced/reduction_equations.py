@@ -1,0 +1,78 @@
+"""The equations of an ODE reduction (docstring of `reduced.reduction`) integrated by scipy: a witness for the ladder.
+
+It is begun afresh at every knot of the drive. It shares the table of poles with the ladder, and neither the friction law (ageing)
+nor the integrator.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.special import wrightomega
+
+from reduced.reduction import Reduction
+from scene.scene import Scene
+from scene.start import NUDGE_CENTRE
+
+Array = NDArray[np.float64]
+
+
+class Equations:
+    """x = (psi, ln v or nothing, y, tau_1, p_1, ..., relaxations), y and tau relative to epsilon."""
+
+    def __init__(self, what: Scene, reduction: Reduction) -> None:
+        self.what, self.reduction = what, reduction
+        self.massive = reduction.mass > 0.0
+        self.modes = tuple(zip(reduction.frequencies, reduction.residues, reduction.decays, reduction.offsets, strict=True))
+
+    def start(self) -> Array:
+        states = 2 * len(self.modes) + len(self.reduction.relaxations)
+        ln_v = [math.log(self.what.velocity)] if self.massive else []
+        return np.array(
+            [
+                self.what.steady_psi + self.what.start.jump_size,
+                *ln_v,
+                self.what.steady_stress / self.what.upper.epsilon,
+                *[0.0] * states,
+            ]
+        )
+
+    def ln_v(self, time: float, psi: float, load: float) -> float:
+        """Without mass: F(ln v, psi) + epsilon damping (v - V) = epsilon load."""
+        law, resistance = self.what.law, self.what.upper.epsilon * self.reduction.damping
+        stress = self.what.upper.epsilon * load + resistance * self.what.drive.at(time)
+        free = (stress - law.a_star - law.b * psi) / law.a
+        return free - float(np.real(wrightomega(free + math.log(resistance / law.a)))) if resistance else free
+
+    def rates(self, time: float, x: Array) -> list[float]:
+        law, r, reduction = self.what.law, self.what.transit, self.reduction
+        psi, rest = x[0], x[1 + self.massive :]
+        y, modes = rest[0], rest[1 : 1 + 2 * len(self.modes)]
+        relaxing = rest[1 + 2 * len(self.modes) :]
+        load = y + sum(modes[::2]) + sum(relaxing)
+        ln_v = x[1] if self.massive else self.ln_v(time, psi, load)
+        v = math.exp(ln_v)
+        u = v - self.what.drive.at(time)
+        found = [r * (math.exp(-psi) - v) + self.what.start.nudge_size * math.exp(-((time - NUDGE_CENTRE) ** 2))]
+        if self.massive:
+            stress = (law.a_star + law.a * ln_v + law.b * psi) / self.what.upper.epsilon
+            found.append((load - stress - reduction.damping * u) / (reduction.mass * v))
+        found.append(-reduction.spring * u)
+        for (omega, residue, decay, offset), tau, p in zip(self.modes, modes[::2], modes[1::2], strict=True):
+            found += [-residue * u - 2.0 * decay * tau + p, -offset * u - omega**2 * tau]
+        found += [-strength * u - rate * tau for (strength, rate), tau in zip(reduction.relaxations, relaxing, strict=True)]
+        return found
+
+    def psi_at(self, ends: tuple[float, ...], tolerance: float = 1e-12) -> list[float]:
+        """psi at each of `ends` (transits), rising."""
+        x, time, found = self.start(), 0.0, []
+        for stop in sorted({*ends, *(knot for knot in self.what.drive.times if 0.0 < knot < ends[-1])}):
+            method = "LSODA" if self.massive else "DOP853"
+            x = solve_ivp(self.rates, (time, stop), x, method=method, rtol=tolerance, atol=0.01 * tolerance, max_step=1.0).y[
+                :, -1
+            ]
+            time = stop
+            if stop in ends:
+                found.append(float(x[0]))
+        return found
