@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/installed
 
-.PHONY: install test report bench
+.PHONY: install test report bench faults mutants
 
 install: $(STAMP)
 
@@ -27,3 +27,13 @@ report: $(STAMP)
 # ratios of run times, beside those of the last time; judges nothing
 bench: $(STAMP)
 	$(BIN)/python -m validation.benchmark reports/bench
+
+# make faults PART=4 plants one in four of the faults; which ones, the commit decides
+faults: $(STAMP)
+	$(BIN)/python -m tests.faults $(if $(PART),--part $(PART))
+
+# a random sample of small changes; first, which functions each test runs
+mutants: $(STAMP)
+	mkdir -p reports/reach
+	REACH=reports/reach $(BIN)/pytest -p tests.faults.reach -m "not slow" -n 2
+	$(BIN)/python -m tests.faults.mutants --reach reports/reach

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from scene import sources
 from scene.sources import ROOT, import_closure, inside, program
 
 
@@ -51,3 +52,11 @@ def test_only_files_of_the_four_rooms_are_inside() -> None:
     assert not inside(ROOT / "tests" / "conftest.py")
     assert not inside(Path(__file__))
     assert not inside(Path("/tmp/scene/slab.py"))
+
+
+@pytest.mark.parametrize("room", ["scene", "reduced", "fullwave"])
+def test_the_digest_of_the_solvers_sees_each_of_their_rooms(room: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    before, read = sources.source_digest(), sources.program
+    edited = min((ROOT / room).rglob("*.py"))
+    monkeypatch.setattr(sources, "program", lambda path: read(path) + "edited" * (path == edited))
+    assert sources.source_digest() != before

@@ -1,0 +1,236 @@
+"""A random sample of small changes: how many does the test suite notice?  `make mutants`, or `python -m tests.faults.mutants`.
+
+Every place of the four rooms where an operator below applies is equally likely; the sample depends on the seed only. Strings are
+left alone. Tests that run the changed function are tried first (`reach` says which), the whole suite for those that survive.
+"""
+
+import argparse
+import ast
+import copy as copies
+import json
+import math
+import random
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from scene.sources import import_closure
+from tests.faults.planting import FOLDER, ROOMS, ROOT
+from tests.faults.programme import CHECK_SECONDS, SUITE_SECONDS, Record, Store, run_all
+from tests.faults.trial import WHOLE_SUITE, Copy
+
+RESULT = ROOT / "reports" / "mutants.json"
+EQUIVALENT = FOLDER / "equivalent.toml"
+_FEW_SECONDS = 40.0
+_SWAPS: dict[type, tuple[type, ...]] = {
+    ast.Lt: (ast.LtE, ast.GtE),
+    ast.LtE: (ast.Lt, ast.Gt),
+    ast.Gt: (ast.GtE, ast.LtE),
+    ast.GtE: (ast.Gt, ast.Lt),
+    ast.Eq: (ast.NotEq,),
+    ast.NotEq: (ast.Eq,),
+    ast.Is: (ast.IsNot,),
+    ast.IsNot: (ast.Is,),
+    ast.In: (ast.NotIn,),
+    ast.NotIn: (ast.In,),
+    ast.Add: (ast.Sub,),
+    ast.Sub: (ast.Add,),
+    ast.Mult: (ast.Div,),
+    ast.Div: (ast.Mult,),
+    ast.Pow: (ast.Mult,),
+    ast.FloorDiv: (ast.Div,),
+    ast.Mod: (ast.Mult,),
+    ast.And: (ast.Or,),
+    ast.Or: (ast.And,),
+}
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """Characters [begin, end) of `file` become `new`; `function` is the one they lie in."""
+
+    file: str
+    function: str
+    begin: int
+    end: int
+    old: str
+    new: str
+
+    @property
+    def name(self) -> str:
+        """Unique for a state of the file."""
+        return f"{self.file}:{self.begin}:{self.new}"
+
+    @property
+    def decided_by(self) -> list[str]:
+        """The changed file."""
+        return [self.file]
+
+
+def all_mutants(root: Path = ROOT) -> list[Mutant]:
+    """Every mutant of the four rooms."""
+    files = (path for room in ROOMS for path in sorted((root / room).rglob("*.py")))
+    return [m for path in files for m in mutants_of(path.relative_to(root).as_posix(), path.read_text(encoding="utf-8"))]
+
+
+def mutants_of(file: str, text: str) -> Iterator[Mutant]:
+    """All mutants of one file."""
+    starts = [0]
+    for line in text.splitlines(keepends=True):
+        starts.append(starts[-1] + len(line))
+    lines = text.splitlines(keepends=True)
+
+    def offset(line: int, column: int) -> int:
+        return starts[line - 1] + len(lines[line - 1].encode()[:column].decode())
+
+    for node, function in _changeable(ast.parse(text), ""):
+        begin, end = offset(node.lineno, node.col_offset), offset(node.end_lineno, node.end_col_offset)
+        for changed in _changes(node):
+            new = ast.unparse(changed)
+            wrapped = f"({new})" if isinstance(node, ast.BinOp | ast.BoolOp | ast.Compare | ast.UnaryOp) else new
+            yield Mutant(file, function, begin, end, text[begin:end], wrapped)
+
+
+def _changeable(node: ast.AST, function: str) -> Iterator[tuple[Any, str]]:
+    """Nodes that run, with the function they lie in; neither annotations nor strings with values in them."""
+    for field, value in ast.iter_fields(node):
+        if field in ("annotation", "returns", "decorator_list") or isinstance(node, ast.JoinedStr):
+            continue
+        for child in value if isinstance(value, list) else [value]:
+            if isinstance(child, ast.FunctionDef | ast.ClassDef):
+                yield from _changeable(child, f"{function}.{child.name}".lstrip("."))
+            elif isinstance(child, ast.AST):
+                if isinstance(child, ast.expr | ast.stmt):
+                    yield child, function
+                yield from _changeable(child, function)
+
+
+def _changes(node: ast.AST) -> Iterator[ast.AST]:
+    """The node with one thing wrong."""
+    match node:
+        case ast.Compare(ops=[only]) if type(only) in _SWAPS:
+            for other in _SWAPS[type(only)]:
+                yield _with(node, ops=[other()])
+        case ast.BinOp(op=op) | ast.AugAssign(op=op) | ast.BoolOp(op=op) if type(op) in _SWAPS and not _is_text(node):
+            for other in _SWAPS[type(op)]:
+                yield _with(node, op=other())
+        case ast.UnaryOp(op=ast.USub() | ast.Not(), operand=operand):
+            yield operand
+        case ast.Constant(value=bool(value)):
+            yield ast.Constant(not value)
+        case ast.Constant(value=int(value)):
+            yield ast.Constant(value + 1)
+        case ast.Constant(value=float(value)):
+            yield ast.Constant(2.0 * value if value else 1.0)
+        case ast.Return(value=ast.AST() as value) if not isinstance(value, ast.Constant):
+            yield ast.Return(ast.Constant(None))
+        case ast.Call(keywords=[_, *_]):
+            for number in range(len(node.keywords)):
+                yield _with(node, keywords=[k for i, k in enumerate(node.keywords) if i != number])
+
+
+def _with(node: ast.AST, **fields: Any) -> ast.AST:
+    changed = copies.copy(node)
+    for name, value in fields.items():
+        setattr(changed, name, value)
+    return changed
+
+
+def _is_text(node: ast.AST) -> bool:
+    return any(
+        isinstance(part, ast.JoinedStr) or (isinstance(part, ast.Constant) and isinstance(part.value, str))
+        for part in ast.walk(node)
+    )
+
+
+class Reach:
+    """What `reach` wrote: for every test its seconds and functions."""
+
+    def __init__(self, folder: Path) -> None:
+        self._tests: dict[str, Any] = {}
+        for path in folder.glob("*.json"):
+            self._tests |= json.loads(path.read_text(encoding="utf-8"))
+
+    def tests_for(self, mutant: Mutant) -> list[str]:
+        """Tests that run the mutant's function, the most specific first, of some seconds together.
+
+        A function that no test runs in Python is compiled, or runs at import: then tests that run a function of its file, or of a
+        file that imports it.
+        """
+        found = [test for test, facts in self._tests.items() if f"{mutant.file}::{mutant.function}" in facts["functions"]]
+        if not found:
+            users = self._users(mutant.file)
+            found = [
+                test for test, facts in self._tests.items() if any(f.partition("::")[0] in users for f in facts["functions"])
+            ]
+        room = Path(mutant.file).parts[0]
+        found.sort(
+            key=lambda test: (f"tests/{room}/" not in test, len(self._tests[test]["functions"]), self._tests[test]["seconds"])
+        )
+        chosen, seconds = [], 0.0
+        for test in found:
+            if seconds + self._tests[test]["seconds"] < _FEW_SECONDS and len(chosen) < 150:
+                chosen.append(test)
+                seconds += self._tests[test]["seconds"]
+        return chosen
+
+    def _users(self, file: str) -> set[str]:
+        """The files that import `file`, nearest first: its own, or those with it in their closure if it leaves no trace."""
+        own = {file}
+        if any(f.startswith(f"{file}::") for facts in self._tests.values() for f in facts["functions"]):
+            return own
+        rooms = (path for room in ROOMS[:3] for path in (ROOT / room).rglob("*.py"))
+        return {p.relative_to(ROOT).as_posix() for p in rooms if ROOT / file in import_closure([p], packages=False)}
+
+
+def try_mutant(mutant: Mutant, copy: Copy, reach: Reach, whole: bool) -> Record:
+    """The record of one mutant: noticed or not, by which test, and whether by an assertion."""
+    text = (copy.tree / mutant.file).read_text(encoding="utf-8")
+    line = text.count("\n", 0, mutant.begin) + 1
+    what = " ".join(f"{mutant.old} -> {mutant.new}".split())
+    record: Record = {"name": mutant.name, "room": mutant.file.partition("/")[0], "where": f"{mutant.file}:{line}", "what": what}
+    few = reach.tests_for(mutant)
+    with copy.with_text(mutant.file, text[: mutant.begin] + mutant.new + text[mutant.end :]):
+        found = copy.run(few, CHECK_SECONDS) if few else None
+        if (found is None or found.is_green) and whole:
+            found = copy.run(WHOLE_SUITE, SUITE_SECONDS)
+    if found is None or found.is_green:
+        said = "the whole suite stays green" if whole else f"{len(few)} tests stay green"
+        return record | {"caught": False, "says": said, "seconds": round(found.seconds, 1) if found else 0.0}
+    by = found.caught or (found.accidents[0] if found.accidents else {"test": "", "says": found.trouble})
+    return record | {"caught": True, "caught_by": by["test"], "says": by["says"], "seconds": round(found.seconds, 1)}
+
+
+def wilson(noticed: int, of: int) -> tuple[float, float]:
+    """95 % interval of a share (Wilson 1927)."""
+    z = 1.959964
+    share, scale = noticed / of, 1.0 + z * z / of
+    half = z * math.sqrt(share * (1.0 - share) / of + z * z / (4.0 * of * of))
+    return (share + z * z / (2.0 * of) - half) / scale, (share + z * z / (2.0 * of) + half) / scale
+
+
+def main() -> int:
+    """Try a sample of mutants and print the score with its interval."""
+    parser = argparse.ArgumentParser(prog="python -m tests.faults.mutants", description="Score of a random sample of mutants.")
+    parser.add_argument("--count", type=int, default=150, metavar="N", help="size of the sample (default: 150)")
+    parser.add_argument("--seed", type=int, default=8, metavar="N", help="of the sample (default: 8)")
+    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="tried at a time (default: 2)")
+    parser.add_argument("--reach", type=Path, required=True, metavar="FOLDER", help="what the plugin `reach` wrote")
+    parser.add_argument("--whole", action="store_true", help="the whole suite for those that survive the tests nearest to them")
+    options = parser.parse_args()
+    everything = all_mutants()
+    sample = random.Random(options.seed).sample(everything, options.count)
+    print(f"{len(everything)} mutants, sample of {len(sample)}")
+    reach = Reach(options.reach)
+    store = Store(RESULT, "mutants")
+    records = run_all(sample, lambda mutant, copy: try_mutant(mutant, copy, reach, options.whole), options.jobs, store)
+    noticed = sum(record["caught"] for record in records)
+    low, high = wilson(noticed, len(records))
+    print(f"{noticed} of {len(records)} mutants noticed: {noticed / len(records):.3f}, 95 % interval {low:.3f} to {high:.3f}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

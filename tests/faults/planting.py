@@ -1,0 +1,103 @@
+"""A fault: one place of one file changed. It is anchored by a qualified name and by text within it, never by a line number."""
+
+import ast
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+FOLDER = Path(__file__).resolve().parent
+ROOT = FOLDER.parent.parent
+ROOMS = ("scene", "reduced", "fullwave", "validation")
+
+
+class AnchorError(ValueError):
+    """The place of a fault is not there, or not alone."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """`old` becomes `new` within `within` (a function, Class or Class.method; empty: the whole file) of `file`.
+
+    `user` says what it would do to somebody who relies on the program; `check` names the tests (pytest's node ids) that should
+    notice first.
+    """
+
+    name: str
+    file: str
+    within: str
+    old: str
+    new: str
+    user: str = ""
+    check: tuple[str, ...] = ()
+
+    @property
+    def room(self) -> str:
+        """Top-level package."""
+        return self.file.partition("/")[0]
+
+    @property
+    def where(self) -> str:
+        """File and name, for the table."""
+        return f"{self.file}::{self.within}" if self.within else self.file
+
+    @property
+    def decided_by(self) -> list[str]:
+        """The changed file and those of its check."""
+        return [self.file, *(check.partition("::")[0] for check in self.check)]
+
+    @property
+    def what(self) -> str:
+        """The change in one line."""
+        return " ".join(f"{self.old.strip()} -> {self.new.strip() or 'nothing'}".split())
+
+    def planted(self, text: str) -> str:
+        """The file's text with the fault in it. Raises AnchorError if `old` is not there exactly once, or if nothing changes."""
+        begin, end = span(text, self.within)
+        if text.count(self.old, begin, end) != 1:
+            raise AnchorError(f"{self.name}: {self.old!r} is {text.count(self.old, begin, end)} times in {self.where}")
+        at = text.index(self.old, begin)
+        changed = text[:at] + self.new + text[at + len(self.old) :]
+        if self.file.endswith(".py") and ast.dump(ast.parse(changed)) == ast.dump(ast.parse(text)):
+            raise AnchorError(f"{self.name}: the program is the same after the change")
+        return changed
+
+    def tripwire(self, text: str) -> str:
+        """The file's text with an exception at the fault's function instead: shows whether a check runs that code at all."""
+        body = _named(ast.parse(text), self.within).body
+        first = body[1] if len(body) > 1 and isinstance(body[0], ast.Expr) else body[0]
+        lines = text.splitlines(keepends=True)
+        lines.insert(first.lineno - 1, " " * first.col_offset + 'raise RuntimeError("the planted fault is reached")\n')
+        return "".join(lines)
+
+
+def read_faults(folder: Path = FOLDER) -> list[Fault]:
+    """All planted faults, room by room: `folder`/ROOM.toml."""
+    return [
+        Fault(**{**record, "check": tuple(record["check"])})
+        for room in ROOMS
+        for record in tomllib.loads((folder / f"{room}.toml").read_text(encoding="utf-8"))["fault"]
+    ]
+
+
+def span(text: str, name: str) -> tuple[int, int]:
+    """Where the definition of `name` begins and ends in `text`, decorators included."""
+    if not name:
+        return 0, len(text)
+    node = _named(ast.parse(text), name)
+    starts = [0]
+    for line in text.splitlines(keepends=True):
+        starts.append(starts[-1] + len(line))
+    first = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+    return starts[first - 1], starts[node.end_lineno or node.lineno]
+
+
+def _named(tree: ast.Module, name: str) -> ast.Module | ast.FunctionDef | ast.ClassDef:
+    scope: ast.Module | ast.FunctionDef | ast.ClassDef = tree
+    for part in filter(None, name.split(".")):
+        inner = [
+            n for n in ast.walk(scope) if isinstance(n, ast.FunctionDef | ast.ClassDef) and n.name == part and n is not scope
+        ]
+        if not inner:
+            raise AnchorError(f"there is no {name}")
+        scope = inner[0]
+    return scope

@@ -1,0 +1,118 @@
+"""The programme of planted faults itself: anchors hold, the original stays as it is, and what nobody notices is a survivor."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from tests.faults.planting import ROOMS, ROOT, AnchorError, Fault, read_faults
+from tests.faults.programme import Store, key_of, try_fault
+from tests.faults.trial import Copy
+
+FAULTS = read_faults()
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
+def test_every_fault_still_has_its_place_and_its_check(fault: Fault) -> None:
+    text = (ROOT / fault.file).read_text(encoding="utf-8")
+    assert fault.planted(text) != text
+    assert fault.user
+    assert fault.check
+    for check in fault.check:
+        file, _, name = check.partition("::")
+        functions = [n.name for n in ast.walk(ast.parse((ROOT / file).read_bytes())) if isinstance(n, ast.FunctionDef)]
+        assert not name or name.partition("[")[0] in functions
+
+
+def test_there_are_forty_spread_over_the_rooms_by_their_size() -> None:
+    assert len({fault.name for fault in FAULTS}) == len(FAULTS) >= 40
+    lines = {room: sum(len(path.read_bytes().splitlines()) for path in (ROOT / room).rglob("*.py")) for room in ROOMS}
+    for room in ROOMS:
+        share = sum(fault.room == room for fault in FAULTS) / len(FAULTS)
+        assert 0.7 < share / (lines[room] / sum(lines.values())) < 1.7, room
+
+
+SUM = "def total(values):\n    return sum(values)\n\n\ndef count(values):\n    return len(values)\n"
+SETTINGS = "[tool.pytest.ini_options]\nmarkers = ['slow']\n"
+TEST = "from scene.sums import total\n\ndef test_total():\n    assert total([1, 2]) == 3\n"
+
+
+def fault(old: str, new: str, within: str = "total") -> Fault:
+    return Fault("small", "scene/sums.py", within, old, new, "wrong sums", ("tests/test_sums.py",))
+
+
+@pytest.fixture
+def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Copy:
+    """A copy of a checkout of one module and one test, with the programme's own plugin."""
+    root = tmp_path / "original"
+    for name, text in {"scene/sums.py": SUM, "tests/test_sums.py": TEST, "pyproject.toml": SETTINGS}.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text)
+    for name in ("tests/faults/witness.py", "tests/faults/__init__.py", "tests/__init__.py"):
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_bytes((ROOT / name).read_bytes())
+    monkeypatch.setattr("tests.faults.trial.tracked_files", lambda root: [p for p in root.rglob("*") if p.is_file()])
+    (tmp_path / "work").mkdir()
+    return Copy(tmp_path / "work", root)
+
+
+def test_a_fault_is_caught_by_what_it_breaks_and_the_copy_is_clean_again(copy: Copy) -> None:
+    record = try_fault(fault("sum(values)", "max(values)"), copy)
+    assert record["caught"] is True
+    assert record["by_its_check"] is True
+    assert record["caught_by"] == "tests/test_sums.py::test_total"
+    assert record["says"] == "assert total([1, 2]) == 3  [assert 2 == 3]"
+    assert (copy.tree / "scene/sums.py").read_text() == SUM
+    assert (copy.tree.parents[1] / "original/scene/sums.py").read_text() == SUM
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "within", "says"),
+    [
+        ("sum(values)", "sum(list(values))", "total", "its check runs the changed code and stays green"),
+        ("len(values)", "2 * len(values)", "count", "its check never runs the changed code"),
+        ("sum(values)", "sum(valves)", "total", "by accident only: NameError in tests/test_sums.py::test_total"),
+        ("return sum", "import nothing_of_that_name\n    return sum", "total", "by accident only: ModuleNotFoundError"),
+    ],
+    ids=["equivalent", "not reached", "crash", "import"],
+)
+def test_what_no_assertion_notices_survives(old: str, new: str, within: str, says: str, copy: Copy) -> None:
+    record = try_fault(fault(old, new, within), copy)
+    assert record["caught"] is False
+    assert record["says"].startswith(says)
+
+
+def test_a_check_that_fails_anyway_catches_nothing(copy: Copy) -> None:
+    (copy.tree / "tests/test_sums.py").write_text(TEST.replace("3", "4"))
+    record = try_fault(fault("sum(values)", "max(values)"), copy)
+    assert record["caught"] is False
+    assert "not green without it" in record["says"]
+
+
+@pytest.mark.parametrize(
+    ("old", "within"),
+    [("absent", "total"), ("values", "total"), ("len(values)", "total"), ("sum(values)", "totals"), ("sum(values)", "A.total")],
+)
+def test_a_place_that_is_not_there_once_is_refused(old: str, within: str) -> None:
+    with pytest.raises(AnchorError):
+        fault(old, "0", within).planted(SUM)
+
+
+def test_a_change_of_a_comment_is_no_fault() -> None:
+    with pytest.raises(AnchorError, match="same"):
+        fault("return sum(values)", "return sum(values)  # all", "total").planted(SUM)
+
+
+def test_a_record_is_of_use_until_what_decides_it_changes(tmp_path: Path) -> None:
+    for name in ("a.py", "b.py"):
+        (tmp_path / name).write_text("1")
+    store = Store(tmp_path / "records.json", "faults")
+    key = key_of(FAULTS[0], ["a.py"], tmp_path)
+    store.add({"name": "first", "caught": False, "where": "", "what": "", "says": "", "key": key})
+    again = Store(tmp_path / "records.json", "faults")
+    (tmp_path / "b.py").write_text("2")
+    assert again.known("first", key_of(FAULTS[0], ["a.py"], tmp_path)) is not None
+    assert again.known("other", key) is None
+    assert again.known("first", key_of(FAULTS[1], ["a.py"], tmp_path)) is None
+    (tmp_path / "a.py").write_text("2")
+    assert again.known("first", key_of(FAULTS[0], ["a.py"], tmp_path)) is None
