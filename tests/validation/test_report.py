@@ -1,7 +1,9 @@
 """The report's machinery on synthetic studies: stored whole, recomputed only on a change, failures shown, page whole."""
 
 import math
+import os
 import re
+import subprocess
 import sys
 from html.parser import HTMLParser
 
@@ -94,8 +96,8 @@ def test_damaged_result_is_computed_again(fake, tmp_path, damage):
     for times, damaged in enumerate((None, bytes_[:100], b"", b"[]", b"{}", bytes_[:-40] + b"\0" + bytes_[-39:])):
         path.unlink() if damaged is None else path.write_bytes(damaged)
         page = make_report(tmp_path).read_text()
-        assert re.sub(r"computed in.*|, [0-9.]+ s|of 20.*?UTC", "", page) == re.sub(
-            r"computed in.*|, [0-9.]+ s|of 20.*?UTC", "", whole
+        assert re.sub(r"studies took.*|, [0-9.]+ s|of 20.*?UTC", "", page) == re.sub(
+            r"studies took.*|, [0-9.]+ s|of 20.*?UTC", "", whole
         )
         assert fake.runs == ["first"] * (times + 2)
 
@@ -115,6 +117,21 @@ def test_no_damage_to_a_result_goes_unnoticed(fake, tmp_path):
         assert found[-1] is None or repr(found[-1].result) == repr(saved.result)
     assert len(found) > 600
     assert found.count(None) > 0.95 * len(found)
+
+
+def test_what_a_killed_process_left_is_removed(fake, tmp_path):
+    """But not what another one is writing now."""
+    module = fake.add("first")
+    with subprocess.Popen(["sleep", "100000"]) as other:
+        parts = [tmp_path / f".first.{name}" for name in (other.pid, os.getpid(), "old")]
+        with subprocess.Popen(["true"]) as gone:
+            pass
+        parts.append(tmp_path / f".first.{gone.pid}")
+        for part in parts:
+            part.mkdir()
+        store.save(tmp_path, module, "key", result(), 1.0)
+        other.kill()
+    assert [part for part in parts if part.exists()] == [parts[0]]
 
 
 def test_interrupted_report_resumes(fake, tmp_path):

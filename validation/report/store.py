@@ -75,7 +75,9 @@ def save(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds
 
     target = folder / study.NAME
     part = folder / f".{study.NAME}.{os.getpid()}"
-    _remove(part)
+    for left in folder.glob(f".{study.NAME}.*"):
+        if not _is_running(left.suffix[1:]):
+            _remove(left)
     part.mkdir(parents=True)
     try:
         for figure in result.figures:
@@ -90,6 +92,17 @@ def save(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds
         _remove(part)
     stored = _stored(target, study, record)
     return Stored(**{**vars(stored), "fresh": True})
+
+
+def _is_running(process: str) -> bool:
+    """Whether the process that wrote a part is still there; this one begins anew."""
+    try:
+        os.kill(int(process), 0)
+    except (ProcessLookupError, ValueError):
+        return False
+    except PermissionError:
+        return True
+    return int(process) != os.getpid()
 
 
 def _remove(folder: Path) -> None:
