@@ -49,3 +49,46 @@ def test_taylor_is_shown_to_be_unusable(capsys: pytest.CaptureFixture[str]) -> N
     found = answer(capsys, "paper", "--model", "taylor", "--set", "slab.log10_r=-3.5")
     assert found["stable"] is False
     assert found["unstable_roots"] == 2
+
+
+@pytest.mark.parametrize("share", [1e-9, -1e-9, 1e-12, 0.0])
+@pytest.mark.parametrize("scene", ["paper", "unlike", "grip", "viscous", "slip-law", "layered"])
+@pytest.mark.parametrize("model", ["delay", "quasidynamic", "fitted:3"])
+def test_a_root_on_the_axis_is_neutral_and_no_verdict(
+    capsys: pytest.CaptureFixture[str], scene: str, model: str, share: float
+) -> None:
+    r_c = 10.0 ** answer(capsys, scene, "--model", model)["log10_r_c"]
+    table = "upper" if scene.startswith("unlike") else "slab"
+    ratio = 2.0 if table == "upper" else 1.0
+    settings = [f"{table}.r={r_c * (1.0 + share):.17g}"] + (
+        [f"lower.r={ratio * r_c * (1.0 + share):.17g}"] if ratio > 1.0 else []
+    )
+    words = [scene, "--model", model, *(word for setting in settings for word in ("--set", setting))]
+    found = answer(capsys, *words)
+    assert abs(found["leading_roots"][0][0]) < 1e-9 * 1e3 * found["omega_c"]
+    assert found["stable"] is None
+    assert found["unstable_roots"] == 0
+    assert ["neutral within rounding" in note for note in found["notes"]] == [True]
+    assert main(["stability", *words]) == 0
+    assert "steady sliding is neutral at V = " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("share", "stable"), [(1e-5, False), (-1e-5, True)])
+def test_off_the_axis_there_is_a_verdict(capsys: pytest.CaptureFixture[str], share: float, stable: bool) -> None:
+    r_c = 10.0 ** answer(capsys, "paper")["log10_r_c"]
+    found = answer(capsys, "paper", "--set", f"slab.r={r_c * (1.0 + share):.17g}")
+    assert found["stable"] is stable
+    assert found["unstable_roots"] == (0 if stable else 2)
+    assert found["notes"] == []
+
+
+def test_a_ramp_says_which_velocity_is_analysed(capsys: pytest.CaptureFixture[str]) -> None:
+    ramp = "drive.velocity=[[0, 1000], [5, 1000], [10, 100]]"
+    found = answer(capsys, "paper", "--set", ramp)
+    same = answer(capsys, "paper", "--set", "drive.velocity=1000")
+    assert found["velocity"] == same["velocity"] == 1000.0
+    assert found["leading_roots"] == same["leading_roots"]
+    assert ["V = 1000, that at t = 0" in note for note in found["notes"]] == [True]
+    assert same["notes"] == []
+    assert main(["stability", "paper", "--set", ramp]) == 0
+    assert "note: the drive changes: this is steady sliding at V = 1000" in capsys.readouterr().out

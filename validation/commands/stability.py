@@ -41,11 +41,28 @@ def result_of(scene: "Scene", found: "Stability") -> dict[str, Any]:
         "omega_c": found.omega_c,
         "log10_r_c": found.log10_r_c,
         "epsilon_c": found.epsilon_c,
+        "velocity": found.velocity,
         "stable": found.stable,
         "unstable_roots": found.unstable_roots,
         "leading_roots": [[root.real, root.imag] for root in found.leading_roots],
         "essential_abscissa": found.essential_abscissa,
+        "notes": notes_of(scene, found),
     }
+
+
+def notes_of(scene: "Scene", found: "Stability") -> list[str]:
+    """What the figures do not say by themselves: which V on a ramp, why there is no verdict on a neutral root."""
+    notes = []
+    if not scene.drive.is_constant:
+        notes.append(
+            f"the drive changes: this is steady sliding at V = {found.velocity:g}, that at t = 0; set drive.velocity to any other"
+        )
+    if found.stable is None:
+        notes.append(
+            f"neutral within rounding: the leading root's real part {found.leading_roots[0].real:.2g} cannot be told from 0; no "
+            "other root grows"
+        )
+    return notes
 
 
 def _print(scene: "Scene", found: "Stability") -> None:
@@ -57,7 +74,11 @@ def _print(scene: "Scene", found: "Stability") -> None:
     for line in describe(scene):
         print(line)
     verdict = "stable" if found.stable else f"unstable: {found.unstable_roots} growing roots (certified count)"
-    print(f"model {found.model}: steady sliding is {verdict} at V = {scene.velocity:g}\n")
+    verdict = "neutral" if found.stable is None else verdict
+    print(f"model {found.model}: steady sliding is {verdict} at V = {found.velocity:g}")
+    for note in notes_of(scene, found):
+        print(f"note: {note}")
+    print()
     rows = [
         ["critical frequency omega_c [V*/L]", figures(found.omega_c, 12), ""],
         ["critical round trip log10 r_c", figures(found.log10_r_c, 12), f"scene {figures(math.log10(scene.transit), 10)}"],
