@@ -70,8 +70,8 @@ def attack_table(found: dict[str, dict[str, Outcome]], late: bool) -> Table:
     cells = ", ".join(f"{model} {size}" for model, size in CELLS.items())
     caption = (
         "Largest difference of ψ from the delay system’s at 6, 8, 12, 20 and 40 transits of the upper slab"
-        f"{ending}. Smooth start of the paper’s scene unless told otherwise. *n failures*: interface solves that were counted as "
-        "failed; *message*: the run was refused or ended with the words in a table below. Cells of the faster slab: "
+        f"{ending}. Smooth start of the paper’s scene unless told otherwise. *message*: the run was refused or ended with the "
+        "words in a table below. Cells of the faster slab: "
         f"{cells}."
     )
     return Table("attacks", caption, columns, tuple(rows))

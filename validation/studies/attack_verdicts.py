@@ -3,16 +3,20 @@
 import math
 from typing import NamedTuple
 
+from validation.bounds import bounded
 from validation.report.text import plain
 from validation.studies.attack_runs import ATTACKS, CELLS, Advice, Outcome
 from validation.study import Evidence, Verdict, judge
 
-SHARP = 0.1
-"""How far a step limit may lie from the declared one."""
+SHARP = 0.04
+"""How far a step limit may lie from the declared one, which is a hundredth less than the spectrum's and is found to 1 per cent;
+0.018 was measured."""
 
-_RIGHT, _LATE = 1e-2, 5e-2
-_CALM, _GROWN = 20.0, 100.0
-_ROUNDING = 1e-4
+_CURED = {"sbp:2": 5e-3, "fem:1": 5e-3, "fd": 1e-5}  # error of psi on the grid that was asked for: 3e-4, 3e-4, 8e-7 and at most
+_CURED_OTHERS = 2e-6  # 8e-8 were measured
+_CALM, _GROWN = 20.0, 100.0  # 5.8 and 1e3 were measured
+_REACHED = 0.01  # how sharply the state's limit is found; 0.002 were measured
+_SWINGS = 3e-4  # of the leapfrog's energy, which is taken at two times half a step apart; 3e-5 was measured
 _REACH = {"sbp:2": 2.785, "fem:1": 2.785, "fd": math.inf}
 _REACH_OF_ORDER_8 = 6.394
 
@@ -36,12 +40,14 @@ def answer(found: Found) -> str:
     """One sentence with the figures that matter."""
     stiff = [value for some in found.limits.values() for value, decade in zip(some, found.decades, strict=True) if decade > 0]
     outcomes = [outcome for some in found.attacks.values() for outcome in some.values()]
-    silent = sum(outcome.silently_wrong(_RIGHT, _LATE) for outcome in outcomes)
-    told = sum(outcome.reported for outcome in outcomes)
+    silent = sum(
+        outcome.silently_wrong(*ATTACKS[name].right) for name, some in found.attacks.items() for outcome in some.values()
+    )
+    told = sum(bool(outcome.message) for outcome in outcomes)
     return (
         f"The step limit lies at {min(stiff):.2f} to {max(stiff):.2f} of the declared one however stiff friction is; of "
         f"{len(outcomes)} attacks {len(outcomes) - told - silent} end right, {told} with a message, {silent} silently wrong; "
-        f"noise in a locked slab never gains energy (at most {max(found.noise.values()):.6g} of it is left)."
+        f"at most {max(found.noise.values()):.6g} of the energy of noise in a locked slab is left."
     )
 
 
@@ -52,7 +58,7 @@ def limit_verdict(found: Found) -> Verdict:
     return Verdict(
         "The step limit does not move with the stiffness of friction",
         Evidence.EXACT,
-        "1, ± 10 %",
+        f"1, ± {100 * SHARP:.0f} %",
         f"{min(returning):.2f} to {max(returning):.2f}",
         judge(all(abs(value - 1.0) <= SHARP for value in returning) and min(value for value, _ in every) >= 1.0 - SHARP),
         f"largest stable step over the declared one, {len(found.limits)} families, a/v from 10^{{{found.decades[0]}}} to "
@@ -80,9 +86,9 @@ def state_verdict(reach: dict[str, float]) -> Verdict:
     return Verdict(
         "A fast state limits the step by itself, at the real reach of the time stepping",
         Evidence.EXACT,
-        "1, ± 2 %",
+        f"1, ± {100 * _REACHED:.0f} %",
         f"{min(ratios.values()):.3f} to {max(ratios.values()):.3f}",
-        judge(all(abs(ratio - 1.0) <= 0.02 for ratio in ratios.values()) and math.isinf(reach["fd"])),
+        judge(all(abs(ratio - 1.0) <= _REACHED for ratio in ratios.values()) and math.isinf(reach["fd"])),
         "Δt r V over 2.785 (Runge-Kutta of order 4) or 6.394 (order 8); the leapfrog takes ψ implicitly and has no such limit",
     )
 
@@ -102,14 +108,15 @@ def stop_verdict(stopped: dict[str, bool]) -> Verdict:
 
 def attack_verdict(name: str, some: dict[str, Outcome], beyond: bool) -> Verdict:
     """Whether an attack ended right or with a message in every family."""
-    silent = [model for model, outcome in some.items() if outcome.silently_wrong(_RIGHT, _LATE)]
-    errors = [outcome.error for outcome in some.values() if not outcome.reported]
-    late = max((outcome.late for outcome in some.values() if not outcome.reported), default=0.0)
+    right, right_late = ATTACKS[name].right
+    silent = [model for model, outcome in some.items() if outcome.silently_wrong(right, right_late)]
+    errors = [outcome.error for outcome in some.values() if not outcome.message]
+    late = max((outcome.late for outcome in some.values() if not outcome.message), default=0.0)
     ours = f"ψ to {plain(max(errors), '.0e')}" + (f", late {plain(late, '.0e')}" if beyond else "") if errors else "messages"
     return Verdict(
         "Extreme scenes end right or with a message, never wrong in silence",
         Evidence.WITNESS,
-        f"ψ to {plain(_RIGHT, '.0e')}" + (f", late {plain(_LATE, '.0e')}" if beyond else "") + ", or a message",
+        f"ψ to {plain(right, '.0e')}" + (f", late {plain(right_late, '.0e')}" if beyond else "") + ", or a message",
         ours,
         judge(not silent),
         f"{ATTACKS[name].title}, against the delay system" + (f"; silent: {', '.join(silent)}" if silent else ""),
@@ -118,25 +125,27 @@ def attack_verdict(name: str, some: dict[str, Outcome], beyond: bool) -> Verdict
 
 def advice_verdict(advice: dict[str, Advice]) -> Verdict:
     """Whether more cells cured the runs that asked for them."""
-    worst = max(one.error for one in advice.values())
-    return Verdict(
+    allowed = {model: _CURED.get(model, _CURED_OTHERS) for model in advice}
+    worst = max(advice, key=lambda model: advice[model].error / allowed[model])
+    return bounded(
         "A run that asks for more cells is right once it has them",
         Evidence.WITNESS,
-        f"ψ to {plain(_RIGHT, '.0e')}",
-        f"ψ to {plain(worst, '.0e')}",
-        judge(worst <= _RIGHT),
-        f"V = 10^{{5}} V*, 400 transits; {sum(one.stopped > 0 for one in advice.values())} of {len(advice)} families asked",
+        advice[worst].error,
+        allowed[worst],
+        f"ψ, V = 10^{{5}} V*, 400 transits; {sum(one.stopped > 0 for one in advice.values())} of {len(advice)} families asked; "
+        f"shown: `{worst}`, next to its limit",
     )
 
 
 def noise_verdict(noise: dict[str, float], transits: float) -> Verdict:
     """Whether noise gained energy."""
-    worst = max(noise, key=noise.__getitem__)
+    others = {model: ratio for model, ratio in noise.items() if model != "fd"}
+    worst = max(others, key=others.__getitem__)
     return Verdict(
-        "Noise at the grid scale gains no energy in a locked slab",
+        "Noise at the grid scale gains no energy in a locked slab, and the leapfrog loses none",
         Evidence.EXACT,
-        "at most 1",
-        f"{noise[worst]:.6g}",
-        judge(all(math.isfinite(ratio) and ratio <= 1.0 + _ROUNDING for ratio in noise.values())),
-        f"energy after {transits:,.0f} transits over that in the first ten, {len(noise)} families; most is left by `{worst}`",
+        f"1 ± {plain(_SWINGS, '.0e')}; less than 1",
+        f"{noise['fd']:.6g}; {others[worst]:.3g}",
+        judge(abs(noise["fd"] - 1.0) < _SWINGS and all(ratio < 1.0 for ratio in others.values())),
+        f"energy after {transits:,.0f} transits over that in the first ten: `fd`; of {len(others)} others most in `{worst}`",
     )
