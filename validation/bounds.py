@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from validation.report.text import plain
 from validation.study import Evidence, Outcome, Verdict, judge
 
-ROOMY, ROUNDING = 30.0, 1e-12
+ROOMY, ROUNDING = 30.0, 1e-10
 """A limit further above what is measured than this many times lets faults pass; below `ROUNDING` machines may differ by more."""
 
 

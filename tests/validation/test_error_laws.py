@@ -1,8 +1,9 @@
+import numpy as np
 import pytest
 
 import scene
 from validation.studies import load
-from validation.studies.error_laws import Cycle, _cycle_verdict, measure_cycle, measure_onsets
+from validation.studies.error_laws import MODELS, Cycle, _answer, _cycle_verdict, _onset_verdicts, measure_cycle, measure_onsets
 from validation.studies.error_laws_figures import fall
 from validation.study import Outcome
 
@@ -34,3 +35,44 @@ def test_the_cycles_error_does_not_fall(onsets):
 def test_a_period_error_that_falls_would_pass():
     cycles = [Cycle(0.2, 7.0, {"kelvin-voigt": 1e-2}), Cycle(0.1, 7.0, {"kelvin-voigt": 2e-3})]
     assert _cycle_verdict(cycles).outcome is Outcome.PASS
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_how_far_an_error_may_be_from_its_law(onsets, model, sign):
+    """Half of theta^2, and twice theta for the quasi-dynamic law, at a quarter of the paper's epsilon (theta = 0.0316)."""
+    one = onsets[model]
+    limit = 0.063 if model == "quasidynamic" else 5e-4
+    law = np.array([one.law.at(float(theta)) for theta in one.theta])
+
+    def outcome(off):
+        return _onset_verdicts({model: one._replace(error=law * (1.0 + sign * off))})[0].outcome
+
+    assert [outcome(0.9 * limit), outcome(3.0 * limit)] == [Outcome.PASS, Outcome.FAIL]
+
+
+@pytest.mark.parametrize(("last", "outcome"), [(2.4e-3, "pass"), (2.6e-3, "finding"), (1e-2, "finding"), (2e-2, "finding")])
+def test_an_error_that_falls_with_theta_must_more_than_halve_beside_it(last, outcome):
+    cycles = [Cycle(0.2, 7.0, {"kelvin-voigt": -1e-2}), Cycle(0.1, 7.0, {"kelvin-voigt": last})]
+    assert _cycle_verdict(cycles).outcome == outcome
+
+
+def test_the_answer_follows_the_numbers(onsets):
+    cycles = [Cycle(0.2, 7.0, {"kelvin-voigt": -0.034}), Cycle(0.1, 7.0, {"kelvin-voigt": -0.028})]
+    told = _answer(onsets, cycles, False)
+    assert "gives its error to 2 · 10^{−4} of itself" in told
+    assert told.endswith(
+        "For the cycle, no: the period of the paper’s ODE is 2.8 to 3.4 % off at the r tried, down to θ = 0.100."
+    )
+    assert "For the cycle, yes:" in _answer(onsets, cycles, True)
+
+
+def test_the_figure_shows_laws_and_errors(onsets):
+    cycles = [Cycle(0.2, 7.0, {"kelvin-voigt": -0.034}), Cycle(0.1, 7.0, {"kelvin-voigt": -0.028})]
+    left, right = fall(onsets, cycles).axes
+    assert {axes.get_xlabel() for axes in (left, right)} == {r"$\theta=r\,\omega_c$ (radians per transit)"}
+    assert left.get_ylabel() == "relative error"
+    line, marks = left.get_lines()[:2]
+    assert np.array_equal(marks.get_ydata(), np.abs(onsets["quasistatic"].error))
+    assert line.get_ydata() == pytest.approx(onsets["quasistatic"].theta ** 2 / 12.0)
+    assert [list(right.get_lines()[0].get_xdata()), list(right.get_lines()[0].get_ydata())] == [[0.2, 0.1], [0.034, 0.028]]

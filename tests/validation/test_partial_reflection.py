@@ -1,10 +1,13 @@
 import math
 
+import numpy as np
 import pytest
 
+from validation.bounds import too_roomy
 from validation.studies import load
+from validation.studies.partial_reflection_figures import bare_and_grip, over_grip
 from validation.studies.partial_reflection_runs import Pair, Point, locking_leak
-from validation.studies.partial_reflection_verdicts import agreement, keeps, locks
+from validation.studies.partial_reflection_verdicts import agreement, dies, keeps, locks
 from validation.study import Budget, Outcome
 
 STUDY = load("partial-reflection")
@@ -18,6 +21,7 @@ def result():
 def test_every_verdict_holds(result):
     assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
     assert len(result.verdicts) == 4
+    assert too_roomy(result.verdicts) == []
 
 
 def test_periods_at_matched_impedance(result):
@@ -38,6 +42,58 @@ def test_a_lost_grip_and_a_wrong_end_turn_lights_red():
     points = [Point(77.0, 0.2, 5000.0), Point()]
     assert math.isnan(points[1].period)
     assert keeps((1e-3, 0.1), points).outcome is Outcome.FAIL
-    assert locks({0.1: "steady", 0.5: "steady"}, 2.0 / 11.0).outcome is Outcome.FAIL
-    pair = Pair(1.0, 1.0, Point(77.0, 0.2, 5000.0), Point(77.0, 0.2, 5000.1))
-    assert agreement([pair]).outcome is Outcome.FAIL
+    assert keeps((1e-3, 0.1), points[:1] * 2).outcome is Outcome.PASS
+    edge = 2.0 / 11.0
+    assert locks({0.1: "steady", 0.15: "steady", 0.25: "locks"}, edge).outcome is Outcome.PASS
+    for wrong in ({0.5: "steady"}, {0.1: "locks"}, {0.5: "still decaying"}):
+        assert locks({0.1: "steady", 0.5: "locks"} | wrong, edge).outcome is Outcome.FAIL
+
+
+@pytest.mark.parametrize("figure", range(3))
+@pytest.mark.parametrize(("quick", "limit"), [(True, 5e-9), (False, 5e-10)])
+def test_how_far_the_models_may_differ(figure, quick, limit):
+    def outcome(off):
+        exact = (77.0, 0.2, 5000.0)
+        wave = tuple(value * (1.0 + off * (k == figure)) for k, value in enumerate(exact))
+        return agreement([Pair(1.0, 1.0, Point(*exact), Point(*wave))], quick).outcome
+
+    assert [outcome(0.9 * limit), outcome(-3.0 * limit)] == [Outcome.PASS, Outcome.FAIL]
+
+
+ENDS = ["stick-slip", "stick-slip", "steady"]
+
+
+@pytest.mark.parametrize(
+    ("leaks", "outcome"),
+    [((1e-5, 0.03, 0.045), "pass"), ((1e-5, 0.1, 0.2), "fail"), ((1e-5, 0.005, 0.006), "pass"), ((1e-5, 1e-3, 2e-3), "fail")],
+)
+def test_where_stick_slip_may_die(leaks, outcome):
+    """(1 - R) T between 1/3 and 3, T = 77."""
+    assert dies(leaks, ENDS, 77.0).outcome == outcome
+
+
+def test_stick_slip_that_never_or_always_dies_is_red():
+    assert dies((0.01, 0.02), ["stick-slip"] * 2, 77.0).outcome is Outcome.FAIL
+    assert dies((0.01, 0.02), ["steady"] * 2, 77.0).outcome is Outcome.FAIL
+
+
+def test_the_answer_counts_what_is_kept():
+    held = [Point(77.0, 0.2, 5000.0)] * 3
+    told = STUDY._answer((1e-5, 0.006, 0.02), ENDS, held)
+    assert told.startswith("Grips keep the cycle at 3 of 3 reflections tried, down to R = 0.98")
+    assert told.endswith("end it between 1 − R = 6 · 10^{−3} and 2 · 10^{−2}.")
+    assert "at 2 of 3" in STUDY._answer((1e-5, 0.006, 0.02), ENDS, [*held[:2], Point()])
+
+
+def test_figures_show_every_point():
+    grid, point = np.array([0.1, 1.0, 10.0]), Point(77.0, 0.2, 5000.0)
+    pairs = [Pair(stiff, 1.0, point, Point(78.0, 0.21, 5001.0)) for stiff in (1.0, 10.0)]
+    period, drop = over_grip(grid, {1.0: [point] * 3, 10.0: [point] * 3}, pairs).axes
+    assert [axes.get_ylabel() for axes in (period, drop)] == ["period $T$ (transits)", r"stress drop $\Delta\mu$"]
+    assert {axes.get_xlabel() for axes in (period, drop)} == {r"$Z_g/\epsilon$"}
+    assert [list(line.get_ydata()) for line in period.get_lines()[:3]] == [[77.0] * 3, [77.0], [78.0]]
+    assert list(drop.get_lines()[2].get_ydata()) == [0.21]
+    panels = bare_and_grip(grid, [point] * 3, [Point(1.0, 2.0, 3.0)] * 3, 0.5).axes
+    assert [axes.get_title() for axes in panels] == ["period $T$ (transits)", r"stress drop $\Delta\mu$", r"$v_{max}/V^*$"]
+    assert [axes.get_lines()[1].get_ydata()[0] for axes in panels] == [1.0, 2.0, 3.0]
+    assert [axes.get_lines()[2].get_xdata()[0] for axes in panels] == [0.5] * 3

@@ -9,6 +9,7 @@ import scene
 from reduced.stability import ErrorLaw, critical_round_trip, error_law, friction_slopes, scaled
 from scene.observe.pieces import Array
 from scene.scene import Scene
+from validation.bounds import bounded
 from validation.models import build
 from validation.orbits import settle
 from validation.report.text import plain
@@ -67,17 +68,26 @@ def run(budget: Budget) -> StudyResult:
     for count, scale in enumerate(scales):
         cycles.append(measure_cycle(paper, scale))
         budget.report((count + 1) / len(scales))
-    worst = cycles[-1].errors["kelvin-voigt"]
+    onset_verdicts, cycle_verdict = _onset_verdicts(onsets), _cycle_verdict(cycles)
     return StudyResult(
-        answer="For the onset of stick-slip, yes: the first term that a reduction’s impedance misses gives its error to a per "
-        f"cent. For the cycle, no: the period of the paper’s ODE is {100 * abs(worst):.0f} % off at every r tried, down to θ = "
-        f"{cycles[-1].theta:.3f}, as softer slabs slip faster.",
+        answer=_answer(onsets, cycles, cycle_verdict.outcome is Outcome.PASS),
         figures=(Figure("fall", _CAPTION, lambda: fall(onsets, cycles)),),
         tables=(_onset_table(onsets), _cycle_table(cycles)),
-        verdicts=(*_onset_verdicts(onsets), _cycle_verdict(cycles)),
+        verdicts=(*onset_verdicts, cycle_verdict),
         notes=(_WHY,),
         numbers={f"error of r_c, {model}": Number(float(one.error[_paper()]), 1e-6) for model, one in onsets.items()}
         | {f"error of T at ε/2, {model}": Number(_half(cycles)[model], 1e-3) for model in ("kelvin-voigt", "block12", "block8")},
+    )
+
+
+def _answer(onsets: Onsets, cycles: list[Cycle], falls: bool) -> str:
+    """`falls`: whether the error of the cycle falls with r, as that of the onset does."""
+    off = max(abs(one.ratio(_paper() + 2) - 1.0) for model, one in onsets.items() if model != "quasidynamic")
+    errors = [100.0 * abs(one.errors["kelvin-voigt"]) for one in cycles]
+    return (
+        "For the onset of stick-slip, yes: the first term that a reduction’s impedance misses gives its error to "
+        f"{plain(off, '.0e')} of itself at a quarter of the paper’s ε. For the cycle, {'yes' if falls else 'no'}: the period of "
+        f"the paper’s ODE is {min(errors):.1f} to {max(errors):.1f} % off at the r tried, down to θ = {cycles[-1].theta:.3f}."
     )
 
 
@@ -147,16 +157,21 @@ def _cycle_table(cycles: list[Cycle]) -> Table:
 def _onset_verdicts(onsets: Onsets) -> tuple[Verdict, ...]:
     finer = _paper() + 2
     return tuple(
-        Verdict(
+        bounded(
             f"{model}: error of r_{{c}} follows {_TEXT.get(model, 'its θ^{4} law')}",
             Evidence.ASYMPTOTIC,
-            "measured/law → 1",
+            abs(one.ratio(finer) - 1.0),
+            _next_term(model, float(one.theta[finer])),
+            f"measured over law, how far from 1, at θ = {one.theta[finer]:.3f}: the next term",
             f"{one.ratio(finer):.5f}",
-            judge(abs(one.ratio(finer) - 1.0) < (0.05 if model == "quasidynamic" else 0.002)),
-            f"θ = {one.theta[finer]:.3f}",
         )
         for model, one in onsets.items()
     )
+
+
+def _next_term(model: str, theta: float) -> float:
+    """What the law may leave out: 3e-5 to 2e-4 was measured at theta^2 = 1e-3, and 0.03 for the one law that is odd in theta."""
+    return 2.0 * theta if model == "quasidynamic" else 0.5 * theta**2
 
 
 def _cycle_verdict(cycles: list[Cycle]) -> Verdict:

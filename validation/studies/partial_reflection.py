@@ -11,6 +11,7 @@ from validation.studies.partial_reflection_runs import (
     LOG10_R,
     LOG10_R_BARE,
     UNTIL,
+    Point,
     bare_scene,
     end_of,
     grip_scene,
@@ -46,13 +47,13 @@ def run(budget: Budget) -> StudyResult:
     edge = locking_leak()
     slow = {leak: end_of(bare_scene(leak, nudge=0.01)) for leak in _SLOW_LEAKS}
     return StudyResult(
-        answer=_answer(leaks, ends),
+        answer=_answer(leaks, ends, held),
         figures=(
             Figure("grip", _GRIP, lambda: over_grip(grid, orbits, pairs)),
             Figure("bare", _BARE, lambda: bare_and_grip(np.array(leaks), bare, held, edge)),
         ),
         tables=(wave_table(pairs), bare_table(leaks, bare, held, ends)),
-        verdicts=(agreement(pairs), dies(leaks, ends), keeps(leaks, held), locks(slow, edge)),
+        verdicts=(agreement(pairs, budget.quick), dies(leaks, ends, bare[0].period), keeps(leaks, held), locks(slow, edge)),
         notes=(
             "A held interface returns each wave whole, the outer face returns R of it: a load behind a bare coefficient falls to "
             "R of itself every transit, to 1/e in 1/(1 − R) transits. Stick-slip needs it to last for several periods.",
@@ -68,11 +69,12 @@ def _leaks(quick: bool) -> tuple[float, ...]:
     return 1e-5, 1e-4, 3e-4, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3, 0.01, 0.02, 0.05, 0.1, 0.15, 0.25, 0.5, 1.0
 
 
-def _answer(leaks: tuple[float, ...], ends: list[str]) -> str:
+def _answer(leaks: tuple[float, ...], ends: list[str], held: list[Point]) -> str:
     alive, dead = last_alive(leaks, ends)
+    kept = sum(not math.isnan(one.period) for one in held)
     return (
-        "Grips keep the cycle even where they swallow every wave; bare coefficients end it as soon as the load leaks within a "
-        f"few cycles: between 1 − R = {plain(alive, '.0e')} and {plain(dead, '.0e')}."
+        f"Grips keep the cycle at {kept} of {len(held)} reflections tried, down to R = {1.0 - max(leaks):g}; bare coefficients, "
+        f"which leak the load, end it between 1 − R = {plain(alive, '.0e')} and {plain(dead, '.0e')}."
     )
 
 

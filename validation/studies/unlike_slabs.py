@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import scene
 from scene.observe import EventObserver, follow
 from scene.scene import Scene
+from validation.bounds import bounded
 from validation.models import build
 from validation.orbits import DenseObserver
 from validation.report.text import plain
-from validation.studies.unlike_slabs_cost import cost_table, cost_verdicts, costs
+from validation.studies.unlike_slabs_cost import Costs, cost_table, cost_verdicts, costs
 from validation.studies.unlike_slabs_figures import Curves, last_cycles
 from validation.study import Budget, Cell, Column, Evidence, Figure, Number, Omission, StudyResult, Table, Verdict, judge
 
@@ -22,7 +23,11 @@ UNTIL = 600.0
 _PAIRS = {"unlike": "2", "unlike-irrational": "√2"}
 """Scene -> its ratio of round trips; the ratio of impedances is 3 in both."""
 _WATCHED = 140.0  # transits before UNTIL that are kept for the picture
-_PROMISED, _AMONG = 1e-9, 1e-8
+_PROMISED = 3e-11  # 3e-12 was measured
+_AMONG, _AMONG_CELLS = 1e-10, 48
+"""Allowed between families of high order with so many cells of `sbp:6`, the coarsest of them; 2e-11 was measured, and 3e-12 with
+twice as many."""
+_SECOND_ORDER = 0.15  # how far the leapfrog's ratio may lie from 4; 0.045 was measured
 _HIGH = ("dg:7", "sbp:6", "fem:4")
 
 
@@ -54,15 +59,15 @@ def run(budget: Budget) -> StudyResult:
     timed = costs(repeats=5 if budget.quick else 9)
     shown = {name: (some[0].curves, some[1].curves) for name, some in runs.items()}
     return StudyResult(
-        answer=_answer(runs, timed["delay"]),
+        answer=_answer(runs, timed),
         figures=(Figure("cycles", _CAPTION, lambda: last_cycles(shown)),),
         tables=(_table(runs), cost_table(timed)),
         verdicts=(*_agreements(runs), *_families(runs), *_leapfrog(runs), *cost_verdicts(timed)),
         notes=(
             "Neither scene’s cycles have come to rest at 600 transits: the last complete one is compared as it is, at the same "
             "moment of every model’s run.",
-            "The full wave marches two slabs where the alike pair needs one. Leapfrog pays less than twice for that, "
-            "discontinuous Galerkin more than twice: its verdict says so; where the time goes is not known.",
+            "The full wave marches two slabs where the alike pair needs one, the longer of the commensurate pair with twice the "
+            "cells: three times the work. A clock on a busy machine is no proof: a ratio that is not reached is a finding.",
         ),
         numbers={f"{name}: ψ({UNTIL:.0f})": Number(some[0].figures["psi"], 1e-10) for name, some in runs.items()},
         omissions=(Omission("Simplified models of unlike slabs.", "This study asks whether the two exact descriptions agree."),),
@@ -88,10 +93,11 @@ def _march(what: Scene, model: str, cells: int | None, cfl: float | None) -> Run
     return Run(model, cells, {"psi": final.psi, **last}, curves)
 
 
-def _answer(runs: dict[str, list[Run]], delay: dict[str, float]) -> str:
-    worst = max(abs(some[1].differs(some[0])["psi"]) for some in runs.values())
+def _answer(runs: dict[str, list[Run]], timed: Costs) -> str:
+    worst, delay = max(abs(some[1].differs(some[0])["psi"]) for some in runs.values()), timed["delay"]
     return (
-        f"They do: after {UNTIL:.0f} transits ψ of the delay network and of discontinuous Galerkin differ by "
+        f"{'They do' if worst < _PROMISED else 'No'}: after {UNTIL:.0f} transits ψ of the delay network and of discontinuous "
+        "Galerkin differ by "
         f"{plain(worst, '.0e')} at most. Unlike slabs cost the delay system {delay['commensurate'] / delay['alike']:.1f} times "
         f"the alike ones’ time per transit, {delay['irrational'] / delay['alike']:.1f} times where echoes never fall together."
     )
@@ -137,13 +143,14 @@ def _families(runs: dict[str, list[Run]]) -> list[Verdict]:
     verdicts = []
     for name, some in runs.items():
         states = [one.figures["psi"] for one in some if one.model in _HIGH]
+        limit = _AMONG * (_AMONG_CELLS / next(one.cells or 1 for one in some if one.model == "sbp:6")) ** 3
         remark = f"{', '.join(f'`{model}`' for model in _HIGH)}; ψ({UNTIL:.0f}), round trips {_PAIRS[name]} : 1"
-        verdicts.append(_verdict("Unlike slabs: full-wave families agree", max(states) - min(states), _AMONG, remark))
+        verdicts.append(_verdict("Unlike slabs: full-wave families agree", max(states) - min(states), limit, remark))
     return verdicts
 
 
 def _verdict(claim: str, off: float, limit: float, remark: str) -> Verdict:
-    return Verdict(claim, Evidence.WITNESS, plain(limit, ".0e"), plain(off, ".0e"), judge(off < limit), remark)
+    return bounded(claim, Evidence.WITNESS, off, limit, remark)
 
 
 def _leapfrog(runs: dict[str, list[Run]]) -> list[Verdict]:
@@ -157,7 +164,7 @@ def _leapfrog(runs: dict[str, list[Run]]) -> list[Verdict]:
                 Evidence.WITNESS,
                 "ratio 4",
                 f"{coarse / fine:.3f}",
-                judge(abs(coarse / fine - 4.0) < 0.3),
+                judge(abs(coarse / fine - 4.0) < _SECOND_ORDER),
                 f"error of ψ({UNTIL:.0f}) at half and at all the cells, round trips {_PAIRS[name]} : 1",
             )
         )
