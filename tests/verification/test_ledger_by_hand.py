@@ -80,7 +80,7 @@ def by_hand(chosen: Scene, field):
     return found
 
 
-CASES = [(name, family) for name in SCENES for family in FAMILIES if (name, family) != ("kelvin-voigt", "sbp:6")]
+CASES = [(name, family) for name in SCENES for family in FAMILIES if name != "kelvin-voigt" or family in ("fd", "fem:6")]
 
 
 @pytest.mark.parametrize(("name", "family"), CASES)
