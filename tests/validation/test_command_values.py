@@ -1,0 +1,119 @@
+"""What stability, compare and bench say, number by number: closed forms and the runs of the models themselves."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import matplotlib.figure
+import numpy as np
+import pytest
+
+import scene
+from tests.one_port_by_hand import leading_root, pair_impedance
+from validation.cli import main
+
+A, B, EPSILON, V = 0.0349, 0.0489, 2.8e-5, 100.0
+R = 10**-2.68
+
+
+def answer(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    assert main([*words, "--json"]) == 0
+    found: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return found
+
+
+def test_stability_by_the_papers_formulas(capsys: pytest.CaptureFixture[str]) -> None:
+    """omega_c (38), r_c (39), epsilon_c (40); the root, in 1/(L/V*), solves friction + (eps/2) coth(s r/2) = 0."""
+    found = answer(capsys, "stability", "paper")
+    omega = V * math.sqrt((B - A) / A)
+    assert found["omega_c"] == pytest.approx(omega, rel=1e-12)
+    critical = 2.0 / omega * math.atan(0.5 * omega * EPSILON / (B - A))
+    assert found["log10_r_c"] == pytest.approx(math.log10(critical), abs=1e-12)
+    assert found["epsilon_c"] == pytest.approx((B - A) * math.tan(0.5 * R * omega) / (0.5 * omega), rel=1e-10)
+    root = leading_root(scene.read("paper"))
+    assert found["leading_roots"][0] == pytest.approx([root.real, abs(root.imag)], rel=1e-9)
+    assert found["leading_roots"][1] == pytest.approx([root.real, -abs(root.imag)], rel=1e-9)
+    assert (found["stable"], found["unstable_roots"]) == (False, 2)
+    abscissa = -math.log((2.0 * A / V + EPSILON) / (2.0 * A / V - EPSILON)) / R
+    assert found["essential_abscissa"] == pytest.approx(abscissa, rel=1e-10)
+
+
+def test_stability_of_unlike_slabs_in_its_table(capsys: pytest.CaptureFixture[str]) -> None:
+    """The table's roots are the JSON's, in cycles per round trip of the upper slab beside them."""
+    found = answer(capsys, "stability", "unlike")
+    chosen = scene.read("unlike")
+    for re, im in found["leading_roots"]:
+        s = complex(re, im)
+        friction = (A / V * s + (A - B)) / (s + V)
+        assert abs(friction + pair_impedance(chosen, s)) < 1e-8 * abs(friction)
+    assert main(["stability", "unlike"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    rows = [line.split() for line in lines[lines.index(next(line for line in lines if "leading roots" in line)) + 1 :]]
+    upper_half = [root for root in found["leading_roots"] if root[1] >= 0.0]
+    assert len(rows) == len(upper_half)
+    for row, (re, im) in zip(rows, upper_half, strict=True):
+        assert [float(row[0]), float(row[1])] == pytest.approx([re, im], rel=1e-6)
+        assert float(row[-1]) == pytest.approx(im * 0.00244 / (2.0 * math.pi), rel=1e-5)
+    critical = {line.split("  ")[0]: line.split() for line in lines if line.startswith("critical")}
+    assert float(critical["critical frequency omega_c [V*/L]"][4]) == pytest.approx(found["omega_c"], rel=1e-10)
+
+
+COMPARE = ["--until", "4000", "--cells", "24"]
+
+
+def test_compare_gives_every_models_own_run_and_its_signed_errors(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Errors are (ours - reference)/reference; the figure has one cycle of each model, in transits, against what was run."""
+    sheets: list[matplotlib.figure.Figure] = []
+    save = matplotlib.figure.Figure.savefig
+    monkeypatch.setattr(
+        matplotlib.figure.Figure, "savefig", lambda self, *where, **how: (sheets.append(self), save(self, *where, **how))[1]
+    )
+    found = answer(
+        capsys, "compare", "paper", "--models", "fd,delay,kelvin-voigt", *COMPARE, "--out", str(tmp_path / "three.png")
+    )
+    rows = {row["model"]: row for row in found["models"]}
+    assert (found["reference"], found["until"], list(rows)) == ("delay", 4000.0, ["fd", "delay", "kelvin-voigt"])
+    reference = answer(capsys, "run", "paper", "--model", "delay", "--until", "4000")
+    for model, row in rows.items():
+        alone = answer(capsys, "run", "paper", "--model", model, "--until", "4000", *(["--cells", "24"] if model == "fd" else []))
+        for key in ("events", "period", "stress_drop", "elastic_stress_drop", "v_max", "v_min", "failures"):
+            assert row[key] == alone[key], (model, key)
+        for key in ("period", "stress_drop"):
+            theirs = reference[key]["mean"]
+            assert row["error"][key] == pytest.approx((alone[key]["mean"] - theirs) / theirs, rel=1e-9, abs=1e-15)
+    assert rows["kelvin-voigt"]["error"]["period"] == pytest.approx(70.7323 / 73.4721 - 1.0, abs=2e-5)
+    above, below = sheets[0].axes
+    for index, row in enumerate(found["models"]):
+        stress, rate = above.lines[index], below.lines[index]
+        time = np.asarray(stress.get_xdata())
+        assert np.array_equal(time, rate.get_xdata())
+        assert [time[0], time[-1]] == pytest.approx([0.0, row["period"]["mean"]], abs=0.5)
+        assert np.ptp(stress.get_ydata()) == pytest.approx(row["stress_drop"]["mean"], rel=2e-2)
+        assert np.max(rate.get_ydata()) == pytest.approx(row["v_max"], rel=2e-2)
+        assert np.min(rate.get_ydata()) == pytest.approx(row["v_min"], rel=2e-2)
+        assert row["model"] in str(stress.get_label())
+        assert f"{row['period']['mean']:.4g}" in str(stress.get_label())
+    assert ("stress" in above.get_ylabel(), "slip rate" in below.get_ylabel(), "transits" in below.get_xlabel()) == (True,) * 3
+
+
+def test_bench_errors_are_those_of_the_runs_it_timed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """|T/T_reference - 1| of each setting, of one cheap family and the delay system; runs made again here."""
+    from validation import models
+
+    monkeypatch.setattr(models, "honouring", lambda _: [family for family in models.families() if family.name in ("delay", "fd")])
+    found = answer(capsys, "bench", "paper", "--until", "2000")
+    tight = answer(capsys, "run", "paper", "--until", "2000", "--model", "delay", "--tol", "1e-11")
+    assert found["reference"] == "delay"
+    options = {"cells": "--cells", "tolerance": "--tol"}
+    for row in found["models"]:
+        setting = [word for name, value in row["setting"].items() for word in (options[name], str(value))]
+        alone = answer(capsys, "run", "paper", "--until", "2000", "--model", row["model"], *setting)
+        for key in ("period", "stress_drop"):
+            wanted = abs(alone[key]["mean"] - tight[key]["mean"]) / tight[key]["mean"]
+            assert row["error"][key] == pytest.approx(wanted, rel=1e-6, abs=1e-14)
+        assert row["failures"] == 0
+    errors = [row["error"]["period"] for row in found["models"] if row["model"] == "fd"]
+    assert errors[0] / errors[-1] > 10.0
