@@ -28,6 +28,20 @@ def recorded(request):
     return field, final, history.columns(), chosen
 
 
+def both_slabs(field):
+    """Position, velocity and stress from the lower outer face (-1) over the interface (0, twice) to the upper one (1).
+
+    Alike slabs mirror each other: same stress, opposite velocity."""
+    upper = field.upper
+    lower = field.lower or dataclasses.replace(upper, velocity=-upper.velocity)
+    order = np.arange(lower.depth.size)[::-1]
+    return (
+        np.append(-lower.depth[order], upper.depth),
+        np.append(lower.velocity[:, order], upper.velocity, axis=1),
+        np.append(lower.stress[:, order], upper.stress, axis=1),
+    )
+
+
 def test_the_interface_agrees_with_the_observer(recorded):
     field, final, columns, _ = recorded
     position, velocity, stress = profile(field)
@@ -108,9 +122,18 @@ def test_netcdf_has_names_units_and_coordinates(recorded, tmp_path):
         assert found["time"].attrs["units"] == "transit"
         assert found["upper_velocity"].dims == ("time", "upper_depth")
         assert found["upper_velocity"].attrs["units"] == "V*"
-        assert np.array_equal(found["upper_stress"].values, field.upper.stress)
+        assert set(found.variables) == {
+            "time",
+            *(f"{slab}_{name}" for slab in field.slabs for name in ("depth", "velocity", "stress")),
+        }
         assert ("lower_velocity" in found) == (not chosen.alike)
-        assert float(found["upper_depth"][-1]) == 1.0
+        assert np.array_equal(found["time"].values, field.time)
+        for slab, data in field.slabs.items():
+            assert np.array_equal(found[f"{slab}_depth"].values, data.depth)
+            assert np.array_equal(found[f"{slab}_velocity"].values, data.velocity)
+            assert np.array_equal(found[f"{slab}_stress"].values, data.stress)
+            assert (data.depth[0], data.depth[-1]) == (0.0, 1.0)
+        assert found.attrs["transit_in_friction_time"] == chosen.upper.round_trip
 
 
 def test_sheet_is_read_back(recorded, tmp_path):
@@ -118,8 +141,12 @@ def test_sheet_is_read_back(recorded, tmp_path):
     path = tmp_path / "field.vtu"
     write_field(path, field)
     mesh = meshio.read(path)
-    position, velocity, _ = profile(field)
-    assert mesh.point_data["velocity"].reshape(field.time.size, -1) == pytest.approx(velocity)
+    position, velocity, stress = both_slabs(field)
+    moments = field.time.size
+    assert mesh.points[:, 0].reshape(moments, -1) == pytest.approx(np.tile(field.time[:, None], position.size))
+    assert mesh.points[:, 1].reshape(moments, -1) == pytest.approx(np.tile(position, (moments, 1)))
+    assert mesh.point_data["velocity"].reshape(moments, -1) == pytest.approx(velocity)
+    assert mesh.point_data["stress"].reshape(moments, -1) == pytest.approx(stress)
     quads = mesh.cells_dict["quad"]
     assert quads.shape[0] == (field.time.size - 1) * (position.size - 2)
     x, y = mesh.points[quads, 0], mesh.points[quads, 1]
@@ -133,15 +160,20 @@ def test_series_is_read_back(recorded, tmp_path):
     field, *_ = recorded
     path = tmp_path / "field.xdmf"
     write_field(path, field)
-    _, velocity, stress = profile(field)
+    position, velocity, stress = both_slabs(field)
     with meshio.xdmf.TimeSeriesReader(path) as reader:
-        points, _ = reader.read_points_cells()
+        points, cells = reader.read_points_cells()
         assert reader.num_steps == field.time.size
-        time, data, _ = reader.read_data(3)
-    assert time == pytest.approx(field.time[3])
-    assert data["velocity"] == pytest.approx(velocity[3])
-    assert data["stress"] == pytest.approx(stress[3])
-    assert points.shape[0] == velocity.shape[1]
+        for step in (0, 3, field.time.size - 1):
+            time, data, _ = reader.read_data(step)
+            assert time == pytest.approx(field.time[step])
+            assert data["velocity"] == pytest.approx(velocity[step])
+            assert data["stress"] == pytest.approx(stress[step])
+    assert points[:, 1] == pytest.approx(position)
+    assert np.abs(points[:, [0, 2]]).max() == 0.0
+    ends = position[cells[0].data]
+    assert (ends[:, 1] > ends[:, 0]).all()
+    assert np.sum(ends[:, 1] - ends[:, 0]) == pytest.approx(2.0)
     assert [entry.name for entry in tmp_path.iterdir()] == ["field.xdmf"]
 
 

@@ -11,6 +11,7 @@ from reduced.impedance.modes import locked_modes, spring_and_mass
 from reduced.impedance.reduce import reduction_of
 from reduced.reduction import Reduction
 from scene.errors import SceneError
+from tests.one_port_by_hand import pair_impedance
 
 T = np.array([0.01 + 0.3j, 0.2 + 1j, 2.0j, 3 + 9j])
 CLOSED = {
@@ -136,3 +137,57 @@ def test_refusals_name_a_way_out():
     with pytest.raises(SceneError, match="at least one oscillator"):
         reduction_of(LOSSY["grip"], "fitted:0")
     assert math.isclose(reduction_of(EVERY["standard linear"], "quasistatic").spring, 1 / 1.5)
+
+
+@pytest.mark.parametrize("name", LOSSY)
+@pytest.mark.parametrize(("count", "allowed"), [(1, 2e-2), (4, 1e-3), (9, 3e-5)])
+def test_fits_below_half_the_first_mode_against_impedances_by_hand(name, count, allowed):
+    """Relative to |Z| + epsilon; measured: 1.5e-3, 1.1e-4, 2.3e-6. The spring is the quasi-static one."""
+    scene = LOSSY[name]
+    longest = max(scene.upper.round_trip, scene.lower.round_trip)
+    s = 1j * np.geomspace(0.02, np.pi, 300) / longest
+    exact = np.array([pair_impedance(scene, point) for point in s])
+    error = np.abs(impedance(scene, s, f"fitted:{count}") - exact) / (EPSILON + np.abs(exact))
+    assert error.max() < allowed
+    slow = 1e-4j / longest
+    assert impedance(scene, slow, f"fitted:{count}") == pytest.approx(pair_impedance(scene, slow), rel=2e-5)
+
+
+@pytest.mark.parametrize(("share", "refused"), [(0.045, False), (-0.045, False), (0.056, True), (-0.056, True)])
+def test_a_fit_that_is_too_far_off_is_refused_with_place_and_size(monkeypatch, share, refused):
+    """A good fit is spoiled by a share of its impedance: at 0.02 radians per transit |Z| is 33 epsilon, 33/34 of it count."""
+    from reduced.impedance import fit, rational
+
+    def spoiled(model, epsilon, transit, s):
+        p, q = ratio(model, epsilon, transit, s)
+        return p, q * (1.0 + share)
+
+    ratio = rational.reduction_ratio
+    monkeypatch.setattr(rational, "reduction_ratio", spoiled)
+    scene = LOSSY["standard linear"]
+    fit.fit_scene.cache_clear()
+    if refused:
+        with pytest.raises(
+            SceneError, match=r"'fitted:3': the best passive fit is 5\.4 % off at 0\.02 radians .* try a larger N"
+        ):
+            fit.fit_scene(scene, "fitted:3", 3, 2.0 / 3.0)
+    else:
+        assert fit.fit_scene(scene, "fitted:3", 3, 2.0 / 3.0).spring == 2.0 / 3.0
+    fit.fit_scene.cache_clear()
+
+
+def test_a_fit_that_stays_active_is_refused(monkeypatch):
+    from reduced.impedance import fit
+
+    fit.fit_scene.cache_clear()
+    solve = fit.passive_coefficients
+
+    def active(matrix, data, held, floors):
+        x = solve(matrix, data, held, floors)
+        x[1] -= 0.5  # a dashpot that drives
+        return x
+
+    monkeypatch.setattr(fit, "passive_coefficients", active)
+    with pytest.raises(SceneError, match=r"model = 'fitted:3': .*(active|passive).* try another N"):
+        fit.fit_scene(LOSSY["grip"], "fitted:3", 3, 0.5)
+    fit.fit_scene.cache_clear()
