@@ -23,6 +23,7 @@ from fullwave.discontinuous import MOST_DEGREE, DiscontinuousGalerkin
 from fullwave.march import March
 from scene.errors import NumericsError, SceneError
 from scene.observe import EventObserver, follow
+from scene.observe.foresight import require_time
 from scene.observe.pieces import Array
 from scene.scene import Scene
 
@@ -138,6 +139,7 @@ def _kinked(scene: Scene) -> bool:
 def _probe(solver: March) -> _Found | None:
     """None if the grid was too coarse to march."""
     events = EventObserver(solver.scene, solver.nodes)
+    require_time(solver, _probed_until(solver.scene))
     try:
         final = follow(solver, _probed_until(solver.scene), [events])
     except NumericsError:

@@ -33,6 +33,7 @@ from scene.scene import Scene
 
 _CELL_BYTES = 150.0  # measured: 50 in an elastic slab, 130 in a Kelvin-Voigt one, their building included
 _CELL_WORK = 20.0  # products that a cell's step takes as long as: 1 ns in an elastic slab, 10 in a Kelvin-Voigt one
+_STEP_SECONDS, _CELL_SECONDS = 1e-7, 2e-9  # of the interface, and of a cell: 0.6 ns in an elastic slab, 10 in a Kelvin-Voigt one
 _MUTABLE = ("velocity", "stress", "relaxing", "lost")
 
 
@@ -71,6 +72,16 @@ class Leapfrog:
         self._memory = steady_memory(scene)
         self._sample = -1
         self._stride = steps_at_once(_CELL_WORK * self.total_cells)
+
+    @property
+    def transits_per_piece(self) -> float:
+        """Length of the pieces that `advance` returns."""
+        return STEPS_PER_PIECE * self.step
+
+    @property
+    def seconds_per_piece(self) -> float:
+        """About what a piece costs."""
+        return STEPS_PER_PIECE * (_STEP_SECONDS + _CELL_SECONDS * self.total_cells)
 
     @property
     def time(self) -> float:

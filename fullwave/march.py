@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fullwave.budget import enough_memory, march_work, require_memory, steps_at_once
+from fullwave.budget import PRODUCTS_PER_SECOND, enough_memory, march_work, require_memory, steps_at_once
 from fullwave.limits import Builder, relaxation_limit, viscous_limit
 from fullwave.line import Section, assemble, marched_slabs
 from fullwave.march_kernel import MOST_PIECES, STEPS_PER_PIECE, march
@@ -71,13 +71,24 @@ class March:
         self._frames, self._keeps_frames = np.empty((0, self._state.size)), False
         self._trial = np.zeros(self._state.size)
         self._rates = np.zeros(method.stages * self._state.size)
-        self._stride = steps_at_once(march_work(self._state.size, self.order_bulk, method, viscous))
+        self._work = march_work(self._state.size, self.order_bulk, method, viscous)
+        self._stride = steps_at_once(self._work)
 
     @property
     def settings(self) -> dict[str, Any]:
         """All that shapes its numbers besides the scene and the model's name."""
         cells = [section.cells for section in self.sections]
         return {"cells": cells, "mass": getattr(self, "mass", None), "cfl": self.cfl, "step": self.step}
+
+    @property
+    def transits_per_piece(self) -> float:
+        """Length of the pieces that `advance` returns."""
+        return STEPS_PER_PIECE * self.step
+
+    @property
+    def seconds_per_piece(self) -> float:
+        """About what a piece costs."""
+        return STEPS_PER_PIECE * self._work / PRODUCTS_PER_SECOND
 
     @property
     def time(self) -> float:

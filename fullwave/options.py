@@ -5,6 +5,7 @@ import numpy as np
 from scene.errors import SceneError
 
 MOST_CELLS = 1_000_000
+LEAST_CFL = 1e-9
 
 
 def require_whole(name: str, value: int, least: int, most: int) -> None:
@@ -14,6 +15,8 @@ def require_whole(name: str, value: int, least: int, most: int) -> None:
 
 
 def require_cfl(cfl: float) -> None:
-    """Raises SceneError unless `cfl` is a number in (0, 1]."""
+    """Raises SceneError unless `cfl` is a number in (0, 1], and not so small that its steps are lost in rounding."""
     if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.integer | np.floating) or not 0.0 < cfl <= 1.0:
         raise SceneError(f"cfl = {cfl!r}: must lie in (0, 1]")
+    if cfl < LEAST_CFL:
+        raise SceneError(f"cfl = {cfl!r}: must be at least {LEAST_CFL:g}; no march of shorter steps comes to an end")

@@ -27,6 +27,7 @@ class DelayMarch:
     """Base of the solvers of the delay system; they keep their state in `_memory`, whose `now` is the present moment."""
 
     model = "delay"
+    seconds_per_piece = 2e-6  # 0.9 to 1.9 measured
     _memory: _Memory
     _steepest: float
 

@@ -37,6 +37,7 @@ class Ladder:
         self.scene, self.model = scene, reduction.name
         self.failures = 0
         self.iterations = 0
+        self.seconds_per_piece = 2e-6  # 1.2 to 2.4 measured
         rule, self._rule, self._shape = _rule(stages)
         self.nodes = rule.nodes
         self._reduction, self._tolerance = reduction, tolerance

@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 from scene.errors import NumericsError, SceneError
 from scene.observe import Energy, Pieces, Solver, follow
+from scene.observe.foresight import require_time
 from scene.observe.pieces import Array
 from scene.scene import Scene
-from validation.orbits import NoCycle, settle
+from validation.orbits import MOST_TRANSITS, NoCycle, settle
 
 if TYPE_CHECKING:
     from fullwave.snapshot import FieldSolver, Snapshot
 
 _TOLERANCE = 1e-9
-_PASSED_ON = frozenset({"step", "total_cells", "settings", "choice"})
+_PASSED_ON = frozenset({"step", "total_cells", "settings", "choice", "seconds_per_piece", "transits_per_piece"})
 
 
 class OnOrbit:
@@ -95,6 +96,7 @@ def begin_on_orbit(solver: Solver) -> OnOrbit:
     if not scene.drive.is_constant:
         raise SceneError("start.kind = 'orbit': needs a constant drive.velocity; with a ramp use 'nudge' or 'jump'")
     try:
+        require_time(solver, MOST_TRANSITS)
         settled = settle(solver, _TOLERANCE)
     except NoCycle as reason:
         raise NumericsError(f"start.kind = 'orbit': {reason} (scene {scene.name!r})") from None

@@ -8,6 +8,7 @@ from typing import Protocol
 from scene.errors import NumericsError
 from scene.observe import Energy, EventObserver, Events, Final, RunStatistics, Solver, follow, summarise
 from scene.observe.follow import Observer
+from scene.observe.foresight import DAY, Foresight, require_time
 from validation.progress import progress
 
 
@@ -44,19 +45,24 @@ class RunInterrupted(KeyboardInterrupt):
         self.run = run
 
 
-def simulate(solver: Solver, until: float, observers: Sequence[Observer] = (), march: March = follow) -> Run:
+def simulate(
+    solver: Solver, until: float, observers: Sequence[Observer] = (), march: March = follow, most_seconds: float = DAY
+) -> Run:
     """March `solver` to `until` (transits) with progress on stderr; statistics are those of the run's second half.
 
     A scene that records nothing is not watched for events. A NumericsError of the solver does not escape: it is kept in
-    `failed`, beside what was computed before. Raises RunInterrupted with the same if the user stops it.
+    `failed`, beside what was computed before. Raises RunInterrupted with the same if the user stops it, and
+    SceneError if the run would take more than `most_seconds` (`scene.observe.foresight`).
     """
+    require_time(solver, until, most_seconds)
+    watching = list(observers) if hasattr(solver, "transits_per_piece") else [*observers, Foresight(solver, until, most_seconds)]
     watch = EventObserver(solver.scene, solver.nodes)
     final: Final | None = None
     failed, stopped = "", False
     began = time.perf_counter()
     try:
         with progress(f"{solver.scene.name}, {solver.model}", until) as report:
-            final = march(solver, until, [watch, *observers] if solver.scene.record else list(observers), report)
+            final = march(solver, until, [watch, *watching] if solver.scene.record else watching, report)
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from validation.commands.options import Json, SceneName, Settings, Until, read_scene
+from validation.commands.options import Json, SceneName, Settings, Until, Yes, most_seconds, read_scene
 
 if TYPE_CHECKING:
     from scene.scene import Scene
@@ -13,7 +13,7 @@ _TOLERANCES = (1e-5, 1e-7, 1e-9)
 _REFERENCE_TOLERANCE = 1e-11
 
 
-def bench(scene: SceneName, until: Until = None, settings: Settings = None, json: Json = False) -> None:
+def bench(scene: SceneName, until: Until = None, settings: Settings = None, yes: Yes = False, json: Json = False) -> None:
     """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance.
 
     A model that cannot do the scene (quasistatic runs away) is a row of the table; a failed solve, or a failed reference, is told
@@ -29,13 +29,13 @@ def bench(scene: SceneName, until: Until = None, settings: Settings = None, json
     trials = [(family, setting) for family in honouring(what) for setting in _settings(family)]
     if not trials:
         raise SceneError(f"scene = {what.name!r}: no model of this installation can do it")
-    reference = _reference(what, trials)
+    reference = _reference(what, trials, most_seconds(yes))
     rows: list[dict[str, Any]] = []
     stopped = ""
     with progress("bench", len(trials)) as report:
         for done, (family, setting) in enumerate(trials):
             try:
-                rows.append(_row(_timed(what, family, setting), setting, reference))
+                rows.append(_row(_timed(what, family, setting, most_seconds(yes)), setting, reference))
             except RunInterrupted:
                 stopped = f"after {done} of {len(trials)} runs"
                 break
@@ -55,21 +55,21 @@ def _settings(family: "Family") -> list[dict[str, Any]]:
     return [{"tolerance": tolerance} for tolerance in _TOLERANCES]
 
 
-def _reference(scene: "Scene", trials: "list[tuple[Family, dict[str, Any]]]") -> "Run":
+def _reference(scene: "Scene", trials: "list[tuple[Family, dict[str, Any]]]", most: float) -> "Run":
     """The delay system at a tight tolerance; for scenes it cannot do, the last full-wave family at its finest setting."""
     family = next((family for family, _ in trials if family.name == "delay"), None)
     if family is not None:
-        return _timed(scene, family, {"tolerance": _REFERENCE_TOLERANCE})
-    return _timed(scene, *trials[-1])
+        return _timed(scene, family, {"tolerance": _REFERENCE_TOLERANCE}, most)
+    return _timed(scene, *trials[-1], most)
 
 
-def _timed(scene: "Scene", family: "Family", setting: dict[str, Any]) -> "Run":
+def _timed(scene: "Scene", family: "Family", setting: dict[str, Any], most: float) -> "Run":
     from validation.simulate import simulate
     from validation.work_precision import Setting, solver_of, warm_up
 
     chosen = Setting(family.example, **setting)
     warm_up(chosen, scene)
-    return simulate(solver_of(chosen, scene), scene.until)
+    return simulate(solver_of(chosen, scene), scene.until, most_seconds=most)
 
 
 def _row(run: "Run", setting: dict[str, Any], reference: "Run") -> dict[str, Any]:

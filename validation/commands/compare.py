@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from validation.commands.options import Cells, Cfl, Json, SceneName, Settings, Tolerance, Until, read_scene
+from validation.commands.options import Cells, Cfl, Json, SceneName, Settings, Tolerance, Until, Yes, most_seconds, read_scene
 
 if TYPE_CHECKING:
     from validation.cycle import Cycle
@@ -23,9 +23,11 @@ def compare(
     cfl: Cfl = None,
     tol: Tolerance = None,
     out: Annotated[Path, typer.Option(metavar="FILE.png", help="the overlay figure")] = Path("compare.png"),
+    yes: Yes = False,
     json: Json = False,
 ) -> None:
     """Lay models over each other for one cycle; print periods and stress drops with their errors."""
+    from scene.observe.foresight import require_time
     from validation.cycle import CycleObserver
     from validation.models import build_all
     from validation.output import attempt, conclude, print_json, printed, require_writable
@@ -34,11 +36,13 @@ def compare(
     what = read_scene(scene, settings, until)
     require_writable(out, (".png", ".pdf", ".svg"))
     solvers = build_all(models, what, cells, cfl, tol)
+    for solver in solvers:
+        require_time(solver, what.until, most_seconds(yes))
     runs, cycles, stopped = [], [], ""
     for solver in solvers:
         observer = CycleObserver(solver)
         try:
-            runs.append(simulate(solver, what.until, [observer]))
+            runs.append(simulate(solver, what.until, [observer], most_seconds=most_seconds(yes)))
         except RunInterrupted as stop:
             runs.append(stop.run)
             stopped = f"model {solver.model}"

@@ -32,7 +32,17 @@ Tolerance: TypeAlias = Annotated[
         "--tol", help="relative error asked for; a full wave chooses cells and step for it and estimates what it reached"
     ),
 ]
+Yes: TypeAlias = Annotated[bool, typer.Option("--yes", help="run it even if it is expected to take more than a day")]
 Out: TypeAlias = Annotated[Path | None, typer.Option(help="file to write")]
+
+
+def most_seconds(yes: bool) -> float:
+    """How long a run may be expected to take."""
+    import math
+
+    from scene.observe.foresight import DAY
+
+    return math.inf if yes else DAY
 
 
 def read_scene(name: str, settings: list[str] | None, until: float | None = None) -> "Scene":

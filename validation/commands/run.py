@@ -5,7 +5,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from validation.commands.options import Cells, Cfl, Json, Model, SceneName, Settings, Tolerance, Until, read_scene
+from validation.commands.options import (
+    Cells,
+    Cfl,
+    Json,
+    Model,
+    SceneName,
+    Settings,
+    Tolerance,
+    Until,
+    Yes,
+    most_seconds,
+    read_scene,
+)
 
 if TYPE_CHECKING:
     from scene.observe import Solver
@@ -34,6 +46,7 @@ def run(
     every: Annotated[
         float | None, typer.Option("--checkpoint-every", metavar="TRANSITS", help="time between checkpoints (default 1000)")
     ] = None,
+    yes: Yes = False,
     json: Json = False,
 ) -> None:
     """Run one model on one scene; print events, periods and stress drops of the run's second half."""
@@ -62,7 +75,7 @@ def run(
     stopped = False
     with history_for(solver, what.until, out, checkpoint) as history:
         try:
-            done = simulate(solver, what.until, [history] if history is not None else [], march)
+            done = simulate(solver, what.until, [history] if history is not None else [], march, most_seconds(yes))
         except RunInterrupted as stop:
             done, stopped = stop.run, True
         field = picture.field if picture is not None else None

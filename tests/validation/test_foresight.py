@@ -1,0 +1,93 @@
+"""A run that would take more than a day is refused before it begins, or as soon as its steps tell; costs are given, not timed."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import scene
+from fullwave.finite_difference import Leapfrog
+from fullwave.march import March
+from reduced.delay_march import DelayMarch
+from scene.errors import SceneError
+from scene.observe.foresight import DAY, require_time
+from validation.cli import INPUT_WRONG, main
+from validation.families import FAMILIES, Family
+from validation.models import build
+from validation.simulate import simulate
+
+GRIDS = [family for family in FAMILIES if family.room == "fullwave"]
+
+
+@pytest.mark.parametrize("family", GRIDS, ids=lambda family: family.name)
+def test_a_run_of_a_day_goes_and_a_longer_one_does_not(family: Family, monkeypatch: pytest.MonkeyPatch) -> None:
+    solver = build(family.example, scene.read("paper"))
+    pieces = 4000.0 / solver.advance(1e-6).length[0]  # type: ignore[attr-defined]
+    kind = Leapfrog if family.name == "fd" else March
+    fresh = build(family.example, scene.read("paper"))
+    monkeypatch.setattr(kind, "seconds_per_piece", 0.999 * DAY / pieces)
+    require_time(fresh, 4000.0)
+    monkeypatch.setattr(kind, "seconds_per_piece", 1.001 * DAY / pieces)
+    with pytest.raises(SceneError, match=r"4000 transits would take some 1 days .*fewer cells or a larger cfl; --yes"):
+        require_time(fresh, 4000.0)
+    require_time(fresh, 4000.0, most=float("inf"))
+
+
+@pytest.mark.parametrize("model", ["delay", "block8"])
+def test_a_march_whose_steps_adapt_is_judged_by_those_it_took(model: str) -> None:
+    paper = scene.read("paper")
+    solver = build(model, paper)
+    solver.seconds_per_piece = DAY / 2e6  # type: ignore[attr-defined]
+    with pytest.raises(SceneError, match=r"4e\+07 transits would take some [\d.]+ days"):
+        simulate(solver, 4e7)
+    assert solver.time < 40_000.0
+    simulate(build(model, paper), 3000.0)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "paper", "--model", "fd", "--cells", "16"],
+        ["compare", "paper", "--models", "fd", "--cells", "16", "--out", "x.png"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_yes_runs_it_all_the_same(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Leapfrog, "seconds_per_piece", DAY)
+    words = [*words, "--until", "30", "--json"]
+    assert main(words) == INPUT_WRONG
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("slipwave: model fd: 30 transits would take some")
+    assert len(err.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
+    assert main([*words, "--yes"]) == 0
+    assert json.loads(capsys.readouterr().out)["until"] == 30.0
+
+
+def test_a_bench_is_refused_too(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(DelayMarch, "seconds_per_piece", DAY)
+    assert main(["bench", "paper", "--until", "8000"]) == INPUT_WRONG
+    assert capsys.readouterr().err.startswith("slipwave: model delay: 8000 transits would take some")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--model", "fd", "--cfl", "1e-300"], "cfl = 1e-300: must be at least 1e-09"),
+        (["--model", "dg:7", "--cfl", "5e-324"], "cfl = 5e-324: must be at least 1e-09"),
+        (["--model", "dg:7", "--cfl", "1e-9"], "model dg:7: 4000 transits would take some 36"),
+        (["--model", "fd", "--cells", "200000", "--set", 'slab.viscosity={kind="kelvin-voigt", time=2e-5}'], "some 7.41 days"),
+        (["--model", "fd", "--set", "start.kind=orbit", "--cfl", "1e-9"], "model fd: 6000 transits would take some"),
+        (["--model", "dg", "--tol", "1e-6", "--cfl", "1e-9"], "model dg:6: 400 transits would take some"),
+    ],
+)
+def test_what_was_endless_is_refused(words: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "paper", *words]) == INPUT_WRONG
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert told in err
+    assert len(err.splitlines()) == 1
