@@ -92,6 +92,8 @@ def require_writable(path: Path, suffixes: tuple[str, ...], option: str = "--out
 
 
 def _problem(path: Path, suffixes: tuple[str, ...]) -> str:
+    if not str(path).isprintable():
+        return "the path has characters that cannot be printed, or is no valid text"
     if path.suffix not in suffixes:
         return f"the name must end in {' or '.join(suffixes)}"
     if path.is_dir():

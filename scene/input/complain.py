@@ -28,8 +28,8 @@ _TEXTS = {
     "layers": f"a list of 2 to {schema.MAX_LAYERS} tables {{fraction, impedance}}, from the interface outwards",
     "velocity": "a velocity or a list of [time, velocity]",
     "record": 'a list of "events", "interface", "fields"',
-    "name": "a text of 1 to 200 characters",
-    "title": "a text of 1 to 200 characters",
+    "name": "a text of 1 to 200 printable characters",
+    "title": "a text of 1 to 200 printable characters",
     "law": "the name of a friction law",
 }
 

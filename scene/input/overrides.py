@@ -6,16 +6,16 @@ Setting one key does what the user means: `slab.log10_r` replaces `r` (or `thick
 
 import copy
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from scene.errors import SceneError
+from scene.input.source import parse_toml
 from scene.input.wording import key_text, shorten
 
 _SIBLINGS = ({"r", "log10_r", "thickness"},)
 _BARE_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
-_KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
+_KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+){0,19}")
 _FRESH_TABLES = {"face", "viscosity"}
 
 
@@ -47,7 +47,7 @@ def _parse(text: str) -> tuple[list[str], Any]:
 def _value(key: str, text: str) -> Any:
     """A TOML value; a bare word (slip, kelvin-voigt) is taken as a string."""
     try:
-        parsed = tomllib.loads(f"value = {text}")
+        parsed = parse_toml(f"value = {text}")
         if set(parsed) == {"value"}:
             return parsed["value"]
     except (ValueError, RecursionError):

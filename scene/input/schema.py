@@ -3,7 +3,7 @@
 from itertools import pairwise
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, StringConstraints, Tag
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, StringConstraints, Tag
 from pydantic_core import PydanticCustomError
 
 from scene.input.number import (
@@ -23,7 +23,15 @@ from scene.input.number import (
     Until,
 )
 
-Text: TypeAlias = Annotated[str, StringConstraints(min_length=1, max_length=200)]
+
+def _printable(text: str) -> str:
+    """`text`, without anything that could steer a terminal or that a file could not hold."""
+    if not text.isprintable():
+        raise PydanticCustomError("printable", "must be a text of 1 to 200 printable characters")
+    return text
+
+
+Text: TypeAlias = Annotated[str, StringConstraints(min_length=1, max_length=200), AfterValidator(_printable)]
 MAX_LAYERS = 100
 MAX_RAMPS = 10_000
 

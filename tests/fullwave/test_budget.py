@@ -37,7 +37,7 @@ def telling(*arguments):
 
 
 fullwave.march.march = telling
-sys.exit(main(["run", "paper", "--model", "dg:24", "--cells", "10000", "--until", "1e9"]))
+sys.exit(main(["run", "paper", "--model", "dg:24", "--cells", "10000", "--until", "1e9", "--yes"]))
 """
 SMALL = {**FAMILIES, "fd": partial(Leapfrog, cells=16, cfl=0.9)}
 

@@ -1,0 +1,107 @@
+"""Names and paths that could steer a terminal, that no text holds, or that stdout cannot spell; files that are no files."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import scene
+from scene.errors import SceneError
+from scene.input.source import load
+from validation.cli import INPUT_WRONG, main
+from validation.progress import progress
+
+PAPER = (Path(scene.__file__).parent / "gallery" / "paper.toml").read_bytes()
+SLIPWAVE = [sys.executable, "-m", "validation.cli"]
+
+
+@pytest.mark.parametrize("name", ["\x1b[31mred", "a\nb", "bell\a", "\u202eleft", "\x7f"])
+@pytest.mark.parametrize("key", ["name", "title"])
+def test_a_name_that_is_not_printable_is_refused(key: str, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "x.toml"
+    path.write_bytes(f"{key} = {json.dumps(name)}\n".encode() + PAPER.partition(b"\n")[2])
+    assert main(["stability", str(path)]) == INPUT_WRONG
+    out, err = capsys.readouterr()
+    assert (out, len(err.splitlines())) == ("", 1)
+    assert err.startswith(f"slipwave: {key} = ")
+    assert "must be a text of 1 to 200 printable characters" in err
+    assert err[:-1].isprintable()
+
+
+@pytest.mark.parametrize("name", [b"\xff\xfe", b"\x1b[31mred", "grün".encode()])
+def test_a_files_own_name_is_spelt_out(name: bytes, tmp_path: Path) -> None:
+    path = os.fsencode(tmp_path) + b"/" + name + b".toml"
+    with open(path, "wb") as file:
+        file.write(PAPER)
+    read = scene.read(os.fsdecode(path)).name
+    assert read.isprintable()
+    read.encode("utf-8")
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    words = [*SLIPWAVE, "run", path, "--until", "20", "--out", "x.nc"]
+    done = subprocess.run(words, env=environment, cwd=tmp_path, capture_output=True)
+    assert done.returncode == 0, done.stderr
+    assert b"\x1b" not in done.stdout + done.stderr
+    assert done.stdout.splitlines()[0].startswith(b"scene ")
+    assert (tmp_path / "x.nc").exists()
+
+
+@pytest.mark.parametrize("name", [b"\xff.nc", b"\x1b[31m.nc"])
+def test_a_file_to_write_must_have_a_printable_name(name: bytes, tmp_path: Path) -> None:
+    done = subprocess.run([*SLIPWAVE, "run", "paper", "--until", "20", "--out", name], cwd=tmp_path, capture_output=True)
+    assert done.returncode == INPUT_WRONG
+    assert b"cannot be printed" in done.stderr
+    assert b"\x1b" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_typer_complains_of_is_shown_and_not_done(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "paper", "--\x1b[31m"]) == INPUT_WRONG
+    assert "\x1b" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--checkpoint", "--out", "--fields"])
+def test_a_pipe_is_no_file_to_write(option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Opening one waits for ever for somebody at its other end."""
+    path = tmp_path / ("x.npz" if option == "--checkpoint" else "x.nc")
+    os.mkfifo(path)
+    assert main(["run", "paper", "--model", "fd", "--cells", "8", "--until", "20", option, str(path)]) == INPUT_WRONG
+    assert f"{option} = {str(path)!r}: is no regular file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "text", ["a" + ".a" * 60_000 + " = 1", "[" + "a." * 60_000 + "a]", 'a = {"b"' + " . 'b'" * 10_000 + " = 1}"]
+)
+def test_a_key_without_end_is_refused_before_it_is_parsed(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its parser takes minutes, growing with the square of the parts."""
+    path = tmp_path / "x.toml"
+    path.write_bytes(PAPER + b"\n" + text.encode())
+    monkeypatch.setattr("tomllib.loads", lambda text: pytest.fail("parsed"))
+    with pytest.raises(SceneError, match="nested too deeply"):
+        load(path)
+    with pytest.raises(SceneError, match="must be a TOML value"):
+        scene.read({}, ["a={" + "b." * 60_000 + "b=1}"])
+
+
+def test_a_byte_order_mark_and_foreign_line_ends_are_no_matter(tmp_path: Path) -> None:
+    (tmp_path / "x.toml").write_bytes(b"\xef\xbb\xbf" + PAPER.replace(b"\n", b"\r\n"))
+    assert load(tmp_path / "x.toml")[1] == load("paper")[1]
+
+
+def test_a_name_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("validation.progress.PATIENCE", -1.0)
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    with progress("[/red], [bold]delay", 2.0) as report:
+        report(1.0)
+        report(2.0)
+
+
+@pytest.mark.parametrize("closed", ["0<&-", "1>&-", "2>&-", "0<&- 1>&- 2>&-"])
+def test_closed_streams_are_no_matter(closed: str, tmp_path: Path) -> None:
+    command = f"exec '{sys.executable}' -m validation.cli run paper --until 20 --out x.nc {closed}"
+    done = subprocess.run(["sh", "-c", command], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "x.nc").exists()
