@@ -61,7 +61,7 @@ def test_a_counted_failure_excuses_no_wrong_answer(monkeypatch):
 
     psis = iter([0.0] * 5 + [1.0] * 5)
     monkeypatch.setattr(runs, "build", lambda *args, **options: Solver(scene=None))
-    monkeypatch.setattr(runs, "EventObserver", lambda *args: SimpleNamespace(events=None))
+    monkeypatch.setattr(runs, "EventObserver", lambda *args: SimpleNamespace(events=lambda *window: None))
     monkeypatch.setattr(runs, "summarise", lambda *args: SimpleNamespace(cycles=0))
     monkeypatch.setattr(runs, "follow", lambda *args: SimpleNamespace(psi=next(psis)))
     monkeypatch.setattr(runs, "CELLS", {"fd": 4})

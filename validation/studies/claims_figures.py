@@ -22,3 +22,21 @@ def irregular(runs: Mapping[str, tuple[Array, Array]]) -> "Figure":
         axes.set_xlim(time[0], time[-1])
     grid[-1].set_xlabel("time (transits)")
     return figure
+
+
+def returns(cycles: Mapping[str, tuple[Array, Array]]) -> "Figure":
+    """`cycles`: model -> (periods, stress drops), each over that of the cycle before."""
+    figure = canvas(WIDTH, 3.6)
+    panels = figure.subplots(1, 2)
+    for model, columns in cycles.items():
+        style = pen(model)
+        for axes, values in zip(panels, columns, strict=True):
+            axes.plot(
+                values[:-1], values[1:], style.marker, color=style.color, markersize=3.0, linestyle="none", label=style.label
+            )
+    for axes, symbol in zip(panels, ("$T$ (transits)", r"$\Delta\mu$"), strict=True):
+        axes.set_xlabel(f"{symbol} of one cycle")
+        axes.set_ylabel("of the next")
+        axes.grid(True)
+    figure.legend(handles=panels[0].get_lines(), loc="outside upper left", ncols=2)
+    return figure

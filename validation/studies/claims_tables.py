@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from validation.studies.claims_runs import LOG10_R, MODELS, Branch, Deep, onset_at, spread
+from validation.studies.claims_runs import MODELS, Branch, Deep, onset_at, recurrence, spread
 from validation.study import Cell, Column, Table
 
 _SPEEDS = (1.0, 10.0, 100.0, 1e3, 1e4)
@@ -13,12 +13,12 @@ _SPEEDS = (1.0, 10.0, 100.0, 1e3, 1e4)
 def branch_table(branch: Branch) -> Table:
     """Periods and drops along the stable branch."""
     rows: list[tuple[Cell, ...]] = []
-    for r in LOG10_R:
-        periods = [branch[model][r].period.value for model in MODELS]
-        drops = [getattr(branch[model][r], name).value for name in ("stress_drop", "elastic_stress_drop") for model in MODELS[:2]]
+    for r, orbits in branch.items():
+        periods = [orbits[model].period.value for model in MODELS]
+        drops = [getattr(orbits[model], name).value for name in ("stress_drop", "elastic_stress_drop") for model in MODELS[:2]]
         rows.append((r, *periods, *drops))
     columns = (
-        Column("log_{10} r", "", ".2f"),
+        Column("log_{10} r", "", ".4f"),
         *(Column("T", model, ".7g") for model in MODELS),
         *(Column(symbol, model, ".5f") for symbol in ("Δμ", "Δy") for model in MODELS[:2]),
     )
@@ -47,13 +47,18 @@ def deep_table(deep: dict[str, Deep]) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for model, one in deep.items():
         e = one.events
-        stated = [f(column) for column in (e.period, e.stress_drop, e.elastic_stress_drop) for f in (np.mean, spread)]
+        stated = [f(column) for column in (e.period, e.stress_drop, np.log10(e.v_max)) for f in (np.mean, spread, recurrence)]
         rows.append((model, float(e.time.size), *map(float, stated), float(e.v_max.max())))
     columns = [Column("model"), Column("cycles", "", ".0f")]
-    for symbol, unit in (("T", "transits"), ("Δμ", "σ"), ("Δy", "σ")):
-        columns += [Column(symbol, f"mean, {unit}", ".4g"), Column("spread", "of the mean", ".0%")]
+    for symbol, unit in (("T", "transits"), ("Δμ", "σ"), ("log_{10} v_{max}", "V*")):
+        columns += [
+            Column(symbol, f"mean, {unit}", ".4g"),
+            Column("spread", "of the mean", ".1%"),
+            Column("recurrence", "", ".2f"),
+        ]
     columns.append(Column("v_{max}", "V*", ".1e"))
     caption = (
-        "Statistics of the cycles at log_{10} r = −2.3 after the first 1000 transits: mean and standard deviation over mean."
+        "Statistics of the cycles at log_{10} r = −2.3 after the first 1000 transits: mean, standard deviation over mean, and "
+        "how far the sequence is from repeating itself after up to 12 cycles (0: periodic, 1: no memory)."
     )
     return Table("deep", caption, tuple(columns), tuple(rows))
