@@ -130,7 +130,10 @@ def test_ctrl_c_ends_all_processes_and_the_report_resumes(fake, tmp_path, end):
         assert process.returncode == 130
         assert said[0] == ""
         assert [line.split()[0] for line in said[1].splitlines()] == ["quick", "slipwave:"]
-        assert said[1].endswith("slipwave: interrupted\n")
+        kept = tmp_path / "out" / "data"
+        assert said[1].endswith(
+            f"slipwave: interrupted; what was done is kept in {kept}, and the same command goes on from there\n"
+        )
     assert not (tmp_path / "out" / "index.html").exists()
     (fake.folder / "freed").touch()
     again = subprocess.run(words, capture_output=True, text=True, check=True)

@@ -12,6 +12,7 @@ def report(
     out: Annotated[Path, typer.Option(metavar="DIR", help="folder of the page and its data")] = Path("reports"),
 ) -> None:
     """Run the studies whose scene, code or settings changed and write DIR/index.html."""
+    from scene.errors import Interrupted
     from validation.output import require_folder
     from validation.report import make_report
     from validation.report.red import RedReport
@@ -24,3 +25,7 @@ def report(
         for line in red.lines:
             typer.echo(line, err=True)
         raise
+    except KeyboardInterrupt:
+        raise Interrupted(
+            f"interrupted; what was done is kept in {out / 'data'}, and the same command goes on from there"
+        ) from None
