@@ -129,7 +129,8 @@ def test_ctrl_c_ends_all_processes_and_the_report_resumes(fake, tmp_path, end):
     if end is signal.SIGINT:
         assert process.returncode == 130
         assert said[0] == ""
-        assert [line.split()[0] for line in said[1].splitlines()] == ["quick", "slipwave:"]
+        *told, last = said[1].splitlines()
+        assert [line.split()[0] for line in told] in ([], ["quick"])  # stored, but perhaps not yet told
         kept = tmp_path / "out" / "data"
         assert said[1].endswith(
             f"slipwave: interrupted; what was done is kept in {kept}, and the same command goes on from there\n"
