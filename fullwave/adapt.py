@@ -144,7 +144,7 @@ def _probe(solver: March) -> _Found | None:
         final = follow(solver, _probed_until(solver.scene), [events])
     except NumericsError:
         return None
-    found = events.events
+    found = events.events()
     if found.period.size:
         return _Found("cycles", np.concatenate((found.period, found.stress_drop)))
     return _Found("final state", np.array([final.ln_v, final.psi]))

@@ -36,7 +36,7 @@ class Scene:
 
     @property
     def velocity(self) -> float:
-        """V at t = 0, total, in V*: the threshold that a slip event crosses upwards."""
+        """V at t = 0, total, in V*: the rate of the steady sliding that every start builds on."""
         return self.drive.initial
 
     @property

@@ -8,9 +8,11 @@ from scene.friction import rate_of
 from scene.observe import EventObserver, Pieces, Solver, follow
 from scene.observe.pieces import Array
 
+_FIRST_MOST = 16  # chunks of pieces that are kept without asking whether they are still needed
+
 
 class Cycle(NamedTuple):
-    """Time since the slip event's start (transits), slip rate (V*), stress mu, all of shape (samples,); and the period."""
+    """Time since the slip event's date (transits), slip rate (V*), stress mu, all of shape (samples,); and the period."""
 
     time: Array
     slip_rate: Array
@@ -26,7 +28,7 @@ def watch(solver: Solver, until: float) -> EventObserver:
 
 
 class CycleObserver:
-    """Keeps the pieces of the cycle that was completed last and of the one now running: memory O(two cycles).
+    """Keeps the pieces of the cycle that was completed last and of the one now running: memory O(cycle).
 
     Hand it to `follow`; it detects events itself, with the detector that every run uses.
     """
@@ -36,20 +38,25 @@ class CycleObserver:
         self._nodes = np.asarray(solver.nodes)
         self._watch = EventObserver(solver.scene, solver.nodes)
         self._kept: list[Pieces] = []
-        self._starts = (np.nan, np.nan)
+        self._most = _FIRST_MOST
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
         self._watch.scan(pieces)
-        if self._watch.last_start != self._starts[1]:
-            self._starts = (self._starts[1], self._watch.last_start)
         self._kept.append(pieces)
-        # a chunk that held several events moves `starts` by one only, so that nothing still needed is dropped
-        self._kept = [part for part in self._kept if not part.time[-1] + part.length[-1] < self._starts[0]]
+        if len(self._kept) > self._most:
+            self._forget()
+
+    def _forget(self) -> None:
+        """Drop what lies before the last complete cycle; the latest event may not be over, so that is the third last date."""
+        dates = self._watch.dates()
+        if dates.size >= 3:
+            self._kept = [part for part in self._kept if part.time[-1] + part.length[-1] >= dates[-3]]
+        self._most = 2 * len(self._kept) + _FIRST_MOST
 
     def cycle(self) -> Cycle | None:
         """The last complete cycle, or None if there was none."""
-        events = self._watch.events
+        events = self._watch.events()
         if not events.time.size:
             return None
         begin, period = float(events.time[-1]), float(events.period[-1])

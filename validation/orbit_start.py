@@ -105,7 +105,7 @@ def begin_on_orbit(solver: Solver) -> OnOrbit:
             f"start.kind = 'orbit': {solver.model} had not settled after {settled.transits:.0f} transits: its last cycles differ "
             f"by {settled.unrest:.1e} (scene {scene.name!r}); it may have no stable periodic orbit here"
         )
-    next_event = settled.observer.last_start + settled.orbit.period.value
+    next_event = float(settled.observer.dates()[-1]) + settled.orbit.period.value
     while next_event <= solver.time:
         next_event += settled.orbit.period.value
     follow(solver, next_event)

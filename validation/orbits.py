@@ -79,25 +79,27 @@ def settle(
     solver fails.
     """
     observer = EventObserver(solver.scene, solver.nodes)
-    seconds, history = timed(lambda: _march_until_settled(solver, observer, tolerance, most, progress))
-    if not history:
+    seconds, (events, history) = timed(lambda: _march_until_settled(solver, observer, tolerance, most, progress))
+    if events.time.size < WINDOW:
         raise NoCycle(f"{solver.model}: {observer.count} slip events in {solver.time:.0f} transits, too few to speak of an orbit")
     settled = history[-1] < tolerance or (_stalled(history) and history[-1] < 1e-5)
-    return Settled(estimate(observer.events), solver, observer, observer.events.time.size, history[-1], settled, seconds)
+    return Settled(estimate(events), solver, observer, observer.count - 1, history[-1], settled, seconds)
 
 
 def _march_until_settled(
     solver: Solver, observer: EventObserver, tolerance: float, most: float, progress: Callable[[float], None] | None
-) -> list[float]:
-    """The unrest after each stretch of WINDOW cycles."""
+) -> tuple[Events, list[float]]:
+    """(cycles of the second half of the march, the unrest after each stretch of WINDOW cycles)."""
+    events = observer.events()
     history: list[float] = []
     while solver.time < most and not _finished(history, tolerance):
-        period = float(observer.events.period[-1]) if observer.events.period.size else _FIRST_STRETCH / WINDOW
+        period = float(events.period[-1]) if events.period.size else _FIRST_STRETCH / WINDOW
         follow(solver, min(most, solver.time + WINDOW * period), [observer], progress)
-        if observer.events.time.size >= WINDOW:
-            _require_motion(solver, observer.events)
-            history.append(unrest(observer.events))
-    return history
+        events = observer.events(0.5 * solver.time)  # by the falls of now: those of the start may have been larger
+        if events.time.size >= WINDOW:
+            _require_motion(solver, events)
+            history.append(unrest(events))
+    return events, history
 
 
 def _require_motion(solver: Solver, events: Events) -> None:
@@ -169,7 +171,7 @@ def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_pie
     dense = DenseObserver(solver.nodes, per_piece)
     follow(solver, begin + 2.02 * period + before + after, [dense, settled.observer])
     table = dense.table()
-    events = settled.observer.events.time
+    events = settled.observer.dates()
     start = float(events[events >= begin + before][0])
     keep = (table[0] >= start - before) & (table[0] <= start + period + after)
     time_, unknown, psi, stress, elastic = table[:, keep]

@@ -75,7 +75,8 @@ def _measure(solver: Solver, course: Course) -> tuple[float, Measured]:
     last = np.linspace(course.until - course.window, course.until, _MOMENTS, endpoint=False)
     moments = Moments(solver.nodes, last)
     seconds, _ = timed(lambda: follow(solver, course.until, [events, moments]))
-    return seconds, {name: getattr(events.events, name) for name in OUTPUTS} | {"state": moments.state()}
+    cycles = events.events()
+    return seconds, {name: getattr(cycles, name) for name in OUTPUTS} | {"state": moments.state()}
 
 
 def errors(ours: Measured, reference: Measured) -> dict[str, float]:

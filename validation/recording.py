@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from fullwave.snapshot import FieldSolver
 
 _EVENT_NOTES = {
-    "time": ("start of the slip event", "transit"),
+    "time": ("date of the slip event: v passes half its largest value", "transit"),
     "period": ("time to the next event", "transit"),
     "stress_drop": ("max - min of the friction stress over the cycle", "normal stress"),
     "elastic_stress_drop": ("max - min of the elastic stress y over the cycle", "normal stress"),

@@ -68,10 +68,10 @@ def simulate(
     except KeyboardInterrupt:
         failed, stopped = f"interrupted at t = {solver.time:.6g} of {until:g} transits", True
     wall = time.perf_counter() - began
-    statistics = summarise(watch.events, 0.5 * (solver.time if stopped else until))
+    statistics = summarise(watch.events(0.5 * (solver.time if stopped else until)))
     ledger: Callable[[], Energy | None] | None = getattr(solver, "energy", None)
     energy = None if failed or ledger is None else ledger()
-    done = Run(solver, until, watch.events, watch.count, statistics, final, energy, wall, failed)
+    done = Run(solver, until, watch.events(), watch.count, statistics, final, energy, wall, failed)
     if stopped:
         raise RunInterrupted(done)
     return done

@@ -53,7 +53,7 @@ def time_run(setting: Setting, scene: Scene, until: float, exact: Mapping[str, f
     """Run `setting` on `scene` to `until` (transits) and compare its last cycles with `exact` (names of `Orbit`)."""
     warm_up(setting, scene)
     runs = [timed(lambda: watch(solver_of(setting, scene), until)) for _ in range(repeats)]
-    orbit = estimate(runs[0][1].events).values()
+    orbit = estimate(runs[0][1].events()).values()
     period, drop = (orbit[name] / exact[name] - 1.0 for name in ("period", "stress_drop"))
     return Point(setting, min(seconds for seconds, _ in runs), orbit["period"], period, drop)
 

@@ -46,7 +46,7 @@ def find_root(basis: Basis, values: Array, level: float, left: float, right: flo
 
 
 @njit
-def _differentiate(basis: Basis, values: Array, slopes: Array) -> None:
+def differentiate(basis: Basis, values: Array, slopes: Array) -> None:
     """slopes <- derivative of the polynomial at the nodes."""
     for i in range(values.size):
         slopes[i] = 0.0
@@ -58,7 +58,7 @@ def _differentiate(basis: Basis, values: Array, slopes: Array) -> None:
 def _peak(basis: Basis, values: Array, slopes: Array, sign: float, at: int) -> float:
     """Maximum of sign * polynomial between the neighbours of node `at`, where its nodal maximum lies; `slopes` is scratch."""
     n = values.size
-    _differentiate(basis, values, slopes)
+    differentiate(basis, values, slopes)
     left = basis.nodes[at - 1] if at > 0 else 0.0
     right = basis.nodes[at + 1] if at + 1 < n else basis.nodes[n - 1]
     if right > left and sign * evaluate(basis, slopes, left) > 0.0 > sign * evaluate(basis, slopes, right):
@@ -77,7 +77,7 @@ def _trusted(peak: float, values: Array, sign: float) -> float:
 
 
 @njit
-def _last_slope(basis: Basis, values: Array) -> float:
+def last_slope(basis: Basis, values: Array) -> float:
     """Slope of the polynomial at the last node."""
     slope = 0.0
     for j in range(values.size):
@@ -101,9 +101,9 @@ def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot
             lowest = j
     top, bottom = values[highest], -values[lowest]
     spread = top + bottom
-    if top + spread > memory[slot] and (highest < n - 1 or _last_slope(basis, values) < 0.0):
+    if top + spread > memory[slot] and (highest < n - 1 or last_slope(basis, values) < 0.0):
         top = _peak(basis, values, slopes, 1.0, highest)
-    if bottom + spread > memory[slot + 1] and (lowest < n - 1 or _last_slope(basis, values) > 0.0):
+    if bottom + spread > memory[slot + 1] and (lowest < n - 1 or last_slope(basis, values) > 0.0):
         bottom = _peak(basis, values, slopes, -1.0, lowest)
     memory[slot] = max(memory[slot], top)
     memory[slot + 1] = max(memory[slot + 1], bottom)
@@ -120,7 +120,7 @@ def raise_record_within(basis: Basis, values: Array, slopes: Array, memory: Arra
 def _peak_within(basis: Basis, values: Array, slopes: Array, sign: float, begin: float, end: float) -> float:
     """Maximum of sign * polynomial over [begin, end]; `slopes` is scratch."""
     n = values.size
-    _differentiate(basis, values, slopes)
+    differentiate(basis, values, slopes)
     best = max(sign * evaluate(basis, values, begin), sign * evaluate(basis, values, end))
     left = begin
     for j in range(n + 1):

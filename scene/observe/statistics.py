@@ -1,4 +1,4 @@
-"""Statistics of a run over the complete cycles of its second half."""
+"""Statistics of a run's cycles."""
 
 from dataclasses import dataclass
 
@@ -28,21 +28,17 @@ class RunStatistics:
     v_min: float
 
 
-def summarise(events: Events, after: float) -> RunStatistics:
-    """Statistics of the cycles that start at or after `after` (transits)."""
-    keep = events.time >= after
-
-    def spread(values: Array) -> Spread:
-        """Mean and standard deviation over the chosen cycles."""
-        chosen = values[keep]
-        return Spread(float(chosen.mean()), float(chosen.std())) if chosen.size else Spread(np.nan, np.nan)
-
-    found = bool(keep.any())
+def summarise(events: Events) -> RunStatistics:
+    """Statistics of all cycles in `events`."""
     return RunStatistics(
-        cycles=int(keep.sum()),
-        period=spread(events.period),
-        stress_drop=spread(events.stress_drop),
-        elastic_stress_drop=spread(events.elastic_stress_drop),
-        v_max=float(events.v_max[keep].max()) if found else np.nan,
-        v_min=float(events.v_min[keep].min()) if found else np.nan,
+        cycles=events.time.size,
+        period=_spread(events.period),
+        stress_drop=_spread(events.stress_drop),
+        elastic_stress_drop=_spread(events.elastic_stress_drop),
+        v_max=float(events.v_max.max()) if events.time.size else np.nan,
+        v_min=float(events.v_min.min()) if events.time.size else np.nan,
     )
+
+
+def _spread(values: Array) -> Spread:
+    return Spread(float(values.mean()), float(values.std())) if values.size else Spread(np.nan, np.nan)

@@ -18,7 +18,7 @@ from scene.start import Start, StartKind
 def cycles(solver, until=400.0):
     observer = EventObserver(solver.scene, solver.nodes)
     follow(solver, until, [observer])
-    return np.concatenate((observer.events.period, observer.events.stress_drop))
+    return np.concatenate((observer.events().period, observer.events().stress_drop))
 
 
 @pytest.mark.parametrize("name", ["alike", "unlike", "grip"])

@@ -104,7 +104,7 @@ def test_orbit_of_the_paper():
     solver = Leapfrog(PAPER, 96, 1.0)
     events = EventObserver(PAPER, solver.nodes)
     follow(solver, 6000.0, [events])
-    orbit = summarise(events.events, 4000.0)
+    orbit = summarise(events.events(4000.0))
     assert orbit.period.mean == pytest.approx(73.4721449, rel=2e-5)
     assert orbit.stress_drop.mean == pytest.approx(0.1739634, rel=2e-5)
     assert orbit.elastic_stress_drop.mean == pytest.approx(0.1547375, rel=2e-5)

@@ -54,7 +54,7 @@ def test_orbit_figures_of_the_independent_programs(log10_r, period, stress_drop,
     solver = Delay(scene)
     observer = EventObserver(scene, solver.nodes)
     follow(solver, 5000, [observer])
-    found = summarise(observer.events, 3500)
+    found = summarise(observer.events(3500.0))
     assert found.period.mean == pytest.approx(period, rel=2e-9)
     assert found.stress_drop.mean == pytest.approx(stress_drop, rel=3e-7)
     assert found.elastic_stress_drop.mean == pytest.approx(elastic, rel=4e-7)

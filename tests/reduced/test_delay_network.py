@@ -110,7 +110,7 @@ def test_grip_keeps_the_load_and_a_bare_reflection_loses_it():
         solver = DelayNetwork(scene)
         observer = EventObserver(scene, solver.nodes)
         follow(solver, 3000, [observer])
-        drops[kind] = summarise(observer.events, 2000).stress_drop.mean
+        drops[kind] = summarise(observer.events(2000.0)).stress_drop.mean
     assert drops["grip"] > 0.1
     assert not drops["bare"] > 1e-3
 

@@ -17,7 +17,7 @@ def cycle(model, log10_r=-2.68, tolerance=1e-10, until=6000):
     observer = EventObserver(scene, solver.nodes)
     follow(solver, until, [observer])
     assert solver.failures == 0
-    return summarise(observer.events, 0.8 * until)
+    return summarise(observer.events(0.8 * until))
 
 
 @pytest.mark.parametrize(

@@ -53,7 +53,7 @@ def test_resampling_keeps_polynomials():
 def outputs(solver, until=120.0):
     events = EventObserver(solver.scene, solver.nodes)
     final = follow(solver, until, [events])
-    return np.array([final.psi, events.events.period[-1], events.events.elastic_stress_drop[-1]])
+    return np.array([final.psi, events.events().period[-1], events.events().elastic_stress_drop[-1]])
 
 
 def test_a_ramp_with_knots_anywhere_converges():

@@ -30,7 +30,7 @@ def test_brief_sticks_are_counted_alike(model: str, options: dict[str, Any]) -> 
     solver = build(model, chosen, **options)
     watch = EventObserver(chosen, solver.nodes)
     follow(solver, 100.0, [watch])
-    assert watch.count == 44
+    assert watch.count == 37
 
 
 @pytest.mark.parametrize(("name", "count"), [("paper", 8), ("paper-2.3", 5), ("unlike", 11), ("reflection", 9), ("slip-law", 8)])

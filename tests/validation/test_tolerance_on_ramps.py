@@ -16,7 +16,7 @@ LATE = "drive.velocity=[[0.0,100.0],[500.0,100.0],[510.0,1000.0]]"
 def cycles(solver: Solver, until: float) -> NDArray[np.float64]:
     watch = EventObserver(solver.scene, solver.nodes)
     follow(solver, until, [watch])
-    return np.concatenate((watch.events.period, watch.events.stress_drop))
+    return np.concatenate((watch.events().period, watch.events().stress_drop))
 
 
 def error_and_estimate(chosen: Scene, tolerance: float) -> tuple[float, float]:

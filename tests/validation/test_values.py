@@ -28,7 +28,7 @@ class Motion:
         solver = build("delay", self.scene)
         watch, history = EventObserver(self.scene, solver.nodes), HistoryObserver(self.scene.law, solver.nodes)
         self.final = follow(solver, UNTIL, [watch, history])
-        self.events, self.starts, self.history = watch.events, watch.count, history.columns()
+        self.events, self.starts, self.history = watch.events(), watch.count, history.columns()
 
     def late(self, name: str) -> np.ndarray:
         """One figure of the cycles that begin in the second half."""

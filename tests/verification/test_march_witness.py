@@ -34,7 +34,7 @@ def test_figures_of_the_papers_orbit(kind, options, of_period, of_drops, of_rate
     solver = kind(PAPER, **options)
     observer = EventObserver(PAPER, solver.nodes)
     follow(solver, 3000.0, [observer])
-    events = observer.events
+    events = observer.events()
     assert events.period[-1] == pytest.approx(PERIOD, rel=of_period)
     assert events.stress_drop[-1] == pytest.approx(STRESS_DROP, rel=of_drops)
     assert events.elastic_stress_drop[-1] == pytest.approx(ELASTIC_DROP, rel=of_drops)

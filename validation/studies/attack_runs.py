@@ -107,7 +107,7 @@ def _course(solver: Solver, until: float) -> _Course:
     watch = EventObserver(solver.scene, solver.nodes)
     psis = [follow(solver, moment, [watch]).psi for moment in _MOMENTS]
     late = follow(solver, until, [watch]).psi if until > _MOMENTS[-1] else psis[-1]
-    return _Course(psis, late, summarise(watch.events, 0.5 * until))
+    return _Course(psis, late, summarise(watch.events(0.5 * until)))
 
 
 def _outcome(model: str, cells: int, what: Scene, exact: _Course, until: float) -> Outcome:

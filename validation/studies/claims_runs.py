@@ -87,8 +87,7 @@ def run_deep(model: str, until: float) -> Deep:
     follow(solver, _SHOWN[1], [observer, dense])
     follow(solver, until, [observer])
     table = dense.table()
-    late = observer.events.time > _SHOWN[0]
-    return Deep(Events(*(column[late] for column in observer.events)), table[0], table[3])
+    return Deep(observer.events(_SHOWN[0]), table[0], table[3])
 
 
 def measure_ripples(model: str) -> Ripples:

@@ -153,8 +153,8 @@ def _numbers(runs: dict[str, Run]) -> dict[str, Number]:
 
 
 _OVERLAY = (
-    "One stick-slip cycle of the paper’s scene, every model on its own settled orbit and aligned at the start of its slip "
-    "event (v rises through V). Left: the whole cycle; right: a piece of the slow phase, where the echo of the slip event runs "
+    "One stick-slip cycle of the paper’s scene, every model on its own settled orbit and aligned at its slip event (v has risen "
+    "to half its largest value). Left: the whole cycle; right: a piece of the slow phase, where the echo of the slip event runs "
     "to and fro and ripples stress and rate with period one transit (1.28 in the Kelvin–Voigt ODE, none in the blocks). μ: "
     "interface stress in units of σ; v: slip rate in units of V*; time in transits of the wave."
 )

@@ -78,7 +78,7 @@ def pair_of(stiffness: float, impedance: float, quick: bool) -> Pair:
 
 
 def _last(what: Scene, model: str, cells: int | None, tolerance: float | None) -> Point:
-    events = watch(build(model, what, cells=cells, tolerance=tolerance), UNTIL).events
+    events = watch(build(model, what, cells=cells, tolerance=tolerance), UNTIL).events()
     return Point(float(events.period[-1]), float(events.stress_drop[-1]), float(events.v_max[-1]))
 
 

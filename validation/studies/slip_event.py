@@ -68,7 +68,7 @@ def _record(cells: int) -> Event:
     """March to the orbit, predict the next event from the last period, keep the fields about its fastest moment."""
     what = scene.read("paper")
     solver = build(_MODEL, what, cells=cells)
-    events = watch(solver, _SETTLED).events
+    events = watch(solver, _SETTLED).events()
     period = float(events.period[-1])
     start = float(events.time[-1]) + period
     while start - _BEFORE <= solver.time:

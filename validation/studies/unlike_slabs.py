@@ -86,7 +86,7 @@ def _march(what: Scene, model: str, cells: int | None, cfl: float | None) -> Run
     follow(solver, UNTIL - _WATCHED, [observer])
     dense = DenseObserver(solver.nodes, 6 if model == "delay" else 1)
     final = follow(solver, UNTIL, [observer, dense])
-    events = observer.events
+    events = observer.events()
     last = {name: float(getattr(events, name)[-1]) for name in ("period", "stress_drop", "v_max")}
     table = dense.table()
     curves = Curves(float(events.time[-1]), float(events.period[-1]), table[0], table[1], table[3])
