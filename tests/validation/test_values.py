@@ -94,7 +94,7 @@ def test_si_column(capsys: pytest.CaptureFixture[str]) -> None:
     motion = Motion("paper-si", ())
     assert motion.scene.units is not None
     out = printed(["run", "paper-si", "--until", str(UNTIL)], capsys)
-    rows = {line[:24].split("   ")[0].strip(): line.split()[-2:] for line in out.splitlines()}
+    rows = {line.split("  ")[0]: line.split()[-2:] for line in out.splitlines()}
     units = motion.scene.units
     seconds = motion.scene.upper.round_trip * units.memory_length / units.reference_velocity
     expected = {
