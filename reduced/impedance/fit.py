@@ -2,7 +2,8 @@
 
 Where the modes are known (elastic slabs behind rigid faces) it is modal:N. Elsewhere the poles come from vector fitting of exact
 samples on the imaginary axis and the coefficients from least squares under Re Z >= 0. The spring is not fitted: it is the exact
-quasi-static one. A fit that is not passive, or not accurate at low frequency, is refused.
+quasi-static one. Passivity is certified between the points of any grid (`dissipation`); a fit that is not passive, or not
+accurate at low frequency, is refused.
 """
 
 from functools import lru_cache
@@ -10,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from reduced.impedance.dissipation import dissipation, telling_frequencies
 from reduced.impedance.jet import Complex, Jet
 from reduced.impedance.line import pair_ratio
 from reduced.impedance.vector_fit import fit_poles, partial_fractions, passive_coefficients
@@ -40,9 +42,15 @@ def fit_scene(scene: Scene, name: str, count: int, spring: float) -> Reduction:
     target = exact_impedance(scene, s)
     start = np.asarray((2.0 * np.pi * np.arange(1, count + 1)) * (1j - 0.05) / longest, dtype=np.complex128)
     pairs, reals = fit_poles(s, target - spring / s, _weight(s, target), start, np.array([-0.3, -3.0]) / longest)
-    x = _passive(name, s, target, spring, pairs, reals)
+    fit = _passive(name, s, target, spring, pairs, reals)
+    _require_accuracy(scene, fit, longest)
+    return fit
+
+
+def _reduction(name: str, x: NDArray[np.float64], pairs: Complex, reals: NDArray[np.float64], spring: float) -> Reduction:
+    """The coefficients of `_columns` as a reduction."""
     strengths, residues, offsets = np.split(x[2:], [reals.size, reals.size + pairs.size])
-    fit = Reduction(
+    return Reduction(
         name,
         mass=max(float(x[0]), 0.0),
         damping=float(x[1]),
@@ -53,8 +61,6 @@ def fit_scene(scene: Scene, name: str, count: int, spring: float) -> Reduction:
         relaxations=tuple(zip(strengths.tolist(), (-reals).tolist(), strict=True)),
         spring=spring,
     )
-    _require_accuracy(scene, fit, longest)
-    return fit
 
 
 def exact_impedance(scene: Scene, s: Complex) -> Complex:
@@ -72,10 +78,8 @@ def _columns(s: Complex, pairs: Complex, reals: NDArray[np.float64]) -> Complex:
     return np.column_stack([s, np.ones_like(s), partial_fractions(s, pairs, reals)])
 
 
-def _passive(
-    name: str, s: Complex, target: Complex, spring: float, pairs: Complex, reals: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Coefficients of `_columns`: least squares with Re Z >= 0 on a grid, to which dips found between its points are added."""
+def _passive(name: str, s: Complex, target: Complex, spring: float, pairs: Complex, reals: NDArray[np.float64]) -> Reduction:
+    """Least squares with Re Z >= 0 on a grid, to which dips found between its points are added until there is none."""
     weight = _weight(s, target)
     rows, right = _columns(s, pairs, reals) * weight[:, None], (target - spring / s) * weight
     matrix, data = np.concatenate([rows.real, rows.imag]), np.concatenate([right.real, right.imag])
@@ -89,12 +93,16 @@ def _passive(
             x = passive_coefficients(matrix, data, np.vstack([held, ends]), floors)
         except ArithmeticError as error:
             raise SceneError(f"model = {name!r}: no passive fit with these poles ({error}); try another N") from None
-        real = response @ x
-        if real.min() >= 0.0:
-            return x
+        fit = _reduction(name, x, pairs, reals, spring)
+        real, between = response @ x, telling_frequencies(fit)
+        lost = dissipation(fit, between)
+        if real.min() >= 0.0 and lost.min() >= 0.0:
+            return fit
         dips = np.flatnonzero((real < 0.0) & (real <= np.roll(real, 1)) & (real <= np.roll(real, -1)))
-        held = np.vstack([held, response[dips]])
-    raise SceneError(f"model = {name!r}: the fit stays active at {dense[np.argmin(real)]:.3g} radians per transit; try another N")
+        found = _columns(np.asarray(1j * between[lost < 0.0], dtype=np.complex128), pairs, reals).real
+        held = np.vstack([held, response[dips], found])
+    worst = between[np.argmin(lost)] if lost.min() < real.min() else dense[np.argmin(real)]
+    raise SceneError(f"model = {name!r}: the fit stays active at {worst:.3g} radians per transit; try another N")
 
 
 def _watch(s: Complex, pairs: Complex) -> NDArray[np.float64]:

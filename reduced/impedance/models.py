@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reduced.impedance.dissipation import telling_frequencies
 from reduced.impedance.jet import Complex, Jet
 from reduced.impedance.line import Ratio, pair_ratio
 from reduced.impedance.rational import poles_and_residues, real_part_on_axis, reduction_ratio, taylor_poles, taylor_ratio
@@ -68,10 +69,13 @@ class Passivity:
 
 
 def check_passivity(scene: Scene, model: str = "delay", highest: float = 200.0) -> Passivity:
-    """Is Z positive real? Re Z >= 0 sampled on the imaginary axis up to `highest` (radians per transit) and in the right half
-    plane, poles in the closed left half plane, those on the axis with positive residue."""
+    """Is Z positive real? Re Z >= 0 on the imaginary axis up to `highest` (radians per transit) and in the right half plane,
+    poles in the closed left half plane, those on the axis with positive residue. A reduction is looked at wherever
+    its Re Z may change its sign (`dissipation`)."""
     axis = np.concatenate([np.geomspace(1e-4, 1.0, 200), np.linspace(1.0, highest, 4001)])
     s = np.concatenate([shift + 1j * axis for shift in (0.0, 1e-3, 0.1, 1.0, 10.0, 100.0)])
+    if not (is_exact(model) or model == "taylor"):
+        s = np.append(s, 1j * np.maximum(telling_frequencies(reduction_of(scene, model)), 1e-6))
     real = real_part_on_axis(ratio_of(scene, model)(Jet.variable(s / scene.transit)))
     lowest = int(np.argmin(real))
     bad = _unstable_poles(scene, model)

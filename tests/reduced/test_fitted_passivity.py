@@ -1,0 +1,95 @@
+"""Fits are passive at every frequency, not only on a grid: certified where Re Z can change its sign, held against scans."""
+
+import numpy as np
+import pytest
+from one_port_scenes import LOSSY, paper
+
+import reduced.impedance.fit as fit
+import scene
+from reduced.impedance import check_passivity, reduction_of
+from reduced.impedance.dissipation import dissipation, telling_frequencies
+from reduced.reduction import Reduction
+from scene.errors import SceneError
+from scene.scene import Scene
+
+GALLERY = ("grip", "reflection", "viscous", "paper", "unlike", "layered", "rock", "unlike-irrational", "slip-law", "regularised")
+SCENES = {**LOSSY, **{f"gallery {name}": scene.read(name) for name in GALLERY}}
+
+
+def scanned(model: Reduction) -> float:
+    """Smallest Re Z/epsilon on a fine grid that knows nothing of the certificate, narrow around every resonance."""
+    widths = np.maximum(np.array(model.decays), 1e-9)
+    across = np.add.outer(np.linspace(-30.0, 30.0, 2001), np.zeros(widths.size)) * widths + np.array(model.frequencies)
+    omega = np.concatenate([np.linspace(0.0, 300.0, 30_001), np.geomspace(300.0, 1e6, 500), np.abs(across.ravel())])
+    return float(dissipation(model, omega).min())
+
+
+def certified(what: Scene, count: int) -> None:
+    model = reduction_of(what, f"fitted:{count}")
+    if not model.is_lossless:
+        assert dissipation(model, telling_frequencies(model)).min() >= 0.0
+        assert scanned(model) >= 0.0
+        assert min(model.decays, default=0.0) >= 0.0
+    assert check_passivity(what, f"fitted:{count}").passive
+
+
+@pytest.mark.parametrize("count", [9, 16])
+def test_fits_that_were_active_between_the_points_of_a_grid(count: int) -> None:
+    certified(LOSSY["grip below"], count)
+
+
+@pytest.mark.parametrize("name", ["grip", "standard linear", "kelvin-voigt solid", "gallery viscous", "gallery unlike"])
+def test_a_fit_of_each_kind(name: str) -> None:
+    certified(SCENES[name], 7)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", range(1, 19))
+@pytest.mark.parametrize("name", SCENES)
+def test_every_fit_of_every_scene(name: str, count: int) -> None:
+    certified(SCENES[name], count)
+
+
+def test_a_resonance_narrower_than_any_grid_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    wrong = Reduction(
+        "modal:1", mass=0.01, damping=0.5, frequencies=(33.333333,), residues=(0.0,), decays=(1e-7,), offsets=(3e-5,)
+    )
+    low = dissipation(wrong, telling_frequencies(wrong))
+    assert low.min() < -0.1
+    monkeypatch.setattr("reduced.impedance.models.reduction_of", lambda what, name: wrong)
+    found = check_passivity(paper(), "modal:1")
+    assert not found.passive
+    assert found.where.imag == pytest.approx(33.333333, abs=1e-3)
+
+
+def test_where_a_sign_changes_is_exact() -> None:
+    """G = 1/2 - 0.3 s/(s^2 + s/5 + 4), of which Re G = 0 where ((4 - w^2)^2 + 0.04 w^2)/2 = 0.06 w^2."""
+    model = Reduction("modal:1", damping=0.5, frequencies=(2.0,), residues=(-0.3,), decays=(0.1,))
+    crossings = np.sqrt(np.roots([0.5, -4.0 + 0.02 - 0.06, 8.0]))
+    cuts = telling_frequencies(model)
+    assert np.abs(np.subtract.outer(crossings, cuts)).min(axis=1).max() < 1e-9
+    assert dissipation(model, crossings) == pytest.approx(np.zeros(2), abs=1e-12)
+
+
+def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch: pytest.MonkeyPatch) -> None:
+    what = LOSSY["grip below"]
+    with pytest.raises(
+        SceneError, match=r"model = 'fitted:0': a fit needs at least one oscillator; quasidynamic is the one without"
+    ):
+        reduction_of(LOSSY["grip"], "fitted:0")
+    fit.fit_scene.cache_clear()
+    monkeypatch.setattr(fit, "_ROUNDS", 1)
+    with pytest.raises(
+        SceneError, match=r"model = 'fitted:16': the fit stays active at \d+\.?\d* radians per transit; try another N"
+    ):
+        reduction_of(what, "fitted:16")
+    monkeypatch.undo()
+    fit.fit_scene.cache_clear()
+    monkeypatch.setattr(fit, "WORST_ALLOWED", 1e-9)
+    with pytest.raises(SceneError) as refusal:
+        reduction_of(what, "fitted:2")
+    words = str(refusal.value)
+    assert "model = 'fitted:2': the best passive fit is " in words
+    assert 0.0 < float(words.split("fit is ")[1].split(" %")[0]) < 5.0
+    assert 0.0 < float(words.split("off at ")[1].split(" radians")[0]) <= np.pi / 0.7
+    assert "try a larger N, delay or a full-wave model" in words
