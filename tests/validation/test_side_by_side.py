@@ -66,6 +66,21 @@ def test_an_exception_of_one_is_not_the_end_of_the_others(fake, tmp_path):
     assert red.value.lines == ["first: failed: ZeroDivisionError: division by zero (written_first.py, line 7, in run)"]
 
 
+INTERRUPTED = """
+    import signal, subprocess
+    started = subprocess.Popen(["sleep", "100000"])
+    started.send_signal(signal.SIGINT)
+    return StudyResult(str(started.wait(600)))
+"""
+
+
+def test_what_a_study_starts_can_be_interrupted(fake, tmp_path):
+    """As the slow tests do: processes side by side are deaf to the terminal, not to each other."""
+    for name in ("first", "second"):
+        fake.write(name, INTERRUPTED)
+    assert answers(make_report(tmp_path / "out", processes=2)) == [str(-signal.SIGINT)] * 2
+
+
 PROGRAM = """
 import sys
 from types import ModuleType

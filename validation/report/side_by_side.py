@@ -69,6 +69,9 @@ def _begin(news: "Queue[tuple[int, float]]") -> None:
     global _news
     _news = news
     os.setsid()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # forget one that came before
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # what a study starts may be sent one
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
@@ -89,7 +92,7 @@ def _end_group(leader: int | None) -> None:
 
 @contextmanager
 def _deaf() -> Iterator[None]:
-    """What is started in this block never hears a Ctrl-C; one that comes meanwhile is heard here when the block ends."""
+    """What is started in this block begins deaf to Ctrl-C; one that comes meanwhile is heard here when the block ends."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
