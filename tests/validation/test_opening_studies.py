@@ -87,3 +87,9 @@ def test_figures_show_each_models_cycle():
     assert all(len(axes.get_lines()) == 2 for axes in small)
     assert small[0].get_title().endswith("$-3.7$ %")
     assert small[0].get_ylabel() == r"$\mu$"
+
+
+def test_the_drawing_of_the_slabs_names_what_it_shows():
+    written = [text.get_text() for text in scene_facts._draw().axes[0].texts]
+    assert written.count("$V/2$") == written.count("$h/2$") == 2
+    assert {"out and back: one transit $h/c$", r"friction $F(v,\phi)$", r"$\sigma$", r"$\rho,\ c$"} <= set(written)

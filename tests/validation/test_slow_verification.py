@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from validation.report.sources import sources_of
-from validation.studies import load
+from validation.studies import load, slow_verification
 from validation.studies.slow_verification import _command, read_record, run, summarised
 from validation.study import Budget, Outcome
 
@@ -25,6 +25,7 @@ def record(tmp_path):
         "import pytest\n"
         "@pytest.fixture\ndef broken():\n    raise ValueError('no such grid')\n"
         "def test_good(): pass\ndef test_bad(): assert 1 == 2, 'one is not two'\ndef test_ugly(broken): pass\n"
+        "def test_idle(): pytest.skip('no time')\n"
     )
     path = tmp_path / "record.xml"
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"--junitxml={path}", str(tmp_path)]
@@ -34,12 +35,12 @@ def record(tmp_path):
 
 def test_failures_and_errors_turn_the_verdict_red(record):
     tests = list(read_record(record))
-    assert [test.name for test in tests] == ["test_good", "test_bad", "test_ugly"]
-    assert [bool(test.fault) for test in tests] == [False, True, True]
+    assert [test.name for test in tests] == ["test_good", "test_bad", "test_ugly", "test_idle"]
+    assert [bool(test.fault) for test in tests] == [False, True, True, True]
     assert "one is not two" in tests[1].fault
     result = summarised(tests)
     assert [verdict.outcome for verdict in result.verdicts] == [Outcome.FAIL]
-    assert "test_bad, test_ugly" in result.verdicts[0].remark
+    assert "test_bad, test_ugly, test_idle" in result.verdicts[0].remark
     assert summarised(tests[:1]).verdicts[0].outcome is Outcome.PASS
 
 
@@ -76,3 +77,14 @@ def test_an_installed_package_says_that_the_tests_are_missing(tmp_path):
         "The tests are not installed with the package; a checkout has them."
     ]
     assert record["verdicts"] == []
+
+
+def test_a_run_without_tests_is_no_answer(monkeypatch, tmp_path):
+    (tmp_path / "test_none.py").write_text("")
+    monkeypatch.setattr(
+        slow_verification,
+        "_command",
+        lambda record: [sys.executable, "-m", "pytest", "-q", f"--junitxml={record}", str(tmp_path)],
+    )
+    with pytest.raises(RuntimeError, match="did not run"):
+        slow_verification.run(Budget(quick=False))

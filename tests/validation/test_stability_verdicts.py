@@ -10,7 +10,7 @@ from reduced import closed_forms
 from reduced.stability import Boundary, friction_slopes
 from validation.studies import stability_boundaries as study
 from validation.studies import stability_verdicts as verdicts
-from validation.studies.stability_boundaries_figures import critical_curves, planes, spectra
+from validation.studies.stability_boundaries_figures import critical_curves, impedances, planes, spectra
 from validation.studies.stability_measured import Curves
 from validation.study import Outcome
 
@@ -51,9 +51,7 @@ def traced(factor=1.0, first=1.0008, branches=2):
     beyond = np.log10(first * np.sqrt(24.0) / SLOPES.omega_c * np.geomspace(1.0, 1.2, 9))
     found = {}
     for model, closed in verdicts.TRACED.items():
-        curve = [
-            Boundary(("r", "e"), r, np.log10(factor * np.array([closed(SLOPES, 10**x) for x in r])), r) for r in (low, beyond)
-        ]
+        curve = [Boundary(("r", "e"), r, np.log10(factor * np.abs([closed(SLOPES, 10**x) for x in r])), r) for r in (low, beyond)]
         found[model] = curve[:branches]
     return found
 
@@ -137,3 +135,20 @@ def test_roots_are_drawn_on_the_transit_clock():
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("Re $s$ (per transit)", "Im $s$ (per transit)")
     assert np.allclose(axes.get_lines()[0].get_xdata(), [6e-3, -2e-3])
     assert np.allclose(axes.get_lines()[0].get_ydata(), [0.1, 0.6])
+
+
+def test_impedances_are_drawn_over_epsilon_and_per_transit():
+    """The block of mass rho h/12: Z/eps = (1 + s^2/12)/s on s = 0.2 + i omega."""
+    size, error, phase = impedances(PAPER).axes
+    assert [axes.get_ylabel() for axes in (size, error, phase)] == [
+        r"$|Z|/\epsilon$",
+        r"$|Z/Z_{\rm exact}-1|$",
+        "phase of $Z$ (degrees)",
+    ]
+    assert {axes.get_xlabel() for axes in (error, phase)} == {r"$\omega$ (radians per transit)"}
+    exact, _, _, block = size.get_lines()[:4]
+    s = 0.2 + 1j * exact.get_xdata()
+    assert exact.get_ydata() == pytest.approx(np.abs(0.5 / np.tanh(0.5 * s)), rel=1e-9)
+    assert block.get_ydata() == pytest.approx(np.abs((1.0 + s**2 / 12.0) / s), rel=1e-9)
+    assert phase.get_lines()[0].get_ydata() == pytest.approx(np.degrees(np.angle(0.5 / np.tanh(0.5 * s))), rel=1e-9)
+    assert len(error.get_lines()) == 7

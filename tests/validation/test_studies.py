@@ -47,6 +47,7 @@ def cycle():
 
 def test_one_cycle_shows_the_numbers_it_must(cycle):
     assert bad(cycle) == []
+    assert too_roomy(cycle.verdicts) == []
     delay = [cycle.numbers[f"delay {name}"].value for name in ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")]
     assert delay == pytest.approx([73.4721449, 0.1739634, 0.1547375, 4412.3205, 2.860302], rel=5e-7)
     periods = {"kelvin-voigt": 70.7323450, "block8": 76.6102996, "block12": 77.8685694}

@@ -19,6 +19,8 @@ _CHECKOUT = Path(__file__).parents[2]
 _IS_CHECKOUT = (_CHECKOUT / "pyproject.toml").is_file() and (_CHECKOUT / "tests").is_dir()
 FILES = (_CHECKOUT / "tests", _CHECKOUT / "scene" / "gallery") if _IS_CHECKOUT else ()
 
+_TESTED = (0, 1)  # how pytest ends if tests were found and run, all well or not
+
 
 class Tested(NamedTuple):
     """One test: the file it is in, its name, its seconds, and the first line of what went wrong (empty if nothing did)."""
@@ -37,7 +39,7 @@ def run(budget: Budget) -> StudyResult:
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "tests.xml"
         ended = subprocess.run(_command(record), cwd=_CHECKOUT, capture_output=True, text=True, check=False)
-        if not record.exists():
+        if ended.returncode not in _TESTED or not record.exists():
             raise RuntimeError(f"the tests did not run: {(ended.stdout + ended.stderr).strip()[-300:]}")
         tests = list(read_record(record))
     return summarised(tests)
@@ -76,6 +78,6 @@ def read_record(path: Path) -> Iterator[Tested]:
     """The tests of a JUnit file as pytest writes it."""
     for case in ElementTree.parse(path).getroot().iter("testcase"):
         file = case.get("classname", "").replace(".", "/") + ".py"
-        bad = case.find("failure") if case.find("failure") is not None else case.find("error")
+        bad = next((found for kind in ("failure", "error", "skipped") if (found := case.find(kind)) is not None), None)
         fault = "" if bad is None else (bad.get("message") or "failed").splitlines()[0]
         yield Tested(file, case.get("name", ""), float(case.get("time", "0")), fault)
