@@ -19,6 +19,15 @@ ROUND_TRIP = PAPER.transit
 SLABS = {
     "unlike": [{}, {"epsilon": 8.4e-5, "round_trip": 2**0.5 * ROUND_TRIP}],
     "layers-and-grip": [{"layers": (Layer(0.3, 1.0), Layer(0.7, 3.0)), "face": GripFace(2.0, 1.0)}],
+    "grip-and-loss-below": [
+        {},
+        {
+            "epsilon": 5.6e-5,
+            "round_trip": 1.5 * ROUND_TRIP,
+            "face": GripFace(2.0, 1.5),
+            "viscosity": StandardLinearViscosity(0.5 * ROUND_TRIP, 0.7),
+        },
+    ],
     "standard-linear": [{"viscosity": StandardLinearViscosity(3 * ROUND_TRIP, 0.5)}],
 }
 

@@ -53,6 +53,10 @@ SCENES = {
     "incommensurate": changed({}, {"round_trip": 2**0.5 * SLAB.round_trip, "epsilon": 3 * SLAB.epsilon}),
     "grips": changed({"face": GripFace(2.0, 1.5)}),
     "one grip": changed({"face": GripFace(2.0, 1.5)}, {"round_trip": 2**0.5 * SLAB.round_trip}),
+    "grip below": changed({}, {"face": GripFace(2.0, 1.5), "round_trip": 2**0.5 * SLAB.round_trip, "epsilon": 3 * SLAB.epsilon}),
+    "layers below, on a grip": changed(
+        {}, {"layers": (Layer(0.4, 1.0), Layer(0.6, 2.0)), "face": GripFace(2.0, 1.5), "round_trip": 1.5 * SLAB.round_trip}
+    ),
     "reflecting": changed({"face": ReflectingFace(0.9)}),
     "one absorbing": changed({"face": ReflectingFace(0.0)}, {}),
     "layers": changed({"layers": (Layer(0.4, 1.0), Layer(0.6, 2.0))}, {}),
