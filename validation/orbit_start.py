@@ -13,6 +13,7 @@ from scene.observe.foresight import require_time
 from scene.observe.pieces import Array
 from scene.scene import Scene
 from validation.orbits import MOST_TRANSITS, NoCycle, settle
+from validation.progress import progress
 
 if TYPE_CHECKING:
     from fullwave.snapshot import FieldSolver, Snapshot
@@ -97,7 +98,8 @@ def begin_on_orbit(solver: Solver) -> OnOrbit:
         raise SceneError("start.kind = 'orbit': needs a constant drive.velocity; with a ramp use 'nudge' or 'jump'")
     try:
         require_time(solver, MOST_TRANSITS)
-        settled = settle(solver, _TOLERANCE)
+        with progress(f"{scene.name}, {solver.model}, on the way to its orbit", MOST_TRANSITS) as report:
+            settled = settle(solver, _TOLERANCE, progress=report)
     except NoCycle as reason:
         raise NumericsError(f"start.kind = 'orbit': {reason} (scene {scene.name!r})") from None
     if not settled.settled:

@@ -12,6 +12,7 @@ import numpy as np
 
 from scene.friction import rate_of
 from scene.observe import EventObserver, Events, Pieces, Solver, follow
+from scene.observe.foresight import Foresight
 from scene.observe.pieces import Array, interpolation_matrix, lagrange_basis
 from validation.timing import timed
 
@@ -92,9 +93,10 @@ def _march_until_settled(
     """(cycles of the second half of the march, the unrest after each stretch of WINDOW cycles)."""
     events = observer.events()
     history: list[float] = []
+    foresight = Foresight(solver, most)
     while solver.time < most and not _finished(history, tolerance):
         period = float(events.period[-1]) if events.period.size else _FIRST_STRETCH / WINDOW
-        follow(solver, min(most, solver.time + WINDOW * period), [observer], progress)
+        follow(solver, min(most, solver.time + WINDOW * period), [observer, foresight], progress)
         events = observer.events(0.5 * solver.time)  # by the falls of now: those of the start may have been larger
         if events.time.size >= WINDOW:
             _require_motion(solver, events)

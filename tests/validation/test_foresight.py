@@ -44,6 +44,18 @@ def test_a_march_whose_steps_adapt_is_judged_by_those_it_took(model: str) -> Non
     simulate(build(model, paper), 3000.0)
 
 
+def test_the_way_to_an_orbit_is_shown_and_judged(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("validation.progress.PATIENCE", -1.0)
+    monkeypatch.setattr("validation.progress._LINE_INTERVAL", -1.0)
+    words = ["run", "paper", "--model", "delay", "--until", "20", "--set", "start.kind=orbit"]
+    assert main(words) == 0
+    assert capsys.readouterr().err.startswith("paper, delay, on the way to its orbit: ")
+    monkeypatch.setattr("scene.observe.foresight._ENOUGH", 1000)
+    monkeypatch.setattr(DelayMarch, "seconds_per_piece", DAY)
+    assert main(words) == INPUT_WRONG
+    assert "model delay: 6000 transits would take some" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "words",
     [
