@@ -14,5 +14,5 @@ def test_discontinuous_galerkin_agrees_with_the_delay_system(name: str) -> None:
     arrangement = scene.read(name, ['start.kind="nudge"', "start.size=0.5"])
     wave = follow(build("dg:7", arrangement, cells=8), 150.0)
     delay = follow(build("delay", arrangement, tolerance=1e-11), 150.0)
-    assert wave.psi == pytest.approx(delay.psi, abs=1e-9)
-    assert wave.mu == pytest.approx(delay.mu, abs=1e-10)
+    assert wave.psi == pytest.approx(delay.psi, abs=5e-11)  # measured: 3e-12
+    assert wave.mu == pytest.approx(delay.mu, abs=1e-12)  # 5e-14
