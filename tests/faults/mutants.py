@@ -10,6 +10,7 @@ import copy as copies
 import json
 import math
 import random
+import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ from tests.faults.trial import WHOLE_SUITE, Copy
 
 RESULT = ROOT / "reports" / "mutants.json"
 EQUIVALENT = FOLDER / "equivalent.toml"
-_FEW_SECONDS = 40.0
+_FEW_SECONDS = 20.0
 _SWAPS: dict[type, tuple[type, ...]] = {
     ast.Lt: (ast.LtE, ast.GtE),
     ast.LtE: (ast.Lt, ast.Gt),
@@ -148,10 +149,11 @@ def _is_text(node: ast.AST) -> bool:
 class Reach:
     """What `reach` wrote: for every test its seconds and functions."""
 
-    def __init__(self, folder: Path) -> None:
-        self._tests: dict[str, Any] = {}
+    def __init__(self, folder: Path, still_there: set[str]) -> None:
+        noted: dict[str, Any] = {}
         for path in folder.glob("*.json"):
-            self._tests |= json.loads(path.read_text(encoding="utf-8"))
+            noted |= json.loads(path.read_text(encoding="utf-8"))
+        self._tests = {test: facts for test, facts in noted.items() if test in still_there}
 
     def tests_for(self, mutant: Mutant) -> list[str]:
         """Tests that run the mutant's function, the most specific first, of some seconds together.
@@ -171,7 +173,7 @@ class Reach:
         )
         chosen, seconds = [], 0.0
         for test in found:
-            if seconds + self._tests[test]["seconds"] < _FEW_SECONDS and len(chosen) < 150:
+            if seconds + self._tests[test]["seconds"] < _FEW_SECONDS and len(chosen) < 60:
                 chosen.append(test)
                 seconds += self._tests[test]["seconds"]
         return chosen
@@ -203,6 +205,13 @@ def try_mutant(mutant: Mutant, copy: Copy, reach: Reach, whole: bool) -> Record:
     return record | {"caught": True, "caught_by": by["test"], "says": by["says"], "seconds": round(found.seconds, 1)}
 
 
+def collected() -> set[str]:
+    """All tests of the checkout, by their node ids."""
+    command = [sys.executable, "-m", "pytest", "--override-ini=addopts=", "--collect-only", "-q", "tests"]
+    told = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    return {line for line in told.stdout.splitlines() if "::" in line}
+
+
 def wilson(noticed: int, of: int) -> tuple[float, float]:
     """95 % interval of a share (Wilson 1927)."""
     z = 1.959964
@@ -223,7 +232,7 @@ def main() -> int:
     everything = all_mutants()
     sample = random.Random(options.seed).sample(everything, options.count)
     print(f"{len(everything)} mutants, sample of {len(sample)}")
-    reach = Reach(options.reach)
+    reach = Reach(options.reach, collected())
     store = Store(RESULT, "mutants")
     records = run_all(sample, lambda mutant, copy: try_mutant(mutant, copy, reach, options.whole), options.jobs, store)
     noticed = sum(record["caught"] for record in records)

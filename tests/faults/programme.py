@@ -53,6 +53,8 @@ def try_fault(fault: Fault, copy: Copy, whole: bool = True) -> Record:
 def run_all(items: Iterable[Any], work: Callable[[Any, Copy], Record], jobs: int, store: "Store") -> list[Record]:
     """Work on `items`, `jobs` at a time, each job with a copy of its own; what `store` knows is not tried again. An item has a
     `name` and the files it is `decided_by`: its record is of use until one of these changes."""
+    items = list(items)
+    keys = {item.name: key_of(item, item.decided_by) for item in items}  # of the files as they are copied
     copies: queue.Queue[Copy] = queue.Queue()
     with tempfile.TemporaryDirectory(prefix="slipwave-faults-") as folder, ThreadPoolExecutor(jobs) as pool:
         for number in range(jobs):
@@ -65,7 +67,7 @@ def run_all(items: Iterable[Any], work: Callable[[Any, Copy], Record], jobs: int
             copies.put(copy)
 
         def one(item: Any) -> Record:
-            key = key_of(item, item.decided_by)
+            key = keys[item.name]
             if (known := store.known(item.name, key)) is not None:
                 return known
             copy = copies.get()

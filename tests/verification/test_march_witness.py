@@ -60,6 +60,7 @@ SCENES = {
     "reflecting": changed({"face": ReflectingFace(0.9)}),
     "one absorbing": changed({"face": ReflectingFace(0.0)}, {}),
     "layers": changed({"layers": (Layer(0.4, 1.0), Layer(0.6, 2.0))}, {}),
+    "grip on layers": changed({"layers": (Layer(0.4, 1.0), Layer(0.6, 2.0)), "face": GripFace(2.0, 1.5)}),
 }
 
 

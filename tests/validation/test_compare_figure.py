@@ -1,0 +1,44 @@
+"""The overlay that `compare` draws: the last cycle of each model, with the right words on its axes."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import scene
+from scene.observe import EventObserver, HistoryObserver, follow
+from validation.cli import main
+from validation.models import build
+
+UNTIL = 1200.0
+CHANGED = "slab.log10_r=-2.68"
+
+
+def test_the_overlay_of_compare(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[Figure] = []
+
+    def keep(figure: Figure, path: Path, **_: Any) -> None:
+        drawn.append(figure)
+        path.write_bytes(b"a figure")
+
+    monkeypatch.setattr(Figure, "savefig", keep)
+    words = ["compare", "paper", "--models", "delay,kelvin-voigt", "--set", CHANGED, "--until", str(UNTIL)]
+    assert main([*words, "--out", str(tmp_path / "x.png")]) == 0
+    above, below = drawn[0].axes
+    assert (above.get_ylabel(), below.get_ylabel()) == ("friction stress / normal stress", "slip rate / V*")
+    assert below.get_xlabel() == "transits since the slip event's start"
+    assert [text.get_text().partition(":")[0] for text in above.get_legend().get_texts()] == ["delay", "kelvin-voigt"]
+    solver = build("delay", scene.read("paper", [CHANGED]))
+    watch, history = EventObserver(solver.scene, solver.nodes), HistoryObserver(solver.scene.law, solver.nodes)
+    follow(solver, UNTIL, [watch, history])
+    columns = history.columns()
+    events = watch.events()
+    begin, period = events.time[-1], events.period[-1]
+    inside = (columns["time"] >= begin) & (columns["time"] <= begin + period)
+    for axes, name in ((above, "stress"), (below, "slip_rate")):
+        time, values = axes.get_lines()[0].get_data()
+        np.testing.assert_allclose(time, columns["time"][inside] - begin, atol=1e-9)
+        np.testing.assert_allclose(values, columns[name][inside], rtol=1e-9)
+        assert len(axes.get_lines()) == 2
