@@ -106,6 +106,17 @@ def to_tolerance(
     )
 
 
+def judge_grid(cells: int, fine: March, coarse: March) -> Choice:
+    """What a grid of `cells` that nobody asked for is worth, from fresh solvers on it and on one with two thirds of its cells.
+
+    Their difference in a probe is more than the error of the finer, from order 2 on.
+
+    The estimate is infinite where the two do not find the same cycles.
+    """
+    before, now = _probe(coarse), _probe(fine)
+    return Choice(cells, fine.step, now.quantity if now else "final state", _difference(before, now), ())
+
+
 def _needed(cells: int, factor: float, gain: float) -> float:
     """Cells that would bring the error down by `factor` if every refinement went on gaining `gain`; 0 if that cannot be told."""
     if not 1.0 < gain < math.inf or not math.isfinite(factor):

@@ -52,6 +52,8 @@ def run(
     """Run one model on one scene; print events, periods and stress drops of the run's second half."""
     from fullwave.field_files import write_field
     from scene.observe import follow
+    from validation.default_grid import judged, note_on
+    from validation.determinacy import amplified_rounding
     from validation.models import build, resolve
     from validation.output import attempt, conclude, printed, require_writable
     from validation.recording import FIELD_FILES, fields_for, history_for, write_run
@@ -64,7 +66,9 @@ def run(
     if fields is not None:
         require_writable(fields, FIELD_FILES, "--fields")
     chosen, why = resolve(model, what)
-    solver = build(chosen, what, cells, cfl, tol)
+    solver: Any = build(chosen, what, cells, cfl, tol)
+    amplified = amplified_rounding(what, solver.model, what.until, tol)
+    notes = [amplified.note] if amplified else []
     grid = _grid(solver)
     if grid is not None:
         typer.echo(f"{solver.model}: {_told(grid)}", err=True)
@@ -78,8 +82,15 @@ def run(
             done = simulate(solver, what.until, [history] if history is not None else [], march, most_seconds(yes))
         except RunInterrupted as stop:
             done, stopped = stop.run, True
+        if cells is None and tol is None and not done.failed:
+            default = judged(solver, cfl)
+            if default is not None:
+                solver.choice = default
+                notes += note_on(default)
+        for note in notes:
+            typer.echo(f"note: {note}", err=True)
         field = picture.field if picture is not None else None
-        deeds = [lambda: printed(lambda: _show(done, json))]  # first: what follows may meet a full disk
+        deeds = [lambda: printed(lambda: _show(done, json, notes))]  # first: what follows may meet a full disk
         if fields is not None and field is not None:
             deeds.append(lambda: write_field(fields, field))
         if out is not None:
@@ -88,17 +99,17 @@ def run(
     conclude(done.failed, problems, way_on(solver, checkpoint) if stopped else "")
 
 
-def _show(done: "Run", json: bool) -> None:
+def _show(done: "Run", json: bool, notes: list[str]) -> None:
     from validation.output import print_json
 
     if json:
-        print_json(result_of(done))
+        print_json(result_of(done) | ({"notes": notes} if notes else {}))
     else:
-        _print(done)
+        _print(done, notes)
 
 
 def result_of(done: "Run") -> dict[str, Any]:
-    """The JSON of a run (users rely on its keys); `grid` is there only if the solver chose it for a tolerance, `failed` only if
+    """The JSON of a run (users rely on its keys); `grid` is there only if the user did not choose its cells, `failed` only if
     the numerics failed."""
     from dataclasses import asdict
 
@@ -121,9 +132,14 @@ def result_of(done: "Run") -> dict[str, Any]:
 
 
 def _grid(solver: "Solver") -> dict[str, Any] | None:
-    """The grid that a full wave chose for a tolerance, and the relative error estimated there (`fullwave.adapt.Choice`)."""
+    """The grid that a full wave chose, for a tolerance or by default, and its estimated error (`fullwave.adapt.Choice`)."""
     choice = getattr(solver, "choice", None)
     return {name: getattr(choice, name) for name in ("cells", "step", "quantity", "error_estimate")} if choice else None
+
+
+def _grid_word(solver: Any) -> str:
+    """Who chose the grid: a choice by default tried no others."""
+    return "grid chosen for the tolerance" if solver.choice.tried else "default grid"
 
 
 def _told(grid: dict[str, Any]) -> str:
@@ -140,7 +156,7 @@ def _energy(done: "Run") -> dict[str, float] | None:
     return ledger | ({"viscous": done.energy.viscous} if viscous else {})
 
 
-def _print(done: "Run") -> None:
+def _print(done: "Run", notes: list[str]) -> None:
     from validation.output import figures, print_table
     from validation.wording import describe, statistics_rows
 
@@ -148,7 +164,9 @@ def _print(done: "Run") -> None:
         print(line)
     grid = _grid(done.solver)
     if grid:
-        print(f"grid chosen for the tolerance: {_told(grid)}")
+        print(f"{_grid_word(done.solver)}: {_told(grid)}")
+    for note in notes:
+        print(f"note: {note}")
     cycles = done.statistics.cycles
     print(f"model {done.solver.model}, {done.until:g} transits: {done.starts} slip events; the second half has {cycles} cycles")
     if cycles:

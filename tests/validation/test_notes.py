@@ -1,0 +1,109 @@
+"""What a run says of itself: rounding that decides it, a default grid that is too coarse for it; silence where all is well."""
+
+import json
+import math
+from typing import Any
+
+import pytest
+
+import scene
+from scene.observe import follow
+from validation.cli import main
+from validation.determinacy import amplified_rounding
+from validation.models import build
+
+STIFF = ["interface.a=0.0296", "interface.b=0.0591", "drive.velocity=80", "slab.epsilon=7.2e-5", "slab.r=0.0124"]
+"""Thirty-two cells of sbp:6 end at ln v = -6.27 after 60 transits where the delay system has -5.31."""
+
+
+def answer(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[dict[str, Any], str]:
+    assert main(["run", *words, "--json"]) == 0
+    text, err = capsys.readouterr()
+    return json.loads(text), err
+
+
+def parted(r: float, model: str, at: float) -> float:
+    """Relative difference, at `at` transits, of two departures from steady sliding whose psi(0) differ by one rounding."""
+    what = scene.read("paper", [f"slab.r={r}"])
+    left = []
+    for rounding in (0.0, 2.0**-52):
+        solver: Any = build(model, what, tolerance=1e-11)
+        solver._memory.now[1] *= 1.0 + rounding
+        left.append(follow(solver, at).psi - what.steady_psi)
+    return abs(left[1] - left[0]) / max(map(abs, left))
+
+
+@pytest.mark.parametrize("model", ["delay", "kelvin-voigt"])
+@pytest.mark.parametrize(("r", "at"), [(0.1, 5.0), (0.2, 4.0), (0.3, 2.5), (0.5, 1.5)])
+def test_the_share_of_rounding_is_what_two_runs_differ_by(model: str, r: float, at: float) -> None:
+    found = amplified_rounding(scene.read("paper", [f"slab.r={r}"]), model, 40.0)
+    assert found is not None
+    ratio = parted(r, model, at) / min(found.share, 1.0)
+    assert 1.0 / 30.0 < ratio < 10.0
+
+
+def test_the_leading_root_is_the_same_with_and_without_its_echoes() -> None:
+    for r in (0.4, 0.7):  # the bound of the growth lies on either side of 20 per transit
+        what = scene.read("paper", [f"slab.r={r}"])
+        found = amplified_rounding(what, "delay", 40.0)
+        assert found is not None
+        assert found.growth == pytest.approx(34.7107438 * r, rel=1e-4)
+
+
+def test_a_scene_that_is_determined_says_nothing() -> None:
+    for name in ("paper", "paper-2.3", "rock", "unlike", "ramp", "jump", "grip", "slip-law"):
+        assert amplified_rounding(scene.read(name), "delay", 4000.0) is None
+    jump = ['start.kind="jump"', "start.size=0.1", "slab.r=1"]
+    assert amplified_rounding(scene.read("paper", jump), "delay", 40.0) is None
+    assert amplified_rounding(scene.read("paper", ["slab.r=0.5"]), "delay", 0.3) is None  # rounding has not grown yet
+
+
+def test_a_run_that_rounding_decides_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["paper", "--model", "quasidynamic", "--set", "slab.r=0.5", "--until", "10"]
+    result, err = answer(capsys, *words)
+    (note,) = result["notes"]
+    assert note.startswith("not determined: steady sliding is unstable, disturbances grow at 17.1 per transit")
+    assert 10.0 < float(note.split("outgrows the start ")[1].split(" times")[0]) < 500.0
+    assert f"note: {note}" in err
+    assert main(["run", *words]) == 0
+    assert f"note: {note}" in capsys.readouterr().out
+    result, _ = answer(capsys, "paper", "--model", "quasidynamic", "--set", "slab.r=0.1", "--until", "10")
+    assert 1e-8 < float(result["notes"][0].split("not determined beyond ")[1].split(":")[0]) < 1e-6
+    assert "notes" not in answer(capsys, "paper", "--until", "10")[0]
+
+
+@pytest.mark.parametrize("model", ["sbp:6", "dg:7"])
+def test_a_default_grid_that_is_too_coarse_says_so(capsys: pytest.CaptureFixture[str], model: str) -> None:
+    settings = [word for setting in STIFF for word in ("--set", setting)]
+    result, err = answer(capsys, "paper", "--model", model, *settings, "--until", "60")
+    exact = follow(build("delay", scene.read("paper", STIFF), tolerance=1e-10), 60.0)
+    error = max(abs(result["final"][name] / getattr(exact, name) - 1.0) for name in ("ln_v", "psi"))
+    estimate = result["grid"]["error_estimate"]
+    assert error < 2.0 * estimate < 30.0 * error
+    assert (
+        f"the default grid of {result['grid']['cells']} cells is too coarse for this scene: estimated error" in result["notes"][0]
+    )
+    assert f"estimated error {estimate:.1e}; give --tol or --cells" in err
+    assert main(["run", "paper", "--model", model, *settings, "--until", "60"]) == 0
+    assert "is too coarse for this scene" in capsys.readouterr().out
+
+
+def test_a_default_grid_that_will_do_tells_its_error(capsys: pytest.CaptureFixture[str]) -> None:
+    result, err = answer(capsys, "paper", "--model", "sbp:6", "--until", "400")
+    again, _ = answer(capsys, "paper", "--model", "sbp:6", "--until", "400", "--cells", "32")
+    exact, _ = answer(capsys, "paper", "--model", "delay", "--until", "400")
+    error = abs(result["period"]["mean"] / exact["period"]["mean"] - 1.0)
+    assert error < result["grid"]["error_estimate"] < 1e-4
+    assert result["grid"]["cells"] == 32
+    assert err == ""
+    assert "notes" not in result
+    assert "grid" not in again
+    assert result["final"] == again["final"]  # the estimate moves no bit of the run
+
+
+def test_two_grids_that_find_other_cycles_have_no_error(capsys: pytest.CaptureFixture[str]) -> None:
+    settings = [word for setting in STIFF for word in ("--set", setting)]
+    result, _ = answer(capsys, "paper", "--model", "sbp:6", *settings, "--until", "600")
+    assert result["grid"]["error_estimate"] is None
+    assert "estimated error unknown, a coarser grid finds other cycles" in result["notes"][0]
+    assert math.isfinite(result["final"]["psi"])
