@@ -37,6 +37,7 @@ def main() -> int:
         + "".join(f"\nsurvives: {s}" for s in survivors)
     )
     if options.record:
+        records = [{name: value for name, value in record.items() if name != "key"} for record in records]
         BASELINE.write_text(json.dumps({"faults": records}, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     return 3 if survivors else 0
 

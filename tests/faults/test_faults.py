@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.faults.mutants import mutants_of, wilson
 from tests.faults.planting import ROOMS, ROOT, AnchorError, Fault, read_faults
 from tests.faults.programme import Store, key_of, try_fault
 from tests.faults.trial import Copy
@@ -116,3 +117,25 @@ def test_a_record_is_of_use_until_what_decides_it_changes(tmp_path: Path) -> Non
     assert again.known("first", key_of(FAULTS[1], ["a.py"], tmp_path)) is None
     (tmp_path / "a.py").write_text("2")
     assert again.known("first", key_of(FAULTS[0], ["a.py"], tmp_path)) is None
+
+
+MUTATED = "def f(x, y):\n    return x + 2.0 * y if x < y else -x\n"
+
+
+def test_mutants_are_the_usual_single_changes() -> None:
+    found = {(mutant.old, mutant.new) for mutant in mutants_of("scene/f.py", MUTATED)}
+    assert {
+        ("x + 2.0 * y", "(x - 2.0 * y)"),
+        ("2.0 * y", "(2.0 / y)"),
+        ("2.0", "4.0"),
+        ("x < y", "(x <= y)"),
+        ("x < y", "(x >= y)"),
+        ("-x", "(x)"),
+        ("return x + 2.0 * y if x < y else -x", "return None"),
+    } == found
+    assert {mutant.function for mutant in mutants_of("scene/f.py", MUTATED)} == {"f"}
+
+
+def test_wilsons_interval() -> None:
+    """Wilson (1927): for 8 of 10, 0.490 to 0.943."""
+    assert wilson(8, 10) == pytest.approx((0.4902, 0.9433), abs=1e-4)
