@@ -23,6 +23,11 @@ class Drive:
         """True when V never changes, so that solvers may skip everything that depends on it."""
         return len(set(self.velocities)) == 1
 
+    def rests_from(self, time: float) -> bool:
+        """Whether V is constant from `time` (transits) on, and not zero."""
+        here = self.at(time)
+        return here != 0.0 and all(v == here for t, v in zip(self.times, self.velocities, strict=True) if t > time)
+
     def knots(self) -> tuple[Array, Array]:
         """(times, velocities) as arrays for compiled solvers; one knot if V never changes."""
         kept = 1 if self.is_constant else len(self.times)

@@ -1,8 +1,8 @@
 """Observed orders of the full-wave families: climb a ladder of grids, fit every output's error. For the tests and the report.
 
-Errors are relative and root mean squares: of an output over all complete cycles of the run (the same on every grid), of the final
-state over 256 moments of the last transits (ln v, psi and mu, each to its range there). A single number would change sign on its
-way to zero; a mean square does not.
+Errors are relative and root mean squares: of an output over all complete cycles after a quarter of the run (the same on every
+grid), of the final state over 256 moments of the last transits (ln v, psi and mu, each to its range there). A single number would
+change sign on its way to zero; a mean square does not.
 
 A fixed rule selects the grids of a fit. The first is the coarsest from which on all errors are below 3^-order, that is, at least
 three times finer than a grid whose error is 100 %. The last is the last one whose error is above the reference's own. Of these,
@@ -32,6 +32,7 @@ QUANTITIES = {**OUTPUTS, "state": "state"}
 """What an order is asked of: the outputs, and the final state."""
 
 _MOMENTS = 256
+_FIRST_QUARTER = 0.25  # of the run: its events grow, and one of a tenth of the largest counts on one grid and not on another
 _ALMOST = 0.05  # a narrow interval may miss the promised order by this much: the bend that is left over
 _KNOWN = 0.5  # how far below the promised order the interval of all outputs may begin
 _RESOLVED = 3.0
@@ -75,7 +76,7 @@ def _measure(solver: Solver, course: Course) -> tuple[float, Measured]:
     last = np.linspace(course.until - course.window, course.until, _MOMENTS, endpoint=False)
     moments = Moments(solver.nodes, last)
     seconds, _ = timed(lambda: follow(solver, course.until, [events, moments]))
-    cycles = events.events()
+    cycles = events.events(_FIRST_QUARTER * course.until)
     return seconds, {name: getattr(cycles, name) for name in OUTPUTS} | {"state": moments.state()}
 
 

@@ -1,14 +1,28 @@
 """One model on one scene from start to end: the run behind `slipwave run`, `compare` and `bench`."""
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 from scene.errors import NumericsError
-from scene.observe import Energy, EventObserver, Events, Final, RunStatistics, Solver, follow, summarise
+from scene.observe import (
+    Energy,
+    EventObserver,
+    Events,
+    Final,
+    RunStatistics,
+    Solver,
+    Verdict,
+    follow,
+    judge_motion,
+    slides_at,
+    summarise,
+)
 from scene.observe.follow import Observer
 from scene.observe.foresight import DAY, Foresight, require_time
+from scene.scene import Scene
 from validation.progress import progress
 
 
@@ -23,13 +37,16 @@ class March(Protocol):
 
 @dataclass(frozen=True)
 class Run:
-    """What came out of a run of `solver` to `until` (transits). `starts` counts slip events, `wall_s` is in seconds; `failed` is
-    empty, or says what, where and when the numerics failed: the rest is then what was known by that time."""
+    """What came out of a run of `solver` to `until` (transits). `starts` counts slip events, `verdict` tells what the second half
+    is; both are None if nobody watched. `statistics` are of the second half's cycles, of none if they do not repeat. `wall_s` is
+    in seconds; `failed` is empty, or says what, where and when the numerics failed: the rest is then what was known by that time.
+    """
 
     solver: Solver
     until: float
     events: Events
-    starts: int
+    starts: int | None
+    verdict: Verdict | None
     statistics: RunStatistics
     final: Final | None
     energy: Energy | None
@@ -57,21 +74,31 @@ def simulate(
     require_time(solver, until, most_seconds)
     watching = list(observers) if hasattr(solver, "transits_per_piece") else [*observers, Foresight(solver, until, most_seconds)]
     watch = EventObserver(solver.scene, solver.nodes)
+    watched = bool(solver.scene.record)
     final: Final | None = None
     failed, stopped = "", False
     began = time.perf_counter()
     try:
         with progress(f"{solver.scene.name}, {solver.model}", until) as report:
-            final = march(solver, until, [watch, *watching] if solver.scene.record else watching, report)
+            final = march(solver, until, [watch, *watching] if watched else watching, report)
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:
         failed, stopped = f"interrupted at t = {solver.time:.6g} of {until:g} transits", True
     wall = time.perf_counter() - began
-    statistics = summarise(watch.events(0.5 * (solver.time if stopped else until)))
+    end = min(until, solver.time)
+    verdict = _judge(watch, solver.scene, end, final) if watched else None
+    statistics = summarise(watch.events(0.5 * end if verdict and verdict.repeats else math.inf))
     ledger: Callable[[], Energy | None] | None = getattr(solver, "energy", None)
     energy = None if failed or ledger is None else ledger()
-    done = Run(solver, until, watch.events(), watch.count, statistics, final, energy, wall, failed)
+    done = Run(solver, until, watch.events(), watch.count if watched else None, verdict, statistics, final, energy, wall, failed)
     if stopped:
         raise RunInterrupted(done)
     return done
+
+
+def _judge(watch: EventObserver, scene: Scene, end: float, final: Final | None) -> Verdict:
+    """What the second half of a run to `end` (transits) is."""
+    half = 0.5 * end
+    slides = final is not None and slides_at(math.exp(final.ln_v), scene.drive.at(end))
+    return judge_motion(watch.events(half), watch.judge(half).prominence, scene.drive.rests_from(half), slides, end)

@@ -1,9 +1,12 @@
 """Scenes and statistics in words and rows, dimensionless and (where the scene has units) in SI."""
 
 import math
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from scene.friction.law import name_of
-from scene.observe import RunStatistics
+from scene.observe import RunStatistics, Verdict
+from scene.observe.verdict import REPEATING
 from scene.scene import Scene
 from scene.slab import Slab
 from validation.output import figures
@@ -49,3 +52,37 @@ def statistics_rows(found: RunStatistics, scene: Scene) -> tuple[list[str], list
         [label, figures(mean), figures(std, 3), f"{figures(mean * unit, 6)} {name}"] for label, mean, std, unit, name in facts
     ]
     return (heading, rows) if scene.units else (heading[:-1], [row[:-1] for row in rows])
+
+
+def told_events(count: int | None, verdict: Verdict | None) -> str:
+    """How many slip events a run had and what it is, in one line."""
+    if count is None or verdict is None:
+        return "events were not watched (run.record is empty)"
+    return f"{count} slip events; {told_verdict(verdict)}"
+
+
+def told_verdict(verdict: Verdict) -> str:
+    """What the second half of a run is, with the reason."""
+    change, needed = f"{abs(verdict.change):.2g}", f"{float(f'{verdict.needed:.2g}'):g}"
+    reasons = {
+        "steady": "v is V within 1e-6",
+        "decaying": f"the drop of elastic stress falls by {change} of itself from the first of its events to the last",
+        "growing": f"the drop of elastic stress grows by {change} of itself from the first of its events to the last",
+        "settling": f"its cycles still change, the last by {change} of itself",
+        "periodic": f"{verdict.multiplicity} event{'s' if verdict.multiplicity != 1 else ''} in a period",
+        "irregular": "its cycles do not repeat",
+        "driven": "V changes or is zero there",
+        "too short": f"too few cycles to judge; try --until {needed}",
+    }
+    reason = reasons[verdict.kind]
+    plural = "" if verdict.cycles == 1 else "s"
+    return f"the second half, {verdict.cycles} complete cycle{plural}, is {verdict.kind}: {reason}"
+
+
+def without_errors(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """One line for each verdict that leaves models without period and errors: a transient has none."""
+    models: dict[str, list[str]] = {}
+    for row in rows:
+        if row["verdict"] not in (None, *REPEATING) and row["model"] not in models.setdefault(row["verdict"], []):
+            models[row["verdict"]].append(row["model"])
+    return [f"no figures of {', '.join(names)}: the second half of the run is {verdict}" for verdict, names in models.items()]

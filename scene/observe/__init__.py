@@ -6,6 +6,7 @@ from scene.observe.history import HistoryObserver
 from scene.observe.ledger import Energy
 from scene.observe.pieces import Pieces
 from scene.observe.statistics import RunStatistics, Spread, summarise
+from scene.observe.verdict import Verdict, judge_motion, slides_at
 
 __all__ = [
     "Energy",
@@ -17,7 +18,10 @@ __all__ = [
     "RunStatistics",
     "Solver",
     "Spread",
+    "Verdict",
     "final_state",
     "follow",
+    "judge_motion",
+    "slides_at",
     "summarise",
 ]

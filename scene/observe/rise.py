@@ -48,7 +48,7 @@ def follow_rise(law: Law, time: float, length: float, z: Array, highest: float, 
     memory[RISING] = 1.0 if raised else 0.0
     if raised:
         memory[LEVEL] = unknown_of(law, 0.5 * rate_of(law, highest))
-        while memory[FRONT] < last and kept[int(memory[FRONT]) + 1, kept.shape[1] - 1] < memory[LEVEL]:
+        while memory[FRONT] + 1 < last and kept[int(memory[FRONT]) + 1, kept.shape[1] - 1] < memory[LEVEL]:
             memory[FRONT] += 1.0
     elif kept[last, _LOWEST] < memory[LEVEL]:
         memory[FRONT] = last

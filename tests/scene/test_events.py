@@ -129,6 +129,14 @@ def test_the_same_motion_on_another_clock_has_the_same_events() -> None:
     assert ours.elastic_stress_drop == pytest.approx(theirs.elastic_stress_drop / 74.0, rel=1e-12)
 
 
+@pytest.mark.parametrize("count", range(14, 34))
+def test_few_pieces_wherever_they_end_give_the_date(count: int) -> None:
+    """Also where the largest rate lies just behind the end of a piece, and v falls below half of it within the next."""
+    half = PERIOD / (2 * np.pi) * np.arccos(-1.0 + np.log(2.0) / 3.0)
+    found = watch(wave(2 * PERIOD), np.linspace(1 / 12, 1.0, 12), count).dates()
+    assert found == pytest.approx([half, half + PERIOD], abs=1e-4)
+
+
 @pytest.mark.parametrize("count", [100, 2000, 8000])
 def test_an_event_is_dated_alike_in_few_pieces_and_in_many(count: int) -> None:
     motion = wave(2 * PERIOD)

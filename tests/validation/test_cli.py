@@ -24,7 +24,10 @@ RUN_KEYS = {
     "final",
     "energy",
 }
-RUN_KEYS |= {"failures", "wall_s"}
+RUN_KEYS |= {"verdict", "multiplicity", "failures", "wall_s"}
+
+FAST = ["--set", "drive.velocity=2000", "--until", "200"]
+"""Cycles of four transits, which repeat after 100."""
 
 
 def command(*words: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
@@ -287,13 +290,13 @@ def test_through_the_real_command(tmp_path: Path) -> None:
 
 def test_compare_lays_models_over_each_other(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "both.png"
-    words = ["compare", "paper", "--models", "fd,delay", "--cells", "16", "--until", "400", "--out", str(out), "--json"]
+    words = ["compare", "paper", "--models", "fd,delay", "--cells", "32", *FAST, "--out", str(out), "--json"]
     assert main(words) == 0
     result = json.loads(capsys.readouterr().out)
     assert result["reference"] == "delay"
     leapfrog, delay = result["models"]
     assert delay["error"] == {"period": 0.0, "stress_drop": 0.0}
-    assert 0 < abs(leapfrog["error"]["period"]) < 1e-3
+    assert 0 < abs(leapfrog["error"]["period"]) < 1e-2
     assert out.read_bytes().startswith(b"\x89PNG")
     assert [path.name for path in tmp_path.iterdir()] == ["both.png"]
 
@@ -301,7 +304,7 @@ def test_compare_lays_models_over_each_other(tmp_path: Path, capsys: pytest.Capt
 def test_bench_rows_have_time_and_error(capsys: pytest.CaptureFixture[str]) -> None:
     from validation.models import families
 
-    assert main(["bench", "paper", "--until", "400", "--json"]) == 0
+    assert main(["bench", "paper", *FAST, "--json"]) == 0
     result = json.loads(capsys.readouterr().out)
     assert {row["model"] for row in result["models"]} == {family.example for family in families()}
     for row in result["models"]:

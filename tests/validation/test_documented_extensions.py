@@ -46,7 +46,7 @@ def test_a_reduction_is_added_as_the_page_says(tmp_path):
     add_to(tmp_path / "reduced" / "reduction.py", "REDUCTIONS", example('"block10"'))
     add_to(tmp_path / "validation" / "families.py", "FAMILIES", example('Family("block10"'))
 
-    compared = command(tmp_path, "compare", "paper", "--models", "block8,block10,block12", "--until", "1500", "--json")
+    compared = command(tmp_path, "compare", "paper", "--models", "block8,block10,block12", "--until", "4000", "--json")
     assert compared.returncode == 0, compared.stderr
     light, middle, heavy = (row["period"]["mean"] for row in json.loads(compared.stdout)["models"])
     assert light < middle < heavy

@@ -77,12 +77,21 @@ def _row(run: "Run", setting: dict[str, Any], reference: "Run") -> dict[str, Any
     errors = {name: abs(getattr(ours, name).mean / getattr(theirs, name).mean - 1.0) for name in ("period", "stress_drop")}
     if run.failed:
         errors = dict.fromkeys(errors, float("nan"))
-    row = {"model": run.solver.model, "setting": setting, "wall_s": run.wall_s, "error": errors, "failures": run.solver.failures}
+    verdict = {"verdict": run.verdict.kind if run.verdict else None}
+    row = {
+        "model": run.solver.model,
+        "setting": setting,
+        **verdict,
+        "wall_s": run.wall_s,
+        "error": errors,
+        "failures": run.solver.failures,
+    }
     return row | ({"failed": run.failed} if run.failed else {})
 
 
 def _print(rows: list[dict[str, Any]], reference: str, until: float) -> None:
     from validation.output import figures, print_table
+    from validation.wording import without_errors
 
     heading = ["model", "setting", "wall s", "error T", "error drop"]
     table = [
@@ -97,6 +106,8 @@ def _print(rows: list[dict[str, Any]], reference: str, until: float) -> None:
     ]
     print_table(heading, table)
     print(f"\n{until:g} transits; relative errors of the second half's mean against {reference} (tight)")
+    for line in without_errors(rows):
+        print(line)
     failures = {row["model"]: row["failed"] for row in rows if "failed" in row}
     for reason in failures.values():
         print(f"failed: {reason}")

@@ -68,12 +68,22 @@ def _row(run: "Run", reference: "Run") -> dict[str, Any]:
     errors = {name: getattr(ours, name).mean / getattr(theirs, name).mean - 1.0 for name in ("period", "stress_drop")}
     if run.failed:
         errors = dict.fromkeys(errors, float("nan"))
-    row = {"model": run.solver.model, "events": run.starts, **drops, "v_max": ours.v_max, "v_min": ours.v_min, "error": errors}
+    verdict = {"verdict": run.verdict.kind if run.verdict else None}
+    row = {
+        "model": run.solver.model,
+        "events": run.starts,
+        **verdict,
+        **drops,
+        "v_max": ours.v_max,
+        "v_min": ours.v_min,
+        "error": errors,
+    }
     return row | {"failures": run.solver.failures, "wall_s": run.wall_s} | ({"failed": run.failed} if run.failed else {})
 
 
 def _print(rows: list[dict[str, Any]], reference: str, out: Path) -> None:
     from validation.output import figures, print_table
+    from validation.wording import without_errors
 
     heading = ["model", "period", "std", "stress drop", "elastic drop", "v_max", "v_min", "error T", "error drop", "wall s"]
     table = [
@@ -93,6 +103,8 @@ def _print(rows: list[dict[str, Any]], reference: str, out: Path) -> None:
     ]
     print_table(heading, table)
     print(f"\nperiods in transits, relative errors against {reference}; figure: {out}")
+    for line in without_errors(rows):
+        print(line)
     for row in rows:
         if "failed" in row:
             print(f"failed: {row['failed']}")

@@ -119,6 +119,8 @@ def result_of(done: "Run") -> dict[str, Any]:
         "model": done.solver.model,
         "until": done.until,
         "events": done.starts,
+        "verdict": done.verdict.kind if done.verdict else None,
+        "multiplicity": done.verdict.multiplicity if done.verdict else None,
         **{name: asdict(getattr(found, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
         "v_max": found.v_max,
         "v_min": found.v_min,
@@ -158,7 +160,7 @@ def _energy(done: "Run") -> dict[str, float] | None:
 
 def _print(done: "Run", notes: list[str]) -> None:
     from validation.output import figures, print_table
-    from validation.wording import describe, statistics_rows
+    from validation.wording import describe, statistics_rows, told_events
 
     for line in describe(done.solver.scene):
         print(line)
@@ -167,9 +169,8 @@ def _print(done: "Run", notes: list[str]) -> None:
         print(f"{_grid_word(done.solver)}: {_told(grid)}")
     for note in notes:
         print(f"note: {note}")
-    cycles = done.statistics.cycles
-    print(f"model {done.solver.model}, {done.until:g} transits: {done.starts} slip events; the second half has {cycles} cycles")
-    if cycles:
+    print(f"model {done.solver.model}, {done.until:g} transits: {told_events(done.starts, done.verdict)}")
+    if done.verdict and done.verdict.repeats:
         print()
         print_table(*statistics_rows(done.statistics, done.solver.scene))
     if done.final:

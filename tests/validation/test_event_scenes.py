@@ -1,0 +1,182 @@
+"""Slip events and verdicts of scenes that a detector by V, by round trips or by the history of events gets wrong."""
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+import scene
+from scene.observe import EventObserver, Pieces, follow
+from scene.observe.pieces import Array
+from scene.scene import Scene
+from validation.cli import main
+from validation.models import build
+
+LAYERS = [
+    "drive.velocity=100.0",
+    "upper.epsilon=2.8e-05",
+    "upper.r=0.0031622776601683794",
+    "upper.layers=[{fraction=0.25, impedance=1.0}, {fraction=0.75, impedance=0.5}]",
+    "lower.epsilon=5.6e-05",
+    "lower.r=0.004743416490252569",
+]
+"""Unlike slabs, the upper one layered: every third cycle has a precursor in which v crosses V and sticks again."""
+
+
+def watch(chosen: Scene, until: float, model: str = "delay", **options: Any) -> EventObserver:
+    solver = build(model, chosen, **options)
+    observer = EventObserver(solver.scene, solver.nodes)
+    follow(solver, until, [observer])
+    return observer
+
+
+def told(words: list[str], capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    capsys.readouterr()
+    assert main(["run", *words, "--json"]) == 0
+    return dict(json.loads(capsys.readouterr().out))
+
+
+def test_a_drive_that_came_up_from_one_hundredth_has_the_events_of_the_same_drive_without() -> None:
+    ramped, plain = (watch(scene.read("paper", settings), 8000.0) for settings in (["drive.velocity=[[0,1],[10,100]]"], []))
+    assert plain.count == 111
+    assert ramped.count == 108
+    assert ramped.events(4000.0).period[-1] == pytest.approx(73.4721449443, rel=1e-9)
+    assert ramped.events(4000.0).period.size == plain.events(4000.0).period.size + 1 == 54
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_precursors_are_no_events(tolerance: float) -> None:
+    """A chaotic scene: the runs part, the statistics do not."""
+    observer = watch(scene.read("unlike", LAYERS), 4000.0, tolerance=tolerance)
+    cycles = observer.events(2000.0)
+    assert 33 <= observer.count <= 38
+    assert cycles.period.mean() == pytest.approx(115.0, abs=10.0)
+    assert cycles.period.min() > 80.0
+    prominence = observer.judge(2000.0).prominence
+    assert prominence.min() > 0.5 * prominence.max()
+
+
+@pytest.mark.parametrize(("velocity", "until", "count"), [(1e4, 200.0, 83), (1e5, 200.0, 58)])
+def test_counts_do_not_hover_with_tolerance_or_grid(velocity: float, until: float, count: int) -> None:
+    chosen = scene.read("paper", [f"drive.velocity={velocity}"])
+    runs = [watch(chosen, until, tolerance=tolerance) for tolerance in (1e-5, 1e-7, 1e-9, 1e-11)]
+    runs += [watch(chosen, until, "dg:7", cells=4), watch(chosen, until, "fd", cells=400)]
+    assert [run.count for run in runs] == [count] * 6
+
+
+class _Reread:
+    """The pieces of a run at r as those of the same motion at r (1 + T): time and elastic stress divided by 1 + T."""
+
+    def __init__(self, observer: EventObserver, factor: float) -> None:
+        self.observer, self._factor = observer, factor
+
+    def scan(self, pieces: Pieces) -> None:
+        shrunk = {name: getattr(pieces, name) / self._factor for name in ("time", "length", "elastic")}
+        self.observer.scan(pieces._replace(**shrunk))
+
+
+def test_the_same_motion_at_r_times_1_plus_period_has_the_same_events() -> None:
+    paper, period = scene.read("paper"), 73.4721449443
+    solver = build("delay", paper)
+    thick = scene.read("paper", [f"slab.r={paper.transit * (1.0 + period)!r}"])
+    ours, theirs = EventObserver(paper, solver.nodes), _Reread(EventObserver(thick, solver.nodes), 1.0 + period)
+    follow(solver, 4000.0, [ours, theirs])
+    cycles, again = ours.events(), theirs.observer.events()
+    assert theirs.observer.count == ours.count == 56
+    assert again.period == pytest.approx(cycles.period / (1.0 + period), rel=1e-9)
+    assert again.stress_drop == pytest.approx(cycles.stress_drop, rel=1e-12)
+    assert again.elastic_stress_drop == pytest.approx(cycles.elastic_stress_drop / (1.0 + period), rel=1e-12)
+
+
+def test_a_hold_and_a_reload() -> None:
+    """Stick-slip, V = 0 for 500 transits, stick-slip again: the hold has no event, and the first one after it is larger."""
+    held = scene.read("paper", ["drive.velocity=[[0,100],[2000,100],[2001,0],[2500,0],[2501,100]]"])
+    dates = watch(held, 4000.0).dates()
+    assert np.count_nonzero((dates > 2080.0) & (dates < 2500.0)) == 0
+    before, after = dates[dates < 2001.0], dates[dates > 2500.0]
+    assert before.size == watch(scene.read("paper"), 2001.0).count
+    assert np.diff(after)[-3:] == pytest.approx(np.full(3, 73.4721449443), rel=1e-4)
+
+
+class _Steepest:
+    """Time of the largest dv/dt within `half` a window of given times, on a fine grid of every piece's polynomial."""
+
+    def __init__(self, nodes: Array) -> None:
+        self._points = np.linspace(0.0, 1.0, 33)[1:]
+        self._vandermonde = np.vander(nodes)
+        self.rows: list[Array] = []
+
+    def scan(self, pieces: Pieces) -> None:
+        coefficients = np.linalg.solve(self._vandermonde, pieces.unknown.T)
+        rate = np.exp(np.vander(self._points, len(coefficients)) @ coefficients).T
+        slope = np.gradient(rate, axis=1) / pieces.length[:, None]
+        self.rows.append(np.array([pieces.time[:, None] + pieces.length[:, None] * self._points, slope]).reshape(2, -1))
+
+
+@pytest.mark.parametrize("name", ["paper", "paper-2.6", "unlike", "slip-law"])
+def test_an_event_is_dated_next_to_its_steepest_rise(name: str) -> None:
+    chosen = scene.read(name)
+    solver = build("delay", chosen)
+    observer, steepest = EventObserver(chosen, solver.nodes), _Steepest(solver.nodes)
+    follow(solver, 1200.0, [observer, steepest])
+    time, slope = np.concatenate(steepest.rows, axis=1)
+    dates = observer.dates(600.0)
+    near = np.abs(time[:, None] - dates[None, :]) < 10.0
+    for k in range(dates.size - 1):
+        assert abs(time[near[:, k]][np.argmax(slope[near[:, k]])] - dates[k]) < 1.0
+
+
+REAL = [
+    (["paper"], "periodic", 1),
+    (["paper", "--model", "quasidynamic"], "decaying", None),
+    (["paper", "--set", "slab.log10_r=-2.72"], "decaying", None),
+    (["paper", "--set", "slab.log10_r=-2.8"], "steady", None),
+    (["paper", "--set", "slab.log10_r=-2.65"], "irregular", None),
+    (["paper", "--model", "kelvin-voigt", "--set", "slab.log10_r=-2.59"], "periodic", 2),
+    (["paper", "--until", "900"], "settling", None),
+    (["paper", "--until", "300"], "too short", None),
+    (["paper", "--set", "drive.velocity=[[0,100],[3000,100],[3500,120]]"], "driven", None),
+]
+
+
+@pytest.mark.parametrize(("words", "verdict", "multiplicity"), REAL, ids=[" ".join(words) for words, _, _ in REAL])
+def test_verdicts_of_runs(words: list[str], verdict: str, multiplicity: int | None, capsys: pytest.CaptureFixture[str]) -> None:
+    run = told(words, capsys)
+    assert (run["verdict"], run["multiplicity"]) == (verdict, multiplicity)
+    figures = [run[name][part] for name in ("period", "stress_drop", "elastic_stress_drop") for part in ("mean", "std")]
+    figures += [run["v_max"], run["v_min"]]
+    if verdict in ("periodic", "irregular"):
+        assert all(value is not None for value in figures)
+    else:
+        assert figures == [None] * 8
+    assert run["events"] >= 5
+
+
+def test_the_verdict_and_no_figures_of_a_transient_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "paper", "--model", "quasidynamic"]) == 0
+    out = capsys.readouterr().out
+    assert "18 slip events; the second half, 19 complete cycles, is decaying" in out
+    assert "stress drop " not in out
+
+
+def test_a_run_that_records_nothing_does_not_speak_of_events(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["paper", "--until", "20", "--set", "run.record=[]"]
+    run = told(words, capsys)
+    assert (run["events"], run["verdict"], run["period"]) == (None, None, {"mean": None, "std": None})
+    assert main(["run", *words]) == 0
+    out = capsys.readouterr().out
+    assert "events were not watched" in out
+    assert "0 slip events" not in out
+
+
+def test_errors_of_a_transient_are_not_told(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["compare", "paper", "--models", "delay,quasidynamic", "--out", str(tmp_path / "x.png")]
+    assert main([*words, "--json"]) == 0
+    exact, decaying = json.loads(capsys.readouterr().out)["models"]
+    assert (exact["verdict"], decaying["verdict"]) == ("periodic", "decaying")
+    assert exact["error"] == {"period": 0.0, "stress_drop": 0.0}
+    assert decaying["error"] == {"period": None, "stress_drop": None}
+    assert decaying["period"] == {"mean": None, "std": None}
+    assert main(words) == 0
+    assert "no figures of quasidynamic: the second half of the run is decaying" in capsys.readouterr().out
