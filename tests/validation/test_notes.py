@@ -89,9 +89,9 @@ def test_a_default_grid_that_is_too_coarse_says_so(capsys: pytest.CaptureFixture
 
 
 def test_a_default_grid_that_will_do_tells_its_error(capsys: pytest.CaptureFixture[str]) -> None:
-    result, err = answer(capsys, "paper", "--model", "sbp:6", "--until", "400")
-    again, _ = answer(capsys, "paper", "--model", "sbp:6", "--until", "400", "--cells", "32")
-    exact, _ = answer(capsys, "paper", "--model", "delay", "--until", "400")
+    result, err = answer(capsys, "paper", "--model", "sbp:6", "--until", "2000")
+    again, _ = answer(capsys, "paper", "--model", "sbp:6", "--until", "2000", "--cells", "32")
+    exact, _ = answer(capsys, "paper", "--model", "delay", "--until", "2000")
     error = abs(result["period"]["mean"] / exact["period"]["mean"] - 1.0)
     assert error < result["grid"]["error_estimate"] < 1e-4
     assert result["grid"]["cells"] == 32
