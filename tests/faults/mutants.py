@@ -243,6 +243,8 @@ def main() -> int:
     print(f"{len(everything)} mutants, sample of {len(sample)}")
     reach = Reach(options.reach, collected())
     store = Store(RESULT, "mutants")
+    if options.whole:
+        store.forget_survivors()
     records = run_all(sample, lambda mutant, copy: try_mutant(mutant, copy, reach, options.whole), options.jobs, store)
     known = equivalents()
     judged = [

@@ -117,6 +117,9 @@ def test_a_record_is_of_use_until_what_decides_it_changes(tmp_path: Path) -> Non
     assert again.known("first", key_of(FAULTS[1], ["a.py"], tmp_path)) is None
     (tmp_path / "a.py").write_text("2")
     assert again.known("first", key_of(FAULTS[0], ["a.py"], tmp_path)) is None
+    assert again.known("first", key) is not None
+    again.forget_survivors()
+    assert again.known("first", key) is None
 
 
 MUTATED = "def f(x, y):\n    return x + 2.0 * y if x < y else -x\n"
