@@ -130,5 +130,7 @@ def test_ci_runs_the_tests_and_the_report_and_goes_red_with_it(tmp_path, status,
 
 def test_make_hands_the_status_on(tmp_path):
     """`make report` runs slipwave bare: what it ends with ends make."""
-    rule = subprocess.run(["make", "--dry-run", "report", "QUICK=1"], cwd=ROOT, capture_output=True, text=True, check=True)
+    rule = subprocess.run(
+        ["make", "--no-print-directory", "--dry-run", "report", "QUICK=1"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
     assert rule.stdout.splitlines()[-1] == ".venv/bin/slipwave report --quick"
