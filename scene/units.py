@@ -24,7 +24,3 @@ class Units:
     def round_trip(self, density: float, shear_modulus: float, thickness: float) -> float:
         """2 * thickness / c on the friction clock, `thickness` that of one slab in m."""
         return 2.0 * thickness * math.sqrt(density / shear_modulus) / self.time
-
-    def thickness(self, density: float, shear_modulus: float, round_trip: float) -> float:
-        """Inverse of `round_trip`, in m."""
-        return 0.5 * round_trip * self.time * math.sqrt(shear_modulus / density)
