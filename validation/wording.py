@@ -11,6 +11,8 @@ from scene.scene import Scene
 from scene.slab import Slab
 from validation.output import figures
 
+_COUNTED = (*REPEATING, "settling", "too short")  # the swings of any other motion are no cycles of stick-slip
+
 
 def describe(scene: Scene) -> list[str]:
     """A few lines: name, law, drive, slabs."""
@@ -75,8 +77,8 @@ def told_verdict(verdict: Verdict) -> str:
         "too short": f"too few cycles to judge; try --until {needed}",
     }
     reason = reasons[verdict.kind]
-    plural = "" if verdict.cycles == 1 else "s"
-    return f"the second half, {verdict.cycles} complete cycle{plural}, is {verdict.kind}: {reason}"
+    counted = f", {verdict.cycles} complete cycle{'s' if verdict.cycles != 1 else ''}," if verdict.kind in _COUNTED else ""
+    return f"the second half{counted} is {verdict.kind}: {reason}"
 
 
 def without_errors(rows: Sequence[Mapping[str, Any]]) -> list[str]:
