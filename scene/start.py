@@ -2,7 +2,7 @@
 
 nudge  smooth: d psi/dt~ gains size * exp(-(t~ - 6)^2), t~ in transits of the upper slab. Keeps every scheme at its full order.
 jump   psi(0) = psi_ss + size with no wave in the slabs: breaks compatibility; the jump returns for ever (MODEL.md section 7).
-orbit  on the model's own periodic orbit, at the start of a slip event.
+orbit  on the model's own periodic orbit, at the date of a slip event.
 """
 
 from dataclasses import dataclass

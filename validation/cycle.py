@@ -54,9 +54,9 @@ class CycleObserver:
             self._kept = [part for part in self._kept if part.time[-1] + part.length[-1] >= dates[-3]]
         self._most = 2 * len(self._kept) + _FIRST_MOST
 
-    def cycle(self) -> Cycle | None:
-        """The last complete cycle, or None if there was none."""
-        events = self._watch.events()
+    def cycle(self, after: float) -> Cycle | None:
+        """The last complete cycle of the window from `after` (transits) to now, or None if there was none."""
+        events = self._watch.events(after)
         if not events.time.size:
             return None
         begin, period = float(events.time[-1]), float(events.period[-1])

@@ -23,7 +23,7 @@ _PASSED_ON = frozenset({"step", "total_cells", "settings", "choice", "seconds_pe
 
 
 class OnOrbit:
-    """A solver whose t = 0 is the start of a slip event of its settled orbit, to within one step; see `Solver`."""
+    """A solver whose t = 0 is the date of a slip event of its settled orbit, to within one step; see `Solver`."""
 
     def __init__(self, solver: Solver, origin: float) -> None:
         self._solver, self._origin = solver, origin

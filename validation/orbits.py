@@ -157,7 +157,7 @@ class DenseObserver:
 
 @dataclass(frozen=True)
 class Cycle:
-    """One cycle's curves, arrays of equal length: time (transits) from the event's start, slip rate v (V*), psi, mu, y."""
+    """One cycle's curves, arrays of equal length: time (transits) from the event's date, slip rate v (V*), psi, mu, y."""
 
     time: Array
     slip_rate: Array

@@ -1,12 +1,13 @@
-"""A run as a netCDF file: events always, the interface's history if the scene records it, and where it all came from; and the
-fields of a full-wave run's last transits."""
+"""A run as a netCDF file: events if they were watched, the interface's history if the scene records it, and where it all came
+from; and the fields of a full-wave run's last transits.
+"""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from scene.errors import SceneError
 from scene.files import part_of, whole_or_absent
@@ -105,10 +106,7 @@ def write_run(path: Path, done: Run, history: HistoryFile | None, field: "Field 
     if history is not None and history.problem:
         raise SceneError(history.problem)
     scene = done.solver.scene
-    variables = {
-        ("event_time" if name == "time" else name): ("event", values, _notes(_EVENT_NOTES[name]))
-        for name, values in done.events._asdict().items()
-    }
+    variables, judged = _events_of(done)
     facts = {
         "title": f"slipwave run of scene {scene.name} with model {done.solver.model}",
         "scene": scene.name,
@@ -117,7 +115,7 @@ def write_run(path: Path, done: Run, history: HistoryFile | None, field: "Field 
         "slipwave_version": version("slipwave"),
         "until_transits": done.until,
         "transit_in_friction_time": scene.transit,
-        "events": done.starts,
+        **judged,
         "failures": done.solver.failures,
         "complete": 0 if done.failed else 1,
         "failed": done.failed,
@@ -128,6 +126,19 @@ def write_run(path: Path, done: Run, history: HistoryFile | None, field: "Field 
             _append_history(temporary, history)
         if field is not None:
             field.dataset().to_netcdf(temporary, mode="a", group="fields", engine="netcdf4")
+
+
+def _events_of(done: Run) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Variables on the cycles of a run, none if nobody watched for events, and attributes: what is known of its events.
+
+    `multiplicity` is there only if the run is periodic: a netCDF attribute cannot be empty.
+    """
+    if done.verdict is None:
+        return {}, {"events": "not watched", "verdict": "not watched"}
+    columns = {"event_time" if name == "time" else name: name for name in done.events._fields}
+    variables = {label: ("event", getattr(done.events, name), _notes(_EVENT_NOTES[name])) for label, name in columns.items()}
+    facts = {"events": done.starts, "verdict": done.verdict.kind}
+    return variables, facts | ({"multiplicity": done.verdict.multiplicity} if done.verdict.multiplicity else {})
 
 
 def _append_history(path: Path, history: HistoryFile) -> None:

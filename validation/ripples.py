@@ -5,7 +5,7 @@ import numpy as np
 from validation.orbits import Cycle
 
 WINDOW = (25.0, 55.0)
-"""Transits after the event's start in which the interface creeps and the stress ripples about its slow rise."""
+"""Transits after the event's date in which the interface creeps and the stress ripples about its slow rise."""
 
 
 def ripple_period(cycle: Cycle, window: tuple[float, float] = WINDOW) -> float:

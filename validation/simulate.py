@@ -86,9 +86,9 @@ def simulate(
     except KeyboardInterrupt:
         failed, stopped = f"interrupted at t = {solver.time:.6g} of {until:g} transits", True
     wall = time.perf_counter() - began
-    end = min(until, solver.time)
-    verdict = _judge(watch, solver.scene, end, final) if watched else None
-    statistics = summarise(watch.events(0.5 * end if verdict and verdict.repeats else math.inf))
+    half = second_half(solver, until)
+    verdict = _judge(watch, solver.scene, half, final) if watched else None
+    statistics = summarise(watch.events(half if verdict and verdict.repeats else math.inf))
     ledger: Callable[[], Energy | None] | None = getattr(solver, "energy", None)
     energy = None if failed or ledger is None else ledger()
     done = Run(solver, until, watch.events(), watch.count if watched else None, verdict, statistics, final, energy, wall, failed)
@@ -97,8 +97,13 @@ def simulate(
     return done
 
 
-def _judge(watch: EventObserver, scene: Scene, end: float, final: Final | None) -> Verdict:
-    """What the second half of a run to `end` (transits) is."""
-    half = 0.5 * end
+def second_half(solver: Solver, until: float) -> float:
+    """When the second half of a run to `until` (transits) begins; of what was run, if the run ended before."""
+    return 0.5 * min(until, solver.time)
+
+
+def _judge(watch: EventObserver, scene: Scene, half: float, final: Final | None) -> Verdict:
+    """What the second half of a run, from `half` (transits) on, is."""
+    end = 2.0 * half
     slides = final is not None and slides_at(math.exp(final.ln_v), scene.drive.at(end))
     return judge_motion(watch.events(half), watch.judge(half).prominence, scene.drive.rests_from(half), slides, end)

@@ -1,35 +1,48 @@
-"""The overlay that `compare` draws: the last cycle of each model, with the right words on its axes."""
+"""The overlay that `compare` draws: the last cycle of each model, with the right words on its axes; none of a transient."""
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import scene
-from scene.observe import EventObserver, HistoryObserver, follow
+from scene.observe import EventObserver, HistoryObserver, Pieces, follow
 from validation.cli import main
+from validation.cycle import CycleObserver
 from validation.models import build
 
-UNTIL = 1200.0
+UNTIL = 2000.0
 CHANGED = "slab.log10_r=-2.68"
 
 
-def test_the_overlay_of_compare(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    drawn: list[Figure] = []
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """The figures that are saved while a test runs."""
+    figures: list[Figure] = []
 
     def keep(figure: Figure, path: Path, **_: Any) -> None:
-        drawn.append(figure)
+        figures.append(figure)
         path.write_bytes(b"a figure")
 
     monkeypatch.setattr(Figure, "savefig", keep)
+    return figures
+
+
+def legend(axes: Axes) -> list[str]:
+    return [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def test_the_overlay_of_compare(tmp_path: Path, drawn: list[Figure]) -> None:
     words = ["compare", "paper", "--models", "delay,kelvin-voigt", "--set", CHANGED, "--until", str(UNTIL)]
     assert main([*words, "--out", str(tmp_path / "x.png")]) == 0
     above, below = drawn[0].axes
     assert (above.get_ylabel(), below.get_ylabel()) == ("friction stress / normal stress", "slip rate / V*")
-    assert below.get_xlabel() == "transits since the slip event's start"
-    assert [text.get_text().partition(":")[0] for text in above.get_legend().get_texts()] == ["delay", "kelvin-voigt"]
+    assert below.get_xlabel() == "transits since v passed half its largest value in the slip event"
+    assert [label.partition(":")[0] for label in legend(above)] == ["delay", "kelvin-voigt"]
     solver = build("delay", scene.read("paper", [CHANGED]))
     watch, history = EventObserver(solver.scene, solver.nodes), HistoryObserver(solver.scene.law, solver.nodes)
     follow(solver, UNTIL, [watch, history])
@@ -42,3 +55,38 @@ def test_the_overlay_of_compare(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         np.testing.assert_allclose(time, columns["time"][inside] - begin, atol=1e-9)
         np.testing.assert_allclose(values, columns[name][inside], rtol=1e-9)
         assert len(axes.get_lines()) == 2
+
+
+def test_a_transient_has_a_word_in_the_legend_and_no_cycle(tmp_path: Path, drawn: list[Figure]) -> None:
+    words = ["compare", "paper", "--models", "delay,quasidynamic", "--until", "2000", "--out", str(tmp_path / "x.png")]
+    assert main(words) == 0
+    assert main([*words, "--set", "run.record=[]"]) == 0
+    above, below = drawn[0].axes
+    assert legend(above) == ["delay: periodic, T = 73.4721", "quasidynamic: decaying, no cycle"]
+    assert legend(drawn[1].axes[0]) == ["delay: events not watched, no cycle", "quasidynamic: events not watched, no cycle"]
+    for axes in (above, below):
+        exact, decaying = (line.get_xdata() for line in axes.get_lines())
+        assert (np.ptp(exact), len(decaying)) == (pytest.approx(73.4721, abs=1.0), 0)
+
+
+def test_the_cycle_is_of_the_judged_window() -> None:
+    """y swings by 2 with period 20 up to t = 100, then by 0.02 with period 10: beside the large ones these are no events."""
+    paper = scene.read("paper")
+    nodes = np.linspace(1 / 6, 1.0, 6)
+    watch = CycleObserver(SimpleNamespace(scene=paper, nodes=nodes))  # type: ignore[arg-type]
+    left = np.linspace(0.0, 200.0, 2001)[:-1]
+    times = left[:, None] + 0.1 * nodes
+    small = times > 100.0
+    angle = 2 * np.pi * times / np.where(small, 10.0, 20.0)
+    rate = np.log(100.0) - 3.0 * np.cos(angle)
+    flat = np.zeros_like(times)
+    for k in range(0, left.size, 50):
+        part = slice(k, k + 50)
+        elastic = np.where(small, 0.01, 1.0) * np.sin(angle)
+        watch.scan(Pieces(left[part], np.full(50, 0.1), rate[part], flat[part], flat[part], elastic[part]))
+    late, early = watch.cycle(110.0), watch.cycle(0.0)
+    assert late is not None
+    assert early is not None
+    assert (late.period, early.period) == (pytest.approx(10.0, abs=1e-6), pytest.approx(20.0, abs=1e-6))
+    assert np.ptp(late.time) == pytest.approx(10.0, abs=0.1)
+    assert late.slip_rate.max() == pytest.approx(100.0 * np.exp(3.0), rel=1e-3)

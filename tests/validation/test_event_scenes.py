@@ -65,6 +65,26 @@ def test_counts_do_not_hover_with_tolerance_or_grid(velocity: float, until: floa
     assert [run.count for run in runs] == [count] * 6
 
 
+GRANITE = [
+    "slab.density=2700.0",
+    "slab.shear_modulus=3e10",
+    "slab.thickness=12.0",
+    "interface.normal_stress=5e6",
+    "interface.memory_length=1e-5",
+    "drive.velocity=100.0",
+]
+"""Granite under 5 MPa, twice as thick as at the onset of stick-slip: slabs ring after each event, so that v crosses V again and
+again. Counted by these crossings, 110 events in 9000 transits have periods of 69 +- 162 transits."""
+
+
+def test_ringing_of_granite_is_no_event(capsys: pytest.CaptureFixture[str]) -> None:
+    run = told(["rock", "--model", "kelvin-voigt", "--set", *GRANITE, "--until", "9000"], capsys)
+    assert (run["events"], run["verdict"]) == (19, "irregular")
+    assert run["period"]["mean"] == pytest.approx(478.8, rel=0.05)  # 20 cycles of a run of 20000 transits, 5.2 apart
+    assert run["period"]["std"] < 0.05 * run["period"]["mean"]
+    assert run["elastic_stress_drop"]["mean"] == pytest.approx(0.0783, rel=0.05)
+
+
 class _Reread:
     """The pieces of a run at r as those of the same motion at r (1 + T): time and elastic stress divided by 1 + T."""
 

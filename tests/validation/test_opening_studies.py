@@ -77,7 +77,7 @@ def test_figures_show_each_models_cycle():
     figure = overlay(cycles)
     stress, zoomed, rate, _ = figure.axes
     assert [axes.get_ylabel() for axes in (stress, rate)] == [r"stress $\mu$", r"slip rate $v/V^*$"]
-    assert rate.get_xlabel() == "time since the event began (transits)"
+    assert rate.get_xlabel() == "time since the slip event (transits)"
     assert rate.get_yscale() == "log"
     assert len(stress.get_lines()) == len(zoomed.get_lines()) == len(figure.legends[0].get_texts()) == 5
     assert np.array_equal(stress.get_lines()[0].get_ydata(), cycles["delay"].stress)

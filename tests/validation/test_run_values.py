@@ -106,6 +106,22 @@ def test_facts_of_the_file(told: Told) -> None:
     assert facts["scene_digest"] == scene.read("paper-si", [f"slab.thickness={THICKNESS}", f"run.until={UNTIL}"]).digest
 
 
+def test_the_file_says_what_the_run_is(tmp_path: Path, told: Told) -> None:
+    facts = told[1].attrs
+    assert (facts["verdict"], "multiplicity" in facts) == (told[0]["verdict"], False) == ("irregular", False)
+    fast = ["run", "paper", "--model", "delay", "--set", "drive.velocity=2000", "--until", "200", "--out"]
+    for name, more in (("watched", []), ("unwatched", ["--set", "run.record=[]"])):
+        assert main([*fast, str(tmp_path / f"{name}.nc"), *more]) == 0
+    with xarray.open_dataset(tmp_path / "watched.nc") as data:
+        assert (data.attrs["verdict"], data.attrs["multiplicity"]) == ("periodic", 1)
+        assert data.attrs["events"] == data.sizes["event"] + 1
+    with xarray.open_dataset(tmp_path / "unwatched.nc") as data:
+        assert (data.attrs["events"], data.attrs["verdict"]) == ("not watched", "not watched")
+        assert "multiplicity" not in data.attrs
+        assert list(data.variables) == []
+        assert data.attrs["complete"] == 1
+
+
 def test_the_table_is_the_json_and_its_si_column_is_by_hand(told: Told) -> None:
     result, _, lines = told
     wanted = {

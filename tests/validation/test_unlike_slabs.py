@@ -90,7 +90,7 @@ def test_the_figure_lays_points_over_lines():
     figure = last_cycles({"unlike": (curves, curves), "unlike-irrational": (curves, curves)})
     stress, rate = figure.axes[0], figure.axes[2]
     assert (stress.get_ylabel(), rate.get_ylabel()) == (r"stress $\mu$", r"slip rate $v/V^*$")
-    assert rate.get_xlabel() == "time since the event began (transits)"
+    assert rate.get_xlabel() == "time since the slip event (transits)"
     line, points = stress.get_lines()
     within = (time - 20.0 > -3.0) & (time - 20.0 < 52.0)
     assert np.array_equal(line.get_xdata(), time[within] - 20.0)

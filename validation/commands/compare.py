@@ -31,7 +31,7 @@ def compare(
     from validation.cycle import CycleObserver
     from validation.models import build_all
     from validation.output import attempt, conclude, print_json, printed, require_writable
-    from validation.simulate import RunInterrupted, simulate
+    from validation.simulate import RunInterrupted, second_half, simulate
 
     what = read_scene(scene, settings, until)
     require_writable(out, (".png", ".pdf", ".svg"))
@@ -46,7 +46,7 @@ def compare(
         except RunInterrupted as stop:
             runs.append(stop.run)
             stopped = f"model {solver.model}"
-        cycles.append(observer.cycle())
+        cycles.append(observer.cycle(second_half(solver, what.until)))
         if stopped:
             break
     reference = next((run for run in runs if run.solver.model == "delay"), runs[0])
@@ -111,22 +111,28 @@ def _print(rows: list[dict[str, Any]], reference: str, out: Path) -> None:
 
 
 def _draw(out: Path, runs: "list[Run]", cycles: "list[Cycle | None]") -> None:
-    """Stress and slip rate over one cycle, aligned on the start of the slip event, one pen per model."""
+    """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model; a transient has no cycle,
+    only a word in the legend."""
     from matplotlib.figure import Figure
 
     from scene.files import whole_or_absent
 
     sheet = Figure(figsize=(9.0, 6.0), layout="constrained")
     above, below = sheet.subplots(2, 1, sharex=True)
+    below.set_yscale("log")
     for run, cycle in zip(runs, cycles, strict=True):
-        if cycle is not None:
-            label = f"{run.solver.model}: T = {cycle.period:.6g}"
+        kind = run.verdict.kind if run.verdict else "events not watched"
+        if cycle is not None and run.verdict and run.verdict.repeats:
+            label = f"{run.solver.model}: {kind}, T = {cycle.period:.6g}"
             above.plot(cycle.time, cycle.stress, linewidth=1.0, label=label)
-            below.semilogy(cycle.time, cycle.slip_rate, linewidth=1.0, label=label)
+            below.plot(cycle.time, cycle.slip_rate, linewidth=1.0, label=label)
+        else:
+            above.plot([], [], linewidth=1.0, label=f"{run.solver.model}: {kind}, no cycle")
+            below.plot([], [])
+    above.set_title("The last complete cycle of each run; T: its length in transits", fontsize="medium")
     above.set_ylabel("friction stress / normal stress")
     below.set_ylabel("slip rate / V*")
-    below.set_xlabel("transits since the slip event's start")
-    if any(cycles):
-        above.legend(fontsize="small")
+    below.set_xlabel("transits since v passed half its largest value in the slip event")
+    above.legend(fontsize="small")
     with whole_or_absent(out) as temporary:
         sheet.savefig(temporary, dpi=150)

@@ -72,7 +72,7 @@ def order_of(cells: tuple[int, ...], residual: Array) -> Fit:
 
 
 def history_of(name: str, cells: int) -> History:
-    """The ledger's entries over two cycles of the settled orbit, from the start of an event."""
+    """The ledger's entries over two cycles of the settled orbit, from the date of an event."""
     solver = _solver("dg:7", cells, name)
     period = float(watch(solver, 2400.0).events().period[-1])
     moments = solver.time + np.linspace(0.0, 2.0 * period, 1000)

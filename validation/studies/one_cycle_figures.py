@@ -28,7 +28,7 @@ def overlay(cycles: Mapping[str, Cycle]) -> "Figure":
                 axes.plot(cycle.time, values, color=style.color, linestyle=style.dashes, linewidth=share * style.width)
     for axes in grid[1]:
         axes.set_yscale("log")
-        axes.set_xlabel("time since the event began (transits)")
+        axes.set_xlabel("time since the slip event (transits)")
     grid[0, 0].set_ylabel(r"stress $\mu$")
     grid[1, 0].set_ylabel(r"slip rate $v/V^*$")
     for axes in grid[:, 0]:
@@ -70,7 +70,7 @@ def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> "Figure"
         axes.plot(cycle.time, cycle.stress, color=style.color, linewidth=1.0)
         axes.set_title(f"{style.label}: {_signed(errors[model])}", fontsize=11)
     for axes in grid[-1]:
-        axes.set_xlabel("time since the event began (transits)")
+        axes.set_xlabel("time since the slip event (transits)")
     for axes in grid[:, 0]:
         axes.set_ylabel(r"$\mu$")
     return figure

@@ -173,6 +173,7 @@ def _leapfrog(runs: dict[str, list[Run]]) -> list[Verdict]:
 
 _CAPTION = (
     "The last complete cycle before 600 transits of two unlike pairs: stress μ, slip rate v in units of V*. Line: delay system; "
-    "circles: discontinuous Galerkin, degree 7, at the same moments of its own run. The lower slab has three times the upper "
+    "circles: discontinuous Galerkin, degree 7, at the same moments of its own run; t = 0 where v has risen to "
+    "half its largest value. The lower slab has three times the upper "
     "one’s impedance and twice (left) or √2 times (right) its round trip; time in transits of the upper slab."
 )

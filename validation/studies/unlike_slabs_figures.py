@@ -18,7 +18,7 @@ _TITLES = {"unlike": "round trips 2 : 1", "unlike-irrational": r"round trips $\s
 
 @dataclass(frozen=True)
 class Curves:
-    """Start of the last complete cycle and its period, then time (transits), ln v and stress over the end of a run."""
+    """Date and period of the last complete cycle, then time (transits), ln v and stress over the end of a run."""
 
     start: float
     period: float
@@ -27,7 +27,7 @@ class Curves:
     stress: Array
 
     def cycle(self) -> tuple[Array, Array, Array]:
-        """Time since the start, v, stress, over the cycle and a little on both sides."""
+        """Time since the event, v, stress, over the cycle and a little on both sides."""
         time = self.time - self.start
         keep = (time > -_BEFORE) & (time < self.period + _AFTER)
         return time[keep], np.exp(self.ln_rate[keep]), self.stress[keep]
@@ -48,7 +48,7 @@ def last_cycles(shown: Mapping[str, tuple[Curves, Curves]]) -> "Figure":
             )
         column[0].set_title(_TITLES[name])
         column[1].set_yscale("log")
-        column[1].set_xlabel("time since the event began (transits)")
+        column[1].set_xlabel("time since the slip event (transits)")
     grid[0, 0].set_ylabel(r"stress $\mu$")
     grid[1, 0].set_ylabel(r"slip rate $v/V^*$")
     figure.legend(handles=grid[0, 0].get_lines(), loc="outside upper left", ncols=2)
