@@ -28,7 +28,7 @@ def test_the_references_agree_below_the_floor(course):
     apart = errors(fine("dg:12", course), fine("fem:11", course))
     print({name: f"{error:.1e}" for name, error in apart.items()})
     assert max(apart.values()) < course.floor
-    assert fine("dg:12", course)["period"].size >= 12
+    assert fine("dg:12", course)["period"].size >= 10  # all cycles after a quarter of the run
 
 
 QUICK = ("fd", "sbp:2", "sbp:4", "sbp:6", "fem:3", "fem:7", "dg:2", "dg:5", "dg:7")
