@@ -37,6 +37,17 @@ def test_jump_start_reaches_the_converged_state(log10_r, transits, psi, toleranc
     assert solver.failures == 0
 
 
+def test_a_march_that_shows_its_end_only_shows_the_last_step():
+    every, end = Delay(paper(-2.6), nodes=8, steps=8), Delay(paper(-2.6), nodes=8, steps=8, emit=False)
+    (last,) = end.advance(40.0).time
+    assert last == pytest.approx(39.875)
+    shown, wanted = end.advance(60.0), every.advance(60.0)
+    while every.time < 60.0 - 1e-9:
+        wanted = every.advance(60.0)
+    for name in ("time", "length", "unknown", "state", "stress"):
+        assert getattr(shown, name) == pytest.approx(getattr(wanted, name)[-1:], abs=1e-9)
+
+
 def test_smooth_start_reaches_the_converged_state():
     solver = Delay(paper(-2.6))
     assert follow(solver, 600).psi == pytest.approx(-2.81740188949, abs=1e-9)

@@ -28,14 +28,18 @@ def test_alike_slabs_written_twice_take_the_same_course():
     assert twice == pytest.approx(follow(Delay(read("paper", ["slab.log10_r=-2.6"])), 200).psi, abs=1e-10)
 
 
+def halve(solver, times):
+    for _ in range(times):
+        solver._refine(NOT_SMOOTH)
+
+
 @pytest.mark.parametrize("name", ARRANGEMENTS)
 def test_step_length_does_not_matter(name):
     scene = read(name)
     answers = []
     for halvings in (0, 1):
         solver = DelayNetwork(scene)
-        for _ in range(halvings):
-            solver._refine(NOT_SMOOTH)
+        halve(solver, halvings)
         answers.append(follow(solver, 120).psi)
     assert answers[0] == pytest.approx(answers[1], abs=2e-10)
 
@@ -95,6 +99,25 @@ def test_jump_start_keeps_its_accuracy_where_round_trips_are_not():
     assert loose == pytest.approx(tight, abs=1e-7)
 
 
+@pytest.mark.parametrize(
+    ("name", "one_way"), [("yardstick", [0.5]), ("unlike", [0.5, 1.0]), ("unlike-irrational", [0.5, 0.5**0.5])]
+)
+def test_break_points_are_the_arrivals_of_the_jump_and_no_others(name, one_way):
+    """From the interface into every slab, from its outer face back; what arrives together counts once."""
+    solver = DelayBreaks(read(name, ['start.kind="jump"', "start.size=0.05"]))
+    follow(solver, 6.0)
+    at_interface, arrivals = [0.0], set()
+    while at_interface:
+        time = at_interface.pop()
+        for travel in one_way if time < 6.0 - 1e-9 else []:
+            outer, back = round(time + travel, 9), round(time + 2.0 * travel, 9)
+            arrivals.add(outer)
+            if outer < 6.0 - 1e-9 and back not in arrivals:
+                arrivals.add(back)
+                at_interface.append(back)
+    assert solver.break_points == len(arrivals)
+
+
 @pytest.mark.parametrize("name", ["yardstick", "unlike", "grip", "layered"])
 def test_break_points_found_by_measure_equal_those_on_the_grid(name):
     scene = read(name, ['start.kind="jump"', "start.size=0.05"])
@@ -144,6 +167,17 @@ def test_an_end_that_rounding_just_misses_is_reached():
 def test_viscous_slabs_are_refused_with_the_reason():
     with pytest.raises(SceneError, match="disperse"):
         delay_system(read("viscous"))
+
+
+@pytest.mark.parametrize("march", [DelayNetwork, DelayBreaks])
+@pytest.mark.parametrize(("name", "shortest_round_trip"), [("unlike", 1.0), ("layered", 0.5)])
+def test_a_step_is_halved_as_far_as_allowed_and_no_further(monkeypatch, march, name, shortest_round_trip):
+    """MAX_STEPS in a transit or, if that is shorter, in the shortest round trip through a layer."""
+    monkeypatch.setattr("reduced.delay_network.MAX_STEPS", 64)
+    solver = march(read(name))
+    with pytest.raises(NumericsError, match="cannot be resolved"):
+        halve(solver, 12)
+    assert 32 / shortest_round_trip < solver.steps <= 64 / shortest_round_trip
 
 
 def test_unresolvable_run_is_refused_with_place_and_time(monkeypatch):

@@ -12,7 +12,7 @@ from validation.studies import grid_convergence, leapfrog_convergence
 from validation.studies.grid_convergence_code import code_note, code_table, shared
 from validation.studies.grid_convergence_figures import convergence_and_cost
 from validation.studies.leapfrog_convergence_figures import ladders
-from validation.study import Evidence, Outcome
+from validation.study import Budget, Evidence, Outcome
 
 CELLS = np.array([48, 96, 192, 384])
 NAMES = (*leapfrog_convergence._ORBIT, leapfrog_convergence._SMOOTH, leapfrog_convergence._JUMP)
@@ -51,6 +51,19 @@ def test_what_extrapolation_leaves(cfl, cells):
     assert verdict(-0.9 * limit).outcome is Outcome.PASS
     assert verdict(3.0 * limit).outcome is Outcome.FAIL
     assert verdict(-3.0 * limit).outcome is Outcome.FAIL
+
+
+def test_the_leapfrogs_study_shows_every_error_it_measured(monkeypatch):
+    monkeypatch.setattr(leapfrog_convergence, "_measure", lambda cells, budget: leapfrog_errors())
+    result = leapfrog_convergence.run(Budget(quick=True))
+    assert [figure.name for figure in result.figures] == ["ladders"]
+    drawn = [axes.get_lines()[1].get_ydata() for axes in result.figures[0].draw().axes if axes.get_lines()]
+    assert np.array_equal(drawn, [errors[0.5] for errors in leapfrog_errors().values()])
+    assert [len(table.rows) for table in result.tables] == [len(NAMES), len(CELLS)]
+    assert len(result.verdicts) == 9
+    assert "no independent evidence" in "".join(result.notes)
+    remembered = {name: number.value for name, number in result.numbers.items()}
+    assert remembered == {f"T error, CFL {cfl}, 96 cells": 0.00025 for cfl in (0.5, 0.9, 1.0)}
 
 
 def test_the_leapfrogs_answer_follows_its_orders():

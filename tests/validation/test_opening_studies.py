@@ -92,4 +92,10 @@ def test_figures_show_each_models_cycle():
 def test_the_drawing_of_the_slabs_names_what_it_shows():
     written = [text.get_text() for text in scene_facts._draw().axes[0].texts]
     assert written.count("$V/2$") == written.count("$h/2$") == 2
+    arrows = {(text.xy, text.xyann) for text in scene_facts._draw().axes[0].texts if text.get_text() == ""}
+    upside_down = {tuple((x, -y) for x, y in arrow) for arrow in arrows}
+    turned = {tuple((10 - x, -y) for x, y in arrow) for arrow in arrows}
+    assert len(arrows) == 6
+    assert len(arrows & turned) == 2  # the drive: opposite ways on opposite faces
+    assert len(arrows & upside_down) == 4  # the pressure and the two heights
     assert {"out and back: one transit $h/c$", r"friction $F(v,\phi)$", r"$\sigma$", r"$\rho,\ c$"} <= set(written)

@@ -37,6 +37,17 @@ def test_each_closed_form_is_judged_alone(monkeypatch, name, gap, outcome):
     assert [v.outcome for v in found].count(outcome) == (4 if outcome is Outcome.PASS else 1)
 
 
+def test_gaps_are_relative_distances_from_the_roots(monkeypatch):
+    """With r off by 1e-6: as far is the root of the cubic in r, and the quartic's nearest root tells how far i omega_c is."""
+    off = closed_forms.kelvin_voigt_r(SLOPES, PAPER.upper.epsilon) * (1.0 + 1e-6)
+    roots = np.roots(closed_forms.kelvin_voigt_quartic(SLOPES, PAPER.upper.epsilon, off))
+    monkeypatch.setattr(closed_forms, "kelvin_voigt_r", lambda *args: off)
+    gaps = verdicts._gaps(PAPER, SLOPES, PAPER.upper.epsilon, PAPER.velocity)
+    assert gaps["cubic"] == pytest.approx(1e-6, rel=1e-4)
+    assert gaps["quartic"] == pytest.approx(np.abs(roots / (1j * SLOPES.omega_c) - 1.0).min(), rel=1e-4)
+    assert gaps["root"] < 2e-14  # of another equation
+
+
 @pytest.mark.parametrize(
     ("slow", "fast", "outcomes"),
     [(0.9e-2, 0.033, "pass pass"), (3e-2, 0.077, "finding pass"), (3e-3, 0.03, "pass finding"), (3e-3, 0.33, "pass finding")],
