@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
+from validation.report.side_by_side import cores
 from validation.study import Budget, Cell, Column, Evidence, Omission, StudyResult, Table, Verdict, judge
 
 NAME = "slow-verification"
@@ -41,7 +42,7 @@ def run(budget: Budget) -> StudyResult:
         ended = subprocess.run(_command(record), cwd=_CHECKOUT, capture_output=True, text=True, check=False)
         if ended.returncode not in _TESTED or not record.exists():
             raise RuntimeError(f"the tests did not run: {(ended.stdout + ended.stderr).strip()[-300:]}")
-        tests = list(read_record(record))
+        tests = sorted(read_record(record))  # side by side they end in any order
     return summarised(tests)
 
 
@@ -71,7 +72,20 @@ def _verdict(file: str, tests: list[Tested]) -> Verdict:
 
 
 def _command(record: Path) -> list[str]:
-    return [sys.executable, "-m", "pytest", "-q", "-m", "slow", "-p", "no:cacheprovider", f"--junitxml={record}", "tests"]
+    shared = ["-n", str(cores()), "--dist", "worksteal"]  # the other studies end long before these tests
+    return [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-m",
+        "slow",
+        *shared,
+        "-p",
+        "no:cacheprovider",
+        f"--junitxml={record}",
+        "tests",
+    ]
 
 
 def read_record(path: Path) -> Iterator[Tested]:
