@@ -11,17 +11,19 @@ from validation.study import Budget, Outcome
 CAUGHT = {
     "name": "half-impedance",
     "room": "scene",
-    "where": "scene/scene.py: Scene.impedance",
+    "where": "scene/scene.py::Scene.impedance",
     "what": "half the impedance",
     "user": "periods 4 % long",
     "caught": True,
-    "caught_by": "tests/scene/test_scene.py::test_impedance",
+    "caught_by": "tests/scene/test_scene.py::test_impedance_of_two_slabs",
     "seconds": 1.25,
 }
 SURVIVES = {
     "name": "late-nudge",
     "room": "reduced",
+    "where": "reduced/delay_kernel.py::march_delay",
     "what": "a late nudge",
+    "user": "every run begins late",
     "caught": False,
     "says": "stays green",
     "seconds": 180.0,
@@ -39,9 +41,12 @@ def record(monkeypatch, tmp_path):
 def test_each_fault_has_its_row_and_each_room_its_verdict(record):
     record.write_text(json.dumps({"faults": [CAUGHT, SURVIVES, CAUGHT | {"name": "other"}]}))
     result = planted_faults.run(Budget())
-    assert [row[0] for row in result.tables[0].rows] == ["half-impedance", "late-nudge", "other"]
-    assert result.tables[0].rows[0][1:] == ("scene", "half the impedance", "tests/scene/test_scene.py::test_impedance", 1.25)
-    assert result.tables[0].rows[1][1:] == ("reduced", "a late nudge", "nothing", 180.0)
+    caught_by = "impedance of two slabs (test_scene.py)"
+    assert result.tables[0].rows == (
+        ("scene/scene.py", "half the impedance", "periods 4 % long", caught_by, 1.25),
+        ("reduced/delay_kernel.py", "a late nudge", "every run begins late", "nothing", 180.0),
+        ("scene/scene.py", "half the impedance", "periods 4 % long", caught_by, 1.25),
+    )
     assert result.tables[0].emphasis == (1,)
     assert [(v.outcome, v.ours) for v in result.verdicts] == [(Outcome.PASS, "2 of 2"), (Outcome.FAIL, "0 of 1")]
     assert result.verdicts[1].remark == "in `reduced`; survives: late-nudge"

@@ -34,13 +34,29 @@ def run(budget: Budget) -> StudyResult:
 
 def _table(faults: list[dict[str, Any]]) -> Table:
     rows: list[tuple[Cell, ...]] = [
-        (fault["name"], fault["room"], fault["what"], fault.get("caught_by") or "nothing", float(fault["seconds"]))
+        (fault["where"].partition("::")[0], fault["what"], fault["user"], _told(fault.get("caught_by")), float(fault["seconds"]))
         for fault in faults
     ]
-    columns = (Column("fault"), Column("room"), Column("what is wrong"), Column("caught by"), Column("time", "s", ".1f"))
-    caption = "Every planted fault, the test that noticed it, and the time which that took."
+    columns = (
+        Column("file"),
+        Column("what is changed"),
+        Column("what it would do to a user"),
+        Column("caught by"),
+        Column("time", "s", ".0f"),
+    )
+    caption = (
+        "Every planted fault, the test that noticed it, and the time which that took (test and compilation, on a busy machine)."
+    )
     survivors = tuple(number for number, fault in enumerate(faults) if not fault["caught"])
     return Table("faults", caption, columns, tuple(rows), survivors)
+
+
+def _told(test: str | None) -> str:
+    """A test's name as the sentence that it is, and its file."""
+    if not test:
+        return "nothing"
+    file, _, name = test.partition("::")
+    return f"{name.removeprefix('test_').replace('_', ' ')} ({Path(file).name})"
 
 
 def _verdict(room: str, faults: list[dict[str, Any]]) -> Verdict:

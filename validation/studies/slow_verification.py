@@ -4,6 +4,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
@@ -31,6 +32,11 @@ class Tested(NamedTuple):
     seconds: float
     fault: str
 
+    @property
+    def function(self) -> str:
+        """The test's name without its case."""
+        return self.name.partition("[")[0]
+
 
 def run(budget: Budget) -> StudyResult:
     """Run them in a process of their own (full report only)."""
@@ -49,14 +55,19 @@ def run(budget: Budget) -> StudyResult:
 def summarised(tests: list[Tested]) -> StudyResult:
     """Table of the tests and one verdict per file."""
     faults = sum(bool(test.fault) for test in tests)
-    rows: list[tuple[Cell, ...]] = [(test.file, test.name, test.seconds, test.fault or "passed") for test in tests]
-    columns = (Column("file"), Column("test"), Column("time", "s", ".1f"), Column("outcome"))
-    caption = "Every test that is marked as slow; its own docstring says what it holds the models to."
+    columns = (Column("file"), Column("test"), Column("cases", "", "d"), Column("time", "s", ".1f"), Column("outcome"))
+    caption = "Every test that is marked as slow, with all its cases; its own docstring says what it holds the models to."
+    rows = tuple(_row(file, name, list(cases)) for (file, name), cases in groupby(tests, lambda test: (test.file, test.function)))
     return StudyResult(
         answer=f"{len(tests) - faults} of {len(tests)} pass.",
-        tables=(Table("tests", caption, columns, tuple(rows)),),
+        tables=(Table("tests", caption, columns, rows),),
         verdicts=tuple(_verdict(file, [t for t in tests if t.file == file]) for file in dict.fromkeys(t.file for t in tests)),
     )
+
+
+def _row(file: str, function: str, cases: list[Tested]) -> tuple[Cell, ...]:
+    faulty = [f"{test.name}: {test.fault}" for test in cases if test.fault]
+    return file, function, len(cases), sum(test.seconds for test in cases), "; ".join(faulty) or "passed"
 
 
 def _verdict(file: str, tests: list[Tested]) -> Verdict:
