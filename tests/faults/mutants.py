@@ -196,6 +196,7 @@ def try_mutant(mutant: Mutant, copy: Copy, reach: Reach, whole: bool) -> Record:
     line = text.count("\n", 0, mutant.begin) + 1
     what = " ".join(f"{mutant.old} -> {mutant.new}".split())
     record: Record = {"name": mutant.name, "room": mutant.file.partition("/")[0], "where": f"{mutant.file}:{line}", "what": what}
+    record["line"] = text.splitlines()[line - 1].strip()
     few = reach.tests_for(mutant)
     with copy.with_text(mutant.file, text[: mutant.begin] + mutant.new + text[mutant.end :]):
         found = copy.run(few, CHECK_SECONDS) if few else None
@@ -215,10 +216,13 @@ def collected() -> set[str]:
     return {line for line in told.stdout.splitlines() if "::" in line}
 
 
-def equivalents() -> set[tuple[str, str]]:
-    """File and change of the mutants that are listed as equivalent."""
-    records = tomllib.loads(EQUIVALENT.read_text(encoding="utf-8"))["equivalent"]
-    return {(record["file"], record["what"]) for record in records}
+def is_equivalent(record: Record, listed: list[dict[str, str]]) -> bool:
+    """Whether a mutant is listed: by its file, its change and, where the same change can be made in several lines, a text that
+    occurs in its line."""
+    file = record["where"].partition(":")[0]
+    return any(
+        (one["file"], one["what"]) == (file, record["what"]) and one.get("line", "") in record.get("line", "") for one in listed
+    )
 
 
 def wilson(noticed: int, of: int) -> tuple[float, float]:
@@ -246,10 +250,8 @@ def main() -> int:
     if options.whole:
         store.forget_survivors()
     records = run_all(sample, lambda mutant, copy: try_mutant(mutant, copy, reach, options.whole), options.jobs, store)
-    known = equivalents()
-    judged = [
-        record for record in records if record["caught"] or (record["where"].partition(":")[0], record["what"]) not in known
-    ]
+    listed = tomllib.loads(EQUIVALENT.read_text(encoding="utf-8"))["equivalent"]
+    judged = [record for record in records if record["caught"] or not is_equivalent(record, listed)]
     noticed = sum(record["caught"] for record in judged)
     low, high = wilson(noticed, len(judged))
     print(f"{len(records) - len(judged)} equivalent ones are left out ({EQUIVALENT.name})")

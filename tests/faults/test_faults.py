@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.faults.mutants import mutants_of, wilson
+from tests.faults.mutants import is_equivalent, mutants_of, wilson
 from tests.faults.planting import ROOMS, ROOT, AnchorError, Fault, read_faults
 from tests.faults.programme import Store, key_of, try_fault
 from tests.faults.trial import Copy
@@ -137,6 +137,21 @@ def test_mutants_are_the_usual_single_changes() -> None:
         ("return x + 2.0 * y if x < y else -x", "return None"),
     } == found
     assert {mutant.function for mutant in mutants_of("scene/f.py", MUTATED)} == {"f"}
+
+
+@pytest.mark.parametrize(
+    ("listed", "is_one"),
+    [
+        ({}, True),
+        ({"line": "TALL = "}, True),
+        ({"line": "WIDE = "}, False),
+        ({"what": "2 -> 3"}, False),
+        ({"file": "g.py"}, False),
+    ],
+)
+def test_an_equivalent_mutant_is_known_by_file_change_and_line(listed: dict[str, str], is_one: bool) -> None:
+    record = {"where": "f.py:7", "what": "1 -> 2", "line": "TALL = 1"}
+    assert is_equivalent(record, [{"file": "f.py", "what": "1 -> 2"} | listed]) == is_one
 
 
 def test_wilsons_interval() -> None:

@@ -7,6 +7,7 @@ from reduction_equations import Equations
 import scene
 from reduced.impedance import reduction_of
 from reduced.ladder import Ladder
+from reduced.ladder_tables import LONGEST
 from scene.observe import follow
 
 KNOTS = (20.1234567, 21.3456789, 70.77777, 70.87777, 141.42135)
@@ -41,6 +42,17 @@ def test_a_ramp_keeps_the_tolerance(name: str, model: str) -> None:
     """Relative error of psi, 0.8e-11 to 3e-11 without mass; with mass LSODA's own, 1.1e-9 at its tightest (0.9e-9 by Radau)."""
     massive = name == "paper" and model not in ("quasidynamic", "kelvin-voigt")
     assert error(name, model, 1e-9) < (3e-9 if massive else 3e-10)
+
+
+@pytest.mark.parametrize("distance", [0.01, 1.9, 2.1, 17.0, 300.0])
+def test_the_longest_step_divides_the_way_to_the_next_knot_by_a_power_of_two(distance: float) -> None:
+    what = scene.read("paper", [f"drive.velocity=[[0.0, 100.0], [1.0, 100.0], [{1.0 + distance!r}, 200.0]]", "run.until=400"])
+    solver = Ladder(what, reduction_of(what, "kelvin-voigt"))
+    follow(solver, 1.0 + 0.5 * distance)
+    longest = float(solver._tables.length[0])
+    halvings = np.log2(distance / longest)
+    assert halvings == pytest.approx(round(halvings), abs=1e-9)
+    assert min(0.5 * LONGEST, distance) < longest * (1 + 1e-9) <= LONGEST * (1 + 1e-9)
 
 
 def test_steps_end_on_every_knot_and_are_no_shorter_than_they_need_be() -> None:

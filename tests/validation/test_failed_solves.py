@@ -66,6 +66,14 @@ def test_observers_see_what_came_before_the_first_failed_solve() -> None:
     assert solver.time == 10.0
 
 
+def test_of_a_stretch_that_failed_nobody_knows_where_nothing_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Failing, "failed_at", property(lambda self: np.nan, lambda self, value: None), raising=False)
+    reach = Reach()
+    with pytest.raises(NumericsError, match="by t = 10 transits, the first at t = 5: what follows"):
+        follow(Failing(), 100.0, [reach])
+    assert reach.ends.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
+
+
 def test_run_prints_what_it_has_and_ends_with_status_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "paper", *COARSE, "--model", "fd", "--cells", "64", "--json"]) == NUMERICS_FAILED
     text, err = capsys.readouterr()

@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 import pytest
+from study_parts import parts
 
 from reduced.impedance import reduction_of
 from validation.bounds import too_roomy
@@ -24,6 +25,7 @@ def result():
 def test_every_verdict_holds(result):
     assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
     assert len(result.verdicts) == 6
+    assert parts(result) == "errors | models | 1 notes, 7 numbers, 3 omissions"
     assert too_roomy(result.verdicts) == []
 
 

@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from study_parts import parts
 
 from validation.bounds import too_roomy
 from validation.studies import load
@@ -21,6 +22,7 @@ def result():
 def test_every_verdict_holds(result):
     assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
     assert len(result.verdicts) == 4
+    assert parts(result) == "grip bare | grips bare | 1 notes, 2 numbers, 0 omissions"
     assert too_roomy(result.verdicts) == []
 
 

@@ -69,6 +69,15 @@ def points():
     ] + [Point(Setting("fd", cells=16, cfl=0.5), 9e-3, 73.0, 2e-5, 0.0)]
 
 
+@pytest.mark.parametrize(("quick", "grids"), [(True, 4), (False, 6)])
+def test_every_model_runs_at_every_setting_once(quick, grids):
+    settings = [(setting.model, setting.words) for setting in cost_and_error._settings(quick)]
+    assert len(set(settings)) == len(settings) == 5 + 2 * grids + 6 * 5
+    assert ("fd", "64 cells, CFL 0.5") in settings
+    assert ("delay", "tolerance 10^{-11}") in settings
+    assert ("modal:8", "tolerance 10^{-3}") in settings
+
+
 def test_the_answer_tells_times_and_errors():
     told = cost_and_error._answer(points())
     assert "delay system takes 3 ms (1 · 10^{−3}) to 15 ms (1 · 10^{−15})" in told

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from study_parts import parts
 
 import scene
 from reduced import closed_forms
@@ -18,6 +19,8 @@ def result():
 def test_every_verdict_holds(result):
     assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
     assert len(result.verdicts) == 9
+    shown = "critical-r planes impedance spectrum | critical-r models scenes"
+    assert parts(result) == f"{shown} | 3 notes, 19 numbers, 0 omissions"
     assert too_roomy(result.verdicts) == []
 
 

@@ -21,6 +21,27 @@ def test_json_of_the_paper_scene(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(found["leading_roots"][0]) == 2
 
 
+TABLES = """\
+                                            critical           here
+critical frequency omega_c [V*/L]      63.3360980646
+critical round trip log10 r_c         -2.69954971585    scene -2.68
+critical epsilon                   2.92929031601e-05  scene 2.8e-05
+pile of fast roots, Re s [V*/L]         -38.42073953
+
+leading roots s [V*/L], conjugates left out  cycles per transit
+0.88277908 +61.91753 i                                0.0205889
+-38.373924 +3009.1113 i                                  1.0006
+-38.409014 +6015.5388 i                                  2.0003
+"""
+
+
+def test_tables_of_the_paper_scene(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["stability", "paper"]) == 0
+    head, _, tables = capsys.readouterr().out.partition("\n\n")
+    assert head.endswith("model delay: steady sliding is unstable: 2 growing roots (certified count) at V = 100")
+    assert "\n".join(line.rstrip() for line in tables.splitlines()) == TABLES.rstrip("\n")
+
+
 def test_settings_and_model(capsys: pytest.CaptureFixture[str]) -> None:
     found = answer(capsys, "paper", "--model", "kelvin-voigt", "--set", "slab.log10_r=-2.71")
     assert found["stable"] is True

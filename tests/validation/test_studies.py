@@ -3,6 +3,7 @@
 import dataclasses
 
 import pytest
+from study_parts import parts
 
 import scene
 from scene.input.source import gallery_names
@@ -33,6 +34,7 @@ def bad(result: StudyResult) -> list[str]:
 def test_scene_facts():
     result = load("scene-facts").run(QUICK)
     assert bad(result) == []
+    assert parts(result) == "slabs | groups si | 1 notes, 3 numbers, 0 omissions"
     assert result.numbers["r_c delay"].value == pytest.approx(10**-2.6995497159, rel=1e-9)
     groups = {row[0]: row[2] for row in result.tables[0].rows}
     assert groups["r/r_{c}"] == pytest.approx(1.04604, rel=1e-5)
@@ -47,6 +49,7 @@ def cycle():
 
 def test_one_cycle_shows_the_numbers_it_must(cycle):
     assert bad(cycle) == []
+    assert parts(cycle) == "overlay panels | drops rates reference | 1 notes, 40 numbers, 2 omissions"
     assert too_roomy(cycle.verdicts) == []
     delay = [cycle.numbers[f"delay {name}"].value for name in ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")]
     assert delay == pytest.approx([73.4721449, 0.1739634, 0.1547375, 4412.3205, 2.860302], rel=5e-7)
@@ -75,6 +78,7 @@ def test_a_wrong_reference_turns_the_light_red(monkeypatch):
 def test_claims():
     result = load("claims").run(QUICK)
     assert bad(result) == []
+    assert parts(result) == "irregular returns | branch onset deep | 2 notes, 30 numbers, 5 omissions"
     findings = {verdict.claim[:3].strip() for verdict in result.verdicts if verdict.outcome is Outcome.FINDING}
     assert findings == {"P5", "P6", "P11", "P12"}
     assert too_roomy(result.verdicts) == []

@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from study_parts import parts
 
 from validation.bounds import too_roomy
 from validation.studies import load
@@ -22,6 +23,7 @@ def test_every_agreement_holds(result):
     assert [v.claim for v in agreements if v.outcome is not Outcome.PASS] == []
     assert too_roomy(agreements) == []
     assert len(agreements) == 6
+    assert parts(result) == "cycles | differences cost | 2 notes, 2 numbers, 1 omissions"
 
 
 def test_states(result):
