@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 import scene
 from scene.errors import NumericsError, SceneError
+from scene.input.wording import nearest
 from scene.scene import Scene
 
 LAYERS = [{"fraction": 0.5, "impedance": 1.0}, {"fraction": 0.5, "impedance": 2.0}]
@@ -318,3 +319,14 @@ def test_junk_scenes_are_refused_in_one_line(data: dict[str, Any]) -> None:
 def test_junk_overrides_are_read_or_refused_in_one_line(key: str, text: str) -> None:
     _, message = outcome("paper", [f"{key}={text}"])
     assert len(message.splitlines()) <= 1
+
+
+@pytest.mark.parametrize(("cutoff", "found"), [(0.5, "velocity"), (0.7, None)])
+def test_how_much_like_a_known_word_another_must_be(cutoff: float, found: str | None) -> None:
+    """Two thirds of the letters of `velo` and `velocity` together are common to both."""
+    assert nearest("velo", ["epsilon", "velocity"], cutoff) == found
+
+
+def test_half_like_a_known_word_is_enough() -> None:
+    assert nearest("stop", ["size"]) is None
+    assert nearest("rabc", ["redc"]) == "redc"

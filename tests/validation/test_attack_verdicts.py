@@ -39,6 +39,17 @@ def test_every_attack_has_its_own_limits():
     assert {name: attack.right for name, attack in ATTACKS.items()} == LIMITS
 
 
+CHANGED = {"epsilon": ("slab.epsilon=1e{}", "ε = 10^{{{}}}"), "V": ("drive.velocity=1e{}", "V = 10^{{{}}} V*")}
+
+
+@pytest.mark.parametrize("name", [name for name in LIMITS if name.split()[0] in CHANGED])
+def test_an_attack_changes_what_its_name_says(name):
+    quantity, power = name.split()
+    changes, title = (text.format(power) for text in CHANGED[quantity])
+    assert (ATTACKS[name].changes, ATTACKS[name].title) == ((changes,), title)
+    assert ATTACKS[name].late == (200.0 if quantity == "V" and int(power) > 4 else 400.0)
+
+
 @pytest.mark.parametrize("name", LIMITS)
 def test_an_attack_must_end_right_or_with_a_message(name):
     early, late = LIMITS[name]

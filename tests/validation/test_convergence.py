@@ -38,5 +38,6 @@ def test_coarse_levels_that_do_not_follow_yet_are_left_out():
 def test_levels_at_rounding_are_left_out():
     errors = np.array([1e-10, 1e-11, 1e-12, 1e-13, 3e-15])
     assert fit(10.0 ** np.arange(1, 6), errors).used == slice(0, 4)
+    assert fit(10.0 ** np.arange(1, 6), 1e3 * errors, scale=1e3).used == slice(0, 4)
     with pytest.raises(ValueError, match="2 usable levels"):
         fit(CELLS, np.array([1e-3, 1e-4, 0.0, 1e-9, 1e-9]))

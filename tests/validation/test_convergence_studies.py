@@ -11,6 +11,7 @@ from validation.orders import QUANTITIES, Climb
 from validation.studies import grid_convergence, leapfrog_convergence
 from validation.studies.grid_convergence_code import code_note, code_table, shared
 from validation.studies.grid_convergence_figures import convergence_and_cost
+from validation.studies.grid_convergence_tables import finest_table, orders_table
 from validation.studies.leapfrog_convergence_figures import ladders
 from validation.study import Budget, Evidence, Outcome
 
@@ -93,6 +94,15 @@ def test_the_grids_answer_follows_errors_and_orders():
     assert told.endswith("An error of the state below 1 · 10^{−4} costs 3 ms with `fd`.")
     assert grid_convergence._answer([climbed()], fine | {"dg:7": 1e-9}, curves).startswith("Not all:")
     assert "1 of 2 families miss their order" in grid_convergence._answer([climbed(), climbed(order=3.5)], fine, curves)
+
+
+def test_the_tables_of_a_ladder_show_its_orders_and_its_finest_grid():
+    one = climbed()
+    last = one.cells.size - 1
+    (orders,), (finest,) = orders_table([one]).rows, finest_table([one]).rows
+    assert orders[:4] == ("sbp:4", "s", f"{one.cells[0]:.0f}\u2060–\u2060{one.cells[last]:.0f}", "4")
+    assert orders[4:] == ("4.00\u00a0±\u00a00.01",) * 6
+    assert finest == ("sbp:4", "s", one.cells[last], 1000.0, *[one.errors["state"][last]] * 5)
 
 
 def test_which_code_is_common_is_read_from_the_imports(monkeypatch):

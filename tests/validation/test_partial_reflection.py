@@ -31,9 +31,11 @@ def test_periods_at_matched_impedance(result):
     assert values == pytest.approx([185.5406, 114.2073], abs=1e-3)
 
 
-@pytest.mark.parametrize("figure", range(2))
-def test_figures_draw(result, figure):
-    assert result.figures[figure].draw().axes
+@pytest.mark.parametrize(("figure", "height"), [(0, 3.8), (1, 3.4)])
+def test_figures_draw(result, figure, height):
+    drawn = result.figures[figure].draw()
+    assert tuple(drawn.get_size_inches()) == (7.4, height)
+    assert drawn.axes
 
 
 def test_where_the_interface_locks():

@@ -157,6 +157,7 @@ def test_impedances_are_drawn_over_epsilon_and_per_transit():
         "phase of $Z$ (degrees)",
     ]
     assert {axes.get_xlabel() for axes in (error, phase)} == {r"$\omega$ (radians per transit)"}
+    assert (size.get_ylim(), error.get_ylim()) == ((0.02, 30.0), (1e-8, 20.0))
     exact, _, _, block = size.get_lines()[:4]
     s = 0.2 + 1j * exact.get_xdata()
     assert exact.get_ydata() == pytest.approx(np.abs(0.5 / np.tanh(0.5 * s)), rel=1e-9)
