@@ -38,6 +38,8 @@ def test_scene_facts():
     assert result.numbers["r_c delay"].value == pytest.approx(10**-2.6995497159, rel=1e-9)
     groups = {row[0]: row[2] for row in result.tables[0].rows}
     assert groups["r/r_{c}"] == pytest.approx(1.04604, rel=1e-5)
+    of_rock = [row[-1] for row in result.tables[1].rows]
+    assert of_rock == pytest.approx([2e-5, 1e-6, 1e8, 1e-2, 5e6, 20.0, 2.1e-4], rel=1e-12)  # drive 1e4 V*, epsilon 5e-8
     one_transit = result.tables[1].rows[-1][3]
     assert one_transit == pytest.approx(2 * 0.03357797353158276 / (1e6 / 784.0) ** 0.5, rel=1e-12)
 
