@@ -9,18 +9,7 @@ from validation.ladders import GENTLE, LADDERS
 from validation.models import build
 from validation.orders import QUANTITIES, climb, errors, measure
 from validation.studies import grid_convergence as study
-from validation.study import Budget, Outcome
-
-
-@pytest.mark.slow
-def test_the_study_holds():
-    result = study.run(Budget(quick=True))
-    assert [v.remark for v in result.verdicts if v.outcome is not Outcome.PASS] == []
-    rows = {row[0]: row for row in result.tables[0].rows}
-    assert rows["fd"][-1].startswith(("2.00", "1.99"))
-    assert set(rows) == set(study._QUICK)
-    assert "reaches its order" in result.answer
-    assert result.figures[0].draw().axes
+from validation.study import Outcome
 
 
 @pytest.fixture(scope="module")

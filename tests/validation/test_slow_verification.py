@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from validation.report.sources import sources_of
+from validation.report.text import cell
 from validation.studies import load, slow_verification
 from validation.studies.slow_verification import _command, read_record, run, summarised
 from validation.study import Budget, Outcome
@@ -42,6 +43,11 @@ def test_failures_and_errors_turn_the_verdict_red(record):
     assert [verdict.outcome for verdict in result.verdicts] == [Outcome.FAIL]
     assert "test_bad, test_ugly, test_idle" in result.verdicts[0].remark
     assert summarised(tests[:1]).verdicts[0].outcome is Outcome.PASS
+    table = result.tables[0]
+    shown = [[cell(value, column.format) for value, column in zip(row, table.columns, strict=True)] for row in table.rows]
+    assert [row[1:3] for row in shown] == [[name, "1"] for name in ("test_good", "test_bad", "test_ugly", "test_idle")]
+    cases = [test._replace(name=f"test_good[{case}]") for case, test in enumerate(tests[:1] * 3)]
+    assert summarised(cases).tables[0].rows == ((tests[0].file, "test_good", 3, 3 * tests[0].seconds, "passed"),)
 
 
 def test_quick_report_says_what_it_leaves_out():

@@ -12,6 +12,8 @@ from validation.models import build
 STEEP = "drive.velocity=[[0.0,100.0],[120.0,100.0],[123.0,1000.0]]"
 LATE = "drive.velocity=[[0.0,100.0],[500.0,100.0],[510.0,1000.0]]"
 
+SLOW = "drive.velocity=[[0.0,100.0],[450.0,100.0],[550.0,200.0]]"
+
 
 def cycles(solver: Solver, until: float) -> NDArray[np.float64]:
     watch = EventObserver(solver.scene, solver.nodes)
@@ -39,7 +41,7 @@ def test_a_ramp_beyond_the_probe_of_a_constant_drive_is_seen(monkeypatch: pytest
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "settings", "tolerance"),
-    [("paper", [LATE, "run.until=900"], 1e-7), ("paper", [LATE, "run.until=900"], 1e-8), ("ramp", ["run.until=2000"], 1e-9)],
+    [("paper", [LATE, "run.until=650"], 1e-7), ("paper", [LATE, "run.until=650"], 1e-8), ("ramp", [SLOW, "run.until=700"], 1e-9)],
 )
 def test_ramps_of_long_runs(name: str, settings: list[str], tolerance: float) -> None:
     error, estimate = error_and_estimate(scene.read(name, settings), tolerance)

@@ -55,7 +55,7 @@ def run(budget: Budget) -> StudyResult:
 def summarised(tests: list[Tested]) -> StudyResult:
     """Table of the tests and one verdict per file."""
     faults = sum(bool(test.fault) for test in tests)
-    columns = (Column("file"), Column("test"), Column("cases", "", "d"), Column("time", "s", ".1f"), Column("outcome"))
+    columns = (Column("file"), Column("test"), Column("cases", "", ".0f"), Column("time", "s", ".1f"), Column("outcome"))
     caption = "Every test that is marked as slow, with all its cases; its own docstring says what it holds the models to."
     rows = tuple(_row(file, name, list(cases)) for (file, name), cases in groupby(tests, lambda test: (test.file, test.function)))
     return StudyResult(
