@@ -4,10 +4,9 @@ With the stage impedance K of `ladder_tables`, every reduction is the same inter
 
     F(z_j, psi_j) + epsilon sum_l K_jl v_l = E_j,      psi_j = psi_0 + h sum_l A_jl (r G(z_l, psi_l) + nudge(t_l)),
 
-E_j from the states at the step's start. Newton solves for (psi, z) at the nodes. Steps have lengths
-longest / 2^level and are accepted
-when the highest Legendre coefficient of z and of psi stays below the resolution and no disturbance grows faster than a step
-reproduces (`grows_unseen`).
+E_j from the states at the step's start. Newton solves for (psi, z) at the nodes. Steps have lengths longest / 2^level and are
+accepted when the highest Legendre coefficient of z and of psi stays below the resolution and no disturbance grows faster than a
+step reproduces (`grows_unseen`).
 """
 
 import math

@@ -9,7 +9,7 @@ Alike elastic slabs behind rigid faces have spring = 1 and need neither offsets 
 scenes. In states, with u = v - V and tau_k the stress of mode k (in units of epsilon):
 
     tau_k' = -residue_k u - 2 decay_k tau_k + p_k,   p_k' = -offset_k u - omega_k^2 tau_k,
-    tau_j' = -strength_j u - rate_j tau_j,            y' = -spring u,   mass u' + damping u = y + sum tau - mu/epsilon.
+    tau_j' = -strength_j u - rate_j tau_j,            y' = -spring u,   mass v' + damping u = y + sum tau - mu/epsilon.
 
 Adding a reduction of the alike pair is one line of `REDUCTIONS`.
 """

@@ -50,6 +50,7 @@ def _run(setting: Setting, what: Scene, transits: float) -> Work:
     """A march with its event detection, one transit after its start, when all that it needs is loaded."""
 
     def prepare() -> Callable[[], object]:
+        """Build the solver and lead it past its start; the march to be timed."""
         solver = solver_of(setting, what)
         follow(solver, 1.0)
         return partial(follow, solver, 1.0 + transits, [EventObserver(what, solver.nodes)])

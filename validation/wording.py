@@ -60,7 +60,7 @@ def told_events(count: int | None, verdict: Verdict | None) -> str:
     """How many slip events a run had and what it is, in one line."""
     if count is None or verdict is None:
         return "events were not watched (run.record is empty)"
-    return f"{count} slip events; {told_verdict(verdict)}"
+    return f"{count} slip event{'s' if count != 1 else ''}; {told_verdict(verdict)}"
 
 
 def told_verdict(verdict: Verdict) -> str:
