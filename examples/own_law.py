@@ -6,10 +6,10 @@ mu = a_* + a ln v + b ln(phi + cutoff),   phi' = 1 - v phi.    Run it:  .venv/bi
 import math
 from typing import NamedTuple
 
-import scene
-from scene.friction import register
-from validation.models import build
-from validation.simulate import simulate
+import slipwave
+from slipwave.friction import register
+from validation.registry.build import build
+from validation.run.simulate import simulate
 
 
 class Cutoff(NamedTuple):
@@ -36,7 +36,7 @@ def steady_state(law: Cutoff, v: float) -> float:
 def main() -> None:
     """Compare the law's orbit by the full wave and in the paper's ODE."""
     register("cutoff", Cutoff, respond, steady_state)
-    mine = scene.read("paper", ["interface.law=cutoff", "interface.cutoff=1e-5", "run.until=3000"])
+    mine = slipwave.read("paper", ["interface.law=cutoff", "interface.cutoff=1e-5", "run.until=3000"])
     for model in ("fd", "kelvin-voigt"):
         found = simulate(build(model, mine), mine.until).statistics
         print(f"{model}: period {found.period.mean:.6f} transits, stress drop {found.stress_drop.mean:.7f}")

@@ -20,12 +20,12 @@ from typing import Any
 import numpy as np
 
 from fullwave.discontinuous import MOST_DEGREE, DiscontinuousGalerkin
-from fullwave.march import March
-from scene.errors import NumericsError, SceneError
-from scene.observe import EventObserver, follow
-from scene.observe.foresight import require_time
-from scene.observe.pieces import Array
-from scene.scene import Scene
+from fullwave.lines.march import March
+from slipwave.errors import NumericsError, SceneError
+from slipwave.observe import EventObserver, follow
+from slipwave.observe.foresight import require_time
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
 
 TOLERANCES = (1e-12, 0.1)
 """The tolerances that may be asked for."""

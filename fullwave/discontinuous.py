@@ -2,8 +2,8 @@
 
 Each slab is cut into `cells` elements. In each, w and s are polynomials of degree P, held at the Gauss-Lobatto nodes, which serve
 as the quadrature too (collocation: the mass matrix is diagonal, and the step 1.8 (P = 7) to 2.7 (P = 1) times as long as with
-exact mass). Neighbours talk through upwind states only (`fullwave.system`). Layers begin and end on elements, so impedance jumps
-cost no order.
+exact mass). Neighbours talk through upwind states only (`fullwave.lines.system`). Layers begin and end on elements, so impedance
+jumps cost no order.
 Hesthaven and Warburton, Nodal Discontinuous Galerkin Methods (2008), ch. 3; Kopriva and Gassner, J. Sci. Comput. 44 (2010), for
 the collocation.
 
@@ -19,15 +19,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fullwave.line import Block, Grid, Section, sections_of, shortest_cell
-from fullwave.lobatto import gauss_lobatto
-from fullwave.march import March, method_for
+from fullwave.lines.blocks import Block, Grid, Section, sections_of, shortest_cell
+from fullwave.lines.march import March, method_for
+from fullwave.lines.panels import LANES, differentiate_rows
+from fullwave.lines.scheme_limit import line_spectrum, longest_step
+from fullwave.lines.system import register_operator
+from fullwave.operators.lobatto import gauss_lobatto
 from fullwave.options import require_whole
-from fullwave.panels import LANES, differentiate_rows
-from fullwave.stability import line_spectrum, longest_step
-from fullwave.system import register_operator
-from scene.observe.pieces import Array, lagrange_basis
-from scene.scene import Scene
+from slipwave.observe.pieces import Array, lagrange_basis
+from slipwave.scene import Scene
 
 MOST_DEGREE = 24
 _ABREAST = LANES // 2  # elements that share a panel: their w, then their s

@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from fullwave.budget import enough_memory, require_bytes, steps_at_once
 from fullwave.leapfrog.build import steady_memory, steady_side
 from fullwave.leapfrog.drives import compiled_drive
 from fullwave.leapfrog.faces import Grip
@@ -23,13 +22,14 @@ from fullwave.leapfrog.grid import common_step, slab_grid
 from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, Clock, march
 from fullwave.leapfrog.ledger import energy_of
 from fullwave.leapfrog.sides import Mirror, Side
+from fullwave.lines.budget import enough_memory, require_bytes, steps_at_once
 from fullwave.options import MOST_CELLS, require_cfl, require_whole
-from fullwave.restoring import take_back, whole_numbers
 from fullwave.sampling import pieces_until, sample_nodes
-from fullwave.snapshot import Snapshot
-from scene.observe import Energy, Pieces
-from scene.observe.pieces import Array, empty_pieces
-from scene.scene import Scene
+from slipwave.observe import Energy, Pieces
+from slipwave.observe.pieces import Array, empty_pieces
+from slipwave.observe.restoring import take_back, whole_numbers
+from slipwave.observe.snapshot import Snapshot
+from slipwave.scene import Scene
 
 _CELL_BYTES = 150.0  # measured: 50 in an elastic slab, 130 in a Kelvin-Voigt one, their building included
 _CELL_WORK = 20.0  # products that a cell's step takes as long as: 1 ns in an elastic slab, 10 in a Kelvin-Voigt one
@@ -38,7 +38,7 @@ _MUTABLE = ("velocity", "stress", "relaxing", "lost")
 
 
 class Leapfrog:
-    """Marches `scene` with `cells` per slab at Courant number `cfl` in (0, 1]; a `Solver` (scene.observe.follow).
+    """Marches `scene` with `cells` per slab at Courant number `cfl` in (0, 1]; a `Solver` (slipwave.observe.follow).
 
     `cells` counts the slab with the shorter round trip; the other has as many as keep its Courant number at or just below `cfl`.
     Honours every scene. Raises SceneError naming cells or cfl and the allowed range.
@@ -121,7 +121,7 @@ class Leapfrog:
 
     def snapshot(self) -> Snapshot:
         """Velocity and stress at the nodes at `time`, second order."""
-        from fullwave.leapfrog.picture import snapshot_of
+        from fullwave.leapfrog.snapshot import snapshot_of
 
         if self._sample < 0:  # the velocity of the interface at t = 0 is only known with the sample taken there
             self._fill(empty_pieces(0, self.nodes.size))

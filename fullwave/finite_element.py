@@ -25,17 +25,17 @@ import scipy.sparse
 import skfem
 from numpy.typing import NDArray
 
-from fullwave.gll_element import ElementLineGLL
-from fullwave.line import Block, Grid, Section, padded_half, sections_of
-from fullwave.lobatto import gauss_lobatto
-from fullwave.march import March, method_for
+from fullwave.lines.blocks import Block, Grid, Section, padded_half, sections_of
+from fullwave.lines.march import March, method_for
+from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
+from fullwave.lines.system import register_operator
+from fullwave.operators.gll_element import ElementLineGLL
+from fullwave.operators.lobatto import gauss_lobatto
 from fullwave.options import require_whole
-from fullwave.stability import MARGIN, line_spectrum, longest_step
-from fullwave.system import register_operator
-from scene.errors import SceneError
-from scene.observe.pieces import Array
-from scene.scene import Scene
-from scene.slab import KelvinVoigtViscosity
+from slipwave.errors import SceneError
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.scene.slab import KelvinVoigtViscosity
 
 MOST_DEGREE = 16
 MASSES = ("lumped", "consistent")

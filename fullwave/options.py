@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from scene.errors import SceneError
+from slipwave.errors import SceneError
 
 MOST_CELLS = 1_000_000
 LEAST_CFL = 1e-9

@@ -3,7 +3,7 @@ between the samples is of order n + 1 and never limits a scheme of order n or le
 
 import numpy as np
 
-from scene.observe.pieces import Array, Pieces, empty_pieces
+from slipwave.observe.pieces import Array, Pieces, empty_pieces
 
 
 def sample_nodes(steps: int) -> Array:

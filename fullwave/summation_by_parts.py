@@ -24,14 +24,14 @@ import numpy as np
 import scipy.sparse
 from numpy.typing import NDArray
 
-from fullwave.closure import boundary_closure, central_coefficients, closure_rows
-from fullwave.line import Block, Grid, Section, padded_half, sections_of
-from fullwave.march import March, method_for
-from fullwave.stability import MARGIN, line_spectrum, longest_step
-from fullwave.system import register_operator
-from scene.errors import SceneError
-from scene.observe.pieces import Array
-from scene.scene import Scene
+from fullwave.lines.blocks import Block, Grid, Section, padded_half, sections_of
+from fullwave.lines.march import March, method_for
+from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
+from fullwave.lines.system import register_operator
+from fullwave.operators.closure import boundary_closure, central_coefficients, closure_rows
+from slipwave.errors import SceneError
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
 
 ORDERS = (2, 4, 6)
 _SAMPLE_CELLS = 56  # of the longest line from which a step limit is computed: twice as many lower it by two thousandths

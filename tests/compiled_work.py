@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 import fullwave.finite_difference
-import fullwave.march
+import fullwave.lines.march
 from fullwave.leapfrog import kernel
 from fullwave.leapfrog.sides import Side
-from fullwave.system import SCALARS
+from fullwave.lines.system import SCALARS
 
 
 class Call(NamedTuple):
@@ -19,7 +19,7 @@ class Call(NamedTuple):
 def count_calls(monkeypatch) -> list[Call]:
     """The calls that every full wave makes from now on, in order."""
     calls: list[Call] = []
-    march, leapfrog = fullwave.march.march, fullwave.finite_difference.march
+    march, leapfrog = fullwave.lines.march.march, fullwave.finite_difference.march
 
     def counted_march(*arguments):
         _, _, _, _, begin, end, state, *_ = arguments
@@ -33,6 +33,6 @@ def count_calls(monkeypatch) -> list[Call]:
         calls.append(Call(steps, sum(medium.velocity.size + medium.stress.size for medium in media)))
         return leapfrog(*arguments)
 
-    monkeypatch.setattr(fullwave.march, "march", counted_march)
+    monkeypatch.setattr(fullwave.lines.march, "march", counted_march)
     monkeypatch.setattr(fullwave.finite_difference, "march", counted_leapfrog)
     return calls

@@ -16,4 +16,4 @@ settings.load_profile("repeatable")
 @pytest.fixture(autouse=True)
 def no_progress(monkeypatch):
     """Tests of what is printed must not depend on how long it took: no test waits for progress unless it says so."""
-    monkeypatch.setattr("validation.progress.PATIENCE", math.inf)
+    monkeypatch.setattr("validation.run.progress.PATIENCE", math.inf)

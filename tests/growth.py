@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from scene.observe import HistoryObserver, Solver, follow
-from scene.scene import Scene
-from scene.start import Start
+from slipwave.observe import HistoryObserver, Solver, follow
+from slipwave.scene import Scene
+from slipwave.scene.start import Start
 
 BEFORE, AFTER = 60.0, 160.0
 STEP = 0.25

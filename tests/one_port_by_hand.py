@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from scene.scene import Scene
-from scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
+from slipwave.scene import Scene
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
 
 
 def modulus(slab: Slab, s: complex) -> complex:

@@ -10,7 +10,7 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 ROOT = Path(__file__).parents[1]
-ROOMS = ("scene", "reduced", "fullwave", "validation")
+ROOMS = ("slipwave", "reduced", "fullwave", "validation")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 ENGINES = {"netcdf4"}
 """Loaded by name by a package that is imported (xarray's engine)."""

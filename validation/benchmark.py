@@ -19,16 +19,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-import scene
-from scene.files import whole_or_absent
-from scene.observe import EventObserver, follow
-from scene.scene import Scene
-from scene.slab import Face, GripFace, ReflectingFace
+import slipwave
+from slipwave.files import whole_or_absent
+from slipwave.observe import EventObserver, follow
+from slipwave.scene import Scene
+from slipwave.scene.slab import Face, GripFace, ReflectingFace
 from validation.output import print_table
-from validation.plain_reference import plain_kelvin_voigt
+from validation.references.lsoda import plain_kelvin_voigt
 from validation.report.provenance import provenance
-from validation.studies.unlike_slabs_cost import pairs
-from validation.timing import in_turn
+from validation.run.timing import in_turn
+from validation.studies.unlike_slabs.cost import pairs
 from validation.work_precision import Setting, solver_of
 
 ROUNDS = 9
@@ -65,7 +65,7 @@ def _started(*words: str) -> Work:
 
 def races() -> Iterator[Race]:
     """All ratios: of sizes, of slabs and faces, of models, and against a plain program."""
-    paper = scene.read("paper")
+    paper = slipwave.read("paper")
     unlike = dataclasses.replace(paper, lower=dataclasses.replace(paper.lower, epsilon=1.001 * paper.lower.epsilon))
     for model, cells in GRIDS.items():
         base = Setting(model, cells=cells)

@@ -13,7 +13,7 @@ from typing import Any
 
 import typer
 
-from scene.errors import Interrupted, NumericsError, SceneError
+from slipwave.errors import Interrupted, NumericsError, SceneError
 from validation.commands import bench, compare, report, run, scenes, stability
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130

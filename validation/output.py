@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from scene.errors import Interrupted, NumericsError, SceneError
+from slipwave.errors import Interrupted, NumericsError, SceneError
 
 
 def attempt(*deeds: Callable[[], None]) -> list[str]:

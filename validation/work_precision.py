@@ -9,13 +9,13 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
-from scene.errors import NumericsError
-from scene.observe import Solver, follow
-from scene.scene import Scene
-from validation.cycle import watch
-from validation.models import build
-from validation.orbits import estimate
-from validation.timing import timed
+from slipwave.errors import NumericsError
+from slipwave.observe import Solver, follow
+from slipwave.scene import Scene
+from validation.measure.cycle import watch
+from validation.measure.settle import estimate
+from validation.registry.build import build
+from validation.run.timing import timed
 
 _WARM_UP = 2.0  # transits
 

@@ -8,10 +8,10 @@ from fullwave.leapfrog.kernel import DRIVE, ELASTIC, MEMORY, PSI, STATE, STRESS,
 from fullwave.leapfrog.media import Medium, elastic_medium
 from fullwave.leapfrog.sides import Side
 from fullwave.leapfrog.viscous import kelvin_voigt_medium, standard_linear_medium
-from scene.friction import unknown_of
-from scene.observe.pieces import Array
-from scene.scene import Scene
-from scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
+from slipwave.friction import unknown_of
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
 
 
 def steady_side(scene: Scene, slab: Slab, grid: Grid) -> Side:

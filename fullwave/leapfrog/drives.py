@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fullwave.leapfrog.dispatch import dispatch
-from scene.drive import Drive
-from scene.observe.pieces import Array
+from slipwave.compiled.dispatch import dispatch
+from slipwave.observe.pieces import Array
+from slipwave.scene.drive import Drive
 
 
 class Constant(NamedTuple):

@@ -20,9 +20,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fullwave.leapfrog.dispatch import dispatch
-from scene.observe.pieces import Array
-from scene.slab import GripFace, ReflectingFace, Slab
+from slipwave.compiled.dispatch import dispatch
+from slipwave.observe.pieces import Array
+from slipwave.scene.slab import GripFace, ReflectingFace, Slab
 
 
 class Rigid(NamedTuple):

@@ -4,16 +4,16 @@
 
 with psi the state at the whole time, psi_old half a step before, dt in transits. Both equations together are solved by Newton
 from extrapolated values (two iterations as a rule). Where that fails, psi is bracketed and for each psi the first equation is
-solved by `scene.interface.solve_interface`, which cannot fail. No part of this limits the step, however large a/v; a step so long
-that the pair has more than one solution (b dt r v/2 > (a + Z v)(1 + r dt/(2 phi)) for the ageing law) is reported as not
-converged.
+solved by `slipwave.friction.interface.solve_interface`, which cannot fail. No part of this limits the step, however large a/v;
+a step so long that the pair has more than one solution (b dt r v/2 > (a + Z v)(1 + r dt/(2 phi)) for the ageing law) is
+reported as not converged.
 """
 
 import math
 
-from scene.compiled import njit
-from scene.friction import Law, respond
-from scene.interface import solve_interface
+from slipwave.compiled import njit
+from slipwave.friction import Law, respond
+from slipwave.friction.interface import solve_interface
 
 _NEWTON_ITERATIONS = 8
 _CONVERGED = 1e-7  # a Newton step this small leaves an error of half its square, 5e-15

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scene.errors import SceneError
-from scene.observe.pieces import Array
-from scene.scene import Scene
-from scene.slab import Slab
+from slipwave.errors import SceneError
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.scene.slab import Slab
 
 MOST_CELLS = 10_000_000
 

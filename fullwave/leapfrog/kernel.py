@@ -11,10 +11,10 @@ from fullwave.leapfrog.drives import Constant, Ramps, velocity_at
 from fullwave.leapfrog.friction import solve_friction
 from fullwave.leapfrog.media import accelerate, load, strain
 from fullwave.leapfrog.sides import Mirror, Side, follow_on, meet, part, slip_rate, strain_lower
-from scene.compiled import inlined, njit
-from scene.friction import Law
-from scene.observe.pieces import Array, Pieces
-from scene.start import NUDGE_CENTRE
+from slipwave.compiled import inlined, njit
+from slipwave.friction import Law
+from slipwave.observe.pieces import Array, Pieces
+from slipwave.scene.start import NUDGE_CENTRE
 
 STEPS_PER_PIECE = 4
 """Steps in one piece: a quartic, so that events and extrema are read to fifth order in the step of a scheme of order two."""

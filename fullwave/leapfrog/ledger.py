@@ -12,8 +12,8 @@ from fullwave.leapfrog.grid import Grid
 from fullwave.leapfrog.kernel import FRICTION, INPUT, Clock
 from fullwave.leapfrog.sides import Side
 from fullwave.leapfrog.viscous import StandardLinear
-from scene.observe import Energy
-from scene.observe.pieces import Array
+from slipwave.observe import Energy
+from slipwave.observe.pieces import Array
 
 
 def energy_of(clock: Clock, memory: Array, sides: list[tuple[Side, Grid]], velocity: float, copies: int) -> Energy:

@@ -17,10 +17,10 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from fullwave.leapfrog.dispatch import dispatch
 from fullwave.leapfrog.faces import Grip, Rigid, push, settle
 from fullwave.leapfrog.grid import Grid
-from scene.observe.pieces import Array
+from slipwave.compiled.dispatch import dispatch
+from slipwave.observe.pieces import Array
 
 Medium: TypeAlias = Any
 """An instance of Uniform, Layered, StandardLinear or KelvinVoigt."""

@@ -5,9 +5,9 @@ Alike slabs move antisymmetrically, so the lower is a `Mirror`: the kernel compi
 
 from typing import NamedTuple
 
-from fullwave.leapfrog.dispatch import dispatch
 from fullwave.leapfrog.faces import Grip, Rigid
 from fullwave.leapfrog.media import Medium, accelerate, load, strain
+from slipwave.compiled.dispatch import dispatch
 
 
 class Side(NamedTuple):

@@ -18,7 +18,7 @@ import numpy as np
 from fullwave.leapfrog import media
 from fullwave.leapfrog.faces import Grip, Rigid, push, settle
 from fullwave.leapfrog.grid import Grid
-from scene.observe.pieces import Array
+from slipwave.observe.pieces import Array
 
 
 class StandardLinear(NamedTuple):

@@ -1,7 +1,6 @@
 """The slab pair as a one-port: exact impedance of every scene, every reduction of it, and its passivity (MODEL.md section 3)."""
 
 from reduced.impedance.jet import Complex, Jet
-from reduced.impedance.line import Ratio, pair_ratio, slab_ratio
 from reduced.impedance.models import (
     Passivity,
     admittance,
@@ -11,8 +10,9 @@ from reduced.impedance.models import (
     is_exact,
     ratio_of,
 )
-from reduced.impedance.rational import poles_and_residues, taylor_poles
+from reduced.impedance.of_reduction import poles_and_residues, taylor_poles
 from reduced.impedance.reduce import reduce_scene, reduction_of
+from reduced.impedance.transmission_line import Ratio, pair_ratio, slab_ratio
 
 __all__ = [
     "Complex",

@@ -12,7 +12,7 @@ Rounding moves them off the axis; so all of their imaginary parts are taken, tho
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.reduction import Reduction
+from reduced.ode.reduction import Reduction
 
 Real = NDArray[np.float64]
 

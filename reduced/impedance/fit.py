@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from reduced.impedance.dissipation import dissipation, telling_frequencies
 from reduced.impedance.jet import Complex, Jet
-from reduced.impedance.line import pair_ratio
+from reduced.impedance.transmission_line import pair_ratio
 from reduced.impedance.vector_fit import fit_poles, partial_fractions, passive_coefficients
-from reduced.reduction import Reduction
-from scene.errors import SceneError
-from scene.scene import Scene
+from reduced.ode.reduction import Reduction
+from slipwave.errors import SceneError
+from slipwave.scene import Scene
 
 WORST_ALLOWED = 0.05
 """Largest error of Z tolerated below half the first mode, relative to |Z| + epsilon; a worse fit is refused."""
@@ -116,7 +116,7 @@ def _watch(s: Complex, pairs: Complex) -> NDArray[np.float64]:
 
 
 def _require_accuracy(scene: Scene, fit: Reduction, longest: float) -> None:
-    from reduced.impedance.rational import reduction_ratio
+    from reduced.impedance.of_reduction import reduction_ratio
 
     s = np.asarray(1j * np.geomspace(0.02, np.pi, 200) / longest, dtype=np.complex128)
     p, q = reduction_ratio(fit, scene.upper.epsilon, scene.transit, Jet.variable(s / scene.transit))

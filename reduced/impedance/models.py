@@ -7,11 +7,11 @@ import numpy as np
 
 from reduced.impedance.dissipation import telling_frequencies
 from reduced.impedance.jet import Complex, Jet
-from reduced.impedance.line import Ratio, pair_ratio
-from reduced.impedance.rational import poles_and_residues, real_part_on_axis, reduction_ratio, taylor_poles, taylor_ratio
+from reduced.impedance.of_reduction import poles_and_residues, real_part_on_axis, reduction_ratio, taylor_poles, taylor_ratio
 from reduced.impedance.reduce import reduction_of
-from scene.errors import SceneError
-from scene.scene import Scene
+from reduced.impedance.transmission_line import Ratio, pair_ratio
+from slipwave.errors import SceneError
+from slipwave.scene import Scene
 
 EXACT_MODELS = ("delay", "fd", "sbp", "fem", "dg", "auto")
 """Models whose one-port is the exact one: the delay system, and the full wave in the limit of a fine grid."""

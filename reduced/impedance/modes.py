@@ -10,9 +10,9 @@ import math
 import numpy as np
 
 from reduced.impedance.jet import Jet
-from reduced.impedance.line import pair_ratio
-from scene.scene import Scene
-from scene.slab import RigidFace, Slab
+from reduced.impedance.transmission_line import pair_ratio
+from slipwave.scene import Scene
+from slipwave.scene.slab import RigidFace, Slab
 
 _NOT_COUPLED = 1e-9
 

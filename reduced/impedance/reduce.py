@@ -7,10 +7,10 @@ those of the pair with its interface locked.
 import math
 
 from reduced.impedance.modes import is_lossless, locked_modes, spring_and_mass
-from reduced.reduction import Reduction, mode_count, reduction
-from scene.errors import SceneError
-from scene.scene import Scene
-from scene.slab import ReflectingFace
+from reduced.ode.reduction import Reduction, mode_count, reduction
+from slipwave.errors import SceneError
+from slipwave.scene import Scene
+from slipwave.scene.slab import ReflectingFace
 
 
 def reduction_of(scene: Scene, name: str) -> Reduction:

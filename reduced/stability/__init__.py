@@ -1,5 +1,6 @@
 """Stability of steady sliding from impedance alone: spectrum, critical values, boundaries, for every scene and model."""
 
+from reduced.parameters import PARAMETERS, with_parameter
 from reduced.stability.analyse import Stability, analyse
 from reduced.stability.boundary import Boundary, boundary
 from reduced.stability.characteristic import Characteristic, characteristic
@@ -7,7 +8,6 @@ from reduced.stability.critical import critical_epsilon, critical_round_trip, cr
 from reduced.stability.error_laws import ErrorLaw, error_law
 from reduced.stability.essential import essential_abscissa
 from reduced.stability.friction import FrictionSlopes, friction_slopes
-from reduced.stability.parameters import PARAMETERS, with_parameter
 from reduced.stability.spectrum import follow_root, leading_roots, unstable_count
 
 __all__ = [

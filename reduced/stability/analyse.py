@@ -10,7 +10,7 @@ from reduced.stability.characteristic import characteristic
 from reduced.stability.critical import critical_epsilon, critical_round_trip
 from reduced.stability.essential import essential_abscissa
 from reduced.stability.spectrum import leading_roots, unstable_count
-from scene.scene import Scene
+from slipwave.scene import Scene
 
 NEUTRAL = 1e-9
 """A root with |Re s| up to this share of `FrictionSlopes.reach` is neutral: the certified count cannot tell its side."""

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from reduced.parameters import with_parameter
 from reduced.stability.characteristic import Characteristic, characteristic
 from reduced.stability.crossing import crossing
-from reduced.stability.parameters import with_parameter
 from reduced.stability.spectrum import unstable_count
-from scene.errors import NumericsError
-from scene.scene import Scene
+from slipwave.errors import NumericsError
+from slipwave.scene import Scene
 
 Real = NDArray[np.float64]
 _DIFFERENCE = 1e-6
@@ -37,7 +37,7 @@ def boundary(
 ) -> list[Boundary]:
     """Every stability boundary of `scene` under `model` met in the rectangle `ranges` of the parameters `over`.
 
-    Names are those of `reduced.stability.parameters`. Curves are sought on `seeds` lines per parameter, where the certified
+    Names are those of `reduced.parameters`. Curves are sought on `seeds` lines per parameter, where the certified
     number of unstable roots changes, and followed both ways in steps of `step` (of the rectangle's side) until they leave it or
     close.
     """

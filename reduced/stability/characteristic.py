@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.impedance import Complex, Jet, Ratio, ratio_of
-from reduced.impedance.line import slab_ratio
+from reduced.impedance.transmission_line import slab_ratio
 from reduced.stability.friction import FrictionSlopes, friction_slopes
-from scene.scene import Scene
-from scene.slab import GripFace, KelvinVoigtViscosity, Slab, StandardLinearViscosity
+from slipwave.scene import Scene
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Slab, StandardLinearViscosity
 
 _SHARED = 1e-6
 

@@ -21,9 +21,9 @@ from reduced.stability.characteristic import characteristic
 from reduced.stability.crossing import crossing
 from reduced.stability.friction import FrictionSlopes, friction_slopes
 from reduced.stability.spectrum import leading_roots, unstable_count
-from scene.drive import steady_drive
-from scene.errors import NumericsError
-from scene.scene import Scene
+from slipwave.errors import NumericsError
+from slipwave.scene import Scene
+from slipwave.scene.drive import steady_drive
 
 _THETA = np.unique(np.concatenate([np.geomspace(1e-9, 1.0, 1200), np.linspace(1.0, 60.0, 6000)]))
 _FIRST_OCTAVE, _LAST_OCTAVE = -20, 10

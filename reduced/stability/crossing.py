@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.stability.characteristic import Characteristic
-from scene.errors import NumericsError
+from slipwave.errors import NumericsError
 
 Real = NDArray[np.float64]
 _DIFFERENCE = 1e-6

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.stability.friction import friction_slopes
-from scene.scene import Scene
-from scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
+from slipwave.scene import Scene
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
 
 Echo: TypeAlias = NDArray[Any]
 _LARGEST_DENOMINATOR = 200

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reduced.impedance import Jet, Ratio
-from scene.friction import Law, respond, steady_state, unknown_of
+from slipwave.friction import Law, respond, steady_state, unknown_of
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.impedance import Complex, Jet
-from scene.errors import NumericsError
+from slipwave.errors import NumericsError
 
 Function = Callable[[Complex], Jet]
 

@@ -5,7 +5,7 @@ import numpy as np
 from reduced.impedance import Complex
 from reduced.stability.characteristic import Characteristic
 from reduced.stability.roots import count_zeros, half_disc, polish, rectangle, zeros_in
-from scene.errors import NumericsError
+from slipwave.errors import NumericsError
 
 _INSETS = (1e-9, 1e-11, 1e-7)
 """The contour runs this far right of the imaginary axis, relative to its radius, the first that meets no root: a neutral

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from scene.sources import import_closure
+from slipwave.sources import import_closure
 from tests.faults.planting import FOLDER, ROOMS, ROOT
 from tests.faults.programme import CHECK_SECONDS, SUITE_SECONDS, Record, Store, run_all
 from tests.faults.trial import WHOLE_SUITE, Copy

@@ -7,7 +7,7 @@ from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parent
 ROOT = FOLDER.parent.parent
-ROOMS = ("scene", "reduced", "fullwave", "validation")
+ROOMS = ("slipwave", "reduced", "fullwave", "validation")
 
 
 class AnchorError(ValueError):

@@ -35,18 +35,18 @@ def test_there_are_forty_spread_over_the_rooms_by_their_size() -> None:
 
 SUM = "def total(values):\n    return sum(values)\n\n\ndef count(values):\n    return len(values)\n"
 SETTINGS = "[tool.pytest.ini_options]\nmarkers = ['slow']\n"
-TEST = "from scene.sums import total\n\ndef test_total():\n    assert total([1, 2]) == 3\n"
+TEST = "from slipwave.sums import total\n\ndef test_total():\n    assert total([1, 2]) == 3\n"
 
 
 def fault(old: str, new: str, within: str = "total") -> Fault:
-    return Fault("small", "scene/sums.py", within, old, new, "wrong sums", ("tests/test_sums.py",))
+    return Fault("small", "slipwave/sums.py", within, old, new, "wrong sums", ("tests/test_sums.py",))
 
 
 @pytest.fixture
 def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Copy:
     """A copy of a checkout of one module and one test, with the programme's own plugin."""
     root = tmp_path / "original"
-    for name, text in {"scene/sums.py": SUM, "tests/test_sums.py": TEST, "pyproject.toml": SETTINGS}.items():
+    for name, text in {"slipwave/sums.py": SUM, "tests/test_sums.py": TEST, "pyproject.toml": SETTINGS}.items():
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).write_text(text)
     for name in ("tests/faults/witness.py", "tests/faults/__init__.py", "tests/__init__.py"):
@@ -63,8 +63,8 @@ def test_a_fault_is_caught_by_what_it_breaks_and_the_copy_is_clean_again(copy: C
     assert record["by_its_check"] is True
     assert record["caught_by"] == "tests/test_sums.py::test_total"
     assert record["says"] == "assert total([1, 2]) == 3  [assert 2 == 3]"
-    assert (copy.tree / "scene/sums.py").read_text() == SUM
-    assert (copy.tree.parents[1] / "original/scene/sums.py").read_text() == SUM
+    assert (copy.tree / "slipwave/sums.py").read_text() == SUM
+    assert (copy.tree.parents[1] / "original/slipwave/sums.py").read_text() == SUM
 
 
 @pytest.mark.parametrize(
@@ -126,7 +126,7 @@ MUTATED = "def f(x, y):\n    return x + 2.0 * y if x < y else -x\n"
 
 
 def test_mutants_are_the_usual_single_changes() -> None:
-    found = {(mutant.old, mutant.new) for mutant in mutants_of("scene/f.py", MUTATED)}
+    found = {(mutant.old, mutant.new) for mutant in mutants_of("slipwave/f.py", MUTATED)}
     assert {
         ("x + 2.0 * y", "(x - 2.0 * y)"),
         ("2.0 * y", "(2.0 / y)"),
@@ -136,7 +136,7 @@ def test_mutants_are_the_usual_single_changes() -> None:
         ("-x", "(x)"),
         ("return x + 2.0 * y if x < y else -x", "return None"),
     } == found
-    assert {mutant.function for mutant in mutants_of("scene/f.py", MUTATED)} == {"f"}
+    assert {mutant.function for mutant in mutants_of("slipwave/f.py", MUTATED)} == {"f"}
 
 
 @pytest.mark.parametrize(

@@ -2,17 +2,11 @@
 
 import dataclasses
 
-import scene
-from scene.drive import Drive
-from scene.slab import (
-    GripFace,
-    KelvinVoigtViscosity,
-    Layer,
-    ReflectingFace,
-    StandardLinearViscosity,
-)
+import slipwave
+from slipwave.scene.drive import Drive
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
 
-PAPER = scene.read("paper")
+PAPER = slipwave.read("paper")
 SLAB = PAPER.upper
 ROUND_TRIP = SLAB.round_trip
 STEEPER = Drive((0.0, 20.0, 40.0), (100.0, 100.0, 200.0))

@@ -9,10 +9,10 @@ from leapfrog_scenes import SCENES
 from fullwave.adapt import _Found, _probed_until, degree_for, to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.summation_by_parts import SummationByParts
-from scene.drive import Drive
-from scene.errors import NumericsError, SceneError
-from scene.observe import EventObserver, follow
-from scene.start import Start, StartKind
+from slipwave.errors import NumericsError, SceneError
+from slipwave.observe import EventObserver, follow
+from slipwave.scene.drive import Drive
+from slipwave.scene.start import Start, StartKind
 
 
 def cycles(solver, until=400.0):

@@ -13,22 +13,22 @@ import pytest
 from leapfrog_scenes import PAPER, SCENES
 from march_scenes import FAMILIES
 
-import fullwave.march
-import scene
+import fullwave.lines.march
+import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_difference import Leapfrog
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
-from scene.errors import SceneError
-from scene.observe import EventObserver, HistoryObserver, follow
+from slipwave.errors import SceneError
+from slipwave.observe import EventObserver, HistoryObserver, follow
 from tests.compiled_work import count_calls
 
 ENDLESS = """
 import sys
-import fullwave.march
+import fullwave.lines.march
 from validation.cli import main
 
-march = fullwave.march.march
+march = fullwave.lines.march.march
 
 
 def telling(*arguments):
@@ -36,7 +36,7 @@ def telling(*arguments):
     return march(*arguments)
 
 
-fullwave.march.march = telling
+fullwave.lines.march.march = telling
 sys.exit(main(["run", "paper", "--model", "dg:24", "--cells", "10000", "--until", "1e9", "--yes"]))
 """
 SMALL = {**FAMILIES, "fd": partial(Leapfrog, cells=16, cfl=0.9)}
@@ -103,7 +103,7 @@ def test_a_big_grid_leaves_compiled_code_soon(kind, options, products, monkeypat
 def test_a_grid_beyond_the_memory_is_refused_at_once(kind, options, monkeypatch):
     """Before more of it is built than the few cells by which it is judged."""
     built = []
-    set_up = fullwave.march.March._set_up
+    set_up = fullwave.lines.march.March._set_up
 
     def watched(solver, build, sections, limit):
         def counted(some):
@@ -112,8 +112,8 @@ def test_a_grid_beyond_the_memory_is_refused_at_once(kind, options, monkeypatch)
 
         set_up(solver, counted, sections, limit)
 
-    monkeypatch.setattr(fullwave.march.March, "_set_up", watched)
-    monkeypatch.setattr(fullwave.march, "assemble", lambda *arguments: pytest.fail("was assembled"))
+    monkeypatch.setattr(fullwave.lines.march.March, "_set_up", watched)
+    monkeypatch.setattr(fullwave.lines.march, "assemble", lambda *arguments: pytest.fail("was assembled"))
     used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with pytest.raises(SceneError, match=r"cells = 1000000: would take .* GB of memory, .* at most some \d+ fit"):
         kind(PAPER, cells=1_000_000, **options)
@@ -134,7 +134,7 @@ def test_memory_that_is_not_there_is_one_line(monkeypatch):
     def full(*arguments):
         raise MemoryError
 
-    monkeypatch.setattr(fullwave.march, "assemble", full)
+    monkeypatch.setattr(fullwave.lines.march, "assemble", full)
     with pytest.raises(SceneError, match="cells = 9: not enough memory on this machine"):
         DiscontinuousGalerkin(PAPER, cells=9)
     monkeypatch.setattr(fullwave.finite_difference, "steady_side", full)
@@ -156,7 +156,7 @@ def test_the_count_is_about_what_is_taken(kind, options, monkeypatch):
 
     counted = []
     kind(PAPER)
-    monkeypatch.setattr("fullwave.budget.require_bytes", lambda cells, needed: counted.append(needed))
+    monkeypatch.setattr("fullwave.lines.budget.require_bytes", lambda cells, needed: counted.append(needed))
     tracemalloc.start()
     kind(PAPER, **options)
     peak = tracemalloc.get_traced_memory()[1]
@@ -177,5 +177,5 @@ def test_interrupt_ends_a_big_run():
 
 
 def test_paper_is_far_below_every_limit():
-    assert DiscontinuousGalerkin(scene.read("paper"))._stride > 4096
-    assert Leapfrog(scene.read("paper"))._stride > 4096
+    assert DiscontinuousGalerkin(slipwave.read("paper"))._stride > 4096
+    assert Leapfrog(slipwave.read("paper"))._stride > 4096

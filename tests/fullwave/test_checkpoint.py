@@ -11,20 +11,20 @@ import numpy as np
 import pytest
 from leapfrog_scenes import PAPER, SCENES
 
-from fullwave.checkpoint import follow_with_checkpoints, load, save
 from fullwave.finite_difference import Leapfrog
-from scene.errors import SceneError
-from scene.observe import EventObserver, HistoryObserver, follow
+from slipwave.errors import SceneError
+from slipwave.observe import EventObserver, HistoryObserver, follow
+from slipwave.observe.checkpoint import follow_with_checkpoints, load, save
 
 UNTIL = 3000.0
 SCRIPT = """
 import sys
 from pathlib import Path
-import scene
+import slipwave
 from fullwave.checkpoint import follow_with_checkpoints
 from fullwave.finite_difference import Leapfrog
-from scene.observe import EventObserver
-chosen = scene.read("paper")
+from slipwave.observe import EventObserver
+chosen = slipwave.read("paper")
 solver = Leapfrog(chosen, 32, 0.9)
 print("go", flush=True)
 follow_with_checkpoints(solver, float(sys.argv[2]), Path(sys.argv[1]), 20.0, {"events": EventObserver(chosen, solver.nodes)})

@@ -7,17 +7,16 @@ import numpy as np
 import pytest
 from leapfrog_scenes import PAPER, SCENES
 
-import scene
-from fullwave import checkpoint
-from fullwave.checkpoint import load, save
+import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_difference import Leapfrog
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
-from scene.errors import SceneError
-from scene.observe import EventObserver, HistoryObserver, follow
+from slipwave.errors import SceneError
+from slipwave.observe import EventObserver, HistoryObserver, checkpoint, follow
+from slipwave.observe.checkpoint import load, save
 
-FAST = scene.read("paper", ["drive.velocity=1e6"])  # friction's state limits the step: it says nothing of the cells
+FAST = slipwave.read("paper", ["drive.velocity=1e6"])  # friction's state limits the step: it says nothing of the cells
 KINDS = {
     "fd": (Leapfrog, {"cells": 16, "cfl": 0.9}),
     "dg": (DiscontinuousGalerkin, {"degree": 7, "cells": 9}),

@@ -4,16 +4,16 @@ import dataclasses
 
 import pytest
 
-import scene
-from fullwave.checkpoint import load, save
+import slipwave
 from fullwave.finite_difference import Leapfrog
-from scene.drive import Drive
-from scene.errors import SceneError
-from scene.friction.slip import Slip
-from scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
-from scene.start import Start, StartKind
+from slipwave.errors import SceneError
+from slipwave.friction.slip import Slip
+from slipwave.observe.checkpoint import load, save
+from slipwave.scene.drive import Drive
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
+from slipwave.scene.start import Start, StartKind
 
-UNLIKE = scene.read("unlike")
+UNLIKE = slipwave.read("unlike")
 SLABS = [
     {"epsilon": 8.5e-5},
     {"round_trip": 0.00489},

@@ -5,8 +5,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from fullwave import closure as module
-from fullwave.closure import boundary_closure, closure_rows
+from fullwave.operators import closure as module
+from fullwave.operators.closure import boundary_closure, closure_rows
 
 CENTRAL = {4: (Fraction(2, 3), Fraction(-1, 12)), 6: (Fraction(3, 4), Fraction(-3, 20), Fraction(1, 60))}
 

@@ -9,15 +9,15 @@ import pytest
 import xarray
 from leapfrog_scenes import PAPER, SCENES
 
-import scene
+import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
-from fullwave.field import record_field
-from fullwave.field_files import profile, sheet, write_field
-from fullwave.field_picture import picture
+from fullwave.fields.files import profile, sheet, write_field
+from fullwave.fields.picture import picture
+from fullwave.fields.record import record_field
 from fullwave.finite_difference import Leapfrog
-from scene.errors import SceneError
-from scene.observe import EventObserver, HistoryObserver, follow
-from scene.start import Start, StartKind
+from slipwave.errors import SceneError
+from slipwave.observe import EventObserver, HistoryObserver, follow
+from slipwave.scene.start import Start, StartKind
 
 
 @pytest.fixture(scope="module", params=["alike", "unlike"])
@@ -86,7 +86,7 @@ def test_fields_converge_to_second_order(name):
 
 def test_stress_between_unlike_layers_is_that_of_the_cells():
     """After 12 transits the stress is 1.6e-2 beyond that of steady sliding, and differs by 3e-7 from node to node."""
-    chosen = scene.read("layered")
+    chosen = slipwave.read("layered")
     solver = Leapfrog(chosen, 64, 0.5)
     follow(solver, 12.0)
     stress = solver.snapshot().upper.stress - chosen.steady_stress

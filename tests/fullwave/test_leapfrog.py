@@ -8,14 +8,14 @@ import pytest
 from leapfrog_scenes import PAPER, SCENES, SLAB, of
 from scipy.optimize import fsolve
 
-import scene
+import slipwave
 from fullwave.finite_difference import Leapfrog
 from fullwave.leapfrog.grid import Grid
-from scene.drive import steady_drive
-from scene.errors import NumericsError, SceneError
-from scene.observe import EventObserver, follow, summarise
-from scene.slab import ReflectingFace
-from scene.start import Start, StartKind
+from slipwave.errors import NumericsError, SceneError
+from slipwave.observe import EventObserver, follow, summarise
+from slipwave.scene.drive import steady_drive
+from slipwave.scene.slab import ReflectingFace
+from slipwave.scene.start import Start, StartKind
 
 
 @pytest.mark.parametrize("cells", [0, 1, -3, 2.5, 10**7, True, "64", float("nan")])
@@ -174,5 +174,5 @@ def test_a_viscous_slab_is_built_in_time_proportional_to_its_cells(monkeypatch):
     made = []
     mass = Grid.mass.fget
     monkeypatch.setattr(Grid, "mass", property(lambda grid: (made.append(grid), mass(grid))[1]))
-    Leapfrog(scene.read("viscous"), cells=500)
+    Leapfrog(slipwave.read("viscous"), cells=500)
     assert len(made) <= 4

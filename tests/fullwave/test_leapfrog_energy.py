@@ -4,7 +4,7 @@ import pytest
 from leapfrog_scenes import SCENES
 
 from fullwave.finite_difference import Leapfrog
-from scene.observe import follow
+from slipwave.observe import follow
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -12,8 +12,8 @@ from fullwave.leapfrog.build import steady_side
 from fullwave.leapfrog.grid import slab_grid
 from fullwave.leapfrog.ledger import side_energy
 from fullwave.leapfrog.media import accelerate, load, strain
-from scene.compiled import njit
-from scene.slab import KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
+from slipwave.compiled import njit
+from slipwave.scene.slab import KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
 
 
 @njit

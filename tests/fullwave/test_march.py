@@ -10,17 +10,17 @@ import pytest
 from leapfrog_scenes import SCENES
 from march_scenes import FAMILIES, PAIRS
 
-import scene
+import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
-from reduced.exact import delay_system
-from scene.errors import NumericsError, SceneError
-from scene.observe import follow
-from scene.slab import Slab
-from scene.start import Start, StartKind
+from reduced.delay.system import delay_system
+from slipwave.errors import NumericsError, SceneError
+from slipwave.observe import follow
+from slipwave.scene.slab import Slab
+from slipwave.scene.start import Start, StartKind
 
-PAPER = scene.read("paper")
+PAPER = slipwave.read("paper")
 FINE = {
     "dg": (DiscontinuousGalerkin, {"degree": 7, "cells": 6}),
     "fem": (FiniteElement, {"degree": 7, "cells": 6}),
@@ -39,7 +39,7 @@ def test_families_agree_on_every_scene(name):
 
 def test_final_psi_of_the_race_to_ten_digits():
     """psi(600) of the paper's scene at log10 r = -2.6, as three programs for the delay system give it."""
-    solver = DiscontinuousGalerkin(scene.read("paper", ["slab.log10_r=-2.6"]), degree=7, cells=8)
+    solver = DiscontinuousGalerkin(slipwave.read("paper", ["slab.log10_r=-2.6"]), degree=7, cells=8)
     assert follow(solver, 600.0).psi == pytest.approx(-2.81740188949, abs=2e-11)
 
 
@@ -105,7 +105,7 @@ def test_ledger_closes(name):
 
 
 def test_ledger_residual_falls_at_the_order_of_the_scheme():
-    chosen = scene.read("paper", ["slab.log10_r=-2.2"])
+    chosen = slipwave.read("paper", ["slab.log10_r=-2.2"])
     residuals = []
     for cells in (16, 24, 32):
         solver = SummationByParts(chosen, order=4, cells=cells)

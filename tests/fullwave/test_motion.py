@@ -5,11 +5,11 @@ import pytest
 from leapfrog_scenes import SCENES
 from march_scenes import FAMILIES, PAIRS
 
-from fullwave.linear import motion_matrix
-from fullwave.motion import rates_of
-from fullwave.system import ELASTIC, FRICTION, GRIP, IMPEDANCE, LIFT, PSI, SCALARS, STIFFENED, STRESS, VELOCITY
-from scene.compiled import njit
-from scene.friction import respond, unknown_of
+from fullwave.lines.matrix import motion_matrix
+from fullwave.lines.motion import rates_of
+from fullwave.lines.system import ELASTIC, FRICTION, GRIP, IMPEDANCE, LIFT, PSI, SCALARS, STIFFENED, STRESS, VELOCITY
+from slipwave.compiled import njit
+from slipwave.friction import respond, unknown_of
 
 
 @njit

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import skfem
 
-from fullwave.closure import closure_rows
 from fullwave.finite_element import assemble_layer
-from fullwave.gll_element import ElementLineGLL
-from fullwave.lobatto import gauss_lobatto
+from fullwave.operators.closure import closure_rows
+from fullwave.operators.gll_element import ElementLineGLL
+from fullwave.operators.lobatto import gauss_lobatto
 from fullwave.summation_by_parts import difference_matrix
 
 

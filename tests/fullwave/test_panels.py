@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from fullwave.panels import add_rows, differentiate_rows
-from scene.compiled import njit
+from fullwave.lines.panels import add_rows, differentiate_rows
+from slipwave.compiled import njit
 
 
 @njit

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from fullwave.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, combine, stability_polynomial
-from fullwave.stability import longest_decay_step, longest_step
+from fullwave.lines.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, combine, stability_polynomial
+from fullwave.lines.scheme_limit import longest_decay_step, longest_step
 
 METHODS = pytest.mark.parametrize("method", [CLASSICAL, DORMAND_PRINCE_8], ids=["order 4", "order 8"])
 

@@ -3,17 +3,10 @@
 import math
 from typing import Any
 
-from scene.drive import steady_drive
-from scene.friction.ageing import Ageing
-from scene.scene import Scene
-from scene.slab import (
-    GripFace,
-    KelvinVoigtViscosity,
-    Layer,
-    ReflectingFace,
-    Slab,
-    StandardLinearViscosity,
-)
+from slipwave.friction.ageing import Ageing
+from slipwave.scene import Scene
+from slipwave.scene.drive import steady_drive
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, Slab, StandardLinearViscosity
 
 PAPER = Ageing(0.369, 0.0349, 0.0489)
 EPSILON, ROUND_TRIP = 2.8e-5, 10**-2.68

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from scene.scene import Scene
+from slipwave.scene import Scene
 
 DIVISOR_OF_MASS = {"block8": 8.0, "block12": 12.0}
 

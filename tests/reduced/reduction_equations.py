@@ -1,4 +1,4 @@
-"""The equations of an ODE reduction (docstring of `reduced.reduction`) integrated by scipy: a witness for the ladder.
+"""The equations of an ODE reduction (docstring of `reduced.ode.reduction`) integrated by scipy: a witness for the ladder.
 
 It is begun afresh at every knot of the drive. It shares the table of poles with the ladder, and neither the friction law (ageing)
 nor the integrator.
@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.special import wrightomega
 
-from reduced.reduction import Reduction
-from scene.scene import Scene
-from scene.start import NUDGE_CENTRE
+from reduced.ode.reduction import Reduction
+from slipwave.scene import Scene
+from slipwave.scene.start import NUDGE_CENTRE
 
 Array = NDArray[np.float64]
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from reduced.collocation import radau
-from reduced.delay import Delay
-from scene import read
-from scene.errors import NumericsError, SceneError
-from scene.friction import rate_of, respond, unknown_of
-from scene.interface import solve_interface
-from scene.observe import EventObserver, follow, summarise
+from reduced.delay.alike import Delay
+from reduced.step.collocation import radau
+from slipwave import read
+from slipwave.errors import NumericsError, SceneError
+from slipwave.friction import rate_of, respond, unknown_of
+from slipwave.friction.interface import solve_interface
+from slipwave.observe import EventObserver, follow, summarise
 
 JUMP = {"start.kind": "jump", "start.size": 0.05}
 
@@ -115,7 +115,7 @@ def test_coarse_step_is_refined_not_nan():
 
 
 def test_unresolvable_run_is_refused_with_place_and_time(monkeypatch):
-    monkeypatch.setattr("reduced.delay.MAX_STEPS", 8)
+    monkeypatch.setattr("reduced.delay.alike.MAX_STEPS", 8)
     solver = Delay(paper(-2.3))
     with pytest.raises(NumericsError, match=r"delay: the step at t = .* transits"):
         follow(solver, 1e5)

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from reduced.delay import Delay
-from reduced.delay_breaks import DelayBreaks
-from reduced.delay_network import DelayNetwork
-from reduced.exact import delay_system
-from reduced.network import common_divisor
-from reduced.step_guess import NOT_SMOOTH
-from scene import read
-from scene.errors import NumericsError, SceneError
-from scene.observe import EventObserver, follow, summarise
+from reduced.delay.alike import Delay
+from reduced.delay.break_points import DelayBreaks
+from reduced.delay.network import DelayNetwork
+from reduced.delay.system import delay_system
+from reduced.delay.transmission_lines import common_divisor
+from reduced.step.guess import NOT_SMOOTH
+from slipwave import read
+from slipwave.errors import NumericsError, SceneError
+from slipwave.observe import EventObserver, follow, summarise
 
 ARRANGEMENTS = ("unlike", "unlike-irrational", "grip", "reflection", "layered", "ramp")
 
@@ -173,7 +173,7 @@ def test_viscous_slabs_are_refused_with_the_reason():
 @pytest.mark.parametrize(("name", "shortest_round_trip"), [("unlike", 1.0), ("layered", 0.5)])
 def test_a_step_is_halved_as_far_as_allowed_and_no_further(monkeypatch, march, name, shortest_round_trip):
     """MAX_STEPS in a transit or, if that is shorter, in the shortest round trip through a layer."""
-    monkeypatch.setattr("reduced.delay_network.MAX_STEPS", 64)
+    monkeypatch.setattr("reduced.delay.network.MAX_STEPS", 64)
     solver = march(read(name))
     with pytest.raises(NumericsError, match="cannot be resolved"):
         halve(solver, 12)
@@ -181,6 +181,6 @@ def test_a_step_is_halved_as_far_as_allowed_and_no_further(monkeypatch, march, n
 
 
 def test_unresolvable_run_is_refused_with_place_and_time(monkeypatch):
-    monkeypatch.setattr("reduced.delay_network.MAX_STEPS", 8)
+    monkeypatch.setattr("reduced.delay.network.MAX_STEPS", 8)
     with pytest.raises(NumericsError, match=r"delay: the step at t = .* transits"):
         follow(DelayNetwork(read("unlike", ["upper.log10_r=-2.2", "lower.log10_r=-2.2"])), 1000)

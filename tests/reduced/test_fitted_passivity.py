@@ -5,15 +5,15 @@ import pytest
 from one_port_scenes import LOSSY, paper
 
 import reduced.impedance.fit as fit
-import scene
+import slipwave
 from reduced.impedance import check_passivity, reduction_of
 from reduced.impedance.dissipation import dissipation, telling_frequencies
-from reduced.reduction import Reduction
-from scene.errors import SceneError
-from scene.scene import Scene
+from reduced.ode.reduction import Reduction
+from slipwave.errors import SceneError
+from slipwave.scene import Scene
 
 GALLERY = ("grip", "reflection", "viscous", "paper", "unlike", "layered", "rock", "unlike-irrational", "slip-law", "regularised")
-SCENES = {**LOSSY, **{f"gallery {name}": scene.read(name) for name in GALLERY}}
+SCENES = {**LOSSY, **{f"gallery {name}": slipwave.read(name) for name in GALLERY}}
 
 
 def scanned(model: Reduction) -> float:

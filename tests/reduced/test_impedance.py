@@ -6,7 +6,7 @@ from one_port_scenes import EPSILON, EVERY, LAYERS, LOSSLESS, ROUND_TRIP, paper,
 
 from reduced.impedance import admittance, admittance_slope, check_passivity, impedance, slab_ratio
 from reduced.impedance.jet import Jet
-from scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, RigidFace, Slab, StandardLinearViscosity
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, RigidFace, Slab, StandardLinearViscosity
 from tests.one_port_by_hand import modulus, pair_impedance, slab_impedance
 
 S = np.array([0.01 + 0.1j, 0.3 + 1j, 2.2j, -0.2 + 3j, 5 + 40j, 1e3 + 1j]) / ROUND_TRIP

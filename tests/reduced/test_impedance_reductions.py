@@ -9,8 +9,8 @@ from one_port_scenes import EPSILON, EVERY, LOSSLESS, LOSSY, ROUND_TRIP, paper
 from reduced.impedance import check_passivity, impedance, poles_and_residues, taylor_poles
 from reduced.impedance.modes import locked_modes, spring_and_mass
 from reduced.impedance.reduce import reduction_of
-from reduced.reduction import Reduction
-from scene.errors import SceneError
+from reduced.ode.reduction import Reduction
+from slipwave.errors import SceneError
 from tests.one_port_by_hand import pair_impedance
 
 T = np.array([0.01 + 0.3j, 0.2 + 1j, 2.0j, 3 + 9j])
@@ -156,7 +156,8 @@ def test_fits_below_half_the_first_mode_against_impedances_by_hand(name, count, 
 @pytest.mark.parametrize(("share", "refused"), [(0.045, False), (-0.045, False), (0.056, True), (-0.056, True)])
 def test_a_fit_that_is_too_far_off_is_refused_with_place_and_size(monkeypatch, share, refused):
     """A good fit is spoiled by a share of its impedance: at 0.02 radians per transit |Z| is 33 epsilon, 33/34 of it count."""
-    from reduced.impedance import fit, rational
+    from reduced.impedance import fit
+    from reduced.impedance import of_reduction as rational
 
     def spoiled(model, epsilon, transit, s):
         p, q = ratio(model, epsilon, transit, s)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from reduced.ladder import Ladder
-from reduced.reduction import reduction
-from scene import read
-from scene.errors import NumericsError
-from scene.observe import EventObserver, follow, summarise
+from reduced.ode.march import Ladder
+from reduced.ode.reduction import reduction
+from slipwave import read
+from slipwave.errors import NumericsError
+from slipwave.observe import EventObserver, follow, summarise
 
 
 def cycle(model, log10_r=-2.68, tolerance=1e-10, until=6000):

@@ -7,9 +7,9 @@ from one_port_scenes import EVERY
 from scipy.optimize import brentq
 
 from reduced.impedance import reduction_of
-from reduced.ladder import Ladder
+from reduced.ode.march import Ladder
 from reduced.stability import characteristic, critical_round_trip, leading_roots, scaled
-from scene.observe import follow
+from slipwave.observe import follow
 from tests.growth import measured_root, nudged
 from tests.one_port_by_hand import friction_impedance, leading_root, pair_impedance
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from reduction_equations import Equations
 
-import scene
+import slipwave
 from reduced.impedance import reduction_of
-from reduced.ladder import Ladder
-from reduced.ladder_tables import LONGEST
-from scene.observe import follow
+from reduced.ode.march import Ladder
+from reduced.ode.step_tables import LONGEST
+from slipwave.observe import follow
 
 KNOTS = (20.1234567, 21.3456789, 70.77777, 70.87777, 141.42135)
 RAMP = "drive.velocity=" + str([[0.0, 100.0], *map(list, zip(KNOTS, (100.0, 300.0, 60.0, 200.0, 100.0), strict=True))])
@@ -17,7 +17,7 @@ ENDS = (60.0, 100.0)
 
 def error(name: str, model: str, tolerance: float) -> float:
     """Largest relative error of psi at ENDS."""
-    what = scene.read(name, ["slab.log10_r=-2.62", RAMP, "run.until=400"])
+    what = slipwave.read(name, ["slab.log10_r=-2.62", RAMP, "run.until=400"])
     reduction = reduction_of(what, model)
     solver = Ladder(what, reduction, tolerance)
     ours = [follow(solver, end).psi for end in ENDS]
@@ -46,7 +46,7 @@ def test_a_ramp_keeps_the_tolerance(name: str, model: str) -> None:
 
 @pytest.mark.parametrize("distance", [0.01, 1.9, 2.1, 17.0, 300.0])
 def test_the_longest_step_divides_the_way_to_the_next_knot_by_a_power_of_two(distance: float) -> None:
-    what = scene.read("paper", [f"drive.velocity=[[0.0, 100.0], [1.0, 100.0], [{1.0 + distance!r}, 200.0]]", "run.until=400"])
+    what = slipwave.read("paper", [f"drive.velocity=[[0.0, 100.0], [1.0, 100.0], [{1.0 + distance!r}, 200.0]]", "run.until=400"])
     solver = Ladder(what, reduction_of(what, "kelvin-voigt"))
     follow(solver, 1.0 + 0.5 * distance)
     longest = float(solver._tables.length[0])
@@ -56,13 +56,13 @@ def test_the_longest_step_divides_the_way_to_the_next_knot_by_a_power_of_two(dis
 
 
 def test_steps_end_on_every_knot_and_are_no_shorter_than_they_need_be() -> None:
-    what = scene.read("paper", [RAMP, "run.until=400"])
+    what = slipwave.read("paper", [RAMP, "run.until=400"])
     solver, ends = Ladder(what, reduction_of(what, "kelvin-voigt")), []
     while solver.time < 150.0:
         pieces = solver.advance(150.0)
         ends += (pieces.time + pieces.length).tolist()
     assert np.abs(np.subtract.outer(KNOTS, ends)).min(axis=1).max() < 1e-11
-    uncut = scene.read("paper", ["run.until=400"])
+    uncut = slipwave.read("paper", ["run.until=400"])
     solver, before = Ladder(uncut, reduction_of(uncut, "kelvin-voigt")), 0
     while solver.time < 20.0:
         before += solver.advance(20.0).time.size

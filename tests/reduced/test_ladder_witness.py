@@ -6,11 +6,11 @@ from plain_pair import plain_pair
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BarycentricInterpolator
 
-import scene
+import slipwave
 from reduced.impedance import reduction_of
-from reduced.ladder import Ladder
-from reduced.reduction import Reduction
-from scene.observe import follow
+from reduced.ode.march import Ladder
+from reduced.ode.reduction import Reduction
+from slipwave.observe import follow
 
 UNLIKE = ["upper.epsilon=2.8e-5", "upper.r=0.00244", "lower.epsilon=8.4e-5", "lower.r=0.00388"]
 RAMPS = "drive.velocity=[[0.0,100.0],[20.3,100.0],[31.7,180.0],[44.1,70.0]]"
@@ -33,7 +33,7 @@ class Last:
 
 def apart(settings, model):
     """Largest difference of ln v, psi, mu and y from the witness at TIMES."""
-    chosen = scene.read("paper", settings)
+    chosen = slipwave.read("paper", settings)
     solver, last, found = Ladder(chosen, reduction_of(chosen, model), tolerance=1e-11), Last(), []
     for time in TIMES:
         final = follow(solver, time, [last])
@@ -69,7 +69,7 @@ EVERY_TERM = Reduction(
 
 
 def as_written(chosen, reduction, time):
-    """ln v, psi and mu at `time` from the states in the docstring of `reduced.reduction`, by LSODA; mass > 0."""
+    """ln v, psi and mu at `time` from the states in the docstring of `reduced.ode.reduction`, by LSODA; mass > 0."""
     law, epsilon, transit, v0 = chosen.law, chosen.upper.epsilon, chosen.transit, chosen.velocity
     omega, c, d, o = (np.array(part) for part in (reduction.frequencies, reduction.residues, reduction.decays, reduction.offsets))
     strength, rate = np.array(reduction.relaxations).T
@@ -95,7 +95,7 @@ def as_written(chosen, reduction, time):
 
 @pytest.mark.parametrize("settings", [[], [RAMPS]], ids=["steady", "ramps"])
 def test_every_term_of_a_reduction(settings):
-    chosen = scene.read("paper", settings)
+    chosen = slipwave.read("paper", settings)
     for time in TIMES:
         final = follow(Ladder(chosen, EVERY_TERM, tolerance=1e-11), time)
         apart = np.abs([final.ln_v, final.psi, final.mu] - np.array(as_written(chosen, EVERY_TERM, time)))

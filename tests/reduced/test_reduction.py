@@ -2,8 +2,8 @@ import math
 
 import pytest
 
-from reduced.reduction import REDUCTIONS, reduction
-from scene.errors import SceneError
+from reduced.ode.reduction import REDUCTIONS, reduction
+from slipwave.errors import SceneError
 
 
 @pytest.mark.parametrize("name", [*REDUCTIONS, "modal:0", "modal:1", "modal:7"])

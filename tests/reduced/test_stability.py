@@ -22,13 +22,13 @@ from reduced.stability import (
     scaled,
     unstable_count,
 )
-from scene.errors import SceneError
-from scene.friction import respond, steady_state, unknown_of
-from scene.friction.ageing import Ageing
-from scene.friction.ageing_regularised import AgeingRegularised
-from scene.friction.slip import Slip
-from scene.friction.slip_regularised import SlipRegularised
-from scene.slab import GripFace, KelvinVoigtViscosity, Slab
+from slipwave.errors import SceneError
+from slipwave.friction import respond, steady_state, unknown_of
+from slipwave.friction.ageing import Ageing
+from slipwave.friction.ageing_regularised import AgeingRegularised
+from slipwave.friction.slip import Slip
+from slipwave.friction.slip_regularised import SlipRegularised
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Slab
 
 SLOPES = friction_slopes(PAPER, 100.0)
 LAWS = [PAPER, Slip(*PAPER), AgeingRegularised(*PAPER), SlipRegularised(*PAPER), Ageing(0.6, 0.01, 0.015)]

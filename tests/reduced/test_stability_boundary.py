@@ -15,8 +15,8 @@ from reduced.stability import (
     with_parameter,
 )
 from reduced.stability.boundary import _Plane, _trace
-from scene.errors import SceneError
-from scene.slab import Slab
+from slipwave.errors import SceneError
+from slipwave.scene.slab import Slab
 
 SLOPES = friction_slopes(PAPER, 100.0)
 

@@ -3,22 +3,22 @@
 import numpy as np
 import pytest
 
-import scene
+import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
-from reduced.collocation import radau_nodes
-from reduced.delay import Delay
-from reduced.delay_breaks import DelayBreaks
-from reduced.delay_network import DelayNetwork
-from reduced.exact import delay_system
-from reduced.transit_mesh import cuts_of, transit_mesh
-from scene.observe import EventObserver, follow
+from reduced.delay.alike import Delay
+from reduced.delay.break_points import DelayBreaks
+from reduced.delay.network import DelayNetwork
+from reduced.delay.system import delay_system
+from reduced.delay.transit_mesh import cuts_of, transit_mesh
+from reduced.step.collocation import radau_nodes
+from slipwave.observe import EventObserver, follow
 
 ODD = ["drive.velocity=[[0.0, 100.0], [20.3, 100.0], [41.17, 200.0]]"]
 
 
 def test_cuts_are_the_knots_and_their_arrivals():
-    assert cuts_of(scene.read("paper").drive) == pytest.approx([0.0])
-    assert cuts_of(scene.read("paper", ODD).drive) == pytest.approx([0.0, 0.17, 0.3, 0.5, 0.67, 0.8])
+    assert cuts_of(slipwave.read("paper").drive) == pytest.approx([0.0])
+    assert cuts_of(slipwave.read("paper", ODD).drive) == pytest.approx([0.0, 0.17, 0.3, 0.5, 0.67, 0.8])
 
 
 def test_steps_tile_the_transit_and_end_on_the_cuts():
@@ -58,7 +58,7 @@ def outputs(solver, until=120.0):
 
 def test_a_ramp_with_knots_anywhere_converges():
     """With steps across the kinks psi was off by 1.4e-6 at every tolerance."""
-    ramp = scene.read("paper", ODD)
+    ramp = slipwave.read("paper", ODD)
     best = outputs(Delay(ramp, tolerance=1e-12))
     for tolerance in (1e-8, 1e-10):
         assert outputs(Delay(ramp, tolerance=tolerance)) == pytest.approx(best, abs=30 * tolerance)
@@ -67,7 +67,7 @@ def test_a_ramp_with_knots_anywhere_converges():
 
 @pytest.mark.parametrize("name", ["unlike", "grip"])
 def test_a_ramp_of_other_slabs_is_followed_along_its_kinks(name):
-    ramp = scene.read(name, ODD)
+    ramp = slipwave.read(name, ODD)
     solver = delay_system(ramp, tolerance=1e-9)
     assert isinstance(solver, DelayBreaks)
     final = follow(solver, 80.0)
@@ -77,5 +77,5 @@ def test_a_ramp_of_other_slabs_is_followed_along_its_kinks(name):
 
 
 def test_knots_on_the_steps_need_no_following():
-    aligned = scene.read("unlike", ["drive.velocity=[[0.0, 100.0], [20.0, 100.0], [40.5, 200.0]]"])
+    aligned = slipwave.read("unlike", ["drive.velocity=[[0.0, 100.0], [20.0, 100.0], [40.5, 200.0]]"])
     assert type(delay_system(aligned)) is DelayNetwork

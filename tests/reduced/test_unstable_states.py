@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from reduction_equations import Equations
 
-import scene
+import slipwave
 from fullwave.finite_difference import Leapfrog
-from reduced.collocation import growth_limit, radau
-from reduced.exact import delay_system
+from reduced.delay.system import delay_system
 from reduced.impedance import reduction_of
-from reduced.ladder import Ladder
-from scene.errors import NumericsError
-from scene.observe import follow
+from reduced.ode.march import Ladder
+from reduced.step.collocation import growth_limit, radau
+from slipwave.errors import NumericsError
+from slipwave.observe import follow
 
 TINY = ['start.kind="jump"', "start.size=1e-10"]
 """A disturbance a hundred thousand times the rounding of psi, ten times below the resolution of a step."""
@@ -63,7 +63,7 @@ def test_what_the_collocation_does_with_growth() -> None:
     ],
 )
 def test_reductions_leave_an_unstable_state(name: str, settings: list[str], model: str, ends: tuple[float, ...]) -> None:
-    what = scene.read(name, [*settings, *TINY])
+    what = slipwave.read(name, [*settings, *TINY])
     reduction = reduction_of(what, model)
     solver = Ladder(what, reduction)
     ours = [follow(solver, end).psi for end in ends]
@@ -74,7 +74,7 @@ def test_reductions_leave_an_unstable_state(name: str, settings: list[str], mode
 
 def test_the_delay_system_leaves_an_unstable_state() -> None:
     """2252 roots grow, the leading one by 4634 nepers a transit; the leapfrog's error is second order in its step."""
-    what = scene.read("rock", ["slab.thickness=20000", *TINY])
+    what = slipwave.read("rock", ["slab.thickness=20000", *TINY])
     ours = follow(delay_system(what), 0.1).psi
     coarse, fine = (follow(Leapfrog(what, cells), 0.1).psi for cells in (8000, 16000))
     assert ours > what.steady_psi + 5.0
@@ -89,7 +89,7 @@ LAYERS = "slab.layers=[{fraction=0.4, impedance=1.0}, {fraction=0.6, impedance=2
     [[], [LAYERS], ["drive.velocity=[[0, 100], [0.3, 100], [0.7, 110]]"], ["drive.velocity=[[0, 100], [5, 101]]", LAYERS]],
 )
 def test_the_delay_system_refuses_what_its_steps_cannot_follow(settings: list[str]) -> None:
-    what = scene.read("paper", ["slab.r=1000", *settings])
+    what = slipwave.read("paper", ["slab.r=1000", *settings])
     with pytest.raises(NumericsError) as refusal:
         follow(delay_system(what), 3.0)
     words = str(refusal.value)

@@ -6,11 +6,11 @@ import sys
 import textwrap
 import types
 
-import scene.sources
+import slipwave.sources
 from validation import studies
 from validation.report import sources
-from validation.report.drawing import canvas
 from validation.study import Column, Evidence, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict
+from validation.study.drawing import canvas
 
 
 def draw():
@@ -41,7 +41,7 @@ def result():
 
 def forget_sources():
     """Programs are read once by each process; a test that edits one stands for several processes."""
-    for function in (scene.sources.program, scene.sources.imported_names, scene.sources._imported, sources._words):
+    for function in (slipwave.sources.program, slipwave.sources.imported_names, slipwave.sources._imported, sources._words):
         function.cache_clear()
 
 

@@ -6,9 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from validation.studies import attack_runs as runs
-from validation.studies import attack_verdicts as verdicts
-from validation.studies.attack_runs import ATTACKS, Advice, Outcome
+from validation.studies.stability_attacks import runs, verdicts
+from validation.studies.stability_attacks.runs import ATTACKS, Advice, Outcome
 from validation.study import Outcome as Light
 
 LIMITS = {

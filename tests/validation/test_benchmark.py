@@ -5,9 +5,10 @@ from functools import partial
 
 import pytest
 
-from validation import benchmark, timing
+from validation import benchmark
 from validation.benchmark import Race, last, main, measure, races
-from validation.timing import in_turn, timed
+from validation.run import timing
+from validation.run.timing import in_turn, timed
 
 
 @pytest.fixture

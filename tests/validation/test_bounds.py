@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from validation.bounds import bounded, too_roomy
-from validation.reference import half_digit
+from validation.references.published import half_digit
 from validation.study import Evidence, Outcome, StudyResult, Verdict
+from validation.study.bounds import bounded, too_roomy
 
 
 @pytest.mark.parametrize(

@@ -5,13 +5,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import scene
-from scene.observe import Events
-from validation.closed_forms import FAST_PERIOD_KELVIN_VOIGT
-from validation.orbits import Cycle, Estimate, Orbit
-from validation.studies import claims, claims_load, claims_verdicts
-from validation.studies.claims_figures import irregular, returns
-from validation.studies.claims_runs import MODELS, Deep, Loading, Ripples, loading_of, recurrence, where
+import slipwave
+from slipwave.observe import Events
+from validation.measure.settle import Cycle, Estimate, Orbit
+from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT
+from validation.studies import claims
+from validation.studies.claims import load as claims_load
+from validation.studies.claims import verdicts as claims_verdicts
+from validation.studies.claims.figures import irregular, returns
+from validation.studies.claims.runs import MODELS, Deep, Loading, Ripples, loading_of, recurrence, where
 from validation.study import Evidence, Outcome, Verdict
 
 FIGURES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")
@@ -138,7 +140,7 @@ def test_p12_is_an_identity(off, outcome):
 
 def test_the_parts_of_a_period_add_up():
     """v = 300 for 7 transits, 20 for 23, V = 100: y falls by eps (7 * 200), and rises by eps (23 * 80) less what does not fit."""
-    what = scene.read("paper")
+    what = slipwave.read("paper")
     time = np.linspace(0.0, 30.0, 30001)[:-1]
     rate = np.where((time > 5.0) & (time < 12.0), 100.0 + 23.0 * 80.0 / 7.0, 20.0)
     y = 0.4 + what.upper.epsilon * np.concatenate([[0.0], np.cumsum((100.0 - rate)[:-1] * 1e-3)])

@@ -77,7 +77,7 @@ def test_every_option_and_argument_is_explained() -> None:
 
 
 def test_scenes_are_listed_one_line_each(capsys: pytest.CaptureFixture[str]) -> None:
-    from scene.input.source import gallery_names
+    from slipwave.input.source import gallery_names
 
     assert main(["scenes"]) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -178,7 +178,7 @@ def test_wrong_input_is_one_line_and_status_2(capsys: pytest.CaptureFixture[str]
 def test_wrong_output_places_are_refused_before_anything_is_computed(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("validation.simulate.simulate", lambda *_: pytest.fail("computed"))
+    monkeypatch.setattr("validation.run.simulate.simulate", lambda *_: pytest.fail("computed"))
     (tmp_path / "file").write_text("")
     for place, told in (
         ("missing/x.nc", "does not exist"),
@@ -233,7 +233,7 @@ class Doomed:
         return float(self._inner.time)
 
     def advance(self, until: float) -> Any:
-        from scene.errors import NumericsError
+        from slipwave.errors import NumericsError
 
         if self.time > 150:
             raise NumericsError("doomed: gave up at t = 150")
@@ -248,7 +248,7 @@ def test_failed_numerics_are_status_3_and_keep_what_was_computed(
 ) -> None:
     import xarray
 
-    from validation import models
+    from validation.registry import build as models
 
     build = models.build
     monkeypatch.setattr(models, "build", lambda *arguments: Doomed(build(*arguments)))
@@ -268,14 +268,14 @@ def test_an_interrupt_is_one_line_and_status_130(monkeypatch: pytest.MonkeyPatch
     def interrupted(*arguments: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("validation.models.build", interrupted)
+    monkeypatch.setattr("validation.registry.build.build", interrupted)
     assert main(["run", "paper"]) == cli.INTERRUPTED
     out, err = capsys.readouterr()
     assert (out, err) == ("", "slipwave: interrupted\n")
 
 
 def test_a_bug_is_a_traceback_and_status_1(tmp_path: Path) -> None:
-    code = "import sys, validation.commands.scenes as s, scene.input.source as g\ng.gallery_titles = lambda: 1 / 0\n"
+    code = "import sys, validation.commands.scenes as s, slipwave.input.source as g\ng.gallery_titles = lambda: 1 / 0\n"
     code += "from validation.cli import main; sys.exit(main(['scenes']))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 1
@@ -311,7 +311,7 @@ def test_compare_lays_models_over_each_other(tmp_path: Path, capsys: pytest.Capt
 
 
 def test_bench_rows_have_time_and_error(capsys: pytest.CaptureFixture[str]) -> None:
-    from validation.models import families
+    from validation.registry.build import families
 
     assert main(["bench", "paper", *FAST, "--json"]) == 0
     result = json.loads(capsys.readouterr().out)

@@ -4,13 +4,13 @@ import math
 
 import pytest
 
-import scene
-from validation.closed_forms import Onset
-from validation.reference import reference
+import slipwave
+from validation.references.onset import Onset
+from validation.references.published import reference
 
 
 def onset(velocity=100.0):
-    return Onset(scene.read("paper").law, 2.8e-5, velocity)
+    return Onset(slipwave.read("paper").law, 2.8e-5, velocity)
 
 
 def test_critical_values_at_the_papers_speed():

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-import scene
+import slipwave
 from tests.one_port_by_hand import leading_root, pair_impedance
 from validation.cli import main
 
@@ -29,7 +29,7 @@ def test_stability_by_the_papers_formulas(capsys: pytest.CaptureFixture[str]) ->
     critical = 2.0 / omega * math.atan(0.5 * omega * EPSILON / (B - A))
     assert found["log10_r_c"] == pytest.approx(math.log10(critical), abs=1e-12)
     assert found["epsilon_c"] == pytest.approx((B - A) * math.tan(0.5 * R * omega) / (0.5 * omega), rel=1e-10)
-    root = leading_root(scene.read("paper"))
+    root = leading_root(slipwave.read("paper"))
     assert found["leading_roots"][0] == pytest.approx([root.real, abs(root.imag)], rel=1e-9)
     assert found["leading_roots"][1] == pytest.approx([root.real, -abs(root.imag)], rel=1e-9)
     assert (found["stable"], found["unstable_roots"]) == (False, 2)
@@ -40,7 +40,7 @@ def test_stability_by_the_papers_formulas(capsys: pytest.CaptureFixture[str]) ->
 def test_stability_of_unlike_slabs_in_its_table(capsys: pytest.CaptureFixture[str]) -> None:
     """The table's roots are the JSON's, in cycles per round trip of the upper slab beside them."""
     found = answer(capsys, "stability", "unlike")
-    chosen = scene.read("unlike")
+    chosen = slipwave.read("unlike")
     for re, im in found["leading_roots"]:
         s = complex(re, im)
         friction = (A / V * s + (A - B)) / (s + V)
@@ -80,7 +80,7 @@ def test_compare_gives_every_models_own_run_and_its_signed_errors(capsys: pytest
 
 def test_bench_errors_are_those_of_the_runs_it_timed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """|T/T_reference - 1| of each setting, of one cheap family and the delay system; runs made again here."""
-    from validation import models
+    from validation.registry import build as models
 
     monkeypatch.setattr(models, "honouring", lambda _: [family for family in models.families() if family.name in ("delay", "fd")])
     found = answer(capsys, "bench", "paper", "--until", "2000")

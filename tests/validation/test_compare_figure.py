@@ -9,11 +9,11 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-import scene
-from scene.observe import EventObserver, HistoryObserver, Pieces, follow
+import slipwave
+from slipwave.observe import EventObserver, HistoryObserver, Pieces, follow
 from validation.cli import main
-from validation.cycle import CycleObserver
-from validation.models import build
+from validation.measure.cycle import CycleObserver
+from validation.registry.build import build
 
 UNTIL = 2000.0
 CHANGED = "slab.log10_r=-2.68"
@@ -43,7 +43,7 @@ def test_the_overlay_of_compare(tmp_path: Path, drawn: list[Figure]) -> None:
     assert (above.get_ylabel(), below.get_ylabel()) == ("friction stress / normal stress", "slip rate / V*")
     assert below.get_xlabel() == "transits since v passed half its largest value in the slip event"
     assert [label.partition(":")[0] for label in legend(above)] == ["delay", "kelvin-voigt"]
-    solver = build("delay", scene.read("paper", [CHANGED]))
+    solver = build("delay", slipwave.read("paper", [CHANGED]))
     watch, history = EventObserver(solver.scene, solver.nodes), HistoryObserver(solver.scene.law, solver.nodes)
     follow(solver, UNTIL, [watch, history])
     columns = history.columns()
@@ -71,7 +71,7 @@ def test_a_transient_has_a_word_in_the_legend_and_no_cycle(tmp_path: Path, drawn
 
 def test_the_cycle_is_of_the_judged_window() -> None:
     """y swings by 2 with period 20 up to t = 100, then by 0.02 with period 10: beside the large ones these are no events."""
-    paper = scene.read("paper")
+    paper = slipwave.read("paper")
     nodes = np.linspace(1 / 6, 1.0, 6)
     watch = CycleObserver(SimpleNamespace(scene=paper, nodes=nodes))  # type: ignore[arg-type]
     left = np.linspace(0.0, 200.0, 2001)[:-1]

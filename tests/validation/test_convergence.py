@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.convergence import fit
+from validation.measure.order_fit import fit
 
 CELLS = np.array([16, 32, 64, 128, 256])
 

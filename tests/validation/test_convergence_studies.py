@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from validation.convergence import fit
-from validation.ladders import LADDERS
-from validation.orders import QUANTITIES, Climb
+from validation.measure.grid_ladders import LADDERS
+from validation.measure.order_fit import fit
+from validation.measure.orders import QUANTITIES, Climb
 from validation.studies import grid_convergence, leapfrog_convergence
-from validation.studies.grid_convergence_code import code_note, code_table, shared
-from validation.studies.grid_convergence_figures import convergence_and_cost
-from validation.studies.grid_convergence_tables import finest_table, orders_table
-from validation.studies.leapfrog_convergence_figures import ladders
+from validation.studies.grid_convergence.code import code_note, code_table, shared
+from validation.studies.grid_convergence.figures import convergence_and_cost
+from validation.studies.grid_convergence.tables import finest_table, orders_table
+from validation.studies.leapfrog_convergence.figures import ladders
 from validation.study import Budget, Evidence, Outcome
 
 CELLS = np.array([48, 96, 192, 384])
@@ -106,8 +106,8 @@ def test_the_tables_of_a_ladder_show_its_orders_and_its_finest_grid():
 
 
 def test_which_code_is_common_is_read_from_the_imports(monkeypatch):
-    assert {"fullwave.march", "fullwave.motion", "fullwave.march_kernel"} <= set(shared("sbp", "dg"))
-    assert not {"fullwave.march", "fullwave.motion", "fullwave.march_kernel"} & set(shared("fd", "dg"))
+    assert {"fullwave.lines.march", "fullwave.lines.motion", "fullwave.lines.kernel"} <= set(shared("sbp", "dg"))
+    assert not {"fullwave.lines.march", "fullwave.lines.motion", "fullwave.lines.kernel"} & set(shared("fd", "dg"))
     assert shared("delay", "fem") == ()
     assert len(code_table().rows) == 10
     note = code_note()

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import scene
-from reduced.delay import Delay
+import slipwave
+from reduced.delay.alike import Delay
 from reduced.impedance import reduce_scene
-from reduced.reduction import REDUCTIONS, Reduction
-from scene.errors import SceneError
-from scene.observe import follow
+from reduced.ode.reduction import REDUCTIONS, Reduction
+from slipwave.errors import SceneError
+from slipwave.observe import follow
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
@@ -41,10 +41,10 @@ def command(folder, *words):
 
 
 def test_a_reduction_is_added_as_the_page_says(tmp_path):
-    for room in ("scene", "reduced", "fullwave", "validation"):
+    for room in ("slipwave", "reduced", "fullwave", "validation"):
         shutil.copytree(ROOT / room, tmp_path / room, ignore=shutil.ignore_patterns("__pycache__"))
-    add_to(tmp_path / "reduced" / "reduction.py", "REDUCTIONS", example('"block10"'))
-    add_to(tmp_path / "validation" / "families.py", "FAMILIES", example('Family("block10"'))
+    add_to(tmp_path / "reduced" / "ode" / "reduction.py", "REDUCTIONS", example('"block10"'))
+    add_to(tmp_path / "validation" / "registry" / "families.py", "FAMILIES", example('Family("block10"'))
 
     compared = command(tmp_path, "compare", "paper", "--models", "block8,block10,block12", "--until", "4000", "--json")
     assert compared.returncode == 0, compared.stderr
@@ -59,23 +59,23 @@ def test_a_reduction_is_added_as_the_page_says(tmp_path):
 
 def test_tabulated_data_are_not_taken_for_scenes_they_were_not_made_for(monkeypatch):
     monkeypatch.setitem(REDUCTIONS, "block10", lambda: Reduction("block10", mass=0.1))
-    assert reduce_scene(scene.read("paper"), "block10").mass == 0.1
+    assert reduce_scene(slipwave.read("paper"), "block10").mass == 0.1
     with pytest.raises(SceneError, match="alike homogeneous elastic slabs"):
-        reduce_scene(scene.read("unlike"), "block10")
+        reduce_scene(slipwave.read("unlike"), "block10")
 
 
 def test_an_observer_is_anything_that_scans():
     scope = {"np": np}
     exec(example("class SlipObserver"), scope)
     observer = scope["SlipObserver"]()
-    solver = Delay(scene.read("paper"))
+    solver = Delay(slipwave.read("paper"))
     follow(solver, 2000, [observer])
     assert observer.slip == pytest.approx(2000 * 100 * 0.8, rel=0.25)
 
 
 def test_a_law_whose_rate_is_no_exponential_is_refused():
-    from scene.friction import LAWS
-    from scene.friction.check import check_law
+    from slipwave.friction import LAWS
+    from slipwave.friction.check import check_law
 
     square = LAWS["ageing"]._replace(rate_of=lambda law, z: z * z, unknown_of=lambda law, v: v**0.5)
     with pytest.raises(SceneError, match="v''"):

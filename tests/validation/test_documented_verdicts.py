@@ -7,7 +7,7 @@ from typing import get_args
 
 import pytest
 
-from scene.observe.verdict import REPEATING, Kind
+from slipwave.observe.verdict import REPEATING, Kind
 from validation.cli import main
 
 PAGE = (Path(__file__).parents[2] / "docs" / "what-a-run-says.md").read_text(encoding="utf-8")

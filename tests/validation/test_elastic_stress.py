@@ -5,15 +5,15 @@ import dataclasses
 import numpy as np
 import pytest
 
-import scene
-from scene.drive import Drive
-from scene.observe import Pieces, follow
-from scene.scene import Scene
-from scene.slab import GripFace, Layer, Slab, StandardLinearViscosity
-from scene.start import Start, StartKind
-from validation.models import build
+import slipwave
+from slipwave.observe import Pieces, follow
+from slipwave.scene import Scene
+from slipwave.scene.drive import Drive
+from slipwave.scene.slab import GripFace, Layer, Slab, StandardLinearViscosity
+from slipwave.scene.start import Start, StartKind
+from validation.registry.build import build
 
-PAPER = scene.read("paper")
+PAPER = slipwave.read("paper")
 E, R = PAPER.upper.epsilon, PAPER.upper.round_trip
 MU_SS = 0.369 - 0.014 * np.log(100.0)
 RAMP = Drive((0.0, 4.25, 9.5, 12.0), (100.0, 100.0, 160.0, 70.0))

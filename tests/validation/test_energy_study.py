@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from validation.convergence import fit
+from validation.measure.order_fit import fit
 from validation.studies import energy
-from validation.studies.energy_figures import History, closure, histories
-from validation.studies.energy_runs import LADDERS, history_of, order_of, residual_of
-from validation.studies.energy_verdicts import closes, conserves, order_verdict
+from validation.studies.energy.figures import History, closure, histories
+from validation.studies.energy.runs import LADDERS, history_of, order_of, residual_of
+from validation.studies.energy.verdicts import closes, conserves, order_verdict
 from validation.study import Outcome
 
 DERIVED = {"sbp:2": 4.0, "fem:1": 4.0, "fem:2": 4.0, "dg:1": 3.0, "dg:2": 5.0}

@@ -1,16 +1,16 @@
 import numpy as np
 import pytest
 
-import scene
+import slipwave
 from validation.studies import load
 from validation.studies.error_laws import MODELS, Cycle, _answer, _cycle_verdict, _onset_verdicts, measure_cycle, measure_onsets
-from validation.studies.error_laws_figures import fall
+from validation.studies.error_laws.figures import fall
 from validation.study import Outcome
 
 
 @pytest.fixture(scope="module")
 def onsets():
-    return measure_onsets(scene.read("paper"))
+    return measure_onsets(slipwave.read("paper"))
 
 
 def test_onset_errors_fall_at_the_laws_power(onsets):
@@ -24,7 +24,7 @@ def test_onset_errors_fall_at_the_laws_power(onsets):
 
 
 def test_the_cycles_error_does_not_fall(onsets):
-    paper = scene.read("paper")
+    paper = slipwave.read("paper")
     cycles = [measure_cycle(paper, scale) for scale in (1.0, 0.5)]
     assert cycles[0].errors["kelvin-voigt"] == pytest.approx(-0.0318, abs=2e-4)
     assert cycles[1].errors["kelvin-voigt"] == pytest.approx(-0.0292, abs=2e-4)

@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
-import scene
-from scene.observe import EventObserver, follow
-from validation.models import build
+import slipwave
+from slipwave.observe import EventObserver, follow
+from validation.registry.build import build
 
 BRIEF_STICKS = ["drive.velocity=1e4"]
 """V so large that the paper's slabs stick for hardly more than one round trip."""
@@ -26,7 +26,7 @@ BRIEF_STICKS = ["drive.velocity=1e4"]
     ],
 )
 def test_brief_sticks_are_counted_alike(model: str, options: dict[str, Any]) -> None:
-    chosen = scene.read("paper", BRIEF_STICKS)
+    chosen = slipwave.read("paper", BRIEF_STICKS)
     solver = build(model, chosen, **options)
     watch = EventObserver(chosen, solver.nodes)
     follow(solver, 100.0, [watch])
@@ -35,7 +35,7 @@ def test_brief_sticks_are_counted_alike(model: str, options: dict[str, Any]) -> 
 
 @pytest.mark.parametrize(("name", "count"), [("paper", 8), ("paper-2.3", 5), ("unlike", 11), ("reflection", 9), ("slip-law", 8)])
 def test_other_scenes_keep_their_count(name: str, count: int) -> None:
-    chosen = scene.read(name)
+    chosen = slipwave.read(name)
     counts = []
     settings: list[tuple[str, dict[str, Any]]] = [("delay", {}), ("delay", {"tolerance": 1e-6}), ("fd", {"cells": 64})]
     for model, options in settings:

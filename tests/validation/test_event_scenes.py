@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-import scene
-from scene.observe import EventObserver, Pieces, follow
-from scene.observe.pieces import Array
-from scene.scene import Scene
+import slipwave
+from slipwave.observe import EventObserver, Pieces, follow
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
 from validation.cli import main
-from validation.models import build
+from validation.registry.build import build
 
 LAYERS = [
     "drive.velocity=100.0",
@@ -38,7 +38,7 @@ def told(words: list[str], capsys: pytest.CaptureFixture[str]) -> dict[str, Any]
 
 
 def test_a_drive_that_came_up_from_one_hundredth_has_the_events_of_the_same_drive_without() -> None:
-    ramped, plain = (watch(scene.read("paper", settings), 8000.0) for settings in (["drive.velocity=[[0,1],[10,100]]"], []))
+    ramped, plain = (watch(slipwave.read("paper", settings), 8000.0) for settings in (["drive.velocity=[[0,1],[10,100]]"], []))
     assert plain.count == 111
     assert ramped.count == 108
     assert ramped.events(4000.0).period[-1] == pytest.approx(73.4721449443, rel=1e-9)
@@ -48,7 +48,7 @@ def test_a_drive_that_came_up_from_one_hundredth_has_the_events_of_the_same_driv
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
 def test_precursors_are_no_events(tolerance: float) -> None:
     """A chaotic scene: the runs part, the statistics do not."""
-    observer = watch(scene.read("unlike", LAYERS), 4000.0, tolerance=tolerance)
+    observer = watch(slipwave.read("unlike", LAYERS), 4000.0, tolerance=tolerance)
     cycles = observer.events(2000.0)
     assert 33 <= observer.count <= 38
     assert cycles.period.mean() == pytest.approx(115.0, abs=10.0)
@@ -59,7 +59,7 @@ def test_precursors_are_no_events(tolerance: float) -> None:
 
 @pytest.mark.parametrize(("velocity", "until", "count"), [(1e4, 200.0, 83), (1e5, 200.0, 58)])
 def test_counts_do_not_hover_with_tolerance_or_grid(velocity: float, until: float, count: int) -> None:
-    chosen = scene.read("paper", [f"drive.velocity={velocity}"])
+    chosen = slipwave.read("paper", [f"drive.velocity={velocity}"])
     runs = [watch(chosen, until, tolerance=tolerance) for tolerance in (1e-5, 1e-7, 1e-9, 1e-11)]
     runs += [watch(chosen, until, "dg:7", cells=4), watch(chosen, until, "fd", cells=400)]
     assert [run.count for run in runs] == [count] * 6
@@ -97,9 +97,9 @@ class _Reread:
 
 
 def test_the_same_motion_at_r_times_1_plus_period_has_the_same_events() -> None:
-    paper, period = scene.read("paper"), 73.4721449443
+    paper, period = slipwave.read("paper"), 73.4721449443
     solver = build("delay", paper)
-    thick = scene.read("paper", [f"slab.r={paper.transit * (1.0 + period)!r}"])
+    thick = slipwave.read("paper", [f"slab.r={paper.transit * (1.0 + period)!r}"])
     ours, theirs = EventObserver(paper, solver.nodes), _Reread(EventObserver(thick, solver.nodes), 1.0 + period)
     follow(solver, 4000.0, [ours, theirs])
     cycles, again = ours.events(), theirs.observer.events()
@@ -111,11 +111,11 @@ def test_the_same_motion_at_r_times_1_plus_period_has_the_same_events() -> None:
 
 def test_a_hold_and_a_reload() -> None:
     """Stick-slip, V = 0 for 500 transits, stick-slip again: the hold has no event, and the first one after it is larger."""
-    held = scene.read("paper", ["drive.velocity=[[0,100],[2000,100],[2001,0],[2500,0],[2501,100]]"])
+    held = slipwave.read("paper", ["drive.velocity=[[0,100],[2000,100],[2001,0],[2500,0],[2501,100]]"])
     dates = watch(held, 4000.0).dates()
     assert np.count_nonzero((dates > 2080.0) & (dates < 2500.0)) == 0
     before, after = dates[dates < 2001.0], dates[dates > 2500.0]
-    assert before.size == watch(scene.read("paper"), 2001.0).count
+    assert before.size == watch(slipwave.read("paper"), 2001.0).count
     assert np.diff(after)[-3:] == pytest.approx(np.full(3, 73.4721449443), rel=1e-4)
 
 
@@ -136,7 +136,7 @@ class _Steepest:
 
 @pytest.mark.parametrize("name", ["paper", "paper-2.6", "unlike", "slip-law"])
 def test_an_event_is_dated_next_to_its_steepest_rise(name: str) -> None:
-    chosen = scene.read(name)
+    chosen = slipwave.read(name)
     solver = build("delay", chosen)
     observer, steepest = EventObserver(chosen, solver.nodes), _Steepest(solver.nodes)
     follow(solver, 1200.0, [observer, steepest])

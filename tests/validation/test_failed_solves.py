@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import scene
-from scene.errors import NumericsError
-from scene.observe import Energy, Pieces, Solver, follow
-from scene.observe.pieces import Array
-from validation import models
+import slipwave
+from slipwave.errors import NumericsError
+from slipwave.observe import Energy, Pieces, Solver, follow
+from slipwave.observe.pieces import Array
 from validation.cli import NUMERICS_FAILED, main
-from validation.models import build
-from validation.orbits import settle
+from validation.measure.settle import settle
+from validation.registry import build as models
+from validation.registry.build import build
 
 COARSE = ["--set", "slab.r=1", "--until", "40"]
 """64 cells of a leapfrog cannot follow psi through the first event of a transit of a hundred state relaxations."""
@@ -34,7 +34,7 @@ class Failing:
     """Steady sliding in pieces of one transit; the solve at t = 7.25 fails."""
 
     def __init__(self) -> None:
-        self.scene, self.model, self.nodes = scene.read("paper"), "failing", np.linspace(0.0, 1.0, 5)
+        self.scene, self.model, self.nodes = slipwave.read("paper"), "failing", np.linspace(0.0, 1.0, 5)
         self.time, self.failures, self.failed_at = 0.0, 0, np.nan
 
     def advance(self, until: float) -> Pieces:
@@ -109,14 +109,14 @@ def test_bench_ends_with_status_3(capsys: pytest.CaptureFixture[str], monkeypatc
 
 
 def test_no_orbit_is_made_of_failed_solves() -> None:
-    solver: Solver = build("fd", scene.read("paper", ["slab.r=1"]), cells=64)
+    solver: Solver = build("fd", slipwave.read("paper", ["slab.r=1"]), cells=64)
     with pytest.raises(NumericsError, match="did not converge"):
         settle(solver)
 
 
 def test_the_leapfrog_comes_to_rest_with_the_others() -> None:
     """It ended at psi = -121 with two failed solves: the extrapolated start of a solve lay hundreds away from the root."""
-    what = scene.read("paper", STOPPED)
+    what = slipwave.read("paper", STOPPED)
     ours = follow(build("fd", what), 40.0).psi
     witness = follow(build("dg:4", what, cells=24), 20.0).psi
     assert ours == pytest.approx(witness, abs=0.3)  # both stop short of what 256 cells say by 0.08 and 0.2

@@ -5,26 +5,26 @@ from pathlib import Path
 
 import pytest
 
-import scene
+import slipwave
 from fullwave.finite_difference import Leapfrog
-from fullwave.march import March
-from reduced.delay_march import DelayMarch
-from scene.errors import SceneError
-from scene.observe.foresight import DAY, require_time
+from fullwave.lines.march import March
+from reduced.delay.march import DelayMarch
+from slipwave.errors import SceneError
+from slipwave.observe.foresight import DAY, require_time
 from validation.cli import INPUT_WRONG, main
-from validation.families import FAMILIES, Family
-from validation.models import build
-from validation.simulate import simulate
+from validation.registry.build import build
+from validation.registry.families import FAMILIES, Family
+from validation.run.simulate import simulate
 
 GRIDS = [family for family in FAMILIES if family.room == "fullwave"]
 
 
 @pytest.mark.parametrize("family", GRIDS, ids=lambda family: family.name)
 def test_a_run_of_a_day_goes_and_a_longer_one_does_not(family: Family, monkeypatch: pytest.MonkeyPatch) -> None:
-    solver = build(family.example, scene.read("paper"))
+    solver = build(family.example, slipwave.read("paper"))
     pieces = 4000.0 / solver.advance(1e-6).length[0]  # type: ignore[attr-defined]
     kind = Leapfrog if family.name == "fd" else March
-    fresh = build(family.example, scene.read("paper"))
+    fresh = build(family.example, slipwave.read("paper"))
     monkeypatch.setattr(kind, "seconds_per_piece", 0.999 * DAY / pieces)
     require_time(fresh, 4000.0)
     monkeypatch.setattr(kind, "seconds_per_piece", 1.001 * DAY / pieces)
@@ -35,7 +35,7 @@ def test_a_run_of_a_day_goes_and_a_longer_one_does_not(family: Family, monkeypat
 
 @pytest.mark.parametrize("model", ["delay", "block8"])
 def test_a_march_whose_steps_adapt_is_judged_by_those_it_took(model: str) -> None:
-    paper = scene.read("paper")
+    paper = slipwave.read("paper")
     solver = build(model, paper)
     solver.seconds_per_piece = DAY / 2e6  # type: ignore[attr-defined]
     with pytest.raises(SceneError, match=r"4e\+07 transits would take some [\d.]+ days"):
@@ -45,12 +45,12 @@ def test_a_march_whose_steps_adapt_is_judged_by_those_it_took(model: str) -> Non
 
 
 def test_the_way_to_an_orbit_is_shown_and_judged(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr("validation.progress.PATIENCE", -1.0)
-    monkeypatch.setattr("validation.progress._LINE_INTERVAL", -1.0)
+    monkeypatch.setattr("validation.run.progress.PATIENCE", -1.0)
+    monkeypatch.setattr("validation.run.progress._LINE_INTERVAL", -1.0)
     words = ["run", "paper", "--model", "delay", "--until", "20", "--set", "start.kind=orbit"]
     assert main(words) == 0
     assert capsys.readouterr().err.startswith("paper, delay, on the way to its orbit: ")
-    monkeypatch.setattr("scene.observe.foresight._ENOUGH", 1000)
+    monkeypatch.setattr("slipwave.observe.foresight._ENOUGH", 1000)
     monkeypatch.setattr(DelayMarch, "seconds_per_piece", DAY)
     assert main(words) == INPUT_WRONG
     assert "model delay: 6000 transits would take some" in capsys.readouterr().err

@@ -4,11 +4,11 @@ import math
 
 import pytest
 
-import scene
+import slipwave
 from reduced.impedance import impedance
 from reduced.stability import critical_round_trip, essential_abscissa
-from scene.input.source import gallery_titles
-from scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace
+from slipwave.input.source import gallery_titles
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace
 
 TITLES = gallery_titles()
 DOUBLING = -2.595727667
@@ -16,7 +16,7 @@ DOUBLING = -2.595727667
 
 
 def log10_r(name: str) -> float:
-    return math.log10(scene.read(name).transit)
+    return math.log10(slipwave.read(name).transit)
 
 
 def test_the_papers_scenes_lie_on_the_side_of_the_period_doubling_that_they_name() -> None:
@@ -31,13 +31,13 @@ def test_a_title_names_its_own_round_trip(name: str) -> None:
 
 
 def test_the_height_of_the_jumps_echo() -> None:
-    jump = scene.read("jump")
+    jump = slipwave.read("jump")
     left = math.exp(essential_abscissa(jump) * jump.transit)
     assert f"{100.0 * left:.0f} per cent of the height of the one before" in TITLES["jump"]
 
 
 def test_the_height_of_a_wave_in_viscous_slabs() -> None:
-    viscous = scene.read("viscous")
+    viscous = slipwave.read("viscous")
     viscosity = viscous.upper.viscosity
     assert isinstance(viscosity, KelvinVoigtViscosity)
     s = 2j * math.pi / viscous.transit
@@ -46,7 +46,7 @@ def test_the_height_of_a_wave_in_viscous_slabs() -> None:
 
 
 def test_how_far_the_rock_lies_beyond_the_onset() -> None:
-    rock = scene.read("rock")
+    rock = slipwave.read("rock")
     assert rock.transit / critical_round_trip(rock, "delay")[0] == pytest.approx(1.05, abs=0.005)
     assert "five per cent beyond the onset" in TITLES["rock"]
     assert rock.units is not None
@@ -55,7 +55,7 @@ def test_how_far_the_rock_lies_beyond_the_onset() -> None:
 
 
 def test_what_the_faces_do_to_a_wave_and_to_the_load() -> None:
-    grip, leak = scene.read("grip"), scene.read("reflection").upper.face
+    grip, leak = slipwave.read("grip"), slipwave.read("reflection").upper.face
     assert isinstance(grip.upper.face, GripFace)
     assert (grip.upper.face.impedance - 1.0) / (grip.upper.face.impedance + 1.0) == 0.5
     assert "reflect half of every wave but keep the load" in TITLES["grip"]
@@ -67,10 +67,10 @@ def test_what_the_faces_do_to_a_wave_and_to_the_load() -> None:
 
 
 def test_ratios_of_unlike_slabs_and_layers_and_of_the_ramp() -> None:
-    unlike, irrational, ramp = (scene.read(name) for name in ("unlike", "unlike-irrational", "ramp"))
+    unlike, irrational, ramp = (slipwave.read(name) for name in ("unlike", "unlike-irrational", "ramp"))
     assert unlike.lower.round_trip / unlike.upper.round_trip == pytest.approx(2.0, rel=1e-14)
     assert unlike.lower.epsilon / unlike.upper.epsilon == pytest.approx(3.0, rel=1e-14)
     assert "twice the round trip and three times the impedance" in TITLES["unlike"]
     assert irrational.lower.round_trip / irrational.upper.round_trip == pytest.approx(math.sqrt(2.0), rel=1e-14)
-    assert [(layer.fraction, layer.impedance) for layer in scene.read("layered").upper.layers] == [(0.5, 1.0), (0.5, 2.0)]
+    assert [(layer.fraction, layer.impedance) for layer in slipwave.read("layered").upper.layers] == [(0.5, 1.0), (0.5, 2.0)]
     assert [ramp.drive.at(time) for time in (999.0, 1250.0, 1501.0)] == [100.0, 150.0, 200.0]

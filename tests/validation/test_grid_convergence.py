@@ -5,9 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from validation.ladders import GENTLE, LADDERS
-from validation.models import build
-from validation.orders import QUANTITIES, climb, errors, measure
+from validation.measure.grid_ladders import GENTLE, LADDERS
+from validation.measure.orders import QUANTITIES, climb, errors, measure
+from validation.registry.build import build
 from validation.studies import grid_convergence as study
 from validation.study import Outcome
 

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 import xarray
 
-import scene
-from scene.errors import SceneError
-from scene.observe import HistoryObserver, Pieces, follow
+import slipwave
+from slipwave.errors import SceneError
+from slipwave.observe import HistoryObserver, Pieces, follow
 from validation.cli import INPUT_WRONG, main
-from validation.history_file import HistoryFile
-from validation.models import build
+from validation.registry.build import build
+from validation.run.history_file import HistoryFile
 
-PAPER = scene.read("paper")
+PAPER = slipwave.read("paper")
 NODES = np.linspace(0.0, 1.0, 5)
 INTERFACE = ["--set", 'run.record=["events","interface"]']
 
@@ -107,7 +107,7 @@ def test_more_than_the_disk_has_is_refused_early(tmp_path: Path, monkeypatch: py
 def test_the_file_of_a_run_holds_the_solvers_own_samples(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "x.nc"
     assert main(["run", "paper", "--model", "delay", "--until", "150", "--out", str(out), *INTERFACE]) == 0
-    solver = build("delay", scene.read("paper", {"run.until": 150.0}))
+    solver = build("delay", slipwave.read("paper", {"run.until": 150.0}))
     history = HistoryObserver(solver.scene.law, solver.nodes)
     follow(solver, 150.0, [history])
     with xarray.open_dataset(out) as data:

@@ -7,18 +7,18 @@ with different quadrature, and agreement only says that both were programmed rig
 import numpy as np
 import pytest
 
-import scene
+import slipwave
 from fullwave.finite_difference import Leapfrog
-from reduced.delay import Delay
-from scene.observe import follow
-from validation.convergence import fit, shortfall
+from reduced.delay.alike import Delay
+from slipwave.observe import follow
+from validation.measure.order_fit import fit, shortfall
 
 UNTIL = 200.0
 
 
 @pytest.fixture(scope="module")
 def exact():
-    chosen = scene.read("paper", ["slab.log10_r=-2.6"])
+    chosen = slipwave.read("paper", ["slab.log10_r=-2.6"])
     return chosen, follow(Delay(chosen, tolerance=1e-12), UNTIL)
 
 

@@ -6,13 +6,13 @@ import pytest
 from study_parts import parts
 
 from reduced.impedance import reduction_of
-from validation.bounds import too_roomy
 from validation.studies import load
-from validation.studies import model_error_verdicts as verdicts
-from validation.studies.model_error_figures import errors_over_r
-from validation.studies.model_error_runs import Run, error, states
-from validation.studies.model_error_verdicts import target
+from validation.studies.model_error import verdicts
+from validation.studies.model_error.figures import errors_over_r
+from validation.studies.model_error.runs import Run, error, states
+from validation.studies.model_error.verdicts import target
 from validation.study import Budget, Outcome
+from validation.study.bounds import too_roomy
 
 STUDY = load("model-error")
 

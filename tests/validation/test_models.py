@@ -6,14 +6,14 @@ import re
 
 import pytest
 
-import scene
-from scene.errors import SceneError
-from scene.observe import follow
-from scene.slab import GripFace
+import slipwave
+from slipwave.errors import SceneError
+from slipwave.observe import follow
+from slipwave.scene.slab import GripFace
 from validation.cli import main
-from validation.families import FAMILIES, Family
-from validation.features import FEATURES, features_of
-from validation.models import build, build_all, families, honouring, resolve
+from validation.registry.build import build, build_all, families, honouring, resolve
+from validation.registry.families import FAMILIES, Family
+from validation.registry.features import FEATURES, features_of
 
 
 @pytest.mark.parametrize(
@@ -31,7 +31,7 @@ from validation.models import build, build_all, families, honouring, resolve
     ],
 )
 def test_features(name: str, features: set[str]) -> None:
-    assert features_of(scene.read(name)) == features
+    assert features_of(slipwave.read(name)) == features
 
 
 def test_the_registry_is_consistent() -> None:
@@ -47,7 +47,7 @@ def test_the_registry_is_consistent() -> None:
 @pytest.mark.parametrize("name", ["paper", "unlike", "grip", "layered", "viscous", "ramp", "reflection"])
 def test_every_family_builds_what_it_honours_and_refuses_the_rest(family: object, name: str) -> None:
     one = next(found for found in families() if found is family)
-    what = scene.read(name)
+    what = slipwave.read(name)
     if one in honouring(what):
         solver = build(one.example, what)
         assert solver.model == one.example
@@ -60,11 +60,11 @@ def test_every_family_builds_what_it_honours_and_refuses_the_rest(family: object
 
 
 def test_auto_is_the_exact_one_or_says_why_not() -> None:
-    assert resolve("auto", scene.read("paper")) == ("delay", "exact for this scene")
-    chosen, why = resolve("auto", scene.read("viscous"))
+    assert resolve("auto", slipwave.read("paper")) == ("delay", "exact for this scene")
+    chosen, why = resolve("auto", slipwave.read("viscous"))
     assert next(family for family in families() if family.example == chosen).room == "fullwave"
     assert "Kelvin-Voigt" in why
-    assert resolve("block8", scene.read("paper")) == ("block8", "")
+    assert resolve("block8", slipwave.read("paper")) == ("block8", "")
 
 
 @pytest.mark.parametrize(
@@ -72,12 +72,12 @@ def test_auto_is_the_exact_one_or_says_why_not() -> None:
 )
 def test_names_that_are_no_model(model: str) -> None:
     with pytest.raises(SceneError) as caught:
-        build(model, scene.read("paper"))
+        build(model, slipwave.read("paper"))
     assert len(str(caught.value)) < 300
 
 
 def test_numbers_are_told_canonically() -> None:
-    assert build("modal:02", scene.read("paper")).model == "modal:2"
+    assert build("modal:02", slipwave.read("paper")).model == "modal:2"
 
 
 @pytest.mark.parametrize(
@@ -85,17 +85,17 @@ def test_numbers_are_told_canonically() -> None:
     [("dg", None, "dg:7"), ("dg", 1e-4, "dg:5"), ("dg", 1e-8, "dg:7"), ("fem", 1e-6, "fem:6"), ("sbp", 1e-3, "sbp:6")],
 )
 def test_a_degree_left_open_suits_the_tolerance(name: str, tolerance: float | None, model: str) -> None:
-    solver = build(name, scene.read("paper", ["run.until=20"]), tolerance=tolerance)
+    solver = build(name, slipwave.read("paper", ["run.until=20"]), tolerance=tolerance)
     assert solver.model == model
 
 
 def test_options_go_to_the_models_that_take_them() -> None:
-    delay, leapfrog = build_all("delay,fd", scene.read("paper"), cells=10, tolerance=1e-6)
+    delay, leapfrog = build_all("delay,fd", slipwave.read("paper"), cells=10, tolerance=1e-6)
     assert (delay.model, leapfrog.model) == ("delay", "fd")
     assert getattr(leapfrog, "cells") == 10  # noqa: B009
     for options in ({"cells": 10}, {"cfl": 0.5}):
         with pytest.raises(SceneError, match="none of the models"):
-            build_all("delay,block8", scene.read("paper"), **options)  # type: ignore[arg-type]
+            build_all("delay,block8", slipwave.read("paper"), **options)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("command", ["run", "stability"])
@@ -110,7 +110,7 @@ def test_the_help_of_model_names_every_family(command: str, capsys: pytest.Captu
 @pytest.mark.parametrize("family", [family for family in FAMILIES if "grip" in family.honours], ids=lambda family: family.name)
 @pytest.mark.parametrize("grip", [GripFace(math.inf, 1.0), GripFace(1.0, math.inf)], ids=["spring", "dashpot"])
 def test_a_grip_of_infinite_strength_is_rigid(family: Family, grip: GripFace) -> None:
-    paper = scene.read("paper")
+    paper = slipwave.read("paper")
     upper, lower = (dataclasses.replace(slab, face=grip) for slab in (paper.upper, paper.lower))
     held = dataclasses.replace(paper, upper=upper, lower=lower)
     rigid, gripped = (follow(build(family.example, which), 8.0) for which in (paper, held))

@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-import scene
-from scene.observe import follow
+import slipwave
+from slipwave.observe import follow
 from validation.cli import main
-from validation.determinacy import amplified_rounding
-from validation.models import build
+from validation.registry.build import build
+from validation.run.determinacy import amplified_rounding
 
 STIFF = ["interface.a=0.0296", "interface.b=0.0591", "drive.velocity=80", "slab.epsilon=7.2e-5", "slab.r=0.0124"]
 """Thirty-two cells of sbp:6 end at ln v = -6.27 after 60 transits where the delay system has -5.31."""
@@ -24,7 +24,7 @@ def answer(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[dict[str, A
 
 def parted(r: float, model: str, at: float) -> float:
     """Relative difference, at `at` transits, of two departures from steady sliding whose psi(0) differ by one rounding."""
-    what = scene.read("paper", [f"slab.r={r}"])
+    what = slipwave.read("paper", [f"slab.r={r}"])
     left = []
     for rounding in (0.0, 2.0**-52):
         solver: Any = build(model, what, tolerance=1e-11)
@@ -36,7 +36,7 @@ def parted(r: float, model: str, at: float) -> float:
 @pytest.mark.parametrize("model", ["delay", "kelvin-voigt"])
 @pytest.mark.parametrize(("r", "at"), [(0.1, 5.0), (0.2, 4.0), (0.3, 2.5), (0.5, 1.5)])
 def test_the_share_of_rounding_is_what_two_runs_differ_by(model: str, r: float, at: float) -> None:
-    found = amplified_rounding(scene.read("paper", [f"slab.r={r}"]), model, 40.0)
+    found = amplified_rounding(slipwave.read("paper", [f"slab.r={r}"]), model, 40.0)
     assert found is not None
     ratio = parted(r, model, at) / min(found.share, 1.0)
     assert 1.0 / 30.0 < ratio < 10.0
@@ -44,7 +44,7 @@ def test_the_share_of_rounding_is_what_two_runs_differ_by(model: str, r: float, 
 
 def test_the_leading_root_is_the_same_with_and_without_its_echoes() -> None:
     for r in (0.4, 0.7):  # the bound of the growth lies on either side of 20 per transit
-        what = scene.read("paper", [f"slab.r={r}"])
+        what = slipwave.read("paper", [f"slab.r={r}"])
         found = amplified_rounding(what, "delay", 40.0)
         assert found is not None
         assert found.growth == pytest.approx(34.7107438 * r, rel=1e-4)
@@ -52,10 +52,10 @@ def test_the_leading_root_is_the_same_with_and_without_its_echoes() -> None:
 
 def test_a_scene_that_is_determined_says_nothing() -> None:
     for name in ("paper", "paper-2.3", "rock", "unlike", "ramp", "jump", "grip", "slip-law"):
-        assert amplified_rounding(scene.read(name), "delay", 4000.0) is None
+        assert amplified_rounding(slipwave.read(name), "delay", 4000.0) is None
     jump = ['start.kind="jump"', "start.size=0.1", "slab.r=1"]
-    assert amplified_rounding(scene.read("paper", jump), "delay", 40.0) is None
-    assert amplified_rounding(scene.read("paper", ["slab.r=0.5"]), "delay", 0.3) is None  # rounding has not grown yet
+    assert amplified_rounding(slipwave.read("paper", jump), "delay", 40.0) is None
+    assert amplified_rounding(slipwave.read("paper", ["slab.r=0.5"]), "delay", 0.3) is None  # rounding has not grown yet
 
 
 def test_a_run_that_rounding_decides_says_so(capsys: pytest.CaptureFixture[str]) -> None:
@@ -76,7 +76,7 @@ def test_a_run_that_rounding_decides_says_so(capsys: pytest.CaptureFixture[str])
 def test_a_default_grid_that_is_too_coarse_says_so(capsys: pytest.CaptureFixture[str], model: str) -> None:
     settings = [word for setting in STIFF for word in ("--set", setting)]
     result, err = answer(capsys, "paper", "--model", model, *settings, "--until", "60")
-    exact = follow(build("delay", scene.read("paper", STIFF), tolerance=1e-10), 60.0)
+    exact = follow(build("delay", slipwave.read("paper", STIFF), tolerance=1e-10), 60.0)
     error = max(abs(result["final"][name] / getattr(exact, name) - 1.0) for name in ("ln_v", "psi"))
     estimate = result["grid"]["error_estimate"]
     assert error < 2.0 * estimate < 30.0 * error

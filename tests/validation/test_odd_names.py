@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-import scene
-from scene.errors import SceneError
-from scene.input.source import load
+import slipwave
+from slipwave.errors import SceneError
+from slipwave.input.source import load
 from validation.cli import INPUT_WRONG, main
-from validation.progress import progress
+from validation.run.progress import progress
 
-PAPER = (Path(scene.__file__).parent / "gallery" / "paper.toml").read_bytes()
+PAPER = (Path(slipwave.__file__).parent / "gallery" / "paper.toml").read_bytes()
 SLIPWAVE = [sys.executable, "-m", "validation.cli"]
 
 
@@ -36,7 +36,7 @@ def test_a_files_own_name_is_spelt_out(name: bytes, tmp_path: Path) -> None:
     path = os.fsencode(tmp_path) + b"/" + name + b".toml"
     with open(path, "wb") as file:
         file.write(PAPER)
-    read = scene.read(os.fsdecode(path)).name
+    read = slipwave.read(os.fsdecode(path)).name
     assert read.isprintable()
     read.encode("utf-8")
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
@@ -82,7 +82,7 @@ def test_a_key_without_end_is_refused_before_it_is_parsed(text: str, tmp_path: P
     with pytest.raises(SceneError, match="nested too deeply"):
         load(path)
     with pytest.raises(SceneError, match="must be a TOML value"):
-        scene.read({}, ["a={" + "b." * 60_000 + "b=1}"])
+        slipwave.read({}, ["a={" + "b." * 60_000 + "b=1}"])
 
 
 def test_a_byte_order_mark_and_foreign_line_ends_are_no_matter(tmp_path: Path) -> None:
@@ -91,7 +91,7 @@ def test_a_byte_order_mark_and_foreign_line_ends_are_no_matter(tmp_path: Path) -
 
 
 def test_a_name_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("validation.progress.PATIENCE", -1.0)
+    monkeypatch.setattr("validation.run.progress.PATIENCE", -1.0)
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     with progress("[/red], [bold]delay", 2.0) as report:
         report(1.0)

@@ -5,12 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import scene
-from validation.orbits import Cycle, Estimate, Orbit, Settled
-from validation.reference import reference_orbit
+import slipwave
+from validation.measure.settle import Cycle, Estimate, Orbit, Settled
+from validation.references.published import reference_orbit
 from validation.studies import one_cycle, scene_facts
-from validation.studies.one_cycle_figures import overlay, panels
-from validation.studies.one_cycle_tables import Run
+from validation.studies.one_cycle.figures import overlay, panels
+from validation.studies.one_cycle.tables import Run
 from validation.study import Outcome
 
 FIGURES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")
@@ -25,7 +25,7 @@ def a_run(**changes: float) -> Run:
 
 
 def test_scenes_given_in_si_are_the_same_to_rounding():
-    paper = scene.read("paper")
+    paper = slipwave.read("paper")
 
     def outcome(off):
         upper = SimpleNamespace(epsilon=paper.upper.epsilon * (1.0 + off))

@@ -7,11 +7,11 @@ import pytest
 import xarray
 from scipy.interpolate import CubicSpline
 
-import scene
-from fullwave.field import Field, record_field
-from scene.observe import Final, HistoryObserver, Solver
+import slipwave
+from fullwave.fields.record import Field, record_field
+from slipwave.observe import Final, HistoryObserver, Solver
 from validation.cli import main
-from validation.models import build
+from validation.registry.build import build
 
 CELLS, END = {"fd": 24, "dg:5": 4}, 10.0
 SHARPNESS = {"fd": 1e-9, "dg:5": 3e-3}
@@ -20,7 +20,7 @@ SHARPNESS = {"fd": 1e-9, "dg:5": 3e-3}
 
 @pytest.fixture(scope="module", params=CELLS)
 def recorded(request: pytest.FixtureRequest) -> tuple[Any, Field, Final, dict[str, np.ndarray]]:
-    chosen = scene.read("paper", ["start.kind=orbit"])
+    chosen = slipwave.read("paper", ["start.kind=orbit"])
     solver: Any = build(request.param, chosen, cells=CELLS[request.param])
     history = HistoryObserver(chosen.law, solver.nodes)
     field, final = record_field(solver, solver.time, END, 1 / 16, [history])

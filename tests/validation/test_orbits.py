@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-import scene
-from scene.observe import EventObserver, Pieces, follow
-from validation.models import build
-from validation.orbits import NoCycle, one_cycle, settle
+import slipwave
+from slipwave.observe import EventObserver, Pieces, follow
+from validation.measure.settle import NoCycle, one_cycle, settle
+from validation.registry.build import build
 
 PERIOD = 50.0
 
@@ -21,7 +21,7 @@ class Relaxing:
     failures = 0
 
     def __init__(self, multiplier, jitter=0.0, amplitude=2.0):
-        self.scene, self.time = scene.read("paper"), 0.0
+        self.scene, self.time = slipwave.read("paper"), 0.0
         self.multiplier, self.jitter, self.amplitude = multiplier, jitter, amplitude
         self.random = np.random.default_rng(0)
 
@@ -88,7 +88,7 @@ def test_return_to_steady_sliding_is_no_cycle():
 
 
 def test_a_start_on_the_orbit_has_no_transient_and_keeps_its_grid() -> None:
-    solver = build("fd", scene.read("paper", ["start.kind=orbit"]), cells=24)
+    solver = build("fd", slipwave.read("paper", ["start.kind=orbit"]), cells=24)
     watch = EventObserver(solver.scene, solver.nodes)
     follow(solver, 400.0, [watch])
     assert np.ptp(watch.events().period) < 1e-6

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from study_parts import parts
 
-from validation.bounds import too_roomy
 from validation.studies import load
-from validation.studies.partial_reflection_figures import bare_and_grip, over_grip
-from validation.studies.partial_reflection_runs import Pair, Point, locking_leak
-from validation.studies.partial_reflection_verdicts import agreement, dies, keeps, locks
+from validation.studies.partial_reflection.figures import bare_and_grip, over_grip
+from validation.studies.partial_reflection.runs import Pair, Point, locking_leak
+from validation.studies.partial_reflection.verdicts import agreement, dies, keeps, locks
 from validation.study import Budget, Outcome
+from validation.study.bounds import too_roomy
 
 STUDY = load("partial-reflection")
 

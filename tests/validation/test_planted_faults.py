@@ -10,18 +10,18 @@ from validation.study import Budget, Outcome
 
 CAUGHT = {
     "name": "half-impedance",
-    "room": "scene",
-    "where": "scene/scene.py::Scene.impedance",
+    "room": "slipwave",
+    "where": "slipwave/scene/scene.py::Scene.impedance",
     "what": "half the impedance",
     "user": "periods 4 % long",
     "caught": True,
-    "caught_by": "tests/scene/test_scene.py::test_impedance_of_two_slabs",
+    "caught_by": "tests/slipwave/test_scene.py::test_impedance_of_two_slabs",
     "seconds": 1.25,
 }
 SURVIVES = {
     "name": "late-nudge",
     "room": "reduced",
-    "where": "reduced/delay_kernel.py::march_delay",
+    "where": "reduced/delay/alike_kernel.py::march_delay",
     "what": "a late nudge",
     "user": "every run begins late",
     "caught": False,
@@ -43,9 +43,9 @@ def test_each_fault_has_its_row_and_each_room_its_verdict(record):
     result = planted_faults.run(Budget())
     caught_by = "impedance of two slabs (test_scene.py)"
     assert result.tables[0].rows == (
-        ("scene/scene.py", "half the impedance", "periods 4 % long", caught_by, 1.25),
-        ("reduced/delay_kernel.py", "a late nudge", "every run begins late", "nothing", 180.0),
-        ("scene/scene.py", "half the impedance", "periods 4 % long", caught_by, 1.25),
+        ("slipwave/scene/scene.py", "half the impedance", "periods 4 % long", caught_by, 1.25),
+        ("reduced/delay/alike_kernel.py", "a late nudge", "every run begins late", "nothing", 180.0),
+        ("slipwave/scene/scene.py", "half the impedance", "periods 4 % long", caught_by, 1.25),
     )
     assert result.tables[0].emphasis == (1,)
     assert [(v.outcome, v.ours) for v in result.verdicts] == [(Outcome.PASS, "2 of 2"), (Outcome.FAIL, "0 of 1")]

@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 import pytest
 from fake_studies import draw, result
 
-from scene.errors import SceneError
+from slipwave.errors import SceneError
 from validation.report import make_report, store
 from validation.report.red import RedReport
 from validation.study import Budget, Figure, StudyResult

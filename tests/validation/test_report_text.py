@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from validation.report.text import cell, markup, number, plain
+from validation.study.text import cell, markup, number, plain
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-import scene
-import scene.input.source
-from scene.sources import ROOT, import_closure, program
+import slipwave
+import slipwave.input.source
+from slipwave.sources import ROOT, import_closure, program
 from validation.report import sources, store
 from validation.studies import STUDIES, load
 from validation.study import Budget
@@ -25,20 +25,20 @@ def changes(monkeypatch, study, path):
 
 
 EVERYWHERE = [
-    "scene/interface.py",
-    "scene/friction/ageing.py",
-    "scene/observe/events.py",
-    "scene/gallery/paper.toml",
-    "reduced/ladder_kernel.py",
-    "reduced/delay_kernel.py",
+    "slipwave/friction/interface.py",
+    "slipwave/friction/ageing.py",
+    "slipwave/observe/events.py",
+    "slipwave/gallery/paper.toml",
+    "reduced/ode/kernel.py",
+    "reduced/delay/alike_kernel.py",
     "reduced/impedance/__init__.py",
-    "fullwave/march_kernel.py",
+    "fullwave/lines/kernel.py",
     "fullwave/leapfrog/kernel.py",
-    "validation/orbits.py",
-    "validation/reference.json",
-    "validation/studies/claims_figures.py",
-    "validation/studies/claims.py",
-    "scene/friction/__init__.py",
+    "validation/measure/settle.py",
+    "validation/references/published.json",
+    "validation/studies/claims/figures.py",
+    "validation/studies/claims/__init__.py",
+    "slipwave/friction/__init__.py",
 ]
 
 
@@ -47,7 +47,9 @@ def test_a_key_follows_each_file_of_each_room(monkeypatch, path):
     assert changes(monkeypatch, load("claims"), ROOT / path)
 
 
-@pytest.mark.parametrize("path", ["validation/cli.py", "validation/report/page.py", "validation/studies/energy.py", "README.md"])
+@pytest.mark.parametrize(
+    "path", ["validation/cli.py", "validation/report/page.py", "validation/studies/energy/__init__.py", "README.md"]
+)
 def test_a_key_follows_nothing_else(monkeypatch, path):
     assert (ROOT / path).exists()
     assert not changes(monkeypatch, load("claims"), ROOT / path)
@@ -59,18 +61,18 @@ def test_all_that_a_study_imports_and_all_data_are_in_its_key(name):
     files = set(sources.sources_of(study))
     assert set(import_closure([Path(study.__file__)], packages=False)) <= files
     assert set((ROOT / "validation").rglob("*.json")) <= files
-    assert {ROOT / "scene" / "gallery" / f"{scene}.toml" for scene in study.SCENES} <= files
+    assert {ROOT / "slipwave" / "gallery" / f"{scene}.toml" for scene in study.SCENES} <= files
 
 
 @pytest.mark.parametrize("name", ["scene-facts", "stability-boundaries"])
 def test_all_scenes_that_a_study_reads_are_in_its_key(name, monkeypatch):
-    read, seen = scene.input.source.load, []
+    read, seen = slipwave.input.source.load, []
 
     def watched(name, *rest):
         seen.append(str(name))
         return read(name, *rest)
 
-    monkeypatch.setattr("scene.input.source.load", watched)
+    monkeypatch.setattr("slipwave.input.source.load", watched)
     study = load(name)
     study.run(Budget(quick=True))
     known = {path.stem for path in sources.sources_of(study) if path.suffix == ".toml"}

@@ -15,7 +15,7 @@ SLIPWAVE = [sys.executable, "-m", "validation.cli"]
 
 KILLED = """
 import os, signal, sys
-import fullwave.march
+import fullwave.lines.march
 from validation.cli import main
 
 left = int(sys.argv[2])
@@ -32,7 +32,7 @@ def mortal(function):
     return call
 
 
-room = {"march": fullwave.march, "replace": os}[sys.argv[1]]
+room = {"march": fullwave.lines.march, "replace": os}[sys.argv[1]]
 setattr(room, sys.argv[1], mortal(getattr(room, sys.argv[1])))
 sys.exit(main(sys.argv[3:]))
 """

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from validation.orbits import Cycle
-from validation.ripples import ripple_period
+from validation.measure.ripples import ripple_period
+from validation.measure.settle import Cycle
 
 
 def cycle(period, amplitude=0.01):

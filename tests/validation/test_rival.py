@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-import scene
-from validation.plain_reference import PlainRun, plain_kelvin_voigt, right_hand_side, steady_state
+import slipwave
+from validation.references.lsoda import PlainRun, plain_kelvin_voigt, right_hand_side, steady_state
 from validation.studies import cost_and_error
-from validation.studies.cost_and_error_figures import work_precision
+from validation.studies.cost_and_error.figures import work_precision
 from validation.study import Outcome
 from validation.work_precision import Point, Setting
 
@@ -17,7 +17,7 @@ KNOWN = 70.732344990  # AUTO-07p, log10 r = -2.68
 
 def test_its_steady_sliding_turns_neutral_at_the_onset_that_auto_finds():
     """At log10 r = -2.69954994745 a pair of eigenvalues is +-i 2 pi/49.66821032; the others belong to the ODE's damped wave."""
-    what = scene.read("paper", {"slab.log10_r": -2.69954994745})
+    what = slipwave.read("paper", {"slab.log10_r": -2.69954994745})
     rates, at = right_hand_side(what), np.array(steady_state(what))
     before = -1e3  # transits: no nudge
     assert rates(before, at) == pytest.approx([0.0] * 4, abs=1e-13)
@@ -29,14 +29,14 @@ def test_its_steady_sliding_turns_neutral_at_the_onset_that_auto_finds():
 
 
 def test_it_is_nudged_as_the_scene_says():
-    what = scene.read("paper")
+    what = slipwave.read("paper")
     rates, at = right_hand_side(what), np.array(steady_state(what))
     assert rates(6.0, at)[3] == pytest.approx(0.5)
     assert rates(7.0, at)[3] == pytest.approx(0.5 * math.exp(-1.0))
 
 
 def test_it_finds_the_period():
-    run = plain_kelvin_voigt(scene.read("paper"), 2000.0, 1e-10)
+    run = plain_kelvin_voigt(slipwave.read("paper"), 2000.0, 1e-10)
     assert run.period == pytest.approx(KNOWN, rel=1e-7)  # 3e-8 was measured: the transient
     assert run.evaluations > 10_000
 

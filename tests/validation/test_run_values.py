@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import xarray
 
-import scene
+import slipwave
 from validation.cli import main
 
 UNTIL = 3000.0
@@ -103,7 +103,7 @@ def test_facts_of_the_file(told: Told) -> None:
     assert (facts["until_transits"], facts["failures"], facts["complete"]) == (UNTIL, 0, 1)
     assert facts["events"] == result["events"]
     assert result["events"] - data.sizes["event"] in (1, 2)  # complete cycles lie between events
-    assert facts["scene_digest"] == scene.read("paper-si", [f"slab.thickness={THICKNESS}", f"run.until={UNTIL}"]).digest
+    assert facts["scene_digest"] == slipwave.read("paper-si", [f"slab.thickness={THICKNESS}", f"run.until={UNTIL}"]).digest
 
 
 def test_the_file_says_what_the_run_is(tmp_path: Path, told: Told) -> None:
@@ -149,7 +149,7 @@ def test_the_table_is_the_json_and_its_si_column_is_by_hand(told: Told) -> None:
 
 def test_scenes_are_listed_with_their_own_titles(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["scenes"]) == 0
-    folder = Path(scene.__file__).parent / "gallery"
+    folder = Path(slipwave.__file__).parent / "gallery"
     wanted = {path.stem: tomllib.loads(path.read_text())["title"] for path in folder.glob("*.toml")}
     lines = capsys.readouterr().out.splitlines()
     assert {line.split()[0]: line.split(maxsplit=1)[1] for line in lines} == wanted

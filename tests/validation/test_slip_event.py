@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from study_parts import parts
 
-from validation.bounds import too_roomy
-from validation.report.drawing import styled
 from validation.studies import slip_event
 from validation.study import Budget, Outcome
+from validation.study.bounds import too_roomy
+from validation.study.drawing import styled
 
 
 def test_study_passes_and_draws():

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 
 from validation.report.sources import sources_of
-from validation.report.text import cell
 from validation.studies import load, slow_verification
 from validation.studies.slow_verification import _command, read_record, run, summarised
 from validation.study import Budget, Outcome
+from validation.study.text import cell
 
 ROOT = Path(__file__).parents[2]
 MARK = "mark." + "slow"
@@ -58,7 +58,7 @@ def test_quick_report_says_what_it_leaves_out():
 
 def test_a_changed_test_asks_for_a_new_run():
     names = {path.name for path in sources_of(load("slow-verification"))}
-    assert {"test_exact_waves.py", "test_grid_convergence.py", "leapfrog_scenes.py", "march_kernel.py"} <= names
+    assert {"test_exact_waves.py", "test_grid_convergence.py", "leapfrog_scenes.py", "system.py"} <= names
 
 
 def test_every_slow_test_of_the_tree_is_run(tmp_path):
@@ -72,7 +72,7 @@ def test_every_slow_test_of_the_tree_is_run(tmp_path):
 
 def test_an_installed_package_says_that_the_tests_are_missing(tmp_path):
     """The four rooms without the checkout round them, as pip installs them."""
-    for room in ("scene", "reduced", "fullwave", "validation"):
+    for room in ("slipwave", "reduced", "fullwave", "validation"):
         shutil.copytree(ROOT / room, tmp_path / "site" / room, ignore=shutil.ignore_patterns("__pycache__"))
     environment = os.environ | {"PYTHONPATH": str(tmp_path / "site")}
     words = [sys.executable, "-m", "validation.cli", "report", "--only", "slow-verification", "--out", str(tmp_path / "out")]

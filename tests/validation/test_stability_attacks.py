@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from validation.studies.attack_limits import stops_beyond
-from validation.studies.attack_runs import CELLS, Outcome, advised, attack, locked_noise
+from validation.studies.stability_attacks.limits import stops_beyond
+from validation.studies.stability_attacks.runs import CELLS, Outcome, advised, attack, locked_noise
 
 
 @pytest.mark.parametrize("model", CELLS)

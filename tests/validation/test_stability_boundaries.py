@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 from study_parts import parts
 
-import scene
+import slipwave
 from reduced import closed_forms
-from validation.bounds import too_roomy
 from validation.studies import load
-from validation.studies.stability_measured import critical_over_velocity
-from validation.studies.stability_verdicts import closed_form_verdicts
+from validation.studies.stability_boundaries.measured import critical_over_velocity
+from validation.studies.stability_boundaries.verdicts import closed_form_verdicts
 from validation.study import Budget, Outcome
+from validation.study.bounds import too_roomy
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +35,7 @@ def test_figures_draw(result, figure):
 
 
 def test_a_wrong_closed_form_turns_a_light_red(monkeypatch):
-    paper = scene.read("paper")
+    paper = slipwave.read("paper")
     measured = critical_over_velocity(paper, np.array([1.0, 1e4]))
     right = closed_forms.kelvin_voigt_r
     monkeypatch.setattr(closed_forms, "kelvin_voigt_r", lambda slopes, epsilon: 1.000001 * right(slopes, epsilon))

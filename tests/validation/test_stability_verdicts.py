@@ -5,16 +5,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import scene
+import slipwave
 from reduced import closed_forms
 from reduced.stability import Boundary, friction_slopes
 from validation.studies import stability_boundaries as study
-from validation.studies import stability_verdicts as verdicts
-from validation.studies.stability_boundaries_figures import critical_curves, impedances, planes, spectra
-from validation.studies.stability_measured import Curves
+from validation.studies.stability_boundaries import verdicts
+from validation.studies.stability_boundaries.figures import critical_curves, impedances, planes, spectra
+from validation.studies.stability_boundaries.measured import Curves
 from validation.study import Outcome
 
-PAPER = scene.read("paper")
+PAPER = slipwave.read("paper")
 SLOPES = friction_slopes(PAPER.law, PAPER.velocity)
 V = np.array([1.0, 100.0, 1e3, 1e4])
 

@@ -5,14 +5,14 @@ import dataclasses
 import pytest
 from study_parts import parts
 
-import scene
-from scene.input.source import gallery_names
-from validation.bounds import too_roomy
+import slipwave
+from slipwave.input.source import gallery_names
 from validation.report import make_report, store
 from validation.report.picture import LARGEST, readme_picture
 from validation.studies import STUDIES, load
 from validation.studies import one_cycle as one_cycle_study
 from validation.study import Budget, Evidence, Outcome, StudyResult
+from validation.study.bounds import too_roomy
 from validation.work_precision import Point, Setting, cheapest, time_run
 
 QUICK = Budget(quick=True)
@@ -92,7 +92,7 @@ def test_claims():
 
 def test_timed_run_knows_its_error():
     exact = {"period": 73.4721449443, "stress_drop": 0.1739634131}
-    point = time_run(Setting("fd", cells=32, cfl=1.0), scene.read("paper"), 2500.0, exact, repeats=1)
+    point = time_run(Setting("fd", cells=32, cfl=1.0), slipwave.read("paper"), 2500.0, exact, repeats=1)
     assert point.period_error == pytest.approx(-8.0e-6, rel=0.02)
     assert point.seconds > 0.0
     assert Setting("fd", cells=32, cfl=0.5).words == "32 cells, CFL 0.5"

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import scene
-from scene.observe import EventObserver, Solver, follow
-from scene.scene import Scene
-from validation.models import build
+import slipwave
+from slipwave.observe import EventObserver, Solver, follow
+from slipwave.scene import Scene
+from validation.registry.build import build
 
 STEEP = "drive.velocity=[[0.0,100.0],[120.0,100.0],[123.0,1000.0]]"
 LATE = "drive.velocity=[[0.0,100.0],[500.0,100.0],[510.0,1000.0]]"
@@ -32,7 +32,7 @@ def error_and_estimate(chosen: Scene, tolerance: float) -> tuple[float, float]:
 def test_a_ramp_beyond_the_probe_of_a_constant_drive_is_seen(monkeypatch: pytest.MonkeyPatch, tolerance: float) -> None:
     """Three cells are enough up to the ramp, whatever the tolerance; they err by 5e-6 after it."""
     monkeypatch.setattr("fullwave.adapt.PROBE", 110.0)
-    error, estimate = error_and_estimate(scene.read("paper", [STEEP, "run.until=200"]), tolerance)
+    error, estimate = error_and_estimate(slipwave.read("paper", [STEEP, "run.until=200"]), tolerance)
     assert error <= 2.0 * estimate
     assert error <= tolerance
     assert estimate <= tolerance
@@ -44,6 +44,6 @@ def test_a_ramp_beyond_the_probe_of_a_constant_drive_is_seen(monkeypatch: pytest
     [("paper", [LATE, "run.until=650"], 1e-7), ("paper", [LATE, "run.until=650"], 1e-8), ("ramp", [SLOW, "run.until=700"], 1e-9)],
 )
 def test_ramps_of_long_runs(name: str, settings: list[str], tolerance: float) -> None:
-    error, estimate = error_and_estimate(scene.read(name, settings), tolerance)
+    error, estimate = error_and_estimate(slipwave.read(name, settings), tolerance)
     assert error <= 2.0 * estimate
     assert error <= tolerance

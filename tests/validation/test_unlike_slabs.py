@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from study_parts import parts
 
-from validation.bounds import too_roomy
 from validation.studies import load
-from validation.studies.unlike_slabs_cost import cost_verdicts
-from validation.studies.unlike_slabs_figures import Curves, last_cycles
+from validation.studies.unlike_slabs.cost import cost_verdicts
+from validation.studies.unlike_slabs.figures import Curves, last_cycles
 from validation.study import Budget, Outcome
+from validation.study.bounds import too_roomy
 
 STUDY = load("unlike-slabs")
 

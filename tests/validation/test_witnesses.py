@@ -2,16 +2,16 @@
 
 import pytest
 
-import scene
-from scene.observe import follow
-from validation.models import build
+import slipwave
+from slipwave.observe import follow
+from validation.registry.build import build
 
 SMOOTH = ("paper-2.6", "unlike", "unlike-irrational", "grip", "reflection", "layered", "slip-law", "regularised")
 
 
 @pytest.mark.parametrize("name", SMOOTH)
 def test_discontinuous_galerkin_agrees_with_the_delay_system(name: str) -> None:
-    arrangement = scene.read(name, ['start.kind="nudge"', "start.size=0.5"])
+    arrangement = slipwave.read(name, ['start.kind="nudge"', "start.size=0.5"])
     wave = follow(build("dg:7", arrangement, cells=8), 150.0)
     delay = follow(build("delay", arrangement, tolerance=1e-11), 150.0)
     assert wave.psi == pytest.approx(delay.psi, abs=5e-11)  # measured: 3e-12

@@ -9,12 +9,12 @@ import dataclasses
 import numpy as np
 import scipy.sparse
 
-import scene
-from fullwave.march import STEPS_PER_PIECE
-from scene.drive import steady_drive
-from scene.friction.ageing import Ageing
-from scene.slab import Slab
-from scene.start import Start
+import slipwave
+from fullwave.lines.march import STEPS_PER_PIECE
+from slipwave.friction.ageing import Ageing
+from slipwave.scene.drive import steady_drive
+from slipwave.scene.slab import Slab
+from slipwave.scene.start import Start
 
 EPSILON = 0.02
 SLAB = Slab(EPSILON, 1e-3)
@@ -27,7 +27,7 @@ def rate_scene(direct, upper=None, lower=None, **changes):
     upper = SLAB if upper is None else dataclasses.replace(SLAB, **upper)
     lower = upper if lower is None else dataclasses.replace(SLAB, **lower)
     return dataclasses.replace(
-        scene.read("paper"),
+        slipwave.read("paper"),
         law=Ageing(0.0, direct, 0.0),
         upper=upper,
         lower=lower,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from validation.convergence import Fit, fit, shortfall
+from validation.measure.order_fit import Fit, fit, shortfall
 
 
 def assert_order(errors, steps, declared, tolerance=0.1, absolute=None, scale=1.0, at_least=False, widest=0.5) -> Fit:

@@ -9,13 +9,13 @@ import tracemalloc
 
 import pytest
 
-import scene
-from scene.observe import follow
-from scene.slab import GripFace, ReflectingFace
+import slipwave
+from slipwave.observe import follow
+from slipwave.scene.slab import GripFace, ReflectingFace
 from tests.compiled_work import count_calls
-from validation.models import build
+from validation.registry.build import build
 
-PAPER = scene.read("paper")
+PAPER = slipwave.read("paper")
 GRIDS = {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}
 EVERY = pytest.mark.parametrize("model", GRIDS)
 TRANSITS = 20.0

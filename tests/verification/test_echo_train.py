@@ -10,7 +10,7 @@ from exact_waves import LOCKED, fields, pulse, rate_scene, send, squared, step_t
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
-from scene.slab import Layer
+from slipwave.scene.slab import Layer
 
 RATIO = 2.5
 

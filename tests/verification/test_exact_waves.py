@@ -10,7 +10,7 @@ from exact_waves import EPSILON, LOCKED, SLAB, fields, pulse, rate_scene, reflec
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
-from scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
 
 FAMILIES = {
     "dg:7": partial(DiscontinuousGalerkin, degree=7, cells=16),

@@ -15,12 +15,12 @@ import pytest
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
-import scene
-from fullwave.field import record_field
-from scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
-from validation.models import build
+import slipwave
+from fullwave.fields.record import record_field
+from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
+from validation.registry.build import build
 
-PAPER = scene.read("paper")
+PAPER = slipwave.read("paper")
 E, R = PAPER.upper.epsilon, PAPER.upper.round_trip
 PLAIN = Slab(3.0 * E, 1.7 * R)
 SOLID = Slab(2.0 * E, R, viscosity=KelvinVoigtViscosity(0.05 * R))

@@ -10,9 +10,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from validation.ladders import GENTLE, LADDERS, ROUGH
-from validation.models import build
-from validation.orders import QUANTITIES, climb, errors, measure
+from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH
+from validation.measure.orders import QUANTITIES, climb, errors, measure
+from validation.registry.build import build
 
 FINE = {"dg:12": 12, "fem:11": 14}
 """Galerkin and elements of high degree: the first refers the elements and differences, the second refers Galerkin."""

@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 from order import assert_order
 
-import scene
+import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
-from reduced.exact import delay_system
-from scene.observe import follow
-from scene.start import Start, StartKind
+from reduced.delay.system import delay_system
+from slipwave.observe import follow
+from slipwave.scene.start import Start, StartKind
 
-JUMP = dataclasses.replace(scene.read("paper"), start=Start(StartKind.JUMP, 0.05))
+JUMP = dataclasses.replace(slipwave.read("paper"), start=Start(StartKind.JUMP, 0.05))
 EARLY, LATE = np.arange(40.25, 60.0), np.arange(400.25, 420.0)
 FAMILIES = {
     "dg:3": (partial(DiscontinuousGalerkin, degree=3), (16, 24, 32, 48, 64), 7 / 8),

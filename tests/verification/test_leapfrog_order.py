@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from order import assert_order
 
-import scene
+import slipwave
 from fullwave.finite_difference import Leapfrog
-from scene.observe import EventObserver, follow
-from scene.slab import GripFace, KelvinVoigtViscosity, Layer, StandardLinearViscosity
-from scene.start import Start, StartKind
-from validation.convergence import extrapolated
+from slipwave.observe import EventObserver, follow
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, StandardLinearViscosity
+from slipwave.scene.start import Start, StartKind
+from validation.measure.order_fit import extrapolated
 
 CELLS = (54, 108, 216, 432)
 STATE = ("ln_v", "psi", "mu")
@@ -33,7 +33,7 @@ def limit_of(chosen, until):
 
 @pytest.fixture(scope="module")
 def smooth():
-    chosen = scene.read("paper", ["slab.log10_r=-2.6"])
+    chosen = slipwave.read("paper", ["slab.log10_r=-2.6"])
     return chosen, {until: limit_of(chosen, until) for until in (100.0, 200.0)}
 
 
@@ -52,7 +52,7 @@ OUTPUTS = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")
 
 def cycle(cells, cfl):
     """Outputs (rows) of the first two cycles of the run: the same transient for every grid."""
-    chosen = scene.read("paper", ["slab.log10_r=-2.6"])
+    chosen = slipwave.read("paper", ["slab.log10_r=-2.6"])
     solver = Leapfrog(chosen, cells, cfl)
     events = EventObserver(chosen, solver.nodes)
     follow(solver, 280.0, [events])
@@ -77,7 +77,7 @@ def test_every_output_is_of_order_two(cycle_limit, cfl):
         print(f"cfl {cfl} {name}: {fit}")
 
 
-JUMP = dataclasses.replace(scene.read("paper"), start=Start(StartKind.JUMP, 0.05))
+JUMP = dataclasses.replace(slipwave.read("paper"), start=Start(StartKind.JUMP, 0.05))
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +95,7 @@ def test_jump_start_is_of_order_one(jump_limit, cfl):
     print(f"jump cfl {cfl}: {fit}")
 
 
-ROUND_TRIP = scene.read("paper").transit
+ROUND_TRIP = slipwave.read("paper").transit
 DRESSED = {
     "unlike": [{}, {"epsilon": 8.4e-5, "round_trip": 2 * ROUND_TRIP}],
     "grip": [{"face": GripFace(2.0, 1.0)}],
@@ -107,7 +107,7 @@ DRESSED = {
 
 @pytest.mark.parametrize("name", DRESSED)
 def test_every_slab_is_of_order_two(name):
-    plain = scene.read("paper")
+    plain = slipwave.read("paper")
     upper = dataclasses.replace(plain.upper, **DRESSED[name][0])
     lower = dataclasses.replace(plain.upper, **DRESSED[name][-1])
     chosen = dataclasses.replace(plain, upper=upper, lower=lower)

@@ -7,14 +7,14 @@ import dataclasses
 
 import pytest
 
-import scene
+import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_difference import Leapfrog
-from scene.observe import follow
-from scene.slab import GripFace, Layer, StandardLinearViscosity
-from validation.convergence import extrapolated
+from slipwave.observe import follow
+from slipwave.scene.slab import GripFace, Layer, StandardLinearViscosity
+from validation.measure.order_fit import extrapolated
 
-PAPER = scene.read("paper")
+PAPER = slipwave.read("paper")
 ROUND_TRIP = PAPER.transit
 SLABS = {
     "unlike": [{}, {"epsilon": 8.4e-5, "round_trip": 2**0.5 * ROUND_TRIP}],

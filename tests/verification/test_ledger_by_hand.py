@@ -11,14 +11,14 @@ import pytest
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
-import scene
-from fullwave.field import record_field
-from scene.drive import Drive
-from scene.scene import Scene
-from scene.slab import GripFace, KelvinVoigtViscosity, Slab, StandardLinearViscosity
-from validation.models import build
+import slipwave
+from fullwave.fields.record import record_field
+from slipwave.scene import Scene
+from slipwave.scene.drive import Drive
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Slab, StandardLinearViscosity
+from validation.registry.build import build
 
-PAPER = scene.read("paper")
+PAPER = slipwave.read("paper")
 E, R = PAPER.upper.epsilon, PAPER.upper.round_trip
 RAMP = Drive((0.0, 4.25, 9.5, 12.0), (100.0, 100.0, 160.0, 70.0))
 GRIP = GripFace(2.0, 1.5)

@@ -4,15 +4,15 @@ import dataclasses
 
 import pytest
 
-import scene
+import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
-from reduced.exact import delay_system
-from scene.observe import EventObserver, follow
-from scene.slab import GripFace, Layer, ReflectingFace
+from reduced.delay.system import delay_system
+from slipwave.observe import EventObserver, follow
+from slipwave.scene.slab import GripFace, Layer, ReflectingFace
 
-PAPER = scene.read("paper")
+PAPER = slipwave.read("paper")
 SLAB = PAPER.upper
 PERIOD = 73.4721449443
 """The paper's orbit at log10 r = -2.68 by Newton on the delay system: three meshes and a second program agree on these digits."""

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from exact_waves import EPSILON, LOCKED, fields, rate_scene, squared
 
-import scene
+import slipwave
 from fullwave.finite_difference import Leapfrog
-from validation.models import build
-from validation.studies.attack_limits import CELLS, MEDIA, around_the_limit, growth, rubbing, state_reach
+from validation.registry.build import build
+from validation.studies.stability_attacks.limits import CELLS, MEDIA, around_the_limit, growth, rubbing, state_reach
 
 
 @pytest.mark.parametrize("medium", MEDIA)
@@ -35,7 +35,7 @@ def test_limit_is_blind_to_friction(model, decade):
 @pytest.mark.parametrize("model", [model for model in CELLS if model != "fd"])
 def test_limit_is_blind_to_a_stiff_state(model, stiffness):
     """a and b of the ageing law scaled: the same step, stable at 0.99 of it, not at 1.04."""
-    plain = scene.read("paper", ["start.size=0"])
+    plain = slipwave.read("paper", ["start.size=0"])
     stiff = dataclasses.replace(plain, law=plain.law._replace(a=stiffness * plain.law.a, b=stiffness * plain.law.b))
     assert build(model, stiff, cells=CELLS[model]).step == build(model, plain, cells=CELLS[model]).step
     assert growth(model, stiff, 0.99) < 20.0

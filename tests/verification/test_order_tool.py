@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from order import assert_order
 
-from validation.convergence import extrapolated, fit, fit_dense, shortfall
-from validation.ladders import GENTLE, LADDERS
-from validation.orders import QUANTITIES, Climb
+from validation.measure.grid_ladders import GENTLE, LADDERS
+from validation.measure.order_fit import extrapolated, fit, fit_dense, shortfall
+from validation.measure.orders import QUANTITIES, Climb
 
 STEPS = 0.1 * 0.5 ** np.arange(6)
 

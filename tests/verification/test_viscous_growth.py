@@ -8,13 +8,13 @@ import dataclasses
 
 import pytest
 
-import scene
-from scene.slab import GripFace, KelvinVoigtViscosity, StandardLinearViscosity
+import slipwave
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, StandardLinearViscosity
 from tests.growth import measured_root, nudged
 from tests.one_port_by_hand import leading_root
-from validation.models import build
+from validation.registry.build import build
 
-SLAB = scene.read("paper").upper
+SLAB = slipwave.read("paper").upper
 R = SLAB.round_trip
 FAMILIES = {"fd": 32, "sbp:6": 16, "fem:6": 2, "dg:5": 3}
 
@@ -22,7 +22,7 @@ FAMILIES = {"fd": 32, "sbp:6": 16, "fem:6": 2, "dg:5": 3}
 def of(upper, lower=None):
     """The paper's scene with slabs changed, the lower like the upper unless given."""
     slabs = [dataclasses.replace(SLAB, **changes) for changes in (upper, upper if lower is None else lower)]
-    return dataclasses.replace(scene.read("paper"), upper=slabs[0], lower=slabs[1])
+    return dataclasses.replace(slipwave.read("paper"), upper=slabs[0], lower=slabs[1])
 
 
 SCENES = {

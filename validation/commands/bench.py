@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Any
 from validation.commands.options import Json, SceneName, Settings, Until, Yes, most_seconds, read_scene
 
 if TYPE_CHECKING:
-    from scene.scene import Scene
-    from validation.families import Family
-    from validation.simulate import Run
+    from slipwave.scene import Scene
+    from validation.registry.families import Family
+    from validation.run.simulate import Run
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)
 _REFERENCE_TOLERANCE = 1e-11
@@ -19,11 +19,11 @@ def bench(scene: SceneName, until: Until = None, settings: Settings = None, yes:
     A model that cannot do the scene (quasistatic runs away) is a row of the table; a failed solve, or a failed reference, is told
     once more at the end.
     """
-    from scene.errors import SceneError
-    from validation.models import honouring
+    from slipwave.errors import SceneError
     from validation.output import conclude, print_json
-    from validation.progress import progress
-    from validation.simulate import RunInterrupted
+    from validation.registry.build import honouring
+    from validation.run.progress import progress
+    from validation.run.simulate import RunInterrupted
 
     what = read_scene(scene, settings, until)
     trials = [(family, setting) for family in honouring(what) for setting in _settings(family)]
@@ -64,7 +64,7 @@ def _reference(scene: "Scene", trials: "list[tuple[Family, dict[str, Any]]]", mo
 
 
 def _timed(scene: "Scene", family: "Family", setting: dict[str, Any], most: float) -> "Run":
-    from validation.simulate import simulate
+    from validation.run.simulate import simulate
     from validation.work_precision import Setting, solver_of, warm_up
 
     chosen = Setting(family.example, **setting)
@@ -90,8 +90,8 @@ def _row(run: "Run", setting: dict[str, Any], reference: "Run") -> dict[str, Any
 
 
 def _print(rows: list[dict[str, Any]], reference: str, until: float) -> None:
+    from validation.commands.wording import without_errors
     from validation.output import figures, print_table
-    from validation.wording import without_errors
 
     heading = ["model", "setting", "wall s", "error T", "error drop"]
     table = [

@@ -8,8 +8,8 @@ import typer
 from validation.commands.options import Cells, Cfl, Json, SceneName, Settings, Tolerance, Until, Yes, most_seconds, read_scene
 
 if TYPE_CHECKING:
-    from validation.cycle import Cycle
-    from validation.simulate import Run
+    from validation.measure.cycle import Cycle
+    from validation.run.simulate import Run
 
 
 def compare(
@@ -27,11 +27,11 @@ def compare(
     json: Json = False,
 ) -> None:
     """Lay models over each other for one cycle; print periods and stress drops with their errors."""
-    from scene.observe.foresight import require_time
-    from validation.cycle import CycleObserver
-    from validation.models import build_all
+    from slipwave.observe.foresight import require_time
+    from validation.measure.cycle import CycleObserver
     from validation.output import attempt, conclude, print_json, printed, require_writable
-    from validation.simulate import RunInterrupted, second_half, simulate
+    from validation.registry.build import build_all
+    from validation.run.simulate import RunInterrupted, second_half, simulate
 
     what = read_scene(scene, settings, until)
     require_writable(out, (".png", ".pdf", ".svg"))
@@ -82,8 +82,8 @@ def _row(run: "Run", reference: "Run") -> dict[str, Any]:
 
 
 def _print(rows: list[dict[str, Any]], reference: str, out: Path) -> None:
+    from validation.commands.wording import without_errors
     from validation.output import figures, print_table
-    from validation.wording import without_errors
 
     heading = ["model", "period", "std", "stress drop", "elastic drop", "v_max", "v_min", "error T", "error drop", "wall s"]
     table = [
@@ -115,7 +115,7 @@ def _draw(out: Path, runs: "list[Run]", cycles: "list[Cycle | None]") -> None:
     only a word in the legend."""
     from matplotlib.figure import Figure
 
-    from scene.files import whole_or_absent
+    from slipwave.files import whole_or_absent
 
     sheet = Figure(figsize=(9.0, 6.0), layout="constrained")
     above, below = sheet.subplots(2, 1, sharex=True)

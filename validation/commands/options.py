@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 
 if TYPE_CHECKING:
-    from scene.scene import Scene
+    from slipwave.scene import Scene
 
 SceneName: TypeAlias = Annotated[
     str, typer.Argument(metavar="SCENE", help="a gallery name (see `slipwave scenes`) or a TOML file")
@@ -40,16 +40,16 @@ def most_seconds(yes: bool) -> float:
     """How long a run may be expected to take."""
     import math
 
-    from scene.observe.foresight import DAY
+    from slipwave.observe.foresight import DAY
 
     return math.inf if yes else DAY
 
 
 def read_scene(name: str, settings: list[str] | None, until: float | None = None) -> "Scene":
     """The scene of the command line: its file or gallery name, `--set` changes, `--until`."""
-    import scene
+    import slipwave
 
     overrides = list(settings or ())
     if until is not None:
         overrides.append(f"run.until={until}")
-    return scene.read(name, overrides)
+    return slipwave.read(name, overrides)

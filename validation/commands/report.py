@@ -12,7 +12,7 @@ def report(
     out: Annotated[Path, typer.Option(metavar="DIR", help="folder of the page and its data")] = Path("reports"),
 ) -> None:
     """Run the studies whose scene, code or settings changed and write DIR/index.html."""
-    from scene.errors import Interrupted
+    from slipwave.errors import Interrupted
     from validation.output import require_folder
     from validation.report import make_report
     from validation.report.red import RedReport

@@ -20,8 +20,8 @@ from validation.commands.options import (
 )
 
 if TYPE_CHECKING:
-    from scene.observe import Solver
-    from validation.simulate import Run
+    from slipwave.observe import Solver
+    from validation.run.simulate import Run
 
 
 def run(
@@ -50,15 +50,15 @@ def run(
     json: Json = False,
 ) -> None:
     """Run one model on one scene; print events, periods and stress drops of the run's second half."""
-    from fullwave.field_files import write_field
-    from scene.observe import follow
-    from validation.default_grid import judged, note_on
-    from validation.determinacy import amplified_rounding
-    from validation.models import build, resolve
+    from fullwave.fields.files import write_field
+    from slipwave.observe import follow
     from validation.output import attempt, conclude, printed, require_writable
-    from validation.recording import FIELD_FILES, fields_for, history_for, write_run
-    from validation.resuming import march_for, way_on
-    from validation.simulate import RunInterrupted, simulate
+    from validation.registry.build import build, resolve
+    from validation.registry.default_grid import judged, note_on
+    from validation.run.determinacy import amplified_rounding
+    from validation.run.recording import FIELD_FILES, fields_for, history_for, write_run
+    from validation.run.resuming import march_for, way_on
+    from validation.run.simulate import RunInterrupted, simulate
 
     what = read_scene(scene, settings, until)
     if out is not None:
@@ -159,8 +159,8 @@ def _energy(done: "Run") -> dict[str, float] | None:
 
 
 def _print(done: "Run", notes: list[str]) -> None:
+    from validation.commands.wording import describe, statistics_rows, told_events
     from validation.output import figures, print_table
-    from validation.wording import describe, statistics_rows, told_events
 
     for line in describe(done.solver.scene):
         print(line)

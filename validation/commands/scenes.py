@@ -3,7 +3,7 @@
 
 def scenes() -> None:
     """List the gallery's scenes, one line each."""
-    from scene.input.source import gallery_titles
+    from slipwave.input.source import gallery_titles
 
     titles = gallery_titles()
     width = max(map(len, titles))

@@ -8,7 +8,7 @@ from validation.commands.options import Json, SceneName, Settings, read_scene
 
 if TYPE_CHECKING:
     from reduced.stability import Stability
-    from scene.scene import Scene
+    from slipwave.scene import Scene
 
 StabilityModel = Annotated[
     str,
@@ -68,8 +68,8 @@ def notes_of(scene: "Scene", found: "Stability") -> list[str]:
 def _print(scene: "Scene", found: "Stability") -> None:
     import math
 
+    from validation.commands.wording import describe
     from validation.output import figures, print_table
-    from validation.wording import describe
 
     for line in describe(scene):
         print(line)

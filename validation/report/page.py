@@ -6,10 +6,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from scene.files import whole_or_absent
-from validation.report import baseline, text
+from slipwave.files import whole_or_absent
+from validation.report import baseline
 from validation.report.store import Picture, Stored
-from validation.study import Evidence, Outcome, Verdict
+from validation.study import Evidence, Outcome, Verdict, text
 
 _HERE = Path(__file__).parent
 _WORST = (Outcome.FAIL, Outcome.FINDING, Outcome.PASS)

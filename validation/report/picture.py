@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import validation
-from scene.errors import SceneError
+from slipwave.errors import SceneError
 
 TARGET = Path(validation.__file__).resolve().parent.parent / "docs" / "one-cycle.png"
 LARGEST = 200_000

@@ -6,9 +6,9 @@ import subprocess
 from importlib import metadata
 from pathlib import Path
 
-import scene
+import slipwave
 import validation
-from scene.sources import source_digest
+from slipwave.sources import source_digest
 
 _ROOT = Path(validation.__file__).resolve().parent.parent
 
@@ -19,7 +19,7 @@ def provenance() -> dict[str, str]:
         "slipwave": metadata.version("slipwave"),
         "commit": commit(),
         "solver sources": source_digest(),
-        "scene paper": scene.read("paper").digest,
+        "scene paper": slipwave.read("paper").digest,
         "platform": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
         "cores": str(_cores()),

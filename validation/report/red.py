@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from scene.errors import NumericsError
+from slipwave.errors import NumericsError
 from validation.report import baseline
 from validation.report.store import Stored
-from validation.report.text import bare
 from validation.study import Outcome
+from validation.study.text import bare
 
 
 class RedReport(NumericsError):

@@ -9,11 +9,11 @@ from importlib import metadata
 from pathlib import Path
 
 import validation
-from scene.sources import import_closure, imported_names, program
+from slipwave.sources import import_closure, imported_names, program
 from validation.study import Study
 
 _ROOM = Path(validation.__file__).parent
-_GALLERY = _ROOM.parent / "scene" / "gallery"
+_GALLERY = _ROOM.parent / "slipwave" / "gallery"
 _READ = (".py", ".toml", ".json")
 
 
@@ -31,7 +31,7 @@ def sources_of(study: Study) -> list[Path]:
     """The study's own file and its optional `FILES` (folders stand for what is in them), all that these import in any room, the
     data of this room, and the gallery's scenes that `SCENES` or any of these programs of this room names.
 
-    A package's `__init__.py` counts where the package itself is imported: `validation.report.text` does not need all that the
+    A package's `__init__.py` counts where the package itself is imported: `validation.study.text` does not need all that the
     report's own entrance imports."""
     read = list(_read(getattr(study, "FILES", ())))
     own = Path(str(getattr(study, "__file__", __file__)))

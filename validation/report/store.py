@@ -71,7 +71,7 @@ def _files(place: Path, figure: str) -> tuple[Path, Path]:
 
 def save(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds: float) -> Stored:
     """Write the result with its figures under folder/NAME; a reader sees all of it or none."""
-    from validation.report.drawing import render, styled
+    from validation.study.drawing import render, styled
 
     target = folder / study.NAME
     part = folder / f".{study.NAME}.{os.getpid()}"

@@ -3,7 +3,7 @@
 from importlib import import_module
 from typing import cast
 
-from scene.errors import SceneError
+from slipwave.errors import SceneError
 from validation.study import Study
 
 STUDIES = {

@@ -3,12 +3,12 @@
 import math
 from typing import TYPE_CHECKING
 
-import scene
-from scene.scene import Scene
-from validation.bounds import bounded
-from validation.closed_forms import Onset
-from validation.report.drawing import canvas
+import slipwave
+from slipwave.scene import Scene
+from validation.references.onset import Onset
 from validation.study import Budget, Cell, Column, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge
+from validation.study.bounds import bounded
+from validation.study.drawing import canvas
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +25,7 @@ _TABLE_1 = {"density": 800.0, "shear_modulus": 1e6, "epsilon": 2.8e-5}
 
 def run(budget: Budget) -> StudyResult:
     """Read the scenes and tabulate their groups."""
-    scenes = [scene.read(name) for name in SCENES]
+    scenes = [slipwave.read(name) for name in SCENES]
     paper = scenes[0]
     onset = _onset(paper)
     ratio = paper.transit / onset.r_delay

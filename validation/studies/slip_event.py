@@ -6,19 +6,19 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-import scene
-from fullwave.field import Field, record_field
-from fullwave.field_picture import picture
-from scene.observe.pieces import Array
-from validation.bounds import bounded
-from validation.cycle import watch
-from validation.models import build
+import slipwave
+from fullwave.fields.picture import picture
+from fullwave.fields.record import Field, record_field
+from slipwave.observe.pieces import Array
+from validation.measure.cycle import watch
+from validation.registry.build import build
 from validation.study import Budget, Cell, Column, Evidence, Figure, Number, StudyResult, Table, Verdict
+from validation.study.bounds import bounded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
-    from fullwave.snapshot import FieldSolver
+    from slipwave.observe.snapshot import FieldSolver
 
 NAME = "slip-event"
 QUESTION = "What do the slabs do during one slip event?"
@@ -66,7 +66,7 @@ def run(budget: Budget) -> StudyResult:
 
 def _record(cells: int) -> Event:
     """March to the orbit, predict the next event from the last period, keep the fields about its fastest moment."""
-    what = scene.read("paper")
+    what = slipwave.read("paper")
     solver = build(_MODEL, what, cells=cells)
     events = watch(solver, _SETTLED).events()
     period = float(events.period[-1])

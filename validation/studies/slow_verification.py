@@ -19,7 +19,7 @@ SECONDS = (0.1, 250.0)
 
 _CHECKOUT = Path(__file__).parents[2]
 _IS_CHECKOUT = (_CHECKOUT / "pyproject.toml").is_file() and (_CHECKOUT / "tests").is_dir()
-FILES = (_CHECKOUT / "tests", _CHECKOUT / "scene" / "gallery") if _IS_CHECKOUT else ()
+FILES = (_CHECKOUT / "tests", _CHECKOUT / "slipwave" / "gallery") if _IS_CHECKOUT else ()
 
 _TESTED = (0, 1)  # how pytest ends if tests were found and run, all well or not
 

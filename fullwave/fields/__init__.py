@@ -1,0 +1,1 @@
+"""Fields of a full wave over depth and time: recorded, written, drawn."""

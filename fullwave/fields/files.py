@@ -1,0 +1,85 @@
+"""Field records as files: netCDF through xarray; VTU (a space-time sheet) and XDMF (a series of profiles) through meshio.
+
+Position is the depth as a fraction of the travel time, counted upwards from the interface: positive in the upper slab, negative
+in the lower. Every file is whole or absent.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fullwave.fields.record import Field
+from slipwave.errors import SceneError
+from slipwave.files import whole_or_absent
+from slipwave.observe.pieces import Array
+
+if TYPE_CHECKING:
+    import meshio
+
+
+def write_field(path: Path, field: Field) -> None:
+    """Write `field` as .nc, .vtu or .xdmf. Raises SceneError for any other name or if the file cannot be written."""
+    writers: dict[str, Callable[[Path, Field], None]] = {".nc": _write_netcdf, ".vtu": _write_sheet, ".xdmf": _write_series}
+    if path.suffix not in writers:
+        raise SceneError(f"fields = {str(path)!r}: the name must end in {', '.join(writers)}")
+    with whole_or_absent(path) as temporary:
+        writers[path.suffix](temporary, field)
+
+
+def profile(field: Field) -> tuple[Array, Array, Array]:
+    """(position (n,), velocity (k, n), stress (k, n)) through both slabs from the lower's outer face to the upper's; alike slabs
+    are completed by reflection. The interface appears twice, once per slab."""
+    upper = field.upper
+    depth, velocity, stress = (
+        (upper.depth, -upper.velocity, upper.stress)
+        if field.lower is None
+        else (field.lower.depth, field.lower.velocity, field.lower.stress)
+    )
+    position = np.concatenate((-depth[::-1], upper.depth))
+    return (
+        position,
+        np.hstack((velocity[:, ::-1], upper.velocity)),
+        np.hstack((stress[:, ::-1], upper.stress)),
+    )
+
+
+def sheet(field: Field) -> "meshio.Mesh":
+    """The space-time sheet: quadrilaterals over (time in transits, position), with velocity and stress at the points.
+
+    Cells of no height (the interface, element boundaries) are left out, so the slip there stays a sharp cut.
+    """
+    import meshio
+
+    position, velocity, stress = profile(field)
+    moments, places = field.time.size, position.size
+    points = np.zeros((moments * places, 3))
+    points[:, 0] = np.repeat(field.time, places)
+    points[:, 1] = np.tile(position, moments)
+    thick = np.flatnonzero(np.diff(position) > 0.0)
+    corner = (np.arange(moments - 1)[:, None] * places + thick).ravel()
+    quads = np.column_stack((corner, corner + places, corner + places + 1, corner + 1))
+    return meshio.Mesh(points, [("quad", quads)], point_data={"velocity": velocity.ravel(), "stress": stress.ravel()})
+
+
+def _write_netcdf(path: Path, field: Field) -> None:
+    field.dataset().to_netcdf(path, engine="netcdf4")
+
+
+def _write_sheet(path: Path, field: Field) -> None:
+    sheet(field).write(path, file_format="vtu")
+
+
+def _write_series(path: Path, field: Field) -> None:
+    """One self-contained XML file, so that whole or absent holds for it."""
+    import meshio
+
+    position, velocity, stress = profile(field)
+    points: NDArray[Any] = np.column_stack((np.zeros(position.size), position, np.zeros(position.size)))
+    thick = np.flatnonzero(np.diff(position) > 0.0)
+    with meshio.xdmf.TimeSeriesWriter(path, data_format="XML") as writer:
+        writer.write_points_cells(points, [("line", np.column_stack((thick, thick + 1)))])
+        for time, moving, loaded in zip(field.time, velocity, stress, strict=True):
+            writer.write_data(float(time), point_data={"velocity": moving, "stress": loaded})

@@ -1,0 +1,58 @@
+"""Fields of the leapfrog at one time and place: velocities are held half a step late and stresses half a cell off the nodes."""
+
+import numpy as np
+
+from fullwave.leapfrog.faces import Rigid
+from fullwave.leapfrog.grid import Grid
+from fullwave.leapfrog.kernel import RATE, STRESS, Clock, Z
+from fullwave.leapfrog.sides import Side
+from fullwave.leapfrog.viscous import KelvinVoigt
+from slipwave.friction import rate_of
+from slipwave.observe.pieces import Array
+from slipwave.observe.snapshot import SlabSnapshot, Snapshot
+from slipwave.scene import Scene
+
+
+def snapshot_of(scene: Scene, time: float, clock: Clock, memory: Array, sides: list[Side], grids: list[Grid]) -> Snapshot:
+    """Velocity and stress at the nodes at the whole time `time`, second order in the cell."""
+    stress, rate = float(memory[STRESS]) - clock.steady_stress, float(memory[RATE])
+    drive = 0.5 * scene.drive.at(time)
+    found = [_slab(sides[0], grids[0], stress, rate, drive)]
+    if not scene.alike:
+        found.append(_slab(sides[1], grids[1], stress, rate_of(scene.law, float(memory[Z])) - rate, drive))
+    upper, lower = (SlabSnapshot(shot.depth, shot.velocity, shot.stress + clock.steady_stress) for shot in (found[0], found[-1]))
+    return Snapshot(time, upper, SlabSnapshot(lower.depth, -lower.velocity, lower.stress))
+
+
+def _slab(side: Side, grid: Grid, interface_stress: float, rate: float, drive: float) -> SlabSnapshot:
+    """Deviation of the stress from that of steady sliding; velocity in the slab's own direction."""
+    velocity, stress = _at_whole_time(side, grid, interface_stress, rate)
+    if isinstance(side.face, Rigid):
+        velocity[-1] = drive
+    elif not isinstance(side.medium, KelvinVoigt):
+        velocity[-1] = _beyond(velocity[:-1])
+    weight = grid.impedance * grid.width
+    between = (weight[1:] * stress[:-1] + weight[:-1] * stress[1:]) / (weight[1:] + weight[:-1])
+    outermost = _beyond(np.array([between[-1], stress[-1]])) if between.size else stress[-1]
+    at_nodes = np.concatenate(([interface_stress], between, [outermost]))
+    return SlabSnapshot(grid.depth / grid.depth[-1], velocity, at_nodes)
+
+
+def _at_whole_time(side: Side, grid: Grid, interface_stress: float, rate: float) -> tuple[Array, Array]:
+    """Velocities at the nodes (but the outermost) and total stresses in the cells."""
+    medium = side.medium
+    velocity = medium.velocity.copy()
+    velocity[0] = rate
+    if isinstance(medium, KelvinVoigt):
+        for j in range(1, velocity.size):
+            velocity[j] = medium.alpha[j] * velocity[j - 1] + medium.beta[j]
+        return velocity, medium.stress + medium.damping * np.diff(velocity)
+    velocity[1:-1] -= np.diff(medium.stress) / grid.inertia[1:-1]
+    return velocity, medium.stress
+
+
+def _beyond(values: Array) -> float:
+    """The next value of a smooth equidistant sequence, from its last two or three."""
+    if values.size < 3:
+        return float(2.0 * values[-1] - values[-2]) if values.size > 1 else float(values[-1])
+    return float(3.0 * (values[-1] - values[-2]) + values[-3])

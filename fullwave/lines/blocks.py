@@ -1,0 +1,189 @@
+"""A scene cut into blocks: the data from which every method-of-lines family builds its `System`."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fullwave.leapfrog.drives import compiled_drive
+from fullwave.lines.panels import LANES
+from fullwave.lines.system import IMPEDANCE, LIFT, STIFFENED, STRESS, Elastic, Interface, Operator, System, Viscous
+from fullwave.options import MOST_CELLS, require_whole
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
+
+
+class Section(NamedTuple):
+    """One layer of one slab: slab 0 (upper) or 1 (lower), depth of its near end and thickness (transits of the upper slab),
+    impedance eps, cells, the fewest cells that the family can make of a section, and the cells per slab that were asked for."""
+
+    slab: int
+    start: float
+    length: float
+    impedance: float
+    cells: int
+    fewest: int
+    asked: int
+
+
+class Block(NamedTuple):
+    """A piece of a section with its own operator: slots of w and s at its nodes (n,), their depths (n,), the norm (diagonal (n,)
+    or scipy sparse (n, n), in transits), 1/h at the near and the far end."""
+
+    section: Section
+    velocity: NDArray[np.int64]
+    stress: NDArray[np.int64]
+    depth: Array
+    norm: Any
+    lift: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """What a family supplies: its compiled operator, the number of slots (a multiple of panels.LANES) and the blocks, from the
+    interface outwards, slab by slab."""
+
+    operator: Operator
+    size: int
+    blocks: tuple[Block, ...]
+
+
+def marched_slabs(scene: Scene) -> tuple[Slab, ...]:
+    """One slab for an alike pair (the motion is antisymmetric), else both."""
+    return (scene.upper,) if scene.alike else (scene.upper, scene.lower)
+
+
+def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:
+    """The layers of the slabs that are marched. `cells` counts the slab with the shorter round trip; the other has as many as
+    keep its cells no longer, and no layer has less than `fewest`. Raises SceneError naming cells and the allowed range."""
+    require_whole("cells", cells, fewest, MOST_CELLS)
+    slabs = marched_slabs(scene)
+    shortest = min(slab.round_trip for slab in slabs)
+    sections = []
+    for index, slab in enumerate(slabs):
+        depth = 0.0
+        for layer in slab.layers:
+            length = 0.5 * slab.round_trip / scene.transit * layer.fraction
+            wanted = int(np.ceil(cells * slab.round_trip / shortest * layer.fraction - 1e-9))
+            count = max(fewest, wanted)
+            sections.append(Section(index, depth, length, slab.epsilon * layer.impedance, count, fewest, cells))
+            depth += length
+    return sections
+
+
+def padded_half(nodes: int) -> int:
+    """Slots of w, and as many of s, in which `nodes` nodes fit, so that both together fill whole panels."""
+    return -(-2 * nodes // LANES) * LANES // 2
+
+
+def shortest_cell(sections: list[Section]) -> float:
+    """Length (transits) of the shortest cell of all sections."""
+    return min(section.length / section.cells for section in sections)
+
+
+def assemble(scene: Scene, grid: Grid) -> System:
+    """Join the blocks of `grid` to each other, to the interface and to the outer faces of `scene`."""
+    slabs = marched_slabs(scene)
+    chains = [[block for block in grid.blocks if block.section.slab == index] for index in range(len(slabs))]
+    medium = _medium(scene, grid)
+    slots, facts = _traces(chains, medium)
+    return System(
+        grid.operator,
+        medium,
+        _interface(scene, facts, grid.size),
+        compiled_drive(scene.drive),
+        slots,
+        facts,
+        _tops(scene, chains, facts),
+        np.zeros((2, slots.shape[1])),
+    )
+
+
+def _traces(chains: list[list[Block]], medium: Elastic | Viscous) -> tuple[NDArray[np.int64], Array]:
+    near, far = (0, -1.0), (-1, 1.0)
+    ends: list[tuple[Block, int, float]] = []
+    for chain in chains:
+        for here, beyond in pairwise(chain):
+            ends += [(here, *far), (beyond, *near)]
+    ends += [(chain[0], *near) for chain in chains]
+    ends += [(chain[-1], *far) for chain in chains]
+    slots = np.array([[block.velocity[end], block.stress[end]] for block, end, _ in ends]).T.copy()
+    facts = np.array([[block.lift[end], sign, 1.0, block.section.impedance] for block, end, sign in ends]).T.copy()
+    if isinstance(medium, Viscous):
+        facts[STIFFENED] += medium.retardation[slots[STRESS]] * facts[LIFT]
+    return slots, facts
+
+
+def _tops(scene: Scene, chains: list[list[Block]], facts: Array) -> Array:
+    columns = []
+    for index, (slab, chain) in enumerate(zip(marched_slabs(scene), chains, strict=True)):
+        impedance = chain[-1].section.impedance
+        stiffened = float(facts[STIFFENED, facts.shape[1] - len(chains) + index])
+        match slab.face:
+            case GripFace(stiffness, relative):
+                spring = stiffness * slab.epsilon / impedance * scene.transit / slab.round_trip
+                shares = _shares(relative * slab.epsilon / impedance, stiffened)
+                columns.append((*shares, spring, relative * slab.epsilon, 0.0))
+            case ReflectingFace(coefficient) if coefficient < 1.0:
+                dashpot = (1.0 + coefficient) / (1.0 - coefficient)
+                columns.append((*_shares(dashpot, stiffened), 0.0, dashpot * impedance, 1.0))
+            case _:
+                columns.append((1.0, 0.0, 0.0, 0.0, 0.0))
+    return np.array(columns).T.copy()
+
+
+def _shares(dashpot: float, stiffened: float) -> tuple[float, float]:
+    """A and B of w* = A V + B (y_g - o) for a dashpot in units of the impedance of the slab behind it."""
+    return dashpot / (dashpot + stiffened), 1.0 / (dashpot + stiffened)
+
+
+def energy_weight(grid: Grid) -> Array:
+    """eps h per slot of the grid (size,): its product with half of w^2 or s^2, summed, is energy over one transit.
+
+    A norm that is no diagonal gives its row sums, which integrate to the order of the scheme but need not be positive: good
+    enough for the heat's ledger; what is stored is summed with the norm itself (`readout`)."""
+    weight = np.zeros(grid.size)
+    for block in grid.blocks:
+        norm = block.norm if isinstance(block.norm, np.ndarray) else np.asarray(block.norm.sum(axis=1)).ravel()
+        weight[block.velocity] = weight[block.stress] = block.section.impedance * norm
+    return weight
+
+
+def _medium(scene: Scene, grid: Grid) -> Elastic | Viscous:
+    slabs = marched_slabs(scene)
+    if all(slab.viscosity is None for slab in slabs):
+        return Elastic()
+    rate, fraction, delay, total, spare = (np.zeros(grid.size) for _ in range(5))
+    is_velocity = np.zeros(grid.size, dtype=np.bool_)
+    for block in grid.blocks:
+        is_velocity[block.velocity] = True
+        match slabs[block.section.slab].viscosity:
+            case StandardLinearViscosity(time, ratio):
+                rate[block.stress] = scene.transit / time
+                fraction[block.stress] = ratio / (1.0 + ratio)
+            case KelvinVoigtViscosity(time):
+                delay[block.stress] = time / scene.transit
+    return Viscous(energy_weight(grid), rate, fraction, delay, is_velocity, total, spare)
+
+
+def _interface(scene: Scene, facts: Array, size: int) -> Interface:
+    sides = len(marched_slabs(scene))
+    joints = facts.shape[1] // 2 - sides
+    copies = 2.0 if sides == 1 else 1.0
+    ends = slice(2 * joints, 2 * joints + sides)
+    return Interface(
+        law=scene.law,
+        impedance=1.0 / float((copies / (facts[IMPEDANCE] * facts[STIFFENED]))[ends].sum()),
+        steady_stress=scene.steady_stress,
+        velocity=scene.velocity,
+        copies=copies,
+        transit=scene.transit,
+        stiffness=scene.stiffness,
+        nudge=scene.start.nudge_size,
+        joints=joints,
+        sides=sides,
+        size=size,
+    )

@@ -1,0 +1,86 @@
+"""What a grid may cost: memory, counted before any of it is taken, and work between two moments at which a run can be stopped."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from fullwave.lines.blocks import Grid, Section
+from fullwave.lines.runge_kutta import RungeKutta
+from slipwave.errors import SceneError
+
+MOST_BYTES = 4e9
+"""Memory that a solver may take: half of that of a small machine, so that a wrong number of cells is told from a large one before
+the machine swaps. A grid of this size takes seconds for each of its steps: no run of interest lies beyond."""
+
+MOST_WORK = 4e8
+"""Products of a weight and a value in one go of compiled code, which neither reports nor can be interrupted: at the 0.5 to 2 per
+nanosecond of the measured families, 0.2 to 0.8 s."""
+
+PRODUCTS_PER_SECOND = 2e9
+"""Of the marches (1.3 to 4e9 measured): what a run takes is told from it, roughly."""
+
+_FEW_CELLS = 2000  # 20 kB each at most: not worth a count
+_PROBE_CELLS = 16
+_BLOCK_BYTES = 1200  # Python's own for one block, its joints included (measured 1.1 to 1.2 kB)
+_ASSEMBLY = 4.0  # copies of a sparse operator that are alive while it is assembled (measured 3.8 for fem:16)
+
+
+def steps_at_once(work: float) -> int:
+    """Steps of `work` products each in one go of compiled code; at least one."""
+    return max(1, int(MOST_WORK / max(work, 1.0)))
+
+
+def march_work(values: int, order: int, method: RungeKutta, viscous: bool) -> float:
+    """Products in a Runge-Kutta step of a state of `values`: in each stage, order + 1 nodes per row of the operator, which
+    viscosity applies twice, and on average half of the earlier stages."""
+    return method.stages * values * ((order + 1.0) * (2.0 if viscous else 1.0) + 0.5 * method.stages)
+
+
+@contextmanager
+def enough_memory(cells: int) -> Iterator[None]:
+    """Raises SceneError naming cells where the machine itself has less memory than is asked for."""
+    try:
+        yield
+    except MemoryError:
+        raise SceneError(f"cells = {cells}: not enough memory on this machine; use fewer") from None
+
+
+def require_memory(sections: list[Section], build: Callable[[list[Section]], Grid], stages: int, viscous: bool) -> None:
+    """Raises SceneError naming cells, and the most that fit, if the march of `sections` would take more than MOST_BYTES.
+
+    The count is exact for the stages and what the blocks hold, and within a third of what was measured for the rest."""
+    total = sum(section.cells for section in sections)
+    if total <= _FEW_CELLS:
+        return
+    start = sections[0]
+    few, more = (start._replace(cells=max(start.fewest, _PROBE_CELLS) + extra) for extra in (0, _PROBE_CELLS))
+    grown = _bytes(build([more]), stages, viscous) - _bytes(build([few]), stages, viscous)
+    require_bytes(start.asked, total * grown / _PROBE_CELLS)
+
+
+def require_bytes(cells: int, needed: float) -> None:
+    """Raises SceneError naming `cells`, and the most that fit, if `needed` is more than MOST_BYTES."""
+    if needed > MOST_BYTES:
+        most = int(float(f"{0.995 * cells * MOST_BYTES / needed:.2g}"))
+        raise SceneError(
+            f"cells = {cells}: would take {needed / 1e9:.1f} GB of memory, more than the {MOST_BYTES / 1e9:g} GB allowed; "
+            f"at most some {most} fit"
+        )
+
+
+def _bytes(grid: Grid, stages: int, viscous: bool) -> float:
+    """What a march of `grid` takes: `stages` and two copies of its state, the blocks and the operator."""
+    copies = (stages + 2.0) * (2.0 if viscous else 1.0) + (6.0 if viscous else 0.0)
+    blocks = sum(_BLOCK_BYTES + sum(_held(part) for part in block) for block in grid.blocks)
+    return 8.0 * copies * grid.size + blocks * (2.0 if viscous else 1.0) + _ASSEMBLY * sum(_held(part) for part in grid.operator)
+
+
+def _held(part: Any) -> float:
+    """Bytes of an array, of a sparse matrix, or of nothing of the kind."""
+    if isinstance(part, np.ndarray):
+        return float(part.nbytes)
+    if hasattr(part, "indptr"):
+        return float(part.data.nbytes + part.indices.nbytes + part.indptr.nbytes)
+    return 0.0

@@ -1,0 +1,72 @@
+"""The compiled loop of the method-of-lines march: Runge-Kutta steps of one length, a sample of the interface at each end."""
+
+from fullwave.lines.motion import rates_of
+from fullwave.lines.runge_kutta import RungeKutta, combine
+from fullwave.lines.system import ELASTIC, PSI, System
+from slipwave.compiled import njit
+from slipwave.observe import Pieces
+from slipwave.observe.pieces import Array
+
+STEPS_PER_PIECE = 8
+"""Steps in one piece: its nine samples make a polynomial of degree 8, so observers never limit a scheme of order 8 or less."""
+
+MOST_PIECES = 512
+"""Pieces in one chunk, fewer on big grids (`budget.MOST_WORK`): memory stays at some 200 kB and the cost of leaving compiled code
+is spread over 4096 steps."""
+
+
+@njit
+def march(
+    system: System,
+    method: RungeKutta,
+    step: float,
+    first: int,
+    begin: int,
+    end: int,
+    state: Array,
+    trial: Array,
+    rates: Array,
+    unknowns: Array,
+    pieces: Pieces,
+    frames: Array,
+) -> tuple[int, int, float]:
+    """Take steps `begin` to `end` (excluded) of those that fill `pieces`, which begin at step number `first`; the one behind the
+    last piece is its closing sample alone. `unknowns` (3, stages) holds z of the last three steps' stages, latest first: a
+    parabola through them starts each friction solve, which saves two of four iterations. `frames`, if it has rows, takes the
+    state at the beginning of every step. Returns (failed solves, step n of the first or -1, fastest state relaxation per
+    transit)."""
+    operator, medium, interface, drive = system.operator, system.medium, system.interface, system.drive
+    slots, facts, tops, arrivals = system.slots, system.facts, system.tops, system.arrivals
+    weight, abscissae = step * method.weight, step * method.abscissae
+    unknown, psis, stress, elastic = pieces.unknown, pieces.state, pieces.stress, pieces.elastic
+    stages, size, count = method.stages, interface.size, pieces.time.size
+    failures, failed = 0, -1
+    fastest = 0.0
+    for n in range(begin, end):
+        time = (first + n) * step
+        if n < frames.shape[0]:
+            for i in range(state.size):
+                frames[n, i] = state[i]
+        for stage in range(stages):
+            combine(weight, stages, stage, state, rates, trial)
+            guess = 3.0 * (unknowns[0, stage] - unknowns[1, stage]) + unknowns[2, stage]
+            z, mu, relaxation, iterations = rates_of(
+                operator, medium, interface, drive, slots, facts, tops, arrivals,
+                time + abscissae[stage], trial, rates, stage * state.size, guess,
+            )  # fmt: skip
+            fastest = max(fastest, relaxation)
+            if stage == 0:
+                sample = (z, state[size + PSI], mu, state[size + ELASTIC])
+                for k in range(max(0, (n - 1) // STEPS_PER_PIECE), min(count, n // STEPS_PER_PIECE + 1)):
+                    j = n - STEPS_PER_PIECE * k
+                    unknown[k, j], psis[k, j], stress[k, j], elastic[k, j] = sample
+                if n == STEPS_PER_PIECE * count:
+                    return failures, failed, fastest  # whoever goes on repeats, and counts, this solve
+            if iterations == 0:
+                failures += 1
+                failed = n if failed < 0 else failed
+            unknowns[2, stage] = unknowns[1, stage]
+            unknowns[1, stage] = unknowns[0, stage]
+            unknowns[0, stage] = z
+        combine(weight, stages, stages, state, rates, state)
+    return failures, failed, fastest

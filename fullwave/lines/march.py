@@ -1,0 +1,175 @@
+"""The march shared by all method-of-lines families: Runge-Kutta steps of fixed length, samples of the interface at their ends."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from fullwave.lines.blocks import Section, assemble, marched_slabs
+from fullwave.lines.budget import PRODUCTS_PER_SECOND, enough_memory, march_work, require_memory, steps_at_once
+from fullwave.lines.kernel import MOST_PIECES, STEPS_PER_PIECE, march
+from fullwave.lines.readout import Shape, impose_fields, snapshot_of, stored_energy
+from fullwave.lines.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, RungeKutta
+from fullwave.lines.scene_limits import Builder, relaxation_limit, viscous_limit
+from fullwave.lines.scheme_limit import longest_decay_step
+from fullwave.lines.system import ELASTIC, FRICTION, INPUT, PSI, RADIATED, SCALARS, VISCOUS
+from fullwave.options import require_cfl
+from fullwave.sampling import pieces_until, sample_nodes
+from slipwave.errors import NumericsError
+from slipwave.friction import unknown_of
+from slipwave.observe import Energy, Pieces
+from slipwave.observe.pieces import Array
+from slipwave.observe.restoring import take_back, whole_numbers
+from slipwave.observe.snapshot import Snapshot
+from slipwave.scene import Scene
+
+
+def method_for(order: int) -> RungeKutta:
+    """The Runge-Kutta method that does not cap a scheme of `order` in space (8 at most).
+
+    Elements of order P + 1 give the interface's outputs at up to order 2 P + 1, and with order 4 in time the differences of order
+    4 lose a factor of five: only schemes of order 2 are left to the classical method (half as dear again with the other)."""
+    return CLASSICAL if order <= 2 else DORMAND_PRINCE_8
+
+
+class March:
+    """Marches `scene`, its `sections` gridded by `build`, with `method`; a `Solver` (slipwave.observe.follow).
+
+    `limit` is the longest stable step (transits) of elastic waves; `step` is the share `cfl` of it, or of what grips, viscosity
+    and friction's state allow if that is less. Raises SceneError naming cfl and its allowed range, or cells too many for the
+    memory (`budget`).
+    """
+
+    order_bulk: int
+
+    def __init__(
+        self, scene: Scene, model: str, build: Builder, sections: list[Section], method: RungeKutta, limit: float, cfl: float
+    ) -> None:
+        require_cfl(cfl)
+        self.scene, self.model, self.method, self.cfl = scene, model, method, float(cfl)
+        self.sections = tuple(sections)
+        self.nodes = sample_nodes(STEPS_PER_PIECE)
+        self.failures, self.failed_at = 0, math.nan
+        with enough_memory(sections[0].asked):
+            self._set_up(build, sections, limit)
+
+    def _set_up(self, build: Builder, sections: list[Section], limit: float) -> None:
+        scene, method = self.scene, self.method
+        viscous = any(slab.viscosity is not None for slab in marched_slabs(scene))
+        require_memory(sections, build, method.stages, viscous)
+        self.grid = build(sections)
+        self.system = assemble(scene, self.grid)
+        grid = self.grid
+        self.step = self.cfl * min(limit, relaxation_limit(self.system, method))
+        if viscous:
+            self.step = min(self.step, self.cfl * viscous_limit(scene, build, sections, method))
+        self._taken = 0
+        self._unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
+        self._state = np.zeros(grid.size + SCALARS + viscous * grid.size)
+        self._state[grid.size + PSI] = scene.steady_psi + scene.start.jump_size
+        self._state[grid.size + ELASTIC] = scene.steady_stress
+        self._frames, self._keeps_frames = np.empty((0, self._state.size)), False
+        self._trial = np.zeros(self._state.size)
+        self._rates = np.zeros(method.stages * self._state.size)
+        self._work = march_work(self._state.size, self.order_bulk, method, viscous)
+        self._stride = steps_at_once(self._work)
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """All that shapes its numbers besides the scene and the model's name."""
+        cells = [section.cells for section in self.sections]
+        return {"cells": cells, "mass": getattr(self, "mass", None), "cfl": self.cfl, "step": self.step}
+
+    @property
+    def transits_per_piece(self) -> float:
+        """Length of the pieces that `advance` returns."""
+        return STEPS_PER_PIECE * self.step
+
+    @property
+    def seconds_per_piece(self) -> float:
+        """About what a piece costs."""
+        return STEPS_PER_PIECE * self._work / PRODUCTS_PER_SECOND
+
+    @property
+    def time(self) -> float:
+        """Time reached, in transits."""
+        return self._taken * self.step
+
+    def advance(self, until: float) -> Pieces:
+        """March towards `until` (transits), at most one chunk."""
+        most = min(MOST_PIECES, max(1, self._stride // STEPS_PER_PIECE))
+        pieces = pieces_until(self._taken, self.step, until, STEPS_PER_PIECE, most)
+        steps = STEPS_PER_PIECE * pieces.time.size
+        with enough_memory(self.sections[0].asked):
+            self._frames = np.empty((self._keeps_frames * (steps + 1), self._state.size))
+        fastest = self._fill(pieces, steps)
+        self._taken += steps
+        if self.step > longest_decay_step(fastest, self.method):
+            raise NumericsError(
+                f"{self.model}: before t = {self.time:.6g} transits the frictional state relaxes at {fastest:.4g} per transit, "
+                f"too fast for steps of {self.step:.4g}: more cells or a smaller cfl (scene {self.scene.name!r})"
+            )
+        return pieces
+
+    def _fill(self, pieces: Pieces, steps: int) -> float:
+        """March the `steps` of `pieces`, as many at once as leave the run open to an interrupt; fastest relaxation met."""
+        fastest = 0.0
+        for begin in range(0, steps + 1, self._stride):
+            failures, failed, relaxation = march(
+                self.system,
+                self.method,
+                self.step,
+                self._taken,
+                begin,
+                min(begin + self._stride, steps + 1),
+                self._state,
+                self._trial,
+                self._rates,
+                self._unknowns,
+                pieces,
+                self._frames,
+            )
+            if failures and not self.failures:
+                self.failed_at = (self._taken + failed) * self.step
+            self.failures += failures
+            fastest = max(fastest, relaxation)
+        return fastest
+
+    def energy(self) -> Energy:
+        """Ledger since t = 0, in units of sigma L; integrated with the motion, so it closes at the order of the scheme."""
+        scalars = self._state[self.grid.size :]
+        stored = stored_energy(self.grid, self.system, self._state)
+        supplied, friction, radiated, viscous = (float(scalars[slot]) for slot in (INPUT, FRICTION, RADIATED, VISCOUS))
+        return Energy(supplied, friction, radiated, viscous, stored)
+
+    def snapshot(self) -> Snapshot:
+        """Velocity and stress at the nodes at `time`."""
+        return self._shown(self.time, self._state)
+
+    def keep_frames(self) -> None:
+        """As `FieldSolver`: steps of high order are long, pieces of eight of them too long for a picture of waves."""
+        self._keeps_frames = True
+
+    def frames(self) -> list[Snapshot]:
+        """As `FieldSolver`."""
+        begin = self._taken - self._frames.shape[0] + 1
+        return [self._shown((begin + k) * self.step, state) for k, state in enumerate(self._frames) if k] or [self.snapshot()]
+
+    def _shown(self, time: float, state: Array) -> Snapshot:
+        return snapshot_of(self.grid, self.system, time, state)
+
+    def impose(self, slab: int, velocity: Shape, stress: Shape) -> None:
+        """Set the fields of slab 0 (upper) or 1 (lower): functions of depth (transits of the upper slab, array in, array out).
+        `velocity` in V* in the slab's own direction of drive, `stress` in units of the normal stress, both in full."""
+        impose_fields(self.grid, self.system, self._state, slab, velocity, stress)
+
+    def state(self) -> dict[str, Array]:
+        """Everything that changes during a run, as arrays; `restore` takes it back to the bit."""
+        counts = np.array([self._taken, self.failures], dtype=float)
+        return {"counts": counts, "state": self._state.copy(), "unknowns": self._unknowns.copy()}
+
+    def restore(self, state: dict[str, Array]) -> None:
+        """Go on from `state`, taken from a solver of the same scene and settings; SceneError if it does not fit."""
+        taken, failures = whole_numbers(state, "counts", (0, 0))
+        take_back({"state": self._state, "unknowns": self._unknowns}, state, self.model)
+        self._taken, self.failures = taken, failures

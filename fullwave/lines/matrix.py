@@ -1,0 +1,96 @@
+"""The equations of motion without friction, as a matrix: the plain reference of `fullwave.lines.motion`, and the source of
+the step limit where viscosity has a say in the spectrum.
+
+The interface is either locked (v = 0: unlike slabs are welded, alike ones stand still there) or free (mu constant): every
+friction law lies between these two.
+"""
+
+import numpy as np
+
+from fullwave.lines.system import (
+    GRIP,
+    IMPEDANCE,
+    LIFT,
+    SCALARS,
+    SIGN,
+    SPRING,
+    STIFFENED,
+    STRESS,
+    VELOCITY,
+    YIELDING,
+    Operator,
+    System,
+    Viscous,
+    apply,
+    finish,
+)
+from slipwave.compiled import njit
+from slipwave.observe.pieces import Array
+
+
+@njit
+def _columns(operator: Operator, states: Array, at_apply: Array, at_finish: Array) -> None:
+    """Row k of `at_apply`: D applied to row k of `states`; of `at_finish`: row k once completed (M^-1 of a consistent mass)."""
+    for k in range(states.shape[0]):
+        apply(operator, states[k], at_apply[k], 0)
+        at_finish[k] = states[k]
+        finish(operator, at_finish[k], 0)
+
+
+def motion_matrix(system: System, locked: bool) -> Array:
+    """d q/dt~ = A q for q = (grid, scalars, memory stresses) in deviations from steady sliding; friction, drive, state and ledger
+    apart (their rows and columns are zero). Shape (n, n)."""
+    size = system.interface.size
+    viscous = system.medium if isinstance(system.medium, Viscous) else None
+    total = size + SCALARS + (size if viscous is not None else 0)
+    derivative, completion = np.zeros((size, size)), np.zeros((size, size))
+    _columns(system.operator, np.eye(size), derivative, completion)
+    state = np.eye(total)  # every row below is a linear form in the state
+    strong = np.zeros((size, total))
+    strong[:, :size] = derivative.T
+    stress = state[:size].copy()
+    if viscous is not None:
+        stress += viscous.retardation[:, None] * strong
+    jump = _jumps(system, state, stress, locked)
+    slots, facts = system.slots, system.facts
+    rates = strong
+    np.add.at(rates, slots[STRESS], (facts[SIGN] * facts[LIFT])[:, None] * jump)
+    if viscous is not None:
+        total_stress = state[:size] + viscous.retardation[:, None] * rates
+        rates[viscous.is_velocity] = (derivative.T @ total_stress)[viscous.is_velocity]
+    np.add.at(rates, slots[VELOCITY], facts[LIFT][:, None] * jump)
+    rates = completion.T @ rates
+    matrix = np.zeros((total, total))
+    if viscous is not None:
+        memory = state[size + SCALARS :]
+        matrix[size + SCALARS :] = viscous.fraction[:, None] * rates - viscous.rate[:, None] * memory
+        rates = rates - viscous.rate[:, None] * memory
+    matrix[:size] = rates
+    sides, grip = system.interface.sides, size + GRIP
+    tops = slots[VELOCITY, -sides:]
+    matrix[grip : grip + sides] = -system.tops[SPRING][:, None] * (jump[-sides:] + state[tops])
+    return matrix
+
+
+def _jumps(system: System, state: Array, stress: Array, locked: bool) -> Array:
+    """w* - w at every trace, as linear forms."""
+    slots, facts, interface = system.slots, system.facts, system.interface
+    velocity, stiffened = state[slots[VELOCITY]], facts[STIFFENED][:, None]
+    arriving = stress[slots[STRESS]] - facts[SIGN][:, None] * stiffened * velocity
+    star = np.zeros_like(velocity)
+    pairs = 2 * interface.joints
+    near, far = slice(0, pairs, 2), slice(1, pairs, 2)
+    impedance = facts[IMPEDANCE][:, None]
+    common = impedance[far] * arriving[far] - impedance[near] * arriving[near]
+    common /= impedance[far] * stiffened[far] + impedance[near] * stiffened[near]
+    star[near] = star[far] = common
+    ends = slice(pairs, pairs + interface.sides)
+    star[ends] = arriving[ends] / stiffened[ends]
+    if locked:
+        free = interface.copies * star[ends].sum(axis=0)
+        star[ends] -= interface.impedance * free / (impedance[ends] * stiffened[ends])
+    tops = slice(pairs + interface.sides, None)
+    load = state[interface.size + GRIP : interface.size + GRIP + interface.sides]
+    star[tops] = system.tops[YIELDING][:, None] * (load - arriving[tops])
+    jumps: Array = star - velocity
+    return jumps

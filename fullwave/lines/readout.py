@@ -1,0 +1,85 @@
+"""What is read off the grid of a method-of-lines march: stored energy, fields, and fields put in from outside."""
+
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from fullwave.lines.blocks import Block, Grid
+from fullwave.lines.system import GRIP, IMPEDANCE, SCALARS, SPRING, System, Viscous
+from slipwave.observe.pieces import Array
+from slipwave.observe.snapshot import SlabSnapshot, Snapshot
+
+Shape: TypeAlias = Callable[[Array], Array]
+"""A field as a function of depth."""
+
+
+def stored_energy(grid: Grid, system: System, state: Array) -> float:
+    """Change since steady sliding of kinetic, elastic and grip energy of all slabs, in units of sigma L."""
+    interface = system.interface
+    total = sum(_block_energy(block, system, state) for block in grid.blocks)
+    for side in range(interface.sides):
+        spring = float(system.tops[SPRING, side])
+        if spring > 0.0:
+            load = float(state[interface.size + GRIP + side])
+            impedance = float(system.facts[IMPEDANCE, system.facts.shape[1] - interface.sides + side])
+            total += load * (impedance * load + 2.0 * interface.steady_stress) / (2.0 * spring)
+    return interface.copies * interface.transit * total
+
+
+def _block_energy(block: Block, system: System, state: Array) -> float:
+    """Half of eps (w.H w + s.H s), less the steady part; a Zener solid splits s into its relaxed and its memory spring."""
+    steady = system.interface.steady_stress / block.section.impedance
+    velocity, stress = state[block.velocity], state[block.stress]
+    parts = [(velocity, 0.5 * system.interface.velocity, 1.0)]
+    medium = system.medium
+    if isinstance(medium, Viscous) and medium.rate[block.stress[0]] > 0.0:
+        memory = state[system.interface.size + SCALARS + block.stress]
+        fraction = float(medium.fraction[block.stress[0]])
+        parts += [(stress - memory, steady, 1.0 - fraction), (memory, 0.0, fraction)]
+    else:
+        parts.append((stress, steady, 1.0))
+    return block.section.impedance * sum(_excess(block.norm, values, mean) / share for values, mean, share in parts)
+
+
+def _excess(norm: Any, change: Array, mean: float) -> float:
+    """Integral of ((mean + change)^2 - mean^2)/2."""
+    weighted = norm * change if isinstance(norm, np.ndarray) else norm @ change
+    return float(0.5 * (change @ weighted) + mean * weighted.sum())
+
+
+def snapshot_of(grid: Grid, system: System, time: float, state: Array) -> Snapshot:
+    """Fields of both slabs at `time`; one marched slab stands for both."""
+    shots = [_slab_fields(grid, system, state, slab) for slab in range(system.interface.sides)]
+    lower = shots[1] if len(shots) == 2 else SlabSnapshot(shots[0].depth, -shots[0].velocity, shots[0].stress)
+    return Snapshot(time, shots[0], lower)
+
+
+def _slab_fields(grid: Grid, system: System, state: Array, slab: int) -> SlabSnapshot:
+    """Fields of a marched slab in the upper slab's direction of drive; the two values at a joint are averaged."""
+    blocks = [block for block in grid.blocks if block.section.slab == slab]
+    depth = np.concatenate([block.depth for block in blocks])
+    velocity = np.concatenate([state[block.velocity] for block in blocks]) + 0.5 * system.interface.velocity
+    stress = np.concatenate([block.section.impedance * _total_stress(block, system, state) for block in blocks])
+    places, where, counts = np.unique(np.round(depth / depth[-1], 12), return_inverse=True, return_counts=True)
+    means = [np.bincount(where, values) / counts for values in (velocity, stress + system.interface.steady_stress)]
+    return SlabSnapshot(places, means[0] if slab == 0 else -means[0], means[1])
+
+
+def _total_stress(block: Block, system: System, state: Array) -> Array:
+    """s plus, in a Kelvin-Voigt slab, tau times the strain rate (second differences of nodal values: for pictures)."""
+    medium = system.medium
+    stress: Array = state[block.stress]
+    if isinstance(medium, Viscous) and medium.retardation[block.stress[0]] > 0.0:
+        rate = np.gradient(state[block.velocity], block.depth, edge_order=2 if block.depth.size > 2 else 1)
+        stress = stress + medium.retardation[block.stress[0]] * rate
+    return stress
+
+
+def impose_fields(grid: Grid, system: System, state: Array, slab: int, velocity: Shape, stress: Shape) -> None:
+    """Set the fields of marched slab 0 (upper) or 1 in `state`: functions of depth, as `March.impose` has them."""
+    interface = system.interface
+    for block in grid.blocks:
+        if block.section.slab == slab:
+            state[block.velocity] = velocity(block.depth) - 0.5 * interface.velocity
+            state[block.stress] = (stress(block.depth) - interface.steady_stress) / block.section.impedance

@@ -1,0 +1,43 @@
+"""Step limits that come from the scene rather than from the scheme alone: grips, viscosity, the frictional state."""
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+
+from fullwave.lines.blocks import Grid, Section, assemble
+from fullwave.lines.matrix import motion_matrix
+from fullwave.lines.runge_kutta import RungeKutta
+from fullwave.lines.scheme_limit import MARGIN, longest_decay_step, longest_step
+from fullwave.lines.system import SPRING, YIELDING, System
+from slipwave.friction import respond, steady_state, unknown_of
+from slipwave.scene import Scene
+
+Builder: TypeAlias = Callable[[list[Section]], Grid]
+"""A family's gridding of sections."""
+
+_SAMPLE_NODES = 28  # per section of the sample whose spectrum is computed
+
+
+def relaxation_limit(system: System, method: RungeKutta) -> float:
+    """Longest step at which the grips and, in steady sliding, the frictional state relax stably (transits)."""
+    interface = system.interface
+    psi = steady_state(interface.law, interface.velocity)
+    ageing = interface.transit * abs(respond(interface.law, unknown_of(interface.law, interface.velocity), psi)[7])
+    return longest_decay_step(max(ageing, float((system.tops[SPRING] * system.tops[YIELDING]).max())), method)
+
+
+def viscous_limit(scene: Scene, build: Builder, sections: list[Section], method: RungeKutta) -> float:
+    """Longest stable step (transits) of `scene` in cells of the given lengths, from the spectra of slabs cut short to sections of
+    a few cells each, with the interface locked and free; `MARGIN` is for what is cut off (0.3 per cent was measured)."""
+    system = assemble(scene, build([_cut_short(section, build) for section in sections]))
+    spectra = [np.linalg.eigvals(motion_matrix(system, locked)).astype(complex) for locked in (True, False)]
+    return MARGIN * longest_step(np.concatenate(spectra), method)
+
+
+def _cut_short(section: Section, build: Builder) -> Section:
+    """The same cells, but no more of them than hold about `_SAMPLE_NODES` nodes."""
+    whole = build([section])
+    nodes = sum(block.depth.size for block in whole.blocks)
+    cells = min(section.cells, max(section.fewest, -(-_SAMPLE_NODES * section.cells // nodes)))
+    return section._replace(length=section.length * cells / section.cells, cells=cells)

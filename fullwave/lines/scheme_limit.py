@@ -1,0 +1,68 @@
+"""The longest stable step of a scheme, from its own spectrum: nothing tabulated, nothing guessed.
+
+In a homogeneous elastic slab the characteristics s + w and s - w travel independently, so a slab unfolds into one line along
+which u_t = -u_x. Its discrete spectrum (all phases of what enters the line against what leaves it, and nothing entering) times
+the step must lie where the Runge-Kutta method does not amplify. The friction solve adds nothing: it passes back at most what
+arrives. That the spectrum is enough, for matrices that are not normal, is measured: noise on the whole grid stays at 0.99 of the
+limit and grows beyond it (tests/verification/test_noise.py).
+"""
+
+from functools import cache
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.typing import NDArray
+
+from fullwave.lines.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, RungeKutta, stability_polynomial
+from slipwave.observe.pieces import Array
+
+Complex = NDArray[np.complex128]
+MARGIN = 0.99
+"""Share of the computed limit that is used where the line is cut short for the computation."""
+
+_GROWTH = 1e-11  # amplification of one step that is still called rounding
+_KEPT_OFF = 1e-6  # share of the limit found that is given up, or that rounding would be real growth in 1e6 transits
+_PHASES = 24
+_BISECTIONS = 40
+
+
+def line_spectrum(derivative: Array, lift: Array) -> Complex:
+    """Eigenvalues of u_t = -D u + lift (inflow - u_0), inflow = phase * u_end, over phases on the unit circle and 0. `derivative`
+    (n, n) and `lift` (n,) belong to a line of length 1."""
+    base = -derivative.astype(complex)
+    base[:, 0] -= lift
+    spectra = [np.linalg.eigvals(base)]
+    for angle in np.linspace(0.0, np.pi, _PHASES):
+        ring = base.copy()
+        ring[:, -1] += lift * np.exp(1j * angle)
+        spectra.append(np.linalg.eigvals(ring))
+    return np.concatenate(spectra)
+
+
+def longest_step(spectrum: Complex, method: RungeKutta) -> float:
+    """Largest step below which no eigenvalue (per unit of the same clock) is amplified."""
+    amplification = Polynomial(stability_polynomial(method))
+
+    def _stable(step: float) -> bool:
+        """Whether no eigenvalue is amplified by this step."""
+        return bool(np.abs(amplification(step * spectrum)).max() <= 1.0 + _GROWTH)
+
+    radius = float(np.abs(spectrum).max())
+    steps = np.linspace(0.0, 20.0 / radius, 401)[1:]
+    first_bad = next((k for k, step in enumerate(steps) if not _stable(step)), len(steps) - 1)
+    low, high = (steps[first_bad - 1] if first_bad else 0.0), steps[first_bad]
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _stable(middle) else (low, middle)
+    return float(low) * (1.0 - _KEPT_OFF)
+
+
+@cache
+def _real_reach(order: int) -> float:
+    method = CLASSICAL if order == CLASSICAL.order else DORMAND_PRINCE_8
+    return longest_step(np.array([-1.0 + 0.0j]), method)
+
+
+def longest_decay_step(rate: float, method: RungeKutta) -> float:
+    """Largest stable step for u' = -rate u."""
+    return _real_reach(method.order) / rate if rate > 0.0 else np.inf

@@ -1,0 +1,1 @@
+"""Nodes, elements and closures from which the families build their operators."""

@@ -1,0 +1,1 @@
+"""The exact delay systems: alike slabs, and networks of transmission lines for all others."""

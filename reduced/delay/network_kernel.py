@@ -1,0 +1,237 @@
+"""The compiled march of `network`: collocation steps of one length, delayed waves read at fixed places of past steps.
+
+Because the step never changes, a delay is a whole number of steps and a fraction, the same for every step: each node reads its
+delayed value from one past step through one row of weights, found once. Where all delays are whole numbers of steps that row is a
+unit vector.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reduced.delay.alike_kernel import ELASTIC, PSI, TIME
+from reduced.step.collocation import Nodes
+from reduced.step.guess import DONE, force, judge_step, predict
+from reduced.step.newton import PREVIOUS, RATE, STATE, UNKNOWN, WORK_ROWS, solve_step
+from slipwave.compiled import njit, overwrite
+from slipwave.friction import Law
+from slipwave.observe.pieces import Array, Pieces
+from slipwave.scene.drive import interpolate_drive
+
+OUTWARD, INWARD = 0, 1
+Integers = NDArray[np.int64]
+
+
+class Network(NamedTuple):
+    """Lines in compiled form (see `Lines`): per layer `impedance` e, `back` (layers, s) steps to go back and `weights`
+    (layers, s, s); `whole` says that all weights are unit vectors; per slab `first`, `last`, `follow`, `yield_`, `spring`, and
+    `grip` (slabs, s, s) = (1 + h K yield A)^-1; `base` = mu_ss + Z V_0; `weight` of each slab."""
+
+    impedance: Array
+    back: Integers
+    weights: Array
+    whole: bool
+    first: Integers
+    last: Integers
+    follow: Array
+    yield_: Array
+    spring: Array
+    grip: Array
+    interface_impedance: float
+    base: float
+    steady_stress: float
+    weight: float
+
+
+class Motion(NamedTuple):
+    """round trip, stiffness of the emitted elastic stress, nudge size, V_0, drive times and velocities."""
+
+    round_trip: float
+    stiffness: float
+    nudge: float
+    steady_velocity: float
+    drive_times: Array
+    drive_velocities: Array
+
+
+class Memory(NamedTuple):
+    """`waves` (layers, 2, ring, s): deviations launched outwards and inwards in past steps, a ring; `grip` (slabs,) spring
+    stress; `guess` (2, s); `now`: time, psi, y; `cursor` (1,): ring index of the next step."""
+
+    waves: Array
+    grip: Array
+    guess: Array
+    now: Array
+    cursor: Integers
+
+
+@njit
+def arrive(nodes: Nodes, network: Network, waves: Array, layer: int, direction: int, cursor: int, arrived: Array) -> None:
+    """Nodal values of a wave at the end of its layer: the one launched a travel time ago."""
+    s = len(nodes)
+    ring = waves.shape[2]
+    for j in range(s):
+        row = cursor - network.back[layer, j]
+        row += ring if row < 0 else 0
+        if network.whole:
+            arrived[layer, direction, j] = waves[layer, direction, row, j]
+        else:
+            total = 0.0
+            for k in range(s):
+                total += network.weights[layer, j, k] * waves[layer, direction, row, k]
+            arrived[layer, direction, j] = total
+
+
+@njit
+def reflect_top(
+    nodes: Nodes,
+    network: Network,
+    slab: int,
+    length: float,
+    integral: Array,
+    drive: Array,
+    arrived: Array,
+    launched: Array,
+    grip: Array,
+    pull: Array,
+) -> None:
+    """Wave launched inwards by a slab's outer face, and its grip's spring at the step's end."""
+    s = len(nodes)
+    layer = network.last[slab]
+    follow, yielding, spring = network.follow[slab], network.yield_[slab], network.spring[slab]
+    twice = 2.0 * network.impedance[layer]
+    for j in range(s):
+        pull[0, j] = follow * drive[j] - yielding * arrived[layer, OUTWARD, j]
+        pull[1, j] = 0.0
+    if spring > 0.0:
+        for j in range(s):
+            total = grip[slab]
+            for k in range(s):
+                total += length * spring * integral[k, j] * (drive[k] - pull[0, k])
+            pull[2, j] = total
+        for j in range(s):
+            for k in range(s):
+                pull[1, j] += network.grip[slab, j, k] * pull[2, k]
+        grip[slab] = pull[1, s - 1]
+    for j in range(s):
+        velocity = pull[0, j] + yielding * pull[1, j]
+        launched[layer, INWARD, j] = arrived[layer, OUTWARD, j] + twice * velocity
+
+
+@njit
+def scatter(nodes: Nodes, network: Network, layer: int, arrived: Array, launched: Array) -> None:
+    """Waves launched from the joint between `layer` and the next one outwards."""
+    inner, outer = network.impedance[layer], network.impedance[layer + 1]
+    for j in range(len(nodes)):
+        velocity = (arrived[layer + 1, INWARD, j] - arrived[layer, OUTWARD, j]) / (inner + outer)
+        launched[layer, INWARD, j] = arrived[layer, OUTWARD, j] + 2.0 * inner * velocity
+        launched[layer + 1, OUTWARD, j] = arrived[layer + 1, INWARD, j] - 2.0 * outer * velocity
+
+
+@njit
+def march_network(
+    nodes: Nodes,
+    law: Law,
+    network: Network,
+    motion: Motion,
+    integral: Array,
+    predict_rate: Array,
+    predict_state: Array,
+    tail: Array,
+    memory: Memory,
+    length: float,
+    count: int,
+    newton_tolerance: float,
+    resolution: float,
+    steepest: float,
+    pieces: Pieces,
+) -> tuple[int, int, int]:
+    """March `count` steps of `length` transits; returns (steps, Newton iterations, verdict) as `march_delay` does, but a refused
+    step leaves the memory at its own start."""
+    s = len(nodes)
+    waves, grip, guess, now = memory.waves, memory.grip, memory.guess, memory.now
+    layers, ring, slabs = waves.shape[0], waves.shape[2], network.first.size
+    arrived, launched, pull = np.empty((layers, 2, s)), np.empty((layers, 2, s)), np.empty((3, s))
+    work, system, incoming, drive = np.zeros((WORK_ROWS, s)), np.empty((s, s)), np.empty((1, s)), np.zeros(s)
+    saved_guess, saved_grip = np.empty_like(guess), np.empty_like(grip)
+    impedance, h = network.interface_impedance, length * motion.round_trip
+    velocities, drive_times = motion.drive_velocities, motion.drive_times
+    iterations = 0
+    for n in range(count):
+        cursor, start, left = memory.cursor[0], now[TIME], now[PSI]
+        overwrite(saved_guess, guess)
+        overwrite(saved_grip, grip)
+        if velocities.size > 1:
+            for j in range(s):
+                drive[j] = 0.5 * (interpolate_drive(drive_times, velocities, start + nodes[j] * length) - motion.steady_velocity)
+        for layer in range(layers):
+            arrive(nodes, network, waves, layer, OUTWARD, cursor, arrived)
+            arrive(nodes, network, waves, layer, INWARD, cursor, arrived)
+        for j in range(s):
+            incoming[0, j] = network.base
+        for slab in range(slabs):
+            reflect_top(nodes, network, slab, length, integral, drive, arrived, launched, grip, pull)
+            first = network.first[slab]
+            for layer in range(network.last[slab] - 1, first - 1, -1):
+                scatter(nodes, network, layer, arrived, launched)
+            share = network.weight * impedance / network.impedance[first]
+            for j in range(s):
+                incoming[0, j] += share * arrived[first, INWARD, j]
+        if motion.nudge != 0.0:
+            force(nodes, motion.nudge, start, length, integral, work)
+        used = solve_step(nodes, law, impedance, h, left, incoming, 0, integral, newton_tolerance, guess, work, system)
+        iterations += used
+        verdict = judge_step(nodes, tail, guess, work, used, resolution, steepest)
+        if verdict != DONE:
+            overwrite(guess, saved_guess)
+            overwrite(grip, saved_grip)
+            return n, iterations, verdict
+        emit(nodes, motion, impedance, integral, incoming, drive, guess, work, now, start, length, pieces, n)
+        for slab in range(slabs):
+            first = network.first[slab]
+            for j in range(s):
+                stress = pieces.stress[n, j] - network.steady_stress
+                launched[first, OUTWARD, j] = 2.0 * stress - arrived[first, INWARD, j]
+        for layer in range(layers):
+            for j in range(s):
+                waves[layer, OUTWARD, cursor, j] = launched[layer, OUTWARD, j]
+                waves[layer, INWARD, cursor, j] = launched[layer, INWARD, j]
+        now[PSI], now[TIME] = guess[STATE, s - 1], start + length
+        memory.cursor[0] = cursor + 1 if cursor + 1 < ring else 0
+        predict(nodes, predict_rate, predict_state, left, guess, work)
+    return count, iterations, DONE
+
+
+@njit
+def emit(
+    nodes: Nodes,
+    motion: Motion,
+    impedance: float,
+    integral: Array,
+    incoming: Array,
+    drive: Array,
+    guess: Array,
+    work: Array,
+    now: Array,
+    start: float,
+    length: float,
+    pieces: Pieces,
+    k: int,
+) -> None:
+    """Write the step as piece k and advance the elastic stress y' = stiffness (V - v)."""
+    s = len(nodes)
+    pieces.time[k] = start
+    pieces.length[k] = length
+    for j in range(s):
+        pieces.unknown[k, j] = guess[UNKNOWN, j]
+        pieces.state[k, j] = guess[STATE, j]
+        pieces.stress[k, j] = incoming[0, j] - impedance * work[RATE, j]
+        work[PREVIOUS, j] = now[ELASTIC]
+    for m in range(s):
+        factor = length * motion.stiffness * (motion.steady_velocity + 2.0 * drive[m] - work[RATE, m])
+        for j in range(s):
+            work[PREVIOUS, j] += integral[m, j] * factor
+    for j in range(s):
+        pieces.elastic[k, j] = work[PREVIOUS, j]
+    now[ELASTIC] = work[PREVIOUS, s - 1]

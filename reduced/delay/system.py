@@ -1,0 +1,34 @@
+"""The exact delay system of a scene, by the cheapest march that can do it."""
+
+import numpy as np
+
+from reduced.delay.alike import Delay
+from reduced.delay.break_points import DelayBreaks
+from reduced.delay.network import DelayNetwork
+from reduced.delay.transmission_lines import common_divisor, lines_of
+from slipwave.scene import Scene
+from slipwave.scene.start import StartKind
+
+_ALIGNED = 1e-7  # of a step: a kink so close to its end costs that share of itself
+
+
+def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
+    """The marching delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless ones,
+    with steps that follow jumps and kinks of the drive where equal ones cannot end on them (far dearer).
+
+    A scene that records nothing gets the state at the end only (`Delay`, emit=False). Raises SceneError for viscous slabs.
+    """
+    if scene.alike and scene.upper.is_plain:
+        return Delay(scene, tolerance=tolerance, emit=bool(scene.record))
+    if _breaks_within_steps(scene):
+        return DelayBreaks(scene, tolerance=tolerance)
+    return DelayNetwork(scene, tolerance=tolerance)
+
+
+def _breaks_within_steps(scene: Scene) -> bool:
+    """Whether a jump or a knot of the drive comes back where no equal steps can end."""
+    divisor = common_divisor(lines_of(scene).travel)
+    if divisor is None:
+        return scene.start.kind is StartKind.JUMP or not scene.drive.is_constant
+    knots = np.array([] if scene.drive.is_constant else scene.drive.times) / divisor
+    return bool((np.abs(knots - np.round(knots)) > _ALIGNED).any())

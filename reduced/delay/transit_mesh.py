@@ -1,0 +1,71 @@
+"""How a transit is cut into steps: equal ones, with cuts at the kinks of the drive, which come back every transit.
+
+A knot of the drive at t kinks the load at t and, half a transit later, the wave that reaches the interface; its echoes come back
+every transit for ever. A polynomial across a kink is of first order whatever its degree, so kinks lie on the ends of steps.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
+from slipwave.scene.drive import Drive
+
+_SAME = 1e-7
+"""Transits below which two cuts are one: a kink so close to a step's end costs that share of itself."""
+
+
+@dataclass(frozen=True)
+class TransitMesh:
+    """`lengths` (steps,) of the steps of one transit, their `starts`, and `count`, the equal steps that it was asked for."""
+
+    count: int
+    lengths: Array
+    starts: Array
+
+    @property
+    def steps(self) -> int:
+        """Steps a transit."""
+        return int(self.lengths.size)
+
+    def halved(self) -> "TransitMesh":
+        """Every step cut in two, so that step i of the old mesh begins where step 2 i of the new one does."""
+        return _mesh(2 * self.count, np.repeat(0.5 * self.lengths, 2))
+
+    def steps_until(self, wait: float, cursor: int) -> int:
+        """Steps from the start of step `cursor` that take at least `wait` transits (one at least)."""
+        reached = self.starts[cursor] + wait - 1e-9
+        whole = math.floor(reached)
+        inside = int(np.searchsorted(self.starts, reached - whole, side="left"))
+        return int(max(1, whole * self.steps + inside - cursor))
+
+    def resample(self, values: Array, nodes: Array, finer: "TransitMesh") -> Array:
+        """Nodal values (steps, s) of a piecewise polynomial on this mesh at the nodes of another, shape (finer.steps, s)."""
+        at = finer.starts[:, None] + nodes * finer.lengths[:, None]
+        step = np.clip(np.searchsorted(self.starts, at - 1e-9, side="left") - 1, 0, self.steps - 1)
+        local = np.clip((at - self.starts[step]) / self.lengths[step], 0.0, 1.0)
+        weights = interpolation_matrix(lagrange_basis(nodes), local.ravel()).reshape(*at.shape, nodes.size)
+        return np.asarray(np.einsum("isk,isk->is", weights, values[step]))
+
+
+def cuts_of(drive: Drive) -> Array:
+    """Fractions of the transit at which the drive's knots kink the load or the wave at the interface; 0 is always one."""
+    knots = np.array(drive.times[:0] if drive.is_constant else drive.times)
+    fractions = np.sort(np.concatenate(([0.0], knots % 1.0, (knots + 0.5) % 1.0)))
+    fractions = fractions[fractions < 1.0 - _SAME]
+    return fractions[np.concatenate(([True], np.diff(fractions) > _SAME))]
+
+
+def transit_mesh(count: int, cuts: Array) -> TransitMesh:
+    """Steps no longer than 1/`count`, equal between neighbouring `cuts` (sorted, the first 0)."""
+    gaps = np.diff(np.append(cuts, 1.0))
+    shares = [math.ceil(count * gap - 1e-6) or 1 for gap in gaps]
+    return _mesh(count, np.concatenate([np.full(share, gap / share) for share, gap in zip(shares, gaps, strict=True)]))
+
+
+def _mesh(count: int, lengths: Array) -> TransitMesh:
+    starts = np.concatenate(([0.0], np.cumsum(lengths)[:-1]))
+    if np.ptp(lengths) < 1e-14:  # equal steps begin at whole multiples, to the bit
+        starts, lengths = np.arange(lengths.size) / lengths.size, np.full(lengths.size, 1.0 / lengths.size)
+    return TransitMesh(count, lengths, starts)

@@ -1,0 +1,90 @@
+"""Any pair of lossless slabs as transmission lines between the interface and the drive: the delay system as data.
+
+A slab is a chain of layers; each carries one wave inwards and one outwards, sigma +- e w, which arrive at the layer's other end
+after its one-way travel time. All that happens between is algebra at the ends (MODEL.md section 3), in deviations from steady
+sliding:
+
+    joint      U from inside, D from outside:  w = (D - U)/(e_in + e_out),  back in U + 2 e_in w,  on out D - 2 e_out w
+    top        P from inside:  w = (Z_g dV - P + y)/(Z_g + e),  back in P + 2 e w;   a grip's spring  y' = K (dV - w)
+    interface  S from outside: mu = Z (sum S_i/e_i - dv),  on out 2 mu - S
+
+A rigid top is Z_g -> infinity (w = dV), a bare reflection R is Z_g = e (1 + R)/(1 - R) with y = 0. Velocities of the lower slab
+are counted so that the slip rate is the sum of both slabs' velocities; alike slabs march one, counted twice.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slipwave.errors import SceneError
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.scene.slab import GripFace, ReflectingFace, Slab
+
+_COMMENSURATE = 1e-9
+_MOST_DIVISIONS = 64
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Layers of all slabs, slab after slab, from the interface outwards.
+
+    `impedance`, `travel` (one way, transits) per layer; per slab `first` and `last` layer index, and its top: `follow` is
+    Z_g/(Z_g + e), `yield_` is 1/(Z_g + e), `spring` K per transit (0 without); `weight` is 2 for one of two alike slabs, else 1.
+    """
+
+    impedance: Array
+    travel: Array
+    first: tuple[int, ...]
+    last: tuple[int, ...]
+    follow: Array
+    yield_: Array
+    spring: Array
+    weight: float
+
+
+def lines_of(scene: Scene) -> Lines:
+    """The scene's slabs as lines. Raises SceneError for viscous slabs, whose waves disperse: no finite set of delays is exact."""
+    slabs = (scene.upper,) if scene.alike else (scene.upper, scene.lower)
+    for slab in slabs:
+        if slab.viscosity is not None:
+            raise SceneError(
+                f"model = delay: scene {scene.name!r} is viscous: its waves disperse, so that no finite set of delays is exact; "
+                "use fitted:N or a full wave"
+            )
+    tops = [_top(slab, slab.round_trip / scene.transit) for slab in slabs]
+    counts = [len(slab.layers) for slab in slabs]
+    ends = np.cumsum(counts)
+    return Lines(
+        impedance=np.array([slab.epsilon * layer.impedance for slab in slabs for layer in slab.layers]),
+        travel=np.array([0.5 * slab.round_trip / scene.transit * layer.fraction for slab in slabs for layer in slab.layers]),
+        first=tuple(int(end - count) for end, count in zip(ends, counts, strict=True)),
+        last=tuple(int(end - 1) for end in ends),
+        follow=np.array([top[0] for top in tops]),
+        yield_=np.array([top[1] for top in tops]),
+        spring=np.array([top[2] for top in tops]),
+        weight=2.0 if scene.alike else 1.0,
+    )
+
+
+def _top(slab: Slab, round_trip: float) -> tuple[float, float, float]:
+    """(follow, yield, spring) of the slab's outer face."""
+    outermost = slab.epsilon * slab.layers[-1].impedance
+    face = slab.face
+    if isinstance(face, GripFace):
+        total = slab.epsilon * face.impedance + outermost
+        return slab.epsilon * face.impedance / total, 1.0 / total, face.stiffness * slab.epsilon / round_trip
+    if isinstance(face, ReflectingFace):
+        return 0.5 * (1.0 + face.coefficient), 0.5 * (1.0 - face.coefficient) / outermost, 0.0
+    return 1.0, 0.0, 0.0
+
+
+def common_divisor(travel: Array) -> float | None:
+    """Longest time that divides every travel time, or None if that would cut the shortest into more than 64 parts: the round
+    trips are then treated as incommensurate, and delayed values are interpolated."""
+    shortest = float(travel.min())
+    for parts in range(1, _MOST_DIVISIONS + 1):
+        counts = travel * (parts / shortest)
+        if np.abs(counts - np.round(counts)).max() < _COMMENSURATE * counts.max():
+            return shortest / parts
+    return None

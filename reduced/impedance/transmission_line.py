@@ -1,0 +1,66 @@
+"""Exact one-ports: slabs as chained transmission-line sections (MODEL.md section 3).
+
+A one-port is kept as a pair (p, q) with admittance Y = p/q and impedance Z = q/p, so that poles of either are zeros of a function
+that is analytic wherever the slab's material is (everywhere if elastic, right of the relaxation rates if viscous). A section of
+impedance Z_c and one-way travel time T turns the pair at its far end into the pair at its near end,
+
+    Y_in = Y_c (Y_far + Y_c tanh x)/(Y_c + Y_far tanh x),   x = s T,   tanh x = (1 - E)/(1 + E),   E = e^(-2 x),
+
+multiplied through by 1 + E: nothing overflows in the right half plane. s is on the friction clock, in 1/(L/V*).
+"""
+
+from typing import TypeAlias
+
+from reduced.impedance.jet import Jet
+from slipwave.scene import Scene
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
+
+Ratio: TypeAlias = tuple[Jet, Jet]
+"""(p, q) with Y = p/q and Z = q/p."""
+
+
+def modulus(slab: Slab, s: Jet) -> Jet:
+    """G(s)/G, G the (unrelaxed) modulus that epsilon and the round trip refer to; 1 for an elastic slab."""
+    match slab.viscosity:
+        case KelvinVoigtViscosity(time):
+            return 1.0 + s * time
+        case StandardLinearViscosity(time, ratio):
+            return (1.0 + s * (time * (1.0 + ratio))) / ((1.0 + s * time) * (1.0 + ratio))
+    return s.constant(1.0)
+
+
+def _outer_face(slab: Slab, s: Jet) -> Ratio:
+    """(p, q) of what holds the outer face, seen from the slab: its velocity per stress."""
+    match slab.face:
+        case GripFace(stiffness, impedance):
+            return s * (1.0 / slab.epsilon), s * impedance + stiffness / slab.round_trip
+        case ReflectingFace(coefficient):
+            outermost = slab.epsilon * slab.layers[-1].impedance
+            return s.constant((1.0 - coefficient) / outermost), s.constant(1.0 + coefficient)
+    return s.constant(0.0), s.constant(1.0)
+
+
+def slab_ratio(slab: Slab, s: Jet) -> Ratio:
+    """(p, q) of one slab at the interface: velocity w of its inner face per stress on it, Y = p/q.
+
+    A rigid face gives Y = tanh(s r/2)/epsilon; layers are chained from the outer face inwards.
+    """
+    p, q = _outer_face(slab, s)
+    relative = modulus(slab, s)
+    root = relative.sqrt()
+    for layer in reversed(slab.layers):
+        admittance = 1.0 / (root * (slab.epsilon * layer.impedance))
+        backward = -(s * (-slab.round_trip * layer.fraction) / root).expm1()
+        forward = 2.0 - backward
+        p, q = p * forward + admittance * (q * backward), q * forward + p * backward / admittance
+    return p, q
+
+
+def pair_ratio(scene: Scene, s: Jet) -> Ratio:
+    """(p, q) of both slabs in series, Y = Y_1 + Y_2 = p/q: slip rate v per stress. Alike slabs: Y = 2 Y_1, without the modes in
+    which both slabs move as one and the interface feels nothing."""
+    p, q = slab_ratio(scene.upper, s)
+    if scene.alike:
+        return p * 2.0, q
+    below_p, below_q = slab_ratio(scene.lower, s)
+    return p * below_q + below_p * q, q * below_q

@@ -1,0 +1,103 @@
+"""The ladder of ODE reductions: every simplified slab pair is one passive one-port, written as data (MODEL.md section 3).
+
+The pair answers the slip rate with  delta_mu = -Z(s) delta_v  and, s in 1/transit and epsilon that of the upper slab,
+
+    Z(s)/epsilon = spring/s + mass s + damping + sum_k (residue_k s + offset_k)/(s^2 + 2 decay_k s + omega_k^2)
+                   + sum_j strength_j/(s + rate_j).
+
+Alike elastic slabs behind rigid faces have spring = 1 and need neither offsets nor relaxations; these belong to fits of lossy
+scenes. In states, with u = v - V and tau_k the stress of mode k (in units of epsilon):
+
+    tau_k' = -residue_k u - 2 decay_k tau_k + p_k,   p_k' = -offset_k u - omega_k^2 tau_k,
+    tau_j' = -strength_j u - rate_j tau_j,            y' = -spring u,   mass v' + damping u = y + sum tau - mu/epsilon.
+
+Adding a reduction of the alike pair is one line of `REDUCTIONS`.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from slipwave.errors import SceneError
+
+MOST_MODES = 64
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """Poles, residues, mass and damping of a reduced pair, relative to the upper slab's epsilon, transit clock t~.
+
+    `frequencies` are omega_k (radians per transit); `decays`, `residues` and `offsets` have the same length.
+    """
+
+    name: str
+    mass: float = 0.0
+    damping: float = 0.0
+    frequencies: tuple[float, ...] = ()
+    residues: tuple[float, ...] = ()
+    decays: tuple[float, ...] = ()
+    offsets: tuple[float, ...] = ()
+    relaxations: tuple[tuple[float, float], ...] = ()
+    spring: float = 1.0
+
+    def __post_init__(self) -> None:
+        for field in ("decays", "offsets"):
+            if not getattr(self, field):
+                object.__setattr__(self, field, (0.0,) * len(self.frequencies))
+
+    @property
+    def is_lossless(self) -> bool:
+        """No term dissipates: Z is purely imaginary on the imaginary axis."""
+        return self.damping == 0.0 and not any(self.decays) and not any(self.offsets) and not self.relaxations
+
+    @property
+    def is_algebraic(self) -> bool:
+        """Without mass the rate v follows from the stress at once (the interface condition), with it v is a state."""
+        return self.mass == 0.0
+
+    @property
+    def runs_away(self) -> bool:
+        """Nothing limits v when unstable: no limit cycle (quasi-static slip has neither inertia nor radiation)."""
+        return self.is_algebraic and self.damping == 0.0 and not self.frequencies and not self.relaxations
+
+
+def _modal(modes: int) -> Reduction:
+    frequencies = tuple(2.0 * math.pi * k for k in range(1, modes + 1))
+    mass = 1.0 / 12.0 - sum(2.0 / omega**2 for omega in frequencies)
+    return Reduction(f"modal:{modes}", mass=mass, frequencies=frequencies, residues=(2.0,) * modes)
+
+
+REDUCTIONS: dict[str, Callable[[], Reduction]] = {
+    "quasistatic": lambda: Reduction("quasistatic"),
+    "quasidynamic": lambda: Reduction("quasidynamic", damping=0.5),
+    "block8": lambda: Reduction("block8", mass=1.0 / 8.0),
+    "block12": lambda: Reduction("block12", mass=1.0 / 12.0),
+    # (11), (14), (41): (1/s)(1 + s^2/8)/(1 + s^2/24) = 1/s + 2 s/(s^2 + 24)
+    "kelvin-voigt": lambda: Reduction("kelvin-voigt", frequencies=(math.sqrt(24.0),), residues=(2.0,)),
+}
+"""The named reductions of the alike pair; modal:N comes beside them."""
+
+
+def reduction(name: str) -> Reduction:
+    """The reduction `name` of an alike pair of homogeneous elastic slabs behind rigid faces.
+
+    Raises SceneError for an unknown name (listing the known ones), a mode count outside 0..64, and for `taylor`, the next
+    truncation after the paper's, whose poles lie in the right half plane so that no run of it can be bounded.
+    """
+    if name in REDUCTIONS:
+        return REDUCTIONS[name]()
+    if name == "taylor":
+        raise SceneError(
+            "model = 'taylor': its impedance has poles in the right half plane, every run of it blows up; use modal:N"
+        )
+    if name.partition(":")[0] == "modal":
+        return _modal(mode_count(name))
+    raise SceneError(f"model = {name!r} is not an ODE reduction; known: {', '.join(REDUCTIONS)}, modal:N, fitted:N")
+
+
+def mode_count(name: str) -> int:
+    """N of `modal:N` or `fitted:N`. Raises SceneError outside 0..64."""
+    kind, _, count = name.partition(":")
+    if not count.isascii() or not count.isdigit() or int(count) > MOST_MODES:
+        raise SceneError(f"model = {name!r}: {kind}:N needs a whole number N in 0..{MOST_MODES}")
+    return int(count)

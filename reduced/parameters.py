@@ -1,0 +1,83 @@
+"""Parameters of a scene by name, for boundaries and branches. Adding one is one function and one line of `PARAMETERS`."""
+
+import dataclasses
+from collections.abc import Callable
+from difflib import get_close_matches
+from typing import Any
+
+from slipwave.errors import SceneError
+from slipwave.scene import Scene
+from slipwave.scene.drive import steady_drive
+from slipwave.scene.slab import GripFace, ReflectingFace, Slab
+
+
+def _both(scene: Scene, change: Callable[[Slab], Slab]) -> Scene:
+    return dataclasses.replace(scene, upper=change(scene.upper), lower=change(scene.lower))
+
+
+def _round_trip(scene: Scene, value: float) -> Scene:
+    """The upper slab's; the ratio of the two stays."""
+    factor = value / scene.upper.round_trip
+    return _both(scene, lambda slab: dataclasses.replace(slab, round_trip=slab.round_trip * factor))
+
+
+def _epsilon(scene: Scene, value: float) -> Scene:
+    factor = value / scene.upper.epsilon
+    return _both(scene, lambda slab: dataclasses.replace(slab, epsilon=slab.epsilon * factor))
+
+
+def _velocity(scene: Scene, value: float) -> Scene:
+    return dataclasses.replace(scene, drive=steady_drive(value))
+
+
+def _law(name: str) -> Callable[[Scene, float], Scene]:
+    return lambda scene, value: dataclasses.replace(scene, law=scene.law._replace(**{name: value}))
+
+
+def _face(name: str, kind: type[GripFace] | type[ReflectingFace]) -> Callable[[Scene, float], Scene]:
+    def change(slab: Slab, value: float) -> Slab:
+        """The slab with its face changed, if it has one of this kind."""
+        face: Any = slab.face
+        changed = {name: value} if isinstance(slab.face, kind) else {}
+        return dataclasses.replace(slab, face=dataclasses.replace(face, **changed))
+
+    return lambda scene, value: _both(scene, lambda slab: change(slab, value))
+
+
+def _lower(name: str) -> Callable[[Scene, float], Scene]:
+    """A quantity of the lower slab as a ratio to the upper slab's."""
+    return lambda scene, value: dataclasses.replace(
+        scene, lower=dataclasses.replace(scene.lower, **{name: value * getattr(scene.upper, name)})
+    )
+
+
+def _logarithmic(setter: Callable[[Scene, float], Scene]) -> Callable[[Scene, float], Scene]:
+    return lambda scene, value: setter(scene, 10.0**value)
+
+
+PARAMETERS: dict[str, Callable[[Scene, float], Scene]] = {
+    "r": _round_trip,
+    "log10_r": _logarithmic(_round_trip),
+    "epsilon": _epsilon,
+    "log10_epsilon": _logarithmic(_epsilon),
+    "V": _velocity,
+    "log10_V": _logarithmic(_velocity),
+    "a": _law("a"),
+    "b": _law("b"),
+    "grip_impedance": _face("impedance", GripFace),
+    "log10_grip_impedance": _logarithmic(_face("impedance", GripFace)),
+    "grip_stiffness": _face("stiffness", GripFace),
+    "log10_grip_stiffness": _logarithmic(_face("stiffness", GripFace)),
+    "reflection": _face("coefficient", ReflectingFace),
+    "ratio_r": _lower("round_trip"),
+    "ratio_epsilon": _lower("epsilon"),
+}
+"""name -> (scene, value) -> the scene with that parameter changed. r and epsilon are the upper slab's, their ratios kept."""
+
+
+def with_parameter(scene: Scene, name: str, value: float) -> Scene:
+    """`scene` with parameter `name` set to `value`. Raises SceneError for an unknown name, naming the nearest known one."""
+    if name not in PARAMETERS:
+        near = get_close_matches(name, PARAMETERS, 1, 0.0)[0]
+        raise SceneError(f"parameter {name!r} is not known, did you mean {near!r}? Known: {', '.join(PARAMETERS)}")
+    return PARAMETERS[name](scene, value)

@@ -1,0 +1,1 @@
+"""One collocated step of friction: nodes, Newton iteration, first guess."""

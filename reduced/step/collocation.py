@@ -1,0 +1,74 @@
+"""Radau IIA collocation on the unit step, shared by the delay system and the ladder of ODE reductions."""
+
+from functools import cache
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
+
+Nodes: TypeAlias = tuple[float, ...]
+"""Nodes as a tuple: compiled code then knows their number."""
+
+
+_ROUNDING = 1e-13  # of the stability function as it is computed here
+
+
+class Collocation(NamedTuple):
+    """s nodes in (0, 1] (the last is 1); `integral` A (s, s): A_ij = integral of Lagrange polynomial j from 0 to node i;
+    `inverse` A^-1; `predict` (s, s): values one step further on of the polynomial through s nodal values;
+    `predict_state` (s, s + 1): the same for a polynomial that also knows its value at the left end (first column)."""
+
+    nodes: Array
+    integral: Array
+    inverse: Array
+    predict: Array
+    predict_state: Array
+
+
+def radau(stages: int) -> Collocation:
+    """Radau IIA of `stages` nodes: order 2 stages - 1 at the step's end, L-stable (Hairer and Wanner II, IV.5)."""
+    if not 1 <= stages <= 12:
+        raise ValueError(f"stages = {stages}: must be in 1..12")
+    nodes = radau_nodes(stages)
+    gauss, weights = legendre.leggauss(stages + 2)
+    basis = lagrange_basis(nodes)
+    rows = [0.5 * x * weights @ interpolation_matrix(basis, 0.5 * x * (gauss + 1.0)) for x in nodes]
+    integral = np.array(rows)
+    with_left = lagrange_basis(np.r_[0.0, nodes])
+    return Collocation(
+        nodes,
+        integral,
+        np.linalg.inv(integral),
+        interpolation_matrix(basis, 1.0 + nodes),
+        interpolation_matrix(with_left, 1.0 + nodes),
+    )
+
+
+@cache
+def growth_limit(stages: int, tolerance: float) -> float:
+    """Largest growth per step, z = (growth rate) * length, that Radau IIA of `stages` nodes reproduces to `tolerance`.
+
+    |R(z) e^-z - 1| <= tolerance up to there, R the stability function (Hairer and Wanner II, IV.3). Beyond z = 38 with 6 nodes,
+    61 with 8, |R| is below 1: what grows seems to decay, smoothly, and no test of the polynomial's resolution sees it.
+    """
+    growth = np.linspace(0.0, 12.0, 1201)[1:]
+    systems = np.eye(stages) - growth[:, None, None] * radau(stages).integral
+    amplified = np.linalg.solve(systems, np.ones((growth.size, stages, 1)))[:, -1, 0]
+    wrong = np.abs(amplified * np.exp(-growth) - 1.0) > max(tolerance, _ROUNDING)
+    return float(growth[max(0, int(wrong.argmax()) - 1)])
+
+
+def highest_coefficient(nodes: Array) -> Array:
+    """Row (s,) that gives the highest Legendre coefficient of a polynomial from its nodal values: how well a step resolves it."""
+    return np.asarray(np.linalg.inv(legendre.legvander(2.0 * nodes - 1.0, nodes.size - 1))[-1]).copy()
+
+
+def radau_nodes(stages: int) -> Array:
+    """Right Radau points on (0, 1]: roots of P_s - P_(s-1), shifted."""
+    coefficients = np.zeros(stages + 1)
+    coefficients[stages], coefficients[stages - 1] = 1.0, -1.0
+    nodes = np.asarray((np.sort(legendre.legroots(coefficients).real) + 1.0) / 2.0)
+    nodes[-1] = 1.0
+    return nodes

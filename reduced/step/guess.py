@@ -1,0 +1,83 @@
+"""Around the Newton iteration of a collocation step of the delay system: where it starts, what forces it, whether its polynomial
+is resolved. See `reduced.step.newton` for the rows of `guess` and `work`."""
+
+import math
+
+from reduced.step.collocation import Nodes
+from reduced.step.newton import FORCED, FRESH, PREVIOUS, SLOPE, STATE, UNKNOWN
+from slipwave.compiled import inlined, njit
+from slipwave.friction import Law
+from slipwave.friction.interface import solve_interface
+from slipwave.observe.pieces import Array
+from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+
+DONE, NOT_SOLVED, NOT_SMOOTH, TOO_STEEP = range(4)
+"""What becomes of a step."""
+
+
+@njit
+def first_guess(law: Law, impedance: float, incoming: Array, psi: float, z: float, guess: Array) -> int:
+    """Nodal z for frozen psi; returns the number of non-converged solves. Used where there is no earlier step to extend."""
+    failures = 0
+    for j in range(guess.size):
+        z, iterations = solve_interface(law, impedance, incoming[j], psi, z)
+        guess[j] = z
+        failures += iterations == 0
+    return failures
+
+
+@njit
+def force(nodes: Nodes, nudge: float, start: float, length: float, integral: Array, work: Array) -> None:
+    """work[FORCED] <- integral of the nudge from the step's start to each node; kept out of the Newton loop, which it would slow
+    by a quarter."""
+    for j in range(len(nodes)):
+        work[FORCED, j] = 0.0
+    if abs(start - NUDGE_CENTRE) > NUDGE_REACH:
+        return
+    for k in range(len(nodes)):
+        since = start + nodes[k] * length - NUDGE_CENTRE
+        size = length * nudge * math.exp(-since * since)
+        for j in range(len(nodes)):
+            work[FORCED, j] += integral[k, j] * size
+
+
+@inlined
+def judge_step(nodes: Nodes, tail: Array, guess: Array, work: Array, used: int, resolution: float, steepest: float) -> int:
+    """DONE; NOT_SOLVED where Newton `used` no iteration; NOT_SMOOTH if the highest Legendre coefficient of z in the step, `tail`
+    times the nodal values, is above `resolution`; TOO_STEEP if a disturbance would grow by more than e^`steepest` within the step
+    (the slopes of the linearised step): an implicit step damps it, and a smooth solution that is left by everything in its
+    neighbourhood would pass."""
+    coefficient, growth = 0.0, 0.0
+    for j in range(len(nodes)):
+        coefficient += tail[j] * guess[UNKNOWN, j]
+        growth = max(growth, work[SLOPE, j])
+    if used == 0:
+        return NOT_SOLVED
+    if not abs(coefficient) <= resolution:
+        return NOT_SMOOTH
+    return TOO_STEEP if growth > steepest else DONE
+
+
+@inlined
+def predict(nodes: Nodes, predict_rate: Array, predict_state: Array, left: float, guess: Array, work: Array) -> None:
+    """Replace the nodal values by those one step on of their polynomials: the next step's guess."""
+    s = len(nodes)
+    for j in range(s):
+        work[PREVIOUS, j] = predict_state[0, j] * left
+        work[FRESH, j] = 0.0
+    for k in range(s):
+        psi, z = guess[STATE, k], guess[UNKNOWN, k]
+        for j in range(s):
+            work[PREVIOUS, j] += predict_state[k + 1, j] * psi
+            work[FRESH, j] += predict_rate[k, j] * z
+    for j in range(s):
+        guess[STATE, j] = work[PREVIOUS, j]
+        guess[UNKNOWN, j] = work[FRESH, j]
+
+
+@njit
+def hold(nodes: Nodes, psi: float, z: float, guess: Array) -> None:
+    """The values at a step's end as the next step's guess, where its length differs and no polynomial may be extended."""
+    for j in range(len(nodes)):
+        guess[STATE, j] = psi
+        guess[UNKNOWN, j] = z

@@ -1,0 +1,5 @@
+"""numba for the whole house: compiled functions, their cache on disk, and dispatch by class."""
+
+from slipwave.compiled.functions import inlined, njit, overwrite
+
+__all__ = ["inlined", "njit", "overwrite"]

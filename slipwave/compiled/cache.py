@@ -1,0 +1,212 @@
+"""Compiled code kept on disk: found again as long as nothing it was made from has changed, and never the end of a run.
+
+One file holds one function compiled for one set of argument types. Its name is a digest of all that shapes the machine code: the
+program text of the function's module, of those of its arguments' classes, of every module they import, and of the functions that
+compiled code chooses by class (`add_choices`, friction laws for example); the argument types, the processor, and the versions of
+Python, numpy, numba and llvmlite. A file opens with a digest of its contents; one that does not match is thrown away. Where the
+folder cannot be read or written, functions are compiled without it, which is told once.
+
+The folder is `$NUMBA_CACHE_DIR` if that variable is set, else `$XDG_CACHE_HOME/slipwave` (default ~/.cache). What has not been
+used for a month is removed. numba's own cache, which a user's functions may use, is left alone.
+"""
+
+import contextlib
+import hashlib
+import os
+import pickle
+import re
+import shutil
+import sys
+import time
+import uuid
+from collections.abc import Callable, Iterable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import llvmlite  # type: ignore[import-untyped]
+import numba
+import numpy as np
+from numba.core.caching import NullCache
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+
+from slipwave.sources import digest_of, import_closure, inside
+
+_STARTED = time.time()
+_UNUSED_SECONDS = 30 * 86400.0
+_SUFFIX = ".compiled"
+_OLD_FOLDER = re.compile("[0-9a-f]{16}")  # up to version 0.1: one folder for each state of the sources
+_DIGEST_BYTES = hashlib.sha256().digest_size
+_VERSIONS = f"{sys.version} {np.__version__} {numba.__version__} {llvmlite.__version__}"
+
+Choices: TypeAlias = Callable[[], Iterable[tuple[type, Callable[..., Any]]]]
+"""What a compiled call may become, by the class it is chosen for."""
+
+_choices: list[tuple[Path, Choices]] = []
+_is_told = False
+_is_writable = True
+
+
+def add_choices(generic: Callable[..., Any], choices: Choices) -> None:
+    """Declare that a compiled call of `generic` may become any of `choices()`, whose modules its own need not import."""
+    _choices.append((_file_of(generic), choices))
+
+
+class DiskCache(NullCache):  # type: ignore[misc]
+    """numba's interface of a cache for one compiled function: `load_overload` and `save_overload`."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function = function
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """The function compiled for `sig`, or None."""
+        target_context.refresh()
+        path = None
+        try:
+            path = self._path(sig, target_context.codegen())
+            packed = path.read_bytes() if path else None
+        except FileNotFoundError:
+            return None
+        except (OSError, RuntimeError) as error:  # RuntimeError: there is no home
+            return _tell(f"cannot be read ({error})")
+        return self._unpacked(path, packed, sig, target_context) if path and packed is not None else None
+
+    def _unpacked(self, path: Path, packed: bytes, sig: Any, target_context: Any) -> Any:
+        try:
+            kept, parts = pickle.loads(_checked(packed, path.name))
+            compiled = CompileResult._rebuild(target_context, *parts) if kept == sig else None
+        except Exception as error:  # a damaged file may raise anything; it is compiled again
+            with contextlib.suppress(OSError):
+                path.unlink()
+            return _tell(f"holds a damaged file, which is replaced ({path.name}: {error})")
+        with contextlib.suppress(OSError):
+            os.utime(path)
+        return compiled
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep `data`, the function compiled for `sig`."""
+        global _is_writable
+        if not _is_writable:
+            return
+        try:
+            path = self._path(sig, data.codegen)
+            if path is None or data.lifted or data.library.has_dynamic_globals:
+                return
+            _prune_once(path.parent)
+            contents = dumps((sig, data._reduce()))
+            _write(path, _digest(contents, path.name) + contents)
+        except Exception as error:  # a numba that has changed inside is no reason to end a run, nor is a full disk
+            _is_writable = False
+            _tell(f"cannot be written ({error})")
+
+    def _path(self, sig: Any, codegen: Any) -> Path | None:
+        """Where the code for `sig` belongs; None if it depends on foreign code, or on a file edited since the process began."""
+        sources = _sources(_file_of(self._function), set(_classes(getattr(sig, "args", sig))))
+        if sources is None:
+            return None
+        name = f"{self._function.__module__}.{self._function.__qualname__}"
+        facts = f"{name} {sig} {codegen.magic_tuple()} {_VERSIONS} {_program(sources)}"
+        return folder() / f"{name}-{hashlib.sha256(facts.encode()).hexdigest()[:24]}{_SUFFIX}"
+
+
+def folder() -> Path:
+    """Where compiled code is kept. Raises RuntimeError if there is no home to look in."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    if chosen:
+        return Path(chosen)
+    base = os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "slipwave"
+
+
+def _file_of(function: Callable[..., Any]) -> Path:
+    return _resolved(function.__code__.co_filename)
+
+
+@cache
+def _resolved(name: str) -> Path:
+    return Path(name).resolve()
+
+
+def _classes(kinds: Iterable[Any]) -> Iterator[type]:
+    """Classes of the NamedTuples among numba types."""
+    for kind in kinds:
+        if hasattr(kind, "instance_class"):
+            yield kind.instance_class
+        yield from _classes(getattr(kind, "types", ()))
+
+
+def _sources(start: Path, classes: set[type]) -> tuple[Path, ...] | None:
+    """The files whose text shapes code compiled in `start` for arguments of `classes`, sorted; None if one of them is unknown to
+    the house or too new. A choice counts if its class is among them or in one of the files."""
+    found: tuple[Path, ...] = ()
+    starts = {start, *map(_home_of, classes)}
+    while not starts <= set(found):
+        if not all(inside(path) for path in starts):
+            return None
+        found = _closure(frozenset(starts.union(found)))
+        pairs = [pair for owner, choices in _choices if owner in found for pair in choices()]
+        starts = {_file_of(function) for kind, function in pairs if kind in classes or _home_of(kind) in found}
+    # what was imported may be older than what is read now
+    return None if any(path.stat().st_mtime > _STARTED for path in found) else found
+
+
+def _home_of(kind: type) -> Path:
+    return _resolved(getattr(sys.modules.get(kind.__module__), "__file__", None) or kind.__module__)
+
+
+@cache
+def _closure(starts: frozenset[Path]) -> tuple[Path, ...]:
+    return tuple(import_closure(starts, packages=False))
+
+
+@cache
+def _program(sources: tuple[Path, ...]) -> str:
+    return digest_of(sources)
+
+
+def _digest(contents: bytes, name: str) -> bytes:
+    return hashlib.sha256(name.encode() + contents).digest()
+
+
+def _checked(packed: bytes, name: str) -> bytes:
+    """The contents of a file. Raises ValueError if a byte of it has changed."""
+    contents = packed[_DIGEST_BYTES:]
+    if packed[:_DIGEST_BYTES] != _digest(contents, name):
+        raise ValueError("its digest does not match")
+    return contents
+
+
+def _write(path: Path, packed: bytes) -> None:
+    """Whole or absent, also when several processes write the same file."""
+    part = path.with_name(f"{uuid.uuid4().hex}.part")
+    try:
+        part.write_bytes(packed)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+@cache
+def _prune_once(place: Path) -> None:
+    """Make the folder, and remove from it what has not been used for a month."""
+    place.mkdir(parents=True, exist_ok=True)
+    for path in place.iterdir():
+        with contextlib.suppress(OSError):  # another process may be at it too
+            if path.stat().st_mtime > _STARTED - _UNUSED_SECONDS:
+                continue
+            if path.suffix in (_SUFFIX, ".part"):
+                path.unlink()
+            elif _OLD_FOLDER.fullmatch(path.name):
+                shutil.rmtree(path)
+
+
+def _tell(trouble: str) -> None:
+    """One line on stderr, the first time."""
+    global _is_told
+    if not _is_told:
+        _is_told = True
+        where = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+        line = f"slipwave: the cache of compiled code in {where} {trouble}; compiling anew, which may take half a minute"
+        with contextlib.suppress(OSError, ValueError):
+            print(" ".join(line.split()), file=sys.stderr)

@@ -1,0 +1,81 @@
+"""Numerical check of a friction law supplied from outside: a wrong derivative is refused before it can bend a result."""
+
+import itertools
+import math
+from typing import Any
+
+from slipwave.errors import SceneError
+
+_RATES = (1e-2, 0.7, 3.0, 40.0, 900.0)
+_STATE_OFFSETS = (-0.8, 0.0, 0.6)
+_STEP = 1e-5
+_WIDE = 0.5
+_TOLERANCE = 1e-6
+_PARAMETERS = (0.4, 0.02, 0.03)
+_ANSWERS = ("v", "v_z", "F", "F_z", "F_psi", "G", "G_z", "G_psi")
+
+
+def check_law(name: str, law: Any, parameters: tuple[float, ...] = _PARAMETERS) -> None:
+    """Compare v_z, F_z, F_psi, G_z, G_psi with central differences and G(v, psi_ss(v)) with 0 over a grid of rates and states.
+
+    `law` is a `Registered`; it is tried with the parameter class's own defaults, else with `parameters` (a_star, a, b).
+    Raises SceneError naming the law, the wrong function and both values, or what the law's code raised.
+    """
+    sample = _sample(name, law, parameters)
+    try:
+        for rate, offset in itertools.product(_RATES, _STATE_OFFSETS):
+            _check_at(name, law, sample, rate, offset)
+    except (ArithmeticError, TypeError, ValueError, AttributeError, NameError) as error:
+        if isinstance(error, SceneError):
+            raise
+        raise SceneError(f"friction law {name!r}: its code failed: {type(error).__name__}: {error}") from error
+
+
+def _sample(name: str, law: Any, parameters: tuple[float, ...]) -> Any:
+    """An instance of the law's parameters to try it with."""
+    for values in ((), parameters):
+        try:
+            return law.parameters(*values)
+        except TypeError:
+            continue
+    raise SceneError(f"friction law {name!r}: give the fields of {law.parameters.__name__} defaults, so that it can be checked")
+
+
+def _check_at(name: str, law: Any, sample: Any, rate: float, offset: float) -> None:
+    z = law.unknown_of(sample, rate)
+    _require(name, "rate_of(unknown_of(v))", law.rate_of(sample, z), rate)
+    bend = (law.rate_of(sample, z + _WIDE) - 2.0 * rate + law.rate_of(sample, z - _WIDE)) / (2.0 * math.cosh(_WIDE) - 2.0)
+    _require(name, f"v'' at z = {z:.6g} (solvers continue v by v'' = v: use e^z or 2 c sinh z)", bend, rate)
+    steady = law.steady_state(sample, rate)
+    answer = law.respond(sample, z, steady + offset)
+    if len(answer) != len(_ANSWERS):
+        raise SceneError(f"friction law {name!r}: respond must return {', '.join(_ANSWERS)}, not {len(answer)} values")
+    _require(name, "v of respond at z = unknown_of(v)", answer[0], rate)
+    _require(name, "state rate G at psi = steady_state(v)", law.respond(sample, z, steady)[5], 0.0, scale=rate)
+    _check_derivatives(name, law, sample, z, steady + offset)
+
+
+def _check_derivatives(name: str, law: Any, sample: Any, z: float, psi: float) -> None:
+    answer = dict(zip(_ANSWERS, law.respond(sample, z, psi), strict=True))
+    if not answer["F_z"] > 0.0:
+        raise SceneError(f"friction law {name!r}: F_z = {answer['F_z']:.6g} at z = {z:.6g}: must be > 0 (the direct effect)")
+    slopes = {
+        "z": _difference(law, sample, (z + _STEP, psi), (z - _STEP, psi)),
+        "psi": _difference(law, sample, (z, psi + _STEP), (z, psi - _STEP)),
+    }
+    scale = max(1.0, *(abs(answer[quantity]) for quantity in ("v", "F", "G")))
+    for label in ("v_z", "F_z", "F_psi", "G_z", "G_psi"):
+        quantity, variable = label.split("_")
+        where = f"{label} at z = {z:.6g}, psi = {psi:.6g}"
+        _require(name, where, answer[label], slopes[variable][quantity], scale=1e-3 * scale)
+
+
+def _difference(law: Any, sample: Any, ahead: tuple[float, float], behind: tuple[float, float]) -> dict[str, float]:
+    forward, backward = law.respond(sample, *ahead), law.respond(sample, *behind)
+    return {key: (f - b) / (2 * _STEP) for key, f, b in zip(_ANSWERS, forward, backward, strict=True)}
+
+
+def _require(name: str, what: str, given: float, wanted: float, scale: float = 0.0) -> None:
+    allowed = _TOLERANCE * max(abs(wanted), 10.0 * scale, 1e-3)
+    if not abs(given - wanted) <= allowed:
+        raise SceneError(f"friction law {name!r}: {what} = {given:.10g}, but must be {wanted:.10g} (finite differences)")

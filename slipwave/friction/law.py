@@ -1,0 +1,135 @@
+"""What a friction law is, and how one is registered.
+
+A law is a NamedTuple of its parameters (numba specialises every solver on its class, so the branches of other laws are not
+compiled in) and one pure function in the well-scaled variables: the rate unknown z, usually ln v, and the state psi = ln phi.
+
+    respond(law, z, psi) -> (v, v_z, F, F_z, F_psi, G, G_z, G_psi)
+
+v is the slip rate, F the friction coefficient (1), and psi' = G(z, psi) on the friction clock L/V*; subscripts are partial
+derivatives. `steady_state(law, v) -> psi` solves G = 0. Laws that allow v <= 0
+also supply `rate_of(law, z) -> v` and its inverse `unknown_of(law, v) -> z`; v'' = v in z, as for e^z and sinh z, is relied on.
+Argument names are part of the interface (numba matches them).
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import FunctionType
+from typing import Any, NamedTuple, TypeAlias
+
+from numba.extending import overload
+
+from slipwave.compiled.cache import add_choices
+from slipwave.errors import SceneError
+
+Law: TypeAlias = Any
+"""An instance of a registered parameter class (a NamedTuple of floats)."""
+
+Response: TypeAlias = tuple[float, float, float, float, float, float, float, float]
+"""(v, v_z, F, F_z, F_psi, G, G_z, G_psi)."""
+
+
+class Registered(NamedTuple):
+    """One law: the class of its parameters and its functions as plain Python."""
+
+    parameters: type[Any]
+    respond: Callable[..., Response]
+    steady_state: Callable[..., float]
+    rate_of: Callable[..., float]
+    unknown_of: Callable[..., float]
+
+
+LAWS: dict[str, Registered] = {}
+_BY_CLASS: dict[type, Registered] = {}
+_HOUSE = Path(__file__).resolve().parent
+
+
+def _exponential(law: Law, z: float) -> float:
+    return math.exp(z)
+
+
+def _logarithm(law: Law, v: float) -> float:
+    return math.log(v)
+
+
+def register(
+    name: str,
+    parameters: type[Any],
+    respond: Callable[..., Response],
+    steady_state: Callable[..., float],
+    rate_of: Callable[..., float] = _exponential,
+    unknown_of: Callable[..., float] = _logarithm,
+) -> None:
+    """Make a law known to every solver under `name`.
+
+    A law from outside this package is checked first (its derivatives against finite differences, its steady state against G = 0)
+    and is compiled in each process, never taken from disk. Raises SceneError naming the first wrong function.
+    """
+    law = Registered(parameters, respond, steady_state, rate_of, unknown_of)
+    if Path(respond.__code__.co_filename).parent != _HOUSE:
+        from slipwave.friction.check import check_law
+
+        check_law(name, law)
+    if LAWS.get(name, law) != law and LAWS[name].parameters is parameters:
+        raise SceneError(
+            f"friction law {name!r} is already registered with the same parameter class; give the new one its own class"
+        )
+    LAWS[name] = law
+    _BY_CLASS[parameters] = law
+
+
+def name_of(law: Law) -> str:
+    """The name under which the class of `law` is registered."""
+    return next(name for name, known in LAWS.items() if known.parameters is type(law))
+
+
+def respond(law: Law, z: float, psi: float) -> Response:
+    """(v, v_z, F, F_z, F_psi, G, G_z, G_psi) of `law` at rate unknown z and state psi; G on the friction clock L/V*."""
+    return _BY_CLASS[type(law)].respond(law, z, psi)
+
+
+def steady_state(law: Law, v: float) -> float:
+    """psi_ss(v): the state at which sliding at rate v is steady."""
+    return _BY_CLASS[type(law)].steady_state(law, v)
+
+
+def rate_of(law: Law, z: float) -> float:
+    """Slip rate v (in V*) at the rate unknown z."""
+    return _BY_CLASS[type(law)].rate_of(law, z)
+
+
+def unknown_of(law: Law, v: float) -> float:
+    """Rate unknown z at the slip rate v (in V*); ln v for laws that need v > 0."""
+    return _BY_CLASS[type(law)].unknown_of(law, v)
+
+
+def _bare(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function without annotations, which numba would take for a difference between signatures."""
+    return FunctionType(function.__code__, function.__globals__, function.__name__, function.__defaults__, function.__closure__)
+
+
+def _functions() -> Iterator[tuple[type, Callable[..., Any]]]:
+    return ((kind, function) for kind, law in _BY_CLASS.items() for function in law[1:])
+
+
+add_choices(respond, _functions)
+
+
+@overload(respond)
+def _compiled_respond(law, z, psi):  # type: ignore[no-untyped-def]
+    return _bare(_BY_CLASS[law.instance_class].respond)
+
+
+@overload(steady_state)
+def _compiled_steady_state(law, v):  # type: ignore[no-untyped-def]
+    return _bare(_BY_CLASS[law.instance_class].steady_state)
+
+
+@overload(rate_of)
+def _compiled_rate_of(law, z):  # type: ignore[no-untyped-def]
+    return _bare(_BY_CLASS[law.instance_class].rate_of)
+
+
+@overload(unknown_of)
+def _compiled_unknown_of(law, v):  # type: ignore[no-untyped-def]
+    return _bare(_BY_CLASS[law.instance_class].unknown_of)

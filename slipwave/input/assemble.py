@@ -1,0 +1,168 @@
+"""Validated tables -> frozen `Scene`: joins keys that depend on each other and converts SI (15)."""
+
+import math
+from typing import Any
+
+from slipwave.errors import SceneError
+from slipwave.friction import LAWS
+from slipwave.input import schema
+from slipwave.input.number import EPSILON, ROUND_TRIP, Range
+from slipwave.input.validate import Validated
+from slipwave.input.wording import shorten
+from slipwave.scene import Scene
+from slipwave.scene.drive import Drive
+from slipwave.scene.slab import (
+    Face,
+    GripFace,
+    KelvinVoigtViscosity,
+    Layer,
+    ReflectingFace,
+    RigidFace,
+    Slab,
+    StandardLinearViscosity,
+    Viscosity,
+)
+from slipwave.scene.start import Start, StartKind
+from slipwave.scene.units import Units
+
+_UNIT_KEYS = ("normal_stress", "memory_length", "reference_velocity")
+_DEFAULT_SIZES = {"nudge": 0.5, "jump": 0.05, "orbit": 0.5}
+
+
+def assemble(checked: Validated, name: str) -> Scene:
+    """The scene of `checked`, called `name` unless its file says otherwise. Raises SceneError on keys that do not go together."""
+    tables = checked.tables
+    units = _units(checked.units)
+    upper, lower = _slabs(tables, units)
+    return Scene(
+        name=tables.name or name,
+        law=LAWS[checked.law].parameters(**checked.parameters),
+        upper=upper,
+        lower=lower,
+        drive=_drive(tables.drive),
+        start=_start(tables.start),
+        until=tables.run.until,
+        record=frozenset(tables.run.record),
+        units=units,
+    )
+
+
+def _units(given: dict[str, float]) -> Units | None:
+    if not given:
+        return None
+    for key in _UNIT_KEYS:
+        if key not in given:
+            raise SceneError(f"interface.{key}: missing; must be given with {' and '.join(sorted(given))} (all three or none)")
+    return Units(**given)
+
+
+def _slabs(tables: schema.SceneTable, units: Units | None) -> tuple[Slab, Slab]:
+    if tables.slab is not None:
+        for key in ("upper", "lower"):
+            if getattr(tables, key) is not None:
+                raise SceneError(f"{key}: must not be given together with slab: either [slab] or both [upper] and [lower]")
+        slab = _slab("slab", tables.slab, units)
+        return slab, slab
+    if tables.upper is None and tables.lower is None:
+        raise SceneError("slab: missing; must be [slab] (both alike) or both [upper] and [lower]")
+    if tables.upper is None or tables.lower is None:
+        absent, present = ("upper", "lower") if tables.upper is None else ("lower", "upper")
+        raise SceneError(f"{absent}: missing; [{present}] needs it beside it (or [slab] for both)")
+    return _slab("upper", tables.upper, units), _slab("lower", tables.lower, units)
+
+
+def _slab(key: str, table: schema.SlabTable, units: Units | None) -> Slab:
+    _require_units(key, table, units)
+    epsilon = _epsilon(key, table, units)
+    round_trip = _round_trip(key, table, units)
+    return Slab(epsilon, round_trip, _face(table.face), _viscosity(table.viscosity), _layers(key, table.layers))
+
+
+def _require_units(key: str, table: schema.SlabTable, units: Units | None) -> None:
+    for name in ("density", "shear_modulus", "thickness"):
+        if getattr(table, name) is not None and units is None:
+            raise SceneError(
+                f"{key}.{name} = {getattr(table, name):g}: must come with interface.normal_stress, memory_length and "
+                "reference_velocity (SI), or be replaced by epsilon and r"
+            )
+
+
+def _epsilon(key: str, table: schema.SlabTable, units: Units | None) -> float:
+    density, modulus = table.density, table.shear_modulus
+    if table.epsilon is not None:
+        for name in ("density", "shear_modulus"):
+            if getattr(table, name) is not None:
+                raise SceneError(f"{key}.{name} = {getattr(table, name):g}: must not be given together with {key}.epsilon")
+        return table.epsilon
+    if units is None or (density is None and modulus is None):
+        raise SceneError(f"{key}.epsilon: missing; must be {EPSILON}, or give density and shear_modulus in SI")
+    if density is None or modulus is None:
+        absent = "density" if density is None else "shear_modulus"
+        raise SceneError(f"{key}.{absent}: missing; density and shear_modulus [SI] must both be given")
+    sources = {f"{key}.density": density, f"{key}.shear_modulus": modulus} | _named(units, "normal_stress", "reference_velocity")
+    return _in_range("epsilon", units.epsilon(density, modulus), EPSILON, sources)
+
+
+def _round_trip(key: str, table: schema.SlabTable, units: Units | None) -> float:
+    given = [name for name in ("r", "log10_r", "thickness") if getattr(table, name) is not None]
+    if not given:
+        raise SceneError(f"{key}.r: missing; must be r ({ROUND_TRIP}), log10_r, or in SI thickness")
+    if len(given) > 1:
+        raise SceneError(f"{key}.{given[1]} = {getattr(table, given[1]):g}: must not be given together with {key}.{given[0]}")
+    if table.thickness is None:
+        return table.r if table.r is not None else float(10.0 ** (table.log10_r or 0.0))
+    if units is None or table.density is None or table.shear_modulus is None:
+        raise SceneError(f"{key}.thickness = {table.thickness:g}: must come with density and shear_modulus, or be replaced by r")
+    sources = {f"{key}.{name}": getattr(table, name) for name in ("thickness", "density", "shear_modulus")}
+    round_trip = units.round_trip(table.density, table.shear_modulus, table.thickness)
+    return _in_range("r", round_trip, ROUND_TRIP, sources | _named(units, "memory_length", "reference_velocity"))
+
+
+def _named(units: Units, *keys: str) -> dict[str, float]:
+    return {f"interface.{key}": getattr(units, key) for key in keys}
+
+
+def _in_range(what: str, result: float, allowed: Range, sources: dict[str, float]) -> float:
+    """`result`, derived from the keys `sources`; outside `allowed` every one of them is named, for any may be the wrong one."""
+    if not allowed.low <= result <= allowed.high:
+        given = ", ".join(f"{key} = {value:g}" for key, value in sources.items())
+        raise SceneError(f"{given}: give {what} = {result:.9g}, which must be {allowed}")
+    return result
+
+
+def _face(table: Any) -> Face:
+    match table:
+        case schema.GripTable():
+            return GripFace(table.stiffness, table.impedance)
+        case schema.ReflectionTable():
+            return RigidFace() if table.coefficient == 1.0 else ReflectingFace(table.coefficient)
+    return RigidFace()
+
+
+def _viscosity(table: Any) -> Viscosity | None:
+    match table:
+        case schema.KelvinVoigtTable():
+            return KelvinVoigtViscosity(table.time)
+        case schema.StandardLinearTable():
+            return StandardLinearViscosity(table.time, table.ratio)
+    return None
+
+
+def _layers(key: str, tables: list[schema.LayerTable] | None) -> tuple[Layer, ...]:
+    if tables is None:
+        return (Layer(1.0, 1.0),)
+    total = math.fsum(table.fraction for table in tables)
+    if abs(total - 1.0) > 1e-9:
+        fractions = shorten([table.fraction for table in tables])
+        raise SceneError(f"{key}.layers = {fractions}: must be fractions of the round trip that add up to 1, not {total:.10g}")
+    return tuple(Layer(table.fraction / total, table.impedance) for table in tables)
+
+
+def _drive(table: schema.DriveTable) -> Drive:
+    times, velocities = zip(*table.velocity, strict=True)
+    return Drive(times, velocities)
+
+
+def _start(table: schema.StartTable) -> Start:
+    size = _DEFAULT_SIZES[table.kind] if table.size is None else table.size
+    return Start(StartKind(table.kind), size)

@@ -1,0 +1,85 @@
+"""`key=value` overrides of a scene's raw tables, before validation.
+
+Setting one key does what the user means: `slab.log10_r` replaces `r` (or `thickness`), `slab.epsilon` replaces nothing else,
+`upper.x` on a scene with one [slab] first gives the two slabs a table each, and a new `kind` starts its table afresh.
+"""
+
+import copy
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from slipwave.errors import SceneError
+from slipwave.input.source import parse_toml
+from slipwave.input.wording import key_text, shorten
+
+_SIBLINGS = ({"r", "log10_r", "thickness"},)
+_BARE_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+_KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+){0,19}")
+_FRESH_TABLES = {"face", "viscosity"}
+
+
+def apply_overrides(data: dict[str, Any], overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
+    """`data` with every override set, in order, `kind`s first. Raises SceneError on text that is no `key=value`."""
+    if isinstance(overrides, Mapping):
+        pairs = [(_key(str(key)), copy.deepcopy(value)) for key, value in overrides.items()]
+    else:
+        pairs = [_parse(text) for text in ([overrides] if isinstance(overrides, str) else overrides)]
+    for key, value in sorted(pairs, key=lambda pair: pair[0][-1] != "kind"):
+        _set(data, key, value)
+    return data
+
+
+def _key(text: str) -> list[str]:
+    key = text.strip()
+    if not _KEY.fullmatch(key):
+        raise SceneError(f"--set {shorten(text)}: the key must be dotted words, as in slab.log10_r=-2.3")
+    return key.split(".")
+
+
+def _parse(text: str) -> tuple[list[str], Any]:
+    key, sign, value = text.partition("=")
+    if not sign:
+        raise SceneError(f"--set {shorten(text)}: must be KEY=VALUE, as in slab.log10_r=-2.3")
+    return _key(key), _value(key.strip(), value.strip())
+
+
+def _value(key: str, text: str) -> Any:
+    """A TOML value; a bare word (slip, kelvin-voigt) is taken as a string."""
+    try:
+        parsed = parse_toml(f"value = {text}")
+        if set(parsed) == {"value"}:
+            return parsed["value"]
+    except (ValueError, RecursionError):
+        if _BARE_WORD.fullmatch(text):
+            return text
+    raise SceneError(f"{key_text([key])} = {shorten(text)}: must be a TOML value: a number, a word, or a list")
+
+
+def _set(data: dict[str, Any], key: list[str], value: Any) -> None:
+    _fit_tables(data, key)
+    table = data
+    for depth, part in enumerate(key[:-1], start=1):
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            raise SceneError(f"{key_text(key)} = {shorten(value)}: {key_text(key[:depth])} is not a table")
+    last = key[-1]
+    if last == "kind" and key[-2:-1] and key[-2] in _FRESH_TABLES and table.get("kind") != value:
+        table.clear()
+    for siblings in _SIBLINGS:
+        if last in siblings and len(key) == 2:
+            for other in siblings - {last}:
+                table.pop(other, None)
+    table[last] = value
+
+
+def _fit_tables(data: dict[str, Any], key: list[str]) -> None:
+    """Give a scene with one [slab] an [upper] and a [lower] when one of them is to be changed."""
+    if len(key) < 2:
+        return
+    if key[0] in ("upper", "lower") and "slab" in data and not {"upper", "lower"} & set(data):
+        slab = data.pop("slab")
+        data["upper"], data["lower"] = slab, copy.deepcopy(slab)
+    elif key[0] == "slab" and "slab" not in data and {"upper", "lower"} & set(data):
+        rest = ".".join(key[1:])
+        raise SceneError(f"{key_text(key)}: this scene's slabs differ; set upper.{rest} or lower.{rest} instead")

@@ -1,0 +1,165 @@
+"""Every key of a scene file with its type and range (README: the table of scene keys). Shape only: `assemble` joins the keys."""
+
+from itertools import pairwise
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, StringConstraints, Tag
+from pydantic_core import PydanticCustomError
+
+from slipwave.input.number import (
+    TIME,
+    VELOCITY,
+    Coefficient,
+    Epsilon,
+    Fraction,
+    LogRoundTrip,
+    NonNegative,
+    Physical,
+    Range,
+    Relative,
+    Relaxation,
+    RoundTrip,
+    Size,
+    Until,
+)
+
+
+def _printable(text: str) -> str:
+    """`text`, without anything that could steer a terminal or that a file could not hold."""
+    if not text.isprintable():
+        raise PydanticCustomError("printable", "must be a text of 1 to 200 printable characters")
+    return text
+
+
+Text: TypeAlias = Annotated[str, StringConstraints(min_length=1, max_length=200), AfterValidator(_printable)]
+MAX_LAYERS = 100
+MAX_RAMPS = 10_000
+
+
+class Table(BaseModel):
+    """A table of the scene file: no unknown keys, no coercion."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class RigidTable(Table):
+    """The drive moves the outer face."""
+
+    kind: Literal["rigid"] = "rigid"
+
+
+class GripTable(Table):
+    """Spring (relative to epsilon/r) and dashpot (relative to epsilon) between drive and outer face."""
+
+    kind: Literal["grip"]
+    stiffness: Relative
+    impedance: NonNegative
+
+
+class ReflectionTable(Table):
+    """Bare reflection coefficient."""
+
+    kind: Literal["reflection"]
+    coefficient: Coefficient
+
+
+class KelvinVoigtTable(Table):
+    """Retardation time in L/V* (in SI scenes too)."""
+
+    kind: Literal["kelvin-voigt"]
+    time: Relaxation
+
+
+class StandardLinearTable(Table):
+    """Relaxation time in L/V* (in SI scenes too) and ratio of the relaxing to the lasting modulus."""
+
+    kind: Literal["standard-linear"]
+    time: Relaxation
+    ratio: Relative
+
+
+def _kind(default: str) -> Discriminator:
+    def tag(value: Any) -> Any:
+        """The word that says which table this is."""
+        return value.get("kind", default) if isinstance(value, dict) else getattr(value, "kind", default)
+
+    return Discriminator(tag)
+
+
+FaceTable: TypeAlias = Annotated[
+    Annotated[RigidTable, Tag("rigid")] | Annotated[GripTable, Tag("grip")] | Annotated[ReflectionTable, Tag("reflection")],
+    _kind("rigid"),
+]
+ViscosityTable: TypeAlias = Annotated[
+    Annotated[KelvinVoigtTable, Tag("kelvin-voigt")] | Annotated[StandardLinearTable, Tag("standard-linear")], _kind("")
+]
+
+
+class LayerTable(Table):
+    """A sublayer, from the interface outwards: share of the round trip, impedance relative to the slab's epsilon."""
+
+    fraction: Fraction
+    impedance: Relative
+
+
+class SlabTable(Table):
+    """A slab: epsilon, or density and shear_modulus; and one of r, log10_r, thickness."""
+
+    epsilon: Epsilon | None = None
+    r: RoundTrip | None = None
+    log10_r: LogRoundTrip | None = None
+    density: Physical | None = None
+    shear_modulus: Physical | None = None
+    thickness: Physical | None = None
+    face: FaceTable = RigidTable()
+    viscosity: ViscosityTable | None = None
+    layers: Annotated[list[LayerTable], Field(min_length=2, max_length=MAX_LAYERS)] | None = None
+
+
+_RAMP_VELOCITY = Range(0.0, VELOCITY.high)
+
+
+def _ramps(value: Any) -> Any:
+    """One velocity as [[0, V]]; a list of [time, velocity] with rising times and a positive first velocity, checked."""
+    if not isinstance(value, list):
+        return [(0.0, VELOCITY(value))]
+    if not 1 <= len(value) <= MAX_RAMPS or not all(isinstance(pair, list) and len(pair) == 2 for pair in value):
+        raise PydanticCustomError("ramps", "must be a velocity or a list of [time, velocity]")
+    pairs = [(TIME(time), (_RAMP_VELOCITY if k else VELOCITY)(velocity)) for k, (time, velocity) in enumerate(value)]
+    if any(later[0] <= earlier[0] for earlier, later in pairwise(pairs)):
+        raise PydanticCustomError("ramps", "must have rising times (transits of the upper slab)")
+    return pairs
+
+
+class DriveTable(Table):
+    """Total velocity in V*, or ramps [time in transits of the upper slab, velocity], constant outside them."""
+
+    velocity: Annotated[list[tuple[float, float]], BeforeValidator(_ramps)]
+
+
+class StartTable(Table):
+    """How the run starts; `size` is psi's disturbance."""
+
+    kind: Literal["nudge", "jump", "orbit"] = "nudge"
+    size: Size | None = None
+
+
+class RunTable(Table):
+    """Length of the run in transits of the upper slab, and what is recorded."""
+
+    until: Until = 4000.0
+    record: list[Literal["events", "interface", "fields"]] = ["events"]
+
+
+class SceneTable(Table):
+    """A whole scene file; [interface] is checked against its law's own parameters (`validate.interface_table`)."""
+
+    name: Text | None = None
+    title: Text | None = None
+    interface: dict[str, Any]
+    slab: SlabTable | None = None
+    upper: SlabTable | None = None
+    lower: SlabTable | None = None
+    drive: DriveTable
+    start: StartTable = StartTable()
+    run: RunTable = RunTable()

@@ -1,0 +1,60 @@
+"""Raw tables -> validated tables; the first fault becomes a SceneError of one line."""
+
+from typing import Annotated, Any, NamedTuple, TypeVar
+
+from pydantic import BaseModel, BeforeValidator, ValidationError, create_model
+
+from slipwave.errors import SceneError
+from slipwave.friction import LAWS
+from slipwave.input import schema
+from slipwave.input.complain import complaint
+from slipwave.input.number import Physical, Range
+from slipwave.input.wording import choices, shorten
+
+Checked = TypeVar("Checked", bound=BaseModel)
+
+_PARAMETER_RANGES = {"a_star": Range(-1e3, 1e3), "a": Range(1e-9, 10.0), "b": Range(0.0, 10.0)}
+_OTHER_PARAMETER = Range(-1e9, 1e9)
+_UNITS = ("normal_stress", "memory_length", "reference_velocity")
+
+
+class Validated(NamedTuple):
+    """The scene's tables, the law's name, its parameters, and L, V*, sigma if given."""
+
+    tables: schema.SceneTable
+    law: str
+    parameters: dict[str, float]
+    units: dict[str, float]
+
+
+def validate(data: dict[str, Any]) -> Validated:
+    """Check every key of a scene's raw tables. Raises SceneError naming the first faulty key, its value and its range."""
+    tables = _checked(schema.SceneTable, data, ())
+    law = tables.interface.get("law")
+    if not isinstance(law, str) or law not in LAWS:
+        raise SceneError(f"interface.law = {shorten(law)}: must be {choices(LAWS)}")
+    checked = _checked(_interface_table(LAWS[law].parameters), tables.interface, ("interface",)).model_dump()
+    units = {key: checked[key] for key in _UNITS if checked[key] is not None}
+    parameters = {key: checked[key] for key in LAWS[law].parameters._fields}
+    return Validated(tables, law, parameters, units)
+
+
+def _interface_table(parameters: Any) -> type[BaseModel]:
+    """Schema of [interface] for the law with this parameter class: its parameters and, for SI scenes, the three units."""
+    fields: dict[str, Any] = {"law": (str, ...)}
+    for key in parameters._fields:
+        allowed = Annotated[float, BeforeValidator(_PARAMETER_RANGES.get(key, _OTHER_PARAMETER))]
+        fields[key] = (allowed, parameters._field_defaults.get(key, ...))
+    fields |= dict.fromkeys(_UNITS, (Physical | None, None))
+    return create_model("InterfaceTable", __base__=schema.Table, **fields)
+
+
+def _checked(model: type[Checked], data: dict[str, Any], above: tuple[str, ...]) -> Checked:
+    try:
+        return model.model_validate(data)
+    except ValidationError as failure:
+        # an unknown key explains the missing one it was meant to be, so it is told first
+        faults = sorted(
+            failure.errors(include_url=False), key=lambda fault: fault["type"] not in ("extra_forbidden", "invalid_key")
+        )
+        raise SceneError(complaint(faults[0], above, model.model_fields)) from None

@@ -1,0 +1,144 @@
+"""The compiled walk over the pieces: swings of the elastic stress with the extrema and the date that belong to each.
+
+Turning points are roots of y's derivative in the polynomial of a piece; between two pieces the slope may change sign without one.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from slipwave.compiled import njit
+from slipwave.friction.law import Law
+from slipwave.observe.extrema import differentiate, evaluate, find_root, last_slope, raise_record, raise_record_within
+from slipwave.observe.pieces import Array, Basis, Pieces
+from slipwave.observe.rise import RISING, SLOTS, begin_rise, date_rise, follow_rise, room_for_rise
+from slipwave.observe.swings import BEGIN, COLUMNS, DATE, DIRECTION, END, RECORDS, thin
+
+_FLAT = 1e-14  # relative; a change of y within a piece that is rounding
+
+
+class Memory(NamedTuple):
+    """The running swing; what `rise` remembers of it, and the pieces it keeps; y at the end of the latest piece (shape (1,), NaN
+    before the first)."""
+
+    running: Array
+    rise: Array
+    kept: Array
+    last: Array
+
+
+def empty_memory(nodes: int) -> Memory:
+    """Memory before the first piece, of pieces with that many `nodes`."""
+    return Memory(np.zeros(COLUMNS), np.zeros(SLOTS), room_for_rise(nodes), np.full(1, np.nan))
+
+
+@njit
+def scan(
+    law: Law, pieces: Pieces, first: int, basis: Basis, floor: float, memory: Memory, swings: Array, count: int
+) -> tuple[int, int]:
+    """Walk over the pieces from `first` on and add completed swings; returns (next piece, swings). It stops early where `swings`
+    has no room for what another piece may bring."""
+    n = basis.nodes.size
+    scratch = np.empty((2, n))
+    for k in range(first, pieces.time.size):
+        if count + n + 1 > swings.shape[0]:
+            return k, count
+        y = pieces.elastic[k]
+        if math.isnan(memory.last[0]):
+            memory.last[0] = evaluate(basis, y, 0.0)
+            _begin(pieces, k, basis, 0.0, 1.0 if y[n - 1] >= memory.last[0] else -1.0, memory)
+        begin = 0.0
+        if _turns(basis, y, memory):
+            begin, count = _split(law, pieces, k, basis, scratch, floor, memory, swings, count)
+        _take(law, pieces, k, basis, scratch[1], begin, basis.nodes[n - 1], memory)
+        memory.last[0] = y[n - 1]
+        memory.running[END] = y[n - 1]
+    _date(basis, memory)
+    return pieces.time.size, count
+
+
+@njit
+def _turns(basis: Basis, y: Array, memory: Memory) -> bool:
+    """Whether the elastic stress turns in this piece or at its beginning."""
+    direction, left = memory.running[DIRECTION], memory.last[0]
+    for j in range(y.size):
+        if direction * (y[j] - left) < 0.0:
+            return True
+        left = y[j]
+    return bool(direction * last_slope(basis, y) < 0.0)
+
+
+@njit
+def _split(
+    law: Law, pieces: Pieces, k: int, basis: Basis, scratch: Array, floor: float, memory: Memory, swings: Array, count: int
+) -> tuple[float, int]:
+    """Complete the swings that end in piece k; returns (point where the running one begins, swings)."""
+    y, slopes = pieces.elastic[k], scratch[0]
+    if y.max() - y.min() <= _FLAT * abs(y[0]):
+        if memory.running[DIRECTION] * (y[y.size - 1] - memory.last[0]) < 0.0:
+            count = _turn(pieces, k, basis, 0.0, floor, memory, swings, count)
+        return 0.0, count
+    differentiate(basis, y, slopes)
+    begin, left, slope = 0.0, 0.0, evaluate(basis, slopes, 0.0)
+    for j in range(y.size):
+        direction = memory.running[DIRECTION]
+        if direction * slopes[j] < 0.0:
+            point = find_root(basis, slopes, 0.0, left, basis.nodes[j]) if direction * slope > 0.0 else left
+            if point > begin:
+                _take(law, pieces, k, basis, scratch[1], begin, point, memory)
+            count = _turn(pieces, k, basis, point, floor, memory, swings, count)
+            begin = point
+        left, slope = basis.nodes[j], slopes[j]
+    return begin, count
+
+
+@njit
+def _turn(pieces: Pieces, k: int, basis: Basis, point: float, floor: float, memory: Memory, swings: Array, count: int) -> int:
+    """The running swing ends at `point` of piece k and the next one begins; returns how many completed ones are left."""
+    running = memory.running
+    running[END] = evaluate(basis, pieces.elastic[k], point)
+    _date(basis, memory)
+    for column in range(COLUMNS):
+        swings[count, column] = running[column]
+    count = thin(swings, count + 1, floor)
+    _begin(pieces, k, basis, point, -running[DIRECTION], memory)
+    return count
+
+
+@njit
+def _date(basis: Basis, memory: Memory) -> None:
+    """The date of the running swing, if it is a fall in which v has just risen."""
+    if memory.running[DIRECTION] < 0.0 and memory.rise[RISING] > 0.0:
+        memory.running[DATE] = date_rise(basis, memory.rise, memory.kept)
+
+
+@njit
+def _begin(pieces: Pieces, k: int, basis: Basis, point: float, direction: float, memory: Memory) -> None:
+    """A swing in `direction` (1 up, -1 down) begins at `point` of piece k."""
+    running = memory.running
+    running[DIRECTION] = direction
+    running[BEGIN] = running[END] = evaluate(basis, pieces.elastic[k], point)
+    running[DATE] = math.nan
+    for slot in range(RECORDS, COLUMNS):
+        running[slot] = -math.inf
+    if direction < 0.0:
+        begin_rise(memory.rise, pieces.time[k] + pieces.length[k] * point)
+
+
+@njit
+def _take(law: Law, pieces: Pieces, k: int, basis: Basis, scratch: Array, begin: float, end: float, memory: Memory) -> None:
+    """Raise the running swing's records by the part [begin, end] of piece k and, in a fall, follow the rise of v."""
+    running, z = memory.running, pieces.unknown[k]
+    highest = running[RECORDS]
+    if begin == 0.0 and end == basis.nodes[basis.nodes.size - 1] and highest > -math.inf:
+        raise_record(basis, z, scratch, running, RECORDS)
+        raise_record(basis, pieces.stress[k], scratch, running, RECORDS + 2)
+    else:
+        raise_record_within(basis, z, scratch, running, RECORDS, begin, end)
+        raise_record_within(basis, pieces.stress[k], scratch, running, RECORDS + 2, begin, end)
+    if running[DIRECTION] < 0.0:
+        raised = running[RECORDS] > highest
+        if not raised and memory.rise[RISING] > 0.0:
+            running[DATE] = date_rise(basis, memory.rise, memory.kept)
+        follow_rise(law, pieces.time[k], pieces.length[k], z, running[RECORDS], raised, memory.rise, memory.kept)

@@ -1,0 +1,119 @@
+"""Slip events and cycles of a run, found while it streams by, from the dense polynomials of the pieces.
+
+A slip event is a fall of the elastic stress y whose prominence is at least 10 % of that of the largest fall in the judged window.
+Prominence is that of persistence (`swings`): a fall goes on through rises that are smaller than those 10 %, and is ended by one
+that is not. Nothing else enters: no round trip, no drive, no event before. The event is dated by its steepest rise of v (`rise`).
+The same motion read on another clock, with y in another unit, has the same events.
+
+There are no events below a floor, for rounding and the tolerance of a solver are no motion: the friction stress that changes the
+rate by 1e-9 of itself (where sliding is steady at the start), plus 1e-13 of the steady stress, some 500 roundings.
+
+Kept are the swings that may yet count in some window that lasts to the end of the run, each with the extrema of the rate and of
+the friction stress in it: memory O(events).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from slipwave.friction import rate_of, respond, unknown_of
+from slipwave.observe.detector import empty_memory, scan
+from slipwave.observe.pieces import Array, Pieces, lagrange_basis
+from slipwave.observe.rise import KEPT, MOST_ROOM, room_for_rise
+from slipwave.observe.swings import BEGIN, COLUMNS, DATE, END, RECORDS
+from slipwave.observe.window import Judged, judge
+from slipwave.scene import Scene
+
+_QUIET_RATE, _QUIET_STRESS = 1e-9, 1e-13  # relative; what the floor is made of
+_FIRST_ROOM = 256
+
+
+class Events(NamedTuple):
+    """One row per complete cycle, from one slip event to the next, arrays of shape (cycles,): the event's date and the time to
+    the next one (transits); stress drops in units of the normal stress; v_max, v_min in V*.
+
+    Extrema are taken from the maximum of the elastic stress before the event to that before the next. A cycle is complete if the
+    run saw its first fall begin and the fall of the event that ends it come to an end."""
+
+    time: Array
+    period: Array
+    stress_drop: Array
+    elastic_stress_drop: Array
+    v_max: Array
+    v_min: Array
+
+
+class EventObserver:
+    """Feeds on pieces; answers for any window that lasts to the latest piece."""
+
+    def __init__(self, scene: Scene, nodes: Array) -> None:
+        self._law = scene.law
+        self._basis = lagrange_basis(nodes)
+        by_rate = abs(respond(scene.law, unknown_of(scene.law, scene.velocity), scene.steady_psi)[3])
+        self._floor = _QUIET_RATE * by_rate + _QUIET_STRESS * abs(scene.steady_stress)
+        self._memory = empty_memory(nodes.size)
+        self._swings = np.empty((_FIRST_ROOM + nodes.size, COLUMNS))
+        self._count = 0
+        none = np.empty((0, nodes.size))
+        self.scan(Pieces(none[:, 0].copy(), none[:, 0].copy(), none, none, none, none))  # loads the detector outside timed runs
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        self._make_room(pieces.time.size)
+        done = 0
+        while True:
+            done, self._count = scan(self._law, pieces, done, self._basis, self._floor, self._memory, self._swings, self._count)
+            if done == pieces.time.size:
+                return
+            self._swings = np.concatenate((self._swings, np.empty_like(self._swings)))
+
+    def _make_room(self, more: int) -> None:
+        """Room for a rise that lasts for all of the next `more` pieces."""
+        used, room = int(self._memory.rise[KEPT]), len(self._memory.kept)
+        if used + more > room and room < MOST_ROOM:
+            self._memory = self._memory._replace(kept=room_for_rise(self._basis.nodes.size, self._memory.kept[:used], more))
+
+    def dates(self, after: float = -np.inf) -> Array:
+        """Dates (transits) of the slip events from `after` on, in the window from there to now; shape (events,)."""
+        found = self.judge(after)
+        return np.asarray(found.swings[found.events, DATE])
+
+    @property
+    def count(self) -> int:
+        """Slip events of the whole run so far."""
+        return self.dates().size
+
+    def judge(self, after: float = -np.inf) -> Judged:
+        """The falls that are slip events of the window from `after` (transits) to now, with their prominence."""
+        begun = not np.isnan(self._memory.last[0])
+        running = self._memory.running[None, :] if begun else np.empty((0, COLUMNS))
+        return judge(np.concatenate((self._swings[: self._count], running)), self._floor, after)
+
+    def events(self, after: float = -np.inf) -> Events:
+        """Complete cycles that begin at or after `after` (transits), in the window from there to now."""
+        found = self.judge(after)
+        events = found.events[1:] if found.events.size and found.events[0] == 0 else found.events
+        events = events if found.over else events[:-1]
+        if events.size < 2:
+            return Events(*np.empty((6, 0)))
+        dates, begins = found.swings[events, DATE], events[:-1]
+        inner = found.swings[: events[-1]]
+        highest = np.maximum.reduceat(inner[:, [BEGIN, END]].max(axis=1), begins)
+        lowest = np.minimum.reduceat(inner[:, [BEGIN, END]].min(axis=1), begins)
+        records = np.maximum.reduceat(inner[:, RECORDS:], begins, axis=0)
+        v_max, v_min = (np.array([rate_of(self._law, z) for z in column]) for column in (records[:, 0], -records[:, 1]))
+        return Events(dates[:-1], np.diff(dates), records[:, 2] + records[:, 3], highest - lowest, v_max, v_min)
+
+    def state(self) -> dict[str, Array]:
+        """Everything remembered, as arrays, for a checkpoint."""
+        running, rise, kept, last = self._memory
+        memory = np.concatenate((running, rise, last))
+        return {"memory": memory, "rise": kept[: int(rise[KEPT])].copy(), "swings": self._swings[: self._count].copy()}
+
+    def restore(self, state: dict[str, Array]) -> None:
+        """Go on from what `state` returned."""
+        running, rise, _, last = self._memory
+        running[:], rise[:], last[:] = np.split(state["memory"], [running.size, running.size + rise.size])
+        self._memory = self._memory._replace(kept=room_for_rise(self._basis.nodes.size, state["rise"]))
+        self._count = len(state["swings"])
+        self._swings = np.concatenate((state["swings"], np.empty((_FIRST_ROOM + self._basis.nodes.size, COLUMNS))))

@@ -1,0 +1,133 @@
+"""Extrema and roots of the polynomials that pieces are made of, compiled for the event detector."""
+
+from slipwave.compiled import njit
+from slipwave.observe.pieces import Array, Basis
+
+_ROOT_ITERATIONS = 80
+
+
+@njit
+def evaluate(basis: Basis, values: Array, point: float) -> float:
+    """Barycentric value at `point` of [0, 1] of the polynomial through `values` at the basis nodes."""
+    top = 0.0
+    bottom = 0.0
+    for j in range(values.size):
+        gap = point - basis.nodes[j]
+        if gap == 0.0:
+            return float(values[j])
+        term = basis.weights[j] / gap
+        top += term * values[j]
+        bottom += term
+    return top / bottom
+
+
+@njit
+def find_root(basis: Basis, values: Array, level: float, left: float, right: float) -> float:
+    """Point of [left, right] where the polynomial takes `level`, its ends lying on either side (Illinois false position)."""
+    low = evaluate(basis, values, left) - level
+    high = evaluate(basis, values, right) - level
+    point = right
+    for _ in range(_ROOT_ITERATIONS):
+        if high == low:
+            break
+        point = right - high * (right - left) / (high - low)
+        value = evaluate(basis, values, point) - level
+        if value == 0.0 or abs(right - left) < 1e-15:
+            break
+        if value * high < 0.0:
+            left, low = right, high
+        else:
+            low *= 0.5
+        moved = abs(point - right)
+        right, high = point, value
+        if moved < 1e-15:
+            break
+    return point
+
+
+@njit
+def differentiate(basis: Basis, values: Array, slopes: Array) -> None:
+    """slopes <- derivative of the polynomial at the nodes."""
+    for i in range(values.size):
+        slopes[i] = 0.0
+        for j in range(values.size):
+            slopes[i] += basis.derivative[i, j] * values[j]
+
+
+@njit
+def _peak(basis: Basis, values: Array, slopes: Array, sign: float, at: int) -> float:
+    """Maximum of sign * polynomial between the neighbours of node `at`, where its nodal maximum lies; `slopes` is scratch."""
+    n = values.size
+    differentiate(basis, values, slopes)
+    left = basis.nodes[at - 1] if at > 0 else 0.0
+    right = basis.nodes[at + 1] if at + 1 < n else basis.nodes[n - 1]
+    if right > left and sign * evaluate(basis, slopes, left) > 0.0 > sign * evaluate(basis, slopes, right):
+        return _trusted(sign * float(evaluate(basis, values, find_root(basis, slopes, 0.0, left, right))), values, sign)
+    return float(sign * values[at])
+
+
+@njit
+def _trusted(peak: float, values: Array, sign: float) -> float:
+    """`peak`, unless it overshoots the nodes so far that a front must lie between them (a polynomial rings there, and in ln v by
+    decades): then the nodes' own. A sine whose period is the piece's length overshoots by less."""
+    top, bottom = sign * values[0], sign * values[0]
+    for j in range(1, values.size):
+        top, bottom = max(top, sign * values[j]), min(bottom, sign * values[j])
+    return peak if peak - top <= 4.0 * (top - bottom) / (values.size - 1) ** 2 else float(top)
+
+
+@njit
+def last_slope(basis: Basis, values: Array) -> float:
+    """Slope of the polynomial at the last node."""
+    slope = 0.0
+    for j in range(values.size):
+        slope += basis.derivative[values.size - 1, j] * values[j]
+    return slope
+
+
+@njit
+def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int) -> None:
+    """memory[slot], memory[slot + 1] <- their maximum with max and -min of the piece.
+
+    Nodes first; the polynomial is searched only around an extreme node that comes near the record and, if it is the last one,
+    is past its peak: a peak between two pieces' nodes lies in exactly one of them.
+    """
+    n = values.size
+    highest, lowest = 0, 0
+    for j in range(1, n):
+        if values[j] > values[highest]:
+            highest = j
+        if values[j] < values[lowest]:
+            lowest = j
+    top, bottom = values[highest], -values[lowest]
+    spread = top + bottom
+    if top + spread > memory[slot] and (highest < n - 1 or last_slope(basis, values) < 0.0):
+        top = _peak(basis, values, slopes, 1.0, highest)
+    if bottom + spread > memory[slot + 1] and (lowest < n - 1 or last_slope(basis, values) > 0.0):
+        bottom = _peak(basis, values, slopes, -1.0, lowest)
+    memory[slot] = max(memory[slot], top)
+    memory[slot + 1] = max(memory[slot + 1], bottom)
+
+
+@njit
+def raise_record_within(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int, begin: float, end: float) -> None:
+    """As `raise_record`, by the part [begin, end] of the piece only."""
+    memory[slot] = max(memory[slot], _peak_within(basis, values, slopes, 1.0, begin, end))
+    memory[slot + 1] = max(memory[slot + 1], _peak_within(basis, values, slopes, -1.0, begin, end))
+
+
+@njit
+def _peak_within(basis: Basis, values: Array, slopes: Array, sign: float, begin: float, end: float) -> float:
+    """Maximum of sign * polynomial over [begin, end]; `slopes` is scratch."""
+    n = values.size
+    differentiate(basis, values, slopes)
+    best = max(sign * evaluate(basis, values, begin), sign * evaluate(basis, values, end))
+    left = begin
+    for j in range(n + 1):
+        right = min(basis.nodes[j], end) if j < n else end
+        if right > left:
+            if sign * evaluate(basis, slopes, left) > 0.0 >= sign * evaluate(basis, slopes, right):
+                peak = sign * float(evaluate(basis, values, find_root(basis, slopes, 0.0, left, right)))
+                best = max(best, _trusted(peak, values, sign))
+            left = right
+    return best

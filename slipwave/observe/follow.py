@@ -1,0 +1,116 @@
+"""March any solver to the end of a run, feeding the observers as it goes."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from slipwave.errors import NumericsError
+from slipwave.friction import rate_of
+from slipwave.observe.ledger import Energy
+from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis
+from slipwave.scene import Scene
+
+
+@dataclass(frozen=True)
+class Final:
+    """The interface at the end of a run: ln v (NaN if v <= 0), psi, mu."""
+
+    ln_v: float
+    psi: float
+    mu: float
+
+
+class Observer(Protocol):
+    """Anything that feeds on pieces."""
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces, in order."""
+
+
+class Solver(Protocol):
+    """What every model, reduced or full wave, offers: `advance` moves on by a chunk of its own choosing (never past the first
+    step end at or beyond `until`) and returns the pieces it covered."""
+
+    scene: Scene
+    model: str
+    nodes: Array
+
+    @property
+    def failures(self) -> int:
+        """Interface or step solves so far that did not converge."""
+
+    @property
+    def time(self) -> float:
+        """Time reached, in transits."""
+
+    def advance(self, until: float) -> Pieces:
+        """March towards `until` (transits) and return the pieces covered; raises NumericsError where it cannot."""
+
+    def energy(self) -> Energy | None:
+        """Ledger since t = 0, for models that keep one."""
+
+
+def follow(
+    solver: Solver, until: float, observers: Sequence[Observer] = (), progress: Callable[[float], None] | None = None
+) -> Final:
+    """March `solver` to `until` (transits); returns the interface's state there, from the last piece's polynomial.
+
+    Raises NumericsError with the time, the model and the scene's digest when the numbers stop being finite or a solve did not
+    converge; the observers have then seen the pieces before that.
+    """
+    pieces: Pieces | None = None
+    while solver.time < until - 1e-9:
+        pieces = solver.advance(until)
+        _require_finite(solver, pieces)
+        for observer in observers:
+            observer.scan(_before_failure(solver, pieces))
+        _require_solved(solver, pieces)
+        if progress is not None:
+            progress(solver.time)
+    if pieces is None:
+        raise NumericsError(f"{solver.model}: nothing to do: until = {until} is not after t = {solver.time}")
+    return final_state(solver, pieces, until)
+
+
+def _require_finite(solver: Solver, pieces: Pieces) -> None:
+    total = float(pieces.unknown.sum() + pieces.state.sum() + pieces.stress.sum())
+    if not math.isfinite(total):
+        raise NumericsError(
+            f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} transits "
+            f"(scene {solver.scene.name!r}, digest {solver.scene.digest})"
+        )
+
+
+def _before_failure(solver: Solver, pieces: Pieces) -> Pieces:
+    """The pieces that end before the first failed solve; all of them if none failed."""
+    if not solver.failures:
+        return pieces
+    good = pieces.time + pieces.length < _failed_at(solver, pieces)
+    return Pieces(*(array[good] for array in pieces))
+
+
+def _require_solved(solver: Solver, pieces: Pieces) -> None:
+    if solver.failures:
+        raise NumericsError(
+            f"{solver.model}: {solver.failures} solves of the interface or of a step did not converge by t = {solver.time:.6g} "
+            f"transits, the first at t = {_failed_at(solver, pieces):.6g}: what follows is not the scene's motion; use more "
+            f"cells or a smaller cfl (scene {solver.scene.name!r}, digest {solver.scene.digest})"
+        )
+
+
+def _failed_at(solver: Solver, pieces: Pieces) -> float:
+    """Time of the first failed solve, as far as the solver knows it; else the beginning of `pieces`."""
+    known = getattr(solver, "failed_at", math.nan)
+    return float(pieces.time[0]) if math.isnan(known) else float(known)
+
+
+def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:
+    """The interface at `until` (transits), which lies within `pieces`, the solver's latest, from the polynomial there."""
+    k = max(0, int((pieces.time < until - 1e-9).sum()) - 1)
+    point = min(1.0, (until - pieces.time[k]) / pieces.length[k])
+    row = interpolation_matrix(lagrange_basis(solver.nodes), np.array([point]))[0]
+    v = rate_of(solver.scene.law, float(row @ pieces.unknown[k]))
+    return Final(math.log(v) if v > 0 else math.nan, float(row @ pieces.state[k]), float(row @ pieces.stress[k]))

@@ -1,0 +1,53 @@
+"""How long a run will take, known before it is over: its work is counted, not timed, and what would take days is refused.
+
+A solver says what a piece costs (`seconds_per_piece`, on the machine it was measured on: right within a factor of a few) and, if
+its steps are fixed, how long its pieces are (`transits_per_piece`). Where steps adapt, the pieces of the run so far are counted.
+"""
+
+import math
+
+from slipwave.errors import SceneError
+from slipwave.observe.follow import Solver
+from slipwave.observe.pieces import Pieces
+
+DAY = 86400.0
+_ENOUGH = 20_000  # pieces, some 0.1 s, after which their number per transit is taken for the rest
+
+
+def require_time(solver: Solver, until: float, most: float = DAY) -> None:
+    """Raises SceneError if `solver`, whose steps are fixed, needs more than `most` seconds to come to `until` (transits)."""
+    length = getattr(solver, "transits_per_piece", math.nan)
+    if not math.isnan(length):
+        _require(solver, until, (until - solver.time) / length if length > 0.0 else math.inf, most)
+
+
+class Foresight:
+    """Observer of a run to `until` (transits) that raises SceneError once it is clear that it takes more than `most` seconds."""
+
+    def __init__(self, solver: Solver, until: float, most: float = DAY) -> None:
+        self._solver, self._until, self._most = solver, until, most
+        self._pieces, self._next = 0, _ENOUGH
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        self._pieces += pieces.time.size
+        if self._pieces >= self._next:
+            self._next *= 2
+            reached = float(pieces.time[-1] + pieces.length[-1])
+            _require(self._solver, self._until, self._pieces * self._until / reached, self._most)
+
+
+def _require(solver: Solver, until: float, pieces: float, most: float) -> None:
+    seconds = pieces * getattr(solver, "seconds_per_piece", 0.0)
+    if seconds > most:
+        raise SceneError(
+            f"model {solver.model}: {until:g} transits would take some {told(seconds)} ({pieces * (solver.nodes.size - 1):.2g} "
+            f"samples of the interface): run fewer transits, or take fewer cells or a larger cfl; --yes runs them all the same"
+        )
+
+
+def told(seconds: float) -> str:
+    """A long time in words."""
+    if not seconds < 1e4 * 365 * DAY:
+        return "more than ten thousand years"
+    return f"{seconds / (365 * DAY):.2g} years" if seconds > 365 * DAY else f"{seconds / DAY:.3g} days"

@@ -1,0 +1,33 @@
+"""Taking a solver's state back from a checkpoint: all of it, or none of it and one line saying what is wrong."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipwave.errors import SceneError
+from slipwave.observe.pieces import Array
+
+
+def whole_numbers(state: Mapping[str, NDArray[Any]], name: str, least: tuple[int, ...]) -> list[int]:
+    """The counts kept in `state[name]`, one per entry of `least`, each a whole number from that on; SceneError if not."""
+    counts = state.get(name)
+    if counts is None or counts.shape != (len(least),) or counts.dtype.kind not in "if":
+        raise SceneError(f"{name} is missing or does not hold {len(least)} numbers")
+    for count, lowest in zip(counts.tolist(), least, strict=True):
+        if not (lowest <= count <= 2**53 and count == int(count)):
+            raise SceneError(f"{name} holds {count!r}: must be a whole number from {lowest}")
+    return [int(count) for count in counts.tolist()]
+
+
+def take_back(own: Mapping[str, Array], state: Mapping[str, NDArray[Any]], model: str) -> None:
+    """own[name][...] = state[name] for every name, once all of them are known to fit and to be finite; SceneError otherwise."""
+    for name, array in own.items():
+        found = state.get(name)
+        if found is None or found.shape != array.shape or found.dtype != array.dtype:
+            raise SceneError(f"checkpoint: {name} does not fit this scene with model {model}")
+        if not np.isfinite(found).all():
+            raise SceneError(f"checkpoint: {name} holds numbers that are not finite")
+    for name, array in own.items():
+        array[...] = state[name]

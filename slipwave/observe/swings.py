@@ -1,0 +1,91 @@
+"""The elastic stress as a sequence of swings, rises and falls by turns, and the removal of those that are too small to count.
+
+A swing whose two neighbours are at least as large is removed by joining the three into one: the pairing of turning points by
+persistence, known from the counting of load cycles as rainflow. Removing everything below a threshold this way gives the same
+swings whatever the order, and whether it is done at once or by thresholds that grow; so it can be done while a run streams by.
+"""
+
+import math
+
+from slipwave.compiled import njit
+from slipwave.observe.pieces import Array
+
+# columns of a swing; from RECORDS on: max and -min of the rate unknown, max and -min of the friction stress
+DIRECTION, BEGIN, END, DATE, RECORDS = 0, 1, 2, 3, 4
+COLUMNS = RECORDS + 4
+
+SHARE = 0.1
+"""A fall counts from this share of the largest fall in the judged window on."""
+_SEARCHED = 0.5  # falls are thinned back to the last one that is at least this share of the new one: a little less than allowed
+
+
+@njit
+def size_of(swing: Array) -> float:
+    """Height of a swing, in units of the normal stress."""
+    return float(swing[DIRECTION] * (swing[END] - swing[BEGIN]))
+
+
+@njit
+def join_last(swings: Array, first: int, count: int, threshold: float) -> int:
+    """Join the last three of swings[first:count] for as long as the middle one is below `threshold` and no larger than the
+    others; returns how many swings are left."""
+    while count - first >= 3:
+        middle = size_of(swings[count - 2])
+        if not (middle < threshold and middle <= size_of(swings[count - 3]) and middle <= size_of(swings[count - 1])):
+            break
+        _join(swings[count - 3], swings[count - 2], swings[count - 1])
+        count -= 2
+    return count
+
+
+@njit
+def _join(left: Array, middle: Array, right: Array) -> None:
+    """left <- the three as one. Of two falls the one that reaches the higher rate gives the date."""
+    if right[RECORDS] > left[RECORDS]:
+        left[DATE] = right[DATE]
+    left[END] = right[END]
+    for column in range(RECORDS, COLUMNS):
+        left[column] = max(left[column], middle[column], right[column])
+
+
+@njit
+def simplify(swings: Array, first: int, count: int, threshold: float) -> int:
+    """Remove from swings[first:count], in place, what is below `threshold`; returns how many swings are left in all."""
+    kept = first
+    for i in range(first, count):
+        if kept < i:
+            for column in range(COLUMNS):
+                swings[kept, column] = swings[i, column]
+        kept = join_last(swings, first, kept + 1, threshold)
+    return kept
+
+
+@njit
+def largest_fall(swings: Array, first: int, threshold: float) -> float:
+    """The largest fall from swings[first] on that goes on through rises below `threshold` only."""
+    best, top, bottom = 0.0, -math.inf, -math.inf
+    for i in range(first, swings.shape[0]):
+        for y in (swings[i, BEGIN], swings[i, END]):
+            if y > top or y - bottom >= threshold:
+                top, bottom = y, y
+            bottom = min(bottom, y)
+            best = max(best, top - bottom)
+    return float(best)
+
+
+@njit
+def thin(swings: Array, count: int, floor: float) -> int:
+    """After a swing was completed, remove what no window that ends later can count; returns how many swings are left.
+
+    A swing below SHARE of a later fall is in no window without that fall. One that has no such fall after it yet may still count
+    in a window that begins late, and is kept.
+    """
+    count = join_last(swings, 0, count, floor)
+    last = swings[count - 1]
+    if last[DIRECTION] > 0.0:
+        return count
+    fall = size_of(last)
+    first = count - 3
+    while first > 0 and not (swings[first, DIRECTION] < 0.0 and size_of(swings[first]) >= _SEARCHED * fall):
+        first -= 1
+    return simplify(swings, max(first, 0), count, max(floor, SHARE * fall))

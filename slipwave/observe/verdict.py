@@ -1,0 +1,112 @@
+"""What may be said of a run: a verdict on the cycles of its second half, from their figures alone.
+
+    driven      V is not constant there, or zero: what happens is the drive's doing
+    steady      v ends within 1e-6 of V, and there is no event, or v stays within 1e-6 of itself in all cycles
+    too short   fewer than 3 complete cycles, or fewer than 8 that neither repeat nor converge
+    periodic    in the later half of the cycles, three at least, the figures of every n-th agree within 1e-3 (largest minus
+                smallest, over the mean), n the least from 1 to 8
+    decaying,   the logarithm of the prominence falls or grows from each third of the events to the next, the second time at
+    growing     least half as fast as the first: exponentially. It must change by ln 2 in all, or the motion be small (v_max/v_min
+                below 1.2), so that nothing but an exponential is left
+    settling    cycles change, but towards a limit: from one to the next at most half as much at the end as at the beginning, or
+                all figures in one direction
+    irregular   none of these in 8 cycles or more
+
+Figures are period, stress drop, elastic stress drop, v_max and v_min. A torus is `irregular` here: cycles alone do not tell it
+from chaos.
+"""
+
+from typing import Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from slipwave.observe.events import Events
+from slipwave.observe.pieces import Array
+
+Kind: TypeAlias = Literal["steady", "decaying", "growing", "settling", "periodic", "irregular", "driven", "too short"]
+
+REPEATING: tuple[Kind, ...] = ("periodic", "irregular")
+"""Verdicts on motions that means over cycles stand for."""
+
+FEWEST, ENOUGH = 3, 8
+REPEATS = 1e-3
+_MOST_EVENTS = 8  # in one period
+_SMALL = 1.2
+_SLIDES = 1e-6
+
+
+class Verdict(NamedTuple):
+    """`multiplicity`: events in a period, if periodic. `change`: by how much the last cycle differs from the one before (largest
+    relative difference of a figure; of the prominence from the first to the last event, if decaying or growing); NaN if there are
+    too few. `cycles` in the second half; `needed`: transits after which it would have enough of them, if too short (NaN if no
+    cycle tells)."""
+
+    kind: Kind
+    cycles: int
+    multiplicity: int | None = None
+    change: float = np.nan
+    needed: float = np.nan
+
+    @property
+    def repeats(self) -> bool:
+        """Whether means over the cycles stand for the motion; those of a transient do not."""
+        return self.kind in REPEATING
+
+
+def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: bool, until: float) -> Verdict:
+    """The verdict on a run to `until` (transits) whose second half has these `cycles` and these events' `prominence`;
+    `drive_rests` tells whether V is constant there and not zero, `slides` whether v ends at V."""
+    count, figures = cycles.time.size, np.array(cycles[1:]).T
+    if not drive_rests:
+        return Verdict("driven", count)
+    if slides and (prominence.size == 0 or (count and slides_at(float(cycles.v_max.max()), float(cycles.v_min.min())))):
+        return Verdict("steady", count)
+    if count < FEWEST:
+        return Verdict("too short", count, needed=_needed(cycles, until, FEWEST))
+    multiplicity = _multiplicity(figures[-max(FEWEST, (count + 1) // 2) :])
+    change = float(np.max(np.abs(figures[-1] / figures[-2] - 1.0)))
+    if multiplicity:
+        return Verdict("periodic", count, multiplicity, change)
+    trend = _trend(prominence, float(cycles.v_max[-1] / cycles.v_min[-1]))
+    if trend:
+        return Verdict("growing" if trend > 0.0 else "decaying", count, change=float(prominence[-1] / prominence[0] - 1.0))
+    if _converges(figures):
+        return Verdict("settling", count, change=change)
+    if count < ENOUGH:
+        return Verdict("too short", count, change=change, needed=_needed(cycles, until, ENOUGH))
+    return Verdict("irregular", count, change=change)
+
+
+def slides_at(rate: float, velocity: float) -> bool:
+    """Whether the slip rate is that of the drive."""
+    return bool(abs(rate - velocity) <= _SLIDES * velocity)
+
+
+def _multiplicity(figures: Array) -> int | None:
+    """The least n for which every n-th cycle is the same, seen twice at least."""
+    for n in range(1, min(_MOST_EVENTS, len(figures) // 2) + 1):
+        spreads = [np.ptp(figures[k::n], axis=0) / np.abs(figures[k::n].mean(axis=0)) for k in range(n)]
+        if np.max(spreads) <= REPEATS:
+            return n
+    return None
+
+
+def _trend(prominence: Array, ratio: float) -> float:
+    """Rate at which the logarithm of the prominence changes along the window, if it does so exponentially; else 0."""
+    first, second, third = (float(part.mean()) for part in np.array_split(np.log(prominence), 3))
+    early, late = second - first, third - second
+    steadily = early * late > 0.0 and abs(late) >= 0.5 * abs(early)
+    return late if steadily and (abs(np.log(prominence[-1] / prominence[0])) >= np.log(2.0) or ratio < _SMALL) else 0.0
+
+
+def _converges(figures: Array) -> bool:
+    """Whether steps from cycle to cycle shrink to half, or all figures go one way."""
+    steps = np.abs(np.diff(figures, axis=0) / figures[1:]).max(axis=1)
+    half = len(steps) // 2
+    one_way = [bool(np.all(np.diff(column) > 0.0) or np.all(np.diff(column) < 0.0)) for column in figures.T]
+    return bool(steps[-half:].max() <= 0.5 * steps[:half].max()) or all(one_way)
+
+
+def _needed(cycles: Events, until: float, wanted: int) -> float:
+    """Length of a run whose second half has `wanted` complete cycles and one to spare, by the longest cycle so far."""
+    return max(2.0 * (wanted + 2) * float(cycles.period.max()), 1.5 * until) if cycles.time.size else 2.0 * until

@@ -1,0 +1,46 @@
+"""Which falls of the elastic stress are the slip events of a window."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipwave.observe.pieces import Array
+from slipwave.observe.swings import BEGIN, DATE, DIRECTION, END, SHARE, largest_fall, simplify
+
+
+class Judged(NamedTuple):
+    """The `swings` of a run without those too small for the window, the rows of the window's `events` among them, and the
+    `prominence` of each (normal stress); `over` tells whether the last event's fall has been ended by a rise that counts."""
+
+    swings: Array
+    events: NDArray[np.intp]
+    prominence: Array
+    over: bool
+
+
+def judge(swings: Array, floor: float, after: float) -> Judged:
+    """The events from `after` (transits) on among the `swings` of a run: falls of at least SHARE of the largest, and `floor`.
+
+    A fall may be the larger the larger the rises are that it goes through; the largest is the largest of all that go through
+    rises below SHARE of themselves.
+    """
+    threshold = _threshold(swings, floor, after)
+    swings = swings.copy()
+    swings = swings[: simplify(swings, 0, len(swings), threshold)]
+    sizes = swings[:, DIRECTION] * (swings[:, END] - swings[:, BEGIN])
+    events = np.flatnonzero((swings[:, DIRECTION] < 0.0) & (swings[:, DATE] >= after) & (sizes >= threshold))
+    over = bool(events.size) and bool((sizes[events[-1] + 1 :] >= threshold).any())
+    return Judged(swings, events, sizes[events], over)
+
+
+def _threshold(swings: Array, floor: float, after: float) -> float:
+    """The prominence that an event needs."""
+    falls = np.flatnonzero((swings[:, DIRECTION] < 0.0) & (swings[:, DATE] >= after))
+    first = int(falls[0]) if falls.size else len(swings)
+    threshold = float(np.inf)
+    while True:
+        lower = max(floor, SHARE * largest_fall(swings, first, threshold))
+        if lower >= threshold:
+            return threshold
+        threshold = lower

@@ -1,0 +1,72 @@
+"""A scene: everything about a run except how it is computed. Frozen, dimensionless; read from TOML by `scene.read`."""
+
+import hashlib
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from slipwave.friction import Law, respond, steady_state, unknown_of
+from slipwave.scene.drive import Drive
+from slipwave.scene.slab import Slab
+from slipwave.scene.start import Start
+from slipwave.scene.units import Units
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Two slabs, the interface's law, the drive, the start and what is wanted.
+
+    Units: length L, velocity V*, stress sigma, friction clock L/V*. "transit" is the round trip of the upper slab; `until` is in
+    transits. `units` holds L, V* and sigma when the scene was given in SI.
+    """
+
+    name: str
+    law: Law
+    upper: Slab
+    lower: Slab
+    drive: Drive
+    start: Start = field(default_factory=Start)
+    until: float = 4000.0
+    record: frozenset[str] = frozenset({"events"})
+    units: Units | None = None
+
+    @property
+    def alike(self) -> bool:
+        """True when both slabs are the same, so that one of them is enough (the motion is antisymmetric)."""
+        return self.upper == self.lower
+
+    @property
+    def velocity(self) -> float:
+        """V at t = 0, total, in V*: the rate of the steady sliding that every start builds on."""
+        return self.drive.initial
+
+    @property
+    def transit(self) -> float:
+        """One transit of the upper slab on the friction clock L/V*."""
+        return self.upper.round_trip
+
+    @property
+    def impedance(self) -> float:
+        """Z of the interface condition: 1/Z = 1/eps_1 + 1/eps_2 (layers next to the interface)."""
+        return 1.0 / (1.0 / self.upper.interface_impedance + 1.0 / self.lower.interface_impedance)
+
+    @property
+    def stiffness(self) -> float:
+        """Quasi-static stiffness of both slabs in series, per transit: elastic stress y' = stiffness (V - v), t~ clock;
+        epsilon for alike plain slabs (41). A grip's spring counts; a bare reflection coefficient has none."""
+        return self.transit / (self.upper.compliance + self.lower.compliance)
+
+    @cached_property
+    def steady_psi(self) -> float:
+        """psi_ss(V)."""
+        return steady_state(self.law, self.velocity)
+
+    @cached_property
+    def steady_stress(self) -> float:
+        """mu_ss(V)."""
+        return float(respond(self.law, unknown_of(self.law, self.velocity), self.steady_psi)[2])
+
+    @cached_property
+    def digest(self) -> str:
+        """Twelve hex digits that name this scene's physics (not its name) in logs and stored results."""
+        facts = (type(self.law).__name__, tuple(self.law), self.upper, self.lower, self.drive, self.start, self.until)
+        return hashlib.sha256(repr(facts).encode()).hexdigest()[:12]

@@ -1,0 +1,86 @@
+"""The house's own source files: what a module imports, and digests that name what was computed from them.
+
+Imports are read from the text (`ast`), those within functions too. A digest leaves out comments and docstrings, so that a better
+explanation makes nothing stale.
+"""
+
+import ast
+import hashlib
+from collections.abc import Iterable, Iterator
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+SOLVER_ROOMS = ("slipwave", "reduced", "fullwave")
+_ROOMS = (*SOLVER_ROOMS, "validation")
+_DOCUMENTED = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def source_digest(rooms: Iterable[str] = SOLVER_ROOMS) -> str:
+    """Digest of every Python source file in `rooms`."""
+    return digest_of(path for room in rooms for path in sorted((ROOT / room).rglob("*.py")))
+
+
+def digest_of(paths: Iterable[Path]) -> str:
+    """Digest of the program text of the Python files `paths` of the house, in the order given, with their places in it."""
+    digest = hashlib.sha256()
+    for path in paths:
+        digest.update(f"{path.relative_to(ROOT).as_posix()}\n{program(path)}\n".encode())
+    return digest.hexdigest()[:16]
+
+
+def import_closure(starts: Iterable[Path], packages: bool = True) -> list[Path]:
+    """`starts` and every file of the four rooms that they import, directly or not, sorted.
+
+    `packages` adds the `__init__.py` of every package on the way, which Python runs first; a package that is imported by its own
+    name is always there.
+    """
+    found: set[Path] = set()
+    to_read = set(starts)
+    while to_read:
+        path = to_read.pop()
+        found.add(path)
+        to_read |= _imported(path, packages) - found
+    return sorted(found)
+
+
+def inside(path: Path) -> bool:
+    """Whether `path` is a source file of the four rooms."""
+    return path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in _ROOMS
+
+
+@cache
+def program(path: Path) -> str:
+    """The syntax tree of a Python file as text, without docstrings, comments and line numbers; as this process first read it."""
+    tree = ast.parse(path.read_bytes())
+    for node in ast.walk(tree):
+        if isinstance(node, _DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
+            node.body = node.body[1:]
+    return ast.dump(tree)
+
+
+@cache
+def _imported(path: Path, packages: bool) -> set[Path]:
+    return {file for name in imported_names(path) for file in _files(name, packages)}
+
+
+@cache
+def imported_names(path: Path) -> tuple[str, ...]:
+    """Modules that a file imports anywhere in it; for `from a import b` both a and a.b (relative imports are not used here)."""
+    names: list[str] = []
+    for node in ast.walk(ast.parse(path.read_bytes())):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names += [node.module, *(f"{node.module}.{name.name}" for name in node.names)]
+        elif isinstance(node, ast.Import):
+            names += [name.name for name in node.names]
+    return tuple(names)
+
+
+def _files(name: str, packages: bool) -> Iterator[Path]:
+    """The file of the module `name`, if it is one of the house, and those of the packages it lies in."""
+    parts = name.split(".")
+    if parts[0] not in _ROOMS:
+        return
+    for count in range(1 if packages else len(parts), len(parts) + 1):
+        place = ROOT.joinpath(*parts[:count])
+        yield from (path for path in (place.with_suffix(".py"), place / "__init__.py") if path.is_file())

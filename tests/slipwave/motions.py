@@ -1,0 +1,47 @@
+"""Motions with known turning points of the elastic stress, as the pieces that a solver would emit."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+import slipwave
+from slipwave.observe import EventObserver, Pieces
+
+Array = NDArray[np.float64]
+V = 100.0
+RADAU = np.array([0.0885879595127, 0.4094668644407, 0.7876594617608, 1.0])
+EQUISPACED = np.linspace(1 / 6, 1.0, 6)
+
+
+class Motion(NamedTuple):
+    """Elastic stress and ln v over time (transits), from t = 0 to `until`; the friction stress, if it is asked for."""
+
+    elastic: Callable[[Array], Array]
+    unknown: Callable[[Array], Array]
+    until: float
+    stress: Callable[[Array], Array] = np.zeros_like
+
+
+def through(turns: Sequence[float], step: float = 5.0, velocity: float = V) -> Motion:
+    """Elastic stress that turns at t = 0, `step`, 2 `step`, ... at the values `turns` and is monotone between; v from
+    y' = k (V - v) with k so large that v > V/5."""
+    curve = PchipInterpolator(step * np.arange(len(turns)), turns)
+    slope = curve.derivative()
+    steepest = float(np.max(slope(np.linspace(0.0, curve.x[-1], 20 * len(turns)))))
+    stiffness = 1.25 * max(steepest, 1e-30) / velocity
+    return Motion(curve, lambda t: np.log(velocity - slope(t) / stiffness), float(curve.x[-1]))
+
+
+def watch(motion: Motion, nodes: Array = RADAU, pieces: int = 2000, chunk: int = 7) -> EventObserver:
+    """The observer after `motion` was shown to it in chunks of `chunk` of equally long `pieces`."""
+    observer = EventObserver(slipwave.read("paper"), nodes)
+    edges = np.linspace(0.0, motion.until, pieces + 1)
+    for first in range(0, pieces, chunk):
+        left, length = edges[:-1][first : first + chunk], np.diff(edges)[first : first + chunk]
+        times = left[:, None] + length[:, None] * nodes
+        state = np.zeros_like(times)
+        observer.scan(Pieces(left, length, motion.unknown(times), state, motion.stress(times), motion.elastic(times)))
+    return observer

@@ -1,0 +1,221 @@
+"""The compile cache is a convenience: whatever is wrong with its folder or files, the answer is the same and the run goes on."""
+
+import errno
+import os
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from numba import typeof
+
+from slipwave.compiled import cache as compile_cache
+from slipwave.compiled import njit
+from slipwave.observe.pieces import Pieces
+from slipwave.scene import drive
+from slipwave.scene.drive import interpolate_drive
+from slipwave.sources import ROOT
+
+KNOTS = np.array([1.0, 2.0, 4.0])
+ANSWER = 1.5
+PROGRAM = """
+import numpy as np
+from scene.drive import interpolate_drive
+knots = np.array([1.0, 2.0, 4.0])
+for _ in range(2):
+    print(interpolate_drive(knots, knots, 1.5), interpolate_drive(knots.astype(np.float32), knots, 1.5))
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty cache in a process that has not complained yet."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(compile_cache, "_is_told", False)
+    monkeypatch.setattr(compile_cache, "_is_writable", True)
+    return tmp_path
+
+
+def ask() -> tuple[float, int]:
+    """Answer of a fresh compiled function, and whether it came from the disk."""
+    fresh: Any = njit(interpolate_drive.py_func)  # type: ignore[attr-defined]
+    return fresh(KNOTS, KNOTS, ANSWER), sum(fresh.stats.cache_hits.values())
+
+
+def kept(folder: Path) -> Path:
+    """The one file in the cache."""
+    (path,) = folder.iterdir()
+    return path
+
+
+def test_what_was_compiled_is_found_again(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert [ask(), ask()] == [(ANSWER, 0), (ANSWER, 1)]
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("share", [0.0, 0.001, 0.3, 0.999])
+def test_a_truncated_file_is_told_and_replaced(share: float, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    ask()
+    whole = kept(folder).read_bytes()
+    kept(folder).write_bytes(whole[: int(share * len(whole))])
+    assert ask() == (ANSWER, 0)
+    assert capsys.readouterr().err.count("damaged file") == 1
+    assert ask() == (ANSWER, 1)
+
+
+def test_a_change_of_any_byte_is_noticed(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ask()
+    path = kept(folder)
+    whole = path.read_bytes()
+    for place in range(0, len(whole), 211):
+        damaged = bytearray(whole)
+        damaged[place] ^= 1 << place % 8
+        with pytest.raises(ValueError, match="digest"):
+            compile_cache._checked(bytes(damaged), path.name)
+    path.write_bytes(bytes(damaged))
+    assert ask() == (ANSWER, 0)
+
+
+def test_a_file_under_another_name_is_not_believed(folder: Path) -> None:
+    ask()
+    path = kept(folder)
+    with pytest.raises(ValueError, match="digest"):
+        compile_cache._checked(path.read_bytes(), "x" + path.name)
+
+
+@pytest.mark.parametrize("number", [errno.EACCES, errno.EROFS, errno.EIO, errno.ESTALE])
+def test_a_file_that_cannot_be_read_is_compiled_instead(
+    number: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(path: Path) -> bytes:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(Path, "read_bytes", refuse)
+    assert [ask(), ask()] == [(ANSWER, 0)] * 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize("number", [errno.EACCES, errno.EROFS, errno.ENOSPC, errno.EDQUOT])
+def test_a_file_that_cannot_be_written_is_told_once(
+    number: int, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(path: Path, data: bytes) -> int:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(Path, "write_bytes", refuse)
+    assert [ask(), ask()] == [(ANSWER, 0)] * 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert os.strerror(number) in told
+    assert list(folder.iterdir()) == []
+
+
+def test_without_a_home_there_is_no_cache(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def homeless() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(Path, "home", homeless)
+    assert ask() == (ANSWER, 0)
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_numba_that_has_changed_inside_is_survived(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.delattr(compile_cache.CompileResult, "_reduce")
+    assert ask() == (ANSWER, 0)
+    assert "_reduce" in capsys.readouterr().err
+
+
+def run(environment: dict[str, str], limit: Callable[[], None] | None = None) -> subprocess.CompletedProcess[str]:
+    """A process of its own that compiles a function for two types."""
+    return subprocess.run(
+        [sys.executable, "-c", PROGRAM], env=os.environ | environment, capture_output=True, text=True, preexec_fn=limit
+    )
+
+
+def _full_disk() -> None:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))
+
+
+@pytest.mark.parametrize("trouble", ["a file in its place", "a full disk", "nowhere"])
+def test_a_run_without_a_usable_folder_ends_well(trouble: str, folder: Path) -> None:
+    place = folder / "cache"
+    if trouble == "a file in its place":
+        place.write_text("not a folder")
+    where = {"NUMBA_CACHE_DIR": "/dev/null/cache" if trouble == "nowhere" else str(place), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = run(where, _full_disk if trouble == "a full disk" else None)
+    assert (done.returncode, done.stdout) == (0, "1.5 1.5\n" * 2), done.stderr
+    assert done.stderr.startswith("slipwave: the cache of compiled code in ")
+    assert done.stderr.count("\n") == 1
+
+
+def test_what_nobody_used_for_a_month_is_removed(folder: Path) -> None:
+    month_ago, week_ago = time.time() - 31 * 86400, time.time() - 7 * 86400
+    (folder / "0123456789abcdef").mkdir()
+    for name in ("old.compiled", "left.part", "0123456789abcdef/old.nbc", "own.nbi", "recent.compiled"):
+        (folder / name).write_bytes(b"")
+    for path in sorted(folder.rglob("*"), reverse=True):
+        os.utime(path, (month_ago, month_ago))
+    os.utime(folder / "recent.compiled", (week_ago, week_ago))
+    compile_cache._prune_once.cache_clear()
+    ask()
+    assert {path.name for path in folder.iterdir()} - {kept_name(folder)} == {"own.nbi", "recent.compiled"}
+
+
+def kept_name(folder: Path) -> str:
+    return next(path.name for path in folder.iterdir() if path.name.startswith("slipwave.scene.drive.interpolate_drive"))
+
+
+def test_a_function_in_use_counts_as_new(folder: Path) -> None:
+    ask()
+    os.utime(kept(folder), (0, 0))
+    assert ask() == (ANSWER, 1)
+    assert kept(folder).stat().st_mtime > 0
+
+
+def test_a_file_edited_since_the_process_began_keeps_its_functions_off_the_disk(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(compile_cache, "_STARTED", 0.0)
+    assert [ask(), ask()] == [(ANSWER, 0)] * 2
+    assert list(folder.iterdir()) == []
+
+
+class Foreign(NamedTuple):
+    knot: float
+
+
+@pytest.mark.parametrize("kind", [Pieces, Foreign])
+def test_a_choice_from_outside_the_house_keeps_its_callers_off_the_disk(
+    kind: type, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    choices = (compile_cache._file_of(njit), lambda: [(kind, ask)])
+    monkeypatch.setattr(compile_cache, "_choices", [*compile_cache._choices, choices])
+    monkeypatch.setattr(compile_cache, "_home_of", lambda kind: Path(drive.__file__) if kind is Pieces else Path(__file__))
+    expected = [0, 0] if kind is Pieces else [0, 1]  # the other is chosen for a class that these callers never see
+    assert [ask(), ask()] == [(ANSWER, hits) for hits in expected]
+
+
+def test_a_class_from_outside_the_house_keeps_code_for_it_off_the_disk() -> None:
+    kinds = set(compile_cache._classes([typeof((1.0, (Foreign(1.0), 2.0)))]))
+    assert kinds == {Foreign}
+    here = compile_cache._file_of(njit)
+    assert compile_cache._sources(here, kinds) is None
+    assert compile_cache._sources(here, set()) is not None
+
+
+def test_code_for_one_kind_of_grid_does_not_depend_on_another() -> None:
+    import fullwave.discontinuous
+    import fullwave.finite_element
+
+    kernel = ROOT / "fullwave" / "lines" / "kernel.py"
+    sources = compile_cache._sources(kernel, {fullwave.discontinuous.Elements})
+    assert sources is not None
+    assert {ROOT / "fullwave" / "discontinuous.py", ROOT / "fullwave" / "lines" / "viscosity.py"} <= set(sources)
+    assert ROOT / "fullwave" / "finite_element.py" not in sources

@@ -1,0 +1,175 @@
+"""The compile cache: warm when nothing changed, compiled again exactly where an edit reaches, shared by processes at once."""
+
+import ast
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from slipwave.sources import ROOT, SOLVER_ROOMS
+
+PROGRAM = """
+import sys
+import numpy as np
+from reduced.step.guess import first_guess
+from slipwave.friction import LAWS
+law = LAWS[sys.argv[1]].parameters(0.369, 0.0349, 0.0489)
+guess = np.empty(3)
+first_guess(law, 1.4e-5, np.full(3, 0.3), -4.6, 1.0, guess)
+print(guess[0].hex(), sum(first_guess.stats.cache_hits.values()))
+"""
+
+# one function for each way in which compiled code takes in code of another file
+PROBES = {
+    "called": """
+from slipwave.compiled import njit
+from slipwave.scene.drive import interpolate_drive
+
+@njit
+def probe(knots):
+    return interpolate_drive(knots, knots, 1.5)
+""",
+    "inlined": """
+from slipwave.compiled import njit
+from slipwave.friction.interface import solve_interface
+
+@njit
+def probe(law):
+    return solve_interface(law, 1e-5, 0.4, 0.1, 0.0)[0]
+""",
+    "overloaded": """
+from slipwave.compiled import njit
+from slipwave.friction.law import respond
+
+@njit
+def probe(law):
+    return respond(law, 0.3, 0.1)[2]
+""",
+    "dispatched": """
+from fullwave.lines.system import total_stress
+from slipwave.compiled import njit
+
+@njit
+def probe(medium, state):
+    return total_stress(medium, 1, state, state, 0)
+""",
+}
+ASK_ALL = """
+import numpy as np
+import fullwave.lines.viscosity
+from fullwave.lines.system import Elastic
+from slipwave import called, inlined, overloaded, dispatched
+from slipwave.friction.ageing import Ageing
+law, knots = Ageing(0.369, 0.0349, 0.0489), np.array([1.0, 2.0, 4.0])
+given = {called: (knots,), inlined: (law,), overloaded: (law,), dispatched: (Elastic(), knots)}
+for module, arguments in given.items():
+    value = module.probe(*arguments)
+    print(module.__name__.split(".")[1], value, sum(module.probe.stats.cache_hits.values()))
+"""
+# file, old, new, and the probes whose module imports that file, directly or not
+EDITS = {
+    "called": (
+        "slipwave/scene/drive.py",
+        "share = (time - times[k - 1])",
+        "share = 0.5 * (time - times[k - 1])",
+        {"called", "dispatched"},
+    ),
+    "inlined": ("slipwave/friction/interface.py", "impedance * v - incoming", "impedance * v - 1.01 * incoming", {"inlined"}),
+    "overloaded": (
+        "slipwave/friction/ageing.py",
+        "law.a_star + law.a * z",
+        "law.a_star - law.a * z",
+        {"overloaded", "inlined", "dispatched"},
+    ),
+    "dispatched": ("fullwave/lines/viscosity.py", "return state[slot]\n", "return 2.0 * state[slot]\n", {"dispatched"}),
+}
+Answers = dict[str, tuple[float, int]]
+
+
+def start(law: str, folder: Path) -> subprocess.Popen[str]:
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(folder)}
+    return subprocess.Popen([sys.executable, "-c", PROGRAM, law], env=environment, stdout=subprocess.PIPE, text=True)
+
+
+def test_processes_that_fill_one_cache_at_once_never_swap_code(tmp_path: Path) -> None:
+    together = {law: start(law, tmp_path) for law in ("ageing", "slip")}
+    first = {law: process.communicate()[0].split()[0] for law, process in together.items()}
+    assert len(list(tmp_path.glob("*first_guess*"))) == 2
+    for law, answer in first.items():
+        again, hits = start(law, tmp_path).communicate()[0].split()
+        assert (again, hits) == (answer, "1")
+
+
+def test_an_unchanged_tree_starts_warm(tmp_path: Path) -> None:
+    hits = [int(start("ageing", tmp_path).communicate()[0].split()[1]) for _ in range(2)]
+    assert hits == [0, 1]
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the solver rooms with the probes in it, its cache warm."""
+    folder = tmp_path_factory.mktemp("tree")
+    for room in SOLVER_ROOMS:
+        shutil.copytree(ROOT / room, folder / room, ignore=shutil.ignore_patterns("__pycache__"))
+    for name, text in PROBES.items():
+        (folder / "slipwave" / f"{name}.py").write_text(text)
+    assert {hits for _, hits in ask(folder).values()} == {0}
+    return folder
+
+
+@pytest.fixture(scope="module")
+def untouched(tree: Path) -> Answers:
+    return ask(tree)
+
+
+def ask(tree: Path) -> Answers:
+    """Value and hits in the cache of every probe, in a process of its own."""
+    environment = os.environ | {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(tree / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
+    done = subprocess.run([sys.executable, "-c", ASK_ALL], cwd=tree, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    return {name: (float(value), int(hits)) for name, value, hits in map(str.split, done.stdout.splitlines())}
+
+
+def ask_with(tree: Path, file: str, old: str, new: str) -> Answers:
+    """The same with one place of one file changed."""
+    path = tree / file
+    text = path.read_text()
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new))
+    try:
+        return ask(tree)
+    finally:
+        path.write_text(text)
+
+
+@pytest.mark.parametrize("way", EDITS)
+def test_an_edited_formula_is_compiled_again_and_nothing_else_is(way: str, tree: Path, untouched: Answers) -> None:
+    file, old, new, reached = EDITS[way]
+    edited = ask_with(tree, file, old, new)
+    assert edited[way][0] != pytest.approx(untouched[way][0], rel=1e-3)
+    assert {name for name, (_, hits) in edited.items() if not hits} == reached
+    assert all(edited[name] == untouched[name] for name in EDITS.keys() - reached)
+
+
+def test_an_edited_comment_or_docstring_compiles_nothing(tree: Path, untouched: Answers) -> None:
+    told = '"""Root z of'
+    assert ask_with(tree, "slipwave/friction/interface.py", told, '"""\n\n    The one root z of') == untouched
+
+
+def test_every_choice_made_at_compile_time_is_declared_to_the_cache() -> None:
+    for path in (path for room in SOLVER_ROOMS for path in (ROOT / room).rglob("*.py")):
+        called = {node.id for node in ast.walk(ast.parse(path.read_bytes())) if isinstance(node, ast.Name)}
+        if called & {"overload", "generated_jit", "overload_method", "overload_attribute", "lower_builtin"}:
+            assert "add_choices" in called, path
+
+
+def test_the_cache_of_a_users_own_compiled_functions_is_left_alone() -> None:
+    program = (
+        "import numba; before = numba.config.CACHE_DIR; import slipwave.scene.drive; assert numba.config.CACHE_DIR == before"
+    )
+    environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
+    assert subprocess.run([sys.executable, "-c", program], env=environment).returncode == 0

@@ -1,0 +1,248 @@
+"""Slip events, their dates and the extrema of cycles on motions whose answers are known."""
+
+import itertools
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from motions import EQUISPACED, RADAU, Array, Motion, V, through, watch
+
+import slipwave
+from slipwave.observe import EventObserver, Pieces, summarise
+from slipwave.observe.pieces import interpolation_matrix, lagrange_basis
+
+PERIOD = 20.0
+
+
+def wave(until: float, of_rate: float = 3.0, stress: Callable[[Array], Array] = np.zeros_like) -> Motion:
+    """ln v = ln V - `of_rate` cos(2 pi t/T) with y = sin(2 pi t/T): the rate is V where y turns."""
+    return Motion(
+        lambda t: np.sin(2 * np.pi * t / PERIOD),
+        lambda t: np.log(V) - of_rate * np.cos(2 * np.pi * t / PERIOD),
+        until,
+        stress,
+    )
+
+
+@pytest.mark.parametrize("nodes", [RADAU, EQUISPACED], ids=["radau", "equispaced"])
+@pytest.mark.parametrize("chunk", [1, 7, 1000])
+def test_a_plain_cycle(nodes: Array, chunk: int) -> None:
+    observer = watch(wave(100.0), nodes, 1000, chunk)
+    events = observer.events()
+    half = PERIOD / (2 * np.pi) * np.arccos(-1.0 + np.log(2.0) / 3.0)
+    assert observer.count == 5
+    assert events.time == pytest.approx(half + PERIOD * np.arange(4), abs=1e-6)
+    assert events.period == pytest.approx(np.full(4, PERIOD), abs=1e-7)
+    assert events.v_max == pytest.approx(np.full(4, V * np.exp(3.0)), rel=1e-9)
+    assert events.v_min == pytest.approx(np.full(4, V * np.exp(-3.0)), rel=1e-9)
+    assert events.elastic_stress_drop == pytest.approx(np.full(4, 2.0), rel=1e-9)
+
+
+def test_a_small_oscillation_is_dated_where_the_rate_rises_most_steeply() -> None:
+    """v = V (1 - 0.1 cos): dv/dt is largest where y has its maximum."""
+    small = Motion(
+        lambda t: 1e-3 * np.sin(2 * np.pi * t / PERIOD), lambda t: np.log(V - 0.1 * V * np.cos(2 * np.pi * t / PERIOD)), 100.0
+    )
+    assert watch(small).dates() == pytest.approx(PERIOD / 4 + PERIOD * np.arange(5), abs=1e-6)
+
+
+SAW = [0.0, 1.0]
+RIPPLED = [0.0, 0.3, 0.25, 0.6, 0.55, 1.0, 0.7, 0.76, 0.3, 0.37]  # ripples of 5 % on the way up, rebounds of 7 % on the way down
+PRECURSOR = {0.05: [0.0, 0.8, 0.75, 1.0], 0.20: [0.0, 0.8, 0.6, 1.0]}
+
+
+@pytest.mark.parametrize(
+    ("turns", "count"),
+    [
+        pytest.param(SAW * 12, 11, id="saw"),
+        pytest.param(RIPPLED * 12, 12, id="ripples and rebounds"),
+        pytest.param(PRECURSOR[0.05] * 12, 11, id="precursors of 5 %"),
+        pytest.param(PRECURSOR[0.20] * 12, 12 + 11, id="precursors of 20 %"),
+        pytest.param([0.0, 1.0], 0, id="only rising"),
+        pytest.param([1.0, 0.0], 1, id="only falling"),
+        pytest.param([0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0, 1.0], 2, id="hold and reload"),
+        pytest.param([0.0, 1.0, 0.97, 1.2, 0.2, 1.2, 0.2, 1.2], 2, id="hold with a relaxation of 3 %"),
+        pytest.param([-0.15 * k + (1.0 if k % 2 else 0.0) for k in range(24)], 11, id="falling by three events"),
+        pytest.param([3.0 * k + (4.0 if k % 2 else 0.0) for k in range(24)], 11, id="rising by thirty events"),
+    ],
+)
+@pytest.mark.parametrize(("nodes", "pieces"), [(RADAU, 700), (EQUISPACED, 7001)], ids=["radau", "equispaced"])
+@pytest.mark.parametrize("scale", [1e-6, 1.0])
+def test_counts_are_known(turns: list[float], count: int, nodes: Array, pieces: int, scale: float) -> None:
+    assert watch(through(list(scale * np.array(turns))), nodes, pieces).count == count
+
+
+@pytest.mark.parametrize(("factor", "whole", "second_half"), [(0.8, 11, 11), (1.25, 11, 11)], ids=["decaying", "growing"])
+def test_a_window_is_judged_by_its_own_largest_fall(factor: float, whole: int, second_half: int) -> None:
+    """Falls that shrink or grow by 0.8 an event: 0.8^10 = 0.107 is the last that counts beside 1."""
+    turns = [side * 1e-3 * factor ** (k if factor < 1.0 else k - 40) for k in range(40) for side in (1.0, -1.0)]
+    observer = watch(through(turns), pieces=8000)
+    middle = 200.0 - 1.0
+    assert observer.count == whole
+    assert observer.dates(middle).size == second_half
+    assert observer.dates(middle).min() >= middle
+    if factor < 1.0:
+        assert observer.dates().max() < middle
+
+
+def test_a_large_early_fall_hides_nothing_later_and_small_early_ones_count_for_nothing() -> None:
+    late = [0.0, 0.03] * 10
+    large, small = watch(through([0.0, 1.0, *late])), watch(through([0.0, 1e-4] * 5 + late))
+    assert (large.count, large.dates(12.0).size) == (1, 9)
+    assert (small.count, small.dates(45.0).size) == (9, 9)
+
+
+@pytest.mark.parametrize("noise", [1e-17, 1e-16, 1e-13])
+def test_steady_sliding_with_rounding_noise_has_no_event(noise: float) -> None:
+    draw = np.random.default_rng(1).standard_normal
+    steady = Motion(lambda t: 0.3 + noise * draw(t.shape), lambda t: np.log(V) + 1e-13 * draw(t.shape), 100.0)
+    observer = watch(steady, pieces=4000)
+    assert observer.count == 0
+    assert len(observer.state()["swings"]) <= 40
+
+
+@pytest.mark.parametrize(("size", "multiple"), [(0.05, 7), (0.3, 3)], ids=["ripples", "precursors"])
+def test_other_pieces_and_nodes_give_the_same_events(size: float, multiple: int) -> None:
+    """y = sin + `size` sin of a `multiple` of the frequency, v = V (1 - y'/(1.1 max y'))."""
+    angle = 2 * np.pi / PERIOD
+    most = 1.1 * (1.0 + size * multiple)
+    motion = Motion(
+        lambda t: np.sin(angle * t) + size * np.sin(multiple * angle * t),
+        lambda t: np.log(V * (1.0 - (np.cos(angle * t) + size * multiple * np.cos(multiple * angle * t)) / most)),
+        200.0,
+    )
+    found = [watch(motion, nodes, pieces).events() for nodes, pieces in ((RADAU, 2000), (EQUISPACED, 1001), (EQUISPACED, 3000))]
+    assert found[0].time.size == {7: 9, 3: 29}[multiple]
+    for other in found[1:]:
+        assert other.time == pytest.approx(found[0].time, abs=1e-4)
+        assert other.v_max == pytest.approx(found[0].v_max, rel=1e-5)
+        assert other.elastic_stress_drop == pytest.approx(found[0].elastic_stress_drop, rel=1e-5)
+
+
+def test_the_same_motion_on_another_clock_has_the_same_events() -> None:
+    """Time and elastic stress divided by 74: what an orbit looks like at r (1 + T)."""
+    slow = through(RIPPLED * 12)
+    fast = Motion(lambda t: slow.elastic(74.0 * t) / 74.0, lambda t: slow.unknown(74.0 * t), slow.until / 74.0)
+    ours, theirs = watch(fast).events(), watch(slow).events()
+    assert ours.time == pytest.approx(theirs.time / 74.0, abs=1e-9)
+    assert ours.v_max == pytest.approx(theirs.v_max, rel=1e-12)
+    assert ours.elastic_stress_drop == pytest.approx(theirs.elastic_stress_drop / 74.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("count", range(14, 34))
+def test_few_pieces_wherever_they_end_give_the_date(count: int) -> None:
+    """Also where the largest rate lies just behind the end of a piece, and v falls below half of it within the next."""
+    half = PERIOD / (2 * np.pi) * np.arccos(-1.0 + np.log(2.0) / 3.0)
+    found = watch(wave(2 * PERIOD), np.linspace(1 / 12, 1.0, 12), count).dates()
+    assert found == pytest.approx([half, half + PERIOD], abs=1e-4)
+
+
+@pytest.mark.parametrize("count", [100, 2000, 8000])
+def test_an_event_is_dated_alike_in_few_pieces_and_in_many(count: int) -> None:
+    motion = wave(2 * PERIOD)
+    half = PERIOD / (2 * np.pi) * np.arccos(-1.0 + np.log(2.0) / 3.0)
+    within = {100: 1e-5, 2000: 1e-9, 8000: 1e-9}[count]
+    assert watch(motion, pieces=count).dates() == pytest.approx([half, half + PERIOD], abs=within)
+
+
+def test_a_rise_of_more_pieces_than_are_kept_is_dated_to_one_of_them() -> None:
+    half = PERIOD / (2 * np.pi) * np.arccos(-1.0 + np.log(2.0) / 3.0)
+    pieces = 1_400_000  # 153 000 of them from half of v_max to v_max, 65 536 are kept
+    found = watch(wave(PERIOD), pieces=pieces, chunk=50_000)
+    assert found.dates() == pytest.approx([half], abs=8 * PERIOD / pieces)
+    assert len(found.state()["rise"]) <= 1 << 16
+
+
+def test_a_jump_between_two_pieces_is_an_event_at_the_joint() -> None:
+    def above(t: Array) -> Array:
+        return np.where((t % PERIOD <= 10.0) & (t % PERIOD > 0.0), -1.0, 1.0)
+
+    jumps = Motion(lambda t: 0.1 * np.abs((t % PERIOD) - 10.0) * -1.0, lambda t: np.log(V) + above(t), 105.0)
+    events = watch(jumps, pieces=105).events()
+    assert events.time == pytest.approx(10.0 + PERIOD * np.arange(4), abs=1e-12)
+    assert events.period == pytest.approx(np.full(4, PERIOD), abs=1e-12)
+    assert events.v_max == pytest.approx(np.full(4, V * np.e), rel=1e-12)
+
+
+@pytest.mark.parametrize("phase", np.linspace(0.0, 1.0, 23))
+def test_extrema_are_the_polynomials_own_wherever_they_lie_in_a_piece(phase: float) -> None:
+    """Also just before or after a piece's end; the best node alone would be off by up to 4e-4."""
+
+    def shifted(t: Array) -> Array:
+        return np.cos(2 * np.pi * (t - 13.0 - phase) / PERIOD)
+
+    events = watch(wave(100.0, stress=shifted), EQUISPACED, 100).events()
+    assert events.stress_drop == pytest.approx(np.full(4, 2.0), abs=1e-7)
+    turned = Motion(lambda t: -np.sin(2 * np.pi * (t - 13.0 - phase) / PERIOD), lambda t: np.log(V) + 3.0 * shifted(t), 100.0)
+    assert watch(turned, EQUISPACED, 100).events().elastic_stress_drop[-3:] == pytest.approx(np.full(3, 2.0), abs=1e-7)
+
+
+@pytest.mark.parametrize("lead", [-0.3, 0.3])
+def test_a_cycle_ends_where_the_next_begins_also_within_a_piece(lead: float) -> None:
+    """Peaks `lead` transits from where y turns, in the same piece and of decreasing height, belong to one cycle each."""
+
+    def stress(t: Array) -> Array:
+        return np.exp(-0.01 * t) * np.cos(2 * np.pi * (t - 5.0 - lead) / PERIOD)
+
+    events = watch(wave(99.0, stress=stress), EQUISPACED, 99).events()
+    cycles = [stress(np.linspace(start, start + PERIOD, 200_001)) for start in 5.0 + PERIOD * np.arange(4)]
+    assert events.stress_drop == pytest.approx([values.max() - values.min() for values in cycles], abs=1e-6)
+
+
+def test_cycles_begin_and_end_with_events_that_the_run_saw_whole() -> None:
+    """A run that begins in the middle of one fall and ends in the middle of another."""
+    observer = watch(through([0.5, 0.0, *[1.0, 0.0] * 5, 1.0, 0.5]))
+    assert observer.count == 7
+    assert observer.events().time.size == 4
+
+
+def test_statistics_are_means_spreads_and_extremes() -> None:
+    turns = list(itertools.chain.from_iterable((1.0, -0.1 * k) for k in range(6)))
+    turns.append(1.0)
+    events = watch(through(turns), pieces=12_000).events()
+    found, drops = summarise(events), events.elastic_stress_drop
+    assert drops == pytest.approx([1.1, 1.2, 1.3, 1.4], rel=1e-6)
+    assert found.cycles == 4
+    assert found.elastic_stress_drop.mean == pytest.approx(1.25, rel=1e-6)
+    assert found.elastic_stress_drop.std == pytest.approx(np.sqrt(0.0125), rel=1e-5)
+    assert (found.v_max, found.v_min) == (events.v_max.max(), events.v_min.min())
+    assert found.v_max > 1.01 * events.v_max.min()
+    none = summarise(watch(through(turns)).events(1e9))
+    assert none.cycles == 0
+    assert np.isnan([none.period.mean, none.v_max, none.v_min]).all()
+
+
+def test_a_restored_observer_goes_on_as_if_nothing_had_happened() -> None:
+    motion = through(RIPPLED * 12)
+    edges = np.linspace(0.0, motion.until, 3001)
+    for stop in (1000, 1003, 1250):  # in a rise, in falls
+        whole, first, second = (EventObserver(slipwave.read("paper"), RADAU) for _ in range(3))
+        for some, observers in ((slice(0, stop), (whole, first)), (slice(stop, 3000), (whole, second))):
+            times = edges[:-1][some, None] + np.diff(edges)[some, None] * RADAU
+            zero = np.zeros_like(times)
+            if observers[1] is second:
+                second.restore(first.state())
+            for observer in observers:
+                observer.scan(
+                    Pieces(edges[:-1][some], np.diff(edges)[some], motion.unknown(times), zero, zero, motion.elastic(times))
+                )
+        for ours, theirs in zip(second.events(), whole.events(), strict=True):
+            assert np.array_equal(ours, theirs)
+
+
+def test_interpolation_is_exact_for_polynomials() -> None:
+    basis = lagrange_basis(RADAU)
+    points = np.linspace(0, 1, 11)
+    for degree in range(4):
+        assert interpolation_matrix(basis, points) @ RADAU**degree == pytest.approx(points**degree, abs=1e-13)
+        assert basis.derivative @ RADAU**degree == pytest.approx(degree * RADAU ** max(degree - 1, 0), abs=1e-11)
+
+
+def test_a_front_between_samples_does_not_ring() -> None:
+    """ln v that jumps within a piece: the polynomial through it overshoots by decades of v, the extrema must not."""
+    smooth = wave(100.0)
+    front = Motion(smooth.elastic, lambda t: smooth.unknown(t) + 4.0 * np.sign(smooth.unknown(t) - np.log(V)), 100.0)
+    events = watch(front, np.linspace(0.0, 1.0, 9), 333).events()
+    assert events.v_max.size >= 3
+    assert (np.log(events.v_max) < np.log(V) + 7.0 + 1e-6).all()
+    assert (np.log(events.v_min) > np.log(V) - 7.0 - 1e-6).all()

@@ -1,0 +1,58 @@
+"""Files are whole or absent, whatever stops their writing."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from slipwave.errors import SceneError
+from slipwave.files import whole_or_absent
+
+
+def write_half(target: Path, stop: type[BaseException]) -> None:
+    with whole_or_absent(target) as temporary:
+        temporary.write_text("half")
+        raise stop
+
+
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, ZeroDivisionError, OSError])
+@pytest.mark.parametrize("old", [None, "old"])
+def test_a_file_stopped_half_way_is_as_it_was(tmp_path: Path, stop: type[BaseException], old: str | None) -> None:
+    target = tmp_path / "x.nc"
+    if old is not None:
+        target.write_text(old)
+    with pytest.raises(SceneError if stop is OSError else stop):
+        write_half(target, stop)
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == ({} if old is None else {"x.nc": old})
+
+
+def test_a_whole_file_takes_the_place_of_the_old_one(tmp_path: Path) -> None:
+    target, neighbour = tmp_path / ("x" * 240 + ".nc"), tmp_path / "plain"
+    target.write_text("old")
+    neighbour.write_text("")
+    with whole_or_absent(target) as temporary:
+        assert temporary.parent == tmp_path
+        assert temporary.suffix == ".nc"
+        temporary.write_text("new")
+        assert target.read_text() == "old"
+    assert target.read_text() == "new"
+    assert target.stat().st_mode == neighbour.stat().st_mode
+    assert sorted(tmp_path.iterdir()) == sorted([target, neighbour])
+
+
+def test_what_cannot_be_written_is_one_line(tmp_path: Path) -> None:
+    target = tmp_path / "absent" / "x.nc"
+    with pytest.raises(SceneError, match="cannot be written: no such file") as caught, whole_or_absent(target) as temporary:
+        temporary.write_text("new")
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_two_processes_write_to_parts_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    target = tmp_path / "x.nc"
+    with whole_or_absent(target) as first:
+        first.write_text("first")
+        monkeypatch.setattr(os, "getpid", lambda: -1)
+        with whole_or_absent(target) as second:
+            second.write_text("second")
+        assert target.read_text() == "second"
+    assert target.read_text() == "first"

@@ -1,0 +1,111 @@
+"""The friction laws: derivatives, steady states, what a regularised law shares with its plain one, rates v <= 0."""
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from slipwave.compiled import njit
+from slipwave.friction import LAWS, Law, rate_of, respond, steady_state, unknown_of
+from slipwave.friction.law import name_of
+
+PAPER = (0.369, 0.0349, 0.0489)
+REGULARISED = ("ageing-regularised", "slip-regularised")
+STEP = 1e-6
+
+rates = st.floats(-12.0, 12.0).map(math.exp)
+offsets = st.floats(-3.0, 3.0)
+names = st.sampled_from(sorted(LAWS))
+
+
+def law_called(name: str) -> Law:
+    return LAWS[name].parameters(*PAPER)
+
+
+def plainness(rate: float, psi: float) -> float:
+    """How far v is above the range where regularisation matters (small: far above)."""
+    return 2.0 * math.exp(-(0.369 + 0.0489 * psi) / 0.0349) / rate
+
+
+def test_the_four_laws_are_registered() -> None:
+    assert set(LAWS) >= {"ageing", "slip", "ageing-regularised", "slip-regularised"}
+    assert [name_of(law_called(name)) for name in LAWS] == list(LAWS)
+
+
+@given(names, rates, offsets)
+def test_derivatives_are_those_of_finite_differences(name: str, rate: float, offset: float) -> None:
+    law = law_called(name)
+    z, psi = unknown_of(law, rate), steady_state(law, rate) + offset
+    v, v_z, _, f_z, f_psi, g, g_z, g_psi = respond(law, z, psi)
+    ahead, behind = respond(law, z + STEP, psi), respond(law, z - STEP, psi)
+    up, down = respond(law, z, psi + STEP), respond(law, z, psi - STEP)
+    scale = v + abs(g) + math.exp(-psi) + 1.0
+    for given_one, pair, place, size in (
+        (v_z, (ahead, behind), 0, v),
+        (f_z, (ahead, behind), 2, 1.0),
+        (f_psi, (up, down), 2, 1.0),
+        (g_z, (ahead, behind), 5, scale),
+        (g_psi, (up, down), 5, scale),
+    ):
+        measured = (pair[0][place] - pair[1][place]) / (2 * STEP)
+        assert given_one == pytest.approx(measured, rel=1e-6, abs=1e-7 * size)
+
+
+@given(names, rates)
+def test_steady_sliding_is_steady_and_weakens_as_b_exceeds_a(name: str, rate: float) -> None:
+    law = law_called(name)
+    psi = steady_state(law, rate)
+    answer = respond(law, unknown_of(law, rate), psi)
+    assert psi == pytest.approx(-math.log(rate), abs=1e-14)
+    assert answer[0] == pytest.approx(rate, rel=1e-13)
+    assert abs(answer[5]) <= 1e-12 * rate
+    slack = 0.0349 * plainness(rate, psi) ** 2 if name in REGULARISED else 0.0
+    assert answer[2] == pytest.approx(0.369 + (0.0349 - 0.0489) * math.log(rate), abs=slack + 1e-13)
+
+
+@given(st.sampled_from(REGULARISED), rates, offsets)
+def test_a_regularised_law_equals_its_plain_one_at_forward_rates(name: str, rate: float, offset: float) -> None:
+    regularised, plain = law_called(name), law_called(name.removesuffix("-regularised"))
+    psi = steady_state(plain, rate) + offset
+    smooth, sharp = (respond(law, unknown_of(law, rate), psi) for law in (regularised, plain))
+    ratio = plainness(rate, psi)
+    assert abs(smooth[2] - sharp[2]) <= 0.0349 * ratio**2 + 1e-14
+    assert smooth[5] == pytest.approx(sharp[5], rel=1e-9, abs=1e-9 * rate)
+    assert smooth[4] == pytest.approx(sharp[4], rel=ratio**2 + 1e-12)
+
+
+@pytest.mark.parametrize("name", REGULARISED)
+def test_a_regularised_law_is_odd_in_v_and_finite_at_rest(name: str) -> None:
+    law = law_called(name)
+    for rate in (0.0, 1e-30, 1e-12, 1.0, 1e6):
+        forward, backward = (respond(law, unknown_of(law, v), 0.7) for v in (rate, -rate))
+        assert all(map(math.isfinite, forward + backward))
+        assert backward[2] == pytest.approx(-forward[2], rel=1e-12, abs=1e-30)
+        assert backward[5] == pytest.approx(forward[5], rel=1e-12)
+        assert backward[3] > 0.0
+    assert respond(law, unknown_of(law, 0.0), 0.7)[2] == 0.0
+
+
+@pytest.mark.parametrize("name", REGULARISED)
+def test_a_regularised_law_keeps_its_digits_near_rest_and_where_the_exponential_would_overflow(name: str) -> None:
+    law = law_called(name)
+    growth = math.exp((0.369 + 0.0489 * 0.7) / 0.0349)
+    for rate in (1e-25, 1e-18, 1e-12):
+        assert respond(law, unknown_of(law, rate), 0.7)[2] == pytest.approx(0.0349 * math.asinh(0.5 * rate * growth), rel=1e-13)
+    weak = LAWS[name].parameters(0.6, 1e-3, 1e-3)  # (a_* + b psi)/a = 600
+    assert respond(weak, unknown_of(weak, 2.0), 0.0)[2] == pytest.approx(0.6 + 1e-3 * math.log(2.0), rel=1e-13)
+
+
+@pytest.mark.parametrize("name", sorted(LAWS))
+def test_compiled_and_plain_answers_are_the_same(name: str) -> None:
+    @njit
+    def compiled(law: Any, z: float, psi: float, v: float) -> Any:
+        return respond(law, z, psi), steady_state(law, v), rate_of(law, z), unknown_of(law, v)
+
+    law = law_called(name)
+    z = unknown_of(law, 3.7)
+    answer, steady, rate, unknown = compiled(law, z, 0.3, 3.7)
+    assert answer == pytest.approx(respond(law, z, 0.3), rel=1e-14)
+    assert (steady, rate, unknown) == pytest.approx((steady_state(law, 3.7), rate_of(law, z), z), rel=1e-14)

@@ -1,0 +1,107 @@
+"""A law from outside: the documented example runs, a wrong function is refused by name."""
+
+import math
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+from slipwave.errors import SceneError
+from slipwave.friction.ageing import Ageing, respond, steady_state
+from slipwave.friction.check import check_law
+from slipwave.friction.law import LAWS, Registered, register
+
+ROOT = Path(__file__).resolve().parents[2]
+ANSWERS = ("v", "v_z", "F", "F_z", "F_psi", "G", "G_z", "G_psi")
+
+
+def law_with(respond_: Any = respond, steady: Any = steady_state, parameters: Any = Ageing, rate_of: Any = None) -> Registered:
+    return Registered(parameters, respond_, steady, rate_of or (lambda law, z: math.exp(z)), lambda law, v: math.log(v))
+
+
+def test_every_law_of_the_house_passes_the_check() -> None:
+    for name, law in LAWS.items():
+        check_law(name, law)
+
+
+@pytest.mark.parametrize("wrong", ["v_z", "F_z", "F_psi", "G_z", "G_psi"])
+@pytest.mark.parametrize("fault", [lambda x: -x, lambda x: 1.001 * x, lambda x: x + 1e-3, lambda x: math.nan, lambda x: 0.0])
+def test_a_wrong_derivative_is_refused_by_name(wrong: str, fault: Any) -> None:
+    place = ANSWERS.index(wrong)
+
+    def spoilt(law: Ageing, z: float, psi: float) -> tuple[float, ...]:
+        answer = list(respond(law, z, psi))
+        answer[place] = fault(answer[place])
+        return tuple(answer)
+
+    with pytest.raises(SceneError, match=rf"'mine': {wrong} "):
+        check_law("mine", law_with(spoilt))
+
+
+@pytest.mark.parametrize(
+    ("law", "told"),
+    [
+        (law_with(steady=lambda law, v: 0.1 - math.log(v)), "state rate G"),
+        (law_with(rate_of=lambda law, z: math.exp(2 * z)), "rate_of"),
+        (law_with(lambda law, z, psi: respond(law, z, psi)[:7]), "respond must return"),
+        (law_with(lambda law, z, psi: (2 * respond(law, z, psi)[0], *respond(law, z, psi)[1:])), "v of respond"),
+        (law_with(lambda law, z, psi: 1 / 0), "ZeroDivisionError"),
+        (law_with(lambda law, z: None), "TypeError"),
+        (law_with(steady=lambda law, v: math.log(-v)), "ValueError"),
+    ],
+    ids=["steady", "rate", "short", "v", "division", "signature", "domain"],
+)
+def test_other_faults_are_refused_with_their_reason(law: Registered, told: str) -> None:
+    with pytest.raises(SceneError, match=told):
+        check_law("mine", law)
+
+
+class Unpriced(NamedTuple):
+    a: float
+    b: float
+    c: float
+    d: float
+
+
+def test_parameters_without_defaults_are_asked_for() -> None:
+    with pytest.raises(SceneError, match="defaults"):
+        check_law("mine", law_with(parameters=Unpriced))
+
+
+def test_a_refused_law_is_not_registered() -> None:
+    def wrong(law: Any, z: float, psi: float) -> Any:
+        return (0.0, *respond(law, z, psi)[1:])
+
+    with pytest.raises(SceneError, match="'wrong'"):
+        register("wrong", Unpriced, wrong, steady_state)
+    assert "wrong" not in LAWS
+
+
+def test_the_documented_example_is_the_one_that_runs() -> None:
+    page, program = ((ROOT / name).read_text() for name in ("docs/extending.md", "examples/own_law.py"))
+    body = [
+        line
+        for line in page.split("```python\n")[1].split("```")[0].splitlines()
+        if line.startswith(("    v", "    str", "    ret"))
+    ]
+    assert len(body) == 4
+    for line in body:
+        assert line in program
+
+
+def test_the_example_runs_and_its_models_are_as_far_apart_as_the_papers() -> None:
+    done = subprocess.run([sys.executable, ROOT / "examples" / "own_law.py"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    periods = {line.split(":")[0]: float(line.split()[2]) for line in done.stdout.splitlines()}
+    assert set(periods) == {"fd", "kelvin-voigt"}
+    assert 60 < periods["kelvin-voigt"] < periods["fd"] < 73.4  # a cut-off weakens healing, and shortens the cycle
+
+
+def test_a_tiny_cutoff_is_the_ageing_law() -> None:
+    example = runpy.run_path(str(ROOT / "examples" / "own_law.py"), run_name="example")
+    mine = example["Cutoff"](cutoff=0.0)
+    for z, psi in ((0.0, 0.0), (3.0, -4.0), (-2.0, 5.0)):
+        assert example["respond"](mine, z, psi) == pytest.approx(respond(Ageing(0.369, 0.0349, 0.0489), z, psi), rel=1e-14)

@@ -1,0 +1,112 @@
+"""What every solver takes from the scene: impedance, stiffness and steady stress by hand, and a digest that misses nothing."""
+
+import dataclasses
+import math
+from typing import Any
+
+import pytest
+
+import slipwave
+from slipwave.friction.ageing import Ageing
+from slipwave.friction.slip import Slip
+from slipwave.scene import Scene
+from slipwave.scene.drive import Drive, steady_drive
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, RigidFace, Slab, StandardLinearViscosity
+from slipwave.scene.start import Start, StartKind
+
+ELASTIC = Slab(2.0, 3.0)
+LAYERED = (Layer(0.25, 0.5), Layer(0.75, 4.0))
+
+
+def of(upper: Slab, lower: Slab, velocity: float = 7.0) -> Scene:
+    return Scene("test", Ageing(0.5, 0.01, 0.03), upper, lower, steady_drive(velocity))
+
+
+# A slab of impedance e = rho c and one-way travel time T = H/c has G = e c, hence H/G = T/e: compliance per unit shear stress.
+# Round trips are 2 T. Stiffness per transit is the upper slab's round trip over the sum of both slabs' H/G.
+COMPLIANCES: list[tuple[Slab, float]] = [
+    (ELASTIC, 1.5 / 2.0),
+    (Slab(2.0, 3.0, layers=LAYERED), 0.25 * 1.5 / 1.0 + 0.75 * 1.5 / 8.0),
+    (Slab(2.0, 3.0, GripFace(0.5, 9.0)), 0.75 + 3.0 / (0.5 * 2.0)),  # a spring of K e/r in series
+    (Slab(2.0, 3.0, viscosity=KelvinVoigtViscosity(0.3)), 0.75),  # a creep that ends does not soften
+    (Slab(2.0, 3.0, viscosity=StandardLinearViscosity(0.3, 0.6)), 0.75 * 1.6),  # relaxed modulus G/(1 + ratio)
+    (Slab(2.0, 3.0, GripFace(0.5, 9.0), StandardLinearViscosity(0.3, 0.6), LAYERED), 1.6 * (0.375 + 1.125 / 8.0) + 3.0),
+]
+
+
+@pytest.mark.parametrize(("upper", "soft"), COMPLIANCES)
+@pytest.mark.parametrize(("lower", "below"), [*COMPLIANCES, (Slab(0.4, 11.0), 5.5 / 0.4)])
+def test_slabs_in_series_yield_the_sum_of_their_compliances(upper: Slab, soft: float, lower: Slab, below: float) -> None:
+    assert of(upper, lower).stiffness == pytest.approx(3.0 / (soft + below), rel=1e-14)
+
+
+def test_impedance_is_that_of_both_layers_at_the_interface_in_series() -> None:
+    assert of(ELASTIC, ELASTIC).impedance == 1.0
+    assert of(ELASTIC, Slab(6.0, 1.0)).impedance == pytest.approx(1.5, rel=1e-15)
+    assert of(Slab(2.0, 3.0, layers=LAYERED), Slab(3.0, 1.0)).impedance == pytest.approx(0.75, rel=1e-15)  # 1 and 3
+    assert of(Slab(3.0, 3.0), Slab(2.0, 3.0, layers=LAYERED)).impedance == pytest.approx(0.75, rel=1e-15)
+
+
+@pytest.mark.parametrize("velocity", [1e-3, 1.0, 7.0])
+@pytest.mark.parametrize("law", [Ageing(0.5, 0.01, 0.03), Slip(0.5, 0.01, 0.03)])
+def test_steady_sliding_is_at_the_drive_before_the_run(law: Any, velocity: float) -> None:
+    chosen = dataclasses.replace(of(ELASTIC, ELASTIC), law=law, drive=Drive((0.0, 5.0), (velocity, 100.0)))
+    assert chosen.velocity == velocity
+    assert chosen.steady_psi == pytest.approx(-math.log(velocity), abs=1e-15)
+    assert chosen.steady_stress == pytest.approx(0.5 - 0.02 * math.log(velocity), rel=1e-15)
+
+
+def test_a_transit_is_the_upper_slabs_round_trip() -> None:
+    assert of(Slab(2.0, 3.0), Slab(2.0, 5.0)).transit == 3.0
+    assert not of(Slab(2.0, 3.0), Slab(2.0, 5.0)).alike
+
+
+NOT_PHYSICS = {"name", "record", "units"}
+"""What a scene is called, which of its quantities are kept, and the names of its units change no number of a run."""
+
+FULL = Slab(2.0, 3.0, GripFace(0.5, 9.0), StandardLinearViscosity(0.3, 0.6), LAYERED)
+BASE = Scene("test", Ageing(0.5, 0.01, 0.03), FULL, FULL, Drive((0.0, 5.0), (7.0, 8.0)), Start(StartKind.JUMP, 0.5), 40.0)
+
+
+def changed(value: Any) -> list[Any]:
+    """Every way to change one fact in `value`, by hand of its type: dataclasses, laws and tuples field by field."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        names = [
+            field.name for field in dataclasses.fields(value) if not (isinstance(value, Scene) and field.name in NOT_PHYSICS)
+        ]
+        return [dataclasses.replace(value, **{name: other}) for name in names for other in changed(getattr(value, name))]
+    if hasattr(value, "_fields"):
+        return [value._replace(**{name: other}) for name in value._fields for other in changed(getattr(value, name))]
+    if isinstance(value, tuple):
+        return [(*value[:i], other, *value[i + 1 :]) for i in range(len(value)) for other in changed(value[i])]
+    if isinstance(value, StartKind):
+        return [kind for kind in StartKind if kind is not value]
+    return [math.nextafter(value, math.inf)]
+
+
+def test_every_fact_of_a_scene_changes_its_digest() -> None:
+    others = changed(BASE)
+    others += [dataclasses.replace(BASE, law=Slip(*BASE.law))]
+    others += [
+        dataclasses.replace(BASE, upper=dataclasses.replace(FULL, **change))
+        for change in (
+            {"face": RigidFace()},
+            {"face": ReflectingFace(0.5)},
+            {"face": ReflectingFace(0.25)},
+            {"viscosity": None},
+            {"viscosity": KelvinVoigtViscosity(0.3)},
+            {"viscosity": KelvinVoigtViscosity(0.2)},
+            {"layers": LAYERED[::-1]},
+        )
+    ]
+    assert len(others) == 3 + 10 + 10 + 4 + 3 + 1 + 8  # law, slabs, drive, start, until, and the kinds above
+    digests = [BASE.digest, *(other.digest for other in others)]
+    assert len(set(digests)) == len(digests)
+    assert all(len(digest) == 12 and int(digest, 16) >= 0 for digest in digests)
+
+
+def test_what_is_no_physics_leaves_the_digest_alone() -> None:
+    units = slipwave.read("paper-si").units
+    same = [{"name": "other"}, {"record": frozenset({"fields"})}, {"units": units}]
+    assert {dataclasses.replace(BASE, **change).digest for change in same} == {BASE.digest}
+    assert {field.name for field in dataclasses.fields(Scene)} >= NOT_PHYSICS

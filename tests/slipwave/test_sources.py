@@ -1,0 +1,67 @@
+"""What a file of the house imports, and digests that see the program and not its explanation."""
+
+from pathlib import Path
+
+import pytest
+
+from slipwave import sources
+from slipwave.sources import ROOT, import_closure, inside, program
+
+
+def closure(file: str, packages: bool = True) -> set[str]:
+    return {path.relative_to(ROOT).as_posix() for path in import_closure([ROOT / file], packages)}
+
+
+def test_a_file_without_imports_of_the_house_is_alone() -> None:
+    assert closure("slipwave/errors.py", packages=False) == {"slipwave/errors.py"}
+
+
+def test_imports_are_followed_through_modules_packages_and_functions() -> None:
+    found = closure("slipwave/friction/interface.py", packages=False)
+    assert {
+        "slipwave/friction/interface.py",
+        "slipwave/compiled/functions.py",
+        "slipwave/friction/__init__.py",
+        "slipwave/friction/slip.py",
+    } <= found
+    assert "slipwave/friction/check.py" in found  # imported within `register`
+    assert not found & {"slipwave/__init__.py", "slipwave/input/source.py", "slipwave/scene/scene.py"}
+
+
+def test_packages_on_the_way_are_included_unless_left_out() -> None:
+    assert closure("slipwave/observe/pieces.py", packages=False) == {"slipwave/observe/pieces.py"}
+    with_packages = closure("slipwave/scene/drive.py")
+    assert {"slipwave/__init__.py", "slipwave/input/assemble.py"} <= with_packages
+
+
+@pytest.mark.parametrize(
+    ("other", "same"),
+    [
+        ('"""Other."""\n\n\n# a comment\ndef f(x):\n    """Told."""\n    return x + 1\n', True),
+        ("def f(x):\n    return (x +\n            1)\n", True),
+        ("def f(x):\n    return x + 2\n", False),
+        ("def f(x):\n    return x - 1\n", False),
+        ("def f(y):\n    return y + 1\n", False),
+        ("def f(x=0):\n    return x + 1\n", False),
+    ],
+)
+def test_a_digest_sees_the_program_only(other: str, same: bool, tmp_path: Path) -> None:
+    texts = "def f(x):\n    return x + 1\n", other
+    for number, text in enumerate(texts):
+        (tmp_path / f"{number}.py").write_text(text)
+    assert (program(tmp_path / "0.py") == program(tmp_path / "1.py")) is same
+
+
+def test_only_files_of_the_four_rooms_are_inside() -> None:
+    assert inside(ROOT / "slipwave" / "scene" / "slab.py")
+    assert not inside(ROOT / "tests" / "conftest.py")
+    assert not inside(Path(__file__))
+    assert not inside(Path("/tmp/scene/slab.py"))
+
+
+@pytest.mark.parametrize("room", ["slipwave", "reduced", "fullwave"])
+def test_the_digest_of_the_solvers_sees_each_of_their_rooms(room: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    before, read = sources.source_digest(), sources.program
+    edited = min((ROOT / room).rglob("*.py"))
+    monkeypatch.setattr(sources, "program", lambda path: read(path) + "edited" * (path == edited))
+    assert sources.source_digest() != before

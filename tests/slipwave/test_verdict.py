@@ -1,0 +1,80 @@
+"""Verdicts on sequences of cycles whose nature is known."""
+
+import numpy as np
+import pytest
+
+from slipwave.observe.events import Events
+from slipwave.observe.verdict import Verdict, judge_motion
+
+K = np.arange(24)
+
+
+def verdict(sizes, ratio=1000.0, rests=True, slides=False, until=4000.0) -> Verdict:
+    """Of events with prominences 0.1 `sizes` and periods and rates that go with them; one cycle less than events."""
+    drop = 0.1 * np.asarray(sizes, dtype=float)
+    period = 50.0 + 300.0 * drop[:-1]
+    v_max = 100.0 * (1.0 + (np.sqrt(ratio) - 1.0) * drop[:-1] / 0.1)
+    time = 2000.0 + np.concatenate(([0.0], np.cumsum(period[:-1]))) if period.size else period
+    return judge_motion(Events(time, period, 1.1 * drop[:-1], drop[:-1], v_max, 1e4 / v_max), drop, rests, slides, until)
+
+
+def henon(count: int, a: float, b: float = 0.3) -> np.ndarray:
+    x, y, values = 0.1, 0.1, []
+    for _ in range(500 + count):
+        x, y = 1.0 - a * x * x + y, b * x
+        values.append(x)
+    return 1.0 + 0.2 * np.array(values[500:])
+
+
+@pytest.mark.parametrize(
+    ("sizes", "kind", "multiplicity"),
+    [
+        (np.ones(24), "periodic", 1),
+        (np.ones(4), "periodic", 1),
+        (1.0 + 2e-4 * (-1.0) ** K, "periodic", 1),
+        (1.0 + 2e-2 * (-1.0) ** K, "periodic", 2),
+        (1.0 + 0.1 * np.cos(2 * np.pi * K / 3), "periodic", 3),
+        (henon(24, 1.0), "periodic", 4),
+        (1.0 + 0.01 * np.cos(2 * np.pi * 0.263 * K), "irregular", None),
+        (henon(24, 1.4), "irregular", None),
+        (1.0 + 0.2 * 0.7**K, "settling", None),
+        (1.0 + 0.2 * (-0.7) ** K, "settling", None),
+        (1.0 - 0.5 * 0.95**K, "settling", None),
+        (0.89**K, "decaying", None),
+        (0.9**K * (1.0 + 0.1 * (-1.0) ** K), "decaying", None),
+        (1.1**K, "growing", None),
+        (np.ones(3), "too short", None),
+        (henon(7, 1.4), "too short", None),
+    ],
+)
+def test_verdicts_on_known_sequences(sizes, kind, multiplicity):
+    found = verdict(sizes)
+    assert (found.kind, found.multiplicity) == (kind, multiplicity)
+    assert found.repeats == (kind in ("periodic", "irregular"))
+
+
+def test_a_small_motion_decays_however_slowly():
+    slow = 0.998**K
+    assert verdict(1e-3 * slow, ratio=1e3).kind == "decaying"
+    assert verdict(slow, ratio=1e3).kind == "settling"
+
+
+def test_what_changes_is_told():
+    assert verdict(0.9**K).change == pytest.approx(0.9**23 - 1.0)
+    settling = verdict(1.0 + 0.2 * 0.8**K)
+    drops = 1.0 + 0.2 * 0.8 ** np.array([21, 22])
+    assert abs(drops[1] / drops[0] - 1.0) <= settling.change < 3 * abs(drops[1] / drops[0] - 1.0)
+
+
+def test_drive_and_steady_sliding_come_first():
+    assert verdict(np.ones(24), rests=False).kind == "driven"
+    none = np.empty(0)
+    empty = Events(*[none] * 6)
+    assert judge_motion(empty, none, True, True, 100.0).kind == "steady"
+    loading = judge_motion(empty, none, True, False, 100.0)
+    assert (loading.kind, loading.needed) == ("too short", 200.0)
+
+
+def test_a_run_that_is_too_short_is_told_how_long_it_should_be():
+    found = verdict(np.ones(3), until=300.0)
+    assert found.needed == pytest.approx(2 * 5 * 80.0)

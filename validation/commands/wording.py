@@ -1,0 +1,90 @@
+"""Scenes and statistics in words and rows, dimensionless and (where the scene has units) in SI."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from slipwave.friction.law import name_of
+from slipwave.observe import RunStatistics, Verdict
+from slipwave.observe.verdict import REPEATING
+from slipwave.scene import Scene
+from slipwave.scene.slab import Slab
+from validation.output import figures
+
+_COUNTED = (*REPEATING, "settling", "too short")  # the swings of any other motion are no cycles of stick-slip
+
+
+def describe(scene: Scene) -> list[str]:
+    """A few lines: name, law, drive, slabs."""
+    parameters = ", ".join(f"{key} {value:g}" for key, value in zip(scene.law._fields, scene.law, strict=True))
+    lines = [f"scene {scene.name}: {name_of(scene.law)} law ({parameters}), V = {scene.velocity:g}, digest {scene.digest}"]
+    pairs = [("slabs", scene.upper)] if scene.alike else [("upper", scene.upper), ("lower", scene.lower)]
+    lines += [f"{label}: {_slab(slab)}" for label, slab in pairs]
+    if scene.units:
+        units = scene.units
+        lines.append(
+            f"units: L = {units.memory_length:g} m, V* = {units.reference_velocity:g} m/s, sigma = {units.normal_stress:g} Pa; "
+            f"one transit = {figures(scene.transit * units.time, 6)} s"
+        )
+    return lines
+
+
+def _slab(slab: Slab) -> str:
+    text = f"epsilon {figures(slab.epsilon)}, r {figures(slab.round_trip)} = 10^{math.log10(slab.round_trip):.6g}"
+    extras = [type(slab.face).__name__, *([type(slab.viscosity).__name__] if slab.viscosity else [])]
+    layers = [f"{len(slab.layers)} layers"] if len(slab.layers) > 1 else []
+    return text if slab.is_plain else f"{text} ({', '.join(extras + layers)})"
+
+
+def statistics_rows(found: RunStatistics, scene: Scene) -> tuple[list[str], list[list[str]]]:
+    """Heading and rows of mean and spread of a run's cycles, with a column in SI if the scene has units."""
+    seconds = scene.transit * scene.units.time if scene.units else math.nan
+    pascal = scene.units.normal_stress if scene.units else math.nan
+    metres = scene.units.reference_velocity if scene.units else math.nan
+    facts = [
+        ("period [transits]", found.period.mean, found.period.std, seconds, "s"),
+        ("period [L/V*]", found.period.mean * scene.transit, found.period.std * scene.transit, seconds / scene.transit, "s"),
+        ("stress drop", found.stress_drop.mean, found.stress_drop.std, pascal, "Pa"),
+        ("elastic stress drop", found.elastic_stress_drop.mean, found.elastic_stress_drop.std, pascal, "Pa"),
+        ("v_max [V*]", found.v_max, math.nan, metres, "m/s"),
+        ("v_min [V*]", found.v_min, math.nan, metres, "m/s"),
+    ]
+    heading = ["", "mean", "std", "SI"]
+    rows = [
+        [label, figures(mean), figures(std, 3), f"{figures(mean * unit, 6)} {name}"] for label, mean, std, unit, name in facts
+    ]
+    return (heading, rows) if scene.units else (heading[:-1], [row[:-1] for row in rows])
+
+
+def told_events(count: int | None, verdict: Verdict | None) -> str:
+    """How many slip events a run had and what it is, in one line."""
+    if count is None or verdict is None:
+        return "events were not watched (run.record is empty)"
+    return f"{count} slip event{'s' if count != 1 else ''}; {told_verdict(verdict)}"
+
+
+def told_verdict(verdict: Verdict) -> str:
+    """What the second half of a run is, with the reason."""
+    change, needed = f"{abs(verdict.change):.2g}", f"{float(f'{verdict.needed:.2g}'):g}"
+    reasons = {
+        "steady": "v is V within 1e-6",
+        "decaying": f"the drop of elastic stress falls by {change} of itself from the first of its events to the last",
+        "growing": f"the drop of elastic stress grows by {change} of itself from the first of its events to the last",
+        "settling": f"its cycles still change, the last by {change} of itself",
+        "periodic": f"{verdict.multiplicity} event{'s' if verdict.multiplicity != 1 else ''} in a period",
+        "irregular": "its cycles do not repeat",
+        "driven": "V changes or is zero there",
+        "too short": f"too few cycles to judge; try --until {needed}",
+    }
+    reason = reasons[verdict.kind]
+    counted = f", {verdict.cycles} complete cycle{'s' if verdict.cycles != 1 else ''}," if verdict.kind in _COUNTED else ""
+    return f"the second half{counted} is {verdict.kind}: {reason}"
+
+
+def without_errors(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """One line for each verdict that leaves models without period and errors: a transient has none."""
+    models: dict[str, list[str]] = {}
+    for row in rows:
+        if row["verdict"] not in (None, *REPEATING) and row["model"] not in models.setdefault(row["verdict"], []):
+            models[row["verdict"]].append(row["model"])
+    return [f"no figures of {', '.join(names)}: the second half of the run is {verdict}" for verdict, names in models.items()]

@@ -1,0 +1,1 @@
+"""What is measured of a run: cycles, settled orbits, ripples, orders of convergence."""

@@ -1,0 +1,181 @@
+"""Observed orders of the full-wave families: climb a ladder of grids, fit every output's error. For the tests and the report.
+
+Errors are relative and root mean squares: of an output over all complete cycles after a quarter of the run (the same on every
+grid), of the final state over 256 moments of the last transits (ln v, psi and mu, each to its range there). A single number would
+change sign on its way to zero; a mean square does not.
+
+A fixed rule selects the grids of a fit. The first is the coarsest from which on all errors are below 3^-order, that is, at least
+three times finer than a grid whose error is 100 %. The last is the last one whose error is above the reference's own. Of these,
+`validation.measure.order_fit.fit_dense` drops coarse ones that still bend.
+
+All outputs together must show the promised order within a confidence interval. A single output scatters more; its fitted order
+may lie below the promised one by no more than the course's `slack`.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from slipwave.errors import NumericsError
+from slipwave.observe import EventObserver, Pieces, Solver, follow
+from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
+from validation.measure.grid_ladders import Course, Ladder
+from validation.measure.order_fit import Fit, fit_dense
+from validation.run.timing import timed
+
+OUTPUTS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}"}
+"""What is taken of every cycle, and its symbol."""
+
+QUANTITIES = {**OUTPUTS, "state": "state"}
+"""What an order is asked of: the outputs, and the final state."""
+
+_MOMENTS = 256
+_FIRST_QUARTER = 0.25  # of the run: its events grow, and one of a tenth of the largest counts on one grid and not on another
+_ALMOST = 0.05  # a narrow interval may miss the promised order by this much: the bend that is left over
+_KNOWN = 0.5  # how far below the promised order the interval of all outputs may begin
+_RESOLVED = 3.0
+_WORTH_REPEATING = 0.01  # seconds
+
+Measured: TypeAlias = dict[str, Array]
+"""By quantity: one entry per complete cycle; for the state (256, 3): ln v or the law's unknown, psi, mu."""
+Maker: TypeAlias = Callable[..., Solver]
+"""As `validation.registry.build.build`."""
+
+
+class Moments:
+    """An observer that knows the interface at given `times` (transits, within the run); it keeps the pieces they lie in."""
+
+    def __init__(self, nodes: Array, times: Array) -> None:
+        self._basis, self._times = lagrange_basis(nodes), times
+        self._kept: list[Pieces] = []
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        wanted = (pieces.time + pieces.length >= self._times[0]) & (pieces.time <= self._times[-1])
+        if wanted.any():
+            self._kept.append(Pieces(*(values[wanted] for values in pieces)))
+
+    def state(self) -> Array:
+        """The law's unknown (ln v), psi and mu, shape (times, 3), from the pieces' polynomials."""
+        pieces = Pieces(*(np.concatenate(parts) for parts in zip(*self._kept, strict=True)))
+        which = np.clip(np.searchsorted(pieces.time, self._times, side="right") - 1, 0, None)
+        rows = interpolation_matrix(self._basis, (self._times - pieces.time[which]) / pieces.length[which])
+        return np.stack([(rows * values[which]).sum(axis=1) for values in (pieces.unknown, pieces.state, pieces.stress)], axis=1)
+
+
+def measure(solver: Solver, course: Course) -> Measured:
+    """Run `solver` over the `course`."""
+    return _measure(solver, course)[1]
+
+
+def _measure(solver: Solver, course: Course) -> tuple[float, Measured]:
+    """(processor seconds of the march and of the event detection, what they gave)."""
+    events = EventObserver(solver.scene, solver.nodes)
+    last = np.linspace(course.until - course.window, course.until, _MOMENTS, endpoint=False)
+    moments = Moments(solver.nodes, last)
+    seconds, _ = timed(lambda: follow(solver, course.until, [events, moments]))
+    cycles = events.events(_FIRST_QUARTER * course.until)
+    return seconds, {name: getattr(cycles, name) for name in OUTPUTS} | {"state": moments.state()}
+
+
+def errors(ours: Measured, reference: Measured) -> dict[str, float]:
+    """Relative root-mean-square error of every quantity; infinite for outputs of a run with another number of cycles."""
+    found = {}
+    for name in OUTPUTS:
+        alike = ours[name].shape == reference[name].shape
+        found[name] = _mean_square(ours[name] / reference[name] - 1.0) if alike else np.inf
+    found["state"] = _mean_square((ours["state"] - reference["state"]) / np.ptp(reference["state"], axis=0))
+    return found
+
+
+def _mean_square(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+@dataclass(frozen=True)
+class Climb:
+    """A ladder climbed: cells, processor seconds, and errors by quantity, one entry per grid."""
+
+    ladder: Ladder
+    cells: Array
+    seconds: Array
+    errors: dict[str, Array]
+
+    @property
+    def resolved(self) -> int:
+        """Number of the first level that counts."""
+        worst = np.max(list(self.errors.values()), axis=0)
+        coarse = np.nonzero(~(worst < _RESOLVED**-self.ladder.declared))[0]
+        return int(coarse[-1]) + 1 if coarse.size else 0
+
+    def fit(self, name: str) -> Fit:
+        """The order of one quantity; ValueError where fewer than four levels count."""
+        return fit_dense(self.cells, self.errors[name], self.resolved, self.ladder.course.floor)
+
+    def fit_together(self) -> Fit:
+        """The order of the geometric mean of all errors, over the levels where each is above the floor: scatters least."""
+        every = np.array(list(self.errors.values()))
+        every = every[:, : int(np.cumprod((every > self.ladder.course.floor).all(axis=0)).sum())]
+        return fit_dense(self.cells, np.exp(np.log(every).mean(axis=0)), self.resolved)
+
+    def shortfall(self) -> list[str]:
+        """What speaks against the promised order, quantity by quantity; empty if nothing does. Schemes of order 2 must not be
+        better either. The finest error of every quantity has to lie below the ladder's bound."""
+        fits = {name: self.fit(name) for name in self.errors}
+        complaints = {name: self._misses(one, 0.0, self.ladder.course.slack) for name, one in fits.items()}
+        together = self.fit_together()
+        complaints["together"] = self._misses(together, together.half_width, _ALMOST) or self._unknown(together)
+        return [f"{name}: {complaint}" for name, complaint in complaints.items() if complaint]
+
+    def _misses(self, found: Fit, half_width: float, slack: float) -> str:
+        """Whether the order, give or take `half_width`, misses the promised one by more than `slack`, or the errors are large."""
+        allowed = max(half_width, slack)
+        if found.order + allowed < self._promised or (self._exact and found.order - allowed > self._promised):
+            return f"promised {self._promised:g}, observed {found}"
+        if found.finest_error > self.ladder.finest:
+            return f"finest error {found.finest_error:.1e}, not below {self.ladder.finest:.0e}"
+        return ""
+
+    def _unknown(self, found: Fit) -> str:
+        low, high = found.order - found.half_width, found.order + found.half_width
+        vague = low < self._promised - _KNOWN or (self._exact and high > self._promised + _KNOWN)
+        return f"interval too wide to tell: {found}" if vague else ""
+
+    @property
+    def _exact(self) -> bool:
+        return self.ladder.declared == 2.0
+
+    @property
+    def _promised(self) -> float:
+        return 2.0 if self._exact else self.ladder.promised
+
+
+def climb(ladder: Ladder, reference: Measured, build: Maker) -> Climb:
+    """Run every grid of the `ladder` up to the first whose state is at the floor; grids too coarse to be marched are left out."""
+    rows = []
+    for cells in ladder.levels():
+        try:
+            seconds, found = _timed(build, ladder, cells)
+        except NumericsError:
+            continue
+        rows.append((cells, seconds, errors(found, reference)))
+        if rows[-1][2]["state"] < ladder.course.floor:
+            break
+    return Climb(
+        ladder,
+        np.array([cells for cells, _, _ in rows], dtype=float),
+        np.array([seconds for _, seconds, _ in rows]),
+        {name: np.array([found[name] for _, _, found in rows]) for name in QUANTITIES},
+    )
+
+
+def _timed(build: Maker, ladder: Ladder, cells: int) -> tuple[float, Measured]:
+    """As `_measure`; short runs are repeated and the fastest counts."""
+    best, spent = np.inf, 0.0
+    while spent < _WORTH_REPEATING:
+        solver = build(ladder.model, ladder.course.scene, cells=cells, cfl=ladder.cfl)
+        taken, found = _measure(solver, ladder.course)
+        best, spent = min(best, taken), spent + taken
+    return best, found

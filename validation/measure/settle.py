@@ -1,0 +1,181 @@
+"""Settle a model on its periodic orbit by running it until its cycles stop changing, and say how well that worked.
+
+A run converges at the rate of the orbit's largest Floquet multiplier and then stays at the solver's own jitter. The value given
+is the mean over the last few cycles, the error half of (largest - smallest) among them: an estimate of what is left of the
+transient, not of the solver's discretisation error.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from slipwave.friction import rate_of
+from slipwave.observe import EventObserver, Events, Pieces, Solver, follow
+from slipwave.observe.foresight import Foresight
+from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
+from validation.run.timing import timed
+
+WINDOW = 4
+"""Cycles over which an orbit is judged."""
+MOST_TRANSITS = 6000.0
+_FIRST_STRETCH = 400.0
+_STALLED = 3
+_STEADY = 1e-3  # v_max/v_min - 1 below which a run has returned to steady sliding
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A value and half the spread of the last cycles about it."""
+
+    value: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """What a run is judged by (MODEL.md section 6): period in transits, drops in units of the normal stress, rates in V*."""
+
+    period: Estimate
+    stress_drop: Estimate
+    elastic_stress_drop: Estimate
+    v_max: Estimate
+    v_min: Estimate
+
+    def values(self) -> dict[str, float]:
+        """Name -> value."""
+        return {field.name: getattr(self, field.name).value for field in fields(self)}
+
+
+@dataclass(frozen=True)
+class Settled:
+    """A model on its orbit, or as near as it came: `unrest` is the largest relative spread of the last cycles; `settled` tells
+    whether it is below the tolerance or at the jitter of the solver; processor time of the march, in seconds."""
+
+    orbit: Orbit
+    solver: Solver
+    observer: EventObserver
+    cycles: int
+    unrest: float
+    settled: bool
+    seconds: float
+
+    @property
+    def transits(self) -> float:
+        """Time marched so far (transits)."""
+        return self.solver.time
+
+
+class NoCycle(ArithmeticError):
+    """The run made too few slip events to speak of an orbit, or came back to steady sliding."""
+
+
+def settle(
+    solver: Solver, tolerance: float = 1e-9, most: float = MOST_TRANSITS, progress: Callable[[float], None] | None = None
+) -> Settled:
+    """March `solver` (from its start) until `WINDOW` cycles in a row agree to `tolerance`, relative, in period, drops and rates,
+    or agree no better than some stretches ago (the solver's own jitter), or `most` transits are over.
+
+    Raises NoCycle if fewer than WINDOW cycles were completed or if the run came back to steady sliding, NumericsError where the
+    solver fails.
+    """
+    observer = EventObserver(solver.scene, solver.nodes)
+    seconds, (events, history) = timed(lambda: _march_until_settled(solver, observer, tolerance, most, progress))
+    if events.time.size < WINDOW:
+        raise NoCycle(f"{solver.model}: {observer.count} slip events in {solver.time:.0f} transits, too few to speak of an orbit")
+    settled = history[-1] < tolerance or (_stalled(history) and history[-1] < 1e-5)
+    return Settled(estimate(events), solver, observer, observer.count - 1, history[-1], settled, seconds)
+
+
+def _march_until_settled(
+    solver: Solver, observer: EventObserver, tolerance: float, most: float, progress: Callable[[float], None] | None
+) -> tuple[Events, list[float]]:
+    """(cycles of the second half of the march, the unrest after each stretch of WINDOW cycles)."""
+    events = observer.events()
+    history: list[float] = []
+    foresight = Foresight(solver, most)
+    while solver.time < most and not _finished(history, tolerance):
+        period = float(events.period[-1]) if events.period.size else _FIRST_STRETCH / WINDOW
+        follow(solver, min(most, solver.time + WINDOW * period), [observer, foresight], progress)
+        events = observer.events(0.5 * solver.time)  # by the falls of now: those of the start may have been larger
+        if events.time.size >= WINDOW:
+            _require_motion(solver, events)
+            history.append(unrest(events))
+    return events, history
+
+
+def _require_motion(solver: Solver, events: Events) -> None:
+    if events.v_max[-1] < (1.0 + _STEADY) * events.v_min[-1]:
+        raise NoCycle(f"{solver.model}: back to steady sliding after {solver.time:.0f} transits")
+
+
+def _finished(history: list[float], tolerance: float) -> bool:
+    return bool(history) and (history[-1] < tolerance or (_stalled(history) and history[-1] < 1e-5))
+
+
+def _stalled(history: list[float]) -> bool:
+    """The best of the last stretches is no better than half of the best before."""
+    return len(history) > 2 * _STALLED and min(history[-_STALLED:]) > 0.5 * min(history[:-_STALLED])
+
+
+def _window(events: Events) -> Array:
+    """Last WINDOW cycles, rows; period, drops and rates, columns."""
+    return np.array([getattr(events, field.name)[-WINDOW:] for field in fields(Orbit)]).T
+
+
+def unrest(events: Events) -> float:
+    """Largest relative spread (max - min over mean) among the last WINDOW cycles."""
+    table = _window(events)
+    return float(np.max(np.ptp(table, axis=0) / np.abs(table.mean(axis=0))))
+
+
+def estimate(events: Events) -> Orbit:
+    """Mean and half spread over the last WINDOW cycles."""
+    table = _window(events)
+    estimates = [Estimate(float(column.mean()), float(np.ptp(column)) / 2.0) for column in table.T]
+    return Orbit(*estimates)
+
+
+class DenseObserver:
+    """Samples every piece at `per_piece` equally spaced points of its polynomial."""
+
+    def __init__(self, nodes: Array, per_piece: int) -> None:
+        self._points = (np.arange(per_piece) + 0.5) / per_piece
+        self._rows = interpolation_matrix(lagrange_basis(nodes), self._points)
+        self._chunks: list[Array] = []
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        times = pieces.time[:, None] + pieces.length[:, None] * self._points
+        values = [values @ self._rows.T for values in (pieces.unknown, pieces.state, pieces.stress, pieces.elastic)]
+        self._chunks.append(np.array([times, *values]).reshape(5, -1))
+
+    def table(self) -> Array:
+        """Rows time (transits), rate unknown, psi, mu, y; one column per sample."""
+        return np.concatenate(self._chunks, axis=1)
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One cycle's curves, arrays of equal length: time (transits) from the event's date, slip rate v (V*), psi, mu, y."""
+
+    time: Array
+    slip_rate: Array
+    psi: Array
+    stress: Array
+    elastic_stress: Array
+
+
+def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> Cycle:
+    """Go on for two cycles and return one of them, from `before` transits ahead of its event to `after` transits past its end."""
+    solver, period = settled.solver, settled.orbit.period.value
+    begin = solver.time
+    dense = DenseObserver(solver.nodes, per_piece)
+    follow(solver, begin + 2.02 * period + before + after, [dense, settled.observer])
+    table = dense.table()
+    events = settled.observer.dates()
+    start = float(events[events >= begin + before][0])
+    keep = (table[0] >= start - before) & (table[0] <= start + period + after)
+    time_, unknown, psi, stress, elastic = table[:, keep]
+    rate = np.array([rate_of(solver.scene.law, z) for z in unknown])
+    return Cycle(time_ - start, rate, psi, stress, elastic)

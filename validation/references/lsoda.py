@@ -1,0 +1,75 @@
+"""What one would write without this package: the paper's Kelvin-Voigt system in ten lines of Python, left to scipy's LSODA.
+
+Something to race against and to agree with. It shares no code with the solvers: not the law, not the integrator, not the event
+detection.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from slipwave.scene import Scene
+from slipwave.scene.start import NUDGE_CENTRE
+from validation.run.timing import timed
+
+_APART = 10.0  # transits; crossings of V closer than this belong to the same slip event
+
+
+@dataclass(frozen=True)
+class PlainRun:
+    """Period of the last cycle (transits), processor time in seconds and how often the right-hand side was evaluated."""
+
+    tolerance: float
+    period: float
+    seconds: float
+    evaluations: int
+
+
+def plain_kelvin_voigt(scene: Scene, until: float, tolerance: float) -> PlainRun:
+    """Period of the last complete cycle before `until` (transits), by `solve_ivp(method="LSODA")` at rtol = atol = `tolerance`.
+
+    System (41) on the transit clock in y, w = mu', ln v and psi; ageing law; nudge start on steady sliding.
+    """
+    from scipy.integrate import solve_ivp
+
+    rates = right_hand_side(scene)
+    ln_v = math.log(scene.velocity)
+
+    def crossing(t: float, state: np.ndarray) -> float:
+        """ln v - ln V, zero where a slip event starts."""
+        return float(state[2]) - ln_v
+
+    crossing.direction = 1.0  # type: ignore[attr-defined]
+    start = steady_state(scene)
+    solve: Any = partial(solve_ivp, rates, (0.0, until), start, method="LSODA", rtol=tolerance, atol=tolerance)
+    seconds, run = timed(lambda: solve(events=crossing, max_step=3.0))
+    times = np.asarray(run.t_events)[0]
+    events = times[np.diff(times, prepend=-math.inf) > _APART]
+    return PlainRun(tolerance, float(events[-1] - events[-2]), seconds, int(run.nfev))
+
+
+def steady_state(scene: Scene) -> list[float]:
+    """Steady sliding at V in y, w, ln v, psi."""
+    law, ln_v = scene.law, math.log(scene.velocity)
+    return [law.a_star + (law.a - law.b) * ln_v, 0.0, ln_v, -ln_v]
+
+
+def right_hand_side(scene: Scene) -> Callable[[float, np.ndarray], list[float]]:
+    """Time derivative (41) of y, w, ln v, psi on the transit clock, with the scene's nudge."""
+    law, epsilon, r, velocity = scene.law, scene.upper.epsilon, scene.transit, scene.velocity
+    size = scene.start.nudge_size
+
+    def rates(t: float, state: np.ndarray) -> list[float]:
+        """At time t (transits)."""
+        y, w, ln_v, psi = state
+        v = math.exp(ln_v)
+        psi_rate = r * (math.exp(-psi) - v) + size * math.exp(-((t - NUDGE_CENTRE) ** 2))
+        ln_v_rate = (w - law.b * psi_rate) / law.a
+        stress = law.a_star + law.a * ln_v + law.b * psi
+        return [epsilon * (velocity - v), 24.0 * (y - stress) - 3.0 * epsilon * v * ln_v_rate, ln_v_rate, psi_rate]
+
+    return rates

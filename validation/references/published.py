@@ -1,0 +1,27 @@
+"""Reference numbers that come with the project: values by programs that share nothing with this one, and the paper's own."""
+
+import json
+from decimal import Decimal
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+
+@cache
+def reference() -> dict[str, Any]:
+    """Contents of published.json, with the provenance of each block under its key "how"."""
+    content: dict[str, Any] = json.loads(Path(__file__).with_suffix(".json").read_text(encoding="utf-8"))
+    return content
+
+
+def reference_orbit(model: str, log10_r: float) -> dict[str, float]:
+    """Known figures of a model's orbit in the paper's material at V = 100: any of period, stress_drop, elastic_stress_drop,
+    v_max, v_min (empty if nothing is known); transit clock."""
+    orbits: list[dict[str, float]] = reference()["orbits"].get(model, [])
+    found = [orbit for orbit in orbits if orbit["log10_r"] == log10_r]
+    return {name: value for name, value in found[0].items() if name != "log10_r"} if found else {}
+
+
+def half_digit(value: float) -> float:
+    """Half a unit in the last decimal place of a number as it is written: 0.005 for 73.47."""
+    return 0.5 * 10.0 ** int(Decimal(repr(value)).as_tuple().exponent)

@@ -1,0 +1,141 @@
+"""Every model by its command-line name: who computes it, what it takes, which scenes it honours. `build` makes the solver.
+
+A family whose module is not part of this installation is not listed.
+"""
+
+from importlib.util import find_spec
+
+from slipwave.errors import SceneError
+from slipwave.input.wording import nearest, shorten
+from slipwave.observe import Solver
+from slipwave.scene import Scene
+from slipwave.scene.start import StartKind
+from validation.registry.families import FAMILIES, OPTIONS, Family, Request
+from validation.registry.features import FEATURES, features_of
+
+
+def families() -> list[Family]:
+    """The families of this installation, cheapest first."""
+    return [family for family in FAMILIES if find_spec(family.module) is not None]
+
+
+def honouring(scene: Scene) -> list[Family]:
+    """The families that can do `scene`."""
+    return [family for family in families() if not family.refusal(scene)]
+
+
+def resolve(model: str, scene: Scene) -> tuple[str, str]:
+    """(model, why): `auto` becomes the cheapest model that is exact for the scene; any other name is returned with no reason."""
+    if model != "auto":
+        return model, ""
+    chosen = honouring(scene)
+    if not chosen:
+        raise SceneError(f"model = 'auto': no model of this installation can do {_asked(scene)}")
+    best = next((family for family in chosen if family.name == "delay" or family.room == "fullwave"), chosen[0])
+    why = "exact for this scene" if best.name == "delay" else f"the delay system cannot do {_delay_refusal(scene)}"
+    return best.example, why
+
+
+def build(model: str, scene: Scene, cells: int | None = None, cfl: float | None = None, tolerance: float | None = None) -> Solver:
+    """The solver called `model` for `scene`; `cells` and `cfl` are for full-wave models, `tolerance` for those that take one;
+    a grid's degree may be left out of its name and is then chosen (`dg` for `dg:P`).
+
+    Raises SceneError for an unknown model (naming the nearest), a number out of range after the colon, an option the model does
+    not take, and a scene it cannot do (naming the models that can). A start on the orbit marches the model there first.
+    """
+    model, _ = resolve(model, scene)
+    family, parameter = _parse(model)
+    _require_options(model, family, Request(parameter, cells, cfl, tolerance))
+    if parameter is None:
+        parameter = family.chosen(tolerance)
+    request = Request(parameter, cells, cfl, tolerance)
+    refusal = family.refusal(scene)
+    if refusal:
+        able = ", ".join(other.pattern for other in honouring(scene)) or "none of this installation"
+        raise SceneError(f"model = {model!r}: cannot do {refusal} (scene {scene.name!r}); models that can: {able}")
+    name = model if parameter is None else f"{family.name}:{parameter}"
+    solver = family.make(scene, name, request)
+    solver.model = name
+    if scene.start.kind is StartKind.ORBIT:
+        from validation.registry.orbit_start import begin_on_orbit
+
+        return begin_on_orbit(solver)
+    return solver
+
+
+def build_all(
+    models: str, scene: Scene, cells: int | None = None, cfl: float | None = None, tolerance: float | None = None
+) -> list[Solver]:
+    """The solvers of a comma-separated list of models; each is given the options it takes, and one of them must take each.
+
+    Raises SceneError as `build` does, and for an empty or repeated name.
+    """
+    names = [resolve(name.strip(), scene)[0] for name in models.split(",")]
+    repeated = [name for name in names if names.count(name) > 1]
+    if repeated:
+        raise SceneError(f"models = {models!r}: {repeated[0]} is named more than once")
+    found = [_parse(name)[0] for name in names]
+    given = Request(None, cells, cfl, tolerance).given(*OPTIONS)
+    for option, value in given.items():
+        if not any(option in family.options for family in found):
+            raise SceneError(f"{option} = {value:g}: none of the models {models} takes it")
+    return [
+        build(name, scene, **{option: value for option, value in given.items() if _takes(family, option, given)})
+        for name, family in zip(names, found, strict=True)
+    ]
+
+
+def _takes(family: Family, option: str, given: dict[str, float]) -> bool:
+    """Whether this one of several models is handed the option: asked-for cells leave nothing for a tolerance to choose."""
+    return option in family.options and not (option == "tolerance" and "cells" in given and "cells" in family.options)
+
+
+def _parse(model: str) -> tuple[Family, int | None]:
+    name, colon, number = model.partition(":")
+    family = next((family for family in families() if family.name == name), None)
+    if family is None:
+        known = ", ".join(["auto", *(family.pattern for family in families())])
+        guess = nearest(name, [family.name for family in families()])
+        hint = f'; did you mean "{guess}"?' if guess else ""
+        raise SceneError(f"model = {shorten(model)}: must be one of {known}{hint}")
+    if not colon and family.suited is not None:
+        return family, None
+    if not family.parameters:
+        if colon:
+            raise SceneError(f"model = {shorten(model)}: {name} takes no number")
+        return family, None
+    if not (number.isascii() and number.isdigit() and len(number) < 9 and int(number) in family.parameters):
+        raise SceneError(f"model = {shorten(model)}: must be {family.pattern} with {_numbers(family.parameters)}")
+    return family, int(number)
+
+
+def _numbers(allowed: range | tuple[int, ...]) -> str:
+    if isinstance(allowed, range):
+        return f"a whole number from {allowed.start} to {allowed.stop - 1}"
+    return f"one of {', '.join(str(number) for number in allowed)}"
+
+
+def _require_options(model: str, family: Family, request: Request) -> None:
+    for name in OPTIONS:
+        value = getattr(request, name)
+        if value is not None and name not in family.options:
+            takers = ", ".join(other.pattern for other in families() if name in other.options)
+            raise SceneError(f"{name} = {value:g}: model {model} takes no {name}; models that do: {takers}")
+    least, most = _tolerances(family)
+    if request.tolerance is not None and not least <= request.tolerance <= most:
+        raise SceneError(f"tolerance = {request.tolerance:g}: must lie in [{least:g}, {most:g}] for model {model}")
+
+
+def _tolerances(family: Family) -> tuple[float, float]:
+    """What may be asked of a family: an estimate from grids cannot tell the last two digits from rounding."""
+    return (1e-12, 0.1) if family.room == "fullwave" else (1e-14, 0.1)
+
+
+def _asked(scene: Scene) -> str:
+    found = features_of(scene)
+    return " and ".join(phrase for feature, phrase in FEATURES.items() if feature in found)
+
+
+def _delay_refusal(scene: Scene) -> str:
+    delay = next(family for family in FAMILIES if family.name == "delay")
+    return delay.refusal(scene) or "it is not part of this installation"

@@ -1,0 +1,33 @@
+"""What a scene asks of a model beyond two alike, plain slabs, in words for refusals."""
+
+from slipwave.scene import Scene
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
+
+FEATURES = {
+    "unlike": "unlike slabs",
+    "grip": "a grip at the outer face",
+    "reflection": "a bare reflection coefficient",
+    "layers": "layers",
+    "kelvin-voigt": "Kelvin-Voigt viscosity",
+    "standard-linear": "standard-linear viscosity",
+}
+"""Name of every feature, with the phrase that describes it."""
+
+
+def features_of(scene: Scene) -> frozenset[str]:
+    """The features of `scene` (keys of FEATURES)."""
+    found = {feature for slab in (scene.upper, scene.lower) for feature in _slab_features(slab)}
+    if not scene.alike:
+        found.add("unlike")
+    return frozenset(found)
+
+
+def _slab_features(slab: Slab) -> set[str]:
+    kinds = {
+        "grip": isinstance(slab.face, GripFace),
+        "reflection": isinstance(slab.face, ReflectingFace),
+        "layers": len(slab.layers) > 1,
+        "kelvin-voigt": isinstance(slab.viscosity, KelvinVoigtViscosity),
+        "standard-linear": isinstance(slab.viscosity, StandardLinearViscosity),
+    }
+    return {kind for kind, present in kinds.items() if present}

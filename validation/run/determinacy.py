@@ -1,0 +1,85 @@
+"""Whether a run from steady sliding is decided by its start or by rounding.
+
+Where steady sliding is unstable, a disturbance of psi grows as e^(sigma t), t in transits, sigma the leading root. The nudge that
+moves a smooth start comes late (its peak at t = 6) and leaves, carried back to t = 0,
+
+    N = size int_0^inf e^(-sigma t - (t - 6)^2) dt = size (sqrt(pi)/2) e^-36 w(i (sigma/2 - 6)),
+
+w the Faddeeva function; a jump leaves its size. Rounding of psi is there from t = 0 on. Their ratio is the relative uncertainty
+of the amplitude with which steady sliding is left; over sigma it is that of the time at which it is.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from slipwave.scene import Scene
+from slipwave.scene.start import NUDGE_CENTRE, StartKind
+
+TOLERANCE = 1e-9
+"""What a model that is asked for no tolerance is expected to reach."""
+
+
+_NO_ECHO = 20.0
+"""Growth per transit from which the leading root is real, found from the right: its echoes are e^-20 of it."""
+
+
+@dataclass(frozen=True)
+class Amplified:
+    """Rounding over the start's own disturbance: `share` of the growing amplitude; `growth` per transit."""
+
+    share: float
+    growth: float
+
+    @property
+    def note(self) -> str:
+        """One line for the reader of a result."""
+        grows = f"steady sliding is unstable, disturbances grow at {self.growth:.3g} per transit"
+        if self.share >= 1.0:
+            return (
+                f"not determined: {grows}, and rounding outgrows the start {self.share:.1e} times: it decides when sliding is "
+                "left, and all that follows; use start.kind = 'jump'"
+            )
+        return (
+            f"not determined beyond {self.share:.1e}: {grows}, and rounding is that share of what leaves it: events are dated to "
+            f"{self.share / self.growth:.1e} transits"
+        )
+
+
+def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float | None = None) -> Amplified | None:
+    """How far rounding, amplified, reaches into a run of `scene` by `model` to `until` (transits); None if below `tolerance`."""
+    from reduced.stability import characteristic, follow_root, friction_slopes, leading_roots
+
+    wanted = TOLERANCE if tolerance is None else tolerance
+    slopes = friction_slopes(scene.law, scene.velocity)
+    fastest = (slopes.reach - slopes.healing) * scene.transit  # no root of a passive slab grows faster
+    if scene.start.kind is StartKind.ORBIT or not slopes.weakening or _share(scene, fastest) <= wanted:
+        return None
+    problem = characteristic(scene, model)
+    leading = (
+        follow_root(problem, slopes.reach - slopes.healing) if fastest > _NO_ECHO else next(iter(leading_roots(problem)), 0.0)
+    )
+    growth = complex(leading) * scene.transit
+    if not growth.real > 0.0:
+        return None
+    found = Amplified(_share(scene, growth), growth.real)
+    visible = math.log(_rounding(scene)) + found.growth * until > math.log(wanted)
+    return found if visible and found.share > wanted else None
+
+
+def _rounding(scene: Scene) -> float:
+    return float(np.finfo(float).eps) * max(1.0, abs(scene.steady_psi))
+
+
+def _share(scene: Scene, growth: complex) -> float:
+    """Rounding over what the start leaves, both carried back to t = 0."""
+    from scipy.special import wofz
+
+    start = scene.start
+    if start.kind is StartKind.JUMP:
+        left = abs(start.jump_size)
+    else:
+        tail = complex(wofz(1j * (0.5 * growth - NUDGE_CENTRE)))
+        left = abs(start.nudge_size * 0.5 * math.sqrt(math.pi) * math.exp(-(NUDGE_CENTRE**2)) * tail)
+    return _rounding(scene) / left if left > 0.0 else math.inf

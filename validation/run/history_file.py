@@ -1,0 +1,129 @@
+"""The interface's history of a run, put on the disk as it comes: memory holds one chunk of it however long the run is."""
+
+import os
+import shutil
+import zlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from slipwave.errors import SceneError
+from slipwave.friction import Law
+from slipwave.observe import HistoryObserver, Pieces
+from slipwave.observe.history import named_columns
+from slipwave.observe.pieces import Array
+
+_COLUMNS = 5
+_BLOCK = 50_000  # samples that are in memory at a time when they are read back: 2 MB
+_EARLY = 0.01  # share of the run after which its size is known well enough to compare it with the disk
+
+
+class HistoryFile(HistoryObserver):
+    """Appends every sample to the file `path`, rows of five doubles.
+
+    A checkpoint holds how many there were and their checksum; a run that goes on drops what came later. A disk that takes no more
+    does not end the run: `problem` says so, and what comes after is not recorded. Raises SceneError, early in a run of `until`
+    transits, if all of it (here and once more in the file for the user) will not fit on the disk.
+    """
+
+    def __init__(self, law: Law, nodes: Array, path: Path, until: float) -> None:
+        super().__init__(law, nodes)
+        self.path, self.problem = path, ""
+        self._until, self._judged = until, False
+        self._samples, self._checksum = 0, 0
+        self._file: BinaryIO | None = None
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        super().scan(pieces)
+        share = float(pieces.time[-1] + pieces.length[-1]) / self._until
+        if not self._judged and share > _EARLY:
+            self._judged = True
+            self._require_room(2.0 * self._bytes / min(share, 1.0) - self._bytes)
+
+    def state(self) -> dict[str, Array]:
+        """How many samples are on the disk, and their checksum."""
+        if self._file is not None:
+            self._attempt(lambda: os.fsync(self._opened().fileno()))
+        return {"samples": np.array([self._samples, self._checksum], dtype=np.int64)}
+
+    def restore(self, state: dict[str, Array]) -> None:
+        """Go on behind the samples that `state` counts. Raises SceneError if the file does not hold them."""
+        samples, checksum = (int(number) for number in state["samples"])
+        try:
+            self._file = self.path.open("r+b")
+        except OSError as error:
+            raise SceneError(f"{self._label} is gone: {str(error.strerror).lower()}") from None
+        self._samples, self._checksum = samples, 0
+        if self._file.seek(0, os.SEEK_END) >= self._bytes:
+            for block in self._blocks():
+                self._checksum = zlib.crc32(block.tobytes(), self._checksum)
+        if self._checksum != checksum:
+            raise SceneError(f"{self._label} is not the one that belongs to it")
+        self._file.truncate(self._file.seek(self._bytes))
+
+    def __len__(self) -> int:
+        """Samples recorded."""
+        return self._samples
+
+    def parts(self) -> Iterator[dict[str, Array]]:
+        """All columns by name, as `HistoryObserver.columns`, a block of samples at a time."""
+        for block in self._blocks():
+            yield named_columns(self._law, list(block.T))
+
+    def close(self) -> None:
+        """Let go of the file."""
+        if self._file is not None:
+            self._file.close()
+
+    @property
+    def _label(self) -> str:
+        return f"the interface's history in {str(self.path)!r}"
+
+    @property
+    def _bytes(self) -> int:
+        return self._samples * _COLUMNS * 8
+
+    def _keep(self, columns: tuple[Array, ...]) -> None:
+        if self.problem:
+            return
+        content = np.stack(columns, axis=1).tobytes()
+        if self._attempt(lambda: self._append(content)):
+            self._samples += columns[0].size
+            self._checksum = zlib.crc32(content, self._checksum)
+
+    def _append(self, content: bytes) -> None:
+        file = self._opened()
+        file.write(content)
+        file.flush()
+
+    def _opened(self) -> BinaryIO:
+        if self._file is None:
+            self._file = self.path.open("w+b")
+        return self._file
+
+    def _attempt(self, deed: Callable[[], None]) -> bool:
+        try:
+            deed()
+        except OSError as error:
+            self.problem = f"{self._label} cannot be written: {(error.strerror or str(error)).lower()}"
+        return not self.problem
+
+    def _blocks(self) -> Iterator[Array]:
+        left = self._samples
+        if left:
+            self._opened().seek(0)
+        while left:
+            count = min(left, _BLOCK)
+            yield np.frombuffer(self._opened().read(count * _COLUMNS * 8)).reshape(count, _COLUMNS)
+            left -= count
+
+    def _require_room(self, further: float) -> None:
+        free = shutil.disk_usage(self.path.parent).free
+        if further > free:
+            raise SceneError(
+                f'run.record: "interface" would take {further / 1e9:.2g} GB more of the disk of {str(self.path.parent)!r}, '
+                f"which has {free / 1e9:.2g} GB left; shorten the run or record events only"
+            )

@@ -1,0 +1,162 @@
+"""A run as a netCDF file: events if they were watched, the interface's history if the scene records it, and where it all came
+from; and the fields of a full-wave run's last transits.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from slipwave.errors import SceneError
+from slipwave.files import part_of, whole_or_absent
+from slipwave.observe import Final, Solver
+from slipwave.observe.follow import Observer
+from validation.run.history_file import HistoryFile
+from validation.run.simulate import Run
+
+if TYPE_CHECKING:
+    from fullwave.fields.record import Field
+    from slipwave.observe.snapshot import FieldSolver
+
+_EVENT_NOTES = {
+    "time": ("date of the slip event: v passes half its largest value", "transit"),
+    "period": ("time to the next event", "transit"),
+    "stress_drop": ("max - min of the friction stress over the cycle", "normal stress"),
+    "elastic_stress_drop": ("max - min of the elastic stress y over the cycle", "normal stress"),
+    "v_max": ("largest slip rate of the cycle", "V*"),
+    "v_min": ("smallest slip rate of the cycle", "V*"),
+}
+_HISTORY_NOTES = {
+    "time": ("time", "transit"),
+    "slip_rate": ("slip rate v", "V*"),
+    "psi": ("state ln phi", "1"),
+    "stress": ("friction stress mu", "normal stress"),
+    "elastic_stress": ("elastic stress y", "normal stress"),
+}
+
+
+FIELD_FILES = (".vtu", ".xdmf", ".nc")
+"""Kinds of file that fields are written to."""
+
+FIELD_WINDOW = 100.0
+"""Transits before the end of the run whose fields are kept: more than a cycle of the paper's scenes, never all of a long run."""
+
+
+class FieldMarch:
+    """Marches a full-wave solver as `follow` does and keeps the `field` of the last FIELD_WINDOW transits (None before the end).
+
+    Raises SceneError, naming what asked (`asked`), if the solver has no fields.
+    """
+
+    def __init__(self, solver: Solver, asked: str) -> None:
+        if not hasattr(solver, "snapshot"):
+            raise SceneError(f"{asked}: model {solver.model} has no grid to take fields from; use a full-wave model")
+        self.field: Field | None = None
+
+    def __call__(
+        self, solver: Solver, until: float, observers: Sequence[Observer] = (), progress: Callable[[float], None] | None = None
+    ) -> Final:
+        """March to `until` (transits), as `follow`."""
+        from fullwave.fields.record import record_field
+
+        start = max(until - FIELD_WINDOW, solver.time)
+        self.field, final = record_field(cast("FieldSolver", solver), start, until, observers=observers, progress=progress)
+        return final
+
+
+def fields_for(solver: Solver, fields: Path | None, out: Path | None) -> FieldMarch | None:
+    """The march that keeps fields, if --fields or, for a run written to `out`, the scene's `record` asks for them."""
+    if fields is not None:
+        return FieldMarch(solver, f"--fields = {str(fields)!r}")
+    if out is not None and "fields" in solver.scene.record:
+        return FieldMarch(solver, 'run.record: "fields"')
+    return None
+
+
+@contextmanager
+def history_for(solver: Solver, until: float, out: Path | None, checkpoint: Path | None) -> Iterator[HistoryFile | None]:
+    """The observer of the interface's history, if the run is written to `out` and the scene's `record` asks for it.
+
+    Its samples wait in a hidden file beside `out` that goes with the block; with checkpoints in a file beside them that stays,
+    for runs that go on.
+    """
+    if out is None or "interface" not in solver.scene.record:
+        yield None
+        return
+    path = part_of(out, ".samples") if checkpoint is None else checkpoint.with_name(f"{checkpoint.name}.samples")
+    history = HistoryFile(solver.scene.law, solver.nodes, path, until)
+    try:
+        yield history
+    finally:
+        history.close()
+        if checkpoint is None:
+            path.unlink(missing_ok=True)
+
+
+def write_run(path: Path, done: Run, history: HistoryFile | None, field: "Field | None" = None) -> None:
+    """Write `done` to `path`, which is whole or absent; `complete` is 0 if the run ended before its time. A `field` becomes the
+    file's group "fields".
+
+    Raises SceneError if the file, or the history before, could not be written.
+    """
+    import xarray
+
+    if history is not None and history.problem:
+        raise SceneError(history.problem)
+    scene = done.solver.scene
+    variables, judged = _events_of(done)
+    facts = {
+        "title": f"slipwave run of scene {scene.name} with model {done.solver.model}",
+        "scene": scene.name,
+        "scene_digest": scene.digest,
+        "model": done.solver.model,
+        "slipwave_version": version("slipwave"),
+        "until_transits": done.until,
+        "transit_in_friction_time": scene.transit,
+        **judged,
+        "failures": done.solver.failures,
+        "complete": 0 if done.failed else 1,
+        "failed": done.failed,
+    }
+    with whole_or_absent(path) as temporary:
+        xarray.Dataset(variables, attrs=facts).to_netcdf(temporary, engine="netcdf4")
+        if history is not None:
+            _append_history(temporary, history)
+        if field is not None:
+            field.dataset().to_netcdf(temporary, mode="a", group="fields", engine="netcdf4")
+
+
+def _events_of(done: Run) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Variables on the cycles of a run, none if nobody watched for events, and attributes: what is known of its events.
+
+    `multiplicity` is there only if the run is periodic: a netCDF attribute cannot be empty.
+    """
+    if done.verdict is None:
+        return {}, {"events": "not watched", "verdict": "not watched"}
+    columns = {"event_time" if name == "time" else name: name for name in done.events._fields}
+    variables = {label: ("event", getattr(done.events, name), _notes(_EVENT_NOTES[name])) for label, name in columns.items()}
+    facts = {"events": done.starts, "verdict": done.verdict.kind}
+    return variables, facts | ({"multiplicity": done.verdict.multiplicity} if done.verdict.multiplicity else {})
+
+
+def _append_history(path: Path, history: HistoryFile) -> None:
+    import netCDF4
+
+    with netCDF4.Dataset(path, "a") as file:
+        file.createDimension("sample", len(history))
+        columns = {}
+        for name, notes in _HISTORY_NOTES.items():
+            label = "time" if name == "time" else f"interface_{name}"
+            columns[name] = file.createVariable(label, "f8", ("sample",), fill_value=math.nan)
+            columns[name].setncatts(_notes(notes))
+        first = 0
+        for part in history.parts():
+            for name, values in part.items():
+                columns[name][first : first + values.size] = values
+            first += part["time"].size
+
+
+def _notes(facts: tuple[str, str]) -> dict[str, str]:
+    return {"long_name": facts[0], "units": facts[1]}

@@ -1,0 +1,93 @@
+"""The paper's claims that runs and closed forms can settle; those about whole branches wait for continuation."""
+
+from validation.studies.claims.figures import irregular, returns
+from validation.studies.claims.runs import LARGE_NUDGE, Branch, Ripples, beside, measure_ripples, run_deep, settle_branch
+from validation.studies.claims.tables import branch_table, deep_table, onset_table
+from validation.studies.claims.verdicts import all_verdicts
+from validation.study import Budget, Figure, Number, Omission, Outcome, StudyResult, Verdict
+
+NAME = "claims"
+QUESTION = "Which of the paper’s claims hold?"
+SCENES = ("paper", "paper-2.3")
+SECONDS = (10.0, 20.0)
+
+
+def run(budget: Budget) -> StudyResult:
+    """Settle orbits along the stable branch, run deep inside it, evaluate the closed forms."""
+    branch = settle_branch(budget.quick, lambda share: budget.report(0.6 * share))
+    deep = {model: run_deep(model, 6000.0 if budget.quick else 16000.0) for model in ("delay", "kelvin-voigt")}
+    ripples = {model: measure_ripples(model) for model in ("delay", "kelvin-voigt")}
+    verdicts = all_verdicts(branch, deep, ripples)
+    return StudyResult(
+        answer=_answer(verdicts),
+        figures=(
+            Figure("irregular", _CAPTION, lambda: irregular({m: (d.time, d.stress) for m, d in deep.items()})),
+            Figure("returns", _RETURNS, lambda: returns({m: (d.events.period, d.events.stress_drop) for m, d in deep.items()})),
+        ),
+        tables=(branch_table(branch), onset_table(), deep_table(deep)),
+        verdicts=verdicts,
+        notes=(
+            "P1, P2 ... number the claims of the paper in the order in which they appear there, from its section 2 to its Fig 9.",
+            _two_orbits(branch),
+        ),
+        numbers=_numbers(branch, ripples),
+        omissions=_OMISSIONS,
+    )
+
+
+def _two_orbits(branch: Branch) -> str:
+    """Whether another start finds another orbit at the largest r."""
+    largest = max(branch)
+    usual, other = branch[largest]["delay"].period.value, beside(largest).period.value
+    same = abs(other / usual - 1.0) < _SAME
+    at = f"At log_{{10}} r = {largest:g}".replace("-", "−")
+    if same:
+        return f"{at} a nudge of {LARGE_NUDGE:g} finds the orbit that the scene’s own start finds."
+    return (
+        f"{at} runs of the delay system settle on two orbits: from the scene’s own start T = {usual:.4f} transits, from a nudge "
+        f"of {LARGE_NUDGE:g} T = {other:.4f}. The verdicts above are about the first."
+    )
+
+
+def _answer(verdicts: tuple[Verdict, ...]) -> str:
+    findings = [verdict for verdict in verdicts if verdict.outcome is Outcome.FINDING]
+    held = sum(verdict.outcome is Outcome.PASS for verdict in verdicts)
+    waiting = sum(omission.what.startswith("P") and "beyond" not in omission.what for omission in _OMISSIONS)
+    return (
+        f"Of {len(verdicts)} checks {held} hold and {len(findings)} qualify a claim; {waiting} claims about branches wait for "
+        "continuation."
+    )
+
+
+def _numbers(branch: Branch, ripples: dict[str, Ripples]) -> dict[str, Number]:
+    numbers = {
+        f"{model} T at {r}": Number(orbit.period.value, 1e-7) for r, orbits in branch.items() for model, orbit in orbits.items()
+    }
+    return numbers | {f"{model} ripple period": Number(one.period, 1e-3) for model, one in ripples.items()}
+
+
+_SAME = 1e-4  # relative difference of periods of one orbit
+
+_RETURNS = (
+    "Return maps at log_{10} r = −2.3: each cycle’s period and stress drop over those of the cycle before. A periodic orbit "
+    "would be a few points."
+)
+_CAPTION = (
+    "Stress at log_{10} r = −2.3 over some cycles (the paper’s Fig 9): the delay system keeps its drops, with ripples that are "
+    "no longer sinusoidal and change shape from cycle to cycle; the paper’s ODE is irregular. μ in units of σ, time in "
+    "transits."
+)
+
+_OMISSIONS = (
+    Omission(
+        "P8, mildly subcritical Hopf point (Fig 6).",
+        "Needs the unstable branch: continuation of periodic orbits is not here yet.",
+    ),
+    Omission("P9, period doublings and torus of the ODE (Fig 6b).", "Needs continuation with multipliers."),
+    Omission("P10, unstable primary orbit with T = 79.09 (Fig 7).", "Needs Newton on the orbit; a run cannot stay on it."),
+    Omission("P14, bifurcations of the delay system.", "Needs continuation of the delay system."),
+    Omission(
+        "P7 and P11 beyond log_{10} r = −2.66.",
+        "The delay system’s orbit loses stability there; runs then show a torus, not the orbit.",
+    ),
+)

@@ -1,0 +1,79 @@
+"""The ledger's entries over time, and how far it fails to close over cells."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from slipwave.observe.pieces import Array
+from validation.study.drawing import WIDTH, canvas
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+ENTRIES = ("input", "friction", "stored", "radiated", "viscous")
+"""Entries of the ledger, in the order in which they are shown."""
+
+_PENS = {
+    "input": ("#111111", "-"),
+    "friction": ("#d55e00", (0, (5, 1.5))),
+    "stored": ("#0072b2", (0, (1.2, 1.2))),
+    "radiated": ("#009e73", "-"),
+    "viscous": ("#cc4f8a", (0, (5, 1.5))),
+}
+_FAMILIES = {"fd": ("#d55e00", "s"), "sbp": ("#0072b2", "D"), "fem": ("#009e73", "^"), "dg": ("#111111", "o")}
+_FLOOR = 1e-16
+
+
+@dataclass(frozen=True)
+class History:
+    """Entries of the ledger (sigma L) since the first moment of `time` (transits), over two periods."""
+
+    period: float
+    time: Array
+    entries: dict[str, Array]
+
+    def total(self, entry: str) -> float:
+        """What `entry` grew by over the two cycles."""
+        return float(self.entries[entry][-1])
+
+    def share(self, entry: str) -> float:
+        """The same as a fraction of the input."""
+        return self.total(entry) / self.total("input")
+
+
+def histories(shown: Mapping[str, History]) -> "Figure":
+    """A column per scene: large entries above, small ones below."""
+    figure = canvas(WIDTH, 4.8)
+    grid = figure.subplots(2, len(shown), sharex="col", sharey="row", gridspec_kw={"height_ratios": (2.0, 1.0)})
+    for column, (name, one) in zip(grid.T, shown.items(), strict=True):
+        for axes, entries in zip(column, (ENTRIES[:3], ENTRIES[3:]), strict=True):
+            for entry in entries:
+                color, dashes = _PENS[entry]
+                axes.plot(one.time, one.entries[entry], color=color, linestyle=dashes, label=entry)
+        column[0].set_title(name)
+        column[1].set_xlabel("time (transits)")
+    for axes in grid[:, 0]:
+        axes.set_ylabel(r"energy $/\sigma L$")
+    handles = [*grid[0, 0].get_lines(), *grid[1, 0].get_lines()]
+    figure.legend(handles, ENTRIES, loc="outside upper left", ncols=5, handlelength=3.0)
+    return figure
+
+
+def closure(curves: Mapping[str, tuple[Array, Array]]) -> "Figure":
+    """`curves`: family -> (cells per slab, residual)."""
+    figure = canvas(WIDTH, 3.6)
+    axes = figure.subplots()
+    seen: dict[str, int] = {}
+    for model, (cells, residual) in curves.items():
+        name = model.partition(":")[0]
+        color, marker = _FAMILIES[name]
+        dashes = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)))[seen.setdefault(name, 0)]
+        seen[name] += 1
+        axes.loglog(cells, np.maximum(residual, _FLOOR), color=color, marker=marker, linestyle=dashes, label=model)
+    axes.set_xlabel("cells per slab")
+    axes.set_ylabel("residual")
+    axes.grid(True)
+    figure.legend(loc="outside right center")
+    return figure

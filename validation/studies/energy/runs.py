@@ -1,0 +1,88 @@
+"""What the energy ledgers of the full wave leave open on each grid, and their entries over two cycles."""
+
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+
+import slipwave
+from slipwave.observe import follow
+from slipwave.observe.pieces import Array
+from validation.measure.cycle import watch
+from validation.measure.order_fit import Fit, fit
+from validation.registry.build import build
+from validation.studies.energy.figures import ENTRIES, History
+
+UNTIL = 200.0
+"""Transits after which the books are closed."""
+
+_ROUNDING = 10.0
+"""Residuals below 100 machine epsilons times this are rounding."""
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """A family, the order at which its ledger closes (None: it conserves) and its grids.
+
+    What is lost is the square of the jumps at upwind interfaces. Families of continuous fields jump at the slabs' ends only, by
+    the error of the fields: order 2 in `sbp:2` and `fem:1`, and in `fem:2` too (order P for even P). `dg:P` jumps by h^(P + 1) at
+    each of 1/h faces: order 2 P + 1.
+    """
+
+    model: str
+    derived: float | None
+    cells: tuple[int, ...]
+
+
+LADDERS = (
+    Ladder("fd", None, (6, 12, 24, 48, 96)),
+    Ladder("sbp:2", 4.0, (24, 32, 48, 64, 96)),
+    Ladder("fem:1", 4.0, (24, 32, 48, 64, 96)),
+    Ladder("fem:2", 4.0, (4, 6, 8, 12, 16, 24)),
+    Ladder("dg:1", 3.0, (8, 12, 16, 24, 32, 48)),
+    Ladder("dg:2", 5.0, (4, 6, 8, 12, 16)),
+)
+
+HIGH = {"sbp:4": 48, "sbp:6": 48, "fem:4": 8, "dg:4": 8, "dg:7": 4}
+"""Families of high degree and their cells."""
+
+BOUNDARIES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "rigid faces": ("paper", ()),
+    "grips": ("grip", ()),
+    "viscous": ("viscous", ()),
+}
+"""What takes the energy: gallery name of the scene and changes to it."""
+
+
+def _solver(model: str, cells: int, name: str) -> Any:
+    gallery, changes = BOUNDARIES[name]
+    return build(model, slipwave.read(gallery, list(changes)), cells=cells)
+
+
+def residual_of(model: str, cells: int, name: str) -> float:
+    """What does not close after `UNTIL` transits, relative to the largest entry."""
+    solver = _solver(model, cells, name)
+    follow(solver, UNTIL)
+    return float(cast(Any, solver.energy()).residual)
+
+
+def order_of(cells: tuple[int, ...], residual: Array) -> Fit:
+    """The order of the residuals above rounding; ValueError if fewer than four are."""
+    return fit(np.array(cells), np.abs(residual), _ROUNDING)
+
+
+def history_of(name: str, cells: int) -> History:
+    """The ledger's entries over two cycles of the settled orbit, from the date of an event."""
+    solver = _solver("dg:7", cells, name)
+    period = float(watch(solver, 2400.0).events().period[-1])
+    moments = solver.time + np.linspace(0.0, 2.0 * period, 1000)
+    rows = []
+    for moment in moments[1:]:
+        if moment > solver.time:
+            follow(solver, moment)
+        energy = solver.energy()
+        rows.append((solver.time, *(getattr(energy, entry) for entry in ENTRIES)))
+    table = np.array(rows)
+    return History(
+        period, table[:, 0] - table[0, 0], {entry: table[:, k + 1] - table[0, k + 1] for k, entry in enumerate(ENTRIES)}
+    )

@@ -1,0 +1,49 @@
+"""How well the ledgers must close."""
+
+import numpy as np
+
+from slipwave.observe.pieces import Array
+from validation.measure.order_fit import Fit, shortfall
+from validation.studies.energy.runs import Ladder
+from validation.study import Evidence, Verdict, judge
+from validation.study.bounds import bounded
+
+_CLOSED = {"rigid faces": 1e-13, "grips": 1e-13, "viscous": 2e-12}  # 4e-15, 5e-15 and 1.4e-13 were measured
+_ALLOWANCE = 0.1  # what bends on the coarsest grids
+
+
+def conserves(residual: Array) -> Verdict:
+    """The leapfrog, on every grid."""
+    worst = float(np.abs(residual).max())
+    return bounded("The leapfrog’s ledger closes to rounding on every grid", Evidence.EXACT, worst, _CLOSED["rigid faces"])
+
+
+def order_verdict(ladder: Ladder, found: Fit) -> Verdict:
+    """The order of a family that does not conserve, with its 95 % interval, against the order of its squared jumps."""
+    assert ladder.derived is not None
+    short = shortfall(found, ladder.derived, _ALLOWANCE)
+    return Verdict(
+        "Ledgers of the other families lose the square of their jumps, at its order",
+        Evidence.EXACT,
+        f"{ladder.derived:g}",
+        told(found),
+        judge(not short),
+        f"`{ladder.model}`",
+    )
+
+
+def told(found: Fit) -> str:
+    """An order with its 95 % interval."""
+    return f"{found.order:.2f} ± {found.half_width:.2f}"
+
+
+def closes(name: str, residuals: dict[str, float]) -> Verdict:
+    """Families of high degree on one scene."""
+    worst = max(residuals, key=lambda model: abs(residuals[model]))
+    return bounded(
+        "Ledgers of high degree close to rounding",
+        Evidence.EXACT,
+        abs(residuals[worst]),
+        _CLOSED[name],
+        f"{name}; worst of {', '.join(residuals)}: `{worst}`",
+    )

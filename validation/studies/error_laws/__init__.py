@@ -1,0 +1,198 @@
+"""How wrong a reduction is, known in advance: error laws of the onset as r omega_c -> 0, and what they say of the cycle."""
+
+import dataclasses
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+import slipwave
+from reduced.stability import ErrorLaw, critical_round_trip, error_law, friction_slopes, scaled
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from validation.measure.settle import settle
+from validation.registry.build import build
+from validation.studies.error_laws.figures import fall
+from validation.study import Budget, Cell, Column, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge
+from validation.study.bounds import bounded
+from validation.study.text import plain
+
+NAME = "error-laws"
+QUESTION = "Can one know beforehand how wrong a reduction will be?"
+SCENES = ("paper",)
+SECONDS = (5.0, 12.0)
+
+MODELS = ("quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:1", "modal:2", "modal:8")
+_CYCLING = ("block8", "block12", "kelvin-voigt", "modal:1", "modal:2")
+_SCALES = 4.0 ** np.arange(2.5, -3.0, -0.5)
+_QUICK, _FULL = (2.0, 0.5), (2.0, 1.0, 0.5, 0.25, 0.125)
+_BEYOND = 1.02
+_PUSH = 2.0
+_TEXT = {
+    "quasistatic": "θ²/12",
+    "quasidynamic": "θ G_{φ}/(2ω_{c})",
+    "block8": "−θ²/24",
+    "block12": "θ^{4}/720",
+    "kelvin-voigt": "−θ^{4}/480",
+}
+
+
+class Onset(NamedTuple):
+    """Relative error of a model's critical r over theta = r_c omega_c of the exact system, and its law."""
+
+    theta: Array
+    error: Array
+    law: ErrorLaw
+
+    def ratio(self, index: int) -> float:
+        """Measured over predicted."""
+        return float(self.error[index] / self.law.at(float(self.theta[index])))
+
+
+class Cycle(NamedTuple):
+    """The orbit 2 % beyond the exact onset: theta = r omega_c, exact v_max r, and every model's relative error of the period."""
+
+    theta: float
+    swiftness: float
+    errors: dict[str, float]
+
+
+Onsets: TypeAlias = dict[str, Onset]
+
+
+def run(budget: Budget) -> StudyResult:
+    """Measure the errors of the onset and of the period while epsilon, and with it r, falls."""
+    paper = slipwave.read("paper")
+    onsets = measure_onsets(paper)
+    cycles = []
+    scales = _QUICK if budget.quick else _FULL
+    for count, scale in enumerate(scales):
+        cycles.append(measure_cycle(paper, scale))
+        budget.report((count + 1) / len(scales))
+    onset_verdicts, cycle_verdict = _onset_verdicts(onsets), _cycle_verdict(cycles)
+    return StudyResult(
+        answer=_answer(onsets, cycles, cycle_verdict.outcome is Outcome.PASS),
+        figures=(Figure("fall", _CAPTION, lambda: fall(onsets, cycles)),),
+        tables=(_onset_table(onsets), _cycle_table(cycles)),
+        verdicts=(*onset_verdicts, cycle_verdict),
+        notes=(_WHY,),
+        numbers={f"error of r_c, {model}": Number(float(one.error[_paper()]), 1e-6) for model, one in onsets.items()}
+        | {f"error of T at ε/2, {model}": Number(_half(cycles)[model], 1e-3) for model in ("kelvin-voigt", "block12", "block8")},
+    )
+
+
+def _answer(onsets: Onsets, cycles: list[Cycle], falls: bool) -> str:
+    """`falls`: whether the error of the cycle falls with r, as that of the onset does."""
+    off = max(abs(one.ratio(_paper() + 2) - 1.0) for model, one in onsets.items() if model != "quasidynamic")
+    errors = [100.0 * abs(one.errors["kelvin-voigt"]) for one in cycles]
+    return (
+        "For the onset of stick-slip, yes: the first term that a reduction’s impedance misses gives its error to "
+        f"{plain(off, '.0e')} of itself at a quarter of the paper’s ε. For the cycle, {'yes' if falls else 'no'}: the period of "
+        f"the paper’s ODE is {min(errors):.1f} to {max(errors):.1f} % off at the r tried, down to θ = {cycles[-1].theta:.3f}."
+    )
+
+
+def _paper() -> int:
+    """Index of the paper's own epsilon."""
+    return int(np.argmin(np.abs(_SCALES - 1.0)))
+
+
+def _half(cycles: list[Cycle]) -> dict[str, float]:
+    return cycles[-1 if len(cycles) == len(_QUICK) else _FULL.index(0.5)].errors
+
+
+def measure_onsets(paper: Scene) -> Onsets:
+    """Every reduction's error of the critical r over a range of epsilon."""
+    slopes = friction_slopes(paper.law, paper.velocity)
+    scenes = [scaled(paper, epsilon=float(scale)) for scale in _SCALES]
+    exact = [critical_round_trip(what) for what in scenes]
+    theta = np.array([r * omega for r, omega in exact])
+    result = {}
+    for model in MODELS:
+        error = [critical_round_trip(what, model)[0] / r - 1.0 for what, (r, _) in zip(scenes, exact, strict=True)]
+        result[model] = Onset(theta, np.array(error), error_law(model, slopes))
+    return result
+
+
+def measure_cycle(paper: Scene, scale: float) -> Cycle:
+    """Settle the delay system and the reductions 2 % beyond the exact onset of the scene with epsilon scaled."""
+    softer = scaled(paper, epsilon=scale)
+    r_c, omega = critical_round_trip(softer)
+    what = scaled(softer, round_trip=_BEYOND * r_c / softer.transit)
+    what = dataclasses.replace(what, start=dataclasses.replace(what.start, size=_PUSH))
+    theta = what.transit * omega
+    orbits = {
+        model: settle(build(model, what, tolerance=1e-9), tolerance=1e-7, most=600.0 / theta).orbit.values()
+        for model in ("delay", *_CYCLING)
+    }
+    exact = orbits["delay"]
+    errors = {model: orbits[model]["period"] / exact["period"] - 1.0 for model in _CYCLING}
+    return Cycle(theta, exact["v_max"] * what.transit, errors)
+
+
+def _onset_table(onsets: Onsets) -> Table:
+    here, finer = _paper(), _paper() + 2
+    theta = next(iter(onsets.values())).theta
+    rows: list[tuple[Cell, ...]] = [
+        (f"`{model}`", _TEXT.get(model, "θ^{4} Σ_{k>N} 2/(2πk)^{4}"), float(one.error[here]), one.ratio(here), one.ratio(finer))
+        for model, one in onsets.items()
+    ]
+    caption = (
+        f"Relative error of the critical r, at the paper’s ε (θ = r_{{c}} ω_{{c}} = {theta[here]:.4f} radians per transit), the "
+        f"law that the impedance predicts, and measured over predicted there and at a quarter of ε (θ = {theta[finer]:.4f})."
+    )
+    columns = (Column("model"), Column("law"), Column("measured", "", ".4e"))
+    return Table("onset", caption, (*columns, Column("ratio", "at ε", ".6f"), Column("ratio", "at ε/4", ".6f")), tuple(rows))
+
+
+def _cycle_table(cycles: list[Cycle]) -> Table:
+    rows = tuple((one.theta, one.swiftness, *(one.errors[model] for model in _CYCLING)) for one in cycles)
+    caption = (
+        "Relative error of the period against the delay system, 2 % beyond the exact onset, while ε and with it r fall at fixed "
+        "V. v_{max} r: how often friction’s state renews itself, at the fastest slip, during one transit of a wave."
+    )
+    columns = (Column("θ = r ω_{c}", "", ".4f"), Column("v_{max} r", "", ".3f"))
+    return Table("period", caption, (*columns, *(Column(f"`{model}`", "", ".2e") for model in _CYCLING)), rows)
+
+
+def _onset_verdicts(onsets: Onsets) -> tuple[Verdict, ...]:
+    finer = _paper() + 2
+    return tuple(
+        bounded(
+            f"{model}: error of r_{{c}} follows {_TEXT.get(model, 'its θ^{4} law')}",
+            Evidence.ASYMPTOTIC,
+            abs(one.ratio(finer) - 1.0),
+            _next_term(model, float(one.theta[finer])),
+            f"measured over law, how far from 1, at θ = {one.theta[finer]:.3f}: the next term",
+            f"{one.ratio(finer):.5f}",
+        )
+        for model, one in onsets.items()
+    )
+
+
+def _next_term(model: str, theta: float) -> float:
+    """What the law may leave out: 3e-5 to 2e-4 was measured at theta^2 = 1e-3, and 0.03 for the one law that is odd in theta."""
+    return 2.0 * theta if model == "quasidynamic" else 0.5 * theta**2
+
+
+def _cycle_verdict(cycles: list[Cycle]) -> Verdict:
+    first, last = cycles[0], cycles[-1]
+    shrink = abs(last.errors["kelvin-voigt"] / first.errors["kelvin-voigt"])
+    return Verdict(
+        "The paper’s ODE tends to the exact system as r → 0: in the period of the cycle",
+        Evidence.ASYMPTOTIC,
+        f"error falls with θ from {first.theta:.3f} to {last.theta:.3f}",
+        f"{plain(first.errors['kelvin-voigt'], '.1e')} → {plain(last.errors['kelvin-voigt'], '.1e')}",
+        judge(shrink < 0.5 * last.theta / first.theta, Outcome.FINDING),
+        f"v_{{max}} r stays near {last.swiftness:.1f}: the expansion in r is not one in a small number during an event",
+    )
+
+
+_WHY = (
+    "Why the period keeps its error: the stress drop is set by friction and grows slowly, an event slips at about "
+    "v_{max} ~ Δμ/ε, and r_{c} ~ ε/(b − a), so v_{max} r ~ Δμ/(b − a) whatever ε. A quasi-dynamic pair is missing below: its "
+    "error is tens of per cent, and at the paper’s ε it returns to steady sliding."
+)
+_CAPTION = (
+    "Relative error over θ = r ω_{c}: of the critical r with the laws as lines, left; of the period 2 % beyond the onset, right. "
+    "Left, errors fall as the laws say; right, they do not fall."
+)

@@ -1,0 +1,158 @@
+"""Every full-wave family against the delay system: order in every output, and run time against error."""
+
+from dataclasses import replace
+from typing import TypeAlias
+
+import numpy as np
+
+import slipwave
+from slipwave.observe.pieces import Array
+from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, Course, Ladder
+from validation.measure.orders import OUTPUTS, Climb, Measured, climb, errors, measure
+from validation.registry.build import build
+from validation.studies.grid_convergence.code import code_note, code_table
+from validation.studies.grid_convergence.figures import convergence_and_cost
+from validation.studies.grid_convergence.tables import finest_table, orders_table, spread, told
+from validation.study import Budget, Evidence, Figure, Number, StudyResult, Verdict, judge
+from validation.study.bounds import bounded
+from validation.study.text import plain
+
+NAME = "grid-convergence"
+QUESTION = "Do four discretisations of the wave agree with the delay system, and at what cost?"
+SCENES = ("paper", "paper-2.6")
+SECONDS = (10.0, 30.0)
+
+_DRAWN = ("fd", "sbp:2", "sbp:4", "sbp:6", "fem:2", "fem:4", "fem:7", "dg:2", "dg:4", "dg:7")
+"""Families of the figure."""
+
+_QUICK = ("fd", "sbp:2", "sbp:4", "sbp:6", "fem:7", "dg:2", "dg:7")
+"""Families whose orders the quick report reads."""
+
+_SPARSE = replace(GENTLE, density=2)
+"""What the figure compares: one scene for all."""
+
+_PROMISED = {"dg:7": (8, 8e-12), "fem:7": (8, 2e-11), "sbp:6": (96, 2e-9)}
+"""Cells and the error allowed in period and stress drop of the paper's material at log10 r = -2.6; 3e-13, 1e-12 and 1e-10 were
+measured."""
+
+_ENOUGH = 1e-4  # error of the state for which run times are told
+
+Curves: TypeAlias = dict[str, tuple[Array, Array, Array]]
+"""By family: points per slab, seconds, error of the state."""
+
+_PAPER = Course(-2.6, until=200.0, window=20.0, density=1, slack=0.0)
+
+
+def run(budget: Budget) -> StudyResult:
+    """Climb every ladder, fit its orders; then the figure's grids and the paper's orbit."""
+    exact = {course: measure(build("delay", course.scene, tolerance=1e-12), course) for course in (GENTLE, ROUGH)}
+    chosen = _QUICK if budget.quick else tuple(LADDERS)
+    climbs: list[Climb] = []
+    for model in chosen:
+        climbs.append(climb(LADDERS[model], exact[LADDERS[model].course], build))
+        budget.report(0.8 * len(climbs) / len(chosen))
+    curves = {model: _curve(LADDERS[model], exact[GENTLE]) for model in _DRAWN}
+    promises = _promises()
+    return StudyResult(
+        answer=_answer(climbs, promises, curves),
+        figures=(Figure("families", _CAPTION, lambda: convergence_and_cost(curves)),),
+        tables=(orders_table(climbs), finest_table(climbs), code_table()),
+        verdicts=(*(_order_verdict(one) for one in climbs), *(_promise(*one) for one in promises.items())),
+        notes=(code_note(), *_NOTES),
+        numbers={f"{one.ladder.model} order": Number(one.fit_together().order, 5e-2) for one in climbs},
+    )
+
+
+def _curve(ladder: Ladder, exact: Measured) -> tuple[Array, Array, Array]:
+    """(points per slab, seconds, error of the state) on the figure's grids."""
+    climbed = climb(replace(ladder, course=_SPARSE), exact, build)
+    return climbed.cells * _points_per_cell(ladder.model), climbed.seconds, climbed.errors["state"]
+
+
+def _points_per_cell(model: str) -> int:
+    name, _, number = model.partition(":")
+    return {"fem": int(number or 1), "dg": int(number or 0) + 1}.get(name, 1)
+
+
+def _promises() -> dict[str, float]:
+    """By family: the larger error of period and stress drop on the paper's material."""
+    what = slipwave.read("paper-2.6")
+    exact = measure(build("delay", what, tolerance=1e-12), _PAPER)
+    found = {}
+    for model, (cells, _) in _PROMISED.items():
+        off = errors(measure(build(model, what, cells=cells), _PAPER), exact)
+        found[model] = max(off["period"], off["stress_drop"])
+    return found
+
+
+def _answer(climbs: list[Climb], promises: dict[str, float], curves: Curves) -> str:
+    off = ", ".join(f"{_NAMED[model]} to {plain(error, '.0e')}" for model, error in promises.items())
+    short = sum(bool(one.shortfall()) for one in climbs)
+    orders = "every family tried reaches its order" if not short else f"{short} of {len(climbs)} families miss their order"
+    agree = all(error < _PROMISED[model][1] for model, error in promises.items())
+    return f"{'They do' if agree else 'Not all'}: in period and stress drop {off}; {orders}. {_cost(curves)}"
+
+
+def _cost(curves: Curves) -> str:
+    """Run times for one error of the state, where it is reached."""
+    times = {model: float(seconds[error < _ENOUGH].min(initial=np.inf)) for model, (_, seconds, error) in curves.items()}
+    told = ", ".join(
+        f"{1e3 * times[model]:.0f} ms with `{model}`" for model in ("fd", *_NAMED) if np.isfinite(times.get(model, np.inf))
+    )
+    return f"An error of the state below {plain(_ENOUGH, '.0e')} costs {told}."
+
+
+_NAMED = {"sbp:6": "summation by parts", "fem:7": "finite elements", "dg:7": "discontinuous Galerkin"}
+
+
+def _order_verdict(one: Climb) -> Verdict:
+    short = one.shortfall()
+    symbols = {**OUTPUTS, "state": "the state", "together": "all together"}
+    names = ", ".join(symbols[complaint.split(":")[0]] for complaint in short)
+    two = one.ladder.declared == 2.0
+    return Verdict(
+        "Every full-wave family reaches its order in every output, from the smooth start",
+        Evidence.WITNESS,
+        f"{one.ladder.promised if not two else 2:g}" + ("" if two else " or more"),
+        f"{told(one.fit_together())}, outputs {spread(one)}",
+        judge(not short),
+        f"`{one.ladder.model}`" + (f": short in {names}" if short else _REMARKS.get(one.ladder.model, "")),
+    )
+
+
+_REMARKS = {"fem:1": ": the same numbers as `sbp:2`, no second witness"}
+
+
+def _promise(model: str, off: float) -> Verdict:
+    cells, allowed = _PROMISED[model]
+    return bounded(
+        "Discretisations of the wave agree with the delay system on period and stress drop",
+        Evidence.WITNESS,
+        off,
+        allowed,
+        f"`{model}` with {cells} cells a slab, log_{{10}} r = −2.6",
+    )
+
+
+_NOTES = (
+    "Leapfrog runs at CFL 0.5, where it is no rewriting of the delay system. `fem:1` (lumped mass) and `sbp:2` are "
+    "algebraically the same scheme: their rows agree because they must.",
+    "Which grids count is ruled: from the first on which every error stays below 3^{−order} to the last whose error is above "
+    "2 · 10^{−11}, where the reference ends; of these, coarse grids are left out while a parabola through the logarithms is "
+    "curved for certain (95 %) and six remain. Four (smooth scene) or eight (rough scene) grids per doubling of the cells, as "
+    "far as whole numbers go.",
+    "An order holds if the 95 % interval of all outputs together reaches the promised one and begins less than half an order "
+    "below it (orders of 2: contains it, and is narrower than ± 0.5; 0.05 off is always allowed), and if no single output "
+    f"is fitted lower than promised by more than {GENTLE.slack:g} (smooth scene) or {ROUGH.slack:g} (rough scene). High orders "
+    "have between seven and twenty whole cell counts from resolution to rounding, over which a single output still scatters. "
+    "From degree 4 on what is read is near the order 8 of the time stepping.",
+    "Scenes, the 3, the density of grids and what a single output may lack were settled after trials, so the highest degrees "
+    "are shown to be about order 8, not proven: the 95 % interval of `fem:7` in Δy ends just below 8, and on a rougher scene "
+    "(log_{10} r = −2.54) one version of the rule read 6.9 ± 0.4 in T.",
+)
+
+_CAPTION = (
+    "Error of the state (ψ, ln v, μ over the last 8 of 60 transits, relative to their range) at V = 2000, log_{10} r = −2.77, "
+    "smooth start, against the delay system: left over points per slab, right over run time. Numbers after a family’s name "
+    "are its order (summation by parts) or polynomial degree (finite elements, discontinuous Galerkin)."
+)

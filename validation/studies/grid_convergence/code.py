@@ -1,0 +1,57 @@
+"""Which code the exact system and the full-wave families have in common, read from what their modules import."""
+
+from collections.abc import Collection
+from itertools import combinations
+
+from slipwave.sources import ROOT, import_closure
+from validation.registry.families import FAMILIES
+from validation.study import Column, Table
+
+_MARCH = {"fullwave.lines.motion": "the right-hand side with its faces", "fullwave.lines.kernel": "the time stepper"}
+COMPARED = ("delay", "fd", "sbp", "fem", "dg")
+
+
+def modules_of(family: str) -> frozenset[str]:
+    """Modules of the house that a family's solver is made of, as `fullwave.lines.march`."""
+    module = next(one.module for one in FAMILIES if one.name == family)
+    start = ROOT.joinpath(*module.split(".")).with_suffix(".py")
+    files = (path.relative_to(ROOT).with_suffix("") for path in import_closure([start], packages=False))
+    return frozenset(".".join(path.parts).removesuffix(".__init__") for path in files)
+
+
+def shared(one: str, other: str) -> tuple[str, ...]:
+    """Modules beyond `scene` that two families have in common."""
+    return tuple(sorted(name for name in modules_of(one) & modules_of(other) if not name.startswith("slipwave")))
+
+
+def code_table() -> Table:
+    """One row per pair of families."""
+    rows = tuple(
+        (f"`{one}`, `{other}`", len(common), ", ".join(name.removeprefix("fullwave.") for name in common) or "none")
+        for one, other in combinations(COMPARED, 2)
+        for common in [shared(one, other)]
+    )
+    columns = (Column("pair"), Column("modules", "", ".0f"), Column("in common"))
+    caption = (
+        "Modules of the solvers that two families have in common, read from their imports; `scene` (the scene, friction and the "
+        "interface condition) and the event detection are common to all. What is common cannot be caught by comparing the two."
+    )
+    return Table("code", caption, columns, rows)
+
+
+def code_note() -> str:
+    """What the pairs are worth as witnesses."""
+    alike = set(shared("sbp", "fem")) & set(shared("sbp", "dg"))
+    leapfrog = shared("fd", "sbp")
+    exact = max(len(shared("delay", family)) for family in COMPARED[1:])
+    return (
+        f"`sbp`, `fem` and `dg` have {len(alike)} modules in common, {_march_in(alike)}: beside each other they are witnesses of "
+        f"their operators in space alone. The leapfrog has {len(leapfrog)} modules in common with them, {_march_in(leapfrog)}. "
+        f"The delay system, which every error is measured against, has no grid and {exact or 'no'} solver modules in common "
+        "with any of them."
+    )
+
+
+def _march_in(modules: Collection[str]) -> str:
+    parts = [words for module, words in _MARCH.items() if module in modules]
+    return f"among them {' and '.join(parts)}" if parts else f"but not {' nor '.join(_MARCH.values())}"

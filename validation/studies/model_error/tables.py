@@ -1,0 +1,50 @@
+"""The reductions' errors as a table, and what is left out of it."""
+
+from validation.studies.model_error.runs import MODELS, MOST, RESTLESS, SHOWN, Runs, error, orbit_of, states
+from validation.study import Cell, Column, Omission, Table
+from validation.study.text import plain
+
+_BEYOND = (-2.65, -2.6, -2.5)
+
+
+def error_table(runs: Runs) -> Table:
+    """Errors of period and drop, and the time of 1000 transits."""
+    rows: list[tuple[Cell, ...]] = []
+    for model in ("delay", *MODELS, "fitted:4"):
+        cells: list[Cell] = [model, None if model == "delay" else states(model)]
+        for log10_r in SHOWN:
+            one = runs[model][log10_r]
+            cells += [None if model == "delay" else error(runs, model, log10_r, name) for name in ("period", "drop")]
+            cells += [one.milliseconds if one else None]
+        rows.append(tuple(cells))
+    each = [
+        (Column(f"T, {shown}", "relative", ".1e"), Column("Δμ", "relative", ".1e"), Column("run", "ms", ".0f"))
+        for shown in (f"{log10_r:.2f}".replace("-", "−") for log10_r in SHOWN)
+    ]
+    columns = (Column("model"), Column("states", "", ".0f"), *(column for some in each for column in some))
+    caption = (
+        "Errors of period T and stress drop Δμ against the delay system at log_{10} r = −2.69, −2.68 and −2.66, and the time of "
+        "1000 transits at tolerance 10^{-10}, march and event detection. States: ψ, elastic stress, rate if there is mass, two a "
+        "mode; the delay system’s state is a function. A dash: no orbit that came to rest."
+    )
+    return Table("models", caption, columns, tuple(rows), (0,))
+
+
+def omissions(runs: Runs) -> tuple[Omission, ...]:
+    """Models and points without an orbit to compare."""
+    beyond = [log10_r for log10_r in _BEYOND if orbit_of("delay", log10_r) is None]
+    told = ", ".join(f"{log10_r:g}".replace("-", "−") for log10_r in beyond)
+    lost = [f"`{model}` at {x:g}".replace("-", "−") for model in ("delay", *MODELS) for x, one in runs[model].items() if not one]
+    left_out = [
+        Omission(
+            f"r beyond log_{{10}} r = {SHOWN[-1]:g}.".replace("-", "−"),
+            f"The delay system’s cycles keep changing by more than {plain(RESTLESS, '.0e')} after {MOST:.0f} transits at "
+            f"{told}: no period to compare.",
+        ),
+    ]
+    if not any(runs["quasidynamic"].values()):
+        left_out.append(Omission("Quasi-dynamic model.", "It slides steadily at every r shown; its onset lies above."))
+    left_out.append(Omission("Quasi-static model.", "It has no limit cycle."))
+    if lost:
+        left_out.append(Omission("Points where a run had not come to rest.", f"After {MOST:.0f} transits: {', '.join(lost)}."))
+    return tuple(left_out)

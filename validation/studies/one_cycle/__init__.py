@@ -1,0 +1,161 @@
+"""All models over one stick-slip cycle of the paper's reference scene, against the delay system."""
+
+import math
+
+import slipwave
+from slipwave.errors import NumericsError
+from validation.measure.settle import NoCycle, one_cycle, settle
+from validation.references.onset import Onset
+from validation.references.published import half_digit, reference, reference_orbit
+from validation.registry.build import build
+from validation.studies.one_cycle.figures import overlay, panels
+from validation.studies.one_cycle.tables import LOG10_R, QUANTITIES, Run, beside_reference, drops, error, rates
+from validation.study import Budget, Evidence, Figure, Number, Omission, StudyResult, Verdict, judge
+from validation.study.bounds import bounded
+from validation.study.text import plain
+
+NAME = "one-cycle"
+QUESTION = "Do the simplified models run through the same cycle as the wave?"
+SCENES = ("paper",)
+SECONDS = (5.0, 6.0)
+
+MODELS = ("delay", "fd", "modal:8", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
+_CELLS, _CFL = 128, 0.5
+_OUTLINE = 0.1  # periods further off than this are not of the same cycle
+_OURS = 2e-10  # what tolerance 1e-10 leaves in our own orbits; 6e-11 was measured
+_WAVE = 5e-4  # leapfrog with these cells; 2e-4 was measured
+
+
+def run(budget: Budget) -> StudyResult:
+    """Settle every model, lay one cycle of each over the others, compare."""
+    runs = {}
+    for count, model in enumerate(MODELS):
+        runs[model] = _run(model)
+        budget.report((count + 1) / len(MODELS))
+    cycles = {model: one.cycle for model, one in runs.items()}
+    errors = {model: error(one, runs["delay"], "period") for model, one in runs.items()}
+    escape = _quasistatic()
+    return StudyResult(
+        answer=_answer(runs),
+        figures=(
+            Figure("overlay", _OVERLAY, lambda: overlay(cycles), lead=True),
+            Figure("panels", _PANELS, lambda: panels(cycles, errors)),
+        ),
+        tables=(drops(runs), rates(runs), beside_reference(runs)),
+        verdicts=(*_against_reference(runs), _full_wave(runs), _runaway(escape), _steady()),
+        notes=(reference()["how"],),
+        numbers=_numbers(runs),
+        omissions=(
+            Omission("Quasi-static curve.", f"It has no limit cycle: {escape or 'the run did not end'}."),
+            Omission("Quasi-dynamic curve.", "It slides steadily in this scene, see its verdict."),
+        ),
+    )
+
+
+def _run(model: str) -> Run:
+    what = slipwave.read("paper")
+    solver = build(model, what, cells=_CELLS, cfl=_CFL) if model == "fd" else build(model, what, tolerance=1e-10)
+    settled = settle(solver, tolerance=1e-10)
+    return Run(settled, one_cycle(settled, before=4.0, after=4.0, per_piece=2 if model == "fd" else 12))
+
+
+def _quasistatic() -> str:
+    """What stops the quasi-static run; empty if nothing does."""
+    try:
+        settle(build("quasistatic", slipwave.read("paper")), most=2000.0)
+    except NumericsError as error:
+        return str(error).partition(" (scene")[0]
+    except NoCycle:
+        return ""
+    return ""
+
+
+def _slides_steadily(model: str) -> bool:
+    try:
+        settle(build(model, slipwave.read("paper")), most=12000.0)
+    except NoCycle:
+        return True
+    return False
+
+
+def _percent(one: Run, exact: Run, quantity: str = "period") -> str:
+    return f"{100 * error(one, exact, quantity):+.1f} %".replace("-", "−")
+
+
+def _answer(runs: dict[str, Run]) -> str:
+    exact = runs["delay"]
+    modes = [plain(abs(error(runs[name], exact, "period")), ".0e") for name in ("modal:1", "modal:2")]
+    outline = max(abs(error(one, exact, "period")) for one in runs.values()) < _OUTLINE
+    return (
+        f"{'In outline' if outline else 'No'}, with the period off by {_percent(runs['kelvin-voigt'], exact)} in the paper’s "
+        f"ODE, by {_percent(runs['block8'], exact)} and {_percent(runs['block12'], exact)} in the blocks; by {modes[0]} with "
+        f"one exact mode of the slabs, by {modes[1]} with two."
+    )
+
+
+def _against_reference(runs: dict[str, Run]) -> list[Verdict]:
+    known = {model: reference_orbit(model, LOG10_R) for model in runs}
+    return [_beside(model, runs[model].orbit.values(), figures) for model, figures in known.items() if figures]
+
+
+def _beside(model: str, ours: dict[str, float], known: dict[str, float]) -> Verdict:
+    """Every figure may differ by half of the last digit that is known, and by what our own orbit may be off."""
+    off = {name: abs(ours[name] / value - 1.0) for name, value in known.items()}
+    allowed = {name: half_digit(value) / abs(value) + _OURS for name, value in known.items()}
+    worst = max(known, key=lambda name: off[name] / allowed[name])
+    return bounded(
+        "The exact orbit as computed by other programs" if model == "delay" else "Reduced models’ orbits likewise",
+        Evidence.WITNESS,
+        off[worst],
+        allowed[worst],
+        f"`{model}`: {', '.join(map(QUANTITIES.__getitem__, known))}; shown: {QUANTITIES[worst]}, next to the digits known",
+        f"{ours[worst]:.10g}, off by {plain(off[worst], '.0e')}",
+    )
+
+
+def _full_wave(runs: dict[str, Run]) -> Verdict:
+    off = max(abs(error(runs["fd"], runs["delay"], name)) for name in QUANTITIES)
+    return bounded(
+        "The full wave runs on the delay system’s orbit",
+        Evidence.WITNESS,
+        off,
+        _WAVE,
+        f"leapfrog with {_CELLS} cells at CFL {_CFL}; how the difference vanishes is the next study’s question",
+    )
+
+
+def _runaway(escape: str) -> Verdict:
+    ours = "runs away" if escape else "goes on"
+    return Verdict("The quasi-static model runs away", Evidence.EXACT, "runs away", ours, judge(bool(escape)))
+
+
+def _steady() -> Verdict:
+    what = slipwave.read("paper")
+    onset = Onset(what.law, what.upper.epsilon, what.velocity)
+    steady = _slides_steadily("quasidynamic")
+    return Verdict(
+        "The quasi-dynamic model slides steadily where the wave sticks and slips",
+        Evidence.EXACT,
+        "steady" if what.transit < onset.r_quasidynamic else "stick-slip",
+        "steady" if steady else "stick-slip",
+        judge(steady == (what.transit < onset.r_quasidynamic)),
+        "earthquake modellers’ radiation damping: its onset, r = ε/(b − a − εV/2) = "
+        f"10^{{{math.log10(onset.r_quasidynamic):.3f}}}, lies above this scene’s r",
+    )
+
+
+def _numbers(runs: dict[str, Run]) -> dict[str, Number]:
+    return {
+        f"{model} {name}": Number(value, 1e-8 if model != "fd" else 1e-7)
+        for model, one in runs.items()
+        for name, value in one.orbit.values().items()
+    }
+
+
+_OVERLAY = (
+    "One stick-slip cycle of the paper’s scene, every model on its own settled orbit and aligned at its slip event (v has risen "
+    "to half its largest value). Left: the whole cycle; right: a piece of the slow phase, where the echo of the slip event runs "
+    "to and fro and ripples stress and rate with period one transit (1.28 in the Kelvin–Voigt ODE, none in the blocks). μ: "
+    "interface stress in units of σ; v: slip rate in units of V*; time in transits of the wave."
+)
+_PANELS = "Stress μ over the same cycle, model by model, each over the delay system (grey), with the error of its period."

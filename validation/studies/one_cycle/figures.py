@@ -1,0 +1,84 @@
+"""Pictures of one cycle: the overlay that opens the report, and one small panel per model."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from validation.measure.settle import Cycle
+from validation.study.drawing import WIDTH, canvas, pen
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_SHOWN = ("delay", "fd", "modal:1", "kelvin-voigt", "block12")
+_PANELS = ("fd", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
+_ZOOM = (46.0, 53.0)
+
+
+def overlay(cycles: Mapping[str, Cycle]) -> "Figure":
+    """Stress and slip rate over the cycle, left, and in the slow phase, right."""
+    figure = canvas(WIDTH, 5.2)
+    grid = figure.subplots(2, 2, sharex="col", gridspec_kw={"width_ratios": (1.9, 1.0)})
+    for model in _SHOWN:
+        cycle, style = cycles[model], pen(model)
+        for row, values in zip(grid, (cycle.stress, cycle.slip_rate), strict=True):
+            for axes, share in zip(row, (0.6, 1.0), strict=True):
+                axes.plot(cycle.time, values, color=style.color, linestyle=style.dashes, linewidth=share * style.width)
+    for axes in grid[1]:
+        axes.set_yscale("log")
+        axes.set_xlabel("time since the slip event (transits)")
+    grid[0, 0].set_ylabel(r"stress $\mu$")
+    grid[1, 0].set_ylabel(r"slip rate $v/V^*$")
+    for axes in grid[:, 0]:
+        _mark(axes, _ZOOM)
+        axes.set_xlim(-4.0, 82.0)
+    _zoom(grid[:, 1], cycles["delay"])
+    handles = grid[0, 1].get_lines()
+    figure.legend(handles, [pen(model).label for model in _SHOWN], loc="outside upper left", ncols=3, handlelength=3.2)
+    return figure
+
+
+def _mark(axes: "Axes", window: tuple[float, float]) -> None:
+    """Shade the window that the right-hand panel shows."""
+    axes.axvspan(*window, color="#efeee8", zorder=0, linewidth=0)
+
+
+def _zoom(column: np.ndarray, exact: Cycle) -> None:
+    """Frame the slow phase by the delay system's range there."""
+    inside = (exact.time >= _ZOOM[0]) & (exact.time <= _ZOOM[1])
+    stress, rate = exact.stress[inside], np.log(exact.slip_rate[inside])
+    column[0].set_xlim(*_ZOOM)
+    margin = 0.6 * np.ptp(stress)
+    column[0].set_ylim(stress.min() - margin, stress.max() + margin)
+    margin = 0.6 * np.ptp(rate)
+    column[1].set_ylim(np.exp(rate.min() - margin), np.exp(rate.max() + margin))
+    column[1].set_yticks([4, 6, 10, 15, 20], ["4", "6", "10", "15", "20"])
+    column[1].minorticks_off()
+    column[0].set_title("slow phase, enlarged")
+
+
+def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> "Figure":
+    """One panel per model, its stress over the delay system's; `errors` of the period, relative, beside its name."""
+    exact = cycles["delay"]
+    figure = canvas(WIDTH, 5.2)
+    grid = figure.subplots((len(_PANELS) + 1) // 2, 2, sharex=True, sharey=True)
+    for axes, model in zip(grid.flat, _PANELS, strict=True):
+        cycle, style = cycles[model], pen(model)
+        axes.plot(exact.time, exact.stress, color="#b5b5b0", linewidth=2.4)
+        axes.plot(cycle.time, cycle.stress, color=style.color, linewidth=1.0)
+        axes.set_title(f"{style.label}: {_signed(errors[model])}", fontsize=11)
+    for axes in grid[-1]:
+        axes.set_xlabel("time since the slip event (transits)")
+    for axes in grid[:, 0]:
+        axes.set_ylabel(r"$\mu$")
+    return figure
+
+
+def _signed(error: float) -> str:
+    """A relative error as a reader likes it: per cent down to 0.1 %, then a power of ten."""
+    if abs(error) >= 1e-3:
+        return f"${100 * error:+.1f}$ %"
+    mantissa, _, exponent = f"{error:+.0e}".partition("e")
+    return rf"${mantissa}\cdot 10^{{{int(exponent)}}}$"

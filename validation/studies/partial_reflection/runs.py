@@ -1,0 +1,95 @@
+"""Cycles behind grips and bare coefficients: settled, by two models, or how the run ends where there is none."""
+
+import math
+from typing import NamedTuple
+
+import slipwave
+from slipwave.friction.ageing import Ageing
+from slipwave.observe import follow
+from slipwave.scene import Scene
+from validation.measure.cycle import watch
+from validation.measure.settle import NoCycle, settle
+from validation.registry.build import build
+
+LOG10_R, LOG10_R_BARE = -2.6, -2.66
+"""log10 r of the runs with grips alone, and of those with bare coefficients."""
+
+HELD = 10.0
+"""Stiffness of the grips beside bare coefficients."""
+
+UNTIL = 900.0
+"""Transits before which the two models' last complete cycle is compared."""
+
+RESTLESS = 1e-2
+"""More than this from cycle to cycle, relative, is not an orbit."""
+
+_MOST = 5000.0
+
+
+class Point(NamedTuple):
+    """Period, stress drop and largest rate; NaN where there is no cycle."""
+
+    period: float = math.nan
+    drop: float = math.nan
+    v_max: float = math.nan
+
+
+class Pair(NamedTuple):
+    """The last complete cycle before _UNTIL by the delay system and by the full wave."""
+
+    stiffness: float
+    impedance: float
+    exact: Point
+    wave: Point
+
+    @property
+    def difference(self) -> float:
+        """Largest relative difference of the three figures."""
+        return max(abs(ours / theirs - 1.0) for ours, theirs in zip(self.wave, self.exact, strict=True))
+
+
+def grip_scene(stiffness: float, impedance: float, log10_r: float) -> Scene:
+    """The paper's slabs in grips, relative to epsilon a transit and epsilon."""
+    face = {"slab.face.kind": "grip", "slab.face.stiffness": stiffness, "slab.face.impedance": float(impedance)}
+    return slipwave.read("paper", {"slab.log10_r": log10_r, **face})
+
+
+def bare_scene(leak: float, nudge: float = 0.5) -> Scene:
+    """The paper's slabs behind faces of R = 1 - `leak`."""
+    face = {"slab.face.kind": "reflection", "slab.face.coefficient": 1.0 - leak}
+    return slipwave.read("paper", {"slab.log10_r": LOG10_R_BARE, "start.size": nudge, **face})
+
+
+def orbit_of(what: Scene) -> Point:
+    """The settled cycle of the delay system, NaN if there is none."""
+    try:
+        found = settle(build("delay", what, tolerance=1e-9), tolerance=1e-8, most=_MOST)
+    except NoCycle:
+        return Point()
+    orbit = found.orbit
+    return Point(orbit.period.value, orbit.stress_drop.value, orbit.v_max.value) if found.unrest < RESTLESS else Point()
+
+
+def pair_of(stiffness: float, impedance: float, quick: bool) -> Pair:
+    """The same cycle by the delay system and by the full wave."""
+    what = grip_scene(stiffness, impedance, LOG10_R)
+    exact = _last(what, "delay", None, 1e-11)
+    return Pair(stiffness, float(impedance), exact, _last(what, "dg:7", 8 if quick else 12, None))
+
+
+def _last(what: Scene, model: str, cells: int | None, tolerance: float | None) -> Point:
+    events = watch(build(model, what, cells=cells, tolerance=tolerance), UNTIL).events()
+    return Point(float(events.period[-1]), float(events.stress_drop[-1]), float(events.v_max[-1]))
+
+
+def end_of(what: Scene) -> str:
+    """How a run without a cycle ends: `steady` if v is back at V, `locks` if it has fallen far below."""
+    behind = follow(build("delay", what), _MOST).ln_v - math.log(what.velocity)
+    return "steady" if abs(behind) < 0.1 else "locks" if behind < -1.0 else "still decaying"
+
+
+def locking_leak() -> float:
+    """1 - R beyond which the leak, a dashpot (eps/2)(1 + R)/(1 - R), is weaker than friction's weakening (b - a)/V."""
+    what = slipwave.read("paper")
+    law: Ageing = what.law
+    return 2.0 / (1.0 + 2.0 * (law.b - law.a) / (what.velocity * what.upper.epsilon))

@@ -1,0 +1,85 @@
+"""What it takes to upset the full wave: steps past the limit, stiff friction, extreme scenes, noise at the grid scale."""
+
+from collections.abc import Callable, Iterable
+
+from validation.studies.stability_attacks import tables, verdicts
+from validation.studies.stability_attacks.limits import MEDIA, around_the_limit, limit_at, state_reach, stops_beyond
+from validation.studies.stability_attacks.runs import ATTACKS, CELLS, advised, attack, locked_noise
+from validation.studies.stability_attacks.verdicts import Found
+from validation.study import Budget, Number, StudyResult
+
+NAME = "stability-attacks"
+QUESTION = "Can the full wave be upset, and does it say so?"
+SCENES = ("paper", "unlike")
+SECONDS = (8.0, 32.0)
+
+_QUICK_DECADES, _FULL_DECADES = (-4, 0, 2, 4, 8), (-4, -2, *range(9))
+_QUICK_MEDIA = ("alike slabs", "impedances 1 : 1000", "layers 1 : 100", "Kelvin-Voigt, 0.02 transits")
+_ADVISED = ("sbp:4", "fem:4", "dg:3")
+
+
+def run(budget: Budget) -> StudyResult:
+    """Step limits over eight decades of stiffness and over media, extreme scenes, and noise in a locked slab."""
+    found = _measure(budget)
+    return StudyResult(
+        answer=verdicts.answer(found),
+        tables=(
+            tables.limit_table(found.decades, found.limits, found.reach),
+            tables.medium_table(found.media),
+            tables.attack_table(found.attacks, found.late),
+            *tables.message_table(found.attacks),
+            tables.advice_table(found.advice),
+            tables.noise_table(found.noise, found.transits),
+        ),
+        verdicts=(
+            verdicts.limit_verdict(found),
+            verdicts.medium_verdict(found.media),
+            verdicts.state_verdict(found.reach),
+            verdicts.stop_verdict(found.stopped),
+            *(verdicts.attack_verdict(name, some, found.late) for name, some in found.attacks.items()),
+            verdicts.advice_verdict(found.advice),
+            verdicts.noise_verdict(found.noise, found.transits),
+        ),
+        notes=(
+            "Users cannot pass the limit: cfl beyond 1 is refused before a run begins. The first two tables set their steps "
+            "inside the solvers.",
+        ),
+        numbers={f"limit of {model}": Number(some[-1], verdicts.SHARP) for model, some in found.limits.items()},
+    )
+
+
+def _measure(budget: Budget) -> Found:
+    decades = _QUICK_DECADES if budget.quick else _FULL_DECADES
+    transits = 1e3 if budget.quick else 2e4
+    parts = _Progress(budget.report, 4 * len(CELLS) + len(ATTACKS))
+    limits = {model: [limit_at(model, decade) for decade in decades] for model in parts.over(CELLS)}
+    media = {
+        medium: {model: around_the_limit(model, medium) for model in CELLS}
+        for medium in (_QUICK_MEDIA if budget.quick else MEDIA)
+    }
+    return Found(
+        decades,
+        limits,
+        {model: state_reach(model) for model in parts.over(CELLS)},
+        media,
+        {model: stops_beyond(model, 1.25) for model in parts.over(CELLS)},
+        not budget.quick,
+        {name: attack(name, not budget.quick) for name in parts.over(ATTACKS)},
+        {model: advised(model) for model in (_ADVISED if budget.quick else CELLS)},
+        transits,
+        {model: locked_noise(model, transits) for model in parts.over(CELLS)},
+    )
+
+
+class _Progress:
+    """Tells the share of `total` parts that are done."""
+
+    def __init__(self, report: Callable[[float], None], total: int) -> None:
+        self._report, self._total, self._done = report, total, 0
+
+    def over(self, names: Iterable[str]) -> Iterable[str]:
+        """The names, each counted once it has been dealt with."""
+        for name in names:
+            yield name
+            self._done += 1
+            self._report(self._done / self._total)

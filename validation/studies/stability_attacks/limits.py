@@ -1,0 +1,172 @@
+"""Step limits as they are found: noise at the grid scale in slabs that slide steadily, marched beyond the declared limit.
+
+Friction depends on the rate alone (b = 0), so that steady sliding is stable and whatever grows is the scheme's. Its stiffness is
+a/v beside the impedance Z that the slabs show each other: 0 leaves the interface free, 1 swallows waves, infinity locks it. The
+relaxation of psi, which is stepped explicitly and limits the step where r v is large, is tried apart.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, cast
+
+import numpy as np
+
+import slipwave
+from slipwave.errors import NumericsError
+from slipwave.observe import Solver, follow
+from slipwave.scene import Scene
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
+from slipwave.scene.start import Start, StartKind
+from validation.registry.build import build
+
+CELLS = {"fd": 12, "sbp:2": 12, "sbp:4": 12, "sbp:6": 16, "fem:1": 12, "fem:4": 3, "dg:3": 3, "dg:4": 2, "dg:7": 2}
+"""The families under attack, with cells that make a run cheap: the limit does not depend on them."""
+
+_ROUND_TRIP = slipwave.read("paper").upper.round_trip
+MEDIA: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
+    "alike slabs": ({}, None),
+    "impedances 1 : 1000": ({}, {"epsilon": 2.8e-2}),
+    "round trips 1 : π": ({}, {"round_trip": math.pi * _ROUND_TRIP}),
+    "layers 1 : 100": ({"layers": (Layer(0.5, 1.0), Layer(0.5, 100.0))}, None),
+    "stiff grip": ({"face": GripFace(1e4, 1e3)}, None),
+    "spring on a weak dashpot": ({"face": GripFace(1e3, 1e-2)}, None),
+    "free face": ({"face": ReflectingFace(-1.0)}, None),
+    "Kelvin-Voigt, 0.02 transits": ({"viscosity": KelvinVoigtViscosity(0.02 * _ROUND_TRIP)}, None),
+    "Kelvin-Voigt, 1 transit": ({"viscosity": KelvinVoigtViscosity(_ROUND_TRIP)}, None),
+    "Kelvin-Voigt over elastic": ({"viscosity": KelvinVoigtViscosity(0.02 * _ROUND_TRIP)}, {}),
+    "standard linear, 3 transits": ({"viscosity": StandardLinearViscosity(3.0 * _ROUND_TRIP, 0.5)}, None),
+}
+"""Changes to the paper's upper slab and to the lower one (None: alike)."""
+
+_SOFT_AND_STIFF = (-2.0, 4.0)
+_STEPS = 400
+_GROWN = 100.0
+_LOW, _HIGH = 0.8, 1.5
+_SHARPNESS = 1.01
+
+
+def with_step(model: str, what: Scene, share: float) -> Solver:
+    """The solver at `share` of its declared step limit, which may lie beyond 1; users are refused that."""
+    cells = CELLS[model]
+    if model == "fd":
+        from fullwave.finite_difference import Leapfrog
+
+        leapfrog = Leapfrog(what, cells)
+        leapfrog._set_up(what, cells, share)
+        return leapfrog
+    solver = cast(Any, build(model, what, cells=cells, cfl=1.0))
+    solver.step *= share
+    return cast(Solver, solver)
+
+
+def step_per_cell(model: str) -> float:
+    """c dt over the length of a cell at cfl 1."""
+    return float(cast(Any, with_step(model, rubbing(0.0), 1.0)).step * 2.0 * CELLS[model])
+
+
+def rubbing(decade: float, medium: str = "alike slabs") -> Scene:
+    """The slabs of MEDIA sliding steadily on F = a ln v, a/v = 10^decade times Z."""
+    plain = slipwave.read("paper", ["start.size=0"])
+    one, other = MEDIA[medium]
+    upper = replace(plain.upper, **one)
+    slabs = replace(plain, upper=upper, lower=upper if other is None else replace(plain.upper, **other))
+    return replace(slabs, law=plain.law._replace(a=10.0**decade * slabs.impedance * plain.velocity, b=0.0))
+
+
+def ageing(relaxation: float) -> Scene:
+    """Alike slabs, a/v = Z, with psi relaxing at `relaxation` per transit (r V) and disturbed by a jump of 1e-3."""
+    plain = rubbing(0.0)
+    slab = replace(plain.upper, round_trip=relaxation / plain.velocity)
+    return replace(plain, upper=slab, lower=slab, start=Start(StartKind.JUMP, 1e-3))
+
+
+def growth(model: str, what: Scene, share: float, steps: int = _STEPS) -> float:
+    """Largest field after `steps` at `share` of the limit, over the noise's amplitude; infinite if the run broke down."""
+    solver = cast(Any, with_step(model, what, share))
+    noise = 1e-3 * what.velocity
+    _disturb(solver, noise)
+    try:
+        while solver.time < steps * solver.step:
+            solver.advance(steps * solver.step)
+    except NumericsError:
+        return math.inf
+    largest = max(float(np.abs(values).max()) for values in _fields(solver))
+    return largest / noise if math.isfinite(largest) else math.inf
+
+
+def _disturb(solver: Any, noise: float) -> None:
+    """Add normal noise of size `noise` to every velocity, and, where it can be set, to the stress over the impedance."""
+    what, draw = solver.scene, np.random.default_rng(2).standard_normal
+    if solver.model == "fd":
+        state = solver.state()
+        for name in state:
+            if name.endswith("velocity"):
+                state[name] += noise * draw(state[name].size)
+        solver.restore(state)
+        return
+    for slab, one in enumerate((what.upper,) if what.alike else (what.upper, what.lower)):
+        solver.impose(
+            slab,
+            lambda x: 0.5 * what.velocity + noise * draw(x.size),
+            lambda x, epsilon=one.epsilon: what.steady_stress + noise * epsilon * draw(x.size),
+        )
+
+
+def _fields(solver: Any) -> list[Any]:
+    """Deviations of the fields from steady sliding, in V*."""
+    state = solver.state()
+    if solver.model == "fd":
+        return [values - 0.5 * solver.scene.velocity for name, values in state.items() if name.endswith("velocity")]
+    return [state["state"][: solver.grid.size]]
+
+
+def limit_at(model: str, decade: float) -> float:
+    """Largest share of the declared step, to 1 per cent, at which noise does not grow on friction of stiffness 10^decade Z."""
+    what = rubbing(decade)
+    return _largest(lambda share: growth(model, what, share) < _GROWN)
+
+
+def state_reach(model: str) -> float:
+    """Largest stable step times the relaxation rate of psi, to 1 per cent; infinite if psi sets no limit."""
+    what = ageing(1e4)
+    share = _largest(lambda share: _calms_down(model, what, share))
+    return math.inf if model == "fd" else share * float(cast(Any, with_step(model, what, 1.0)).step) * 1e4
+
+
+def _calms_down(model: str, what: Scene, share: float) -> bool:
+    solver = cast(Any, with_step(model, what, share))
+    try:
+        follow(solver, _STEPS * solver.step)
+    except NumericsError:
+        return False
+    return bool(solver.failures == 0)
+
+
+def _largest(stable: Callable[[float], bool]) -> float:
+    """The largest stable share by geometric bisection; 0 if 0.8 is not, 1.5 if that is."""
+    low, high = _LOW, _HIGH
+    if not stable(low):
+        return 0.0
+    if stable(high):
+        return high
+    while high / low > _SHARPNESS:
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if stable(middle) else (low, middle)
+    return math.sqrt(low * high)
+
+
+def around_the_limit(model: str, medium: str) -> tuple[float, float]:
+    """Growth of noise in 400 steps at 0.99 of the limit and in 2000 at 1.05, the larger of soft and stiff friction."""
+    scenes = [rubbing(decade, medium) for decade in _SOFT_AND_STIFF]
+    below, above = (max(growth(model, what, share, steps) for what in scenes) for share, steps in ((0.99, _STEPS), (1.05, 2000)))
+    return below, above
+
+
+def stops_beyond(model: str, share: float, until: float = 120.0) -> bool:
+    """Whether a run of the paper's scene at `share` of the declared step ends with a message."""
+    try:
+        follow(with_step(model, slipwave.read("paper"), share), until)
+    except NumericsError:
+        return True
+    return False

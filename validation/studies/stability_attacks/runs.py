@@ -1,0 +1,188 @@
+"""The runs behind the study of attacks: each returns what came out, and lets no error of the numerics escape."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+
+import slipwave
+from slipwave.errors import NumericsError, SceneError
+from slipwave.observe import EventObserver, RunStatistics, Solver, follow, summarise
+from slipwave.scene import Scene
+from validation.registry.build import build
+from validation.studies.stability_attacks.limits import CELLS as COARSE
+from validation.study.text import plain
+
+CELLS = {"fd": 64, "sbp:2": 64, "sbp:4": 32, "sbp:6": 32, "fem:1": 64, "fem:4": 8, "dg:3": 8, "dg:4": 8, "dg:7": 4}
+"""Cells of the faster slab for runs that are held against the delay system."""
+
+
+class Attack(NamedTuple):
+    """What it is called, the scene, what is changed in it, the errors of psi up to t = 40 and of the late motion that are `right`
+    (the coarsest family's are a tenth to a half of them), how many times finer than CELLS its grids are, and the time (transits)
+    at which the late motion is looked at."""
+
+    title: str
+    scene: str
+    changes: tuple[str, ...]
+    right: tuple[float, float]
+    finer: int = 1
+    late: float = 400.0
+
+
+def _impedance(power: int, *right: float) -> Attack:
+    return Attack(f"ε = 10^{{{power}}}", "paper", (f"slab.epsilon=1e{power}",), (right[0], right[1]))
+
+
+def _drive(power: int, *right: float, finer: int = 1) -> Attack:
+    late = 200.0 if power > 4 else 400.0
+    return Attack(f"V = 10^{{{power}}} V*", "paper", (f"drive.velocity=1e{power}",), (right[0], right[1]), finer, late)
+
+
+_PI = ("upper.r=2e-3", f"lower.r={2e-3 * math.pi:.17g}")
+ATTACKS = {
+    "epsilon -9": _impedance(-9, 2e-6, 2e-7),
+    "epsilon -4": _impedance(-4, 3e-6, 1e-11),
+    "epsilon -2": _impedance(-2, 6e-6, 1e-12),
+    "epsilon 2": _impedance(2, 7e-6, 3e-9),
+    "V -6": _drive(-6, 2e-6, 1e-9),
+    "V -2": _drive(-2, 2e-6, 1e-10),
+    "V 3": _drive(3, 1e-2, 4e-3),
+    "V 4": _drive(4, 2e-3, 3e-2, finer=2),
+    "V 5": _drive(5, 2e-8, 2e-5, finer=4),
+    "V 6": _drive(6, 3e-9, 1e-8),
+    "impedance": Attack("impedances 1 : 1000", "unlike", ("upper.epsilon=2.8e-5", "lower.epsilon=2.8e-2"), (6e-6, 1e-6)),
+    "round trip": Attack("round trips 1 : 50", "unlike", ("upper.r=2e-4", "lower.r=1e-2"), (2e-6, 2e-7), late=200.0),
+    "pi": Attack("round trips 1 : π", "unlike", _PI, (3e-5, 1e-4)),
+    "jump": Attack("jump of 5 in ψ at t = 0", "paper", ("start.kind=jump", "start.size=5"), (1e-4, 5e-2)),
+    "jump back": Attack("jump of −5 in ψ at t = 0", "paper", ("start.kind=jump", "start.size=-5"), (1e-2, 5e-2)),
+}
+"""Scenes at the ends of what makes sense."""
+
+_MOMENTS = (6.0, 8.0, 12.0, 20.0, 40.0)
+_FEWEST_CYCLES = 2
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Largest error of psi up to t = 40; `late` as `_late_error` tells it; the message of a run that stopped (empty if none
+    did). Only a run that stops is excused from being right: failed solves that were counted on the way are no excuse."""
+
+    error: float
+    late: float = 0.0
+    message: str = ""
+
+    def silently_wrong(self, allowed: float, late: float = math.inf) -> bool:
+        """The run went through and psi is off by more than `allowed`, or the late motion by more than `late`."""
+        return not self.message and not (self.error <= allowed and self.late <= late)
+
+    @property
+    def wording(self) -> str:
+        """As the table shows it."""
+        if self.message:
+            return "message"
+        return plain(self.error, ".0e") + (f"; {plain(self.late, '.0e')}" if self.late else "")
+
+
+class _Course(NamedTuple):
+    psis: list[float]
+    late: float
+    statistics: RunStatistics
+
+
+def attack(name: str, late: bool = False) -> dict[str, Outcome]:
+    """What every family makes of attack `name` in 40 transits, or until its late time."""
+    what, finer = _scene(name), ATTACKS[name].finer
+    until = ATTACKS[name].late if late else _MOMENTS[-1]
+    exact = _course(build("delay", what, tolerance=1e-10), until)
+    return {model: _outcome(model, finer * cells, what, exact, until) for model, cells in CELLS.items()}
+
+
+def _scene(name: str) -> Scene:
+    return slipwave.read(ATTACKS[name].scene, list(ATTACKS[name].changes))
+
+
+def _course(solver: Solver, until: float) -> _Course:
+    watch = EventObserver(solver.scene, solver.nodes)
+    psis = [follow(solver, moment, [watch]).psi for moment in _MOMENTS]
+    late = follow(solver, until, [watch]).psi if until > _MOMENTS[-1] else psis[-1]
+    return _Course(psis, late, summarise(watch.events(0.5 * until)))
+
+
+def _outcome(model: str, cells: int, what: Scene, exact: _Course, until: float) -> Outcome:
+    try:
+        ours = _course(build(model, what, cells=cells), until)
+    except (SceneError, NumericsError) as error:
+        return Outcome(math.nan, message=str(error))
+    off = max(abs(psi - theirs) for psi, theirs in zip(ours.psis, exact.psis, strict=True))
+    return Outcome(off, _late_error(ours, exact) if until > _MOMENTS[-1] else 0.0)
+
+
+def _late_error(ours: _Course, exact: _Course) -> float:
+    """Error of psi at the end or, if that is less, the largest relative error of the mean period, stress drop and v_max of the
+    second half's cycles: an orbit may be right while its phase has drifted."""
+    of_state = abs(ours.late - exact.late)
+    mine, theirs = ours.statistics, exact.statistics
+    if min(mine.cycles, theirs.cycles) < _FEWEST_CYCLES:
+        return of_state
+    pairs = ((mine.period.mean, theirs.period.mean), (mine.stress_drop.mean, theirs.stress_drop.mean), (mine.v_max, theirs.v_max))
+    return min(of_state, max(abs(value / true - 1.0) for value, true in pairs))
+
+
+class Advice(NamedTuple):
+    """Cells at which a run stopped with `message` (0 if it never did), cells at which it went through, its error of psi."""
+
+    stopped: int
+    message: str
+    cells: int
+    error: float
+
+
+def advised(model: str, until: float = 400.0, most: int = 16) -> Advice:
+    """V = 1e5 from `model`'s usual cells, doubled (up to `most` times as many) for as long as the run ends with a message."""
+    what = _scene("V 5")
+    exact = _course(build("delay", what, tolerance=1e-10), until)
+    stopped, message, cells = 0, "", CELLS[model]
+    while cells <= most * CELLS[model]:
+        outcome = _outcome(model, cells, what, exact, until)
+        if not outcome.message:
+            return Advice(stopped, message, cells, max(outcome.error, abs(outcome.late)))
+        stopped, message = cells, outcome.message
+        cells *= 2
+    return Advice(stopped, message, cells, math.inf)
+
+
+def locked_noise(model: str, transits: float) -> float:
+    """Energy left of noise in a locked slab after `transits`, over its mean in the first ten; infinite if the run broke down."""
+    what = slipwave.read("paper", ["drive.velocity=1e-6", "start.size=0"])
+    solver = cast(Any, build(model, what, cells=COARSE[model], cfl=1.0))
+    draw = np.random.default_rng(1).standard_normal
+    if model == "fd":
+        state = solver.state()
+        state["upper.velocity"][1:-1] += draw(state["upper.velocity"].size - 2)
+        solver.restore(state)
+    else:
+        solver.impose(0, lambda depth: draw(depth.size), lambda depth: np.full(depth.size, what.steady_stress))
+    try:
+        first = np.mean([_energy(solver, what, moment) for moment in 2.0 * np.arange(1.0, 6.0)])
+        last = np.mean([_energy(solver, what, moment) for moment in transits + 2.0 * np.arange(1.0, 6.0)])
+    except NumericsError:
+        return math.inf
+    return float(last / first)
+
+
+def _energy(solver: Any, what: Scene, moment: float) -> float:
+    """Twice the energy of the deviations from steady sliding, over the impedance (V*^2): in the family's own norm, or as the mean
+    over the nodes for the leapfrog, whose velocities and stresses belong to different times."""
+    follow(solver, moment)
+    if solver.model == "fd":
+        shot = solver.snapshot().upper
+        moving, loaded = shot.velocity - 0.5 * what.velocity, (shot.stress - what.steady_stress) / what.upper.epsilon
+        return float(np.mean(moving**2) + np.mean(loaded**2))
+    state = solver.state()["state"]
+    return sum(_product(block.norm, state[slots]) for block in solver.grid.blocks for slots in (block.velocity, block.stress))
+
+
+def _product(norm: Any, field: Any) -> float:
+    return float(field @ (norm * field if isinstance(norm, np.ndarray) else norm @ field))

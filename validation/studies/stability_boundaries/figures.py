@@ -1,0 +1,127 @@
+"""Pictures of stability: critical r over V, boundaries in the (r, epsilon) plane, impedances, spectra."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from reduced import closed_forms
+from reduced.impedance import impedance
+from reduced.stability import Boundary, FrictionSlopes, Stability
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from validation.study.drawing import WIDTH, canvas, pen
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_MODELS = ("quasistatic", "quasidynamic", "block12", "block8", "kelvin-voigt", "modal:1", "modal:8")
+_SHIFT = 0.2
+
+
+def critical_curves(velocity: Array, delay: Array, kelvin_voigt: Array) -> "Figure":
+    """The paper's Fig 2: r_c over V, and the relative error of the Kelvin-Voigt system's."""
+    figure = canvas(WIDTH, 3.1)
+    left, right = figure.subplots(1, 2)
+    for model, values in (("delay", delay), ("kelvin-voigt", kelvin_voigt)):
+        style = pen(model)
+        dashes = "-" if model == "delay" else (0, (5, 2))
+        left.loglog(velocity, values, color=style.color, linestyle=dashes, linewidth=style.width, label=style.label)
+    left.set_xlabel("$V/V^*$")
+    left.set_ylabel("$r_c$")
+    left.legend()
+    right.loglog(velocity, np.abs(kelvin_voigt / delay - 1.0), color=pen("kelvin-voigt").color)
+    right.set_xlabel("$V/V^*$")
+    right.set_ylabel("relative error of $r_c$")
+    right.axhline(0.1, color="#b5b5b0", linewidth=0.8, linestyle=(0, (2, 2)))
+    right.text(1.3, 0.12, "10 %", color="#6b6b66")
+    return figure
+
+
+def planes(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: Scene) -> "Figure":
+    """The paper's Fig 3: both systems' boundaries, traced (marks) and in closed form (lines)."""
+    figure = canvas(WIDTH, 4.0)
+    axes = figure.add_subplot()
+    closed: dict[str, Callable[[FrictionSlopes, float], float]] = {
+        "delay": closed_forms.delay_epsilon,
+        "kelvin-voigt": closed_forms.kelvin_voigt_epsilon,
+    }
+    r = np.geomspace(10**-3.2, 10**-0.75, 4000)
+    for model, function in closed.items():
+        style = pen(model)
+        values = np.array([function(slopes, x) for x in r])
+        values[values <= 0.0] = np.nan
+        axes.loglog(r, values, color=style.color, linewidth=1.1, label=style.label)
+        for curve in traced[model]:
+            axes.plot(10 ** curve.first[::3], 10 ** curve.second[::3], style.marker, color=style.color, markersize=3.5)
+    axes.plot(paper.transit, paper.upper.epsilon, "X", color="#d55e00", markersize=8)
+    axes.annotate("paper's scene", (paper.transit, paper.upper.epsilon), (9, -12), textcoords="offset points", color="#d55e00")
+    for square, name in ((8.0, r"$\sqrt{8}/\omega_c$"), (24.0, r"$\sqrt{24}/\omega_c$")):
+        axes.axvline(np.sqrt(square) / slopes.omega_c, color="#b5b5b0", linewidth=0.8, linestyle=(0, (2, 2)))
+        axes.text(np.sqrt(square) / slopes.omega_c, 1.6e-6, name, ha="right", rotation=90, va="bottom", color="#6b6b66")
+    axes.text(1.0e-3, 2e-3, "steady sliding stable")
+    axes.text(6e-3, 4e-6, "unstable")
+    axes.set_xlim(r[0], r[-1])
+    axes.set_ylim(1e-6, 0.1)
+    axes.set_xlabel("$r$")
+    axes.set_ylabel(r"$\epsilon$")
+    axes.legend(loc="upper left")
+    return figure
+
+
+def impedances(paper: Scene) -> "Figure":
+    """|Z| and phase of every model, and the relative error of each reduction."""
+    omega = np.geomspace(0.05, 40.0, 1500)
+    s = (_SHIFT + 1j * omega) / paper.transit
+    exact = impedance(paper, s)
+    figure = canvas(WIDTH, 4.6)
+    grid = figure.subplot_mosaic([["size", "error"], ["phase", "error"]], width_ratios=(1.15, 1.0))
+    for model in ("delay", *_MODELS):
+        style, z = pen(model), exact if model == "delay" else impedance(paper, s, model)
+        _line(grid["size"], omega, np.abs(z) / paper.upper.epsilon, model)
+        _line(grid["phase"], omega, np.degrees(np.angle(z)), model)
+        if model != "delay":
+            _line(grid["error"], omega, np.abs(z / exact - 1.0), model)
+            grid["error"].lines[-1].set_label(style.label)
+    for name, label in (("size", r"$|Z|/\epsilon$"), ("phase", "phase of $Z$ (degrees)"), ("error", r"$|Z/Z_{\rm exact}-1|$")):
+        grid[name].set_xscale("log")
+        grid[name].set_ylabel(label)
+        grid[name].set_xlabel(r"$\omega$ (radians per transit)")
+    grid["size"].set_yscale("log")
+    grid["size"].set_ylim(0.02, 30.0)
+    grid["size"].set_xlabel("")
+    grid["phase"].set_yticks([-90, 0, 90])
+    grid["error"].set_yscale("log")
+    grid["error"].set_ylim(1e-8, 20.0)
+    handles = [*grid["size"].get_lines()[:1], *grid["error"].get_lines()]
+    figure.legend(
+        handles, [pen(model).label for model in ("delay", *_MODELS)], loc="outside upper left", ncols=4, handlelength=2.8
+    )
+    return figure
+
+
+def _line(axes: "Axes", x: Array, y: Array, model: str) -> None:
+    style = pen(model)
+    axes.plot(x, y, color=style.color, linestyle=style.dashes, linewidth=style.width)
+
+
+def spectra(found: Mapping[str, Stability], transit: float) -> "Figure":
+    """Leading roots of several models in the upper half of the complex plane, per transit."""
+    figure = canvas(WIDTH, 3.2)
+    axes = figure.add_subplot()
+    for size, (model, one) in zip((7.0, 7.0, 10.0, 9.0, 12.0), found.items(), strict=True):
+        style = pen(model)
+        roots = np.array([root for root in one.leading_roots if root.imag > 0.0]) * transit
+        face = style.color if model == "delay" else "none"
+        axes.plot(
+            roots.real, roots.imag, style.marker, color=style.color, markerfacecolor=face, markersize=size, label=style.label
+        )
+    axes.axvline(found["delay"].essential_abscissa * transit, color="#6b6b66", linewidth=0.8, linestyle=(0, (4, 2)))
+    axes.axvline(0.0, color="#b5b5b0", linewidth=0.8)
+    axes.set_ylim(-0.7, 14.0)
+    axes.set_yticks([0.0, 2 * np.pi, 4 * np.pi], ["0", r"$2\pi$", r"$4\pi$"])
+    axes.set_xlabel("Re $s$ (per transit)")
+    axes.set_ylabel("Im $s$ (per transit)")
+    axes.legend(loc="center")
+    return figure

@@ -1,0 +1,61 @@
+"""One cycle of two unlike pairs, the delay system under the full wave's points."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from slipwave.observe.pieces import Array
+from validation.study.drawing import WIDTH, canvas
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_BEFORE, _AFTER = 3.0, 2.0
+_TITLES = {"unlike": "round trips 2 : 1", "unlike-irrational": r"round trips $\sqrt{2}$ : 1"}
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Date and period of the last complete cycle, then time (transits), ln v and stress over the end of a run."""
+
+    start: float
+    period: float
+    time: Array
+    ln_rate: Array
+    stress: Array
+
+    def cycle(self) -> tuple[Array, Array, Array]:
+        """Time since the event, v, stress, over the cycle and a little on both sides."""
+        time = self.time - self.start
+        keep = (time > -_BEFORE) & (time < self.period + _AFTER)
+        return time[keep], np.exp(self.ln_rate[keep]), self.stress[keep]
+
+
+def last_cycles(shown: Mapping[str, tuple[Curves, Curves]]) -> "Figure":
+    """Columns: scenes; rows: stress and rate. Each entry holds (delay, full wave)."""
+    figure = canvas(WIDTH, 4.8)
+    grid = figure.subplots(2, len(shown), sharex="col", sharey="row", squeeze=False)
+    for column, (name, (exact, wave)) in zip(grid.T, shown.items(), strict=True):
+        time, *lines = exact.cycle()
+        shown_at, *points = wave.cycle()
+        some = _spread(shown_at, points[0])
+        for axes, line, marks in zip(column, lines[::-1], points[::-1], strict=True):
+            axes.plot(time, line, color="#111111", linewidth=1.2, label="delay system")
+            axes.plot(
+                shown_at[some], marks[some], "o", color="#d55e00", markersize=3.6, markerfacecolor="none", label="full wave"
+            )
+        column[0].set_title(_TITLES[name])
+        column[1].set_yscale("log")
+        column[1].set_xlabel("time since the slip event (transits)")
+    grid[0, 0].set_ylabel(r"stress $\mu$")
+    grid[1, 0].set_ylabel(r"slip rate $v/V^*$")
+    figure.legend(handles=grid[0, 0].get_lines(), loc="outside upper left", ncols=2)
+    return figure
+
+
+def _spread(time: Array, rate: Array) -> Array:
+    """Indices evenly spaced along the curve of ln v over time, about 110 of them."""
+    length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(time) / np.ptp(time), np.diff(np.log(rate)) / 12.0))])
+    return np.unique(np.searchsorted(length, np.linspace(0.0, length[-1], 110)))
