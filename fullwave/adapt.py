@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from fullwave.discontinuous import MOST_DEGREE, DiscontinuousGalerkin
-from fullwave.lines.march import March
+from fullwave.lines.march import MethodOfLines
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, follow
 from slipwave.observe.foresight import require_time
@@ -68,8 +68,8 @@ def degree_for(tolerance: float) -> int:
 
 
 def to_tolerance(
-    scene: Scene, tolerance: float, kind: Callable[..., March] = DiscontinuousGalerkin, **options: Any
-) -> tuple[March, Choice]:
+    scene: Scene, tolerance: float, kind: Callable[..., MethodOfLines] = DiscontinuousGalerkin, **options: Any
+) -> tuple[MethodOfLines, Choice]:
     """A solver of `scene`, at its start, whose error in period and stress drop is estimated below `tolerance` (relative), and
     the `Choice` made. `kind` and `options` fix the family (by default discontinuous Galerkin of a degree chosen by `tolerance`).
 
@@ -106,7 +106,7 @@ def to_tolerance(
     )
 
 
-def judge_grid(cells: int, fine: March, coarse: March) -> Choice:
+def judge_grid(cells: int, fine: MethodOfLines, coarse: MethodOfLines) -> Choice:
     """What a grid of `cells` that nobody asked for is worth, from fresh solvers on it and on one with two thirds of its cells.
 
     Their difference in a probe is more than the error of the finer, from order 2 on.
@@ -124,7 +124,7 @@ def _needed(cells: int, factor: float, gain: float) -> float:
     return cells * math.exp(min(_MOST_OUTLOOK, math.log(factor) * math.log(_RATIO) / math.log(gain)))
 
 
-def _fewest(scene: Scene, kind: Callable[..., March], options: dict[str, Any]) -> int:
+def _fewest(scene: Scene, kind: Callable[..., MethodOfLines], options: dict[str, Any]) -> int:
     """The smallest number of cells from 2 on that the family accepts."""
     for cells in range(2, 40):
         try:
@@ -147,7 +147,7 @@ def _kinked(scene: Scene) -> bool:
     return not scene.drive.is_constant and scene.drive.times[-1] > 0.0
 
 
-def _probe(solver: March) -> _Found | None:
+def _probe(solver: MethodOfLines) -> _Found | None:
     """None if the grid was too coarse to march."""
     events = EventObserver(solver.scene, solver.nodes)
     require_time(solver, _probed_until(solver.scene))

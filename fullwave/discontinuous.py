@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fullwave.lines.blocks import Block, Grid, Section, sections_of, shortest_cell
-from fullwave.lines.march import March, method_for
+from fullwave.lines.blocks import Block, BlockGrid, Section, sections_of, shortest_cell
+from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.panels import LANES, differentiate_rows
 from fullwave.lines.scheme_limit import line_spectrum, longest_step
 from fullwave.lines.system import register_operator
@@ -44,7 +44,7 @@ class Elements(NamedTuple):
     scale: Array
 
 
-def element_grid(sections: list[Section], degree: int) -> Grid:
+def element_grid(sections: list[Section], degree: int) -> BlockGrid:
     """Every cell of every section as one block."""
     nodes, weights = gauss_lobatto(degree)
     total = sum(section.cells for section in sections)
@@ -62,7 +62,7 @@ def element_grid(sections: list[Section], degree: int) -> Grid:
             norm = 0.5 * length * weights
             blocks.append(Block(section, rows + column, rows + column + _ABREAST, depth, norm, (lift, lift)))
     elements = Elements(degree + 1, lagrange_basis(nodes).derivative.ravel(), scale)
-    return Grid(elements, width * (degree + 1), tuple(blocks))
+    return BlockGrid(elements, width * (degree + 1), tuple(blocks))
 
 
 def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
@@ -87,7 +87,7 @@ def courant_limit(degree: int) -> float:
     return longest_step(line_spectrum(2.0 * lagrange_basis(nodes).derivative, lift), method_for(degree + 1))
 
 
-class DiscontinuousGalerkin(March):
+class DiscontinuousGalerkin(MethodOfLines):
     """`scene` by elements of `degree` (1 to 24), `cells` per slab; `cfl` is the share (0, 1] of the longest stable step.
 
     The time integration is of order 8 (of order 4 for degree 1), so that it does not cap the elements.

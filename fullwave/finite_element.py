@@ -25,8 +25,8 @@ import scipy.sparse
 import skfem
 from numpy.typing import NDArray
 
-from fullwave.lines.blocks import Block, Grid, Section, padded_half, sections_of
-from fullwave.lines.march import March, method_for
+from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half, sections_of
+from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
 from fullwave.lines.system import register_operator
 from fullwave.operators.gll_element import ElementLineGLL
@@ -80,7 +80,7 @@ def assemble_layer(cells: int, degree: int, mass: str) -> tuple[Array, Any, Any]
     return exact.doflocs[0][order], matrices[0], matrices[1]
 
 
-def mesh_grid(sections: list[Section], degree: int, mass: str) -> Grid:
+def mesh_grid(sections: list[Section], degree: int, mass: str) -> BlockGrid:
     """Every section as one block."""
     layers = [assemble_layer(section.cells, degree, mass) for section in sections]
     first = np.cumsum([0] + [depth.size for depth, _, _ in layers])
@@ -101,7 +101,7 @@ def mesh_grid(sections: list[Section], degree: int, mass: str) -> Grid:
     rows.eliminate_zeros()
     factor = np.zeros((0, 0)) if mass == "lumped" else _banded_cholesky(scipy.sparse.block_diag(norms, format="csr"), degree)
     operator = Assembled(rows.indptr.astype(np.int64), rows.indices.astype(np.int64), rows.data, factor, half)
-    return Grid(operator, 2 * half, tuple(blocks))
+    return BlockGrid(operator, 2 * half, tuple(blocks))
 
 
 def _banded_cholesky(matrix: Any, bandwidth: int) -> Array:
@@ -157,7 +157,7 @@ def courant_limit(degree: int, mass: str, cells: int) -> float:
     return MARGIN * longest_step(spectrum, method_for(degree + 1)) * cells
 
 
-class FiniteElement(March):
+class FiniteElement(MethodOfLines):
     """`scene` by elements of `degree` (1 to 16), `cells` per slab, `mass` "lumped" or "consistent"; `cfl` is the share (0, 1] of
     the longest stable step. Raises SceneError naming the option and its allowed range, or the viscosity it cannot honour.
     """

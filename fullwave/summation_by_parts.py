@@ -24,8 +24,8 @@ import numpy as np
 import scipy.sparse
 from numpy.typing import NDArray
 
-from fullwave.lines.blocks import Block, Grid, Section, padded_half, sections_of
-from fullwave.lines.march import March, method_for
+from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half, sections_of
+from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
 from fullwave.lines.system import register_operator
 from fullwave.operators.closure import boundary_closure, central_coefficients, closure_rows
@@ -74,7 +74,7 @@ def fewest_cells(order: int) -> int:
     return 2 * closure_rows(order) + order // 2 - 1
 
 
-def difference_grid(sections: list[Section], order: int) -> Grid:
+def difference_grid(sections: list[Section], order: int) -> BlockGrid:
     """Every section as one block."""
     norm, closure = boundary_closure(order)
     first = np.cumsum([0] + [section.cells + 1 for section in sections])
@@ -87,7 +87,7 @@ def difference_grid(sections: list[Section], order: int) -> Grid:
         depth = section.start + h * (slots - start)
         blocks.append(Block(section, slots, half + slots, depth, h * difference_norm(order, section.cells), (lift, lift)))
     scale = np.array([section.cells / section.length for section in sections])
-    return Grid(Differences(first, scale, central_coefficients(order), closure, half), 2 * half, tuple(blocks))
+    return BlockGrid(Differences(first, scale, central_coefficients(order), closure, half), 2 * half, tuple(blocks))
 
 
 def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
@@ -129,7 +129,7 @@ def courant_limit(order: int, cells: int) -> float:
     return MARGIN * longest_step(line_spectrum(matrix, lift), method_for(order)) * cells
 
 
-class SummationByParts(March):
+class SummationByParts(MethodOfLines):
     """`scene` by differences of `order` 2, 4 or 6 with `cells` per slab; `cfl` is the share (0, 1] of the longest stable step.
 
     Raises SceneError naming the option and its allowed range.

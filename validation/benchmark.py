@@ -46,14 +46,14 @@ class Race(NamedTuple):
     second: Work
 
 
-def _run(setting: Setting, what: Scene, transits: float) -> Work:
+def _run(setting: Setting, scene: Scene, transits: float) -> Work:
     """A march with its event detection, one transit after its start, when all that it needs is loaded."""
 
     def prepare() -> Callable[[], object]:
         """Build the solver and lead it past its start; the march to be timed."""
-        solver = solver_of(setting, what)
+        solver = solver_of(setting, scene)
         follow(solver, 1.0)
-        return partial(follow, solver, 1.0 + transits, [EventObserver(what, solver.nodes)])
+        return partial(follow, solver, 1.0 + transits, [EventObserver(scene, solver.nodes)])
 
     return prepare
 
@@ -86,9 +86,9 @@ def races() -> Iterator[Race]:
     yield Race("slipwave --help over bare Python", _started("-m", "validation.cli", "--help"), _started("-c", ""))
 
 
-def _faced(what: Scene, face: Face) -> Scene:
-    slab = dataclasses.replace(what.upper, face=face)
-    return dataclasses.replace(what, upper=slab, lower=slab)
+def _faced(scene: Scene, face: Face) -> Scene:
+    slab = dataclasses.replace(scene.upper, face=face)
+    return dataclasses.replace(scene, upper=slab, lower=slab)
 
 
 def measure(race: Race, rounds: int = ROUNDS) -> dict[str, float]:

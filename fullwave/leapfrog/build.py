@@ -3,7 +3,7 @@
 import numpy as np
 
 from fullwave.leapfrog.faces import compiled_face
-from fullwave.leapfrog.grid import Grid
+from fullwave.leapfrog.grid import LeapfrogGrid
 from fullwave.leapfrog.kernel import DRIVE, ELASTIC, MEMORY, PSI, STATE, STRESS, Z
 from fullwave.leapfrog.media import Medium, elastic_medium
 from fullwave.leapfrog.sides import Side
@@ -14,7 +14,7 @@ from slipwave.scene import Scene
 from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
 
 
-def steady_side(scene: Scene, slab: Slab, grid: Grid) -> Side:
+def steady_side(scene: Scene, slab: Slab, grid: LeapfrogGrid) -> Side:
     """One slab in steady sliding at the scene's initial velocity."""
     face = compiled_face(slab, slab.round_trip / scene.transit, grid.step, scene.steady_stress)
     velocity = 0.5 * scene.velocity

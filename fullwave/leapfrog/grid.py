@@ -17,7 +17,7 @@ MOST_CELLS = 10_000_000
 
 
 @dataclass(frozen=True)
-class Grid:
+class LeapfrogGrid:
     """Cells of one slab from the interface outwards: `width` (n,) as travel time in transits, `impedance` (n,); and the step."""
 
     width: Array
@@ -57,7 +57,7 @@ def common_step(scene: Scene, cells: int, cfl: float) -> float:
     return cfl * 0.5 * shorter / cells
 
 
-def slab_grid(slab: Slab, ratio: float, step: float, cfl: float, cells: int) -> Grid:
+def slab_grid(slab: Slab, ratio: float, step: float, cfl: float, cells: int) -> LeapfrogGrid:
     """Grid of `slab`, whose round trip is `ratio` transits. Raises SceneError naming cells if a layer is thinner than a cell."""
     widths, impedances = [], []
     for number, layer in enumerate(slab.layers):
@@ -70,4 +70,4 @@ def slab_grid(slab: Slab, ratio: float, step: float, cfl: float, cells: int) -> 
             raise SceneError(f"cells = {cells}: the slower slab would need {count} cells; at most {MOST_CELLS} are allowed")
         widths.append(np.full(count, travel / count))
         impedances.append(np.full(count, slab.epsilon * layer.impedance))
-    return Grid(np.concatenate(widths), np.concatenate(impedances), step)
+    return LeapfrogGrid(np.concatenate(widths), np.concatenate(impedances), step)

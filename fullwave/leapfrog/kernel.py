@@ -129,7 +129,7 @@ def march(
 
 @inlined
 def _record(memory: Array, pieces: Pieces, k: int, j: int) -> None:
-    pieces.unknown[k, j] = memory[Z]
-    pieces.state[k, j] = memory[PSI]
-    pieces.stress[k, j] = memory[STRESS]
-    pieces.elastic[k, j] = memory[ELASTIC]
+    pieces.z[k, j] = memory[Z]
+    pieces.psi[k, j] = memory[PSI]
+    pieces.mu[k, j] = memory[STRESS]
+    pieces.y[k, j] = memory[ELASTIC]

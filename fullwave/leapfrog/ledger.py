@@ -8,7 +8,7 @@ when asked for. Stresses are held less that of steady sliding, which therefore a
 import numpy as np
 
 from fullwave.leapfrog.faces import Grip
-from fullwave.leapfrog.grid import Grid
+from fullwave.leapfrog.grid import LeapfrogGrid
 from fullwave.leapfrog.kernel import FRICTION, INPUT, Clock
 from fullwave.leapfrog.sides import Side
 from fullwave.leapfrog.viscous import StandardLinear
@@ -16,7 +16,7 @@ from slipwave.observe import Energy
 from slipwave.observe.pieces import Array
 
 
-def energy_of(clock: Clock, memory: Array, sides: list[tuple[Side, Grid]], velocity: float, copies: int) -> Energy:
+def energy_of(clock: Clock, memory: Array, sides: list[tuple[Side, LeapfrogGrid]], velocity: float, copies: int) -> Energy:
     """Ledger of `sides` (the one side counted `copies` times for alike slabs), which slid at `velocity` (each) at t = 0."""
     sums = [side_energy(side, grid, clock.steady_stress, velocity) for side, grid in sides]
     stored, radiated, viscous = (copies * sum(column) for column in zip(*sums, strict=True))
@@ -31,7 +31,7 @@ def energy_of(clock: Clock, memory: Array, sides: list[tuple[Side, Grid]], veloc
     )
 
 
-def side_energy(side: Side, grid: Grid, steady_stress: float, velocity: float) -> tuple[float, float, float]:
+def side_energy(side: Side, grid: LeapfrogGrid, steady_stress: float, velocity: float) -> tuple[float, float, float]:
     """(change of what is stored, radiated, lost to viscosity) of one slab, in units of sigma L / transit."""
     medium, face = side
     stretch = np.diff(medium.velocity)

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from fullwave.leapfrog.faces import Grip, Rigid, push, settle
-from fullwave.leapfrog.grid import Grid
+from fullwave.leapfrog.grid import LeapfrogGrid
 from slipwave.compiled.dispatch import dispatch
 from slipwave.observe.pieces import Array
 
@@ -47,7 +47,7 @@ class Layered(NamedTuple):
     outer_inertia: float
 
 
-def elastic_medium(grid: Grid, velocity: float) -> Uniform | Layered:
+def elastic_medium(grid: LeapfrogGrid, velocity: float) -> Uniform | Layered:
     """A slab that moves steadily at `velocity`."""
     u, sigma = np.full(grid.width.size + 1, velocity), np.zeros(grid.width.size)
     if grid.is_uniform:

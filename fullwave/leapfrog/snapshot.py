@@ -3,7 +3,7 @@
 import numpy as np
 
 from fullwave.leapfrog.faces import Rigid
-from fullwave.leapfrog.grid import Grid
+from fullwave.leapfrog.grid import LeapfrogGrid
 from fullwave.leapfrog.kernel import RATE, STRESS, Clock, Z
 from fullwave.leapfrog.sides import Side
 from fullwave.leapfrog.viscous import KelvinVoigt
@@ -13,7 +13,7 @@ from slipwave.observe.snapshot import SlabSnapshot, Snapshot
 from slipwave.scene import Scene
 
 
-def snapshot_of(scene: Scene, time: float, clock: Clock, memory: Array, sides: list[Side], grids: list[Grid]) -> Snapshot:
+def snapshot_of(scene: Scene, time: float, clock: Clock, memory: Array, sides: list[Side], grids: list[LeapfrogGrid]) -> Snapshot:
     """Velocity and stress at the nodes at the whole time `time`, second order in the cell."""
     stress, rate = float(memory[STRESS]) - clock.steady_stress, float(memory[RATE])
     drive = 0.5 * scene.drive.at(time)
@@ -24,7 +24,7 @@ def snapshot_of(scene: Scene, time: float, clock: Clock, memory: Array, sides: l
     return Snapshot(time, upper, SlabSnapshot(lower.depth, -lower.velocity, lower.stress))
 
 
-def _slab(side: Side, grid: Grid, interface_stress: float, rate: float, drive: float) -> SlabSnapshot:
+def _slab(side: Side, grid: LeapfrogGrid, interface_stress: float, rate: float, drive: float) -> SlabSnapshot:
     """Deviation of the stress from that of steady sliding; velocity in the slab's own direction."""
     velocity, stress = _at_whole_time(side, grid, interface_stress, rate)
     if isinstance(side.face, Rigid):
@@ -38,7 +38,7 @@ def _slab(side: Side, grid: Grid, interface_stress: float, rate: float, drive: f
     return SlabSnapshot(grid.depth / grid.depth[-1], velocity, at_nodes)
 
 
-def _at_whole_time(side: Side, grid: Grid, interface_stress: float, rate: float) -> tuple[Array, Array]:
+def _at_whole_time(side: Side, grid: LeapfrogGrid, interface_stress: float, rate: float) -> tuple[Array, Array]:
     """Velocities at the nodes (but the outermost) and total stresses in the cells."""
     medium = side.medium
     velocity = medium.velocity.copy()

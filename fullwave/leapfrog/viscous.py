@@ -17,7 +17,7 @@ import numpy as np
 
 from fullwave.leapfrog import media
 from fullwave.leapfrog.faces import Grip, Rigid, push, settle
-from fullwave.leapfrog.grid import Grid
+from fullwave.leapfrog.grid import LeapfrogGrid
 from slipwave.observe.pieces import Array
 
 
@@ -53,7 +53,7 @@ class KelvinVoigt(NamedTuple):
     lost: Array
 
 
-def standard_linear_medium(grid: Grid, velocity: float, time: float, ratio: float) -> StandardLinear:
+def standard_linear_medium(grid: LeapfrogGrid, velocity: float, time: float, ratio: float) -> StandardLinear:
     """A slab that moves steadily at `velocity`; relaxation `time` in transits."""
     n = grid.width.size
     share = ratio / (1.0 + ratio)
@@ -72,7 +72,7 @@ def standard_linear_medium(grid: Grid, velocity: float, time: float, ratio: floa
     )
 
 
-def kelvin_voigt_medium(grid: Grid, velocity: float, time: float, face: Rigid | Grip) -> KelvinVoigt:
+def kelvin_voigt_medium(grid: LeapfrogGrid, velocity: float, time: float, face: Rigid | Grip) -> KelvinVoigt:
     """A slab that moves steadily at `velocity`, with its elimination prepared; viscous `time` in transits."""
     n, inertia = grid.width.size, grid.inertia
     damping = grid.impedance * time / grid.width

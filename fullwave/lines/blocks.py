@@ -42,7 +42,7 @@ class Block(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Grid:
+class BlockGrid:
     """What a family supplies: its compiled operator, the number of slots (a multiple of panels.LANES) and the blocks, from the
     interface outwards, slab by slab."""
 
@@ -84,7 +84,7 @@ def shortest_cell(sections: list[Section]) -> float:
     return min(section.length / section.cells for section in sections)
 
 
-def assemble(scene: Scene, grid: Grid) -> System:
+def assemble(scene: Scene, grid: BlockGrid) -> System:
     """Join the blocks of `grid` to each other, to the interface and to the outer faces of `scene`."""
     slabs = marched_slabs(scene)
     chains = [[block for block in grid.blocks if block.section.slab == index] for index in range(len(slabs))]
@@ -140,7 +140,7 @@ def _shares(dashpot: float, stiffened: float) -> tuple[float, float]:
     return dashpot / (dashpot + stiffened), 1.0 / (dashpot + stiffened)
 
 
-def energy_weight(grid: Grid) -> Array:
+def energy_weight(grid: BlockGrid) -> Array:
     """eps h per slot of the grid (size,): its product with half of w^2 or s^2, summed, is energy over one transit.
 
     A norm that is no diagonal gives its row sums, which integrate to the order of the scheme but need not be positive: good
@@ -152,7 +152,7 @@ def energy_weight(grid: Grid) -> Array:
     return weight
 
 
-def _medium(scene: Scene, grid: Grid) -> Elastic | Viscous:
+def _medium(scene: Scene, grid: BlockGrid) -> Elastic | Viscous:
     slabs = marched_slabs(scene)
     if all(slab.viscosity is None for slab in slabs):
         return Elastic()

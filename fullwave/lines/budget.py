@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fullwave.lines.blocks import Grid, Section
+from fullwave.lines.blocks import BlockGrid, Section
 from fullwave.lines.runge_kutta import RungeKutta
 from slipwave.errors import SceneError
 
@@ -47,7 +47,7 @@ def enough_memory(cells: int) -> Iterator[None]:
         raise SceneError(f"cells = {cells}: not enough memory on this machine; use fewer") from None
 
 
-def require_memory(sections: list[Section], build: Callable[[list[Section]], Grid], stages: int, viscous: bool) -> None:
+def require_memory(sections: list[Section], build: Callable[[list[Section]], BlockGrid], stages: int, viscous: bool) -> None:
     """Raises SceneError naming cells, and the most that fit, if the march of `sections` would take more than MOST_BYTES.
 
     The count is exact for the stages and what the blocks hold, and within a third of what was measured for the rest."""
@@ -70,7 +70,7 @@ def require_bytes(cells: int, needed: float) -> None:
         )
 
 
-def _bytes(grid: Grid, stages: int, viscous: bool) -> float:
+def _bytes(grid: BlockGrid, stages: int, viscous: bool) -> float:
     """What a march of `grid` takes: `stages` and two copies of its state, the blocks and the operator."""
     copies = (stages + 2.0) * (2.0 if viscous else 1.0) + (6.0 if viscous else 0.0)
     blocks = sum(_BLOCK_BYTES + sum(_held(part) for part in block) for block in grid.blocks)

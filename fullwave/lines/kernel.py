@@ -38,7 +38,7 @@ def march(
     operator, medium, interface, drive = system.operator, system.medium, system.interface, system.drive
     slots, facts, tops, arrivals = system.slots, system.facts, system.tops, system.arrivals
     weight, abscissae = step * method.weight, step * method.abscissae
-    unknown, psis, stress, elastic = pieces.unknown, pieces.state, pieces.stress, pieces.elastic
+    unknown, psis, stress, elastic = pieces.z, pieces.psi, pieces.mu, pieces.y
     stages, size, count = method.stages, interface.size, pieces.time.size
     failures, failed = 0, -1
     fastest = 0.0

@@ -32,7 +32,7 @@ def method_for(order: int) -> RungeKutta:
     return CLASSICAL if order <= 2 else DORMAND_PRINCE_8
 
 
-class March:
+class MethodOfLines:
     """Marches `scene`, its `sections` gridded by `build`, with `method`; a `Solver` (slipwave.observe.follow).
 
     `limit` is the longest stable step (transits) of elastic waves; `step` is the share `cfl` of it, or of what grips, viscosity

@@ -5,7 +5,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from fullwave.lines.blocks import Block, Grid
+from fullwave.lines.blocks import Block, BlockGrid
 from fullwave.lines.system import GRIP, IMPEDANCE, SCALARS, SPRING, System, Viscous
 from slipwave.observe.pieces import Array
 from slipwave.observe.snapshot import SlabSnapshot, Snapshot
@@ -14,7 +14,7 @@ Shape: TypeAlias = Callable[[Array], Array]
 """A field as a function of depth."""
 
 
-def stored_energy(grid: Grid, system: System, state: Array) -> float:
+def stored_energy(grid: BlockGrid, system: System, state: Array) -> float:
     """Change since steady sliding of kinetic, elastic and grip energy of all slabs, in units of sigma L."""
     interface = system.interface
     total = sum(_block_energy(block, system, state) for block in grid.blocks)
@@ -48,14 +48,14 @@ def _excess(norm: Any, change: Array, mean: float) -> float:
     return float(0.5 * (change @ weighted) + mean * weighted.sum())
 
 
-def snapshot_of(grid: Grid, system: System, time: float, state: Array) -> Snapshot:
+def snapshot_of(grid: BlockGrid, system: System, time: float, state: Array) -> Snapshot:
     """Fields of both slabs at `time`; one marched slab stands for both."""
     shots = [_slab_fields(grid, system, state, slab) for slab in range(system.interface.sides)]
     lower = shots[1] if len(shots) == 2 else SlabSnapshot(shots[0].depth, -shots[0].velocity, shots[0].stress)
     return Snapshot(time, shots[0], lower)
 
 
-def _slab_fields(grid: Grid, system: System, state: Array, slab: int) -> SlabSnapshot:
+def _slab_fields(grid: BlockGrid, system: System, state: Array, slab: int) -> SlabSnapshot:
     """Fields of a marched slab in the upper slab's direction of drive; the two values at a joint are averaged."""
     blocks = [block for block in grid.blocks if block.section.slab == slab]
     depth = np.concatenate([block.depth for block in blocks])
@@ -76,7 +76,7 @@ def _total_stress(block: Block, system: System, state: Array) -> Array:
     return stress
 
 
-def impose_fields(grid: Grid, system: System, state: Array, slab: int, velocity: Shape, stress: Shape) -> None:
+def impose_fields(grid: BlockGrid, system: System, state: Array, slab: int, velocity: Shape, stress: Shape) -> None:
     """Set the fields of marched slab 0 (upper) or 1 in `state`: functions of depth, as `March.impose` has them."""
     interface = system.interface
     for block in grid.blocks:

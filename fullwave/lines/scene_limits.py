@@ -5,7 +5,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from fullwave.lines.blocks import Grid, Section, assemble
+from fullwave.lines.blocks import BlockGrid, Section, assemble
 from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.runge_kutta import RungeKutta
 from fullwave.lines.scheme_limit import MARGIN, longest_decay_step, longest_step
@@ -13,7 +13,7 @@ from fullwave.lines.system import SPRING, YIELDING, System
 from slipwave.friction import respond, steady_state, unknown_of
 from slipwave.scene import Scene
 
-Builder: TypeAlias = Callable[[list[Section]], Grid]
+Builder: TypeAlias = Callable[[list[Section]], BlockGrid]
 """A family's gridding of sections."""
 
 _SAMPLE_NODES = 28  # per section of the sample whose spectrum is computed

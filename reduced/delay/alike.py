@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from reduced.delay.alike_kernel import PSI, TIME, Matrices, Memory, Physics, march_delay
+from reduced.delay.alike_kernel import PSI, TIME, AlikeMemory, Matrices, Physics, march_delay
 from reduced.delay.march import DelayMarch
 from reduced.delay.transit_mesh import TransitMesh, cuts_of, transit_mesh
 from reduced.step.collocation import growth_limit, highest_coefficient, radau
@@ -34,7 +34,7 @@ class Delay(DelayMarch):
 
     order_interface = "2 nodes - 1 at the ends of steps, nodes inside"
     exact_when = "alike plain slabs"
-    _memory: Memory
+    _memory: AlikeMemory
 
     def __init__(
         self, scene: Scene, nodes: int | None = None, steps: int | None = None, tolerance: float = 1e-9, emit: bool = True
@@ -107,14 +107,14 @@ class Delay(DelayMarch):
         else:
             self._begin(new)
 
-    def _remember(self, incoming: Array, now: Array, cursor: int) -> Memory:
+    def _remember(self, incoming: Array, now: Array, cursor: int) -> AlikeMemory:
         """Memory at a step's start with guesses from frozen psi."""
         guess = np.full((2, self._stages), now[PSI])
         start = unknown_of(self.scene.law, self.scene.velocity)
         self.failures += first_guess(
             self.scene.law, 0.5 * self.scene.upper.epsilon, incoming[cursor], now[PSI], start, guess[UNKNOWN]
         )
-        return Memory(incoming, self._mesh.lengths, guess, now.copy(), np.array([cursor]))
+        return AlikeMemory(incoming, self._mesh.lengths, guess, now.copy(), np.array([cursor]))
 
 
 def refuse_unless_plain(scene: Scene) -> None:

@@ -24,7 +24,7 @@ from slipwave.scene.drive import interpolate_drive
 TIME, PSI, ELASTIC = 0, 1, 2
 
 
-class Memory(NamedTuple):
+class AlikeMemory(NamedTuple):
     """State at a step's end. `incoming` (steps, s): S at the nodes of the coming transit, from row `cursor[0]` on cyclically;
     `lengths` (steps,) of the steps in transits; `guess` (2, s): predicted nodal psi and z of the next step; `now`: time
     (transits), psi, y."""
@@ -77,18 +77,18 @@ def emit(
     pieces.time[k] = start
     pieces.length[k] = length
     for j in range(s):
-        pieces.unknown[k, j] = guess[UNKNOWN, j]
-        pieces.state[k, j] = guess[STATE, j]
-        pieces.stress[k, j] = incoming[i, j] - 0.5 * epsilon * work[RATE, j]
-        pieces.elastic[k, j] = now[ELASTIC]
+        pieces.z[k, j] = guess[UNKNOWN, j]
+        pieces.psi[k, j] = guess[STATE, j]
+        pieces.mu[k, j] = incoming[i, j] - 0.5 * epsilon * work[RATE, j]
+        pieces.y[k, j] = now[ELASTIC]
     velocity = drive_velocities[0]
     for m in range(s):
         if drive_velocities.size > 1:
             velocity = interpolate_drive(drive_times, drive_velocities, start + nodes[m] * length)
         factor = length * epsilon * (velocity - work[RATE, m])
         for j in range(s):
-            pieces.elastic[k, j] += integral[m, j] * factor
-    now[ELASTIC] = pieces.elastic[k, s - 1]
+            pieces.y[k, j] += integral[m, j] * factor
+    now[ELASTIC] = pieces.y[k, s - 1]
 
 
 @njit
@@ -97,7 +97,7 @@ def march_delay(
     law: Law,
     physics: Physics,
     matrices: Matrices,
-    memory: Memory,
+    memory: AlikeMemory,
     count: int,
     newton_tolerance: float,
     resolution: float,

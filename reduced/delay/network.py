@@ -7,7 +7,7 @@ import numpy as np
 from reduced.delay.alike import collocation_matrices, dense_resolution
 from reduced.delay.alike_kernel import ELASTIC, PSI, TIME
 from reduced.delay.march import DelayMarch
-from reduced.delay.network_kernel import Integers, Memory, Motion, Network, march_network
+from reduced.delay.network_kernel import Integers, Motion, Network, NetworkMemory, march_network
 from reduced.delay.transmission_lines import common_divisor, lines_of
 from reduced.step.collocation import growth_limit, radau
 from reduced.step.guess import DONE, first_guess
@@ -32,7 +32,7 @@ class DelayNetwork(DelayMarch):
 
     order_interface = "nodes; 2 nodes - 1 at the ends of steps where round trips are commensurate"
     exact_when = "lossless slabs"
-    _memory: Memory
+    _memory: NetworkMemory
 
     def __init__(self, scene: Scene, tolerance: float = 1e-9, nodes: int = NODES) -> None:
         super().__init__(scene)
@@ -103,7 +103,7 @@ class DelayNetwork(DelayMarch):
         inverse = np.linalg.inv(np.eye(self._stages) + h_spring[:, None, None] * radau(self._stages).integral)
         return np.asarray(inverse, dtype=float)
 
-    def _begin(self) -> Memory:
+    def _begin(self) -> NetworkMemory:
         """Steady sliding, no wave, psi displaced if the start is a jump."""
         scene = self.scene
         now = np.zeros(3)
@@ -113,7 +113,7 @@ class DelayNetwork(DelayMarch):
         steady = np.full(self._stages, self._network.base)
         start = unknown_of(scene.law, scene.velocity)
         self.failures += first_guess(scene.law, scene.impedance, steady, now[PSI], start, guess[1])
-        return Memory(waves, np.zeros(self._lines.spring.size), guess, now, np.zeros(1, dtype=np.int64))
+        return NetworkMemory(waves, np.zeros(self._lines.spring.size), guess, now, np.zeros(1, dtype=np.int64))
 
     def _refine(self, verdict: int) -> None:
         """Half the step: the stored waves are evaluated at the nodes of the two halves of each step."""
@@ -131,7 +131,7 @@ class DelayNetwork(DelayMarch):
             finer[:, :, -wanted:] if wanted <= 2 * ring else np.pad(finer, ((0, 0), (0, 0), (wanted - 2 * ring, 0), (0, 0)))
         )
         guess = np.repeat([[old.now[PSI]], [float(old.guess[1, 0])]], stages, axis=1)
-        self._memory = Memory(waves, old.grip, guess, old.now, np.zeros(1, dtype=np.int64))
+        self._memory = NetworkMemory(waves, old.grip, guess, old.now, np.zeros(1, dtype=np.int64))
 
     def _require_room(self, verdict: int) -> None:
         """NumericsError unless the step may still be halved."""

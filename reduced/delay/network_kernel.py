@@ -55,7 +55,7 @@ class Motion(NamedTuple):
     drive_velocities: Array
 
 
-class Memory(NamedTuple):
+class NetworkMemory(NamedTuple):
     """`waves` (layers, 2, ring, s): deviations launched outwards and inwards in past steps, a ring; `grip` (slabs,) spring
     stress; `guess` (2, s); `now`: time, psi, y; `cursor` (1,): ring index of the next step."""
 
@@ -139,7 +139,7 @@ def march_network(
     predict_rate: Array,
     predict_state: Array,
     tail: Array,
-    memory: Memory,
+    memory: NetworkMemory,
     length: float,
     count: int,
     newton_tolerance: float,
@@ -191,7 +191,7 @@ def march_network(
         for slab in range(slabs):
             first = network.first[slab]
             for j in range(s):
-                stress = pieces.stress[n, j] - network.steady_stress
+                stress = pieces.mu[n, j] - network.steady_stress
                 launched[first, OUTWARD, j] = 2.0 * stress - arrived[first, INWARD, j]
         for layer in range(layers):
             for j in range(s):
@@ -224,14 +224,14 @@ def emit(
     pieces.time[k] = start
     pieces.length[k] = length
     for j in range(s):
-        pieces.unknown[k, j] = guess[UNKNOWN, j]
-        pieces.state[k, j] = guess[STATE, j]
-        pieces.stress[k, j] = incoming[0, j] - impedance * work[RATE, j]
+        pieces.z[k, j] = guess[UNKNOWN, j]
+        pieces.psi[k, j] = guess[STATE, j]
+        pieces.mu[k, j] = incoming[0, j] - impedance * work[RATE, j]
         work[PREVIOUS, j] = now[ELASTIC]
     for m in range(s):
         factor = length * motion.stiffness * (motion.steady_velocity + 2.0 * drive[m] - work[RATE, m])
         for j in range(s):
             work[PREVIOUS, j] += integral[m, j] * factor
     for j in range(s):
-        pieces.elastic[k, j] = work[PREVIOUS, j]
+        pieces.y[k, j] = work[PREVIOUS, j]
     now[ELASTIC] = work[PREVIOUS, s - 1]

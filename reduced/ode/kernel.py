@@ -64,7 +64,7 @@ class Limits(NamedTuple):
     impedance: Array
 
 
-class Memory(NamedTuple):
+class ReducedMemory(NamedTuple):
     """`modes` (N, 2): tau, p relative to epsilon; `guess` (2, s); `now`: time, psi, spring stress / epsilon, y, v, z;
     `level` (1,): that of the next step."""
 
@@ -230,8 +230,8 @@ def predict(
     for j in range(s):
         psi, z = predict_state[ratio, j, 0] * left, 0.0
         for m in range(s):
-            psi += predict_state[ratio, j, m + 1] * pieces.state[k, m]
-            z += predict_rate[ratio, j, m] * pieces.unknown[k, m]
+            psi += predict_state[ratio, j, m + 1] * pieces.psi[k, m]
+            z += predict_rate[ratio, j, m] * pieces.z[k, m]
         guess[STATE, j] = psi
         guess[UNKNOWN, j] = z
 
@@ -251,7 +251,7 @@ def march_ladder(
     slabs: Slabs,
     tables: Tables,
     rule: Rule,
-    memory: Memory,
+    memory: ReducedMemory,
     until: float,
     stop: float,
     limits: Limits,
@@ -311,13 +311,13 @@ def march_ladder(
         pieces.length[k] = length
         slip = 0.0
         for j in range(s):
-            pieces.unknown[k, j] = guess[UNKNOWN, j]
-            pieces.state[k, j] = guess[STATE, j]
-            pieces.stress[k, j] = respond(law, guess[UNKNOWN, j], guess[STATE, j])[2]
+            pieces.z[k, j] = guess[UNKNOWN, j]
+            pieces.psi[k, j] = guess[STATE, j]
+            pieces.mu[k, j] = respond(law, guess[UNKNOWN, j], guess[STATE, j])[2]
             slip = 0.0
             for m in range(s):
                 slip += length * integral[j, m] * (work[_DRIVE, m] - work[_V, m])
-            pieces.elastic[k, j] = now[ELASTIC] + slabs.stiffness * slip
+            pieces.y[k, j] = now[ELASTIC] + slabs.stiffness * slip
         advance_modes(nodes, tables, level, modes, length, integral, work)
         now[SPRING] += tables.spring * slip
         now[ELASTIC] += slabs.stiffness * slip

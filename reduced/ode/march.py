@@ -5,7 +5,20 @@ from functools import cache, lru_cache
 
 import numpy as np
 
-from reduced.ode.kernel import ELASTIC, PSI, RATE, SAME, SPRING, TIME, UNKNOWN_END, Limits, Memory, Rule, Slabs, march_ladder
+from reduced.ode.kernel import (
+    ELASTIC,
+    PSI,
+    RATE,
+    SAME,
+    SPRING,
+    TIME,
+    UNKNOWN_END,
+    Limits,
+    ReducedMemory,
+    Rule,
+    Slabs,
+    march_ladder,
+)
 from reduced.ode.reduction import Reduction
 from reduced.ode.step_tables import LONGEST, Tables, impedance_at, prediction_tables, step_tables
 from reduced.step.collocation import Collocation, growth_limit, highest_coefficient, radau
@@ -21,7 +34,7 @@ _LEVELS = 32
 _FIRST_LEVEL = 4
 
 
-class Ladder:
+class ReducedModel:
     """Marches `reduction` of the scene's slab pair to `tolerance`, the requested relative error of the cycle's figures.
 
     Radau IIA with 6 nodes (order 11 at step ends, L-stable), step lengths 2 / 2^level transits. Between two knots of the drive,
@@ -47,7 +60,7 @@ class Ladder:
         self._memory = self._begin(stages)
         self._take_stretch(0.0)
 
-    def _begin(self, stages: int) -> Memory:
+    def _begin(self, stages: int) -> ReducedMemory:
         """Steady sliding, psi displaced if the start is a jump: the rate jumps with it unless mass holds it."""
         scene = self.scene
         now = np.empty(6)
@@ -55,7 +68,7 @@ class Ladder:
         now[SPRING], now[ELASTIC] = scene.steady_stress / scene.upper.epsilon, scene.steady_stress
         now[RATE], now[UNKNOWN_END] = scene.velocity, unknown_of(scene.law, scene.velocity)
         guess = np.repeat([[now[PSI]], [now[UNKNOWN_END]]], stages, axis=1)
-        return Memory(
+        return ReducedMemory(
             np.zeros((len(self._reduction.frequencies) + len(self._reduction.relaxations), 2)),
             guess,
             now,

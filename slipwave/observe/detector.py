@@ -18,7 +18,7 @@ from slipwave.observe.swings import BEGIN, COLUMNS, DATE, DIRECTION, END, RECORD
 _FLAT = 1e-14  # relative; a change of y within a piece that is rounding
 
 
-class Memory(NamedTuple):
+class DetectorMemory(NamedTuple):
     """The running swing; what `rise` remembers of it, and the pieces it keeps; y at the end of the latest piece (shape (1,), NaN
     before the first)."""
 
@@ -28,14 +28,14 @@ class Memory(NamedTuple):
     last: Array
 
 
-def empty_memory(nodes: int) -> Memory:
+def empty_memory(nodes: int) -> DetectorMemory:
     """Memory before the first piece, of pieces with that many `nodes`."""
-    return Memory(np.zeros(COLUMNS), np.zeros(SLOTS), room_for_rise(nodes), np.full(1, np.nan))
+    return DetectorMemory(np.zeros(COLUMNS), np.zeros(SLOTS), room_for_rise(nodes), np.full(1, np.nan))
 
 
 @njit
 def scan(
-    law: Law, pieces: Pieces, first: int, basis: Basis, floor: float, memory: Memory, swings: Array, count: int
+    law: Law, pieces: Pieces, first: int, basis: Basis, floor: float, memory: DetectorMemory, swings: Array, count: int
 ) -> tuple[int, int]:
     """Walk over the pieces from `first` on and add completed swings; returns (next piece, swings). It stops early where `swings`
     has no room for what another piece may bring."""
@@ -44,7 +44,7 @@ def scan(
     for k in range(first, pieces.time.size):
         if count + n + 1 > swings.shape[0]:
             return k, count
-        y = pieces.elastic[k]
+        y = pieces.y[k]
         if math.isnan(memory.last[0]):
             memory.last[0] = evaluate(basis, y, 0.0)
             _begin(pieces, k, basis, 0.0, 1.0 if y[n - 1] >= memory.last[0] else -1.0, memory)
@@ -59,7 +59,7 @@ def scan(
 
 
 @njit
-def _turns(basis: Basis, y: Array, memory: Memory) -> bool:
+def _turns(basis: Basis, y: Array, memory: DetectorMemory) -> bool:
     """Whether the elastic stress turns in this piece or at its beginning."""
     direction, left = memory.running[DIRECTION], memory.last[0]
     for j in range(y.size):
@@ -71,10 +71,18 @@ def _turns(basis: Basis, y: Array, memory: Memory) -> bool:
 
 @njit
 def _split(
-    law: Law, pieces: Pieces, k: int, basis: Basis, scratch: Array, floor: float, memory: Memory, swings: Array, count: int
+    law: Law,
+    pieces: Pieces,
+    k: int,
+    basis: Basis,
+    scratch: Array,
+    floor: float,
+    memory: DetectorMemory,
+    swings: Array,
+    count: int,
 ) -> tuple[float, int]:
     """Complete the swings that end in piece k; returns (point where the running one begins, swings)."""
-    y, slopes = pieces.elastic[k], scratch[0]
+    y, slopes = pieces.y[k], scratch[0]
     if y.max() - y.min() <= _FLAT * abs(y[0]):
         if memory.running[DIRECTION] * (y[y.size - 1] - memory.last[0]) < 0.0:
             count = _turn(pieces, k, basis, 0.0, floor, memory, swings, count)
@@ -94,10 +102,12 @@ def _split(
 
 
 @njit
-def _turn(pieces: Pieces, k: int, basis: Basis, point: float, floor: float, memory: Memory, swings: Array, count: int) -> int:
+def _turn(
+    pieces: Pieces, k: int, basis: Basis, point: float, floor: float, memory: DetectorMemory, swings: Array, count: int
+) -> int:
     """The running swing ends at `point` of piece k and the next one begins; returns how many completed ones are left."""
     running = memory.running
-    running[END] = evaluate(basis, pieces.elastic[k], point)
+    running[END] = evaluate(basis, pieces.y[k], point)
     _date(basis, memory)
     for column in range(COLUMNS):
         swings[count, column] = running[column]
@@ -107,18 +117,18 @@ def _turn(pieces: Pieces, k: int, basis: Basis, point: float, floor: float, memo
 
 
 @njit
-def _date(basis: Basis, memory: Memory) -> None:
+def _date(basis: Basis, memory: DetectorMemory) -> None:
     """The date of the running swing, if it is a fall in which v has just risen."""
     if memory.running[DIRECTION] < 0.0 and memory.rise[RISING] > 0.0:
         memory.running[DATE] = date_rise(basis, memory.rise, memory.kept)
 
 
 @njit
-def _begin(pieces: Pieces, k: int, basis: Basis, point: float, direction: float, memory: Memory) -> None:
+def _begin(pieces: Pieces, k: int, basis: Basis, point: float, direction: float, memory: DetectorMemory) -> None:
     """A swing in `direction` (1 up, -1 down) begins at `point` of piece k."""
     running = memory.running
     running[DIRECTION] = direction
-    running[BEGIN] = running[END] = evaluate(basis, pieces.elastic[k], point)
+    running[BEGIN] = running[END] = evaluate(basis, pieces.y[k], point)
     running[DATE] = math.nan
     for slot in range(RECORDS, COLUMNS):
         running[slot] = -math.inf
@@ -127,16 +137,18 @@ def _begin(pieces: Pieces, k: int, basis: Basis, point: float, direction: float,
 
 
 @njit
-def _take(law: Law, pieces: Pieces, k: int, basis: Basis, scratch: Array, begin: float, end: float, memory: Memory) -> None:
+def _take(
+    law: Law, pieces: Pieces, k: int, basis: Basis, scratch: Array, begin: float, end: float, memory: DetectorMemory
+) -> None:
     """Raise the running swing's records by the part [begin, end] of piece k and, in a fall, follow the rise of v."""
-    running, z = memory.running, pieces.unknown[k]
+    running, z = memory.running, pieces.z[k]
     highest = running[RECORDS]
     if begin == 0.0 and end == basis.nodes[basis.nodes.size - 1] and highest > -math.inf:
         raise_record(basis, z, scratch, running, RECORDS)
-        raise_record(basis, pieces.stress[k], scratch, running, RECORDS + 2)
+        raise_record(basis, pieces.mu[k], scratch, running, RECORDS + 2)
     else:
         raise_record_within(basis, z, scratch, running, RECORDS, begin, end)
-        raise_record_within(basis, pieces.stress[k], scratch, running, RECORDS + 2, begin, end)
+        raise_record_within(basis, pieces.mu[k], scratch, running, RECORDS + 2, begin, end)
     if running[DIRECTION] < 0.0:
         raised = running[RECORDS] > highest
         if not raised and memory.rise[RISING] > 0.0:

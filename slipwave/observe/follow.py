@@ -76,7 +76,7 @@ def follow(
 
 
 def _require_finite(solver: Solver, pieces: Pieces) -> None:
-    total = float(pieces.unknown.sum() + pieces.state.sum() + pieces.stress.sum())
+    total = float(pieces.z.sum() + pieces.psi.sum() + pieces.mu.sum())
     if not math.isfinite(total):
         raise NumericsError(
             f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} transits "
@@ -112,5 +112,5 @@ def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:
     k = max(0, int((pieces.time < until - 1e-9).sum()) - 1)
     point = min(1.0, (until - pieces.time[k]) / pieces.length[k])
     row = interpolation_matrix(lagrange_basis(solver.nodes), np.array([point]))[0]
-    v = rate_of(solver.scene.law, float(row @ pieces.unknown[k]))
-    return Final(math.log(v) if v > 0 else math.nan, float(row @ pieces.state[k]), float(row @ pieces.stress[k]))
+    v = rate_of(solver.scene.law, float(row @ pieces.z[k]))
+    return Final(math.log(v) if v > 0 else math.nan, float(row @ pieces.psi[k]), float(row @ pieces.mu[k]))

@@ -24,7 +24,7 @@ class HistoryObserver:
             return
         times = pieces.time[:, None] + pieces.length[:, None] * self._nodes
         keep = (times >= start) & (times <= end)
-        self._keep(tuple(a[keep] for a in (times, pieces.unknown, pieces.state, pieces.stress, pieces.elastic)))
+        self._keep(tuple(a[keep] for a in (times, pieces.z, pieces.psi, pieces.mu, pieces.y)))
 
     def _keep(self, columns: tuple[Array, ...]) -> None:
         self._chunks.append(columns)

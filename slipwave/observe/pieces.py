@@ -15,16 +15,16 @@ Array = NDArray[np.float64]
 class Pieces(NamedTuple):
     """m pieces with n values each: time, length (m,); the others (m, n). A quantity of degree n - 1 is represented exactly.
 
-    `unknown` is the law's rate unknown z (usually ln v), `state` psi, `stress` mu, `elastic` y, where
+    `z` is the law's rate unknown (usually ln v), `psi` the state, `mu` the friction stress, `y` the elastic stress, where
     y' = stiffness (V - v) on the t~ clock.
     """
 
     time: Array
     length: Array
-    unknown: Array
-    state: Array
-    stress: Array
-    elastic: Array
+    z: Array
+    psi: Array
+    mu: Array
+    y: Array
 
 
 def empty_pieces(count: int, nodes: int) -> Pieces:

@@ -194,8 +194,8 @@ def try_mutant(mutant: Mutant, copy: Copy, reach: Reach, whole: bool) -> Record:
     """The record of one mutant: noticed or not, by which test, and whether by an assertion."""
     text = (copy.tree / mutant.file).read_text(encoding="utf-8")
     line = text.count("\n", 0, mutant.begin) + 1
-    what = " ".join(f"{mutant.old} -> {mutant.new}".split())
-    record: Record = {"name": mutant.name, "room": mutant.file.partition("/")[0], "where": f"{mutant.file}:{line}", "what": what}
+    scene = " ".join(f"{mutant.old} -> {mutant.new}".split())
+    record: Record = {"name": mutant.name, "room": mutant.file.partition("/")[0], "where": f"{mutant.file}:{line}", "what": scene}
     record["line"] = text.splitlines()[line - 1].strip()
     few = reach.tests_for(mutant)
     with copy.with_text(mutant.file, text[: mutant.begin] + mutant.new + text[mutant.end :]):

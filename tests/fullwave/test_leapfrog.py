@@ -10,7 +10,7 @@ from scipy.optimize import fsolve
 
 import slipwave
 from fullwave.finite_difference import Leapfrog
-from fullwave.leapfrog.grid import Grid
+from fullwave.leapfrog.grid import LeapfrogGrid
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, follow, summarise
 from slipwave.scene.drive import steady_drive
@@ -66,7 +66,7 @@ def test_kernel_equals_the_plain_program(cfl):
     solver = Leapfrog(PAPER, cells=8, cfl=cfl)
     pieces = solver.advance(8.0)
     rows = plain_run(PAPER, 8, cfl, 4 * pieces.time.size)
-    for column, values in enumerate((pieces.unknown, pieces.state, pieces.stress)):
+    for column, values in enumerate((pieces.z, pieces.psi, pieces.mu)):
         ours = np.append(values[:, :-1].ravel(), values[-1, -1])
         assert np.abs(ours - rows[:, column]).max() < 2e-10
     assert np.ptp(rows[:, 0]) > 0.01
@@ -172,7 +172,7 @@ def test_unlike_slabs_cost_cells_in_proportion():
 
 def test_a_viscous_slab_is_built_in_time_proportional_to_its_cells(monkeypatch):
     made = []
-    mass = Grid.mass.fget
-    monkeypatch.setattr(Grid, "mass", property(lambda grid: (made.append(grid), mass(grid))[1]))
+    mass = LeapfrogGrid.mass.fget
+    monkeypatch.setattr(LeapfrogGrid, "mass", property(lambda grid: (made.append(grid), mass(grid))[1]))
     Leapfrog(slipwave.read("viscous"), cells=500)
     assert len(made) <= 4

@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 class Equations:
     """x = (psi, ln v or nothing, y, tau_1, p_1, ..., relaxations), y and tau relative to epsilon."""
 
-    def __init__(self, what: Scene, reduction: Reduction) -> None:
-        self.what, self.reduction = what, reduction
+    def __init__(self, scene: Scene, reduction: Reduction) -> None:
+        self.what, self.reduction = scene, reduction
         self.massive = reduction.mass > 0.0
         self.modes = tuple(zip(reduction.frequencies, reduction.residues, reduction.decays, reduction.offsets, strict=True))
 

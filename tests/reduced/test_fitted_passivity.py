@@ -24,13 +24,13 @@ def scanned(model: Reduction) -> float:
     return float(dissipation(model, omega).min())
 
 
-def certified(what: Scene, count: int) -> None:
-    model = reduction_of(what, f"fitted:{count}")
+def certified(scene: Scene, count: int) -> None:
+    model = reduction_of(scene, f"fitted:{count}")
     if not model.is_lossless:
         assert dissipation(model, telling_frequencies(model)).min() >= 0.0
         assert scanned(model) >= 0.0
         assert min(model.decays, default=0.0) >= 0.0
-    assert check_passivity(what, f"fitted:{count}").passive
+    assert check_passivity(scene, f"fitted:{count}").passive
 
 
 @pytest.mark.parametrize("count", [9, 16])
@@ -63,7 +63,7 @@ def test_a_resonance_narrower_than_any_grid_is_seen(monkeypatch: pytest.MonkeyPa
     )
     low = dissipation(wrong, telling_frequencies(wrong))
     assert low.min() < -0.1
-    monkeypatch.setattr("reduced.impedance.models.reduction_of", lambda what, name: wrong)
+    monkeypatch.setattr("reduced.impedance.models.reduction_of", lambda scene, name: wrong)
     found = check_passivity(paper(), "modal:1")
     assert not found.passive
     assert found.where.imag == pytest.approx(33.333333, abs=1e-3)
@@ -79,7 +79,7 @@ def test_where_a_sign_changes_is_exact() -> None:
 
 
 def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch: pytest.MonkeyPatch) -> None:
-    what = LOSSY["grip below"]
+    scene = LOSSY["grip below"]
     with pytest.raises(
         SceneError, match=r"model = 'fitted:0': a fit needs at least one oscillator; quasidynamic is the one without"
     ):
@@ -89,12 +89,12 @@ def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch: pytest.MonkeyPat
     with pytest.raises(
         SceneError, match=r"model = 'fitted:16': the fit stays active at \d+\.?\d* radians per transit; try another N"
     ):
-        reduction_of(what, "fitted:16")
+        reduction_of(scene, "fitted:16")
     monkeypatch.undo()
     fit.fit_scene.cache_clear()
     monkeypatch.setattr(fit, "WORST_ALLOWED", 1e-9)
     with pytest.raises(SceneError) as refusal:
-        reduction_of(what, "fitted:2")
+        reduction_of(scene, "fitted:2")
     words = str(refusal.value)
     assert "model = 'fitted:2': the best passive fit is " in words
     assert 0.0 < float(words.split("fit is ")[1].split(" %")[0]) < 5.0

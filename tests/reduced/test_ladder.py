@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from reduced.ode.march import Ladder
+from reduced.ode.march import ReducedModel
 from reduced.ode.reduction import reduction
 from slipwave import read
 from slipwave.errors import NumericsError
@@ -13,7 +13,7 @@ from slipwave.observe import EventObserver, follow, summarise
 
 def cycle(model, log10_r=-2.68, tolerance=1e-10, until=6000):
     scene = read("paper", [f"slab.log10_r={log10_r}"])
-    solver = Ladder(scene, reduction(model), tolerance=tolerance)
+    solver = ReducedModel(scene, reduction(model), tolerance=tolerance)
     observer = EventObserver(scene, solver.nodes)
     follow(solver, until, [observer])
     assert solver.failures == 0
@@ -61,7 +61,7 @@ def test_kelvin_voigt_follows_the_paper_s_own_form_of_the_equations():
 
     start = [scene.steady_stress, scene.steady_stress, 0.0, np.log(v0), scene.steady_psi]
     witness = solve_ivp(rate, (0, 150), start, method="Radau", rtol=1e-9, atol=1e-11).y[:, -1]
-    final = follow(Ladder(scene, reduction("kelvin-voigt"), tolerance=1e-10), 150)
+    final = follow(ReducedModel(scene, reduction("kelvin-voigt"), tolerance=1e-10), 150)
     assert final.psi == pytest.approx(witness[4], abs=2e-6)
     assert final.mu == pytest.approx(witness[1], abs=2e-7)
 
@@ -72,11 +72,11 @@ def test_modal_0_is_the_block_of_mass_a_twelfth():
 
 def test_quasistatic_runs_away_and_says_so():
     with pytest.raises(NumericsError, match=r"quasistatic: no step is short enough at t = .*runs away"):
-        follow(Ladder(read("paper", ["slab.log10_r=-2.5"]), reduction("quasistatic")), 6000)
+        follow(ReducedModel(read("paper", ["slab.log10_r=-2.5"]), reduction("quasistatic")), 6000)
 
 
 def test_jump_start_is_taken():
     scene = read("paper", ['start.kind="jump"', "start.size=0.05"])
-    final = follow(Ladder(scene, reduction("kelvin-voigt")), 30.0)
-    tighter = follow(Ladder(scene, reduction("kelvin-voigt"), tolerance=1e-12), 30.0)
+    final = follow(ReducedModel(scene, reduction("kelvin-voigt")), 30.0)
+    tighter = follow(ReducedModel(scene, reduction("kelvin-voigt"), tolerance=1e-12), 30.0)
     assert final.psi == pytest.approx(tighter.psi, abs=1e-9)

@@ -7,7 +7,7 @@ from one_port_scenes import EVERY
 from scipy.optimize import brentq
 
 from reduced.impedance import reduction_of
-from reduced.ode.march import Ladder
+from reduced.ode.march import ReducedModel
 from reduced.stability import characteristic, critical_round_trip, leading_roots, scaled
 from slipwave.observe import follow
 from tests.growth import measured_root, nudged
@@ -47,7 +47,7 @@ def test_a_nudge_grows_as_the_root_says(name, model, impedance, allowed):
     r_c, _ = critical_round_trip(EVERY[name], model)
     scene = nudged(scaled(EVERY[name], round_trip=1.01 * r_c / EVERY[name].transit), 1e-6)
     root = leading_root(scene, lambda s: impedance(scene, s)) * scene.transit
-    assert measured_root(Ladder(scene, reduction_of(scene, model), tolerance=1e-10)) == pytest.approx(root, rel=allowed)
+    assert measured_root(ReducedModel(scene, reduction_of(scene, model), tolerance=1e-10)) == pytest.approx(root, rel=allowed)
     assert leading_roots(characteristic(scene, model))[0] * scene.transit == pytest.approx(root, rel=2e-6)
 
 
@@ -59,6 +59,6 @@ def test_without_a_spring_the_growth_is_real():
         return (friction_impedance(scene, s) + pair_impedance(scene, s)).real
 
     root = brentq(total, 1e-3, 0.2, xtol=1e-14)
-    solver = Ladder(scene, reduction_of(scene, "fitted:3"), tolerance=1e-10)
+    solver = ReducedModel(scene, reduction_of(scene, "fitted:3"), tolerance=1e-10)
     at = [follow(solver, until).psi - scene.steady_psi for until in (60.0, 90.0)]
     assert math.log(at[1] / at[0]) / 30.0 == pytest.approx(root, rel=3e-6)

@@ -6,7 +6,7 @@ from reduction_equations import Equations
 
 import slipwave
 from reduced.impedance import reduction_of
-from reduced.ode.march import Ladder
+from reduced.ode.march import ReducedModel
 from reduced.ode.step_tables import LONGEST
 from slipwave.observe import follow
 
@@ -17,11 +17,11 @@ ENDS = (60.0, 100.0)
 
 def error(name: str, model: str, tolerance: float) -> float:
     """Largest relative error of psi at ENDS."""
-    what = slipwave.read(name, ["slab.log10_r=-2.62", RAMP, "run.until=400"])
-    reduction = reduction_of(what, model)
-    solver = Ladder(what, reduction, tolerance)
+    scene = slipwave.read(name, ["slab.log10_r=-2.62", RAMP, "run.until=400"])
+    reduction = reduction_of(scene, model)
+    solver = ReducedModel(scene, reduction, tolerance)
     ours = [follow(solver, end).psi for end in ENDS]
-    exact = Equations(what, reduction).psi_at(ENDS)
+    exact = Equations(scene, reduction).psi_at(ENDS)
     return float(np.abs(np.divide(ours, exact) - 1.0).max())
 
 
@@ -46,8 +46,8 @@ def test_a_ramp_keeps_the_tolerance(name: str, model: str) -> None:
 
 @pytest.mark.parametrize("distance", [0.01, 1.9, 2.1, 17.0, 300.0])
 def test_the_longest_step_divides_the_way_to_the_next_knot_by_a_power_of_two(distance: float) -> None:
-    what = slipwave.read("paper", [f"drive.velocity=[[0.0, 100.0], [1.0, 100.0], [{1.0 + distance!r}, 200.0]]", "run.until=400"])
-    solver = Ladder(what, reduction_of(what, "kelvin-voigt"))
+    scene = slipwave.read("paper", [f"drive.velocity=[[0.0, 100.0], [1.0, 100.0], [{1.0 + distance!r}, 200.0]]", "run.until=400"])
+    solver = ReducedModel(scene, reduction_of(scene, "kelvin-voigt"))
     follow(solver, 1.0 + 0.5 * distance)
     longest = float(solver._tables.length[0])
     halvings = np.log2(distance / longest)
@@ -56,14 +56,14 @@ def test_the_longest_step_divides_the_way_to_the_next_knot_by_a_power_of_two(dis
 
 
 def test_steps_end_on_every_knot_and_are_no_shorter_than_they_need_be() -> None:
-    what = slipwave.read("paper", [RAMP, "run.until=400"])
-    solver, ends = Ladder(what, reduction_of(what, "kelvin-voigt")), []
+    scene = slipwave.read("paper", [RAMP, "run.until=400"])
+    solver, ends = ReducedModel(scene, reduction_of(scene, "kelvin-voigt")), []
     while solver.time < 150.0:
         pieces = solver.advance(150.0)
         ends += (pieces.time + pieces.length).tolist()
     assert np.abs(np.subtract.outer(KNOTS, ends)).min(axis=1).max() < 1e-11
     uncut = slipwave.read("paper", ["run.until=400"])
-    solver, before = Ladder(uncut, reduction_of(uncut, "kelvin-voigt")), 0
+    solver, before = ReducedModel(uncut, reduction_of(uncut, "kelvin-voigt")), 0
     while solver.time < 20.0:
         before += solver.advance(20.0).time.size
     assert sum(end < 20.12 for end in ends) < 1.5 * before

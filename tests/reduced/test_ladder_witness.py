@@ -8,7 +8,7 @@ from scipy.interpolate import BarycentricInterpolator
 
 import slipwave
 from reduced.impedance import reduction_of
-from reduced.ode.march import Ladder
+from reduced.ode.march import ReducedModel
 from reduced.ode.reduction import Reduction
 from slipwave.observe import follow
 
@@ -28,13 +28,13 @@ class Last:
     def elastic(self, nodes, time):
         """y at `time`, which lies in the last but a few of the pieces."""
         k = np.searchsorted(self.pieces.time, time - 1e-9) - 1
-        return float(BarycentricInterpolator(nodes, self.pieces.elastic[k])((time - self.pieces.time[k]) / self.pieces.length[k]))
+        return float(BarycentricInterpolator(nodes, self.pieces.y[k])((time - self.pieces.time[k]) / self.pieces.length[k]))
 
 
 def apart(settings, model):
     """Largest difference of ln v, psi, mu and y from the witness at TIMES."""
     chosen = slipwave.read("paper", settings)
-    solver, last, found = Ladder(chosen, reduction_of(chosen, model), tolerance=1e-11), Last(), []
+    solver, last, found = ReducedModel(chosen, reduction_of(chosen, model), tolerance=1e-11), Last(), []
     for time in TIMES:
         final = follow(solver, time, [last])
         found.append([final.ln_v, final.psi, final.mu, last.elastic(solver.nodes, time)])
@@ -97,6 +97,6 @@ def as_written(chosen, reduction, time):
 def test_every_term_of_a_reduction(settings):
     chosen = slipwave.read("paper", settings)
     for time in TIMES:
-        final = follow(Ladder(chosen, EVERY_TERM, tolerance=1e-11), time)
+        final = follow(ReducedModel(chosen, EVERY_TERM, tolerance=1e-11), time)
         apart = np.abs([final.ln_v, final.psi, final.mu] - np.array(as_written(chosen, EVERY_TERM, time)))
         assert (apart < [1e-8, 1e-8, 1e-10]).all()  # measured: 8e-10, 5e-12

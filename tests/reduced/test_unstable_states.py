@@ -14,7 +14,7 @@ import slipwave
 from fullwave.finite_difference import Leapfrog
 from reduced.delay.system import delay_system
 from reduced.impedance import reduction_of
-from reduced.ode.march import Ladder
+from reduced.ode.march import ReducedModel
 from reduced.step.collocation import growth_limit, radau
 from slipwave.errors import NumericsError
 from slipwave.observe import follow
@@ -63,21 +63,21 @@ def test_what_the_collocation_does_with_growth() -> None:
     ],
 )
 def test_reductions_leave_an_unstable_state(name: str, settings: list[str], model: str, ends: tuple[float, ...]) -> None:
-    what = slipwave.read(name, [*settings, *TINY])
-    reduction = reduction_of(what, model)
-    solver = Ladder(what, reduction)
+    scene = slipwave.read(name, [*settings, *TINY])
+    reduction = reduction_of(scene, model)
+    solver = ReducedModel(scene, reduction)
     ours = [follow(solver, end).psi for end in ends]
-    exact = Equations(what, reduction).psi_at(ends, 3e-14)
-    assert abs(ours[-1] - what.steady_psi) > 1.0
+    exact = Equations(scene, reduction).psi_at(ends, 3e-14)
+    assert abs(ours[-1] - scene.steady_psi) > 1.0
     assert ours == pytest.approx(exact, abs=1e-3)  # rounding is 4e-6 of the disturbance, and grows with it: 1e-4 measured
 
 
 def test_the_delay_system_leaves_an_unstable_state() -> None:
     """2252 roots grow, the leading one by 4634 nepers a transit; the leapfrog's error is second order in its step."""
-    what = slipwave.read("rock", ["slab.thickness=20000", *TINY])
-    ours = follow(delay_system(what), 0.1).psi
-    coarse, fine = (follow(Leapfrog(what, cells), 0.1).psi for cells in (8000, 16000))
-    assert ours > what.steady_psi + 5.0
+    scene = slipwave.read("rock", ["slab.thickness=20000", *TINY])
+    ours = follow(delay_system(scene), 0.1).psi
+    coarse, fine = (follow(Leapfrog(scene, cells), 0.1).psi for cells in (8000, 16000))
+    assert ours > scene.steady_psi + 5.0
     assert ours == pytest.approx(fine + (fine - coarse) / 3.0, abs=1e-3)
 
 
@@ -89,9 +89,9 @@ LAYERS = "slab.layers=[{fraction=0.4, impedance=1.0}, {fraction=0.6, impedance=2
     [[], [LAYERS], ["drive.velocity=[[0, 100], [0.3, 100], [0.7, 110]]"], ["drive.velocity=[[0, 100], [5, 101]]", LAYERS]],
 )
 def test_the_delay_system_refuses_what_its_steps_cannot_follow(settings: list[str]) -> None:
-    what = slipwave.read("paper", ["slab.r=1000", *settings])
+    scene = slipwave.read("paper", ["slab.r=1000", *settings])
     with pytest.raises(NumericsError) as refusal:
-        follow(delay_system(what), 3.0)
+        follow(delay_system(scene), 3.0)
     words = str(refusal.value)
     assert "disturbances grow at 3.471e+04 per transit" in words
     steps = int(words.split(" steps a transit, the most")[0].rsplit(" ", 1)[1])

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from validation.studies.stability_attacks import runs, verdicts
-from validation.studies.stability_attacks.runs import ATTACKS, Advice, Outcome
-from validation.study import Outcome as Light
+from validation.studies.stability_attacks.runs import ATTACKS, Advice, AttackOutcome
+from validation.study import AttackOutcome as Light
 
 LIMITS = {
     "epsilon -9": (2e-6, 2e-7), "epsilon -4": (3e-6, 1e-11), "epsilon -2": (6e-6, 1e-12), "epsilon 2": (7e-6, 3e-9),
@@ -26,7 +26,7 @@ def found(**changes):
         "media": {"alike": {"fd": (5.0, 1e3)}},
         "stopped": {"fd": True},
         "late": True,
-        "attacks": {"V 3": {"fd": Outcome(1e-3, 1e-3), "dg:4": Outcome(math.nan, message="too stiff")}},
+        "attacks": {"V 3": {"fd": AttackOutcome(1e-3, 1e-3), "dg:4": AttackOutcome(math.nan, message="too stiff")}},
         "advice": {"fd": Advice(0, "", 64, 1e-7)},
         "transits": 1e3,
         "noise": {"fd": 1.0, "dg:4": 0.5},
@@ -54,13 +54,13 @@ def test_an_attack_must_end_right_or_with_a_message(name):
     early, late = LIMITS[name]
 
     def light(outcome):
-        return verdicts.attack_verdict(name, {"fd": Outcome(0.0), "dg:4": outcome}, True).outcome
+        return verdicts.attack_verdict(name, {"fd": AttackOutcome(0.0), "dg:4": outcome}, True).outcome
 
-    assert light(Outcome(0.95 * early, 0.95 * late)) is Light.PASS
-    assert light(Outcome(3.0 * early, 0.0)) is Light.FAIL
-    assert light(Outcome(0.0, 3.0 * late)) is Light.FAIL
-    assert light(Outcome(math.nan)) is Light.FAIL
-    assert light(Outcome(math.nan, message="too stiff")) is Light.PASS
+    assert light(AttackOutcome(0.95 * early, 0.95 * late)) is Light.PASS
+    assert light(AttackOutcome(3.0 * early, 0.0)) is Light.FAIL
+    assert light(AttackOutcome(0.0, 3.0 * late)) is Light.FAIL
+    assert light(AttackOutcome(math.nan)) is Light.FAIL
+    assert light(AttackOutcome(math.nan, message="too stiff")) is Light.PASS
 
 
 def test_a_counted_failure_excuses_no_wrong_answer(monkeypatch):
@@ -142,5 +142,5 @@ def test_the_answer_counts():
     told = verdicts.answer(found())
     assert told.startswith("The step limit lies at 0.99 to 1.02 of the declared one")
     assert "of 2 attacks 1 end right, 1 with a message, 0 silently wrong; at most 1 of the energy" in told
-    wrong = {"V 3": {"fd": Outcome(1.0), "dg:4": Outcome(0.0)}}
+    wrong = {"V 3": {"fd": AttackOutcome(1.0), "dg:4": AttackOutcome(0.0)}}
     assert "of 2 attacks 1 end right, 0 with a message, 1 silently wrong" in verdicts.answer(found(attacks=wrong))

@@ -7,7 +7,7 @@ import pytest
 
 import slipwave
 from slipwave.observe import Events
-from validation.measure.settle import Cycle, Estimate, Orbit
+from validation.measure.settle import Estimate, LastCycle, Orbit
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT
 from validation.studies import claims
 from validation.studies.claims import load as claims_load
@@ -140,12 +140,12 @@ def test_p12_is_an_identity(off, outcome):
 
 def test_the_parts_of_a_period_add_up():
     """v = 300 for 7 transits, 20 for 23, V = 100: y falls by eps (7 * 200), and rises by eps (23 * 80) less what does not fit."""
-    what = slipwave.read("paper")
+    scene = slipwave.read("paper")
     time = np.linspace(0.0, 30.0, 30001)[:-1]
     rate = np.where((time > 5.0) & (time < 12.0), 100.0 + 23.0 * 80.0 / 7.0, 20.0)
-    y = 0.4 + what.upper.epsilon * np.concatenate([[0.0], np.cumsum((100.0 - rate)[:-1] * 1e-3)])
+    y = 0.4 + scene.upper.epsilon * np.concatenate([[0.0], np.cumsum((100.0 - rate)[:-1] * 1e-3)])
     drop = float(np.ptp(y))
-    found = loading_of(orbit(30.0, 0.2, drop), Cycle(time, rate, time, time, y), what)
+    found = loading_of(orbit(30.0, 0.2, drop), LastCycle(time, rate, time, time, y), scene)
     assert found.drop == pytest.approx(23.0 * 0.8, abs=0.01)
     assert found.falling == pytest.approx(7.0, abs=0.01)
     assert found.slipped == pytest.approx(23.0 * 0.2, abs=0.01)

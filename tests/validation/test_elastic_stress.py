@@ -47,7 +47,7 @@ class Slip:
         self.time, self.slip, self.elastic = [0.0], [0.0], [MU_SS]
 
     def scan(self, pieces: Pieces) -> None:
-        for time, length, z, elastic in zip(pieces.time, pieces.length, pieces.unknown, pieces.elastic, strict=True):
+        for time, length, z, elastic in zip(pieces.time, pieces.length, pieces.z, pieces.y, strict=True):
             self.time.append(time + length)
             self.slip.append(self.slip[-1] + length * self.weights @ np.exp(self.rows @ z))
             self.elastic.append(elastic[-1])

@@ -3,7 +3,15 @@ import pytest
 
 import slipwave
 from validation.studies import load
-from validation.studies.error_laws import MODELS, Cycle, _answer, _cycle_verdict, _onset_verdicts, measure_cycle, measure_onsets
+from validation.studies.error_laws import (
+    MODELS,
+    CycleErrors,
+    _answer,
+    _cycle_verdict,
+    _onset_verdicts,
+    measure_cycle,
+    measure_onsets,
+)
 from validation.studies.error_laws.figures import fall
 from validation.study import Outcome
 
@@ -33,7 +41,7 @@ def test_the_cycles_error_does_not_fall(onsets):
 
 
 def test_a_period_error_that_falls_would_pass():
-    cycles = [Cycle(0.2, 7.0, {"kelvin-voigt": 1e-2}), Cycle(0.1, 7.0, {"kelvin-voigt": 2e-3})]
+    cycles = [CycleErrors(0.2, 7.0, {"kelvin-voigt": 1e-2}), CycleErrors(0.1, 7.0, {"kelvin-voigt": 2e-3})]
     assert _cycle_verdict(cycles).outcome is Outcome.PASS
 
 
@@ -53,12 +61,12 @@ def test_how_far_an_error_may_be_from_its_law(onsets, model, sign):
 
 @pytest.mark.parametrize(("last", "outcome"), [(2.4e-3, "pass"), (2.6e-3, "finding"), (1e-2, "finding"), (2e-2, "finding")])
 def test_an_error_that_falls_with_theta_must_more_than_halve_beside_it(last, outcome):
-    cycles = [Cycle(0.2, 7.0, {"kelvin-voigt": -1e-2}), Cycle(0.1, 7.0, {"kelvin-voigt": last})]
+    cycles = [CycleErrors(0.2, 7.0, {"kelvin-voigt": -1e-2}), CycleErrors(0.1, 7.0, {"kelvin-voigt": last})]
     assert _cycle_verdict(cycles).outcome == outcome
 
 
 def test_the_answer_follows_the_numbers(onsets):
-    cycles = [Cycle(0.2, 7.0, {"kelvin-voigt": -0.034}), Cycle(0.1, 7.0, {"kelvin-voigt": -0.028})]
+    cycles = [CycleErrors(0.2, 7.0, {"kelvin-voigt": -0.034}), CycleErrors(0.1, 7.0, {"kelvin-voigt": -0.028})]
     told = _answer(onsets, cycles, False)
     assert "gives its error to 2 · 10^{−4} of itself" in told
     assert told.endswith(
@@ -68,7 +76,7 @@ def test_the_answer_follows_the_numbers(onsets):
 
 
 def test_the_figure_shows_laws_and_errors(onsets):
-    cycles = [Cycle(0.2, 7.0, {"kelvin-voigt": -0.034}), Cycle(0.1, 7.0, {"kelvin-voigt": -0.028})]
+    cycles = [CycleErrors(0.2, 7.0, {"kelvin-voigt": -0.034}), CycleErrors(0.1, 7.0, {"kelvin-voigt": -0.028})]
     left, right = fall(onsets, cycles).axes
     assert {axes.get_xlabel() for axes in (left, right)} == {r"$\theta=r\,\omega_c$ (radians per transit)"}
     assert left.get_ylabel() == "relative error"

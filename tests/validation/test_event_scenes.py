@@ -128,7 +128,7 @@ class _Steepest:
         self.rows: list[Array] = []
 
     def scan(self, pieces: Pieces) -> None:
-        coefficients = np.linalg.solve(self._vandermonde, pieces.unknown.T)
+        coefficients = np.linalg.solve(self._vandermonde, pieces.z.T)
         rate = np.exp(np.vander(self._points, len(coefficients)) @ coefficients).T
         slope = np.gradient(rate, axis=1) / pieces.length[:, None]
         self.rows.append(np.array([pieces.time[:, None] + pieces.length[:, None] * self._points, slope]).reshape(2, -1))

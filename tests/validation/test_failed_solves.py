@@ -100,7 +100,7 @@ def test_compare_prints_every_row_and_ends_with_status_3(tmp_path: Path, capsys:
 
 def test_bench_ends_with_status_3(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     leapfrog = next(family for family in models.families() if family.name == "fd")
-    monkeypatch.setattr(models, "honouring", lambda what: [leapfrog])
+    monkeypatch.setattr(models, "honouring", lambda scene: [leapfrog])
     assert main(["bench", "paper", *COARSE, "--json"]) == NUMERICS_FAILED
     text, err = capsys.readouterr()
     rows = json.loads(text)["models"]
@@ -116,7 +116,7 @@ def test_no_orbit_is_made_of_failed_solves() -> None:
 
 def test_the_leapfrog_comes_to_rest_with_the_others() -> None:
     """It ended at psi = -121 with two failed solves: the extrapolated start of a solve lay hundreds away from the root."""
-    what = slipwave.read("paper", STOPPED)
-    ours = follow(build("fd", what), 40.0).psi
-    witness = follow(build("dg:4", what, cells=24), 20.0).psi
+    scene = slipwave.read("paper", STOPPED)
+    ours = follow(build("fd", scene), 40.0).psi
+    witness = follow(build("dg:4", scene, cells=24), 20.0).psi
     assert ours == pytest.approx(witness, abs=0.3)  # both stop short of what 256 cells say by 0.08 and 0.2

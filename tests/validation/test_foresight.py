@@ -7,7 +7,7 @@ import pytest
 
 import slipwave
 from fullwave.finite_difference import Leapfrog
-from fullwave.lines.march import March
+from fullwave.lines.march import MethodOfLines
 from reduced.delay.march import DelayMarch
 from slipwave.errors import SceneError
 from slipwave.observe.foresight import DAY, require_time
@@ -23,7 +23,7 @@ GRIDS = [family for family in FAMILIES if family.room == "fullwave"]
 def test_a_run_of_a_day_goes_and_a_longer_one_does_not(family: Family, monkeypatch: pytest.MonkeyPatch) -> None:
     solver = build(family.example, slipwave.read("paper"))
     pieces = 4000.0 / solver.advance(1e-6).length[0]  # type: ignore[attr-defined]
-    kind = Leapfrog if family.name == "fd" else March
+    kind = Leapfrog if family.name == "fd" else MethodOfLines
     fresh = build(family.example, slipwave.read("paper"))
     monkeypatch.setattr(kind, "seconds_per_piece", 0.999 * DAY / pieces)
     require_time(fresh, 4000.0)

@@ -9,7 +9,7 @@ from reduced.impedance import reduction_of
 from validation.studies import load
 from validation.studies.model_error import verdicts
 from validation.studies.model_error.figures import errors_over_r
-from validation.studies.model_error.runs import Run, error, states
+from validation.studies.model_error.runs import ModelRun, error, states
 from validation.studies.model_error.verdicts import target
 from validation.study import Budget, Outcome
 from validation.study.bounds import too_roomy
@@ -45,13 +45,13 @@ def test_states(model, count):
 
 
 def test_a_model_that_found_no_orbit_has_no_error():
-    runs = {"delay": {-2.6: Run(80.0, 0.2, 1.0)}, "block8": {-2.6: None}}
+    runs = {"delay": {-2.6: ModelRun(80.0, 0.2, 1.0)}, "block8": {-2.6: None}}
     assert math.isnan(error(runs, "block8", -2.6, "period"))
 
 
 def test_a_worse_model_turns_a_light_red(result):
-    fine = {-2.68: Run(73.0, 0.17, 1.0)}
-    verdict = target({"delay": fine, "modal:1": {-2.68: Run(73.2, 0.17, 1.0)}}, "modal:1")
+    fine = {-2.68: ModelRun(73.0, 0.17, 1.0)}
+    verdict = target({"delay": fine, "modal:1": {-2.68: ModelRun(73.2, 0.17, 1.0)}}, "modal:1")
     assert verdict.outcome is Outcome.FAIL
 
 
@@ -59,8 +59,8 @@ def runs_with(**errors):
     """Periods 73 of the delay system at two r, of the others off by `errors` (drops by the same)."""
     models = {name.replace("_", ":").replace("kelvin:voigt", "kelvin-voigt"): off for name, off in errors.items()}
     grid = (-2.69, -2.68)
-    return {"delay": {r: Run(73.0, 0.17, 1.0) for r in grid}} | {
-        model: {r: Run(73.0 * (1.0 + off), 0.17 * (1.0 + off), 2.0) for r in grid} for model, off in models.items()
+    return {"delay": {r: ModelRun(73.0, 0.17, 1.0) for r in grid}} | {
+        model: {r: ModelRun(73.0 * (1.0 + off), 0.17 * (1.0 + off), 2.0) for r in grid} for model, off in models.items()
     }
 
 

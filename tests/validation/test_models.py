@@ -47,15 +47,15 @@ def test_the_registry_is_consistent() -> None:
 @pytest.mark.parametrize("name", ["paper", "unlike", "grip", "layered", "viscous", "ramp", "reflection"])
 def test_every_family_builds_what_it_honours_and_refuses_the_rest(family: object, name: str) -> None:
     one = next(found for found in families() if found is family)
-    what = slipwave.read(name)
-    if one in honouring(what):
-        solver = build(one.example, what)
+    scene = slipwave.read(name)
+    if one in honouring(scene):
+        solver = build(one.example, scene)
         assert solver.model == one.example
-        assert solver.scene is what
+        assert solver.scene is scene
         assert solver.time == 0.0
     else:
         with pytest.raises(SceneError, match=r"models that can: .*fd") as caught:
-            build(one.example, what)
+            build(one.example, scene)
         assert len(str(caught.value).splitlines()) == 1
 
 

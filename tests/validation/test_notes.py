@@ -24,12 +24,12 @@ def answer(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[dict[str, A
 
 def parted(r: float, model: str, at: float) -> float:
     """Relative difference, at `at` transits, of two departures from steady sliding whose psi(0) differ by one rounding."""
-    what = slipwave.read("paper", [f"slab.r={r}"])
+    scene = slipwave.read("paper", [f"slab.r={r}"])
     left = []
     for rounding in (0.0, 2.0**-52):
-        solver: Any = build(model, what, tolerance=1e-11)
+        solver: Any = build(model, scene, tolerance=1e-11)
         solver._memory.now[1] *= 1.0 + rounding
-        left.append(follow(solver, at).psi - what.steady_psi)
+        left.append(follow(solver, at).psi - scene.steady_psi)
     return abs(left[1] - left[0]) / max(map(abs, left))
 
 
@@ -44,8 +44,8 @@ def test_the_share_of_rounding_is_what_two_runs_differ_by(model: str, r: float, 
 
 def test_the_leading_root_is_the_same_with_and_without_its_echoes() -> None:
     for r in (0.4, 0.7):  # the bound of the growth lies on either side of 20 per transit
-        what = slipwave.read("paper", [f"slab.r={r}"])
-        found = amplified_rounding(what, "delay", 40.0)
+        scene = slipwave.read("paper", [f"slab.r={r}"])
+        found = amplified_rounding(scene, "delay", 40.0)
         assert found is not None
         assert found.growth == pytest.approx(34.7107438 * r, rel=1e-4)
 

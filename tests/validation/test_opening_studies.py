@@ -6,22 +6,22 @@ import numpy as np
 import pytest
 
 import slipwave
-from validation.measure.settle import Cycle, Estimate, Orbit, Settled
+from validation.measure.settle import Estimate, LastCycle, Orbit, Settled
 from validation.references.published import reference_orbit
 from validation.studies import one_cycle, scene_facts
 from validation.studies.one_cycle.figures import overlay, panels
-from validation.studies.one_cycle.tables import Run
+from validation.studies.one_cycle.tables import CycleRun
 from validation.study import Outcome
 
 FIGURES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")
 DELAY = reference_orbit("delay", -2.68)
 
 
-def a_run(**changes: float) -> Run:
+def a_run(**changes: float) -> CycleRun:
     orbit = Orbit(*(Estimate(DELAY[name] * (1.0 + changes.get(name, 0.0)), 0.0) for name in FIGURES))
     time = np.linspace(-4.0, 80.0, 40)
-    cycle = Cycle(time, 5.0 + np.cos(time) ** 2, np.zeros(40), 0.4 + 1e-3 * time, time)
-    return Run(Settled(orbit, SimpleNamespace(failures=0), None, 9, 1e-10, True, 1.0), cycle)
+    cycle = LastCycle(time, 5.0 + np.cos(time) ** 2, np.zeros(40), 0.4 + 1e-3 * time, time)
+    return CycleRun(Settled(orbit, SimpleNamespace(failures=0), None, 9, 1e-10, True, 1.0), cycle)
 
 
 def test_scenes_given_in_si_are_the_same_to_rounding():

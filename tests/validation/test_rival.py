@@ -17,8 +17,8 @@ KNOWN = 70.732344990  # AUTO-07p, log10 r = -2.68
 
 def test_its_steady_sliding_turns_neutral_at_the_onset_that_auto_finds():
     """At log10 r = -2.69954994745 a pair of eigenvalues is +-i 2 pi/49.66821032; the others belong to the ODE's damped wave."""
-    what = slipwave.read("paper", {"slab.log10_r": -2.69954994745})
-    rates, at = right_hand_side(what), np.array(steady_state(what))
+    scene = slipwave.read("paper", {"slab.log10_r": -2.69954994745})
+    rates, at = right_hand_side(scene), np.array(steady_state(scene))
     before = -1e3  # transits: no nudge
     assert rates(before, at) == pytest.approx([0.0] * 4, abs=1e-13)
     columns = [np.subtract(rates(before, at + e), rates(before, at - e)) / 2e-6 for e in 1e-6 * np.eye(4)]
@@ -29,8 +29,8 @@ def test_its_steady_sliding_turns_neutral_at_the_onset_that_auto_finds():
 
 
 def test_it_is_nudged_as_the_scene_says():
-    what = slipwave.read("paper")
-    rates, at = right_hand_side(what), np.array(steady_state(what))
+    scene = slipwave.read("paper")
+    rates, at = right_hand_side(scene), np.array(steady_state(scene))
     assert rates(6.0, at)[3] == pytest.approx(0.5)
     assert rates(7.0, at)[3] == pytest.approx(0.5 * math.exp(-1.0))
 

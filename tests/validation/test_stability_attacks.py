@@ -5,7 +5,7 @@ import math
 import pytest
 
 from validation.studies.stability_attacks.limits import stops_beyond
-from validation.studies.stability_attacks.runs import CELLS, Outcome, advised, attack, locked_noise
+from validation.studies.stability_attacks.runs import CELLS, AttackOutcome, advised, attack, locked_noise
 
 
 @pytest.mark.parametrize("model", CELLS)
@@ -41,7 +41,7 @@ def test_noise_gains_no_energy(model):
 
 
 def test_silence_is_what_counts():
-    assert Outcome(1.0).silently_wrong(0.1)
-    assert Outcome(math.nan).silently_wrong(0.1)
-    assert Outcome(0.0, 1.0).silently_wrong(0.1, 0.1)
-    assert not Outcome(math.nan, message="too stiff").silently_wrong(0.1)
+    assert AttackOutcome(1.0).silently_wrong(0.1)
+    assert AttackOutcome(math.nan).silently_wrong(0.1)
+    assert AttackOutcome(0.0, 1.0).silently_wrong(0.1, 0.1)
+    assert not AttackOutcome(math.nan, message="too stiff").silently_wrong(0.1)

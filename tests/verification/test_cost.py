@@ -26,9 +26,9 @@ def cost(monkeypatch):
     """A function of (model, scene, cells, transits): steps that compiled code takes, and values that it marches in each."""
     calls = count_calls(monkeypatch)
 
-    def count(model, what, cells, transits=TRANSITS):
+    def count(model, scene, cells, transits=TRANSITS):
         calls.clear()
-        follow(build(model, what, cells=cells), transits)
+        follow(build(model, scene, cells=cells), transits)
         (values,) = {call.values for call in calls}
         return sum(call.steps for call in calls), values
 

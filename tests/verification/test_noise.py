@@ -25,10 +25,10 @@ def test_noise_grows_beyond_the_limit_and_nowhere_below(model, medium):
 @pytest.mark.parametrize("model", CELLS)
 def test_limit_is_blind_to_friction(model, decade):
     """a/v from 1e-4 to 1e8 Z: the same step, stable at 0.99 of it; not at 1.04 unless friction swallows the waves (1 Z)."""
-    what = rubbing(decade)
-    assert build(model, what, cells=CELLS[model]).step == build(model, rubbing(0), cells=CELLS[model]).step
-    assert growth(model, what, 0.99) < 20.0
-    assert decade == 0 or growth(model, what, 1.04) > 100.0
+    scene = rubbing(decade)
+    assert build(model, scene, cells=CELLS[model]).step == build(model, rubbing(0), cells=CELLS[model]).step
+    assert growth(model, scene, 0.99) < 20.0
+    assert decade == 0 or growth(model, scene, 1.04) > 100.0
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 1e8])

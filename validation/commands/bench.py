@@ -13,7 +13,7 @@ _TOLERANCES = (1e-5, 1e-7, 1e-9)
 _REFERENCE_TOLERANCE = 1e-11
 
 
-def bench(scene: SceneName, until: Until = None, settings: Settings = None, yes: Yes = False, json: Json = False) -> None:
+def bench(source: SceneName, until: Until = None, settings: Settings = None, yes: Yes = False, json: Json = False) -> None:
     """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance.
 
     A model that cannot do the scene (quasistatic runs away) is a row of the table; a failed solve, or a failed reference, is told
@@ -25,26 +25,26 @@ def bench(scene: SceneName, until: Until = None, settings: Settings = None, yes:
     from validation.run.progress import progress
     from validation.run.simulate import RunInterrupted
 
-    what = read_scene(scene, settings, until)
-    trials = [(family, setting) for family in honouring(what) for setting in _settings(family)]
+    scene = read_scene(source, settings, until)
+    trials = [(family, setting) for family in honouring(scene) for setting in _settings(family)]
     if not trials:
-        raise SceneError(f"scene = {what.name!r}: no model of this installation can do it")
-    reference = _reference(what, trials, most_seconds(yes))
+        raise SceneError(f"scene = {scene.name!r}: no model of this installation can do it")
+    reference = _reference(scene, trials, most_seconds(yes))
     rows: list[dict[str, Any]] = []
     stopped = ""
     with progress("bench", len(trials)) as report:
         for done, (family, setting) in enumerate(trials):
             try:
-                rows.append(_row(_timed(what, family, setting, most_seconds(yes)), setting, reference))
+                rows.append(_row(_timed(scene, family, setting, most_seconds(yes)), setting, reference))
             except RunInterrupted:
                 stopped = f"after {done} of {len(trials)} runs"
                 break
             report(done + 1)
     name = f"{reference.solver.model}"
     if json:
-        print_json({"scene": what.name, "until": what.until, "reference": name, "models": rows})
+        print_json({"scene": scene.name, "until": scene.until, "reference": name, "models": rows})
     else:
-        _print(rows, name, what.until)
+        _print(rows, name, scene.until)
     failed = [reference.failed] if reference.failed else [row["failed"] for row in rows if row["failures"]]
     conclude("; ".join(["interrupted"] * bool(stopped) + failed), [], stopped)
 

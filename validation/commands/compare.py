@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def compare(
-    scene: SceneName,
+    source: SceneName,
     models: Annotated[
         str, typer.Option(metavar="M1,M2,...", help="the models, the first being the reference unless delay is there")
     ],
@@ -33,26 +33,26 @@ def compare(
     from validation.registry.build import build_all
     from validation.run.simulate import RunInterrupted, second_half, simulate
 
-    what = read_scene(scene, settings, until)
+    scene = read_scene(source, settings, until)
     require_writable(out, (".png", ".pdf", ".svg"))
-    solvers = build_all(models, what, cells, cfl, tol)
+    solvers = build_all(models, scene, cells, cfl, tol)
     for solver in solvers:
-        require_time(solver, what.until, most_seconds(yes))
+        require_time(solver, scene.until, most_seconds(yes))
     runs, cycles, stopped = [], [], ""
     for solver in solvers:
         observer = CycleObserver(solver)
         try:
-            runs.append(simulate(solver, what.until, [observer], most_seconds=most_seconds(yes)))
+            runs.append(simulate(solver, scene.until, [observer], most_seconds=most_seconds(yes)))
         except RunInterrupted as stop:
             runs.append(stop.run)
             stopped = f"model {solver.model}"
-        cycles.append(observer.cycle(second_half(solver, what.until)))
+        cycles.append(observer.cycle(second_half(solver, scene.until)))
         if stopped:
             break
     reference = next((run for run in runs if run.solver.model == "delay"), runs[0])
     rows = [_row(run, reference) for run in runs]
     name = reference.solver.model
-    result = {"scene": what.name, "until": what.until, "reference": name, "figure": str(out), "models": rows}
+    result = {"scene": scene.name, "until": scene.until, "reference": name, "figure": str(out), "models": rows}
     problems = attempt(
         lambda: printed(lambda: print_json(result) if json else _print(rows, name, out)), lambda: _draw(out, runs, cycles)
     )

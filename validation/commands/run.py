@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def run(
-    scene: SceneName,
+    source: SceneName,
     model: Model = "auto",
     until: Until = None,
     settings: Settings = None,
@@ -60,14 +60,14 @@ def run(
     from validation.run.resuming import march_for, way_on
     from validation.run.simulate import RunInterrupted, simulate
 
-    what = read_scene(scene, settings, until)
+    scene = read_scene(source, settings, until)
     if out is not None:
         require_writable(out, (".nc",))
     if fields is not None:
         require_writable(fields, FIELD_FILES, "--fields")
-    chosen, why = resolve(model, what)
-    solver: Any = build(chosen, what, cells, cfl, tol)
-    amplified = amplified_rounding(what, solver.model, what.until, tol)
+    chosen, why = resolve(model, scene)
+    solver: Any = build(chosen, scene, cells, cfl, tol)
+    amplified = amplified_rounding(scene, solver.model, scene.until, tol)
     notes = [amplified.note] if amplified else []
     grid = _grid(solver)
     if grid is not None:
@@ -77,9 +77,9 @@ def run(
     if why:
         typer.echo(f"model auto: {chosen} ({why})", err=True)
     stopped = False
-    with history_for(solver, what.until, out, checkpoint) as history:
+    with history_for(solver, scene.until, out, checkpoint) as history:
         try:
-            done = simulate(solver, what.until, [history] if history is not None else [], march, most_seconds(yes))
+            done = simulate(solver, scene.until, [history] if history is not None else [], march, most_seconds(yes))
         except RunInterrupted as stop:
             done, stopped = stop.run, True
         if cells is None and tol is None and not done.failed:
@@ -94,7 +94,7 @@ def run(
         if fields is not None and field is not None:
             deeds.append(lambda: write_field(fields, field))
         if out is not None:
-            deeds.append(lambda: write_run(out, done, history, field if "fields" in what.record else None))
+            deeds.append(lambda: write_run(out, done, history, field if "fields" in scene.record else None))
         problems = attempt(*deeds)
     conclude(done.failed, problems, way_on(solver, checkpoint) if stopped else "")
 

@@ -20,17 +20,17 @@ StabilityModel = Annotated[
 ]
 
 
-def stability(scene: SceneName, model: StabilityModel = "delay", settings: Settings = None, json: Json = False) -> None:
+def stability(source: SceneName, model: StabilityModel = "delay", settings: Settings = None, json: Json = False) -> None:
     """Stability of steady sliding from the slabs' impedance alone, for any scene and model."""
     from reduced.stability import analyse
     from validation.output import print_json
 
-    what = read_scene(scene, settings)
-    found = analyse(what, "delay" if model == "auto" else model)
+    scene = read_scene(source, settings)
+    found = analyse(scene, "delay" if model == "auto" else model)
     if json:
-        print_json(result_of(what, found))
+        print_json(result_of(scene, found))
     else:
-        _print(what, found)
+        _print(scene, found)
 
 
 def result_of(scene: "Scene", found: "Stability") -> dict[str, Any]:

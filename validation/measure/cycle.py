@@ -62,7 +62,7 @@ class CycleObserver:
         begin, period = float(events.time[-1]), float(events.period[-1])
         times = np.concatenate([part.time[:, None] + part.length[:, None] * self._nodes for part in self._kept]).ravel() - begin
         keep = (times >= 0.0) & (times <= period)
-        unknown = np.concatenate([part.unknown for part in self._kept]).ravel()[keep]
-        stress = np.concatenate([part.stress for part in self._kept]).ravel()[keep]
+        unknown = np.concatenate([part.z for part in self._kept]).ravel()[keep]
+        stress = np.concatenate([part.mu for part in self._kept]).ravel()[keep]
         rate = np.array([rate_of(self._law, z) for z in unknown], dtype=float)
         return Cycle(times[keep], rate, stress, period)

@@ -43,7 +43,7 @@ ROUGH = Course(-2.59, until=120.0, window=16.0, density=8, slack=0.75)
 
 
 @dataclass(frozen=True)
-class Ladder:
+class GridLadder:
     """A family, the order `declared` in every output at the interface, the least order `promised` (elements: the declared one).
 
     Grids: `first` is the coarsest, `most` the most cells a slab worth trying; `finest` bounds the smallest relative errors."""
@@ -69,9 +69,9 @@ _OF_ELEMENTS = {1: (280, 5e-5), 2: (100, 1e-8), 3: (60, 1e-9), 4: (50, 1e-9), 5:
 """By degree: most cells, bound of the finest errors."""
 
 
-def _elements(family: str) -> list[Ladder]:
+def _elements(family: str) -> list[GridLadder]:
     return [
-        Ladder(
+        GridLadder(
             f"{family}:{degree}", degree + 1.0, degree + 1.0, ROUGH if degree >= 4 else GENTLE, 24 if degree == 1 else 2, *rest
         )
         for degree, rest in _OF_ELEMENTS.items()
@@ -79,10 +79,10 @@ def _elements(family: str) -> list[Ladder]:
 
 
 _FAMILIES = (
-    Ladder("fd", 2.0, 2.0, GENTLE, 24, 280, 5e-5, cfl=0.5),
-    Ladder("sbp:2", 2.0, 1.95, GENTLE, 24, 280, 5e-5),
-    Ladder("sbp:4", 4.0, 3.9, GENTLE, 16, 260, 1e-8),
-    Ladder("sbp:6", 6.0, 6.0, ROUGH, 17, 170, 1e-9),
+    GridLadder("fd", 2.0, 2.0, GENTLE, 24, 280, 5e-5, cfl=0.5),
+    GridLadder("sbp:2", 2.0, 1.95, GENTLE, 24, 280, 5e-5),
+    GridLadder("sbp:4", 4.0, 3.9, GENTLE, 16, 260, 1e-8),
+    GridLadder("sbp:6", 6.0, 6.0, ROUGH, 17, 170, 1e-9),
     *_elements("fem"),
     *_elements("dg"),
 )

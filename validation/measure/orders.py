@@ -21,7 +21,7 @@ import numpy as np
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Pieces, Solver, follow
 from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
-from validation.measure.grid_ladders import Course, Ladder
+from validation.measure.grid_ladders import Course, GridLadder
 from validation.measure.order_fit import Fit, fit_dense
 from validation.run.timing import timed
 
@@ -62,7 +62,7 @@ class Moments:
         pieces = Pieces(*(np.concatenate(parts) for parts in zip(*self._kept, strict=True)))
         which = np.clip(np.searchsorted(pieces.time, self._times, side="right") - 1, 0, None)
         rows = interpolation_matrix(self._basis, (self._times - pieces.time[which]) / pieces.length[which])
-        return np.stack([(rows * values[which]).sum(axis=1) for values in (pieces.unknown, pieces.state, pieces.stress)], axis=1)
+        return np.stack([(rows * values[which]).sum(axis=1) for values in (pieces.z, pieces.psi, pieces.mu)], axis=1)
 
 
 def measure(solver: Solver, course: Course) -> Measured:
@@ -98,7 +98,7 @@ def _mean_square(values: Array) -> float:
 class Climb:
     """A ladder climbed: cells, processor seconds, and errors by quantity, one entry per grid."""
 
-    ladder: Ladder
+    ladder: GridLadder
     cells: Array
     seconds: Array
     errors: dict[str, Array]
@@ -152,7 +152,7 @@ class Climb:
         return 2.0 if self._exact else self.ladder.promised
 
 
-def climb(ladder: Ladder, reference: Measured, build: Maker) -> Climb:
+def climb(ladder: GridLadder, reference: Measured, build: Maker) -> Climb:
     """Run every grid of the `ladder` up to the first whose state is at the floor; grids too coarse to be marched are left out."""
     rows = []
     for cells in ladder.levels():
@@ -171,7 +171,7 @@ def climb(ladder: Ladder, reference: Measured, build: Maker) -> Climb:
     )
 
 
-def _timed(build: Maker, ladder: Ladder, cells: int) -> tuple[float, Measured]:
+def _timed(build: Maker, ladder: GridLadder, cells: int) -> tuple[float, Measured]:
     """As `_measure`; short runs are repeated and the fastest counts."""
     best, spent = np.inf, 0.0
     while spent < _WORTH_REPEATING:

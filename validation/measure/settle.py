@@ -147,7 +147,7 @@ class DenseObserver:
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
         times = pieces.time[:, None] + pieces.length[:, None] * self._points
-        values = [values @ self._rows.T for values in (pieces.unknown, pieces.state, pieces.stress, pieces.elastic)]
+        values = [values @ self._rows.T for values in (pieces.z, pieces.psi, pieces.mu, pieces.y)]
         self._chunks.append(np.array([times, *values]).reshape(5, -1))
 
     def table(self) -> Array:
@@ -156,7 +156,7 @@ class DenseObserver:
 
 
 @dataclass(frozen=True)
-class Cycle:
+class LastCycle:
     """One cycle's curves, arrays of equal length: time (transits) from the event's date, slip rate v (V*), psi, mu, y."""
 
     time: Array
@@ -166,7 +166,7 @@ class Cycle:
     elastic_stress: Array
 
 
-def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> Cycle:
+def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> LastCycle:
     """Go on for two cycles and return one of them, from `before` transits ahead of its event to `after` transits past its end."""
     solver, period = settled.solver, settled.orbit.period.value
     begin = solver.time
@@ -178,4 +178,4 @@ def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_pie
     keep = (table[0] >= start - before) & (table[0] <= start + period + after)
     time_, unknown, psi, stress, elastic = table[:, keep]
     rate = np.array([rate_of(solver.scene.law, z) for z in unknown])
-    return Cycle(time_ - start, rate, psi, stress, elastic)
+    return LastCycle(time_ - start, rate, psi, stress, elastic)

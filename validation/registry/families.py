@@ -80,9 +80,9 @@ def _delay(scene: Scene, model: str, request: Request) -> Solver:
 
 def _ladder(scene: Scene, model: str, request: Request) -> Solver:
     from reduced.impedance import reduction_of
-    from reduced.ode.march import Ladder
+    from reduced.ode.march import ReducedModel
 
-    return Ladder(scene, reduction_of(scene, model), **request.given("tolerance"))
+    return ReducedModel(scene, reduction_of(scene, model), **request.given("tolerance"))
 
 
 def _leapfrog(scene: Scene, model: str, request: Request) -> Solver:

@@ -66,8 +66,8 @@ def run(budget: Budget) -> StudyResult:
 
 def _record(cells: int) -> Event:
     """March to the orbit, predict the next event from the last period, keep the fields about its fastest moment."""
-    what = slipwave.read("paper")
-    solver = build(_MODEL, what, cells=cells)
+    scene = slipwave.read("paper")
+    solver = build(_MODEL, scene, cells=cells)
     events = watch(solver, _SETTLED).events()
     period = float(events.period[-1])
     start = float(events.time[-1]) + period

@@ -78,8 +78,8 @@ def _nearly_equal(deep: Deep) -> Verdict:
 
 def _rate() -> float:
     """epsilon V, the rate of loading at v = 0 on the transit clock."""
-    what = slipwave.read("paper")
-    return float(what.upper.epsilon * what.velocity)
+    scene = slipwave.read("paper")
+    return float(scene.upper.epsilon * scene.velocity)
 
 
 def irregular(deep: dict[str, Deep]) -> tuple[Verdict, ...]:

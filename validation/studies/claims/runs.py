@@ -10,7 +10,7 @@ from slipwave.observe import EventObserver, Events, follow
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.measure.ripples import ripple_period
-from validation.measure.settle import Cycle, DenseObserver, Orbit, Settled, one_cycle, settle
+from validation.measure.settle import DenseObserver, LastCycle, Orbit, Settled, one_cycle, settle
 from validation.references.onset import Onset
 from validation.registry.build import build
 
@@ -92,13 +92,13 @@ def run_deep(model: str, until: float) -> Deep:
 
 def measure_ripples(model: str) -> Ripples:
     """One cycle of the model's orbit at log10 r = -2.68."""
-    what = slipwave.read("paper")
-    settled = settle(build(model, what, tolerance=1e-10), tolerance=1e-9)
+    scene = slipwave.read("paper")
+    settled = settle(build(model, scene, tolerance=1e-10), tolerance=1e-9)
     cycle = one_cycle(settled, per_piece=16)
-    return Ripples(ripple_period(cycle), loading_of(settled.orbit, cycle, what))
+    return Ripples(ripple_period(cycle), loading_of(settled.orbit, cycle, scene))
 
 
-def loading_of(orbit: Orbit, cycle: Cycle, what: Scene) -> Loading:
+def loading_of(orbit: Orbit, cycle: LastCycle, scene: Scene) -> Loading:
     """The parts of a period, from samples over one cycle: y' = eps (V - v), so that y rises by eps (V t_rise - s_rise)."""
     period = orbit.period.value
     since = np.mod(cycle.time - cycle.time[np.argmin(cycle.elastic_stress)], period)
@@ -106,8 +106,8 @@ def loading_of(orbit: Orbit, cycle: Cycle, what: Scene) -> Loading:
     since, rate = since[order], cycle.slip_rate[order]
     rises = slice(0, int(np.argmax(cycle.elastic_stress[order])) + 1)
     slip = float(np.trapezoid(rate[rises], since[rises]))
-    load = what.upper.epsilon * what.velocity
-    return Loading(period, orbit.elastic_stress_drop.value / load, period - float(np.ptp(since[rises])), slip / what.velocity)
+    load = scene.upper.epsilon * scene.velocity
+    return Loading(period, orbit.elastic_stress_drop.value / load, period - float(np.ptp(since[rises])), slip / scene.velocity)
 
 
 def where(branch: Branch) -> str:
@@ -118,8 +118,8 @@ def where(branch: Branch) -> str:
 
 def onset_at(velocity: float) -> Onset:
     """Closed forms of the paper's material at drive `velocity` (V*)."""
-    what = slipwave.read("paper")
-    return Onset(what.law, what.upper.epsilon, velocity)
+    scene = slipwave.read("paper")
+    return Onset(scene.law, scene.upper.epsilon, velocity)
 
 
 def spread(values: Array) -> float:

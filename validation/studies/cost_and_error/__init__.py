@@ -99,11 +99,11 @@ def _table(points: list[Point]) -> Table:
 
 
 def _final_states() -> Table:
-    what = slipwave.read("yardstick")
+    scene = slipwave.read("yardstick")
     rows: list[tuple[Cell, ...]] = []
     for known in (k for k in reference()["states"]["jump"] if k["log10_r"] == _LOG10_R):
         for tolerance in (1e-5, 1e-7, 1e-9, 1e-11):
-            seconds, psi = time_final(Setting("delay", tolerance=tolerance), what, float(known["time"]))
+            seconds, psi = time_final(Setting("delay", tolerance=tolerance), scene, float(known["time"]))
             rows.append((f"ψ({known['time']})", tolerance, 1e3 * seconds, psi, abs(psi - known["psi"])))
     columns = (
         Column("state"),

@@ -21,7 +21,7 @@ _ROUNDING = 10.0
 
 
 @dataclass(frozen=True)
-class Ladder:
+class EnergyLadder:
     """A family, the order at which its ledger closes (None: it conserves) and its grids.
 
     What is lost is the square of the jumps at upwind interfaces. Families of continuous fields jump at the slabs' ends only, by
@@ -35,12 +35,12 @@ class Ladder:
 
 
 LADDERS = (
-    Ladder("fd", None, (6, 12, 24, 48, 96)),
-    Ladder("sbp:2", 4.0, (24, 32, 48, 64, 96)),
-    Ladder("fem:1", 4.0, (24, 32, 48, 64, 96)),
-    Ladder("fem:2", 4.0, (4, 6, 8, 12, 16, 24)),
-    Ladder("dg:1", 3.0, (8, 12, 16, 24, 32, 48)),
-    Ladder("dg:2", 5.0, (4, 6, 8, 12, 16)),
+    EnergyLadder("fd", None, (6, 12, 24, 48, 96)),
+    EnergyLadder("sbp:2", 4.0, (24, 32, 48, 64, 96)),
+    EnergyLadder("fem:1", 4.0, (24, 32, 48, 64, 96)),
+    EnergyLadder("fem:2", 4.0, (4, 6, 8, 12, 16, 24)),
+    EnergyLadder("dg:1", 3.0, (8, 12, 16, 24, 32, 48)),
+    EnergyLadder("dg:2", 5.0, (4, 6, 8, 12, 16)),
 )
 
 HIGH = {"sbp:4": 48, "sbp:6": 48, "fem:4": 8, "dg:4": 8, "dg:7": 4}

@@ -4,7 +4,7 @@ import numpy as np
 
 from slipwave.observe.pieces import Array
 from validation.measure.order_fit import Fit, shortfall
-from validation.studies.energy.runs import Ladder
+from validation.studies.energy.runs import EnergyLadder
 from validation.study import Evidence, Verdict, judge
 from validation.study.bounds import bounded
 
@@ -18,7 +18,7 @@ def conserves(residual: Array) -> Verdict:
     return bounded("The leapfrog’s ledger closes to rounding on every grid", Evidence.EXACT, worst, _CLOSED["rigid faces"])
 
 
-def order_verdict(ladder: Ladder, found: Fit) -> Verdict:
+def order_verdict(ladder: EnergyLadder, found: Fit) -> Verdict:
     """The order of a family that does not conserve, with its 95 % interval, against the order of its squared jumps."""
     assert ladder.derived is not None
     short = shortfall(found, ladder.derived, _ALLOWANCE)

@@ -36,7 +36,7 @@ _TEXT = {
 }
 
 
-class Onset(NamedTuple):
+class OnsetErrors(NamedTuple):
     """Relative error of a model's critical r over theta = r_c omega_c of the exact system, and its law."""
 
     theta: Array
@@ -48,7 +48,7 @@ class Onset(NamedTuple):
         return float(self.error[index] / self.law.at(float(self.theta[index])))
 
 
-class Cycle(NamedTuple):
+class CycleErrors(NamedTuple):
     """The orbit 2 % beyond the exact onset: theta = r omega_c, exact v_max r, and every model's relative error of the period."""
 
     theta: float
@@ -56,7 +56,7 @@ class Cycle(NamedTuple):
     errors: dict[str, float]
 
 
-Onsets: TypeAlias = dict[str, Onset]
+Onsets: TypeAlias = dict[str, OnsetErrors]
 
 
 def run(budget: Budget) -> StudyResult:
@@ -80,7 +80,7 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _answer(onsets: Onsets, cycles: list[Cycle], falls: bool) -> str:
+def _answer(onsets: Onsets, cycles: list[CycleErrors], falls: bool) -> str:
     """`falls`: whether the error of the cycle falls with r, as that of the onset does."""
     off = max(abs(one.ratio(_paper() + 2) - 1.0) for model, one in onsets.items() if model != "quasidynamic")
     errors = [100.0 * abs(one.errors["kelvin-voigt"]) for one in cycles]
@@ -96,7 +96,7 @@ def _paper() -> int:
     return int(np.argmin(np.abs(_SCALES - 1.0)))
 
 
-def _half(cycles: list[Cycle]) -> dict[str, float]:
+def _half(cycles: list[CycleErrors]) -> dict[str, float]:
     return cycles[-1 if len(cycles) == len(_QUICK) else _FULL.index(0.5)].errors
 
 
@@ -104,29 +104,29 @@ def measure_onsets(paper: Scene) -> Onsets:
     """Every reduction's error of the critical r over a range of epsilon."""
     slopes = friction_slopes(paper.law, paper.velocity)
     scenes = [scaled(paper, epsilon=float(scale)) for scale in _SCALES]
-    exact = [critical_round_trip(what) for what in scenes]
+    exact = [critical_round_trip(scene) for scene in scenes]
     theta = np.array([r * omega for r, omega in exact])
     result = {}
     for model in MODELS:
-        error = [critical_round_trip(what, model)[0] / r - 1.0 for what, (r, _) in zip(scenes, exact, strict=True)]
-        result[model] = Onset(theta, np.array(error), error_law(model, slopes))
+        error = [critical_round_trip(scene, model)[0] / r - 1.0 for scene, (r, _) in zip(scenes, exact, strict=True)]
+        result[model] = OnsetErrors(theta, np.array(error), error_law(model, slopes))
     return result
 
 
-def measure_cycle(paper: Scene, scale: float) -> Cycle:
+def measure_cycle(paper: Scene, scale: float) -> CycleErrors:
     """Settle the delay system and the reductions 2 % beyond the exact onset of the scene with epsilon scaled."""
     softer = scaled(paper, epsilon=scale)
     r_c, omega = critical_round_trip(softer)
-    what = scaled(softer, round_trip=_BEYOND * r_c / softer.transit)
-    what = dataclasses.replace(what, start=dataclasses.replace(what.start, size=_PUSH))
-    theta = what.transit * omega
+    scene = scaled(softer, round_trip=_BEYOND * r_c / softer.transit)
+    scene = dataclasses.replace(scene, start=dataclasses.replace(scene.start, size=_PUSH))
+    theta = scene.transit * omega
     orbits = {
-        model: settle(build(model, what, tolerance=1e-9), tolerance=1e-7, most=600.0 / theta).orbit.values()
+        model: settle(build(model, scene, tolerance=1e-9), tolerance=1e-7, most=600.0 / theta).orbit.values()
         for model in ("delay", *_CYCLING)
     }
     exact = orbits["delay"]
     errors = {model: orbits[model]["period"] / exact["period"] - 1.0 for model in _CYCLING}
-    return Cycle(theta, exact["v_max"] * what.transit, errors)
+    return CycleErrors(theta, exact["v_max"] * scene.transit, errors)
 
 
 def _onset_table(onsets: Onsets) -> Table:
@@ -144,7 +144,7 @@ def _onset_table(onsets: Onsets) -> Table:
     return Table("onset", caption, (*columns, Column("ratio", "at ε", ".6f"), Column("ratio", "at ε/4", ".6f")), tuple(rows))
 
 
-def _cycle_table(cycles: list[Cycle]) -> Table:
+def _cycle_table(cycles: list[CycleErrors]) -> Table:
     rows = tuple((one.theta, one.swiftness, *(one.errors[model] for model in _CYCLING)) for one in cycles)
     caption = (
         "Relative error of the period against the delay system, 2 % beyond the exact onset, while ε and with it r fall at fixed "
@@ -174,7 +174,7 @@ def _next_term(model: str, theta: float) -> float:
     return 2.0 * theta if model == "quasidynamic" else 0.5 * theta**2
 
 
-def _cycle_verdict(cycles: list[Cycle]) -> Verdict:
+def _cycle_verdict(cycles: list[CycleErrors]) -> Verdict:
     first, last = cycles[0], cycles[-1]
     shrink = abs(last.errors["kelvin-voigt"] / first.errors["kelvin-voigt"])
     return Verdict(

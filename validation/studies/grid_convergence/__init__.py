@@ -7,7 +7,7 @@ import numpy as np
 
 import slipwave
 from slipwave.observe.pieces import Array
-from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, Course, Ladder
+from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, Course, GridLadder
 from validation.measure.orders import OUTPUTS, Climb, Measured, climb, errors, measure
 from validation.registry.build import build
 from validation.studies.grid_convergence.code import code_note, code_table
@@ -63,7 +63,7 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _curve(ladder: Ladder, exact: Measured) -> tuple[Array, Array, Array]:
+def _curve(ladder: GridLadder, exact: Measured) -> tuple[Array, Array, Array]:
     """(points per slab, seconds, error of the state) on the figure's grids."""
     climbed = climb(replace(ladder, course=_SPARSE), exact, build)
     return climbed.cells * _points_per_cell(ladder.model), climbed.seconds, climbed.errors["state"]
@@ -76,11 +76,11 @@ def _points_per_cell(model: str) -> int:
 
 def _promises() -> dict[str, float]:
     """By family: the larger error of period and stress drop on the paper's material."""
-    what = slipwave.read("paper-2.6")
-    exact = measure(build("delay", what, tolerance=1e-12), _PAPER)
+    scene = slipwave.read("paper-2.6")
+    exact = measure(build("delay", scene, tolerance=1e-12), _PAPER)
     found = {}
     for model, (cells, _) in _PROMISED.items():
-        off = errors(measure(build(model, what, cells=cells), _PAPER), exact)
+        off = errors(measure(build(model, scene, cells=cells), _PAPER), exact)
         found[model] = max(off["period"], off["stress_drop"])
     return found
 

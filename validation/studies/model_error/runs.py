@@ -24,7 +24,7 @@ RESTLESS = 1e-6
 """An orbit that still moves by more, relative, is not compared."""
 
 
-class Run(NamedTuple):
+class ModelRun(NamedTuple):
     """A model's settled figures at one r, and milliseconds of processor time per 1000 transits."""
 
     period: float
@@ -32,7 +32,7 @@ class Run(NamedTuple):
     milliseconds: float
 
 
-Runs = dict[str, dict[float, Run | None]]
+Runs = dict[str, dict[float, ModelRun | None]]
 """model -> log10 r -> its orbit; None where it found none."""
 
 
@@ -46,7 +46,7 @@ def warm_up(model: str) -> None:
     watch(build(model, scene_at(-2.68)), 2.0)
 
 
-def orbit_of(model: str, log10_r: float) -> Run | None:
+def orbit_of(model: str, log10_r: float) -> ModelRun | None:
     """The settled orbit, None if there is none or it has not come to rest."""
     try:
         found = settle(build(model, scene_at(log10_r), tolerance=1e-10), tolerance=1e-9, most=MOST)
@@ -55,9 +55,9 @@ def orbit_of(model: str, log10_r: float) -> Run | None:
     return _run(found) if found.unrest < RESTLESS else None
 
 
-def _run(found: Settled) -> Run:
+def _run(found: Settled) -> ModelRun:
     orbit = found.orbit
-    return Run(orbit.period.value, orbit.stress_drop.value, 1e6 * found.seconds / found.transits)
+    return ModelRun(orbit.period.value, orbit.stress_drop.value, 1e6 * found.seconds / found.transits)
 
 
 def error(runs: Runs, model: str, log10_r: float, quantity: str) -> float:
@@ -81,5 +81,5 @@ def curves(runs: Runs) -> dict[str, tuple[Array, Array, Array]]:
 
 def states(model: str) -> int:
     """Dynamical variables: psi, the elastic stress, v if there is mass, and two for each mode."""
-    what = reduction_of(scene_at(-2.68), model)
-    return 2 + (not what.is_algebraic) + 2 * len(what.frequencies) + len(what.relaxations)
+    scene = reduction_of(scene_at(-2.68), model)
+    return 2 + (not scene.is_algebraic) + 2 * len(scene.frequencies) + len(scene.relaxations)

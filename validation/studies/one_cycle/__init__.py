@@ -9,7 +9,7 @@ from validation.references.onset import Onset
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.build import build
 from validation.studies.one_cycle.figures import overlay, panels
-from validation.studies.one_cycle.tables import LOG10_R, QUANTITIES, Run, beside_reference, drops, error, rates
+from validation.studies.one_cycle.tables import LOG10_R, QUANTITIES, CycleRun, beside_reference, drops, error, rates
 from validation.study import Budget, Evidence, Figure, Number, Omission, StudyResult, Verdict, judge
 from validation.study.bounds import bounded
 from validation.study.text import plain
@@ -52,11 +52,11 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _run(model: str) -> Run:
-    what = slipwave.read("paper")
-    solver = build(model, what, cells=_CELLS, cfl=_CFL) if model == "fd" else build(model, what, tolerance=1e-10)
+def _run(model: str) -> CycleRun:
+    scene = slipwave.read("paper")
+    solver = build(model, scene, cells=_CELLS, cfl=_CFL) if model == "fd" else build(model, scene, tolerance=1e-10)
     settled = settle(solver, tolerance=1e-10)
-    return Run(settled, one_cycle(settled, before=4.0, after=4.0, per_piece=2 if model == "fd" else 12))
+    return CycleRun(settled, one_cycle(settled, before=4.0, after=4.0, per_piece=2 if model == "fd" else 12))
 
 
 def _quasistatic() -> str:
@@ -78,11 +78,11 @@ def _slides_steadily(model: str) -> bool:
     return False
 
 
-def _percent(one: Run, exact: Run, quantity: str = "period") -> str:
+def _percent(one: CycleRun, exact: CycleRun, quantity: str = "period") -> str:
     return f"{100 * error(one, exact, quantity):+.1f} %".replace("-", "−")
 
 
-def _answer(runs: dict[str, Run]) -> str:
+def _answer(runs: dict[str, CycleRun]) -> str:
     exact = runs["delay"]
     modes = [plain(abs(error(runs[name], exact, "period")), ".0e") for name in ("modal:1", "modal:2")]
     outline = max(abs(error(one, exact, "period")) for one in runs.values()) < _OUTLINE
@@ -93,7 +93,7 @@ def _answer(runs: dict[str, Run]) -> str:
     )
 
 
-def _against_reference(runs: dict[str, Run]) -> list[Verdict]:
+def _against_reference(runs: dict[str, CycleRun]) -> list[Verdict]:
     known = {model: reference_orbit(model, LOG10_R) for model in runs}
     return [_beside(model, runs[model].orbit.values(), figures) for model, figures in known.items() if figures]
 
@@ -113,7 +113,7 @@ def _beside(model: str, ours: dict[str, float], known: dict[str, float]) -> Verd
     )
 
 
-def _full_wave(runs: dict[str, Run]) -> Verdict:
+def _full_wave(runs: dict[str, CycleRun]) -> Verdict:
     off = max(abs(error(runs["fd"], runs["delay"], name)) for name in QUANTITIES)
     return bounded(
         "The full wave runs on the delay system’s orbit",
@@ -130,21 +130,21 @@ def _runaway(escape: str) -> Verdict:
 
 
 def _steady() -> Verdict:
-    what = slipwave.read("paper")
-    onset = Onset(what.law, what.upper.epsilon, what.velocity)
+    scene = slipwave.read("paper")
+    onset = Onset(scene.law, scene.upper.epsilon, scene.velocity)
     steady = _slides_steadily("quasidynamic")
     return Verdict(
         "The quasi-dynamic model slides steadily where the wave sticks and slips",
         Evidence.EXACT,
-        "steady" if what.transit < onset.r_quasidynamic else "stick-slip",
+        "steady" if scene.transit < onset.r_quasidynamic else "stick-slip",
         "steady" if steady else "stick-slip",
-        judge(steady == (what.transit < onset.r_quasidynamic)),
+        judge(steady == (scene.transit < onset.r_quasidynamic)),
         "earthquake modellers’ radiation damping: its onset, r = ε/(b − a − εV/2) = "
         f"10^{{{math.log10(onset.r_quasidynamic):.3f}}}, lies above this scene’s r",
     )
 
 
-def _numbers(runs: dict[str, Run]) -> dict[str, Number]:
+def _numbers(runs: dict[str, CycleRun]) -> dict[str, Number]:
     return {
         f"{model} {name}": Number(value, 1e-8 if model != "fd" else 1e-7)
         for model, one in runs.items()

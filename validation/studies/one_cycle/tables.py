@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from validation.measure.settle import Cycle, Orbit, Settled
+from validation.measure.settle import LastCycle, Orbit, Settled
 from validation.references.published import reference_orbit
 from validation.study import Cell, Column, Table
 
@@ -10,11 +10,11 @@ LOG10_R = -2.68
 QUANTITIES = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}", "v_min": "v_{min}"}
 
 
-class Run(NamedTuple):
+class CycleRun(NamedTuple):
     """A model on its orbit and one cycle of it."""
 
     settled: Settled
-    cycle: Cycle
+    cycle: LastCycle
 
     @property
     def orbit(self) -> Orbit:
@@ -22,12 +22,12 @@ class Run(NamedTuple):
         return self.settled.orbit
 
 
-def error(one: Run, exact: Run, quantity: str) -> float:
+def error(one: CycleRun, exact: CycleRun, quantity: str) -> float:
     """Relative error of `quantity` (a field of Orbit)."""
     return one.orbit.values()[quantity] / exact.orbit.values()[quantity] - 1.0
 
 
-def _row(runs: dict[str, Run], model: str, quantities: tuple[str, ...]) -> list[Cell]:
+def _row(runs: dict[str, CycleRun], model: str, quantities: tuple[str, ...]) -> list[Cell]:
     cells: list[Cell] = [model]
     for quantity in quantities:
         off = None if model == "delay" else error(runs[model], runs["delay"], quantity)
@@ -40,7 +40,7 @@ def _columns(quantities: tuple[tuple[str, str, str], ...]) -> tuple[Column, ...]
     return (Column("model"), *(column for pair in pairs for column in pair))
 
 
-def drops(runs: dict[str, Run]) -> Table:
+def drops(runs: dict[str, CycleRun]) -> Table:
     """Period and drops."""
     names = ("period", "stress_drop", "elastic_stress_drop")
     columns = _columns(tuple(zip(names, ("transits", "σ", "σ"), (".9g", ".7f", ".7f"), strict=True)))
@@ -52,7 +52,7 @@ def drops(runs: dict[str, Run]) -> Table:
     return Table("drops", caption, columns, tuple(tuple(_row(runs, model, names)) for model in runs), (0,))
 
 
-def rates(runs: dict[str, Run]) -> Table:
+def rates(runs: dict[str, CycleRun]) -> Table:
     """Extreme slip rates, and how the run went."""
     names = ("v_max", "v_min")
     columns = _columns(tuple(zip(names, ("V*", "V*"), (".8g", ".7g"), strict=True)))
@@ -67,7 +67,7 @@ def rates(runs: dict[str, Run]) -> Table:
     return Table("rates", caption, (*columns, *more), tuple(rows), (0,))
 
 
-def beside_reference(runs: dict[str, Run]) -> Table:
+def beside_reference(runs: dict[str, CycleRun]) -> Table:
     """Ours beside values of other programs."""
     rows: list[tuple[Cell, ...]] = []
     for model, one in runs.items():

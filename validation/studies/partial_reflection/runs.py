@@ -60,10 +60,10 @@ def bare_scene(leak: float, nudge: float = 0.5) -> Scene:
     return slipwave.read("paper", {"slab.log10_r": LOG10_R_BARE, "start.size": nudge, **face})
 
 
-def orbit_of(what: Scene) -> Point:
+def orbit_of(scene: Scene) -> Point:
     """The settled cycle of the delay system, NaN if there is none."""
     try:
-        found = settle(build("delay", what, tolerance=1e-9), tolerance=1e-8, most=_MOST)
+        found = settle(build("delay", scene, tolerance=1e-9), tolerance=1e-8, most=_MOST)
     except NoCycle:
         return Point()
     orbit = found.orbit
@@ -72,24 +72,24 @@ def orbit_of(what: Scene) -> Point:
 
 def pair_of(stiffness: float, impedance: float, quick: bool) -> Pair:
     """The same cycle by the delay system and by the full wave."""
-    what = grip_scene(stiffness, impedance, LOG10_R)
-    exact = _last(what, "delay", None, 1e-11)
-    return Pair(stiffness, float(impedance), exact, _last(what, "dg:7", 8 if quick else 12, None))
+    scene = grip_scene(stiffness, impedance, LOG10_R)
+    exact = _last(scene, "delay", None, 1e-11)
+    return Pair(stiffness, float(impedance), exact, _last(scene, "dg:7", 8 if quick else 12, None))
 
 
-def _last(what: Scene, model: str, cells: int | None, tolerance: float | None) -> Point:
-    events = watch(build(model, what, cells=cells, tolerance=tolerance), UNTIL).events()
+def _last(scene: Scene, model: str, cells: int | None, tolerance: float | None) -> Point:
+    events = watch(build(model, scene, cells=cells, tolerance=tolerance), UNTIL).events()
     return Point(float(events.period[-1]), float(events.stress_drop[-1]), float(events.v_max[-1]))
 
 
-def end_of(what: Scene) -> str:
+def end_of(scene: Scene) -> str:
     """How a run without a cycle ends: `steady` if v is back at V, `locks` if it has fallen far below."""
-    behind = follow(build("delay", what), _MOST).ln_v - math.log(what.velocity)
+    behind = follow(build("delay", scene), _MOST).ln_v - math.log(scene.velocity)
     return "steady" if abs(behind) < 0.1 else "locks" if behind < -1.0 else "still decaying"
 
 
 def locking_leak() -> float:
     """1 - R beyond which the leak, a dashpot (eps/2)(1 + R)/(1 - R), is weaker than friction's weakening (b - a)/V."""
-    what = slipwave.read("paper")
-    law: Ageing = what.law
-    return 2.0 / (1.0 + 2.0 * (law.b - law.a) / (what.velocity * what.upper.epsilon))
+    scene = slipwave.read("paper")
+    law: Ageing = scene.law
+    return 2.0 / (1.0 + 2.0 * (law.b - law.a) / (scene.velocity * scene.upper.epsilon))

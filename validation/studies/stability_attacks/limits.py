@@ -46,16 +46,16 @@ _LOW, _HIGH = 0.8, 1.5
 _SHARPNESS = 1.01
 
 
-def with_step(model: str, what: Scene, share: float) -> Solver:
+def with_step(model: str, scene: Scene, share: float) -> Solver:
     """The solver at `share` of its declared step limit, which may lie beyond 1; users are refused that."""
     cells = CELLS[model]
     if model == "fd":
         from fullwave.finite_difference import Leapfrog
 
-        leapfrog = Leapfrog(what, cells)
-        leapfrog._set_up(what, cells, share)
+        leapfrog = Leapfrog(scene, cells)
+        leapfrog._set_up(scene, cells, share)
         return leapfrog
-    solver = cast(Any, build(model, what, cells=cells, cfl=1.0))
+    solver = cast(Any, build(model, scene, cells=cells, cfl=1.0))
     solver.step *= share
     return cast(Solver, solver)
 
@@ -81,10 +81,10 @@ def ageing(relaxation: float) -> Scene:
     return replace(plain, upper=slab, lower=slab, start=Start(StartKind.JUMP, 1e-3))
 
 
-def growth(model: str, what: Scene, share: float, steps: int = _STEPS) -> float:
+def growth(model: str, scene: Scene, share: float, steps: int = _STEPS) -> float:
     """Largest field after `steps` at `share` of the limit, over the noise's amplitude; infinite if the run broke down."""
-    solver = cast(Any, with_step(model, what, share))
-    noise = 1e-3 * what.velocity
+    solver = cast(Any, with_step(model, scene, share))
+    noise = 1e-3 * scene.velocity
     _disturb(solver, noise)
     try:
         while solver.time < steps * solver.step:
@@ -97,7 +97,7 @@ def growth(model: str, what: Scene, share: float, steps: int = _STEPS) -> float:
 
 def _disturb(solver: Any, noise: float) -> None:
     """Add normal noise of size `noise` to every velocity, and, where it can be set, to the stress over the impedance."""
-    what, draw = solver.scene, np.random.default_rng(2).standard_normal
+    scene, draw = solver.scene, np.random.default_rng(2).standard_normal
     if solver.model == "fd":
         state = solver.state()
         for name in state:
@@ -105,11 +105,11 @@ def _disturb(solver: Any, noise: float) -> None:
                 state[name] += noise * draw(state[name].size)
         solver.restore(state)
         return
-    for slab, one in enumerate((what.upper,) if what.alike else (what.upper, what.lower)):
+    for slab, one in enumerate((scene.upper,) if scene.alike else (scene.upper, scene.lower)):
         solver.impose(
             slab,
-            lambda x: 0.5 * what.velocity + noise * draw(x.size),
-            lambda x, epsilon=one.epsilon: what.steady_stress + noise * epsilon * draw(x.size),
+            lambda x: 0.5 * scene.velocity + noise * draw(x.size),
+            lambda x, epsilon=one.epsilon: scene.steady_stress + noise * epsilon * draw(x.size),
         )
 
 
@@ -123,19 +123,19 @@ def _fields(solver: Any) -> list[Any]:
 
 def limit_at(model: str, decade: float) -> float:
     """Largest share of the declared step, to 1 per cent, at which noise does not grow on friction of stiffness 10^decade Z."""
-    what = rubbing(decade)
-    return _largest(lambda share: growth(model, what, share) < _GROWN)
+    scene = rubbing(decade)
+    return _largest(lambda share: growth(model, scene, share) < _GROWN)
 
 
 def state_reach(model: str) -> float:
     """Largest stable step times the relaxation rate of psi, to 1 per cent; infinite if psi sets no limit."""
-    what = ageing(1e4)
-    share = _largest(lambda share: _calms_down(model, what, share))
-    return math.inf if model == "fd" else share * float(cast(Any, with_step(model, what, 1.0)).step) * 1e4
+    scene = ageing(1e4)
+    share = _largest(lambda share: _calms_down(model, scene, share))
+    return math.inf if model == "fd" else share * float(cast(Any, with_step(model, scene, 1.0)).step) * 1e4
 
 
-def _calms_down(model: str, what: Scene, share: float) -> bool:
-    solver = cast(Any, with_step(model, what, share))
+def _calms_down(model: str, scene: Scene, share: float) -> bool:
+    solver = cast(Any, with_step(model, scene, share))
     try:
         follow(solver, _STEPS * solver.step)
     except NumericsError:
@@ -159,7 +159,9 @@ def _largest(stable: Callable[[float], bool]) -> float:
 def around_the_limit(model: str, medium: str) -> tuple[float, float]:
     """Growth of noise in 400 steps at 0.99 of the limit and in 2000 at 1.05, the larger of soft and stiff friction."""
     scenes = [rubbing(decade, medium) for decade in _SOFT_AND_STIFF]
-    below, above = (max(growth(model, what, share, steps) for what in scenes) for share, steps in ((0.99, _STEPS), (1.05, 2000)))
+    below, above = (
+        max(growth(model, scene, share, steps) for scene in scenes) for share, steps in ((0.99, _STEPS), (1.05, 2000))
+    )
     return below, above
 
 

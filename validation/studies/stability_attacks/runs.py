@@ -65,7 +65,7 @@ _FEWEST_CYCLES = 2
 
 
 @dataclass(frozen=True)
-class Outcome:
+class AttackOutcome:
     """Largest error of psi up to t = 40; `late` as `_late_error` tells it; the message of a run that stopped (empty if none
     did). Only a run that stops is excused from being right: failed solves that were counted on the way are no excuse."""
 
@@ -91,12 +91,12 @@ class _Course(NamedTuple):
     statistics: RunStatistics
 
 
-def attack(name: str, late: bool = False) -> dict[str, Outcome]:
+def attack(name: str, late: bool = False) -> dict[str, AttackOutcome]:
     """What every family makes of attack `name` in 40 transits, or until its late time."""
-    what, finer = _scene(name), ATTACKS[name].finer
+    scene, finer = _scene(name), ATTACKS[name].finer
     until = ATTACKS[name].late if late else _MOMENTS[-1]
-    exact = _course(build("delay", what, tolerance=1e-10), until)
-    return {model: _outcome(model, finer * cells, what, exact, until) for model, cells in CELLS.items()}
+    exact = _course(build("delay", scene, tolerance=1e-10), until)
+    return {model: _outcome(model, finer * cells, scene, exact, until) for model, cells in CELLS.items()}
 
 
 def _scene(name: str) -> Scene:
@@ -110,13 +110,13 @@ def _course(solver: Solver, until: float) -> _Course:
     return _Course(psis, late, summarise(watch.events(0.5 * until)))
 
 
-def _outcome(model: str, cells: int, what: Scene, exact: _Course, until: float) -> Outcome:
+def _outcome(model: str, cells: int, scene: Scene, exact: _Course, until: float) -> AttackOutcome:
     try:
-        ours = _course(build(model, what, cells=cells), until)
+        ours = _course(build(model, scene, cells=cells), until)
     except (SceneError, NumericsError) as error:
-        return Outcome(math.nan, message=str(error))
+        return AttackOutcome(math.nan, message=str(error))
     off = max(abs(psi - theirs) for psi, theirs in zip(ours.psis, exact.psis, strict=True))
-    return Outcome(off, _late_error(ours, exact) if until > _MOMENTS[-1] else 0.0)
+    return AttackOutcome(off, _late_error(ours, exact) if until > _MOMENTS[-1] else 0.0)
 
 
 def _late_error(ours: _Course, exact: _Course) -> float:
@@ -141,11 +141,11 @@ class Advice(NamedTuple):
 
 def advised(model: str, until: float = 400.0, most: int = 16) -> Advice:
     """V = 1e5 from `model`'s usual cells, doubled (up to `most` times as many) for as long as the run ends with a message."""
-    what = _scene("V 5")
-    exact = _course(build("delay", what, tolerance=1e-10), until)
+    scene = _scene("V 5")
+    exact = _course(build("delay", scene, tolerance=1e-10), until)
     stopped, message, cells = 0, "", CELLS[model]
     while cells <= most * CELLS[model]:
-        outcome = _outcome(model, cells, what, exact, until)
+        outcome = _outcome(model, cells, scene, exact, until)
         if not outcome.message:
             return Advice(stopped, message, cells, max(outcome.error, abs(outcome.late)))
         stopped, message = cells, outcome.message
@@ -155,30 +155,30 @@ def advised(model: str, until: float = 400.0, most: int = 16) -> Advice:
 
 def locked_noise(model: str, transits: float) -> float:
     """Energy left of noise in a locked slab after `transits`, over its mean in the first ten; infinite if the run broke down."""
-    what = slipwave.read("paper", ["drive.velocity=1e-6", "start.size=0"])
-    solver = cast(Any, build(model, what, cells=COARSE[model], cfl=1.0))
+    scene = slipwave.read("paper", ["drive.velocity=1e-6", "start.size=0"])
+    solver = cast(Any, build(model, scene, cells=COARSE[model], cfl=1.0))
     draw = np.random.default_rng(1).standard_normal
     if model == "fd":
         state = solver.state()
         state["upper.velocity"][1:-1] += draw(state["upper.velocity"].size - 2)
         solver.restore(state)
     else:
-        solver.impose(0, lambda depth: draw(depth.size), lambda depth: np.full(depth.size, what.steady_stress))
+        solver.impose(0, lambda depth: draw(depth.size), lambda depth: np.full(depth.size, scene.steady_stress))
     try:
-        first = np.mean([_energy(solver, what, moment) for moment in 2.0 * np.arange(1.0, 6.0)])
-        last = np.mean([_energy(solver, what, moment) for moment in transits + 2.0 * np.arange(1.0, 6.0)])
+        first = np.mean([_energy(solver, scene, moment) for moment in 2.0 * np.arange(1.0, 6.0)])
+        last = np.mean([_energy(solver, scene, moment) for moment in transits + 2.0 * np.arange(1.0, 6.0)])
     except NumericsError:
         return math.inf
     return float(last / first)
 
 
-def _energy(solver: Any, what: Scene, moment: float) -> float:
+def _energy(solver: Any, scene: Scene, moment: float) -> float:
     """Twice the energy of the deviations from steady sliding, over the impedance (V*^2): in the family's own norm, or as the mean
     over the nodes for the leapfrog, whose velocities and stresses belong to different times."""
     follow(solver, moment)
     if solver.model == "fd":
         shot = solver.snapshot().upper
-        moving, loaded = shot.velocity - 0.5 * what.velocity, (shot.stress - what.steady_stress) / what.upper.epsilon
+        moving, loaded = shot.velocity - 0.5 * scene.velocity, (shot.stress - scene.steady_stress) / scene.upper.epsilon
         return float(np.mean(moving**2) + np.mean(loaded**2))
     state = solver.state()["state"]
     return sum(_product(block.norm, state[slots]) for block in solver.grid.blocks for slots in (block.velocity, block.stress))

@@ -4,7 +4,7 @@ import math
 
 from validation.studies.stability_attacks.limits import CELLS as COARSE
 from validation.studies.stability_attacks.limits import step_per_cell
-from validation.studies.stability_attacks.runs import ATTACKS, CELLS, Advice, Outcome
+from validation.studies.stability_attacks.runs import ATTACKS, CELLS, Advice, AttackOutcome
 from validation.study import Cell, Column, Table
 from validation.study.text import plain
 
@@ -50,7 +50,7 @@ def _size(value: float) -> str:
     return "∞" if value > 1e300 else plain(value, ".0e" if value > 1e4 or value < 0.01 else ".1g")
 
 
-def attack_table(found: dict[str, dict[str, Outcome]], late: bool) -> Table:
+def attack_table(found: dict[str, dict[str, AttackOutcome]], late: bool) -> Table:
     """Outcome of every attack by every family."""
     rows: list[tuple[Cell, ...]] = [
         (
@@ -77,7 +77,7 @@ def attack_table(found: dict[str, dict[str, Outcome]], late: bool) -> Table:
     return Table("attacks", caption, columns, tuple(rows))
 
 
-def message_table(found: dict[str, dict[str, Outcome]]) -> tuple[Table, ...]:
+def message_table(found: dict[str, dict[str, AttackOutcome]]) -> tuple[Table, ...]:
     """What the attacks that ended with a message said; no table if none did."""
     rows: list[tuple[Cell, ...]] = [
         (ATTACKS[name].title, model, outcome.message)

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from validation.studies.stability_attacks.runs import ATTACKS, CELLS, Advice, Outcome
+from validation.studies.stability_attacks.runs import ATTACKS, CELLS, Advice, AttackOutcome
 from validation.study import Evidence, Verdict, judge
 from validation.study.bounds import bounded
 from validation.study.text import plain
@@ -30,7 +30,7 @@ class Found(NamedTuple):
     media: dict[str, dict[str, tuple[float, float]]]
     stopped: dict[str, bool]
     late: bool
-    attacks: dict[str, dict[str, Outcome]]
+    attacks: dict[str, dict[str, AttackOutcome]]
     advice: dict[str, Advice]
     transits: float
     noise: dict[str, float]
@@ -106,7 +106,7 @@ def stop_verdict(stopped: dict[str, bool]) -> Verdict:
     )
 
 
-def attack_verdict(name: str, some: dict[str, Outcome], beyond: bool) -> Verdict:
+def attack_verdict(name: str, some: dict[str, AttackOutcome], beyond: bool) -> Verdict:
     """Whether an attack ended right or with a message in every family."""
     right, right_late = ATTACKS[name].right
     silent = [model for model, outcome in some.items() if outcome.silently_wrong(right, right_late)]

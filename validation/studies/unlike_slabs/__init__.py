@@ -32,7 +32,7 @@ _HIGH = ("dg:7", "sbp:6", "fem:4")
 
 
 @dataclass(frozen=True)
-class Run:
+class PairRun:
     """A model's grid, psi at UNTIL, period, drop and largest rate of the last complete cycle, and its curves."""
 
     model: str
@@ -40,7 +40,7 @@ class Run:
     figures: dict[str, float]
     curves: Curves
 
-    def differs(self, exact: "Run") -> dict[str, float]:
+    def differs(self, exact: "PairRun") -> dict[str, float]:
         """Difference in psi (absolute) and in the cycle's figures (relative)."""
         ours, theirs = self.figures, exact.figures
         return {name: ours[name] - theirs[name] if name == "psi" else ours[name] / theirs[name] - 1.0 for name in ours}
@@ -49,12 +49,12 @@ class Run:
 def run(budget: Budget) -> StudyResult:
     """March both scenes with every family, then time alike against unlike slabs."""
     grids = _grids(budget.quick)
-    runs: dict[str, list[Run]] = {}
+    runs: dict[str, list[PairRun]] = {}
     for count, name in enumerate(_PAIRS):
-        what = slipwave.read(name)
-        runs[name] = [_march(what, "delay", None, None)]
+        scene = slipwave.read(name)
+        runs[name] = [_march(scene, "delay", None, None)]
         for model, cells, cfl in grids:
-            runs[name].append(_march(what, model, cells, cfl))
+            runs[name].append(_march(scene, model, cells, cfl))
         budget.report(0.45 * (count + 1))
     timed = costs(repeats=5 if budget.quick else 9)
     shown = {name: (some[0].curves, some[1].curves) for name, some in runs.items()}
@@ -80,9 +80,9 @@ def _grids(quick: bool) -> tuple[tuple[str, int, float | None], ...]:
     return ("dg:7", 6, None), ("sbp:6", 96, None), ("fem:4", 12, None), ("fd", 192, 0.5), ("fd", 384, 0.5)
 
 
-def _march(what: Scene, model: str, cells: int | None, cfl: float | None) -> Run:
-    solver = build(model, what, tolerance=1e-11) if model == "delay" else build(model, what, cells=cells, cfl=cfl)
-    observer = EventObserver(what, solver.nodes)
+def _march(scene: Scene, model: str, cells: int | None, cfl: float | None) -> PairRun:
+    solver = build(model, scene, tolerance=1e-11) if model == "delay" else build(model, scene, cells=cells, cfl=cfl)
+    observer = EventObserver(scene, solver.nodes)
     follow(solver, UNTIL - _WATCHED, [observer])
     dense = DenseObserver(solver.nodes, 6 if model == "delay" else 1)
     final = follow(solver, UNTIL, [observer, dense])
@@ -90,10 +90,10 @@ def _march(what: Scene, model: str, cells: int | None, cfl: float | None) -> Run
     last = {name: float(getattr(events, name)[-1]) for name in ("period", "stress_drop", "v_max")}
     table = dense.table()
     curves = Curves(float(events.time[-1]), float(events.period[-1]), table[0], table[1], table[3])
-    return Run(model, cells, {"psi": final.psi, **last}, curves)
+    return PairRun(model, cells, {"psi": final.psi, **last}, curves)
 
 
-def _answer(runs: dict[str, list[Run]], timed: Costs) -> str:
+def _answer(runs: dict[str, list[PairRun]], timed: Costs) -> str:
     worst, delay = max(abs(some[1].differs(some[0])["psi"]) for some in runs.values()), timed["delay"]
     return (
         f"{'They do' if worst < _PROMISED else 'No'}: after {UNTIL:.0f} transits ψ of the delay network and of discontinuous "
@@ -103,7 +103,7 @@ def _answer(runs: dict[str, list[Run]], timed: Costs) -> str:
     )
 
 
-def _table(runs: dict[str, list[Run]]) -> Table:
+def _table(runs: dict[str, list[PairRun]]) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for name, some in runs.items():
         for one in some:
@@ -127,7 +127,7 @@ def _table(runs: dict[str, list[Run]]) -> Table:
     return Table("differences", caption, columns, tuple(rows), tuple(i for i, row in enumerate(rows) if row[1] == "delay"))
 
 
-def _agreements(runs: dict[str, list[Run]]) -> list[Verdict]:
+def _agreements(runs: dict[str, list[PairRun]]) -> list[Verdict]:
     return [
         _verdict(
             "Unlike slabs: delay network and discontinuous Galerkin agree",
@@ -139,7 +139,7 @@ def _agreements(runs: dict[str, list[Run]]) -> list[Verdict]:
     ]
 
 
-def _families(runs: dict[str, list[Run]]) -> list[Verdict]:
+def _families(runs: dict[str, list[PairRun]]) -> list[Verdict]:
     verdicts = []
     for name, some in runs.items():
         states = [one.figures["psi"] for one in some if one.model in _HIGH]
@@ -153,7 +153,7 @@ def _verdict(claim: str, off: float, limit: float, remark: str) -> Verdict:
     return bounded(claim, Evidence.WITNESS, off, limit, remark)
 
 
-def _leapfrog(runs: dict[str, list[Run]]) -> list[Verdict]:
+def _leapfrog(runs: dict[str, list[PairRun]]) -> list[Verdict]:
     """Half the cells, four times the error."""
     verdicts = []
     for name, some in runs.items():

@@ -44,20 +44,20 @@ def pairs() -> dict[str, Scene]:
 
 def costs(repeats: int) -> Costs:
     """Least of `repeats` runs of every model on every pair, the pairs taken in turn."""
-    what = pairs()
+    scene = pairs()
     found: Costs = {}
     for row, (until, options) in _MODELS.items():
-        runs = {name: partial(_prepared, row.partition(",")[0], one, until, options) for name, one in what.items()}
-        for one in what.values():
+        runs = {name: partial(_prepared, row.partition(",")[0], one, until, options) for name, one in scene.items()}
+        for one in scene.values():
             _prepared(row.partition(",")[0], one, 2.0, options)()
         rounds = in_turn(runs, repeats)
-        found[row] = {name: 1e6 * min(some[name] for some in rounds) / until for name in what}
+        found[row] = {name: 1e6 * min(some[name] for some in rounds) / until for name in scene}
     return found
 
 
-def _prepared(model: str, what: Scene, until: float, options: dict[str, Any]) -> partial[Final]:
-    solver = build(model, what, **options)
-    return partial(follow, solver, until, [EventObserver(what, solver.nodes)])
+def _prepared(model: str, scene: Scene, until: float, options: dict[str, Any]) -> partial[Final]:
+    solver = build(model, scene, **options)
+    return partial(follow, solver, until, [EventObserver(scene, solver.nodes)])
 
 
 def cost_table(found: Costs) -> Table:
