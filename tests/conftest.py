@@ -13,6 +13,11 @@ settings.register_profile("explore", max_examples=3000, **_COMMON)
 settings.load_profile("repeatable")
 
 
+def pytest_addoption(parser):
+    """The option that writes what studies show; see docs/planted-faults.md."""
+    parser.addoption("--record-shown", action="store_true", help="write anew what studies show (tests/validation/shown)")
+
+
 @pytest.fixture(autouse=True)
 def no_progress(monkeypatch):
     """Tests of what is printed must not depend on how long it took: no test waits for progress unless it says so."""

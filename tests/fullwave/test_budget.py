@@ -103,7 +103,7 @@ def test_a_big_grid_leaves_compiled_code_soon(kind, options, products, monkeypat
 def test_a_grid_beyond_the_memory_is_refused_at_once(kind, options, monkeypatch):
     """Before more of it is built than the few cells by which it is judged."""
     built = []
-    set_up = fullwave.lines.march.March._set_up
+    set_up = fullwave.lines.march.MethodOfLines._set_up
 
     def watched(solver, build, sections, limit):
         def counted(some):
@@ -112,7 +112,7 @@ def test_a_grid_beyond_the_memory_is_refused_at_once(kind, options, monkeypatch)
 
         set_up(solver, counted, sections, limit)
 
-    monkeypatch.setattr(fullwave.lines.march.March, "_set_up", watched)
+    monkeypatch.setattr(fullwave.lines.march.MethodOfLines, "_set_up", watched)
     monkeypatch.setattr(fullwave.lines.march, "assemble", lambda *arguments: pytest.fail("was assembled"))
     used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with pytest.raises(SceneError, match=r"cells = 1000000: would take .* GB of memory, .* at most some \d+ fit"):

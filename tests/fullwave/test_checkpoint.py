@@ -21,7 +21,7 @@ SCRIPT = """
 import sys
 from pathlib import Path
 import slipwave
-from fullwave.checkpoint import follow_with_checkpoints
+from slipwave.observe.checkpoint import follow_with_checkpoints
 from fullwave.finite_difference import Leapfrog
 from slipwave.observe import EventObserver
 chosen = slipwave.read("paper")

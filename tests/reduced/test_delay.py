@@ -44,7 +44,7 @@ def test_a_march_that_shows_its_end_only_shows_the_last_step():
     shown, wanted = end.advance(60.0), every.advance(60.0)
     while every.time < 60.0 - 1e-9:
         wanted = every.advance(60.0)
-    for name in ("time", "length", "unknown", "state", "stress"):
+    for name in ("time", "length", "z", "psi", "mu"):
         assert getattr(shown, name) == pytest.approx(getattr(wanted, name)[-1:], abs=1e-9)
 
 

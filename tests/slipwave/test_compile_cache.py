@@ -25,7 +25,7 @@ KNOTS = np.array([1.0, 2.0, 4.0])
 ANSWER = 1.5
 PROGRAM = """
 import numpy as np
-from scene.drive import interpolate_drive
+from slipwave.scene.drive import interpolate_drive
 knots = np.array([1.0, 2.0, 4.0])
 for _ in range(2):
     print(interpolate_drive(knots, knots, 1.5), interpolate_drive(knots.astype(np.float32), knots, 1.5))

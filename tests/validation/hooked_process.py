@@ -9,7 +9,7 @@ import pytest
 
 _SCRIPT = """
 import resource, signal, sys, time
-from validation import progress
+from validation.run import progress
 
 due, deed, size = float(sys.argv[1]), sys.argv[2], int(sys.argv[3])
 

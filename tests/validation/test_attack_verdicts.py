@@ -8,7 +8,7 @@ import pytest
 
 from validation.studies.stability_attacks import runs, verdicts
 from validation.studies.stability_attacks.runs import ATTACKS, Advice, AttackOutcome
-from validation.study import AttackOutcome as Light
+from validation.study import Outcome as Light
 
 LIMITS = {
     "epsilon -9": (2e-6, 2e-7), "epsilon -4": (3e-6, 1e-11), "epsilon -2": (6e-6, 1e-12), "epsilon 2": (7e-6, 3e-9),

@@ -92,7 +92,7 @@ class _Reread:
         self.observer, self._factor = observer, factor
 
     def scan(self, pieces: Pieces) -> None:
-        shrunk = {name: getattr(pieces, name) / self._factor for name in ("time", "length", "elastic")}
+        shrunk = {name: getattr(pieces, name) / self._factor for name in ("time", "length", "y")}
         self.observer.scan(pieces._replace(**shrunk))
 
 

@@ -4,19 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from study_parts import parts
+from shown import quick
 
 from validation.studies import slip_event
-from validation.study import Budget, Outcome
+from validation.study import Outcome
 from validation.study.bounds import too_roomy
 from validation.study.drawing import styled
 
 
-def test_study_passes_and_draws():
-    result = slip_event.run(Budget(quick=True))
+def test_study_passes_and_draws(as_recorded):
+    result = quick("slip-event")
     assert {verdict.outcome for verdict in result.verdicts} == {Outcome.PASS}
     assert too_roomy(result.verdicts) == []
-    assert parts(result) == "event | depths | 0 notes, 2 numbers, 0 omissions"
+    as_recorded("slip-event", result)
     assert "slips at up to 4,412 V*, stays beyond 10 V for 1.7 transits and is slower than V 1.03 transits" in result.answer
     assert 4400.0 < result.numbers["largest slip rate"].value < 4420.0
     with styled():

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from validation.studies.stability_attacks.limits import stops_beyond
+from validation.studies.stability_attacks.limits import _largest, stops_beyond
 from validation.studies.stability_attacks.runs import CELLS, AttackOutcome, advised, attack, locked_noise
 
 
@@ -45,3 +45,9 @@ def test_silence_is_what_counts():
     assert AttackOutcome(math.nan).silently_wrong(0.1)
     assert AttackOutcome(0.0, 1.0).silently_wrong(0.1, 0.1)
     assert not AttackOutcome(math.nan, message="too stiff").silently_wrong(0.1)
+
+
+@pytest.mark.parametrize(("edge", "found"), [(0.7, 0.0), (0.9, 0.9), (1.2, 1.2), (1.6, 1.5)])
+def test_the_search_for_a_limit_says_where_it_ends(edge, found):
+    """Between 0.8 and 1.5 to 1 per cent; beyond, 0 and 1.5."""
+    assert _largest(lambda share: share < edge) == pytest.approx(found, rel=1e-2)

@@ -1,37 +1,30 @@
 import numpy as np
 import pytest
-from study_parts import parts
+from shown import quick
 
 import slipwave
 from reduced import closed_forms
-from validation.studies import load
 from validation.studies.stability_boundaries.measured import critical_over_velocity
 from validation.studies.stability_boundaries.verdicts import closed_form_verdicts
-from validation.study import Budget, Outcome
+from validation.study import Outcome
 from validation.study.bounds import too_roomy
 
 
 @pytest.fixture(scope="module")
 def result():
-    return load("stability-boundaries").run(Budget(quick=True))
+    return quick("stability-boundaries")
 
 
-def test_every_verdict_holds(result):
+def test_every_verdict_holds(result, as_recorded):
     assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
     assert len(result.verdicts) == 9
-    shown = "critical-r planes impedance spectrum | critical-r models scenes"
-    assert parts(result) == f"{shown} | 3 notes, 19 numbers, 0 omissions"
+    as_recorded("stability-boundaries", result)
     assert too_roomy(result.verdicts) == []
 
 
 def test_numbers(result):
     assert result.numbers["log10 r_c, quasistatic"].value == pytest.approx(-2.698970004336, abs=1e-11)
     assert result.numbers["error of (27) at V = 1e4"].value == pytest.approx(-0.07672436, rel=1e-6)
-
-
-@pytest.mark.parametrize("figure", range(4))
-def test_figures_draw(result, figure):
-    assert result.figures[figure].draw().axes
 
 
 def test_a_wrong_closed_form_turns_a_light_red(monkeypatch):

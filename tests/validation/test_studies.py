@@ -3,7 +3,7 @@
 import dataclasses
 
 import pytest
-from study_parts import parts
+from shown import quick
 
 import slipwave
 from slipwave.input.source import gallery_names
@@ -11,11 +11,9 @@ from validation.report import make_report, store
 from validation.report.picture import LARGEST, readme_picture
 from validation.studies import STUDIES, load
 from validation.studies import one_cycle as one_cycle_study
-from validation.study import Budget, Evidence, Outcome, StudyResult
+from validation.study import Evidence, Outcome, StudyResult
 from validation.study.bounds import too_roomy
 from validation.work_precision import Point, Setting, cheapest, time_run
-
-QUICK = Budget(quick=True)
 
 
 @pytest.mark.parametrize("name", STUDIES)
@@ -31,10 +29,10 @@ def bad(result: StudyResult) -> list[str]:
     return [f"{v.claim}: expected {v.expected}, ours {v.ours}" for v in result.verdicts if v.outcome is Outcome.FAIL]
 
 
-def test_scene_facts():
-    result = load("scene-facts").run(QUICK)
+def test_scene_facts(as_recorded):
+    result = quick("scene-facts")
     assert bad(result) == []
-    assert parts(result) == "slabs | groups si | 1 notes, 3 numbers, 0 omissions"
+    as_recorded("scene-facts", result)
     assert result.numbers["r_c delay"].value == pytest.approx(10**-2.6995497159, rel=1e-9)
     groups = {row[0]: row[2] for row in result.tables[0].rows}
     assert groups["r/r_{c}"] == pytest.approx(1.04604, rel=1e-5)
@@ -46,12 +44,12 @@ def test_scene_facts():
 
 @pytest.fixture(scope="module")
 def cycle():
-    return one_cycle_study.run(QUICK)
+    return quick("one-cycle")
 
 
-def test_one_cycle_shows_the_numbers_it_must(cycle):
+def test_one_cycle_shows_the_numbers_it_must(cycle, as_recorded):
     assert bad(cycle) == []
-    assert parts(cycle) == "overlay panels | drops rates reference | 1 notes, 40 numbers, 2 omissions"
+    as_recorded("one-cycle", cycle)
     assert too_roomy(cycle.verdicts) == []
     delay = [cycle.numbers[f"delay {name}"].value for name in ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")]
     assert delay == pytest.approx([73.4721449, 0.1739634, 0.1547375, 4412.3205, 2.860302], rel=5e-7)
@@ -77,10 +75,10 @@ def test_a_wrong_reference_turns_the_light_red(monkeypatch):
     assert [v.outcome for v in one_cycle_study._against_reference({"delay": run})] == [Outcome.FAIL]
 
 
-def test_claims():
-    result = load("claims").run(QUICK)
+def test_claims(as_recorded):
+    result = quick("claims")
     assert bad(result) == []
-    assert parts(result) == "irregular returns | branch onset deep | 2 notes, 30 numbers, 5 omissions"
+    as_recorded("claims", result)
     findings = {verdict.claim[:3].strip() for verdict in result.verdicts if verdict.outcome is Outcome.FINDING}
     assert findings == {"P5", "P6", "P11", "P12"}
     assert too_roomy(result.verdicts) == []

@@ -20,7 +20,7 @@ def modules_of(family: str) -> frozenset[str]:
 
 
 def shared(one: str, other: str) -> tuple[str, ...]:
-    """Modules beyond `scene` that two families have in common."""
+    """modules beyond `slipwave` that two families have in common."""
     return tuple(sorted(name for name in modules_of(one) & modules_of(other) if not name.startswith("slipwave")))
 
 
@@ -33,8 +33,8 @@ def code_table() -> Table:
     )
     columns = (Column("pair"), Column("modules", "", ".0f"), Column("in common"))
     caption = (
-        "Modules of the solvers that two families have in common, read from their imports; `scene` (the scene, friction and the "
-        "interface condition) and the event detection are common to all. What is common cannot be caught by comparing the two."
+        "Modules of the solvers that two families have in common, read from their imports; `slipwave` (the scene, friction, the "
+        "interface condition, the event detection) is common to all. What is common cannot be caught by comparing the two."
     )
     return Table("code", caption, columns, rows)
 
