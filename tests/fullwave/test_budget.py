@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_difference import Leapfrog
 from fullwave.finite_element import FiniteElement
+from fullwave.lines import budget
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver, follow
@@ -162,6 +164,14 @@ def test_the_count_is_about_what_is_taken(kind, options, monkeypatch):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert 0.6 * peak < counted[0] < 2.0 * peak
+
+
+@pytest.mark.parametrize(("viscous", "copies", "blocks"), [(False, 12 + 2, 1), (True, 2 * (12 + 2) + 6, 2)])
+def test_what_a_march_takes_is_counted(viscous, copies, blocks):
+    """State of 1000 values: 12 stages and two more, twice over with memory variables and six arrays of the medium's own."""
+    operator = np.zeros(50)
+    grid = SimpleNamespace(size=1000, blocks=[(np.zeros(7), "rigid")] * 3, operator=(operator,))
+    assert budget._bytes(grid, 12, viscous) == 8 * 1000 * copies + blocks * 3 * (1200 + 8 * 7) + 4 * 8 * 50
 
 
 def test_interrupt_ends_a_big_run():

@@ -60,6 +60,20 @@ def test_the_interface_agrees_with_the_observer(recorded):
     assert 63.99 < field.time[-1] < 64.2
 
 
+@pytest.mark.parametrize("name", ["alike", "unlike"])
+def test_a_picture_before_the_first_step_knows_the_interface_and_changes_nothing(name):
+    """The state jumps at t = 0, and with it the slip rate."""
+    jump = dataclasses.replace(SCENES[name], start=Start(StartKind.JUMP, 0.5))
+    undisturbed, pictured = (Leapfrog(jump, 16, 0.9) for _ in range(2))
+    shot, again = pictured.snapshot(), pictured.snapshot()
+    pieces = undisturbed.advance(4.0)
+    slip = shot.upper.velocity[0] - shot.lower.velocity[0]
+    assert slip == pytest.approx(np.exp(pieces.unknown[0, 0]), rel=1e-12)
+    assert abs(slip / jump.velocity - 1.0) > 0.1
+    assert np.array_equal(shot.lower.velocity, again.lower.velocity)
+    assert np.array_equal(pictured.advance(4.0).unknown, pieces.unknown)
+
+
 def test_outer_faces_move_with_the_drive(recorded):
     field, _, _, chosen = recorded
     _, velocity, _ = profile(field)
