@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from validation.study import Column, Table, table
 from validation.study.text import cell, markup, number, plain
 
 
@@ -37,3 +38,15 @@ def test_cells():
 def test_plain_is_markup():
     assert markup(plain(-1.2e-9, ".2g")) == "−1.2\u202f·\u202f10<sup>−9</sup>"
     assert plain(0.25) == "0.25"
+
+
+def test_the_heading_of_a_table_is_one_line():
+    rows = ([k, 0.5 * k] for k in range(2))
+    columns = (
+        Column("model"),
+        Column("log_{10} r, exact", "ODE, (27)", ".11f"),
+        Column("spread", "", ".1%"),
+        Column("step", "at cfl 1"),
+    )
+    heading = "model | log_{10} r, exact [ODE, (27)] .11f | spread .1% | step [at cfl 1]"
+    assert table("t", "Told.", heading, rows, [1]) == Table("t", "Told.", columns, ((0, 0.0), (1, 0.5)), (1,))

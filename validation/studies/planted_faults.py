@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from validation.study import Budget, Cell, Column, Evidence, Omission, StudyResult, Table, Verdict, judge
+from validation.study import Budget, Evidence, Omission, StudyResult, Table, Verdict, judge, table
 
 NAME = "planted-faults"
 QUESTION = "Does the test suite notice when the program is wrong?"
@@ -33,22 +33,16 @@ def run(budget: Budget) -> StudyResult:
 
 
 def _table(faults: list[dict[str, Any]]) -> Table:
-    rows: list[tuple[Cell, ...]] = [
+    rows = (
         (fault["where"].partition("::")[0], fault["what"], fault["user"], _told(fault.get("caught_by")), float(fault["seconds"]))
         for fault in faults
-    ]
-    columns = (
-        Column("file"),
-        Column("what is changed"),
-        Column("what it would do to a user"),
-        Column("caught by"),
-        Column("time", "s", ".0f"),
     )
     caption = (
         "Every planted fault, the test that noticed it, and the time which that took (test and compilation, on a busy machine)."
     )
-    survivors = tuple(number for number, fault in enumerate(faults) if not fault["caught"])
-    return Table("faults", caption, columns, tuple(rows), survivors)
+    survivors = (number for number, fault in enumerate(faults) if not fault["caught"])
+    heading = "file | what is changed | what it would do to a user | caught by | time [s] .0f"
+    return table("faults", caption, heading, rows, survivors)
 
 
 def _told(test: str | None) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import slipwave
 from slipwave.scene import Scene
 from validation.references.onset import Onset
-from validation.study import Budget, Cell, Column, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge
+from validation.study import Budget, Cell, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
 from validation.study.drawing import canvas
 
@@ -61,7 +61,7 @@ def _onset(chosen: Scene) -> Onset:
 
 
 def _groups(scenes: list[Scene]) -> Table:
-    rows: list[tuple[Cell, ...]] = [
+    rows = [
         ("*a*_{∗}", "friction at V*", *(s.law.a_star for s in scenes)),
         ("*a*", "direct effect", *(s.law.a for s in scenes)),
         ("*b*", "evolution effect", *(s.law.b for s in scenes)),
@@ -80,8 +80,7 @@ def _groups(scenes: list[Scene]) -> Table:
         "The scenes in dimensionless groups. L: slip over which friction’s state renews itself; V*: reference rate; σ: normal "
         "stress; ρ, c: density and shear-wave speed of the slabs; h: thickness of both together."
     )
-    columns = (Column("symbol"), Column("meaning"), *(Column(s.name, "", ".6g") for s in scenes))
-    return Table("groups", caption, columns, tuple(rows))
+    return table("groups", caption, " | ".join(["symbol | meaning", *(f"{s.name} .6g" for s in scenes)]), rows)
 
 
 def _dimensional(scenes: list[Scene]) -> Table:
@@ -96,8 +95,8 @@ def _dimensional(scenes: list[Scene]) -> Table:
         ("L/V*", "unit of the friction clock", "s", *(u.time for u in units)),
         ("r L/V*", "one transit", "s", *(s.transit * u.time for s, u in pairs)),
     ]
-    columns = (Column("symbol"), Column("meaning"), Column("unit"), *(Column(s.name, "", ".6g") for s in scenes))
-    return Table("si", "The scenes that are given in SI units.", columns, tuple(rows))
+    heading = " | ".join(["symbol | meaning | unit", *(f"{s.name} .6g" for s in scenes)])
+    return table("si", "The scenes that are given in SI units.", heading, rows)
 
 
 def _verdicts(paper: Scene, same: Scene) -> tuple[Verdict, ...]:

@@ -12,7 +12,7 @@ from fullwave.fields.record import Field, record_field
 from slipwave.observe.pieces import Array
 from validation.measure.cycle import watch
 from validation.registry.build import build
-from validation.study import Budget, Cell, Column, Evidence, Figure, Number, StudyResult, Table, Verdict
+from validation.study import Budget, Evidence, Figure, Number, StudyResult, Table, Verdict, table
 from validation.study.bounds import bounded
 
 if TYPE_CHECKING:
@@ -156,20 +156,14 @@ def _arrivals(event: Event) -> Table:
         k = int(np.argmin(np.abs(upper.depth - depth)))
         moved = np.abs(upper.velocity[:, k] - 0.5 * field.scene.velocity)
         fastest = float(field.time[int(np.argmax(moved))]) if depth < 1.0 else None
-        row: tuple[Cell, ...] = (depth, fastest, float(upper.velocity[:, k].max()), float(np.ptp(upper.stress[:, k])))
-        rows.append(row)
-    columns = (
-        Column("depth", "", ".2f"),
-        Column("fastest at", "transits", ".3f"),
-        Column("velocity there", "V*", ".4g"),
-        Column("swing of stress", "σ", ".5f"),
-    )
+        rows.append((depth, fastest, float(upper.velocity[:, k].max()), float(np.ptp(upper.stress[:, k]))))
+    heading = "depth .2f | fastest at [transits] .3f | velocity there [V*] .4g | swing of stress [σ] .5f"
     caption = (
         "The wave at five depths of the upper slab (0 the interface, 1 the outer face): when it moves fastest, in transits from "
         "the interface’s fastest moment, how fast (the interface’s slip rate is twice its velocity), and how far the shear "
         "stress swings in the window of the figure."
     )
-    return Table("depths", caption, columns, tuple(rows))
+    return table("depths", caption, heading, rows)
 
 
 def _draw(event: Event) -> "Drawing":

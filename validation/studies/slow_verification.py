@@ -10,7 +10,7 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from validation.report.side_by_side import cores
-from validation.study import Budget, Cell, Column, Evidence, Omission, StudyResult, Table, Verdict, judge
+from validation.study import Budget, Cell, Evidence, Omission, StudyResult, Verdict, judge, table
 
 NAME = "slow-verification"
 QUESTION = "Do the verification tests pass that are too slow for every commit?"
@@ -55,12 +55,11 @@ def run(budget: Budget) -> StudyResult:
 def summarised(tests: list[Tested]) -> StudyResult:
     """Table of the tests and one verdict per file."""
     faults = sum(bool(test.fault) for test in tests)
-    columns = (Column("file"), Column("test"), Column("cases", "", ".0f"), Column("time", "s", ".1f"), Column("outcome"))
     caption = "Every test that is marked as slow, with all its cases; its own docstring says what it holds the models to."
-    rows = tuple(_row(file, name, list(cases)) for (file, name), cases in groupby(tests, lambda test: (test.file, test.function)))
+    rows = (_row(file, name, list(cases)) for (file, name), cases in groupby(tests, lambda test: (test.file, test.function)))
     return StudyResult(
         answer=f"{len(tests) - faults} of {len(tests)} pass.",
-        tables=(Table("tests", caption, columns, rows),),
+        tables=(table("tests", caption, "file | test | cases .0f | time [s] .1f | outcome", rows),),
         verdicts=tuple(_verdict(file, [t for t in tests if t.file == file]) for file in dict.fromkeys(t.file for t in tests)),
     )
 

@@ -14,6 +14,7 @@ from validation.study.result import (
     Table,
     Verdict,
     judge,
+    table,
 )
 
 __all__ = [
@@ -30,4 +31,5 @@ __all__ = [
     "Table",
     "Verdict",
     "judge",
+    "table",
 ]

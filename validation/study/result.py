@@ -12,7 +12,8 @@ Texts may hold the small markup of `validation.study.text`: x_{sub}, 10^{-9}, *e
 """
 
 import math
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING, Protocol, TypeAlias
@@ -69,6 +70,19 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[tuple[Cell, ...], ...]
     emphasis: tuple[int, ...] = ()
+
+
+_COLUMN = re.compile(r"(?P<title>.*?)(?: \[(?P<unit>[^]]*)\])?(?: (?P<format>\.\d+[efg%]))?")
+
+
+def table(name: str, caption: str, heading: str, rows: Iterable[Iterable[Cell]], emphasis: Iterable[int] = ()) -> Table:
+    """A Table whose columns stand in one line: title, unit in brackets and format, the last two only where there is one.
+
+    "model | T [transits] .7g" has a column of text, and one of numbers with the unit "transits" and the format ".7g".
+    """
+    found = (_COLUMN.fullmatch(text) for text in heading.split(" | "))
+    columns = tuple(Column(**match.groupdict(default="")) for match in found if match)
+    return Table(name, caption, columns, tuple(tuple(row) for row in rows), tuple(emphasis))
 
 
 @dataclass(frozen=True)

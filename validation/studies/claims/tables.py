@@ -5,41 +5,35 @@ import math
 import numpy as np
 
 from validation.studies.claims.runs import MODELS, Branch, Deep, onset_at, recurrence, spread
-from validation.study import Cell, Column, Table
+from validation.study import Cell, Table, table
 
 _SPEEDS = (1.0, 10.0, 100.0, 1e3, 1e4)
 
 
 def branch_table(branch: Branch) -> Table:
     """Periods and drops along the stable branch."""
-    rows: list[tuple[Cell, ...]] = []
+    rows = []
     for r, orbits in branch.items():
         periods = [orbits[model].period.value for model in MODELS]
         drops = [getattr(orbits[model], name).value for name in ("stress_drop", "elastic_stress_drop") for model in MODELS[:2]]
         rows.append((r, *periods, *drops))
-    columns = (
-        Column("log_{10} r", "", ".4f"),
-        *(Column("T", model, ".7g") for model in MODELS),
-        *(Column(symbol, model, ".5f") for symbol in ("Δμ", "Δy") for model in MODELS[:2]),
-    )
+    drops_of = [f"{symbol} [{model}] .5f" for symbol in ("Δμ", "Δy") for model in MODELS[:2]]
+    heading = " | ".join(["log_{10} r .4f", *(f"T [{model}] .7g" for model in MODELS), *drops_of])
     caption = "Settled orbits along the stable part of the branch. T: period in transits; Δμ, Δy: stress and elastic drop."
-    return Table("branch", caption, columns, tuple(rows))
+    return table("branch", caption, heading, rows)
 
 
 def onset_table() -> Table:
     """Onset of stick-slip by the closed forms, over the drive."""
-    rows = tuple(
+    rows = (
         (v, o.omega_c, math.log10(o.r_delay), math.log10(o.r_kelvin_voigt), o.r_kelvin_voigt / o.r_delay - 1.0)
         for v, o in ((v, onset_at(v)) for v in _SPEEDS)
     )
-    columns = (
-        Column("V", "V*", ".0f"),
-        Column("ω_{c}", "V*/L", ".6g"),
-        Column("log_{10} r_{c}", "delay, (39)", ".7f"),
-        Column("log_{10} r_{c}", "ODE, (27)", ".7f"),
-        Column("error of (27)", "relative", ".1e"),
+    heading = (
+        "V [V*] .0f | ω_{c} [V*/L] .6g | log_{10} r_{c} [delay, (39)] .7f | log_{10} r_{c} [ODE, (27)] .7f | "
+        "error of (27) [relative] .1e"
     )
-    return Table("onset", "Onset of stick-slip by the closed forms, paper material, ε = 2.8 · 10^{-5}.", columns, rows)
+    return table("onset", "Onset of stick-slip by the closed forms, paper material, ε = 2.8 · 10^{-5}.", heading, rows)
 
 
 def deep_table(deep: dict[str, Deep]) -> Table:
@@ -49,16 +43,13 @@ def deep_table(deep: dict[str, Deep]) -> Table:
         e = one.events
         stated = [f(column) for column in (e.period, e.stress_drop, np.log10(e.v_max)) for f in (np.mean, spread, recurrence)]
         rows.append((model, float(e.time.size), *map(float, stated), float(e.v_max.max())))
-    columns = [Column("model"), Column("cycles", "", ".0f")]
-    for symbol, unit in (("T", "transits"), ("Δμ", "σ"), ("log_{10} v_{max}", "V*")):
-        columns += [
-            Column(symbol, f"mean, {unit}", ".4g"),
-            Column("spread", "of the mean", ".1%"),
-            Column("recurrence", "", ".2f"),
-        ]
-    columns.append(Column("v_{max}", "V*", ".1e"))
+    stated_of = [
+        f"{symbol} [mean, {unit}] .4g | spread [of the mean] .1% | recurrence .2f"
+        for symbol, unit in (("T", "transits"), ("Δμ", "σ"), ("log_{10} v_{max}", "V*"))
+    ]
+    heading = " | ".join(["model | cycles .0f", *stated_of, "v_{max} [V*] .1e"])
     caption = (
         "Statistics of the cycles at log_{10} r = −2.3 after the first 1000 transits: mean, standard deviation over mean, and "
         "how far the sequence is from repeating itself after up to 12 cycles (0: periodic, 1: no memory)."
     )
-    return Table("deep", caption, tuple(columns), tuple(rows))
+    return table("deep", caption, heading, rows)

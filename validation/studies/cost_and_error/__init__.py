@@ -8,7 +8,7 @@ from validation.references.lsoda import PlainRun, plain_kelvin_voigt
 from validation.references.published import reference, reference_orbit
 from validation.registry.build import build
 from validation.studies.cost_and_error.figures import work_precision
-from validation.study import Budget, Cell, Column, Evidence, Figure, Omission, StudyResult, Table, Verdict
+from validation.study import Budget, Evidence, Figure, Omission, StudyResult, Table, Verdict, table
 from validation.study.bounds import bounded
 from validation.study.text import plain
 from validation.work_precision import Point, Setting, cheapest, time_final, time_run
@@ -80,43 +80,30 @@ def _answer(points: list[Point]) -> str:
 
 
 def _table(points: list[Point]) -> Table:
-    rows: list[tuple[Cell, ...]] = []
-    for point in points:
-        micro = 1e6 * point.seconds / TRANSITS
-        rows.append((point.setting.model, point.setting.words, 1e3 * point.seconds, micro, point.period_error, point.drop_error))
-    columns = (
-        Column("model"),
-        Column("setting"),
-        Column("run", "ms", ".1f"),
-        Column("a transit", "μs", ".2f"),
-        Column("error of T", "relative", ".1e"),
-        Column("error of Δμ", "relative", ".1e"),
+    rows = (
+        (p.setting.model, p.setting.words, 1e3 * p.seconds, 1e6 * p.seconds / TRANSITS, p.period_error, p.drop_error)
+        for p in points
     )
+    heading = "model | setting | run [ms] .1f | a transit [μs] .2f | error of T [relative] .1e | error of Δμ [relative] .1e"
     caption = (
         f"Time of {TRANSITS:.0f} transits (some 40 cycles) and error of period T and stress drop Δμ against the delay system’s."
     )
-    return Table("cost", caption, columns, tuple(rows))
+    return table("cost", caption, heading, rows)
 
 
 def _final_states() -> Table:
     scene = slipwave.read("yardstick")
-    rows: list[tuple[Cell, ...]] = []
+    rows = []
     for known in (k for k in reference()["states"]["jump"] if k["log10_r"] == _LOG10_R):
         for tolerance in (1e-5, 1e-7, 1e-9, 1e-11):
             seconds, psi = time_final(Setting("delay", tolerance=tolerance), scene, float(known["time"]))
             rows.append((f"ψ({known['time']})", tolerance, 1e3 * seconds, psi, abs(psi - known["psi"])))
-    columns = (
-        Column("state"),
-        Column("tolerance", "", ".0e"),
-        Column("run", "ms", ".1f"),
-        Column("value", "", ".12g"),
-        Column("error", "absolute", ".0e"),
-    )
+    heading = "state | tolerance .0e | run [ms] .1f | value .12g | error [absolute] .0e"
     caption = (
         "The delay system on the yardstick scene, a jump of ψ = ln φ by 0.05: time and error of the state after 400, 2000 and "
         "6000 transits, against values on which three resolutions of another program agree to 10^{-10}."
     )
-    return Table("final-states", caption, columns, tuple(rows))
+    return table("final-states", caption, heading, rows)
 
 
 def _race_points(points: list[Point]) -> list[Point]:
@@ -128,24 +115,18 @@ def _race_points(points: list[Point]) -> list[Point]:
 
 def _race_table(ours: list[Point], rivals: list[PlainRun]) -> Table:
     known = reference_orbit("kelvin-voigt", _LOG10_R)["period"]
-    rows: list[tuple[Cell, ...]] = [("slipwave", p.setting.words, 1e3 * p.seconds, p.period, p.period_error) for p in ours]
+    rows = [("slipwave", p.setting.words, 1e3 * p.seconds, p.period, p.period_error) for p in ours]
     for rival in rivals:
         rows.append(
             ("scipy LSODA", Setting("", rival.tolerance).words, 1e3 * rival.seconds, rival.period, rival.period / known - 1)
         )
-    columns = (
-        Column("program"),
-        Column("setting"),
-        Column("run", "ms", ".1f"),
-        Column("T", "transits", ".12g"),
-        Column("error", "relative", ".0e"),
-    )
+    heading = "program | setting | run [ms] .1f | T [transits] .12g | error [relative] .0e"
     caption = (
         f"The Kelvin–Voigt system over {TRANSITS:.0f} transits: this package against `scipy.integrate.solve_ivp` (LSODA) with "
         f"the right-hand side in Python, both timed in this run. Errors of T against {known:.10g} of other programs. T to "
         f"{plain(_RACE_ERROR, '.0e')}: {_race_factor(ours, rivals)}."
     )
-    return Table("race", caption, columns, tuple(rows))
+    return table("race", caption, heading, rows)
 
 
 def _race_factor(ours: list[Point], rivals: list[PlainRun]) -> str:

@@ -7,27 +7,22 @@ from validation.measure.order_fit import Fit
 from validation.studies.energy.figures import ENTRIES, History
 from validation.studies.energy.runs import BOUNDARIES, HIGH, LADDERS, UNTIL
 from validation.studies.energy.verdicts import told
-from validation.study import Cell, Column, Table
+from validation.study import Cell, Table, table
 from validation.study.text import plain
 
 
 def shares_table(shown: dict[str, History]) -> Table:
     """Where the drive's work goes."""
+    shares = ENTRIES[1:]
+    heading = ["scene", "T [transits] .3f", "input [σL] .5g", *(f"{entry} [% of input] .4g" for entry in shares)]
     rows: list[tuple[Cell, ...]] = [
-        (name, one.period, one.total("input"), *(100.0 * one.share(entry) for entry in ENTRIES[1:]))
-        for name, one in shown.items()
+        (name, one.period, one.total("input"), *(100.0 * one.share(entry) for entry in shares)) for name, one in shown.items()
     ]
-    columns = (
-        Column("scene"),
-        Column("T", "transits", ".3f"),
-        Column("input", "σL", ".5g"),
-        *(Column(entry, "% of input", ".4g") for entry in ENTRIES[1:]),
-    )
     caption = (
         "Where the drive’s work of two cycles goes, on the settled orbit, by `dg:7`: the paper’s scene; slabs held by grips that "
         "reflect half of every wave; Kelvin–Voigt slabs. What is stored comes back to where it was, up to the sampling of time."
     )
-    return Table("shares", caption, columns, tuple(rows))
+    return table("shares", caption, " | ".join(heading), rows)
 
 
 def residual_table(residuals: dict[str, Array], orders: dict[str, Fit]) -> Table:
@@ -38,20 +33,20 @@ def residual_table(residuals: dict[str, Array], orders: dict[str, Fit]) -> Table
         grids = ", ".join(map(str, ladder.cells))
         order = told(orders[ladder.model]) if ladder.model in orders else None
         rows.append((ladder.model, grids, ", ".join(some), ladder.derived, order))
-    columns = (Column("family"), Column("cells"), Column("residual"), Column("derived", "", ".2g"), Column("order"))
     caption = (
         f"What does not close after {UNTIL:.0f} transits of the paper’s scene, relative to the largest entry, on each grid, and "
         "its fitted order with the 95 % interval. Upwind interfaces lose the square of their jumps. Continuous fields jump at "
         "the slabs’ ends alone, by the error of the fields (order 2 in `sbp:2` and `fem:1`; order P for even P in `fem:P`): "
         "derived is twice that. `dg:P` jumps by h^{P+1} at each of 1/h faces: derived is 2P + 1."
     )
-    return Table("residuals", caption, columns, tuple(rows))
+    return table("residuals", caption, "family | cells | residual | derived .2g | order", rows)
 
 
 def high_table(high: dict[tuple[str, str], float]) -> Table:
     """The same for families of high degree."""
-    columns = (Column("family"), Column("cells", "a slab", ".0f"), *(Column(name, "", ".0e") for name in BOUNDARIES))
+    caption = f"The same for families of high degree, each on one grid, {UNTIL:.0f} transits."
+    heading = " | ".join(["family", "cells [a slab] .0f", *(f"{name} .0e" for name in BOUNDARIES)])
     rows: list[tuple[Cell, ...]] = [
         (model, cells, *(abs(high[model, name]) for name in BOUNDARIES)) for model, cells in HIGH.items()
     ]
-    return Table("high", f"The same for families of high degree, each on one grid, {UNTIL:.0f} transits.", columns, tuple(rows))
+    return table("high", caption, heading, rows)

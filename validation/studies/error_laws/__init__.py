@@ -12,7 +12,7 @@ from slipwave.scene import Scene
 from validation.measure.settle import settle
 from validation.registry.build import build
 from validation.studies.error_laws.figures import fall
-from validation.study import Budget, Cell, Column, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge
+from validation.study import Budget, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
 from validation.study.text import plain
 
@@ -132,26 +132,25 @@ def measure_cycle(paper: Scene, scale: float) -> CycleErrors:
 def _onset_table(onsets: Onsets) -> Table:
     here, finer = _paper(), _paper() + 2
     theta = next(iter(onsets.values())).theta
-    rows: list[tuple[Cell, ...]] = [
+    rows = (
         (f"`{model}`", _TEXT.get(model, "θ^{4} Σ_{k>N} 2/(2πk)^{4}"), float(one.error[here]), one.ratio(here), one.ratio(finer))
         for model, one in onsets.items()
-    ]
+    )
     caption = (
         f"Relative error of the critical r, at the paper’s ε (θ = r_{{c}} ω_{{c}} = {theta[here]:.4f} radians per transit), the "
         f"law that the impedance predicts, and measured over predicted there and at a quarter of ε (θ = {theta[finer]:.4f})."
     )
-    columns = (Column("model"), Column("law"), Column("measured", "", ".4e"))
-    return Table("onset", caption, (*columns, Column("ratio", "at ε", ".6f"), Column("ratio", "at ε/4", ".6f")), tuple(rows))
+    return table("onset", caption, "model | law | measured .4e | ratio [at ε] .6f | ratio [at ε/4] .6f", rows)
 
 
 def _cycle_table(cycles: list[CycleErrors]) -> Table:
-    rows = tuple((one.theta, one.swiftness, *(one.errors[model] for model in _CYCLING)) for one in cycles)
+    rows = ((one.theta, one.swiftness, *(one.errors[model] for model in _CYCLING)) for one in cycles)
     caption = (
         "Relative error of the period against the delay system, 2 % beyond the exact onset, while ε and with it r fall at fixed "
         "V. v_{max} r: how often friction’s state renews itself, at the fastest slip, during one transit of a wave."
     )
-    columns = (Column("θ = r ω_{c}", "", ".4f"), Column("v_{max} r", "", ".3f"))
-    return Table("period", caption, (*columns, *(Column(f"`{model}`", "", ".2e") for model in _CYCLING)), rows)
+    heading = " | ".join(["θ = r ω_{c} .4f", "v_{max} r .3f", *(f"`{model}` .2e" for model in _CYCLING)])
+    return table("period", caption, heading, rows)
 
 
 def _onset_verdicts(onsets: Onsets) -> tuple[Verdict, ...]:

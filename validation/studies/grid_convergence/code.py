@@ -5,7 +5,7 @@ from itertools import combinations
 
 from slipwave.sources import ROOT, import_closure
 from validation.registry.families import FAMILIES
-from validation.study import Column, Table
+from validation.study import Table, table
 
 _MARCH = {"fullwave.lines.motion": "the right-hand side with its faces", "fullwave.lines.kernel": "the time stepper"}
 COMPARED = ("delay", "fd", "sbp", "fem", "dg")
@@ -26,17 +26,16 @@ def shared(one: str, other: str) -> tuple[str, ...]:
 
 def code_table() -> Table:
     """One row per pair of families."""
-    rows = tuple(
+    rows = (
         (f"`{one}`, `{other}`", len(common), ", ".join(name.removeprefix("fullwave.") for name in common) or "none")
         for one, other in combinations(COMPARED, 2)
         for common in [shared(one, other)]
     )
-    columns = (Column("pair"), Column("modules", "", ".0f"), Column("in common"))
     caption = (
         "Modules of the solvers that two families have in common, read from their imports; `slipwave` (the scene, friction, the "
         "interface condition, the event detection) is common to all. What is common cannot be caught by comparing the two."
     )
-    return Table("code", caption, columns, rows)
+    return table("code", caption, "pair | modules .0f | in common", rows)
 
 
 def code_note() -> str:

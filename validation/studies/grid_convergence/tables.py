@@ -5,7 +5,7 @@ import math
 from validation.measure.grid_ladders import ROUGH
 from validation.measure.order_fit import Fit
 from validation.measure.orders import QUANTITIES, Climb
-from validation.study import Cell, Column, Table
+from validation.study import Cell, Table, table
 
 
 def told(found: Fit) -> str:
@@ -21,20 +21,14 @@ def spread(one: Climb) -> str:
 
 def orders_table(climbs: list[Climb]) -> Table:
     """One row per family: every quantity's order with its interval."""
-    rows: list[tuple[Cell, ...]] = []
+    rows = []
     for one in climbs:
         together = one.fit_together()
         grids = f"{one.cells[one.resolved]:.0f}\u2060–\u2060{one.cells[-1]:.0f}"
         orders = (told(one.fit(name)) for name in QUANTITIES)
         rows.append((one.ladder.model, _scene(one), grids, f"{one.ladder.declared:g}", *orders, told(together)))
-    columns = (
-        Column("family"),
-        Column("scene"),
-        Column("cells"),
-        Column("declared"),
-        *(Column(f"order in {symbol}" if name != "state" else "in the state") for name, symbol in QUANTITIES.items()),
-        Column("all together"),
-    )
+    orders_in = [f"order in {symbol}" if name != "state" else "in the state" for name, symbol in QUANTITIES.items()]
+    heading = " | ".join(["family | scene | cells | declared", *orders_in, "all together"])
     caption = (
         "Fitted orders with their 95 % confidence intervals, rounded up. T, Δμ, Δy, v_{max}: period, stress drop, elastic "
         "drop and largest rate, errors as root mean squares over all complete cycles; state: ψ, ln v and μ over the last "
@@ -42,7 +36,7 @@ def orders_table(climbs: list[Climb]) -> Table:
         "start, V = 2000; scene s: log_{10} r = −2.77, 60 transits; scene r (rougher, for orders from five on): −2.59, 120 "
         "transits."
     )
-    return Table("orders", caption, columns, tuple(rows))
+    return table("orders", caption, heading, rows)
 
 
 def finest_table(climbs: list[Climb]) -> Table:
@@ -52,18 +46,13 @@ def finest_table(climbs: list[Climb]) -> Table:
         last = one.fit_together().used.stop - 1
         found = (float(one.errors[name][last]) for name in QUANTITIES)
         rows.append((one.ladder.model, _scene(one), float(one.cells[last]), 1e3 * float(one.seconds[last]), *found))
-    columns = (
-        Column("family"),
-        Column("scene"),
-        Column("cells", "a slab", ".0f"),
-        Column("run", "ms", ".0f"),
-        *(Column(f"error of {symbol}", "relative", ".0e") for symbol in QUANTITIES.values()),
-    )
+    errors_of = [f"error of {symbol} [relative] .0e" for symbol in QUANTITIES.values()]
+    heading = " | ".join(["family | scene | cells [a slab] .0f | run [ms] .0f", *errors_of])
     caption = (
         "Relative errors on the finest grid on which all of them are above 2 · 10^{−11}, where the reference ends (order 2: "
         "on the finest grid tried), and the run’s time. Scenes as above."
     )
-    return Table("finest", caption, columns, tuple(rows))
+    return table("finest", caption, heading, rows)
 
 
 def _scene(one: Climb) -> str:

@@ -12,7 +12,7 @@ from validation.measure.order_fit import Fit, extrapolated, fit, shortfall
 from validation.measure.settle import settle
 from validation.registry.build import build
 from validation.studies.leapfrog_convergence.figures import ladders
-from validation.study import Budget, Cell, Column, Evidence, Figure, Number, StudyResult, Table, Verdict, judge
+from validation.study import Budget, Cell, Evidence, Figure, Number, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
 from validation.study.text import plain
 
@@ -89,27 +89,21 @@ def _orders(fits: dict[str, dict[float, Fit]]) -> Table:
         for cfl in CFLS:
             one = fits[name][cfl]
             row += [f"{one.order:.4f} ± {one.half_width:.4f}", one.finest]
-        rows.append(tuple(row))
-    columns = [Column("error in")]
-    for cfl in CFLS:
-        columns += [Column("order", f"CFL {cfl}"), Column("finest two", "", ".3f")]
+        rows.append(row)
+    heading = " | ".join(["error in", *(f"order [CFL {cfl}] | finest two .3f" for cfl in CFLS)])
     caption = (
         "Fitted order with its 95 % confidence interval, and the order of the two finest grids alone. T, Δμ, Δy, v_{max}, "
         "v_{min}: the settled orbit at log_{10} r = −2.68; ψ(400): the friction state ln φ after 400 transits. Coarse grids "
         "that do not follow the power law yet are left out by rule."
     )
-    return Table("orders", caption, tuple(columns), tuple(rows))
+    return table("orders", caption, heading, rows)
 
 
 def _period_table(cells: tuple[int, ...], errors: Errors) -> Table:
-    rows = tuple(
-        (float(n), *(float(errors[name][cfl][k]) for name in ("period", "stress_drop") for cfl in CFLS))
-        for k, n in enumerate(cells)
-    )
-    columns = [Column("cells", "per slab", ".0f")]
-    columns += [Column(f"error of {_ORBIT[name]}", f"CFL {cfl}", ".1e") for name in ("period", "stress_drop") for cfl in CFLS]
-    caption = "Relative errors of period T and stress drop Δμ against the delay system."
-    return Table("errors", caption, tuple(columns), rows)
+    shown = [(name, cfl) for name in ("period", "stress_drop") for cfl in CFLS]
+    rows = ((float(n), *(float(errors[name][cfl][k]) for name, cfl in shown)) for k, n in enumerate(cells))
+    heading = " | ".join(["cells [per slab] .0f", *(f"error of {_ORBIT[name]} [CFL {cfl}] .1e" for name, cfl in shown)])
+    return table("errors", "Relative errors of period T and stress drop Δμ against the delay system.", heading, rows)
 
 
 def _verdicts(fits: dict[str, dict[float, Fit]]) -> list[Verdict]:

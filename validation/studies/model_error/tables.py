@@ -1,7 +1,7 @@
 """The reductions' errors as a table, and what is left out of it."""
 
 from validation.studies.model_error.runs import MODELS, MOST, RESTLESS, SHOWN, Runs, error, orbit_of, states
-from validation.study import Cell, Column, Omission, Table
+from validation.study import Cell, Omission, Table, table
 from validation.study.text import plain
 
 _BEYOND = (-2.65, -2.6, -2.5)
@@ -9,25 +9,21 @@ _BEYOND = (-2.65, -2.6, -2.5)
 
 def error_table(runs: Runs) -> Table:
     """Errors of period and drop, and the time of 1000 transits."""
-    rows: list[tuple[Cell, ...]] = []
+    rows = []
     for model in ("delay", *MODELS, "fitted:4"):
         cells: list[Cell] = [model, None if model == "delay" else states(model)]
         for log10_r in SHOWN:
             one = runs[model][log10_r]
             cells += [None if model == "delay" else error(runs, model, log10_r, name) for name in ("period", "drop")]
             cells += [one.milliseconds if one else None]
-        rows.append(tuple(cells))
-    each = [
-        (Column(f"T, {shown}", "relative", ".1e"), Column("Δμ", "relative", ".1e"), Column("run", "ms", ".0f"))
-        for shown in (f"{log10_r:.2f}".replace("-", "−") for log10_r in SHOWN)
-    ]
-    columns = (Column("model"), Column("states", "", ".0f"), *(column for some in each for column in some))
+        rows.append(cells)
+    each = [f"T, {log10_r:.2f} [relative] .1e | Δμ [relative] .1e | run [ms] .0f".replace("-", "−") for log10_r in SHOWN]
     caption = (
         "Errors of period T and stress drop Δμ against the delay system at log_{10} r = −2.69, −2.68 and −2.66, and the time of "
         "1000 transits at tolerance 10^{-10}, march and event detection. States: ψ, elastic stress, rate if there is mass, two a "
         "mode; the delay system’s state is a function. A dash: no orbit that came to rest."
     )
-    return Table("models", caption, columns, tuple(rows), (0,))
+    return table("models", caption, " | ".join(["model | states .0f", *each]), rows, (0,))
 
 
 def omissions(runs: Runs) -> tuple[Omission, ...]:

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from validation.measure.settle import LastCycle, Orbit, Settled
 from validation.references.published import reference_orbit
-from validation.study import Cell, Column, Table
+from validation.study import Cell, Table, table
 
 LOG10_R = -2.68
 QUANTITIES = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}", "v_min": "v_{min}"}
@@ -35,52 +35,43 @@ def _row(runs: dict[str, CycleRun], model: str, quantities: tuple[str, ...]) -> 
     return cells
 
 
-def _columns(quantities: tuple[tuple[str, str, str], ...]) -> tuple[Column, ...]:
-    pairs = [(Column(QUANTITIES[name], unit, spec), Column("error", "relative", ".1e")) for name, unit, spec in quantities]
-    return (Column("model"), *(column for pair in pairs for column in pair))
-
-
 def drops(runs: dict[str, CycleRun]) -> Table:
     """Period and drops."""
     names = ("period", "stress_drop", "elastic_stress_drop")
-    columns = _columns(tuple(zip(names, ("transits", "σ", "σ"), (".9g", ".7f", ".7f"), strict=True)))
+    off = "error [relative] .1e"
+    heading = f"model | T [transits] .9g | {off} | Δμ [σ] .7f | {off} | Δy [σ] .7f | {off}"
     caption = (
         "The settled orbit at log_{10} r = −2.68, V = 100. T: time from one slip event to the next on the transit clock; Δμ: "
         "largest less smallest stress; Δy: the same of the elastic stress, y′ = ε (V − v). Errors are relative, against the "
         "delay system."
     )
-    return Table("drops", caption, columns, tuple(tuple(_row(runs, model, names)) for model in runs), (0,))
+    return table("drops", caption, heading, (_row(runs, model, names) for model in runs), (0,))
 
 
 def rates(runs: dict[str, CycleRun]) -> Table:
     """Extreme slip rates, and how the run went."""
     names = ("v_max", "v_min")
-    columns = _columns(tuple(zip(names, ("V*", "V*"), (".8g", ".7g"), strict=True)))
-    rows = []
-    for model, one in runs.items():
-        rows.append((*_row(runs, model, names), one.settled.cycles, one.settled.unrest, one.settled.solver.failures))
+    heading = (
+        "model | v_{max} [V*] .8g | error [relative] .1e | v_{min} [V*] .7g | error [relative] .1e | "
+        "cycles run .0f | unrest .0e | failed solves .0f"
+    )
+    rows = (
+        (*_row(runs, model, names), one.settled.cycles, one.settled.unrest, one.settled.solver.failures)
+        for model, one in runs.items()
+    )
     caption = (
         "Largest and smallest slip rate v over the cycle, from the dense polynomials. *Unrest* is the largest relative spread "
         "of any of the five quantities over the last four cycles when the run was stopped: what is left of the transient."
     )
-    more = (Column("cycles run", "", ".0f"), Column("unrest", "", ".0e"), Column("failed solves", "", ".0f"))
-    return Table("rates", caption, (*columns, *more), tuple(rows), (0,))
+    return table("rates", caption, heading, rows, (0,))
 
 
 def beside_reference(runs: dict[str, CycleRun]) -> Table:
     """Ours beside values of other programs."""
-    rows: list[tuple[Cell, ...]] = []
+    rows = []
     for model, one in runs.items():
         for quantity, known in reference_orbit(model, LOG10_R).items():
             ours = one.orbit.values()[quantity]
             rows.append((model, QUANTITIES[quantity], known, ours, ours / known - 1.0))
-    columns = (
-        Column("model"),
-        Column("quantity"),
-        Column("reference", "", ".10g"),
-        Column("ours", "", ".10g"),
-        Column("difference", "relative", ".0e"),
-    )
-    return Table(
-        "reference", "Beside reference values of other programs (first note below); T in transits.", columns, tuple(rows)
-    )
+    caption = "Beside reference values of other programs (first note below); T in transits."
+    return table("reference", caption, "model | quantity | reference .10g | ours .10g | difference [relative] .0e", rows)

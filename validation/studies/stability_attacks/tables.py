@@ -5,23 +5,18 @@ import math
 from validation.studies.stability_attacks.limits import CELLS as COARSE
 from validation.studies.stability_attacks.limits import step_per_cell
 from validation.studies.stability_attacks.runs import ATTACKS, CELLS, Advice, AttackOutcome
-from validation.study import Cell, Column, Table
+from validation.study import Cell, Table, table
 from validation.study.text import plain
 
 
 def limit_table(decades: tuple[int, ...], limits: dict[str, list[float]], reach: dict[str, float]) -> Table:
     """Step limits against stiffness, and the state's own limit."""
-    rows: list[tuple[Cell, ...]] = [
+    rows = (
         (model, COARSE[model], step_per_cell(model), *some, reach[model] if math.isfinite(reach[model]) else "none")
         for model, some in limits.items()
-    ]
-    columns = (
-        Column("family"),
-        Column("cells", "a slab", ".0f"),
-        Column("c Δt / cell", "at cfl 1", ".4f"),
-        *(Column(f"10^{{{decade}}}", "", ".2f") for decade in decades),
-        Column("Δt r V", "state", ".2f"),
     )
+    stiffness = [f"10^{{{decade}}} .2f" for decade in decades]
+    heading = " | ".join(["family | cells [a slab] .0f | c Δt / cell [at cfl 1] .4f", *stiffness, "Δt r V [state] .2f"])
     caption = (
         "Largest stable step over the declared one (cfl 1), by bisection to 1 per cent, against a/v in units of Z, the impedance "
         "that the slabs show each other: below it noise at the grid scale does not grow a hundredfold in 400 steps. Friction is "
@@ -30,20 +25,20 @@ def limit_table(decades: tuple[int, ...], limits: dict[str, list[float]], reach:
         "transit and is stepped explicitly by all but the leapfrog; the longest stable step times that rate, to 1 per cent. "
         "Solvers keep it in steady sliding and end with a message where an event exceeds it."
     )
-    return Table("limits", caption, columns, tuple(rows))
+    return table("limits", caption, heading, rows)
 
 
 def medium_table(found: dict[str, dict[str, tuple[float, float]]]) -> Table:
     """Noise just below and just above the limit."""
-    rows: list[tuple[Cell, ...]] = [
+    rows = (
         (medium, *(f"{_size(below)}, {_size(above)}" for below, above in (some[model] for model in CELLS)))
         for medium, some in found.items()
-    ]
+    )
     caption = (
         "Largest field, over the size of the noise put in, after 400 steps at 0.99 of the limit, then after 2000 steps at 1.05 "
         "of it; the larger of soft (a/v = 10^{-2} Z) and stiff (10^{4} Z) friction. ∞: beyond the range of numbers."
     )
-    return Table("media", caption, (Column("medium"), *(Column(model) for model in CELLS)), tuple(rows))
+    return table("media", caption, " | ".join(["medium", *CELLS]), rows)
 
 
 def _size(value: float) -> str:
@@ -60,7 +55,6 @@ def attack_table(found: dict[str, dict[str, AttackOutcome]], late: bool) -> Tabl
         )
         for name, some in found.items()
     ]
-    columns = (Column("attack"), Column("until", "t", ".0f"), *(Column(model) for model in CELLS))
     ending = (
         "; behind the semicolon, at the end of the run, the error of ψ or, if that is less, the largest relative error of mean "
         "period, stress drop and v_{max} of the cycles in the second half"
@@ -74,47 +68,38 @@ def attack_table(found: dict[str, dict[str, AttackOutcome]], late: bool) -> Tabl
         "words in a table below. Cells of the faster slab: "
         f"{cells}."
     )
-    return Table("attacks", caption, columns, tuple(rows))
+    return table("attacks", caption, " | ".join(["attack", "until [t] .0f", *CELLS]), rows)
 
 
 def message_table(found: dict[str, dict[str, AttackOutcome]]) -> tuple[Table, ...]:
     """What the attacks that ended with a message said; no table if none did."""
-    rows: list[tuple[Cell, ...]] = [
+    rows = [
         (ATTACKS[name].title, model, outcome.message)
         for name, some in found.items()
         for model, outcome in some.items()
         if outcome.message
     ]
-    columns = (Column("attack"), Column("family"), Column("message"))
-    return (Table("messages", "What the runs that stopped said.", columns, tuple(rows)),) if rows else ()
+    return (table("messages", "What the runs that stopped said.", "attack | family | message", rows),) if rows else ()
 
 
 def advice_table(advice: dict[str, Advice]) -> Table:
     """Runs that asked for more cells, and what came of giving them."""
-    rows: list[tuple[Cell, ...]] = [
-        (model, one.stopped or "–", one.message or "–", one.cells, plain(one.error, ".0e")) for model, one in advice.items()
-    ]
-    columns = (
-        Column("family"),
-        Column("stops at", "cells"),
-        Column("message"),
-        Column("goes through at", "cells", ".0f"),
-        Column("largest error of ψ"),
-    )
+    rows = ((model, one.stopped or "–", one.message or "–", one.cells, plain(one.error, ".0e")) for model, one in advice.items())
+    heading = "family | stops at [cells] | message | goes through at [cells] .0f | largest error of ψ"
     caption = (
         "V = 10^{5} V* for 400 transits: ψ relaxes 200 times in a transit and more in events, so that coarse grids step too "
         "long. Cells are doubled for as long as the run ends with a message; then ψ is held against the delay system’s."
     )
-    return Table("advice", caption, columns, tuple(rows))
+    return table("advice", caption, heading, rows)
 
 
 def noise_table(noise: dict[str, float], transits: float) -> Table:
     """Energy left in a locked slab."""
-    columns = (Column("family"), Column("cells", "a slab", ".0f"), Column("energy left", "", ".6g"))
     caption = (
         "A slab locked by friction (V = 10^{-6} V*, where waves of 1 V* change the slip rate by some 10^{-9} V*), every node "
         f"given a random velocity of about 1 V*, marched at the full step: energy in the family’s own norm after {transits:,.0f} "
         "transits over its mean in the first ten. Leapfrog conserves it; the others dissipate what their grids cannot resolve. "
         "The test suite’s slow part goes on to 10^{6} transits."
     )
-    return Table("noise", caption, columns, tuple((model, COARSE[model], ratio) for model, ratio in noise.items()))
+    rows = ((model, COARSE[model], ratio) for model, ratio in noise.items())
+    return table("noise", caption, "family | cells [a slab] .0f | energy left .6g", rows)

@@ -9,7 +9,7 @@ from validation.measure.settle import DenseObserver
 from validation.registry.build import build
 from validation.studies.unlike_slabs.cost import Costs, cost_table, cost_verdicts, costs
 from validation.studies.unlike_slabs.figures import Curves, last_cycles
-from validation.study import Budget, Cell, Column, Evidence, Figure, Number, Omission, StudyResult, Table, Verdict, judge
+from validation.study import Budget, Evidence, Figure, Number, Omission, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
 from validation.study.text import plain
 
@@ -104,7 +104,7 @@ def _answer(runs: dict[str, list[PairRun]], timed: Costs) -> str:
 
 
 def _table(runs: dict[str, list[PairRun]]) -> Table:
-    rows: list[tuple[Cell, ...]] = []
+    rows = []
     for name, some in runs.items():
         for one in some:
             exact = one is some[0]
@@ -112,19 +112,14 @@ def _table(runs: dict[str, list[PairRun]]) -> Table:
             differences = [None if exact else off[key] for key in off]
             rows.append((_PAIRS[name], one.model, one.cells, one.figures["psi"], *differences))
     symbols = {"ψ": "absolute", "T": "relative", "Δμ": "relative", "v_{max}": "relative"}
-    columns = (
-        Column("ratio"),
-        Column("model"),
-        Column("cells", "a slab", ".0f"),
-        Column(f"ψ({UNTIL:.0f})", "", ".12g"),
-        *(Column(f"difference in {symbol}", unit, ".0e") for symbol, unit in symbols.items()),
-    )
+    differences_in = [f"difference in {symbol} [{unit}] .0e" for symbol, unit in symbols.items()]
+    heading = " | ".join([f"ratio | model | cells [a slab] .0f | ψ({UNTIL:.0f}) .12g", *differences_in])
     caption = (
         f"Friction state ψ = ln φ after {UNTIL:.0f} transits of the upper slab from the smooth start, and differences from "
         "the delay system (tolerance 10^{-11}) in ψ and in period T, stress drop Δμ and largest rate v_{max} of the last "
         "complete cycle. Lower slab: round trip 2 or √2 times the upper one’s, impedance 3 times."
     )
-    return Table("differences", caption, columns, tuple(rows), tuple(i for i, row in enumerate(rows) if row[1] == "delay"))
+    return table("differences", caption, heading, rows, (i for i, row in enumerate(rows) if row[1] == "delay"))
 
 
 def _agreements(runs: dict[str, list[PairRun]]) -> list[Verdict]:

@@ -9,7 +9,7 @@ from slipwave.observe import EventObserver, Final, follow
 from slipwave.scene import Scene
 from validation.registry.build import build
 from validation.run.timing import in_turn
-from validation.study import Cell, Column, Evidence, Outcome, Table, Verdict, judge
+from validation.study import Cell, Evidence, Outcome, Table, Verdict, judge, table
 
 _MODELS: dict[str, tuple[float, dict[str, float]]] = {
     "delay": (600.0, {"tolerance": 1e-9}),
@@ -67,21 +67,13 @@ def cost_table(found: Costs) -> Table:
         alike = each["alike"]
         others = [cell for name in ("commensurate", "irrational") for cell in (each[name], each[name] / alike)]
         rows.append((model.partition(",")[0], _words(model), alike, *others))
-    columns = (
-        Column("model"),
-        Column("setting"),
-        Column("alike", "μs", ".1f"),
-        Column("2 : 1", "μs", ".1f"),
-        Column("ratio", "", ".2f"),
-        Column("√2 : 1", "μs", ".1f"),
-        Column("ratio", "", ".2f"),
-    )
+    heading = "model | setting | alike [μs] .1f | 2 : 1 [μs] .1f | ratio .2f | √2 : 1 [μs] .1f | ratio .2f"
     caption = (
         "Processor time of one transit of the upper slab, march and event detection, fastest of several runs taken in turn. r is "
         "10^{−2.68} for the alike pair, 0.0026 and 0.0029 for the unlike ones, so that the slip events of all three reach about "
         "the same rate (3300 to 3600 V* in 600 transits): a fiercer orbit needs smaller steps whatever the slabs."
     )
-    return Table("cost", caption, columns, tuple(rows))
+    return table("cost", caption, heading, rows)
 
 
 def _words(model: str) -> str:
