@@ -1,51 +1,77 @@
-"""Keeps the interface's history for those who asked for it (record = ["interface"]); memory grows with the run."""
+"""Keeps the interface's motion over a window of a run and evaluates it anywhere there; memory grows with the window."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from slipwave.friction import Law, rate_of
-from slipwave.observe.pieces import Array, Pieces
+from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis
 
 
 class HistoryObserver:
-    """Collects time, ln|v|, psi, mu and y at the nodes of every piece between `start` and `end` (transits)."""
+    """Keeps the pieces that touch the window from `start` to `end` (transits).
+
+    Samples are tables of shape (5, samples): time (transits), rate unknown z, psi, mu and y.
+    """
 
     def __init__(self, law: Law, nodes: Array, start: float = 0.0, end: float = np.inf) -> None:
-        self._law = law
-        self._nodes = np.asarray(nodes)
-        self._window = (start, end)
-        self._chunks: list[tuple[Array, ...]] = []
+        self._law, self._basis = law, lagrange_basis(nodes)
+        self._start, self._end = start, end
+        self._kept: list[Pieces] = []
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
-        start, end = self._window
-        if pieces.time[-1] + pieces.length[-1] < start or pieces.time[0] > end:
-            return
-        times = pieces.time[:, None] + pieces.length[:, None] * self._nodes
-        keep = (times >= start) & (times <= end)
-        self._keep(tuple(a[keep] for a in (times, pieces.z, pieces.psi, pieces.mu, pieces.y)))
+        touching = (pieces.time + pieces.length >= self._start) & (pieces.time <= self._end)
+        if touching.any():
+            self._kept.append(Pieces(*(values[touching] for values in pieces)))
 
-    def _keep(self, columns: tuple[Array, ...]) -> None:
-        self._chunks.append(columns)
+    def forget(self, before: float) -> None:
+        """The window begins at `before` from now on."""
+        self._start = before
+        self._kept = [part for part in self._kept if part.time[-1] + part.length[-1] >= before]
+
+    def __len__(self) -> int:
+        """How many chunks of pieces are kept."""
+        return len(self._kept)
+
+    def samples(self, per_piece: int | None = None) -> Array:
+        """The window at the nodes of its pieces, or at `per_piece` equally spaced points of each piece's polynomial."""
+        pieces = self._pieces()
+        points = self._basis.nodes if per_piece is None else (np.arange(per_piece) + 0.5) / per_piece
+        rows = interpolation_matrix(self._basis, points)
+        time = pieces.time[:, None] + pieces.length[:, None] * points
+        inside = (time >= self._start) & (time <= self._end)
+        return np.stack([time[inside], *((values @ rows.T)[inside] for values in pieces[2:])])
+
+    def at(self, times: Array) -> Array:
+        """Samples at `times` (transits) within the window, from the pieces' polynomials."""
+        pieces = self._pieces()
+        which = np.clip(np.searchsorted(pieces.time, times, side="right") - 1, 0, None)
+        rows = interpolation_matrix(self._basis, (times - pieces.time[which]) / pieces.length[which])
+        return np.stack([times, *((rows * values[which]).sum(axis=1) for values in pieces[2:])])
+
+    def columns(self) -> dict[str, Array]:
+        """time (transits), slip_rate (V*), psi, stress, elastic_stress at the nodes: arrays of equal length."""
+        return named_columns(self._law, self.samples())
+
+    def _pieces(self) -> Pieces:
+        if not self._kept:
+            empty, flat = np.empty(0), np.empty((0, self._basis.nodes.size))
+            return Pieces(empty, empty, flat, flat, flat, flat)
+        return Pieces(*(np.concatenate(parts) for parts in zip(*self._kept, strict=True)))
 
     def state(self) -> dict[str, Array]:
-        """Everything collected, as arrays, for a checkpoint."""
-        columns = [np.concatenate(part) for part in zip(*self._chunks, strict=True)]
-        return {"columns": np.array(columns) if columns else np.empty((5, 0))}
+        """The pieces, a row each, for a checkpoint."""
+        return {"pieces": np.column_stack(self._pieces())}
 
     def restore(self, state: dict[str, Array]) -> None:
         """Go on from what `state` returned."""
-        self._chunks = [tuple(state["columns"])] if state["columns"].size else []
-
-    def columns(self) -> dict[str, Array]:
-        """time (transits), slip_rate (V*), psi, stress, elastic_stress: arrays of equal length."""
-        columns = [np.concatenate(part) for part in zip(*self._chunks, strict=True)] if self._chunks else [np.empty(0)] * 5
-        return named_columns(self._law, columns)
+        time, length, *values = np.split(state["pieces"], [1, 2, *(2 + np.arange(1, 4) * self._basis.nodes.size)], axis=1)
+        self._kept = [Pieces(time[:, 0], length[:, 0], *values)] if time.size else []
 
 
-def named_columns(law: Law, columns: Sequence[Array]) -> dict[str, Array]:
-    """Time, rate unknown, psi, mu and y by name, with the slip rate (V*) in place of the unknown."""
-    time, unknown, psi, stress, elastic = columns
+def named_columns(law: Law, samples: Sequence[Array] | Array) -> dict[str, Array]:
+    """Samples by name, with the slip rate (V*) in place of the rate unknown."""
+    time, unknown, psi, stress, elastic = samples
     rate = np.array([rate_of(law, z) for z in unknown], dtype=float)
     return {"time": time, "slip_rate": rate, "psi": psi, "stress": stress, "elastic_stress": elastic}

@@ -7,7 +7,8 @@ import pytest
 
 import slipwave
 from slipwave.observe import Events
-from validation.measure.settle import Estimate, LastCycle, Orbit
+from validation.measure.cycle import Cycle
+from validation.measure.settle import Estimate, Orbit
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT
 from validation.studies import claims
 from validation.studies.claims import load as claims_load
@@ -145,7 +146,7 @@ def test_the_parts_of_a_period_add_up():
     rate = np.where((time > 5.0) & (time < 12.0), 100.0 + 23.0 * 80.0 / 7.0, 20.0)
     y = 0.4 + scene.upper.epsilon * np.concatenate([[0.0], np.cumsum((100.0 - rate)[:-1] * 1e-3)])
     drop = float(np.ptp(y))
-    found = loading_of(orbit(30.0, 0.2, drop), LastCycle(time, rate, time, time, y), scene)
+    found = loading_of(orbit(30.0, 0.2, drop), Cycle(time, rate, time, time, y, 30.0), scene)
     assert found.drop == pytest.approx(23.0 * 0.8, abs=0.01)
     assert found.falling == pytest.approx(7.0, abs=0.01)
     assert found.slipped == pytest.approx(23.0 * 0.2, abs=0.01)

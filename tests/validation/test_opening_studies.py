@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import slipwave
-from validation.measure.settle import Estimate, LastCycle, Orbit, Settled
+from validation.measure.cycle import Cycle
+from validation.measure.settle import Estimate, Orbit, Settled
 from validation.references.published import reference_orbit
 from validation.studies import one_cycle, scene_facts
 from validation.studies.one_cycle.figures import overlay, panels
@@ -20,7 +21,7 @@ DELAY = reference_orbit("delay", -2.68)
 def a_run(**changes: float) -> CycleRun:
     orbit = Orbit(*(Estimate(DELAY[name] * (1.0 + changes.get(name, 0.0)), 0.0) for name in FIGURES))
     time = np.linspace(-4.0, 80.0, 40)
-    cycle = LastCycle(time, 5.0 + np.cos(time) ** 2, np.zeros(40), 0.4 + 1e-3 * time, time)
+    cycle = Cycle(time, 5.0 + np.cos(time) ** 2, np.zeros(40), 0.4 + 1e-3 * time, time, 80.0)
     return CycleRun(Settled(orbit, SimpleNamespace(failures=0), None, 9, 1e-10, True, 1.0), cycle)
 
 

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
+from validation.measure.cycle import Cycle
 from validation.measure.ripples import ripple_period
-from validation.measure.settle import LastCycle
 
 
 def cycle(period, amplitude=0.01):
     time = np.sort(np.concatenate([np.arange(0.0, 70.0, 0.031), np.arange(0.0, 70.0, 0.047)]))
     time = np.unique(time)
     stress = 0.2 + 0.002 * time + 1e-5 * time**2 + amplitude * np.cos(2 * np.pi * time / period)
-    return LastCycle(time, np.ones_like(time), time * 0, stress, stress)
+    return Cycle(time, np.ones_like(time), time * 0, stress, stress, np.ptp(time))
 
 
 @pytest.mark.parametrize("period", [1.0, 1.2825498])

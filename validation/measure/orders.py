@@ -19,8 +19,8 @@ from typing import TypeAlias
 import numpy as np
 
 from slipwave.errors import NumericsError
-from slipwave.observe import EventObserver, Pieces, Solver, follow
-from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
+from slipwave.observe import EventObserver, HistoryObserver, Solver, follow
+from slipwave.observe.pieces import Array
 from validation.measure.grid_ladders import Course, GridLadder
 from validation.measure.order_fit import Fit, fit_dense
 from validation.run.timing import timed
@@ -44,27 +44,6 @@ Maker: TypeAlias = Callable[..., Solver]
 """As `validation.registry.build.build`."""
 
 
-class Moments:
-    """An observer that knows the interface at given `times` (transits, within the run); it keeps the pieces they lie in."""
-
-    def __init__(self, nodes: Array, times: Array) -> None:
-        self._basis, self._times = lagrange_basis(nodes), times
-        self._kept: list[Pieces] = []
-
-    def scan(self, pieces: Pieces) -> None:
-        """Take the next pieces of the run, in order."""
-        wanted = (pieces.time + pieces.length >= self._times[0]) & (pieces.time <= self._times[-1])
-        if wanted.any():
-            self._kept.append(Pieces(*(values[wanted] for values in pieces)))
-
-    def state(self) -> Array:
-        """The law's unknown (ln v), psi and mu, shape (times, 3), from the pieces' polynomials."""
-        pieces = Pieces(*(np.concatenate(parts) for parts in zip(*self._kept, strict=True)))
-        which = np.clip(np.searchsorted(pieces.time, self._times, side="right") - 1, 0, None)
-        rows = interpolation_matrix(self._basis, (self._times - pieces.time[which]) / pieces.length[which])
-        return np.stack([(rows * values[which]).sum(axis=1) for values in (pieces.z, pieces.psi, pieces.mu)], axis=1)
-
-
 def measure(solver: Solver, course: Course) -> Measured:
     """Run `solver` over the `course`."""
     return _measure(solver, course)[1]
@@ -74,10 +53,10 @@ def _measure(solver: Solver, course: Course) -> tuple[float, Measured]:
     """(processor seconds of the march and of the event detection, what they gave)."""
     events = EventObserver(solver.scene, solver.nodes)
     last = np.linspace(course.until - course.window, course.until, _MOMENTS, endpoint=False)
-    moments = Moments(solver.nodes, last)
-    seconds, _ = timed(lambda: follow(solver, course.until, [events, moments]))
+    history = HistoryObserver(solver.scene.law, solver.nodes, last[0], last[-1])
+    seconds, _ = timed(lambda: follow(solver, course.until, [events, history]))
     cycles = events.events(_FIRST_QUARTER * course.until)
-    return seconds, {name: getattr(cycles, name) for name in OUTPUTS} | {"state": moments.state()}
+    return seconds, {name: getattr(cycles, name) for name in OUTPUTS} | {"state": history.at(last)[1:4].T}
 
 
 def errors(ours: Measured, reference: Measured) -> dict[str, float]:

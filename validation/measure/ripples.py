@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from validation.measure.settle import LastCycle
+from validation.measure.cycle import Cycle
 
 WINDOW = (25.0, 55.0)
 """Transits after the event's date in which the interface creeps and the stress ripples about its slow rise."""
 
 
-def ripple_period(cycle: LastCycle, window: tuple[float, float] = WINDOW) -> float:
+def ripple_period(cycle: Cycle, window: tuple[float, float] = WINDOW) -> float:
     """Mean time (transits) between maxima of mu within `window`, the maxima placed by parabolas through three samples.
 
     Raises ValueError if there are fewer than three maxima.

@@ -10,10 +10,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from slipwave.friction import rate_of
-from slipwave.observe import EventObserver, Events, Pieces, Solver, follow
+from slipwave.observe import EventObserver, Events, HistoryObserver, Solver, follow
 from slipwave.observe.foresight import Foresight
-from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
+from slipwave.observe.pieces import Array
+from validation.measure.cycle import Cycle, cut
 from validation.run.timing import timed
 
 WINDOW = 4
@@ -136,46 +136,12 @@ def estimate(events: Events) -> Orbit:
     return Orbit(*estimates)
 
 
-class DenseObserver:
-    """Samples every piece at `per_piece` equally spaced points of its polynomial."""
-
-    def __init__(self, nodes: Array, per_piece: int) -> None:
-        self._points = (np.arange(per_piece) + 0.5) / per_piece
-        self._rows = interpolation_matrix(lagrange_basis(nodes), self._points)
-        self._chunks: list[Array] = []
-
-    def scan(self, pieces: Pieces) -> None:
-        """Take the next pieces of the run, in order."""
-        times = pieces.time[:, None] + pieces.length[:, None] * self._points
-        values = [values @ self._rows.T for values in (pieces.z, pieces.psi, pieces.mu, pieces.y)]
-        self._chunks.append(np.array([times, *values]).reshape(5, -1))
-
-    def table(self) -> Array:
-        """Rows time (transits), rate unknown, psi, mu, y; one column per sample."""
-        return np.concatenate(self._chunks, axis=1)
-
-
-@dataclass(frozen=True)
-class LastCycle:
-    """One cycle's curves, arrays of equal length: time (transits) from the event's date, slip rate v (V*), psi, mu, y."""
-
-    time: Array
-    slip_rate: Array
-    psi: Array
-    stress: Array
-    elastic_stress: Array
-
-
-def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> LastCycle:
+def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> Cycle:
     """Go on for two cycles and return one of them, from `before` transits ahead of its event to `after` transits past its end."""
     solver, period = settled.solver, settled.orbit.period.value
     begin = solver.time
-    dense = DenseObserver(solver.nodes, per_piece)
-    follow(solver, begin + 2.02 * period + before + after, [dense, settled.observer])
-    table = dense.table()
-    events = settled.observer.dates()
-    start = float(events[events >= begin + before][0])
-    keep = (table[0] >= start - before) & (table[0] <= start + period + after)
-    time_, unknown, psi, stress, elastic = table[:, keep]
-    rate = np.array([rate_of(solver.scene.law, z) for z in unknown])
-    return LastCycle(time_ - start, rate, psi, stress, elastic)
+    history = HistoryObserver(solver.scene.law, solver.nodes)
+    follow(solver, begin + 2.02 * period + before + after, [history, settled.observer])
+    dates = settled.observer.dates()
+    date = float(dates[dates >= begin + before][0])
+    return cut(solver.scene.law, history.samples(per_piece), date, period, before, after)

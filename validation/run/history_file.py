@@ -11,16 +11,15 @@ import numpy as np
 
 from slipwave.errors import SceneError
 from slipwave.friction import Law
-from slipwave.observe import HistoryObserver, Pieces
 from slipwave.observe.history import named_columns
-from slipwave.observe.pieces import Array
+from slipwave.observe.pieces import Array, Pieces
 
 _COLUMNS = 5
 _BLOCK = 50_000  # samples that are in memory at a time when they are read back: 2 MB
 _EARLY = 0.01  # share of the run after which its size is known well enough to compare it with the disk
 
 
-class HistoryFile(HistoryObserver):
+class HistoryFile:
     """Appends every sample to the file `path`, rows of five doubles.
 
     A checkpoint holds how many there were and their checksum; a run that goes on drops what came later. A disk that takes no more
@@ -29,7 +28,7 @@ class HistoryFile(HistoryObserver):
     """
 
     def __init__(self, law: Law, nodes: Array, path: Path, until: float) -> None:
-        super().__init__(law, nodes)
+        self._law, self._nodes = law, np.asarray(nodes)
         self.path, self.problem = path, ""
         self._until, self._judged = until, False
         self._samples, self._checksum = 0, 0
@@ -37,7 +36,8 @@ class HistoryFile(HistoryObserver):
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
-        super().scan(pieces)
+        time = pieces.time[:, None] + pieces.length[:, None] * self._nodes
+        self._keep(np.stack([values.ravel() for values in (time, *pieces[2:])], axis=1))
         share = float(pieces.time[-1] + pieces.length[-1]) / self._until
         if not self._judged and share > _EARLY:
             self._judged = True
@@ -71,7 +71,7 @@ class HistoryFile(HistoryObserver):
     def parts(self) -> Iterator[dict[str, Array]]:
         """All columns by name, as `HistoryObserver.columns`, a block of samples at a time."""
         for block in self._blocks():
-            yield named_columns(self._law, list(block.T))
+            yield named_columns(self._law, block.T)
 
     def close(self) -> None:
         """Let go of the file."""
@@ -86,12 +86,12 @@ class HistoryFile(HistoryObserver):
     def _bytes(self) -> int:
         return self._samples * _COLUMNS * 8
 
-    def _keep(self, columns: tuple[Array, ...]) -> None:
+    def _keep(self, rows: Array) -> None:
         if self.problem:
             return
-        content = np.stack(columns, axis=1).tobytes()
+        content = rows.tobytes()
         if self._attempt(lambda: self._append(content)):
-            self._samples += columns[0].size
+            self._samples += len(rows)
             self._checksum = zlib.crc32(content, self._checksum)
 
     def _append(self, content: bytes) -> None:

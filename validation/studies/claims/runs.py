@@ -6,11 +6,12 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 import slipwave
-from slipwave.observe import EventObserver, Events, follow
+from slipwave.observe import EventObserver, Events, HistoryObserver, follow
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from validation.measure.cycle import Cycle
 from validation.measure.ripples import ripple_period
-from validation.measure.settle import DenseObserver, LastCycle, Orbit, Settled, one_cycle, settle
+from validation.measure.settle import Orbit, Settled, one_cycle, settle
 from validation.references.onset import Onset
 from validation.registry.build import build
 
@@ -82,12 +83,13 @@ def _settled(model: str, changes: dict[str, float]) -> Settled:
 def run_deep(model: str, until: float) -> Deep:
     """Run `model` at log10 r = -2.3 to `until` (transits)."""
     solver = build(model, slipwave.read("paper-2.3"), tolerance=1e-9)
-    observer, dense = EventObserver(solver.scene, solver.nodes), DenseObserver(solver.nodes, 8)
+    observer = EventObserver(solver.scene, solver.nodes)
+    history = HistoryObserver(solver.scene.law, solver.nodes)
     follow(solver, _SHOWN[0], [observer])
-    follow(solver, _SHOWN[1], [observer, dense])
+    follow(solver, _SHOWN[1], [observer, history])
     follow(solver, until, [observer])
-    table = dense.table()
-    return Deep(observer.events(_SHOWN[0]), table[0], table[3])
+    time, _, _, stress, _ = history.samples(per_piece=8)
+    return Deep(observer.events(_SHOWN[0]), time, stress)
 
 
 def measure_ripples(model: str) -> Ripples:
@@ -98,7 +100,7 @@ def measure_ripples(model: str) -> Ripples:
     return Ripples(ripple_period(cycle), loading_of(settled.orbit, cycle, scene))
 
 
-def loading_of(orbit: Orbit, cycle: LastCycle, scene: Scene) -> Loading:
+def loading_of(orbit: Orbit, cycle: Cycle, scene: Scene) -> Loading:
     """The parts of a period, from samples over one cycle: y' = eps (V - v), so that y rises by eps (V t_rise - s_rise)."""
     period = orbit.period.value
     since = np.mod(cycle.time - cycle.time[np.argmin(cycle.elastic_stress)], period)

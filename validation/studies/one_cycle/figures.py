@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.measure.settle import LastCycle
+from validation.measure.cycle import Cycle
 from validation.study.drawing import WIDTH, canvas, pen
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ _PANELS = ("fd", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
 _ZOOM = (46.0, 53.0)
 
 
-def overlay(cycles: Mapping[str, LastCycle]) -> "Figure":
+def overlay(cycles: Mapping[str, Cycle]) -> "Figure":
     """Stress and slip rate over the cycle, left, and in the slow phase, right."""
     figure = canvas(WIDTH, 5.2)
     grid = figure.subplots(2, 2, sharex="col", gridspec_kw={"width_ratios": (1.9, 1.0)})
@@ -45,7 +45,7 @@ def _mark(axes: "Axes", window: tuple[float, float]) -> None:
     axes.axvspan(*window, color="#efeee8", zorder=0, linewidth=0)
 
 
-def _zoom(column: np.ndarray, exact: LastCycle) -> None:
+def _zoom(column: np.ndarray, exact: Cycle) -> None:
     """Frame the slow phase by the delay system's range there."""
     inside = (exact.time >= _ZOOM[0]) & (exact.time <= _ZOOM[1])
     stress, rate = exact.stress[inside], np.log(exact.slip_rate[inside])
@@ -59,7 +59,7 @@ def _zoom(column: np.ndarray, exact: LastCycle) -> None:
     column[0].set_title("slow phase, enlarged")
 
 
-def panels(cycles: Mapping[str, LastCycle], errors: Mapping[str, float]) -> "Figure":
+def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> "Figure":
     """One panel per model, its stress over the delay system's; `errors` of the period, relative, beside its name."""
     exact = cycles["delay"]
     figure = canvas(WIDTH, 5.2)

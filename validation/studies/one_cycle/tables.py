@@ -2,7 +2,8 @@
 
 from typing import NamedTuple
 
-from validation.measure.settle import LastCycle, Orbit, Settled
+from validation.measure.cycle import Cycle
+from validation.measure.settle import Orbit, Settled
 from validation.references.published import reference_orbit
 from validation.study import Cell, Table, table
 
@@ -14,7 +15,7 @@ class CycleRun(NamedTuple):
     """A model on its orbit and one cycle of it."""
 
     settled: Settled
-    cycle: LastCycle
+    cycle: Cycle
 
     @property
     def orbit(self) -> Orbit:

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import slipwave
-from slipwave.observe import EventObserver, follow
+from slipwave.observe import EventObserver, HistoryObserver, follow
 from slipwave.scene import Scene
-from validation.measure.settle import DenseObserver
 from validation.registry.build import build
 from validation.studies.unlike_slabs.cost import Costs, cost_table, cost_verdicts, costs
 from validation.studies.unlike_slabs.figures import Curves, last_cycles
@@ -84,12 +83,12 @@ def _march(scene: Scene, model: str, cells: int | None, cfl: float | None) -> Pa
     solver = build(model, scene, tolerance=1e-11) if model == "delay" else build(model, scene, cells=cells, cfl=cfl)
     observer = EventObserver(scene, solver.nodes)
     follow(solver, UNTIL - _WATCHED, [observer])
-    dense = DenseObserver(solver.nodes, 6 if model == "delay" else 1)
-    final = follow(solver, UNTIL, [observer, dense])
+    history = HistoryObserver(scene.law, solver.nodes)
+    final = follow(solver, UNTIL, [observer, history])
     events = observer.events()
     last = {name: float(getattr(events, name)[-1]) for name in ("period", "stress_drop", "v_max")}
-    table = dense.table()
-    curves = Curves(float(events.time[-1]), float(events.period[-1]), table[0], table[1], table[3])
+    time, ln_rate, _, stress, _ = history.samples(per_piece=6 if model == "delay" else 1)
+    curves = Curves(float(events.time[-1]), float(events.period[-1]), time, ln_rate, stress)
     return PairRun(model, cells, {"psi": final.psi, **last}, curves)
 
 

@@ -1,0 +1,61 @@
+"""The window observer: what it keeps is the solver's own polynomials, wherever and however often it is asked."""
+
+import numpy as np
+import pytest
+
+import slipwave
+from slipwave.observe import HistoryObserver, Pieces
+from slipwave.observe.pieces import Array
+
+LAW = slipwave.read("paper").law
+NODES = np.array([0.2, 0.7, 1.0])
+
+
+def motion(time: Array) -> tuple[Array, ...]:
+    """z, psi, mu and y, quadratic in time: three nodes hold them exactly."""
+    return 1.0 + 0.1 * time, time**2, 3.0 - time, 2.0 * time**2 - time
+
+
+def chunk(first: float, count: int, length: float = 0.5) -> Pieces:
+    begin = first + length * np.arange(count)
+    return Pieces(begin, np.full(count, length), *motion(begin[:, None] + length * NODES))
+
+
+@pytest.fixture
+def history() -> HistoryObserver:
+    """The window from 1 to 4 of a run from 0 to 6, in chunks of two pieces."""
+    observer = HistoryObserver(LAW, NODES, 1.0, 4.0)
+    for first in range(6):
+        observer.scan(chunk(float(first), 2))
+    return observer
+
+
+@pytest.mark.parametrize(("per_piece", "inside"), [(None, 19), (4, 24)])
+def test_the_window_at_the_nodes_or_at_equal_steps(history, per_piece, inside):
+    time, *values = history.samples(per_piece)
+    assert (time.size, time.min() >= 1.0, time.max() <= 4.0) == (inside, True, True)
+    np.testing.assert_allclose(values, motion(time), atol=1e-13)
+
+
+def test_any_moment_of_the_window(history):
+    times = np.linspace(1.0, 4.0, 37)
+    time, *values = history.at(times)
+    np.testing.assert_array_equal(time, times)
+    np.testing.assert_allclose(values, motion(times), atol=1e-13)
+
+
+def test_what_is_forgotten_makes_room(history):
+    before = len(history)
+    history.forget(2.65)
+    assert (before, len(history)) == (5, 3)
+    assert history.samples()[0].min() == pytest.approx(2.85)
+
+
+def test_the_state_holds_the_window(history):
+    again = HistoryObserver(LAW, NODES)
+    again.restore(HistoryObserver(LAW, NODES).state())
+    assert again.samples().shape == (5, 0)
+    again.restore(history.state())
+    again.scan(chunk(6.0, 2))
+    times = np.array([2.0, 6.25])
+    np.testing.assert_allclose(again.at(times)[1:], motion(times), atol=1e-13)
