@@ -11,11 +11,6 @@ from numpy.typing import NDArray
 from reduced.stability.friction import FrictionSlopes
 
 
-def critical_frequency(slopes: FrictionSlopes) -> float:
-    """omega_c = G_phi sqrt(-F_ss'/F_v) (20), (38)."""
-    return slopes.healing * math.sqrt(-slopes.steady / slopes.direct)
-
-
 def quasistatic_r(slopes: FrictionSlopes, epsilon: float) -> float:
     """r_* = -epsilon/(G_phi F_ss') (22)."""
     return -epsilon / (slopes.healing * slopes.steady)

@@ -88,7 +88,7 @@ def test_critical_r_against_its_closed_form(model, closed, velocity):
         return
     assert r == pytest.approx(expected, rel=1e-12)
     if model != "quasidynamic":
-        assert omega == pytest.approx(closed_forms.critical_frequency(slopes), rel=1e-13)
+        assert omega == pytest.approx(slopes.omega_c, rel=1e-13)
 
 
 def delay_function(slopes, epsilon, r, s):

@@ -1,5 +1,6 @@
 """Obtains the studies' results, side by side on the cores there are, and hands them to the page."""
 
+import sys
 import time
 import traceback
 from collections.abc import Callable, Iterator
@@ -8,14 +9,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple, cast
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
 from validation.report import store
 from validation.report.page import write_page
 from validation.report.provenance import provenance
 from validation.report.red import RedReport, red_lines
 from validation.report.side_by_side import cores, share_out
+from validation.run.progress import progress
 from validation.studies import choose, load
 from validation.study import Budget, Study
 
@@ -37,13 +36,21 @@ def build_report(out: Path, quick: bool, only: list[str] | None, processes: int 
     tasks = {study.NAME: _task(study, out / "data", quick) for study in studies}
     stored = {study.NAME: store.load(task.folder, study, task.key) for study, task in zip(studies, tasks.values(), strict=True)}
     wanted = [study for study in studies if study.NAME in asked and stored[study.NAME] is None]
-    with _Board({study.NAME: _seconds(study, quick) for study in wanted}) as board:
-        for known in (result for name in asked if (result := stored[name])):
-            board.say(known)
-        for result in _run(wanted, tasks, processes or cores(), board.progress):
+    for known in (result for name in asked if (result := stored[name])):
+        _say(known)
+    seconds = {study.NAME: _seconds(study, quick) for study in wanted}
+    spent = dict.fromkeys(seconds, 0.0)
+    with progress("report", sum(seconds.values())) as report:
+
+        def tell(name: str, share: float) -> None:
+            """The study `name` has come this far."""
+            spent[name] = share * seconds[name]
+            report(sum(spent.values()))
+
+        for result in _run(wanted, tasks, processes or cores(), tell):
             stored[result.name] = result
-            board.progress(result.name, 1.0)
-            board.say(result)
+            tell(result.name, 1.0)
+            _say(result)
     results = [result for result in stored.values() if result]
     page = write_page(out, results, provenance(), quick)
     lines = red_lines(results, quick)
@@ -57,18 +64,18 @@ def _task(study: Study, folder: Path, quick: bool) -> Task:
 
 
 def _run(
-    studies: list[Study], tasks: dict[str, Task], processes: int, progress: Callable[[str, float], None]
+    studies: list[Study], tasks: dict[str, Task], processes: int, tell: Callable[[str, float], None]
 ) -> Iterator[store.Stored]:
     """Results as they come: the longest studies first, several at a time; those that time, alone when all others are done."""
     longest_first = sorted(studies, key=lambda study: -_seconds(study, tasks[study.NAME].quick))
     timed = [tasks[study.NAME] for study in longest_first if getattr(study, "TIMED", False)]
     shared = [task for study in longest_first if (task := tasks[study.NAME]) not in timed]
     if processes > 1 and len(shared) > 1:
-        for task, result in share_out(perform, shared, processes, lambda task, share: progress(task.name, share)):
+        for task, result in share_out(perform, shared, processes, lambda task, share: tell(task.name, share)):
             yield result or _unfinished(load(task.name))
     else:
         timed = shared + timed
-    yield from (perform(task, partial(progress, task.name)) for task in timed)
+    yield from (perform(task, partial(tell, task.name)) for task in timed)
 
 
 def perform(task: Task, tell: Callable[[float], None]) -> store.Stored:
@@ -93,37 +100,7 @@ def _seconds(study: Study, quick: bool) -> float:
     return study.SECONDS[0 if quick else 1]
 
 
-class _Board:
-    """The bar with the time left, and a line for each study that is done."""
-
-    def __init__(self, seconds: dict[str, float]) -> None:
-        columns = (
-            TextColumn("{task.description:24}"),
-            BarColumn(),
-            TimeElapsedColumn(),
-            TextColumn("left"),
-            TimeRemainingColumn(),
-        )
-        console = Console(stderr=True)
-        self._bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
-        self._seconds = seconds
-        self._shares = dict.fromkeys(seconds, 0.0)
-        self._task = self._bar.add_task("", total=sum(seconds.values()))
-
-    def __enter__(self) -> "_Board":
-        self._bar.start()
-        return self
-
-    def __exit__(self, *exception: object) -> None:
-        self._bar.stop()
-
-    def progress(self, name: str, share: float) -> None:
-        """The study `name` has come this far."""
-        self._shares[name] = share
-        done = sum(share * self._seconds[name] for name, share in self._shares.items())
-        self._bar.update(self._task, completed=done, description=name)
-
-    def say(self, stored: store.Stored) -> None:
-        """One line for a study that is done."""
-        state = "failed" if stored.error else f"{stored.wall_seconds:6.1f} s" if stored.fresh else "  stored"
-        self._bar.console.print(f"{stored.name:24} {state}", highlight=False)
+def _say(stored: store.Stored) -> None:
+    """One line for a study that is done."""
+    state = "failed" if stored.error else f"{stored.wall_seconds:6.1f} s" if stored.fresh else "  stored"
+    print(f"{stored.name:24} {state}", file=sys.stderr, flush=True)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import slipwave
 from slipwave.scene import Scene
-from validation.references.onset import Onset
+from validation.references.onset import Onset, onset_of
 from validation.study import Budget, Cell, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
 from validation.study.drawing import canvas
@@ -57,7 +57,7 @@ def _answer(ratio: float) -> str:
 
 
 def _onset(chosen: Scene) -> Onset:
-    return Onset(chosen.law, chosen.upper.epsilon, chosen.velocity)
+    return onset_of(chosen.law, chosen.upper.epsilon, chosen.velocity)
 
 
 def _groups(scenes: list[Scene]) -> Table:

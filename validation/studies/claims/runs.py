@@ -12,7 +12,7 @@ from slipwave.scene import Scene
 from validation.measure.cycle import Cycle
 from validation.measure.ripples import ripple_period
 from validation.measure.settle import Orbit, Settled, one_cycle, settle
-from validation.references.onset import Onset
+from validation.references.onset import Onset, onset_of
 from validation.registry.build import build
 
 LOG10_R = {
@@ -121,7 +121,7 @@ def where(branch: Branch) -> str:
 def onset_at(velocity: float) -> Onset:
     """Closed forms of the paper's material at drive `velocity` (V*)."""
     scene = slipwave.read("paper")
-    return Onset(scene.law, scene.upper.epsilon, velocity)
+    return onset_of(scene.law, scene.upper.epsilon, velocity)
 
 
 def spread(values: Array) -> float:

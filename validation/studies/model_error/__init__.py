@@ -1,11 +1,12 @@
 """Every reduction's orbit against the delay system's, as the waves gain in weight (r grows)."""
 
 from validation.studies.model_error.figures import errors_over_r
-from validation.studies.model_error.runs import MODELS, SHOWN, Runs, curves, error, orbit_of, warm_up
+from validation.studies.model_error.runs import MODELS, SHOWN, Runs, curves, error, orbit_of, scene_at
 from validation.studies.model_error.tables import error_table, omissions
 from validation.studies.model_error.verdicts import TARGETS, all_verdicts
 from validation.study import Budget, Figure, Number, StudyResult
 from validation.study.text import plain
+from validation.work_precision import Setting, warm_up
 
 NAME = "model-error"
 QUESTION = "How wrong is each reduction's orbit, and what does a smaller error cost?"
@@ -37,7 +38,7 @@ def run(budget: Budget) -> StudyResult:
     grid = _QUICK if budget.quick else _FULL
     runs: Runs = {}
     for count, model in enumerate(("delay", *MODELS, "quasidynamic", "fitted:4")):
-        warm_up(model)
+        warm_up(Setting(model), scene_at(-2.68))
         few = model in ("quasidynamic", "fitted:4")
         runs[model] = {log10_r: orbit_of(model, log10_r) for log10_r in (SHOWN if few else grid)}
         budget.report((count + 1) / (len(MODELS) + 3))

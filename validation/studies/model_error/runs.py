@@ -9,7 +9,6 @@ import slipwave
 from reduced.impedance import reduction_of
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.measure.cycle import watch
 from validation.measure.settle import NoCycle, Settled, settle
 from validation.registry.build import build
 
@@ -39,11 +38,6 @@ Runs = dict[str, dict[float, ModelRun | None]]
 def scene_at(log10_r: float) -> Scene:
     """The paper's scene at another r."""
     return slipwave.read("paper", {"slab.log10_r": log10_r})
-
-
-def warm_up(model: str) -> None:
-    """March a little, so that compiled code is loaded before anything is timed."""
-    watch(build(model, scene_at(-2.68)), 2.0)
 
 
 def orbit_of(model: str, log10_r: float) -> ModelRun | None:

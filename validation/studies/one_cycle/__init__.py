@@ -5,7 +5,7 @@ import math
 import slipwave
 from slipwave.errors import NumericsError
 from validation.measure.settle import NoCycle, one_cycle, settle
-from validation.references.onset import Onset
+from validation.references.onset import onset_of
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.build import build
 from validation.studies.one_cycle.figures import overlay, panels
@@ -131,16 +131,16 @@ def _runaway(escape: str) -> Verdict:
 
 def _steady() -> Verdict:
     scene = slipwave.read("paper")
-    onset = Onset(scene.law, scene.upper.epsilon, scene.velocity)
+    r_c = onset_of(scene.law, scene.upper.epsilon, scene.velocity).r_quasidynamic
     steady = _slides_steadily("quasidynamic")
     return Verdict(
         "The quasi-dynamic model slides steadily where the wave sticks and slips",
         Evidence.EXACT,
-        "steady" if scene.transit < onset.r_quasidynamic else "stick-slip",
+        "steady" if scene.transit < r_c else "stick-slip",
         "steady" if steady else "stick-slip",
-        judge(steady == (scene.transit < onset.r_quasidynamic)),
+        judge(steady == (scene.transit < r_c)),
         "earthquake modellers’ radiation damping: its onset, r = ε/(b − a − εV/2) = "
-        f"10^{{{math.log10(onset.r_quasidynamic):.3f}}}, lies above this scene’s r",
+        f"10^{{{math.log10(r_c):.3f}}}, lies above this scene’s r",
     )
 
 
