@@ -12,7 +12,7 @@ from validation.studies import grid_convergence, leapfrog_convergence
 from validation.studies.grid_convergence.code import code_note, code_table, shared
 from validation.studies.grid_convergence.figures import convergence_and_cost
 from validation.studies.grid_convergence.tables import finest_table, orders_table
-from validation.studies.leapfrog_convergence.figures import ladders
+from validation.studies.leapfrog_convergence import ladders
 from validation.study import Budget, Evidence, Outcome
 
 CELLS = np.array([48, 96, 192, 384])

@@ -9,10 +9,10 @@ from validation.studies.error_laws import (
     _answer,
     _cycle_verdict,
     _onset_verdicts,
+    fall,
     measure_cycle,
     measure_onsets,
 )
-from validation.studies.error_laws.figures import fall
 from validation.study import Outcome
 
 

@@ -11,7 +11,7 @@ from validation.measure.settle import Estimate, Orbit, Settled
 from validation.references.published import reference_orbit
 from validation.studies import one_cycle, scene_facts
 from validation.studies.one_cycle.figures import overlay, panels
-from validation.studies.one_cycle.tables import CycleRun
+from validation.studies.one_cycle.runs import CycleRun
 from validation.study import Outcome
 
 FIGURES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")

@@ -8,7 +8,7 @@ import pytest
 import slipwave
 from validation.references.lsoda import PlainRun, plain_kelvin_voigt, right_hand_side, steady_state
 from validation.studies import cost_and_error
-from validation.studies.cost_and_error.figures import work_precision
+from validation.studies.cost_and_error import work_precision
 from validation.study import Outcome
 from validation.work_precision import Point, Setting
 

@@ -10,6 +10,7 @@ from slipwave.input.source import gallery_names
 from validation.report import make_report, store
 from validation.studies import STUDIES, load
 from validation.studies import one_cycle as one_cycle_study
+from validation.studies.one_cycle.runs import run_model
 from validation.study import Evidence, Outcome, StudyResult
 from validation.study.bounds import too_roomy
 from validation.work_precision import Point, Setting, cheapest, time_run
@@ -67,7 +68,7 @@ def test_one_cycle_lists_what_it_leaves_out(cycle):
 def test_a_wrong_reference_turns_the_light_red(monkeypatch):
     true = one_cycle_study.reference_orbit
     monkeypatch.setattr(one_cycle_study, "MODELS", ("delay", "fd"))
-    run = one_cycle_study._run("delay")
+    run = run_model("delay")
     assert [v.outcome for v in one_cycle_study._against_reference({"delay": run})] == [Outcome.PASS]
     wrong = {**true("delay", -2.68), "stress_drop": 0.1739634131 * (1 + 2e-6)}
     monkeypatch.setattr(one_cycle_study, "reference_orbit", lambda model, log10_r: wrong)

@@ -6,7 +6,8 @@ from shown import quick
 
 from validation.studies import load
 from validation.studies.unlike_slabs.cost import cost_verdicts
-from validation.studies.unlike_slabs.figures import Curves, last_cycles
+from validation.studies.unlike_slabs.figures import last_cycles
+from validation.studies.unlike_slabs.runs import Curves, PairRun
 from validation.study import Outcome
 from validation.study.bounds import too_roomy
 
@@ -37,7 +38,7 @@ def two_pairs(**psi):
         values = {"delay": -5.0} | {model: -5.0 + off for model, off in psi.items()}
         cells = {"sbp_6": 48}
         runs[name] = [
-            STUDY.PairRun(model.replace("_", ":").split(" ")[0], cells.get(model, 4), {"psi": value, "period": 50.0}, None)
+            PairRun(model.replace("_", ":").split(" ")[0], cells.get(model, 4), {"psi": value, "period": 50.0}, None)
             for model, value in values.items()
         ]
     return runs
@@ -68,9 +69,7 @@ def test_families_of_high_order(cells, off, outcome):
 def test_the_leapfrogs_error_falls_with_the_square(ratio, outcome):
     runs = {name: [one for one in some if one.model == "delay"] for name, some in two_pairs().items()}
     for some in runs.values():
-        some += [
-            STUDY.PairRun("fd", n, {"psi": -5.0 + off, "period": 50.0}, None) for n, off in ((96, ratio * 1e-6), (192, 1e-6))
-        ]
+        some += [PairRun("fd", n, {"psi": -5.0 + off, "period": 50.0}, None) for n, off in ((96, ratio * 1e-6), (192, 1e-6))]
     assert {verdict.outcome for verdict in STUDY._leapfrog(runs)} == {outcome}
 
 

@@ -5,6 +5,7 @@ With four or five levels the interval measures scatter, not bias: a clean second
 interval narrow enough to tell.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +38,11 @@ class Fit:
     def __str__(self) -> str:
         quality = f"finest pair {self.finest:.3f}, R2 {self.r_squared:.6f}, levels {self.used.start + 1} to {self.used.stop}"
         return f"order {self.order:.3f} +- {self.half_width:.3f} (95 %), {quality}"
+
+    @property
+    def rounded(self) -> str:
+        """The order with its 95 % interval, rounded up, for a table."""
+        return f"{self.order:.2f}\u00a0±\u00a0{math.ceil(100 * self.half_width) / 100:.2f}"
 
     def holds(self, declared: float, allowance: float = 0.1) -> bool:
         """The declared order lies in the confidence interval or within `allowance` of the fitted one."""

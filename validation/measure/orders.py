@@ -99,6 +99,12 @@ class Climb:
         every = every[:, : int(np.cumprod((every > self.ladder.course.floor).all(axis=0)).sum())]
         return fit_dense(self.cells, np.exp(np.log(every).mean(axis=0)), self.resolved)
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """Least and greatest order of a single quantity."""
+        orders = [self.fit(name).order for name in self.errors]
+        return min(orders), max(orders)
+
     def shortfall(self) -> list[str]:
         """What speaks against the promised order, quantity by quantity; empty if nothing does. Schemes of order 2 must not be
         better either. The finest error of every quantity has to lie below the ladder's bound."""

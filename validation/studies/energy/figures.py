@@ -1,19 +1,16 @@
 """The ledger's entries over time, and how far it fails to close over cells."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slipwave.observe.pieces import Array
+from validation.studies.energy.runs import ENTRIES, History
 from validation.study.drawing import WIDTH, canvas
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-ENTRIES = ("input", "friction", "stored", "radiated", "viscous")
-"""Entries of the ledger, in the order in which they are shown."""
 
 _PENS = {
     "input": ("#111111", "-"),
@@ -24,23 +21,6 @@ _PENS = {
 }
 _FAMILIES = {"fd": ("#d55e00", "s"), "sbp": ("#0072b2", "D"), "fem": ("#009e73", "^"), "dg": ("#111111", "o")}
 _FLOOR = 1e-16
-
-
-@dataclass(frozen=True)
-class History:
-    """Entries of the ledger (sigma L) since the first moment of `time` (transits), over two periods."""
-
-    period: float
-    time: Array
-    entries: dict[str, Array]
-
-    def total(self, entry: str) -> float:
-        """What `entry` grew by over the two cycles."""
-        return float(self.entries[entry][-1])
-
-    def share(self, entry: str) -> float:
-        """The same as a fraction of the input."""
-        return self.total(entry) / self.total("input")
 
 
 def histories(shown: Mapping[str, History]) -> "Figure":

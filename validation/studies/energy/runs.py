@@ -11,7 +11,9 @@ from slipwave.observe.pieces import Array
 from validation.measure.cycle import watch
 from validation.measure.order_fit import Fit, fit
 from validation.registry.build import build
-from validation.studies.energy.figures import ENTRIES, History
+
+ENTRIES = ("input", "friction", "stored", "radiated", "viscous")
+"""Entries of the ledger, in the order in which they are shown."""
 
 UNTIL = 200.0
 """Transits after which the books are closed."""
@@ -52,6 +54,23 @@ BOUNDARIES: dict[str, tuple[str, tuple[str, ...]]] = {
     "viscous": ("viscous", ()),
 }
 """What takes the energy: gallery name of the scene and changes to it."""
+
+
+@dataclass(frozen=True)
+class History:
+    """Entries of the ledger (sigma L) since the first moment of `time` (transits), over two periods."""
+
+    period: float
+    time: Array
+    entries: dict[str, Array]
+
+    def total(self, entry: str) -> float:
+        """What `entry` grew by over the two cycles."""
+        return float(self.entries[entry][-1])
+
+    def share(self, entry: str) -> float:
+        """The same as a fraction of the input."""
+        return self.total(entry) / self.total("input")
 
 
 def _solver(model: str, cells: int, name: str) -> Any:

@@ -4,8 +4,7 @@ import numpy as np
 
 from slipwave.observe.pieces import Array
 from validation.measure.order_fit import Fit
-from validation.studies.energy.figures import ENTRIES, History
-from validation.studies.energy.runs import BOUNDARIES, HIGH, LADDERS, UNTIL
+from validation.studies.energy.runs import BOUNDARIES, ENTRIES, HIGH, LADDERS, UNTIL, History
 from validation.studies.energy.verdicts import told
 from validation.study import Cell, Table, table
 from validation.study.text import plain

@@ -12,7 +12,7 @@ from validation.measure.orders import OUTPUTS, Climb, Measured, climb, errors, m
 from validation.registry.build import build
 from validation.studies.grid_convergence.code import code_note, code_table
 from validation.studies.grid_convergence.figures import convergence_and_cost
-from validation.studies.grid_convergence.tables import finest_table, orders_table, spread, told
+from validation.studies.grid_convergence.tables import finest_table, orders_table
 from validation.study import Budget, Evidence, Figure, Number, StudyResult, Verdict, judge
 from validation.study.bounds import bounded
 from validation.study.text import plain
@@ -106,7 +106,7 @@ _NAMED = {"sbp:6": "summation by parts", "fem:7": "finite elements", "dg:7": "di
 
 
 def _order_verdict(one: Climb) -> Verdict:
-    short = one.shortfall()
+    short, (low, high) = one.shortfall(), one.span
     symbols = {**OUTPUTS, "state": "the state", "together": "all together"}
     names = ", ".join(symbols[complaint.split(":")[0]] for complaint in short)
     two = one.ladder.declared == 2.0
@@ -114,7 +114,7 @@ def _order_verdict(one: Climb) -> Verdict:
         "Every full-wave family reaches its order in every output, from the smooth start",
         Evidence.WITNESS,
         f"{one.ladder.promised if not two else 2:g}" + ("" if two else " or more"),
-        f"{told(one.fit_together())}, outputs {spread(one)}",
+        f"{one.fit_together().rounded}, outputs {low:.2f} to {high:.2f}",
         judge(not short),
         f"`{one.ladder.model}`" + (f": short in {names}" if short else _REMARKS.get(one.ladder.model, "")),
     )

@@ -1,22 +1,8 @@
 """Tables of the orders, and of the finest errors with their run times."""
 
-import math
-
 from validation.measure.grid_ladders import ROUGH
-from validation.measure.order_fit import Fit
 from validation.measure.orders import QUANTITIES, Climb
 from validation.study import Cell, Table, table
-
-
-def told(found: Fit) -> str:
-    """An order with its 95 % interval, rounded up."""
-    return f"{found.order:.2f}\u00a0±\u00a0{math.ceil(100 * found.half_width) / 100:.2f}"
-
-
-def spread(one: Climb) -> str:
-    """Least and greatest order of a single quantity."""
-    orders = [one.fit(name).order for name in QUANTITIES]
-    return f"{min(orders):.2f} to {max(orders):.2f}"
 
 
 def orders_table(climbs: list[Climb]) -> Table:
@@ -25,8 +11,8 @@ def orders_table(climbs: list[Climb]) -> Table:
     for one in climbs:
         together = one.fit_together()
         grids = f"{one.cells[one.resolved]:.0f}\u2060–\u2060{one.cells[-1]:.0f}"
-        orders = (told(one.fit(name)) for name in QUANTITIES)
-        rows.append((one.ladder.model, _scene(one), grids, f"{one.ladder.declared:g}", *orders, told(together)))
+        orders = (one.fit(name).rounded for name in QUANTITIES)
+        rows.append((one.ladder.model, _scene(one), grids, f"{one.ladder.declared:g}", *orders, together.rounded))
     orders_in = [f"order in {symbol}" if name != "state" else "in the state" for name, symbol in QUANTITIES.items()]
     heading = " | ".join(["family | scene | cells | declared", *orders_in, "all together"])
     caption = (

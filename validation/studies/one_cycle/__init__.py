@@ -4,12 +4,13 @@ import math
 
 import slipwave
 from slipwave.errors import NumericsError
-from validation.measure.settle import NoCycle, one_cycle, settle
+from validation.measure.settle import NoCycle, settle
 from validation.references.onset import onset_of
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.build import build
 from validation.studies.one_cycle.figures import overlay, panels
-from validation.studies.one_cycle.tables import LOG10_R, QUANTITIES, CycleRun, beside_reference, drops, error, rates
+from validation.studies.one_cycle.runs import CELLS, CFL, LOG10_R, QUANTITIES, CycleRun, error, run_model
+from validation.studies.one_cycle.tables import beside_reference, drops, rates
 from validation.study import Budget, Evidence, Figure, Number, Omission, StudyResult, Verdict, judge
 from validation.study.bounds import bounded
 from validation.study.text import plain
@@ -20,7 +21,6 @@ SCENES = ("paper",)
 SECONDS = (5.0, 6.0)
 
 MODELS = ("delay", "fd", "modal:8", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
-_CELLS, _CFL = 128, 0.5
 _OUTLINE = 0.1  # periods further off than this are not of the same cycle
 _OURS = 2e-10  # what tolerance 1e-10 leaves in our own orbits; 6e-11 was measured
 _WAVE = 5e-4  # leapfrog with these cells; 2e-4 was measured
@@ -30,7 +30,7 @@ def run(budget: Budget) -> StudyResult:
     """Settle every model, lay one cycle of each over the others, compare."""
     runs = {}
     for count, model in enumerate(MODELS):
-        runs[model] = _run(model)
+        runs[model] = run_model(model)
         budget.report((count + 1) / len(MODELS))
     cycles = {model: one.cycle for model, one in runs.items()}
     errors = {model: error(one, runs["delay"], "period") for model, one in runs.items()}
@@ -50,13 +50,6 @@ def run(budget: Budget) -> StudyResult:
             Omission("Quasi-dynamic curve.", "It slides steadily in this scene, see its verdict."),
         ),
     )
-
-
-def _run(model: str) -> CycleRun:
-    scene = slipwave.read("paper")
-    solver = build(model, scene, cells=_CELLS, cfl=_CFL) if model == "fd" else build(model, scene, tolerance=1e-10)
-    settled = settle(solver, tolerance=1e-10)
-    return CycleRun(settled, one_cycle(settled, before=4.0, after=4.0, per_piece=2 if model == "fd" else 12))
 
 
 def _quasistatic() -> str:
@@ -120,7 +113,7 @@ def _full_wave(runs: dict[str, CycleRun]) -> Verdict:
         Evidence.WITNESS,
         off,
         _WAVE,
-        f"leapfrog with {_CELLS} cells at CFL {_CFL}; how the difference vanishes is the next study’s question",
+        f"leapfrog with {CELLS} cells at CFL {CFL}; how the difference vanishes is the next study’s question",
     )
 
 

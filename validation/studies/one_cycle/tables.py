@@ -1,31 +1,8 @@
 """Tables of one cycle: every model's figures and their errors against the delay system, and beside reference values."""
 
-from typing import NamedTuple
-
-from validation.measure.cycle import Cycle
-from validation.measure.settle import Orbit, Settled
 from validation.references.published import reference_orbit
+from validation.studies.one_cycle.runs import LOG10_R, QUANTITIES, CycleRun, error
 from validation.study import Cell, Table, table
-
-LOG10_R = -2.68
-QUANTITIES = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}", "v_min": "v_{min}"}
-
-
-class CycleRun(NamedTuple):
-    """A model on its orbit and one cycle of it."""
-
-    settled: Settled
-    cycle: Cycle
-
-    @property
-    def orbit(self) -> Orbit:
-        """Its figures."""
-        return self.settled.orbit
-
-
-def error(one: CycleRun, exact: CycleRun, quantity: str) -> float:
-    """Relative error of `quantity` (a field of Orbit)."""
-    return one.orbit.values()[quantity] / exact.orbit.values()[quantity] - 1.0
 
 
 def _row(runs: dict[str, CycleRun], model: str, quantities: tuple[str, ...]) -> list[Cell]:

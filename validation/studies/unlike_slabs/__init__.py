@@ -1,13 +1,9 @@
 """Slabs that differ: the exact delay system against every full-wave family, and what the difference costs."""
 
-from dataclasses import dataclass
-
 import slipwave
-from slipwave.observe import EventObserver, HistoryObserver, follow
-from slipwave.scene import Scene
-from validation.registry.build import build
 from validation.studies.unlike_slabs.cost import Costs, cost_table, cost_verdicts, costs
-from validation.studies.unlike_slabs.figures import Curves, last_cycles
+from validation.studies.unlike_slabs.figures import last_cycles
+from validation.studies.unlike_slabs.runs import UNTIL, PairRun, march
 from validation.study import Budget, Evidence, Figure, Number, Omission, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
 from validation.study.text import plain
@@ -18,10 +14,8 @@ SCENES = ("unlike", "unlike-irrational", "paper")
 SECONDS = (6.0, 16.0)
 TIMED = True
 
-UNTIL = 600.0
 _PAIRS = {"unlike": "2", "unlike-irrational": "√2"}
 """Scene -> its ratio of round trips; the ratio of impedances is 3 in both."""
-_WATCHED = 140.0  # transits before UNTIL that are kept for the picture
 _PROMISED = 3e-11  # 3e-12 was measured
 _AMONG, _AMONG_CELLS = 1e-10, 48
 """Allowed between families of high order with so many cells of `sbp:6`, the coarsest of them; 2e-11 was measured, and 3e-12 with
@@ -30,30 +24,15 @@ _SECOND_ORDER = 0.15  # how far the leapfrog's ratio may lie from 4; 0.045 was m
 _HIGH = ("dg:7", "sbp:6", "fem:4")
 
 
-@dataclass(frozen=True)
-class PairRun:
-    """A model's grid, psi at UNTIL, period, drop and largest rate of the last complete cycle, and its curves."""
-
-    model: str
-    cells: int | None
-    figures: dict[str, float]
-    curves: Curves
-
-    def differs(self, exact: "PairRun") -> dict[str, float]:
-        """Difference in psi (absolute) and in the cycle's figures (relative)."""
-        ours, theirs = self.figures, exact.figures
-        return {name: ours[name] - theirs[name] if name == "psi" else ours[name] / theirs[name] - 1.0 for name in ours}
-
-
 def run(budget: Budget) -> StudyResult:
     """March both scenes with every family, then time alike against unlike slabs."""
     grids = _grids(budget.quick)
     runs: dict[str, list[PairRun]] = {}
     for count, name in enumerate(_PAIRS):
         scene = slipwave.read(name)
-        runs[name] = [_march(scene, "delay", None, None)]
+        runs[name] = [march(scene, "delay")]
         for model, cells, cfl in grids:
-            runs[name].append(_march(scene, model, cells, cfl))
+            runs[name].append(march(scene, model, cells, cfl))
         budget.report(0.45 * (count + 1))
     timed = costs(repeats=5 if budget.quick else 9)
     shown = {name: (some[0].curves, some[1].curves) for name, some in runs.items()}
@@ -77,19 +56,6 @@ def _grids(quick: bool) -> tuple[tuple[str, int, float | None], ...]:
     if quick:
         return ("dg:7", 4, None), ("sbp:6", 48, None), ("fem:4", 8, None), ("fd", 96, 0.5), ("fd", 192, 0.5)
     return ("dg:7", 6, None), ("sbp:6", 96, None), ("fem:4", 12, None), ("fd", 192, 0.5), ("fd", 384, 0.5)
-
-
-def _march(scene: Scene, model: str, cells: int | None, cfl: float | None) -> PairRun:
-    solver = build(model, scene, tolerance=1e-11) if model == "delay" else build(model, scene, cells=cells, cfl=cfl)
-    observer = EventObserver(scene, solver.nodes)
-    follow(solver, UNTIL - _WATCHED, [observer])
-    history = HistoryObserver(scene.law, solver.nodes)
-    final = follow(solver, UNTIL, [observer, history])
-    events = observer.events()
-    last = {name: float(getattr(events, name)[-1]) for name in ("period", "stress_drop", "v_max")}
-    time, ln_rate, _, stress, _ = history.samples(per_piece=6 if model == "delay" else 1)
-    curves = Curves(float(events.time[-1]), float(events.period[-1]), time, ln_rate, stress)
-    return PairRun(model, cells, {"psi": final.psi, **last}, curves)
 
 
 def _answer(runs: dict[str, list[PairRun]], timed: Costs) -> str:

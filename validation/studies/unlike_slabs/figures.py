@@ -1,36 +1,18 @@
 """One cycle of two unlike pairs, the delay system under the full wave's points."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slipwave.observe.pieces import Array
+from validation.studies.unlike_slabs.runs import Curves
 from validation.study.drawing import WIDTH, canvas
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_BEFORE, _AFTER = 3.0, 2.0
 _TITLES = {"unlike": "round trips 2 : 1", "unlike-irrational": r"round trips $\sqrt{2}$ : 1"}
-
-
-@dataclass(frozen=True)
-class Curves:
-    """Date and period of the last complete cycle, then time (transits), ln v and stress over the end of a run."""
-
-    start: float
-    period: float
-    time: Array
-    ln_rate: Array
-    stress: Array
-
-    def cycle(self) -> tuple[Array, Array, Array]:
-        """Time since the event, v, stress, over the cycle and a little on both sides."""
-        time = self.time - self.start
-        keep = (time > -_BEFORE) & (time < self.period + _AFTER)
-        return time[keep], np.exp(self.ln_rate[keep]), self.stress[keep]
 
 
 def last_cycles(shown: Mapping[str, tuple[Curves, Curves]]) -> "Figure":

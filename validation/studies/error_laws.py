@@ -1,7 +1,7 @@
 """How wrong a reduction is, known in advance: error laws of the onset as r omega_c -> 0, and what they say of the cycle."""
 
 import dataclasses
-from typing import NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -11,10 +11,13 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.measure.settle import settle
 from validation.registry.build import build
-from validation.studies.error_laws.figures import fall
 from validation.study import Budget, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
+from validation.study.drawing import WIDTH, canvas, pen
 from validation.study.text import plain
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
 
 NAME = "error-laws"
 QUESTION = "Can one know beforehand how wrong a reduction will be?"
@@ -195,3 +198,28 @@ _CAPTION = (
     "Relative error over θ = r ω_{c}: of the critical r with the laws as lines, left; of the period 2 % beyond the onset, right. "
     "Left, errors fall as the laws say; right, they do not fall."
 )
+
+
+def fall(onsets: Onsets, cycles: list[CycleErrors]) -> "Drawing":
+    """Log-log errors: onset, left, and period of the cycle, right, over theta = r omega_c."""
+    figure = canvas(WIDTH, 3.9)
+    left, right = figure.subplots(1, 2, sharey=True)
+    for model, one in onsets.items():
+        style = pen(model)
+        line = np.abs([one.law.at(float(theta)) for theta in one.theta])
+        left.loglog(one.theta, line, color=style.color, linewidth=0.8)
+        left.loglog(one.theta, np.abs(one.error), style.marker, color=style.color, markersize=4.5, label=style.label)
+    theta = [one.theta for one in cycles]
+    for model in cycles[0].errors:
+        style = pen(model)
+        errors = np.abs([one.errors[model] for one in cycles])
+        right.loglog(theta, errors, style.marker, color=style.color, linestyle=style.dashes, linewidth=1.0, markersize=5)
+    left.set_ylim(1e-12, 2.0)
+    left.set_title("onset: critical $r$")
+    right.set_title("cycle: period")
+    right.set_xlim(left.get_xlim())
+    left.set_ylabel("relative error")
+    for axes in (left, right):
+        axes.set_xlabel(r"$\theta=r\,\omega_c$ (radians per transit)")
+    figure.legend(*left.get_legend_handles_labels(), loc="outside upper left", ncols=4, handletextpad=0.4)
+    return figure

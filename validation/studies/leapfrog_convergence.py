@@ -1,6 +1,7 @@
 """The leapfrog against the delay system as its cells get smaller: from a smooth start and from a jump."""
 
-from typing import TypeAlias
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -11,10 +12,14 @@ from slipwave.scene import Scene
 from validation.measure.order_fit import Fit, extrapolated, fit, shortfall
 from validation.measure.settle import settle
 from validation.registry.build import build
-from validation.studies.leapfrog_convergence.figures import ladders
 from validation.study import Budget, Cell, Evidence, Figure, Number, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
+from validation.study.drawing import WIDTH, canvas
 from validation.study.text import plain
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Drawing
 
 NAME = "leapfrog-convergence"
 QUESTION = "Does the full wave converge to the delay system, and how fast?"
@@ -140,3 +145,59 @@ _CAPTION = (
     "of the settled orbit’s figures; last two: error of the state ψ = ln φ after 400 transits. Thin lines: fits. Triangles: "
     "slope 2, slope 1 for the jump."
 )
+
+
+_TITLES = {
+    "period": "period $T$",
+    "stress_drop": r"stress drop $\Delta\mu$",
+    "elastic_stress_drop": r"elastic drop $\Delta y$",
+    "v_max": r"$v_{\max}$",
+    "v_min": r"$v_{\min}$",
+    "ψ(400), smooth start": r"$\psi(400)$, smooth start",
+    "ψ(400), jump start": r"$\psi(400)$, jump start",
+}
+_LOOKS = {0.5: ("#d55e00", "s", "white"), 0.9: ("#0072b2", "D", "#0072b2"), 1.0: ("#111111", "o", "#111111")}
+
+
+def ladders(cells: Array, errors: Mapping[str, Mapping[float, Array]], fits: Mapping[str, Mapping[float, Fit]]) -> "Drawing":
+    """Log-log panels of error over cells per slab: one per figure of merit, a line per Courant number, the fits and a slope."""
+    figure = canvas(WIDTH, 4.6)
+    grid = figure.subplots(2, 4, sharex=True)
+    for axes, name in zip(grid.flat, _TITLES, strict=False):
+        _panel(axes, cells, errors[name], fits[name])
+        axes.set_title(_TITLES[name], fontsize=11)
+        _triangle(axes, 1.0 if "jump" in name else 2.0)
+    for axes in grid[1, :3]:
+        axes.set_xlabel("cells per slab")
+    grid[0, 3].tick_params(labelbottom=True)
+    grid[0, 0].set_ylabel("relative error")
+    grid[1, 0].set_ylabel("error")
+    lines = grid[0, 0].get_lines()[1::2]
+    grid[1, 3].set_axis_off()
+    grid[1, 3].legend(lines, [f"CFL {cfl}" for cfl in errors["period"]], loc="center")
+    return figure
+
+
+def _panel(axes: "Axes", cells: Array, errors: Mapping[float, Array], fits: Mapping[float, Fit]) -> None:
+    for cfl, values in errors.items():
+        color, marker, fill = _LOOKS[cfl]
+        one = fits[cfl]
+        used = cells[one.used]
+        axes.loglog(used, one.constant * used**-one.order, color=color, linewidth=0.9)
+        axes.loglog(cells, np.abs(values), linestyle="none", marker=marker, color=color, markerfacecolor=fill)
+    axes.margins(0.12)
+    axes.set_xticks(cells, [str(n) for n in cells])
+    axes.minorticks_off()
+
+
+def _triangle(axes: "Axes", slope: float) -> None:
+    """A right triangle of the given slope in the lower left corner, its hypotenuse parallel to a line of that order."""
+    (x0, x1), (y0, y1) = np.log10(axes.get_xlim()), np.log10(axes.get_ylim())
+    left, right = x0 + 0.08 * (x1 - x0), x0 + 0.08 * (x1 - x0) + 0.3
+    bottom = y0 + 0.08 * (y1 - y0)
+    top = bottom + slope * 0.3
+    x, y = 10.0 ** np.array([left, right, left, left]), 10.0 ** np.array([top, bottom, bottom, top])
+    axes.plot(x, y, color="#777777", linewidth=0.9)
+    axes.annotate(
+        f"{slope:.0f}", (10**left, 10 ** (0.5 * (top + bottom))), (3, 0), textcoords="offset points", va="center", fontsize=9
+    )

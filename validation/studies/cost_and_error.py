@@ -1,5 +1,7 @@
 """What each answer costs: run time against error of every model, and two races against plain programs."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 import slipwave
@@ -7,11 +9,14 @@ from validation.measure.settle import settle
 from validation.references.lsoda import PlainRun, plain_kelvin_voigt
 from validation.references.published import reference, reference_orbit
 from validation.registry.build import build
-from validation.studies.cost_and_error.figures import work_precision
 from validation.study import Budget, Evidence, Figure, Omission, StudyResult, Table, Verdict, table
 from validation.study.bounds import bounded
+from validation.study.drawing import WIDTH, canvas, pen
 from validation.study.text import plain
 from validation.work_precision import Point, Setting, cheapest, time_final, time_run
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
 
 NAME = "cost-and-error"
 QUESTION = "What does each answer cost?"
@@ -170,3 +175,32 @@ _CAPTION = (
     f"upwards), one run of {TRANSITS:.0f} transits. Lower left is better. Errors are against the delay system at tolerance "
     f"10^{{-11}}; points below 10^{{-13}} are drawn there."
 )
+
+
+_FLOOR = 1e-13
+
+
+def work_precision(points: list[Point]) -> "Drawing":
+    """Work-precision diagram, one line per model: error of the period over run time, both logarithmic."""
+    figure = canvas(WIDTH, 4.6)
+    axes = figure.add_subplot()
+    for name in dict.fromkeys((point.setting.model, point.setting.cfl) for point in points):
+        chosen = [point for point in points if (point.setting.model, point.setting.cfl) == name]
+        style = pen(name[0])
+        half = name[1] is not None and name[1] < 1.0
+        axes.loglog(
+            [1e3 * point.seconds for point in chosen],
+            [max(_FLOOR, abs(point.period_error)) for point in chosen],
+            color=style.color,
+            linestyle="-" if name[0] in ("delay", "fd") else style.dashes,
+            linewidth=1.0,
+            marker=style.marker,
+            markerfacecolor="white" if half else style.color,
+            label=style.label + (f", CFL {name[1]:g}" if name[1] else ""),
+        )
+    axes.grid(True)
+    axes.set_axisbelow(True)
+    axes.set_xlabel("run time (ms)")
+    axes.set_ylabel("relative error of the period")
+    figure.legend(loc="outside right center")
+    return figure

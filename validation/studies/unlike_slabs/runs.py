@@ -1,0 +1,60 @@
+"""A pair of unlike slabs marched by one model: its figures, and the curves of its last cycle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from slipwave.observe import EventObserver, HistoryObserver, follow
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from validation.registry.build import build
+
+UNTIL = 600.0
+_WATCHED = 140.0  # transits before UNTIL that are kept for the picture
+_BEFORE, _AFTER = 3.0, 2.0
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Date and period of the last complete cycle, then time (transits), ln v and stress over the end of a run."""
+
+    start: float
+    period: float
+    time: Array
+    ln_rate: Array
+    stress: Array
+
+    def cycle(self) -> tuple[Array, Array, Array]:
+        """Time since the event, v, stress, over the cycle and a little on both sides."""
+        time = self.time - self.start
+        keep = (time > -_BEFORE) & (time < self.period + _AFTER)
+        return time[keep], np.exp(self.ln_rate[keep]), self.stress[keep]
+
+
+@dataclass(frozen=True)
+class PairRun:
+    """A model's grid, psi at UNTIL, period, drop and largest rate of the last complete cycle, and its curves."""
+
+    model: str
+    cells: int | None
+    figures: dict[str, float]
+    curves: Curves
+
+    def differs(self, exact: "PairRun") -> dict[str, float]:
+        """Difference in psi (absolute) and in the cycle's figures (relative)."""
+        ours, theirs = self.figures, exact.figures
+        return {name: ours[name] - theirs[name] if name == "psi" else ours[name] / theirs[name] - 1.0 for name in ours}
+
+
+def march(scene: Scene, model: str, cells: int | None = None, cfl: float | None = None) -> PairRun:
+    """Run `model` on `scene` to UNTIL."""
+    solver = build(model, scene, tolerance=1e-11) if model == "delay" else build(model, scene, cells=cells, cfl=cfl)
+    observer = EventObserver(scene, solver.nodes)
+    follow(solver, UNTIL - _WATCHED, [observer])
+    history = HistoryObserver(scene.law, solver.nodes)
+    final = follow(solver, UNTIL, [observer, history])
+    events = observer.events()
+    last = {name: float(getattr(events, name)[-1]) for name in ("period", "stress_drop", "v_max")}
+    time, ln_rate, _, stress, _ = history.samples(per_piece=6 if model == "delay" else 1)
+    curves = Curves(float(events.time[-1]), float(events.period[-1]), time, ln_rate, stress)
+    return PairRun(model, cells, {"psi": final.psi, **last}, curves)
