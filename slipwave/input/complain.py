@@ -1,6 +1,7 @@
 """One fault found by pydantic -> one line: dotted key = value: what is allowed there."""
 
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, get_args
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -10,27 +11,25 @@ from slipwave.input import schema
 from slipwave.input.number import Range
 from slipwave.input.wording import choices, key_text, nearest, shorten
 
-_KINDS: dict[str, dict[str, type[BaseModel]]] = {
-    "face": {"rigid": schema.RigidTable, "grip": schema.GripTable, "reflection": schema.ReflectionTable},
-    "viscosity": {"kelvin-voigt": schema.KelvinVoigtTable, "standard-linear": schema.StandardLinearTable},
-}
-_TABLES: dict[str, type[BaseModel]] = {
-    "": schema.SceneTable,
-    "slab": schema.SlabTable,
-    "upper": schema.SlabTable,
-    "lower": schema.SlabTable,
-    "layers": schema.LayerTable,
-    "drive": schema.DriveTable,
-    "start": schema.StartTable,
-    "run": schema.RunTable,
-}
-_TEXTS = {
-    "layers": f"a list of 2 to {schema.MAX_LAYERS} tables {{fraction, impedance}}, from the interface outwards",
-    "velocity": "a velocity or a list of [time, velocity]",
-    "record": 'a list of "events", "interface", "fields"',
-    "name": "a text of 1 to 200 printable characters",
-    "title": "a text of 1 to 200 printable characters",
-    "law": "the name of a friction law",
+
+def _tables(hint: Any) -> list[type[BaseModel]]:
+    """The tables that a type of the schema names."""
+    own = [hint] if isinstance(hint, type) and issubclass(hint, BaseModel) else []
+    return own + [table for part in get_args(hint) for table in _tables(part)]
+
+
+def _held(table: type[BaseModel]) -> dict[str, list[type[BaseModel]]]:
+    """Every key at and below `table` that holds tables, with these: several of different kinds, or the only one."""
+    own = {key: tables for key, field in table.model_fields.items() if (tables := _tables(field.annotation))}
+    return own | {key: held for tables in own.values() for inner in tables for key, held in _held(inner).items()}
+
+
+_HELD = {"": [schema.SceneTable]} | _held(schema.SceneTable)
+_TABLES = {key: tables[0] for key, tables in _HELD.items() if len(tables) == 1}
+_KINDS = {
+    key: {get_args(table.model_fields["kind"].annotation)[0]: table for table in tables}
+    for key, tables in _HELD.items()
+    if len(tables) > 1
 }
 
 
@@ -98,9 +97,7 @@ def _wanted(fault: ErrorDetails, place: list[str | int], fields: dict[str, Field
     name = str(place[-1])
     if fault["type"] == "literal_error":
         return f"must be {fault['ctx']['expected']}"
-    if name in _TEXTS:
-        return f"must be {_TEXTS[name]}"
-    allowed = _range(fields.get(name))
+    allowed = next(_allowed(fields.get(name)), None)
     if allowed:
         return f"must be {allowed}"
     if fault["type"] in ("model_type", "dict_type", "missing"):
@@ -108,7 +105,11 @@ def _wanted(fault: ErrorDetails, place: list[str | int], fields: dict[str, Field
     return f"must be valid: {fault['msg'].lower()}"
 
 
-def _range(field: FieldInfo | None) -> str:
-    """The range that a numeric field states, or nothing."""
-    ranges: list[Any] = [getattr(item, "func", None) for item in (field.metadata if field else ())]
-    return next((str(found) for found in ranges if isinstance(found, Range)), "")
+def _allowed(hint: Any) -> Iterator[Range | str]:
+    """What the schema states of a key, in the metadata of its type or of its parts."""
+    for item in getattr(hint, "metadata", getattr(hint, "__metadata__", ())):
+        stated = getattr(item, "func", item)
+        if isinstance(stated, Range | str):
+            yield stated
+    for part in (hint.annotation,) if isinstance(hint, FieldInfo) else get_args(hint):
+        yield from _allowed(part)

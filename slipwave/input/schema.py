@@ -1,4 +1,7 @@
-"""Every key of a scene file with its type and range (README: the table of scene keys). Shape only: `assemble` joins the keys."""
+"""Every key of a scene file with its type and range (README: the table of scene keys). Shape only: `assemble` joins the keys.
+
+A text beside a type says what is allowed, as a `Range` does beside a number; `complain` reads both.
+"""
 
 from itertools import pairwise
 from typing import Annotated, Any, Literal, TypeAlias
@@ -27,11 +30,16 @@ from slipwave.input.number import (
 def _printable(text: str) -> str:
     """`text`, without anything that could steer a terminal or that a file could not hold."""
     if not text.isprintable():
-        raise PydanticCustomError("printable", "must be a text of 1 to 200 printable characters")
+        raise PydanticCustomError("printable", "cannot be printed")
     return text
 
 
-Text: TypeAlias = Annotated[str, StringConstraints(min_length=1, max_length=200), AfterValidator(_printable)]
+Text: TypeAlias = Annotated[
+    str,
+    StringConstraints(min_length=1, max_length=200),
+    AfterValidator(_printable),
+    "a text of 1 to 200 printable characters",
+]
 MAX_LAYERS = 100
 MAX_RAMPS = 10_000
 
@@ -102,6 +110,13 @@ class LayerTable(Table):
     impedance: Relative
 
 
+Layers: TypeAlias = Annotated[
+    list[LayerTable],
+    Field(min_length=2, max_length=MAX_LAYERS),
+    f"a list of 2 to {MAX_LAYERS} tables {{fraction, impedance}}, from the interface outwards",
+]
+
+
 class SlabTable(Table):
     """A slab: epsilon, or density and shear_modulus; and one of r, log10_r, thickness."""
 
@@ -113,10 +128,11 @@ class SlabTable(Table):
     thickness: Physical | None = None
     face: FaceTable = RigidTable()
     viscosity: ViscosityTable | None = None
-    layers: Annotated[list[LayerTable], Field(min_length=2, max_length=MAX_LAYERS)] | None = None
+    layers: Layers | None = None
 
 
 _RAMP_VELOCITY = Range(0.0, VELOCITY.high)
+_RAMPS = "a velocity or a list of [time, velocity]"
 
 
 def _ramps(value: Any) -> Any:
@@ -124,7 +140,7 @@ def _ramps(value: Any) -> Any:
     if not isinstance(value, list):
         return [(0.0, VELOCITY(value))]
     if not 1 <= len(value) <= MAX_RAMPS or not all(isinstance(pair, list) and len(pair) == 2 for pair in value):
-        raise PydanticCustomError("ramps", "must be a velocity or a list of [time, velocity]")
+        raise PydanticCustomError("ramps", f"must be {_RAMPS}")
     pairs = [(TIME(time), (_RAMP_VELOCITY if k else VELOCITY)(velocity)) for k, (time, velocity) in enumerate(value)]
     if any(later[0] <= earlier[0] for earlier, later in pairwise(pairs)):
         raise PydanticCustomError("ramps", "must have rising times (transits of the upper slab)")
@@ -134,7 +150,7 @@ def _ramps(value: Any) -> Any:
 class DriveTable(Table):
     """Total velocity in V*, or ramps [time in transits of the upper slab, velocity], constant outside them."""
 
-    velocity: Annotated[list[tuple[float, float]], BeforeValidator(_ramps)]
+    velocity: Annotated[list[tuple[float, float]], BeforeValidator(_ramps), _RAMPS]
 
 
 class StartTable(Table):
@@ -148,7 +164,7 @@ class RunTable(Table):
     """Length of the run in transits of the upper slab, and what is recorded."""
 
     until: Until = 4000.0
-    record: list[Literal["events", "interface", "fields"]] = ["events"]
+    record: Annotated[list[Literal["events", "interface", "fields"]], 'a list of "events", "interface", "fields"'] = ["events"]
 
 
 class SceneTable(Table):

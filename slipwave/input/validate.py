@@ -41,7 +41,7 @@ def validate(data: dict[str, Any]) -> Validated:
 
 def _interface_table(parameters: Any) -> type[BaseModel]:
     """Schema of [interface] for the law with this parameter class: its parameters and, for SI scenes, the three units."""
-    fields: dict[str, Any] = {"law": (str, ...)}
+    fields: dict[str, Any] = {"law": (Annotated[str, "the name of a friction law"], ...)}
     for key in parameters._fields:
         allowed = Annotated[float, BeforeValidator(_PARAMETER_RANGES.get(key, _OTHER_PARAMETER))]
         fields[key] = (allowed, parameters._field_defaults.get(key, ...))
