@@ -1,7 +1,8 @@
 """A random sample of small changes: how many does the test suite notice?  `make mutants`, or `python -m tests.faults.mutants`.
 
 Every place of the four rooms where an operator below applies is equally likely; the sample depends on the seed only. Strings are
-left alone. Tests that run the changed function are tried first (`reach` says which), the whole suite for those that survive.
+left alone. Tests that run the changed function (`reach` says which) are tried, some seconds of them first and then the others;
+with `--whole` the whole suite for those that survive.
 """
 
 import argparse
@@ -25,7 +26,8 @@ from tests.faults.trial import WHOLE_SUITE, Copy
 
 RESULT = ROOT / "reports" / "mutants.json"
 EQUIVALENT = FOLDER / "equivalent.toml"
-_FEW_SECONDS = 20.0
+_FIRST_SECONDS, _ALL_SECONDS = 20.0, 180.0
+_FIRST_TESTS, _ALL_TESTS = 60, 400
 _SWAPS: dict[type, tuple[type, ...]] = {
     ast.Lt: (ast.LtE, ast.GtE),
     ast.LtE: (ast.Lt, ast.Gt),
@@ -158,8 +160,8 @@ class Reach:
             noted |= json.loads(path.read_text(encoding="utf-8"))
         self._tests = {test: facts for test, facts in noted.items() if test in still_there}
 
-    def tests_for(self, mutant: Mutant) -> list[str]:
-        """Tests that run the mutant's function, the most specific first, of some seconds together.
+    def tests_for(self, mutant: Mutant) -> tuple[list[str], list[str]]:
+        """Tests that run the mutant's function, the most specific first: some seconds of them, and those of some minutes more.
 
         A function that no test runs in Python is compiled, or runs at import: then tests that run a function of its file, or of a
         file that imports it.
@@ -174,11 +176,16 @@ class Reach:
         found.sort(
             key=lambda test: (f"tests/{room}/" not in test, len(self._tests[test]["functions"]), self._tests[test]["seconds"])
         )
-        chosen, seconds = [], 0.0
-        for test in found:
-            if seconds + self._tests[test]["seconds"] < _FEW_SECONDS and len(chosen) < 60:
+        first = self._within(found, _FIRST_SECONDS, _FIRST_TESTS)
+        return first, self._within([test for test in found if test not in first], _ALL_SECONDS, _ALL_TESTS)
+
+    def _within(self, tests: list[str], seconds: float, count: int) -> list[str]:
+        """At most `count` of `tests`, in their order, that take less than `seconds` together."""
+        chosen: list[str] = []
+        for test in tests:
+            if self._tests[test]["seconds"] < seconds and len(chosen) < count:
                 chosen.append(test)
-                seconds += self._tests[test]["seconds"]
+                seconds -= self._tests[test]["seconds"]
         return chosen
 
     def _users(self, file: str) -> set[str]:
@@ -197,13 +204,14 @@ def try_mutant(mutant: Mutant, copy: Copy, reach: Reach, whole: bool) -> Record:
     scene = " ".join(f"{mutant.old} -> {mutant.new}".split())
     record: Record = {"name": mutant.name, "room": mutant.file.partition("/")[0], "where": f"{mutant.file}:{line}", "what": scene}
     record["line"] = text.splitlines()[line - 1].strip()
-    few = reach.tests_for(mutant)
+    nearest, others = reach.tests_for(mutant)
+    found = None
     with copy.with_text(mutant.file, text[: mutant.begin] + mutant.new + text[mutant.end :]):
-        found = copy.run(few, CHECK_SECONDS) if few else None
-        if (found is None or found.is_green) and whole:
-            found = copy.run(WHOLE_SUITE, SUITE_SECONDS)
+        for tests, limit in ((nearest, CHECK_SECONDS), (others, SUITE_SECONDS), (WHOLE_SUITE if whole else [], SUITE_SECONDS)):
+            if tests and (found is None or found.is_green):
+                found = copy.run(tests, limit)
     if found is None or found.is_green:
-        said = "the whole suite stays green" if whole else f"{len(few)} tests stay green"
+        said = "the whole suite stays green" if whole else f"{len(nearest) + len(others)} tests stay green"
         return record | {"caught": False, "says": said, "seconds": round(found.seconds, 1) if found else 0.0}
     by = found.caught or (found.accidents[0] if found.accidents else {"test": "", "says": found.trouble})
     return record | {"caught": True, "caught_by": by["test"], "says": by["says"], "seconds": round(found.seconds, 1)}

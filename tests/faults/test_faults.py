@@ -1,11 +1,12 @@
 """The programme of planted faults itself: anchors hold, the original stays as it is, and what nobody notices is a survivor."""
 
 import ast
+import json
 from pathlib import Path
 
 import pytest
 
-from tests.faults.mutants import is_equivalent, mutants_of, wilson
+from tests.faults.mutants import Mutant, Reach, is_equivalent, mutants_of, wilson
 from tests.faults.planting import ROOMS, ROOT, AnchorError, Fault, read_faults
 from tests.faults.programme import Store, key_of, try_fault
 from tests.faults.trial import Copy
@@ -157,3 +158,16 @@ def test_an_equivalent_mutant_is_known_by_file_change_and_line(listed: dict[str,
 def test_wilsons_interval() -> None:
     """Wilson (1927): for 8 of 10, 0.490 to 0.943."""
     assert wilson(8, 10) == pytest.approx((0.4902, 0.9433), abs=1e-4)
+
+
+def test_the_tests_nearest_to_a_mutant_come_first_and_long_ones_later(tmp_path: Path) -> None:
+    tests = {"near": (1, 1.0), "wide": (3, 2.0), "long": (1, 30.0), "endless": (1, 200.0), "elsewhere": (0, 1.0)}
+    ids = {f"tests/slipwave/{name}": facts for name, facts in tests.items()}
+    noted = {
+        name: {"seconds": seconds, "functions": ["slipwave/f.py::f", "slipwave/f.py::g", "slipwave/f.py::h"][:count]}
+        for name, (count, seconds) in ids.items()
+    }
+    (tmp_path / "1.json").write_text(json.dumps(noted))
+    nearest, others = Reach(tmp_path, set(ids)).tests_for(Mutant("slipwave/f.py", "f", 0, 1, "1", "2"))
+    assert [name.rpartition("/")[2] for name in nearest] == ["near", "wide"]
+    assert [name.rpartition("/")[2] for name in others] == ["long"]
