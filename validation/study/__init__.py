@@ -1,35 +1,172 @@
-"""What a study is, and what it shows itself with: bounded verdicts, marked-up text, drawings."""
+"""What a study is: one question, answered with tables, figures, verdicts and numbers. A study's file offers
 
-from validation.study.result import (
-    Budget,
-    Cell,
-    Column,
-    Evidence,
-    Figure,
-    Number,
-    Omission,
-    Outcome,
-    Study,
-    StudyResult,
-    Table,
-    Verdict,
-    judge,
-    table,
-)
+    NAME      words joined by hyphens, as in `slipwave report --only NAME`
+    QUESTION  one sentence
+    SCENES    gallery names of the scenes it runs; their contents are part of the key under which its result is stored
+    FILES     optional: files and folders of the checkout that it reads; part of that key too
+    SECONDS   (quick, full) rough wall time: the longest studies begin first; for the time left
+    TIMED     optional: True if run times are its subject; such studies run alone, after all others
+    run(budget) -> StudyResult
 
-__all__ = [
-    "Budget",
-    "Cell",
-    "Column",
-    "Evidence",
-    "Figure",
-    "Number",
-    "Omission",
-    "Outcome",
-    "Study",
-    "StudyResult",
-    "Table",
-    "Verdict",
-    "judge",
-    "table",
-]
+Texts may hold the small markup of `validation.study.text`: x_{sub}, 10^{-9}, *emphasis*, `code`.
+"""
+
+import math
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import TYPE_CHECKING, Protocol, TypeAlias
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Drawing
+
+Cell: TypeAlias = float | int | str | None
+"""One entry of a table; None prints as a dash."""
+
+
+class Outcome(StrEnum):
+    """How a claim fared. A claim of the paper's that fails is a finding, and so is a promised speed that was not reached;
+    any other promise of ours that fails is a failure."""
+
+    PASS = "pass"
+    FINDING = "finding"
+    FAIL = "fail"
+
+
+class Evidence(StrEnum):
+    """Five kinds of evidence, never mixed: what a claim was held against."""
+
+    EXACT = "exact"
+    SELF = "self-convergence"
+    WITNESS = "independent witness"
+    PAPER = "paper"
+    ASYMPTOTIC = "asymptotics"
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How much a study may spend. `quick` asks for the cheap version; `report(share)` tells how far it is, 0 to 1."""
+
+    quick: bool = False
+    report: Callable[[float], None] = field(default=lambda share: None, compare=False)
+
+
+@dataclass(frozen=True)
+class Column:
+    """Heading, unit and number format (a format spec such as ".7g"; empty for text) of a table's column."""
+
+    title: str
+    unit: str = ""
+    format: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under columns; the caption explains every symbol and the clock. `emphasis` lists rows printed bold."""
+
+    name: str
+    caption: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    emphasis: tuple[int, ...] = ()
+
+
+_COLUMN = re.compile(r"(?P<title>.*?)(?: \[(?P<unit>[^]]*)\])?(?: (?P<format>\.\d+[efg%]))?")
+
+
+def table(name: str, caption: str, heading: str, rows: Iterable[Iterable[Cell]], emphasis: Iterable[int] = ()) -> Table:
+    """A Table whose columns stand in one line: title, unit in brackets and format, the last two only where there is one.
+
+    "model | T [transits] .7g" has a column of text, and one of numbers with the unit "transits" and the format ".7g".
+    """
+    found = (_COLUMN.fullmatch(text) for text in heading.split(" | "))
+    columns = tuple(Column(**match.groupdict(default="")) for match in found if match)
+    return Table(name, caption, columns, tuple(tuple(row) for row in rows), tuple(emphasis))
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture drawn on demand by matplotlib, stored as SVG and PNG. A `lead` figure is shown at the top of the page."""
+
+    name: str
+    caption: str
+    draw: "Callable[[], Drawing]"
+    lead: bool = False
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One claim held against one kind of evidence: what was expected, what came out, and how it fared.
+
+    `size` and `limit`: what was measured and what is allowed, for claims that bound a size (`validation.study.bounds`).
+    """
+
+    claim: str
+    evidence: Evidence
+    expected: str
+    ours: str
+    outcome: Outcome
+    remark: str = ""
+    size: float | None = None
+    limit: float | None = None
+
+
+@dataclass(frozen=True)
+class Number:
+    """A value that the committed baseline remembers; it has changed when it moves by more than `tolerance`, relative."""
+
+    value: float
+    tolerance: float = 1e-6
+
+    def differs(self, other: float) -> bool:
+        """True if `other` is further away than the tolerance; two NaN are equal."""
+        if math.isnan(self.value) or math.isnan(other):
+            return math.isnan(self.value) != math.isnan(other)
+        return abs(self.value - other) > self.tolerance * max(abs(self.value), abs(other))
+
+
+@dataclass(frozen=True)
+class Omission:
+    """Something a reader might expect here and does not find, with the reason."""
+
+    what: str
+    why: str
+
+
+@dataclass(frozen=True)
+class StudyResult:
+    """All a study has to say; `answer` is one sentence that is true if no verdict fails, `conclusion` what may be said."""
+
+    answer: str
+    tables: tuple[Table, ...] = ()
+    figures: tuple[Figure, ...] = ()
+    verdicts: tuple[Verdict, ...] = ()
+    notes: tuple[str, ...] = ()
+    numbers: dict[str, Number] = field(default_factory=dict)
+    omissions: tuple[Omission, ...] = ()
+
+    @property
+    def conclusion(self) -> str:
+        """The answer, or which claims fail: no study answers yes beside a red light."""
+        failed = [verdict.claim for verdict in self.verdicts if verdict.outcome is Outcome.FAIL]
+        if not failed:
+            return self.answer
+        return f"Not shown: {len(failed)} of {len(self.verdicts)} checks fail ({'; '.join(dict.fromkeys(failed))})."
+
+
+class Study(Protocol):
+    """The shape of a study's module."""
+
+    NAME: str
+    QUESTION: str
+    SCENES: tuple[str, ...]
+    SECONDS: tuple[float, float]
+
+    def run(self, budget: Budget) -> StudyResult:
+        """Answer the question within the budget."""
+
+
+def judge(holds: bool, otherwise: Outcome = Outcome.FAIL) -> Outcome:
+    """PASS if the claim holds, else `otherwise`."""
+    return Outcome.PASS if holds else otherwise
