@@ -21,7 +21,6 @@ import numpy as np
 
 import slipwave
 from slipwave.files import whole_or_absent
-from slipwave.observe import EventObserver, follow
 from slipwave.scene import Scene
 from slipwave.scene.slab import Face, GripFace, ReflectingFace
 from validation.output import print_table
@@ -29,7 +28,7 @@ from validation.references.lsoda import plain_kelvin_voigt
 from validation.report.provenance import provenance
 from validation.run.timing import in_turn
 from validation.studies.unlike_slabs.cost import pairs
-from validation.work_precision import Setting, solver_of
+from validation.work_precision import Setting, march_of
 
 ROUNDS = 9
 GRIDS = {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}
@@ -47,15 +46,8 @@ class Race(NamedTuple):
 
 
 def _run(setting: Setting, scene: Scene, transits: float) -> Work:
-    """A march with its event detection, one transit after its start, when all that it needs is loaded."""
-
-    def prepare() -> Callable[[], object]:
-        """Build the solver and lead it past its start; the march to be timed."""
-        solver = solver_of(setting, scene)
-        follow(solver, 1.0)
-        return partial(follow, solver, 1.0 + transits, [EventObserver(scene, solver.nodes)])
-
-    return prepare
+    """A march from one transit after its start, when all that it needs is loaded."""
+    return partial(march_of, setting, scene, transits, 1.0)
 
 
 def _started(*words: str) -> Work:

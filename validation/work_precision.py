@@ -8,9 +8,10 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 
 from slipwave.errors import NumericsError
-from slipwave.observe import Solver, follow
+from slipwave.observe import EventObserver, Final, Solver, follow
 from slipwave.scene import Scene
 from validation.measure.cycle import watch
 from validation.measure.settle import estimate
@@ -74,6 +75,14 @@ def cheapest(points: Sequence[Point], error: float) -> Point | None:
 def solver_of(setting: Setting, scene: Scene) -> Solver:
     """The solver that `setting` asks for, at the start of `scene`."""
     return build(setting.model, scene, cells=setting.cells, cfl=setting.cfl, tolerance=setting.tolerance)
+
+
+def march_of(setting: Setting, scene: Scene, transits: float, begin: float = 0.0) -> "partial[Final]":
+    """The march of so many transits, with its event detection, by a solver that was built and led to `begin`: what is timed."""
+    solver = solver_of(setting, scene)
+    if begin:
+        follow(solver, begin)
+    return partial(follow, solver, begin + transits, [EventObserver(scene, solver.nodes)])
 
 
 def warm_up(setting: Setting, scene: Scene) -> None:

@@ -107,7 +107,7 @@ class ReducedModel:
             rate = rate_of(self.scene.law, float(now[UNKNOWN_END]))
             raise NumericsError(
                 f"{self.model}: no step is short enough at t = {now[TIME]:.6g} transits, v = {rate:.3g} V*, psi = {now[PSI]:.4g}"
-                f"{' (nothing limits its slip rate: it runs away)' if self.model == 'quasistatic' else ''}"
+                f"{' (nothing limits its slip rate: it runs away)' if self._reduction.runs_away else ''}"
                 f" (scene {self.scene.name!r}, digest {self.scene.digest})"
             )
         return Pieces(*(array[:steps] for array in pieces))

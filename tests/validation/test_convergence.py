@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.measure.order_fit import fit
+from validation.measure.order_fit import fit, shortfall
 
 CELLS = np.array([16, 32, 64, 128, 256])
 
@@ -15,8 +15,8 @@ def test_exact_power(order):
     assert result.constant == pytest.approx(3.0, rel=1e-9)
     assert result.half_width < 1e-9
     assert result.finest == pytest.approx(order)
-    assert result.holds(order)
-    assert not result.holds(order + 0.2)
+    assert not shortfall(result, order)
+    assert shortfall(result, order + 0.2)
 
 
 def test_interval_covers_the_truth_about_as_often_as_it_says():

@@ -44,10 +44,6 @@ class Fit:
         """The order with its 95 % interval, rounded up, for a table."""
         return f"{self.order:.2f}\u00a0±\u00a0{math.ceil(100 * self.half_width) / 100:.2f}"
 
-    def holds(self, declared: float, allowance: float = 0.1) -> bool:
-        """The declared order lies in the confidence interval or within `allowance` of the fitted one."""
-        return abs(self.order - declared) <= max(allowance, self.half_width)
-
 
 def fit(cells: Array, errors: Array, scale: float = 1.0) -> Fit:
     """Fit the order of `errors` (positive) on grids of `cells` (increasing).

@@ -14,9 +14,9 @@ from reduced.stability import (
     with_parameter,
 )
 from validation.studies.stability_boundaries.figures import critical_curves, impedances, planes, spectra
-from validation.studies.stability_boundaries.measured import Curves, critical_over_velocity
+from validation.studies.stability_boundaries.measured import TRACED, Curves, critical_over_velocity
 from validation.studies.stability_boundaries.tables import model_table, scene_table, velocity_table
-from validation.studies.stability_boundaries.verdicts import TRACED, closed_form_verdicts, fig_2, fig_3, taylor
+from validation.studies.stability_boundaries.verdicts import closed_form_verdicts, fig_2, fig_3, taylor
 from validation.study import Budget, Figure, Number, StudyResult
 from validation.study.text import plain
 

@@ -1,15 +1,15 @@
 """Pictures of stability: critical r over V, boundaries in the (r, epsilon) plane, impedances, spectra."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reduced import closed_forms
 from reduced.impedance import impedance
 from reduced.stability import Boundary, FrictionSlopes, Stability
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from validation.studies.stability_boundaries.measured import TRACED
 from validation.study.drawing import WIDTH, canvas, pen
 
 if TYPE_CHECKING:
@@ -43,12 +43,8 @@ def planes(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, pap
     """The paper's Fig 3: both systems' boundaries, traced (marks) and in closed form (lines)."""
     figure = canvas(WIDTH, 4.0)
     axes = figure.add_subplot()
-    closed: dict[str, Callable[[FrictionSlopes, float], float]] = {
-        "delay": closed_forms.delay_epsilon,
-        "kelvin-voigt": closed_forms.kelvin_voigt_epsilon,
-    }
     r = np.geomspace(10**-3.2, 10**-0.75, 4000)
-    for model, function in closed.items():
+    for model, function in TRACED.items():
         style = pen(model)
         values = np.array([function(slopes, x) for x in r])
         values[values <= 0.0] = np.nan

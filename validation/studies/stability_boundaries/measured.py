@@ -9,6 +9,9 @@ from reduced.stability import critical_round_trip, friction_slopes, scaled
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 
+TRACED = {"delay": closed_forms.delay_epsilon, "kelvin-voigt": closed_forms.kelvin_voigt_epsilon}
+"""Models whose boundary is traced, with its closed form."""
+
 
 class Curves(NamedTuple):
     """Critical r over V (Fig 2): computed from impedance, and closed forms; `gap` the largest relative difference of the two."""

@@ -20,7 +20,7 @@ from reduced.stability import (
     with_parameter,
 )
 from slipwave.scene import Scene
-from validation.studies.stability_boundaries.measured import Curves
+from validation.studies.stability_boundaries.measured import TRACED, Curves
 from validation.study import Evidence, Outcome, Verdict, judge
 from validation.study.bounds import bounded
 from validation.study.text import plain
@@ -29,9 +29,6 @@ _ROUNDING = 2e-14  # relative; 1.3e-15 was measured
 _VERY_SMALL, _ORDER_OF_TEN_PER_CENT = 1e-2, (0.1 / math.sqrt(10.0), 0.1 * math.sqrt(10.0))
 _TRACED = 1e-9  # Newton's method ends at steps of about this size squared; 6e-11 was measured
 _FIRST_TRACED = 2e-3  # at eps = 1e-6 the branch (28) lies 9e-4 beyond its asymptote, relative; 8e-4 was measured
-
-TRACED = {"delay": closed_forms.delay_epsilon, "kelvin-voigt": closed_forms.kelvin_voigt_epsilon}
-"""Models whose boundary is traced, with its closed form."""
 
 
 def closed_form_verdicts(paper: Scene, curves: Curves) -> tuple[Verdict, ...]:

@@ -5,13 +5,12 @@ from functools import partial
 from typing import Any
 
 import slipwave
-from slipwave.observe import EventObserver, Final, follow
 from slipwave.scene import Scene
-from validation.registry.build import build
 from validation.run.timing import in_turn
 from validation.study import Cell, Evidence, Outcome, Table, Verdict, judge, table
+from validation.work_precision import Setting, march_of, warm_up
 
-_MODELS: dict[str, tuple[float, dict[str, float]]] = {
+_MODELS: dict[str, tuple[float, dict[str, Any]]] = {
     "delay": (600.0, {"tolerance": 1e-9}),
     "delay, loose": (600.0, {"tolerance": 1e-6}),
     "dg:7": (200.0, {"cells": 4}),
@@ -47,17 +46,13 @@ def costs(repeats: int) -> Costs:
     scene = pairs()
     found: Costs = {}
     for row, (until, options) in _MODELS.items():
-        runs = {name: partial(_prepared, row.partition(",")[0], one, until, options) for name, one in scene.items()}
+        setting = Setting(row.partition(",")[0], **options)
+        runs = {name: partial(march_of, setting, one, until) for name, one in scene.items()}
         for one in scene.values():
-            _prepared(row.partition(",")[0], one, 2.0, options)()
+            warm_up(setting, one)
         rounds = in_turn(runs, repeats)
         found[row] = {name: 1e6 * min(some[name] for some in rounds) / until for name in scene}
     return found
-
-
-def _prepared(model: str, scene: Scene, until: float, options: dict[str, Any]) -> partial[Final]:
-    solver = build(model, scene, **options)
-    return partial(follow, solver, until, [EventObserver(scene, solver.nodes)])
 
 
 def cost_table(found: Costs) -> Table:
