@@ -19,16 +19,14 @@ from typing import Any
 
 import numpy as np
 
-from fullwave.discontinuous import MOST_DEGREE, DiscontinuousGalerkin
+from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.families import GALERKIN, degree_for
 from fullwave.lines.march import MethodOfLines
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, follow
 from slipwave.observe.foresight import require_time
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-
-TOLERANCES = (1e-12, 0.1)
-"""The tolerances that may be asked for."""
 
 MOST_TRIED_CELLS = 400
 PROBE = 400.0
@@ -61,12 +59,6 @@ class _Found:
     values: Array
 
 
-def degree_for(tolerance: float) -> int:
-    """Degree of elements that is cheapest around `tolerance`, as raced on the paper's scene at log10 r = -2.68, -2.6 and -2.3:
-    5 at 1e-4, one more per two digits."""
-    return min(MOST_DEGREE, max(3, math.floor(3.5 - 0.5 * math.log10(tolerance))))
-
-
 def to_tolerance(
     scene: Scene, tolerance: float, kind: Callable[..., MethodOfLines] = DiscontinuousGalerkin, **options: Any
 ) -> tuple[MethodOfLines, Choice]:
@@ -75,8 +67,9 @@ def to_tolerance(
 
     Raises SceneError for a tolerance outside [1e-12, 0.1], NumericsError if 400 cells are not enough.
     """
-    if isinstance(tolerance, bool) or not isinstance(tolerance, int | float) or not TOLERANCES[0] <= tolerance <= TOLERANCES[1]:
-        raise SceneError(f"tolerance = {tolerance!r}: must lie in [{TOLERANCES[0]:g}, {TOLERANCES[1]:g}]")
+    least, most = GALERKIN.tolerances
+    if isinstance(tolerance, bool) or not isinstance(tolerance, int | float) or not least <= tolerance <= most:
+        raise SceneError(f"tolerance = {tolerance!r}: must lie in [{least:g}, {most:g}]")
     if kind is DiscontinuousGalerkin:
         options = {"degree": degree_for(tolerance)} | options
     cells = _fewest(scene, kind, options)

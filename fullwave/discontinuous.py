@@ -5,13 +5,7 @@ as the quadrature too (collocation: the mass matrix is diagonal, and the step 1.
 exact mass). Neighbours talk through upwind states only (`fullwave.lines.system`). Layers begin and end on elements, so impedance
 jumps cost no order.
 Hesthaven and Warburton, Nodal Discontinuous Galerkin Methods (2008), ch. 3; Kopriva and Gassner, J. Sci. Comput. 44 (2010), for
-the collocation.
-
-order        P + 1 in the fields; at least that, and up to 2 P + 1, in the interface's outputs from a smooth start
-cfl_max      1, as a share of the longest stable step: dt/h = 1.23 for P = 1 and 1.18, 0.66, 0.43, 0.31, 0.23, 0.185, 0.15 for
-             P = 2 to 8 (h an element's travel time), computed from the spectrum
-exact_when   never
-conserves    nothing: the upwind states dissipate at the order of the scheme, so that energy never grows
+the collocation. The interface's outputs are of up to order 2 P + 1; energy never grows, since upwind states dissipate.
 """
 
 from functools import cache, partial
@@ -19,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fullwave.families import GALERKIN
 from fullwave.lines.blocks import Block, BlockGrid, Section, sections_of, shortest_cell
 from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.panels import LANES, differentiate_rows
@@ -29,7 +24,6 @@ from fullwave.options import require_whole
 from slipwave.observe.pieces import Array, lagrange_basis
 from slipwave.scene import Scene
 
-MOST_DEGREE = 24
 _ABREAST = LANES // 2  # elements that share a panel: their w, then their s
 
 
@@ -84,7 +78,7 @@ def courant_limit(degree: int) -> float:
     nodes, weights = gauss_lobatto(degree)
     lift = np.zeros(degree + 1)
     lift[0] = 2.0 / weights[0]
-    return longest_step(line_spectrum(2.0 * lagrange_basis(nodes).derivative, lift), method_for(degree + 1))
+    return longest_step(line_spectrum(2.0 * lagrange_basis(nodes).derivative, lift), method_for(GALERKIN, degree))
 
 
 class DiscontinuousGalerkin(MethodOfLines):
@@ -94,15 +88,10 @@ class DiscontinuousGalerkin(MethodOfLines):
     Raises SceneError naming the option and its allowed range.
     """
 
-    cfl_max = 1.0
-    exact_when = "never"
-    conserves = "nothing; upwind states dissipate at the order of the scheme, so that energy never grows"
-
-    def __init__(self, scene: Scene, degree: int = 7, cells: int = 4, cfl: float = 0.75) -> None:
-        require_whole("degree", degree, 1, MOST_DEGREE)
+    def __init__(self, scene: Scene, degree: int = 7, cells: int = GALERKIN.cells, cfl: float = GALERKIN.cfl) -> None:
+        require_whole("degree", degree, GALERKIN.numbers[0], GALERKIN.numbers[-1])
         self.degree = degree
-        self.order_bulk = self.order_interface = degree + 1
         sections = sections_of(scene, cells, 1)
         build = partial(element_grid, degree=degree)
         limit = courant_limit(degree) * shortest_cell(sections)
-        super().__init__(scene, f"dg:{degree}", build, sections, method_for(degree + 1), limit, cfl)
+        super().__init__(scene, GALERKIN, degree, build, sections, limit, cfl)

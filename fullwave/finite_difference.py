@@ -3,11 +3,9 @@
 Bulk: velocities at nodes and half times, stresses in cells and at whole times, central differences in both (`leapfrog.media`).
 Interface: the half cell's momentum balance is Z v + F(v, psi) = R, the scalar condition of every solver (`leapfrog.friction`).
 
-order        2 in the fields and in every output from a smooth start, 1 after a jump, at every cfl <= 1
-cfl_max      1 (a slab, or a layer, whose cells do not divide it runs a little below the others)
-exact_when   cfl = 1 in a uniform slab: waves then travel without error, and what remains is the delay system (35) discretised by
-             the midpoint rule. Its agreement with that system is no independent evidence; below cfl = 1 it is.
-conserves    the energy K(u at n + 1/2) + P(sigma at n, n + 1), to rounding (`leapfrog.ledger`)
+At cfl = 1 waves travel through a uniform slab without error, and what remains is the delay system (35) discretised by the
+midpoint rule: its agreement with that system is no independent evidence; below cfl = 1 it is. A slab, or a layer, whose cells do
+not divide it runs a little below the others. Conserved is the energy K(u at n + 1/2) + P(sigma at n, n + 1) (`leapfrog.ledger`).
 """
 
 import math
@@ -15,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from fullwave.families import LEAPFROG
 from fullwave.leapfrog.build import steady_memory, steady_side
 from fullwave.leapfrog.drives import compiled_drive
 from fullwave.leapfrog.faces import Grip
@@ -44,13 +43,9 @@ class Leapfrog:
     Honours every scene. Raises SceneError naming cells or cfl and the allowed range.
     """
 
-    model = "fd"
-    order_bulk = order_interface = 2
-    cfl_max = 1.0
-    exact_when = "cfl = 1 in uniform slabs, but for the midpoint rule at the interface"
-    conserves = "the staggered energy, to rounding"
+    model = LEAPFROG.name
 
-    def __init__(self, scene: Scene, cells: int = 64, cfl: float = 1.0) -> None:
+    def __init__(self, scene: Scene, cells: int = LEAPFROG.cells, cfl: float = LEAPFROG.cfl) -> None:
         require_whole("cells", cells, 2, MOST_CELLS)
         require_cfl(cfl)
         with enough_memory(cells):

@@ -7,13 +7,8 @@ Galerkin for the pair w_t = s_x, s_t = w_x in one layer, with the characteristic
 so the energy w.M w + s.M s changes through the ends only, as in every family. Elements P1 and P2 are scikit-fem's, the others
 Lagrange polynomials on Gauss-Lobatto nodes (`gll_element`). mass = "lumped" takes M in those nodes (diagonal; spectral elements,
 Komatitsch and Vilotte, Bull. Seismol. Soc. Am. 88, 1998; P1 is then sbp:2 in other words), "consistent" integrates it exactly and
-solves a banded system in every stage (P1: order 4 inside). A layer is one mesh; two layers meet through upwind states.
-
-order        P + 1 or more in the interface's outputs from a smooth start; in the fields P + 1 for odd P and P for even P
-cfl_max      1, as a share of the longest stable step: dt/h = 2.80 for P = 1 and 1.97, 1.08, 0.71, 0.51, 0.38, 0.30 for P = 2 to
-             7 (lumped; h an element's travel time; 1.62 for consistent P1), computed from the spectrum, less a hundredth
-exact_when   never
-conserves    nothing: the ends' penalties dissipate at the order of the scheme, so that energy never grows
+solves a banded system in every stage (P1: order 4 inside). A layer is one mesh; two layers meet through upwind states. Energy
+never grows, since the ends' penalties dissipate.
 """
 
 from functools import cache, partial
@@ -25,6 +20,7 @@ import scipy.sparse
 import skfem
 from numpy.typing import NDArray
 
+from fullwave.families import ELEMENTS
 from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half, sections_of
 from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
@@ -37,7 +33,6 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.slab import KelvinVoigtViscosity
 
-MOST_DEGREE = 16
 MASSES = ("lumped", "consistent")
 _SAMPLE_NODES = 56  # of the longest line from which a step limit is computed; LAPACK takes three times as long beyond 75
 
@@ -154,7 +149,7 @@ def courant_limit(degree: int, mass: str, cells: int) -> float:
     _, norm, slope = assemble_layer(cells, degree, mass)
     inverse = np.linalg.inv(norm.toarray())
     spectrum = line_spectrum(inverse @ slope.toarray(), inverse[:, 0])
-    return MARGIN * longest_step(spectrum, method_for(degree + 1)) * cells
+    return MARGIN * longest_step(spectrum, method_for(ELEMENTS, degree)) * cells
 
 
 class FiniteElement(MethodOfLines):
@@ -162,12 +157,15 @@ class FiniteElement(MethodOfLines):
     the longest stable step. Raises SceneError naming the option and its allowed range, or the viscosity it cannot honour.
     """
 
-    cfl_max = 1.0
-    exact_when = "never"
-    conserves = "nothing; the ends' penalties dissipate at the order of the scheme, so that energy never grows"
-
-    def __init__(self, scene: Scene, degree: int = 4, cells: int = 8, cfl: float = 0.9, mass: str = "lumped") -> None:
-        require_whole("degree", degree, 1, MOST_DEGREE)
+    def __init__(
+        self,
+        scene: Scene,
+        degree: int = 4,
+        cells: int = ELEMENTS.cells,
+        cfl: float = ELEMENTS.cfl,
+        mass: str = "lumped",
+    ) -> None:
+        require_whole("degree", degree, ELEMENTS.numbers[0], ELEMENTS.numbers[-1])
         if mass not in MASSES:
             raise SceneError(f"mass = {mass!r}: must be one of {', '.join(MASSES)}")
         if mass == "consistent" and any(isinstance(s.viscosity, KelvinVoigtViscosity) for s in (scene.upper, scene.lower)):
@@ -175,8 +173,7 @@ class FiniteElement(MethodOfLines):
                 'mass = "consistent": cannot honour Kelvin-Voigt viscosity; fem with mass = "lumped", dg and sbp can'
             )
         self.degree, self.mass = degree, mass
-        self.order_bulk, self.order_interface = degree + degree % 2, degree + 1
         sections = sections_of(scene, cells, 1)
         build = partial(mesh_grid, degree=degree, mass=mass)
         limit = min(courant_limit(degree, mass, sample_cells(degree, s.cells)) * s.length / s.cells for s in sections)
-        super().__init__(scene, f"fem:{degree}", build, sections, method_for(degree + 1), limit, cfl)
+        super().__init__(scene, ELEMENTS, degree, build, sections, limit, cfl)

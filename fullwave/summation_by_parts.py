@@ -8,13 +8,7 @@ Strand, J. Comput. Phys. 110 (1994); penalties in characteristic variables: Kozd
 (2012).
 
 The end rows are solved for, not copied from a table (`closure`). A layer is one block; two layers meet through upwind states, as
-slab and interface do.
-
-order        2, 4 and 6, in the fields as in the interface's outputs, from a smooth start
-cfl_max      1, as a share of the longest stable step: dt/h = 2.80, 4.31, 3.73 for orders 2, 4, 6, computed from the spectrum,
-             less a hundredth
-exact_when   never
-conserves    nothing: the penalties dissipate at the order of the scheme, so that energy never grows
+slab and interface do. Energy never grows, since penalties dissipate.
 """
 
 from functools import cache, partial
@@ -24,6 +18,7 @@ import numpy as np
 import scipy.sparse
 from numpy.typing import NDArray
 
+from fullwave.families import BY_PARTS
 from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half, sections_of
 from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
@@ -33,7 +28,6 @@ from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 
-ORDERS = (2, 4, 6)
 _SAMPLE_CELLS = 56  # of the longest line from which a step limit is computed: twice as many lower it by two thousandths
 
 
@@ -126,7 +120,7 @@ def courant_limit(order: int, cells: int) -> float:
     matrix, norm = difference_matrix(order, cells)
     lift = np.zeros(norm.shape[0])
     lift[0] = 1.0 / norm[0, 0]
-    return MARGIN * longest_step(line_spectrum(matrix, lift), method_for(order)) * cells
+    return MARGIN * longest_step(line_spectrum(matrix, lift), method_for(BY_PARTS, order)) * cells
 
 
 class SummationByParts(MethodOfLines):
@@ -135,15 +129,10 @@ class SummationByParts(MethodOfLines):
     Raises SceneError naming the option and its allowed range.
     """
 
-    cfl_max = 1.0
-    exact_when = "never"
-    conserves = "nothing; the penalties dissipate at the order of the scheme, so that energy never grows"
-
-    def __init__(self, scene: Scene, order: int = 6, cells: int = 32, cfl: float = 0.9) -> None:
-        if order not in ORDERS:
-            raise SceneError(f"order = {order!r}: must be 2, 4 or 6")
-        self.order_bulk = self.order_interface = order
+    def __init__(self, scene: Scene, order: int = 6, cells: int = BY_PARTS.cells, cfl: float = BY_PARTS.cfl) -> None:
+        if order not in BY_PARTS.numbers:
+            raise SceneError(f"order = {order!r}: must be one of {', '.join(map(str, BY_PARTS.numbers))}")
         sections = sections_of(scene, cells, fewest_cells(order))
         build = partial(difference_grid, order=order)
         limit = min(courant_limit(order, min(s.cells, _SAMPLE_CELLS)) * s.length / s.cells for s in sections)
-        super().__init__(scene, f"sbp:{order}", build, sections, method_for(order), limit, cfl)
+        super().__init__(scene, BY_PARTS, order, build, sections, limit, cfl)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from fullwave.families import FullWave
 from fullwave.lines.blocks import Section, assemble, marched_slabs
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, enough_memory, march_work, require_memory, steps_at_once
 from fullwave.lines.kernel import MOST_PIECES, STEPS_PER_PIECE, march
@@ -24,29 +25,26 @@ from slipwave.observe.snapshot import Snapshot
 from slipwave.scene import Scene
 
 
-def method_for(order: int) -> RungeKutta:
-    """The Runge-Kutta method that does not cap a scheme of `order` in space (8 at most).
-
-    Elements of order P + 1 give the interface's outputs at up to order 2 P + 1, and with order 4 in time the differences of order
-    4 lose a factor of five: only schemes of order 2 are left to the classical method (half as dear again with the other)."""
-    return CLASSICAL if order <= 2 else DORMAND_PRINCE_8
+def method_for(family: FullWave, number: int) -> RungeKutta:
+    """The Runge-Kutta method of a member of `family`."""
+    return {method.order: method for method in (CLASSICAL, DORMAND_PRINCE_8)}[family.order_in_time(number)]
 
 
 class MethodOfLines:
-    """Marches `scene`, its `sections` gridded by `build`, with `method`; a `Solver` (slipwave.observe.follow).
+    """Marches `scene`, its `sections` gridded by `build`, as the member of `family` with `number`; a `Solver`
+    (slipwave.observe.follow).
 
     `limit` is the longest stable step (transits) of elastic waves; `step` is the share `cfl` of it, or of what grips, viscosity
     and friction's state allow if that is less. Raises SceneError naming cfl and its allowed range, or cells too many for the
     memory (`budget`).
     """
 
-    order_bulk: int
-
     def __init__(
-        self, scene: Scene, model: str, build: Builder, sections: list[Section], method: RungeKutta, limit: float, cfl: float
+        self, scene: Scene, family: FullWave, number: int, build: Builder, sections: list[Section], limit: float, cfl: float
     ) -> None:
         require_cfl(cfl)
-        self.scene, self.model, self.method, self.cfl = scene, model, method, float(cfl)
+        self.scene, self.model, self.cfl = scene, family.called(number), float(cfl)
+        self.method, self._order = method_for(family, number), family.order_bulk(number)
         self.sections = tuple(sections)
         self.nodes = sample_nodes(STEPS_PER_PIECE)
         self.failures, self.failed_at = 0, math.nan
@@ -71,7 +69,7 @@ class MethodOfLines:
         self._frames, self._keeps_frames = np.empty((0, self._state.size)), False
         self._trial = np.zeros(self._state.size)
         self._rates = np.zeros(method.stages * self._state.size)
-        self._work = march_work(self._state.size, self.order_bulk, method, viscous)
+        self._work = march_work(self._state.size, self._order, method, viscous)
         self._stride = steps_at_once(self._work)
 
     @property

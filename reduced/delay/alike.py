@@ -32,8 +32,6 @@ class Delay(DelayMarch):
     MAX_STEPS a transit raises NumericsError instead.
     """
 
-    order_interface = "2 nodes - 1 at the ends of steps, nodes inside"
-    exact_when = "alike plain slabs"
     _memory: AlikeMemory
 
     def __init__(

@@ -33,8 +33,6 @@ class DelayBreaks(DelayNetwork):
     `break_points` counts the jumps and kinks that were followed. Raises NumericsError where they outgrow the stored history.
     """
 
-    exact_when = "lossless slabs, any start, any drive"
-
     def __init__(self, scene: Scene, tolerance: float = 1e-9) -> None:
         super().__init__(scene, tolerance)
         self._network = self._network._replace(whole=False)

@@ -30,8 +30,6 @@ class DelayNetwork(DelayMarch):
     solves: a step that cannot be solved with MAX_STEPS a transit raises NumericsError.
     """
 
-    order_interface = "nodes; 2 nodes - 1 at the ends of steps where round trips are commensurate"
-    exact_when = "lossless slabs"
     _memory: NetworkMemory
 
     def __init__(self, scene: Scene, tolerance: float = 1e-9, nodes: int = NODES) -> None:

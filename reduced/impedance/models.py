@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reduced.families import DELAY
 from reduced.impedance.dissipation import telling_frequencies
 from reduced.impedance.jet import Complex, Jet
 from reduced.impedance.of_reduction import poles_and_residues, real_part_on_axis, reduction_ratio, taylor_poles, taylor_ratio
@@ -13,15 +14,12 @@ from reduced.impedance.transmission_line import Ratio, pair_ratio
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
 
-EXACT_MODELS = ("delay", "fd", "sbp", "fem", "dg", "auto")
-"""Models whose one-port is the exact one: the delay system, and the full wave in the limit of a fine grid."""
-
 _POLE_TOLERANCE = 1e-9
 
 
 def is_exact(model: str) -> bool:
-    """True for the names (with or without `:degree`) whose one-port is the exact one."""
-    return model.partition(":")[0] in EXACT_MODELS
+    """Whether the one-port of `model` is the exact one."""
+    return model == DELAY.name
 
 
 def ratio_of(scene: Scene, model: str = "delay") -> Callable[[Jet], Ratio]:

@@ -6,8 +6,9 @@ those of the pair with its interface locked.
 
 import math
 
+from reduced.families import REDUCTIONS
 from reduced.impedance.modes import is_lossless, locked_modes, spring_and_mass
-from reduced.ode.reduction import Reduction, mode_count, reduction
+from reduced.ode.reduction import TABULATED, Reduction, mode_count, reduction
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
 from slipwave.scene.slab import ReflectingFace
@@ -16,32 +17,25 @@ from slipwave.scene.slab import ReflectingFace
 def reduction_of(scene: Scene, name: str) -> Reduction:
     """The reduction `name` of this scene's slab pair, relative to the upper slab's epsilon and transit.
 
-    Alike plain slabs take the table above; any other scene is reduced from its own impedance. Raises SceneError saying why where
-    a reduction makes no sense for the scene (and which one does).
+    Alike plain slabs take the closed form where there is one; any other scene is reduced from its own impedance. Raises
+    SceneError for an unknown name, and for a scene that the reduction does not honour.
     """
-    if scene.alike and scene.upper.is_plain and not name.startswith("fitted:"):
+    kind = name.partition(":")[0]
+    if scene.alike and scene.upper.is_plain and (kind in TABULATED or kind == "modal"):
         return reduction(name)
     return reduce_scene(scene, name)
 
 
 def reduce_scene(scene: Scene, name: str) -> Reduction:
-    """The reduction `name` of any scene, relative to the upper slab's epsilon and transit.
-
-    quasistatic                needs a spring (no bare reflection coefficient below 1)
-    quasidynamic               likewise
-    block12, modal:N           need elastic slabs behind rigid faces; layers allowed
-    block8, kelvin-voigt       the paper's truncations: homogeneous elastic slabs behind rigid faces
-    fitted:N                   any scene
-    any other of the table     alike plain slabs, whose data it is
-
-    Raises SceneError with the reason and the reductions that do fit.
-    """
-    kind = name.partition(":")[0]
-    if kind in _BUILDERS:
-        return _BUILDERS[kind](scene, name)
-    tabulated = reduction(name)
-    _require(scene.alike and scene.upper.is_plain, name, "alike homogeneous elastic slabs behind rigid faces")
-    return tabulated
+    """The reduction `name` of any scene that it honours (`reduced.families`), from the scene's own impedance."""
+    family = next((family for family in REDUCTIONS if family.name == name.partition(":")[0]), None)
+    if family is None:
+        return reduction(name)  # raises: it knows what to say
+    refusal = family.refusal(scene)
+    if refusal:
+        raise SceneError(f"model = {name!r}: cannot do {refusal}; use fitted:N, delay or a full wave for this scene")
+    made: Reduction = family.maker()(scene, name)
+    return made
 
 
 def relaxed_spring(scene: Scene) -> float:
@@ -52,44 +46,40 @@ def relaxed_spring(scene: Scene) -> float:
     return scene.stiffness / scene.upper.epsilon
 
 
-def _quasistatic(scene: Scene, name: str) -> Reduction:
-    spring = relaxed_spring(scene)
-    if spring == 0.0:
-        raise SceneError(
-            f"model = {name!r}: a bare reflection coefficient below 1 swallows the load, there is no spring; use fitted:N"
-        )
-    return Reduction(name, spring=spring)
+def quasistatic(scene: Scene, name: str) -> Reduction:
+    """The spring alone."""
+    return Reduction(name, spring=relaxed_spring(scene))
 
 
-def _quasidynamic(scene: Scene, name: str) -> Reduction:
-    return Reduction(name, spring=_quasistatic(scene, name).spring, damping=scene.impedance / scene.upper.epsilon)
+def quasidynamic(scene: Scene, name: str) -> Reduction:
+    """The spring, and the damping of waves that never come back."""
+    return Reduction(name, spring=relaxed_spring(scene), damping=scene.impedance / scene.upper.epsilon)
 
 
-def _block12(scene: Scene, name: str) -> Reduction:
-    _require(all(map(is_lossless, (scene.upper, scene.lower))), name, "elastic slabs behind rigid faces")
+def block12(scene: Scene, name: str) -> Reduction:
+    """Spring and mass that Z has at low frequency."""
     spring, mass = spring_and_mass(scene)
     return Reduction(name, mass=mass, spring=spring)
 
 
-def _block8(scene: Scene, name: str) -> Reduction:
-    _require(scene.upper.is_plain and scene.lower.is_plain, name, "homogeneous elastic slabs behind rigid faces")
+def block8(scene: Scene, name: str) -> Reduction:
+    """The paper's truncation with the larger mass."""
     spring, mass = spring_and_mass(scene)
     return Reduction(name, mass=1.5 * mass, spring=spring)
 
 
-def _modal(scene: Scene, name: str) -> Reduction:
+def modal(scene: Scene, name: str) -> Reduction:
+    """The lowest modes of the pair with its interface locked; the mass of all others is kept as mass."""
     count = mode_count(name)
-    _require(all(map(is_lossless, (scene.upper, scene.lower))), name, "elastic slabs behind rigid faces")
     spring, mass = spring_and_mass(scene)
     frequencies, residues = locked_modes(scene, count)
     remainder = mass - sum(residue / omega**2 for residue, omega in zip(residues, frequencies, strict=True))
     return Reduction(name, mass=remainder, frequencies=frequencies, residues=residues, spring=spring)
 
 
-def _kelvin_voigt(scene: Scene, name: str) -> Reduction:
+def kelvin_voigt(scene: Scene, name: str) -> Reduction:
     """Both slabs' Z_i = (2 eps_i/(s r_i))(1 + x_i/8)/(1 + x_i/24), x_i = (s r_i)^2, in series (11): two pole pairs, or one
     if the round trips are equal. Poles in X = s^2 (transit clock) from sum_i k_i (1 + rho_i X/24)(1 + rho_j X/8) = 0."""
-    _require(scene.upper.is_plain and scene.lower.is_plain, name, "homogeneous elastic slabs behind rigid faces")
     spring, _ = spring_and_mass(scene)
     rho = (scene.lower.round_trip / scene.transit) ** 2
     upper, lower = 0.5, 0.5 * scene.lower.round_trip * scene.upper.epsilon / (scene.transit * scene.lower.epsilon)
@@ -107,10 +97,10 @@ def _kelvin_voigt(scene: Scene, name: str) -> Reduction:
     )
 
 
-def _fitted(scene: Scene, name: str) -> Reduction:
+def fitted(scene: Scene, name: str) -> Reduction:
     """The exact modes where they are known, else a passive rational fit."""
     if is_lossless(scene.upper) and is_lossless(scene.lower):
-        return _modal(scene, name)
+        return modal(scene, name)
     from reduced.impedance.fit import fit_scene
 
     return fit_scene(scene, name, mode_count(name), relaxed_spring(scene))
@@ -126,20 +116,3 @@ def _quadratic_roots(a: float, b: float, c: float) -> tuple[float, float]:
     """Both (negative) roots of a x^2 + b x + c without cancellation, the smaller one in size first."""
     q = -0.5 * (b + math.sqrt(b * b - 4.0 * a * c))
     return c / q, q / a
-
-
-def _require(met: bool, name: str, need: str) -> None:
-    if not met:
-        raise SceneError(f"model = {name!r} needs {need}; use fitted:N, delay or a full-wave model for this scene")
-
-
-_BUILDERS = {
-    "quasistatic": _quasistatic,
-    "quasidynamic": _quasidynamic,
-    "block12": _block12,
-    "block8": _block8,
-    "modal": _modal,
-    "kelvin-voigt": _kelvin_voigt,
-    "fitted": _fitted,
-}
-"""What rebuilds a reduction from a scene's own impedance, by the word before the colon."""

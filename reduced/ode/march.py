@@ -43,9 +43,6 @@ class ReducedModel:
     runs away).
     """
 
-    order_interface = "2 nodes - 1 at the ends of steps, nodes inside"
-    exact_when = "never; as the number of modes grows, for lossless slabs"
-
     def __init__(self, scene: Scene, reduction: Reduction, tolerance: float = 1e-9, stages: int = STAGES) -> None:
         self.scene, self.model = scene, reduction.name
         self.failures = 0

@@ -11,16 +11,15 @@ scenes. In states, with u = v - V and tau_k the stress of mode k (in units of ep
     tau_k' = -residue_k u - 2 decay_k tau_k + p_k,   p_k' = -offset_k u - omega_k^2 tau_k,
     tau_j' = -strength_j u - rate_j tau_j,            y' = -spring u,   mass v' + damping u = y + sum tau - mu/epsilon.
 
-Adding a reduction of the alike pair is one line of `REDUCTIONS`.
+Which reductions there are is said in `reduced.families`.
 """
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from reduced.families import MOST_MODES, REDUCTIONS
 from slipwave.errors import SceneError
-
-MOST_MODES = 64
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ def _modal(modes: int) -> Reduction:
     return Reduction(f"modal:{modes}", mass=mass, frequencies=frequencies, residues=(2.0,) * modes)
 
 
-REDUCTIONS: dict[str, Callable[[], Reduction]] = {
+TABULATED: dict[str, Callable[[], Reduction]] = {
     "quasistatic": lambda: Reduction("quasistatic"),
     "quasidynamic": lambda: Reduction("quasidynamic", damping=0.5),
     "block8": lambda: Reduction("block8", mass=1.0 / 8.0),
@@ -75,7 +74,7 @@ REDUCTIONS: dict[str, Callable[[], Reduction]] = {
     # (11), (14), (41): (1/s)(1 + s^2/8)/(1 + s^2/24) = 1/s + 2 s/(s^2 + 24)
     "kelvin-voigt": lambda: Reduction("kelvin-voigt", frequencies=(math.sqrt(24.0),), residues=(2.0,)),
 }
-"""The named reductions of the alike pair; modal:N comes beside them."""
+"""Reductions of the alike pair in closed form; modal:N comes beside them."""
 
 
 def reduction(name: str) -> Reduction:
@@ -84,15 +83,15 @@ def reduction(name: str) -> Reduction:
     Raises SceneError for an unknown name (listing the known ones), a mode count outside 0..64, and for `taylor`, the next
     truncation after the paper's, whose poles lie in the right half plane so that no run of it can be bounded.
     """
-    if name in REDUCTIONS:
-        return REDUCTIONS[name]()
+    if name in TABULATED:
+        return TABULATED[name]()
     if name == "taylor":
         raise SceneError(
             "model = 'taylor': its impedance has poles in the right half plane, every run of it blows up; use modal:N"
         )
     if name.partition(":")[0] == "modal":
         return _modal(mode_count(name))
-    raise SceneError(f"model = {name!r} is not an ODE reduction; known: {', '.join(REDUCTIONS)}, modal:N, fitted:N")
+    raise SceneError(f"model = {name!r} is not an ODE reduction; known: {', '.join(family.pattern for family in REDUCTIONS)}")
 
 
 def mode_count(name: str) -> int:

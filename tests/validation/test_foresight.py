@@ -10,13 +10,12 @@ from fullwave.finite_difference import Leapfrog
 from fullwave.lines.march import MethodOfLines
 from reduced.delay.march import DelayMarch
 from slipwave.errors import SceneError
+from slipwave.family import Family
 from slipwave.observe.foresight import DAY, require_time
 from validation.cli import INPUT_WRONG, main
 from validation.registry.build import build
-from validation.registry.families import FAMILIES, Family
+from validation.registry.families import GRIDS
 from validation.run.simulate import simulate
-
-GRIDS = [family for family in FAMILIES if family.room == "fullwave"]
 
 
 @pytest.mark.parametrize("family", GRIDS, ids=lambda family: family.name)

@@ -8,12 +8,13 @@ import pytest
 
 import slipwave
 from slipwave.errors import SceneError
+from slipwave.family import Family
+from slipwave.features import FEATURES, features_of
 from slipwave.observe import follow
 from slipwave.scene.slab import GripFace
 from validation.cli import main
 from validation.registry.build import build, build_all, families, honouring, resolve
-from validation.registry.families import FAMILIES, Family
-from validation.registry.features import FEATURES, features_of
+from validation.registry.families import FAMILIES
 
 
 @pytest.mark.parametrize(
@@ -40,7 +41,8 @@ def test_the_registry_is_consistent() -> None:
     for family in FAMILIES:
         assert family.honours <= set(FEATURES)
         assert family.room in ("reduced", "fullwave")
-        assert (family.default is not None) == bool(family.parameters)
+        assert (family.default is not None) == bool(family.numbers)
+        assert callable(family.maker())
 
 
 @pytest.mark.parametrize("family", families(), ids=lambda family: family.name)

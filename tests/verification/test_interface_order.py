@@ -45,12 +45,6 @@ def test_every_output_reaches_the_declared_order(model):
     assert climbed.shortfall() == []
 
 
-@pytest.mark.parametrize("model", [model for model in LADDERS if model != "fd"])
-def test_the_table_declares_what_the_scheme_does(model):
-    solver = build(model, GENTLE.scene, cells=LADDERS[model].first + 30)
-    assert LADDERS[model].declared == solver.order_interface
-
-
 @pytest.mark.slow
 def test_lumped_linear_elements_are_differences_of_order_two():
     both = [measure(build(model, GENTLE.scene, cells=40), GENTLE) for model in ("fem:1", "sbp:2")]

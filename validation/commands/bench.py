@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 from validation.commands.options import Json, SceneName, Settings, Until, Yes, most_seconds, read_scene
 
 if TYPE_CHECKING:
+    from slipwave.family import Family
     from slipwave.scene import Scene
-    from validation.registry.families import Family
     from validation.run.simulate import Run
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from validation.registry.families import FAMILIES, GRIDS
+
 if TYPE_CHECKING:
     from slipwave.scene import Scene
 
@@ -14,8 +16,8 @@ SceneName: TypeAlias = Annotated[
 Model: TypeAlias = Annotated[
     str,
     typer.Option(
-        help="delay, quasistatic, quasidynamic, block8, block12, kelvin-voigt, modal:N, fitted:N, fd, sbp:P, fem:P, dg:P "
-        "(sbp, fem and dg choose P themselves, by --tol), or auto: the cheapest that is exact for the scene"
+        help=f"{', '.join(family.pattern for family in FAMILIES)} (without P, it is chosen by --tol), or auto: the cheapest that "
+        "is exact for the scene"
     ),
 ]
 Until: TypeAlias = Annotated[float | None, typer.Option(metavar="TRANSITS", help="length of the run (default: the scene's)")]
@@ -25,7 +27,11 @@ Settings: TypeAlias = Annotated[
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="print JSON instead of a table")]
 Cells: TypeAlias = Annotated[int | None, typer.Option(help="full wave: cells per slab")]
-Cfl: TypeAlias = Annotated[float | None, typer.Option(help="full wave: c dt / dx")]
+_STEPS = dict.fromkeys(f"{family.step} ({', '.join(one.name for one in GRIDS if one.step == family.step)})" for family in GRIDS)
+Cfl: TypeAlias = Annotated[
+    float | None,
+    typer.Option(help=f"full wave: time step, above 0 to 1, in units of {' or '.join(_STEPS)}"),
+]
 Tolerance: TypeAlias = Annotated[
     float | None,
     typer.Option(

@@ -1,10 +1,14 @@
 """`slipwave stability`: is steady sliding stable, where does it lose stability, and how do small disturbances grow?"""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from reduced.families import DELAY, REDUCTIONS
+from slipwave.family import Exact
 from validation.commands.options import Json, SceneName, Settings, read_scene
+from validation.registry.families import family_of
 
 if TYPE_CHECKING:
     from reduced.stability import Stability
@@ -14,8 +18,8 @@ StabilityModel = Annotated[
     str,
     typer.Option(
         "--model",
-        help="delay (exact; so are auto and the full-wave models), quasistatic, quasidynamic, block8, block12, kelvin-voigt, "
-        "modal:N, fitted:N, or taylor (the truncation that cannot be used)",
+        help=f"{DELAY.name} (exact; so are auto and the full-wave models), "
+        f"{', '.join(family.pattern for family in REDUCTIONS)}, or taylor (the truncation that cannot be used)",
     ),
 ]
 
@@ -26,11 +30,18 @@ def stability(source: SceneName, model: StabilityModel = "delay", settings: Sett
     from validation.output import print_json
 
     scene = read_scene(source, settings)
-    found = analyse(scene, "delay" if model == "auto" else model)
+    found = replace(analyse(scene, one_port_of(model)), model=DELAY.name if model == "auto" else model)
     if json:
         print_json(result_of(scene, found))
     else:
         _print(scene, found)
+
+
+def one_port_of(model: str) -> str:
+    """The model whose impedance the slabs show under `model`: the exact one under all that are exact."""
+    family = family_of(model)
+    exact = model == "auto" or (family is not None and family.exact is not Exact.NEVER)
+    return DELAY.name if exact else model
 
 
 def result_of(scene: "Scene", found: "Stability") -> dict[str, Any]:

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 from functools import cache
 
 import slipwave
+from fullwave.families import FullWave, Rungs
 from slipwave.scene import Scene
+from validation.registry.families import GRIDS
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,7 @@ def _scene(log10_r: float) -> Scene:
 
 GENTLE = Course(-2.77, until=60.0, window=8.0, density=4, slack=0.05)
 ROUGH = Course(-2.59, until=120.0, window=16.0, density=8, slack=0.75)
+_ROUGH_FROM = 5.0  # declared order
 
 
 @dataclass(frozen=True)
@@ -65,26 +68,13 @@ class GridLadder:
         return cells
 
 
-_OF_ELEMENTS = {1: (280, 5e-5), 2: (100, 1e-8), 3: (60, 1e-9), 4: (50, 1e-9), 5: (40, 1e-9), 6: (30, 1e-9), 7: (24, 1e-9)}
-"""By degree: most cells, bound of the finest errors."""
+def _ladder(family: FullWave, number: int, rungs: Rungs) -> GridLadder:
+    declared = float(family.order_interface(number))
+    course = ROUGH if declared >= _ROUGH_FROM else GENTLE
+    first, most, finest, promised, cfl = rungs
+    return GridLadder(family.called(number or None), declared, promised or declared, course, first, most, finest, cfl)
 
 
-def _elements(family: str) -> list[GridLadder]:
-    return [
-        GridLadder(
-            f"{family}:{degree}", degree + 1.0, degree + 1.0, ROUGH if degree >= 4 else GENTLE, 24 if degree == 1 else 2, *rest
-        )
-        for degree, rest in _OF_ELEMENTS.items()
-    ]
-
-
-_FAMILIES = (
-    GridLadder("fd", 2.0, 2.0, GENTLE, 24, 280, 5e-5, cfl=0.5),
-    GridLadder("sbp:2", 2.0, 1.95, GENTLE, 24, 280, 5e-5),
-    GridLadder("sbp:4", 4.0, 3.9, GENTLE, 16, 260, 1e-8),
-    GridLadder("sbp:6", 6.0, 6.0, ROUGH, 17, 170, 1e-9),
-    *_elements("fem"),
-    *_elements("dg"),
-)
-LADDERS = {ladder.model: ladder for ladder in _FAMILIES}
-"""By the family's name on the command line. Leapfrog runs at CFL 0.5, where it is no rewriting of the delay system."""
+_ALL = [_ladder(family, number, rungs) for family in GRIDS for number, rungs in family.ladder.items()]
+LADDERS = {ladder.model: ladder for ladder in _ALL}
+"""By the model's name on the command line. Leapfrog runs at CFL 0.5, where it is no rewriting of the delay system."""

@@ -6,12 +6,13 @@ A family whose module is not part of this installation is not listed.
 from importlib.util import find_spec
 
 from slipwave.errors import SceneError
+from slipwave.family import Exact, Family
+from slipwave.features import FEATURES, features_of
 from slipwave.input.wording import nearest, shorten
 from slipwave.observe import Solver
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
-from validation.registry.families import FAMILIES, OPTIONS, Family, Request
-from validation.registry.features import FEATURES, features_of
+from validation.registry.families import DELAY, FAMILIES, OPTIONS, Request, family_of, make
 
 
 def families() -> list[Family]:
@@ -31,8 +32,8 @@ def resolve(model: str, scene: Scene) -> tuple[str, str]:
     chosen = honouring(scene)
     if not chosen:
         raise SceneError(f"model = 'auto': no model of this installation can do {_asked(scene)}")
-    best = next((family for family in chosen if family.name == "delay" or family.room == "fullwave"), chosen[0])
-    why = "exact for this scene" if best.name == "delay" else f"the delay system cannot do {_delay_refusal(scene)}"
+    best = next((family for family in chosen if family.exact is not Exact.NEVER), chosen[0])
+    why = "exact for this scene" if best is DELAY else f"the delay system cannot do {_delay_refusal(scene)}"
     return best.example, why
 
 
@@ -44,18 +45,17 @@ def build(model: str, scene: Scene, cells: int | None = None, cfl: float | None 
     not take, and a scene it cannot do (naming the models that can). A start on the orbit marches the model there first.
     """
     model, _ = resolve(model, scene)
-    family, parameter = _parse(model)
-    _require_options(model, family, Request(parameter, cells, cfl, tolerance))
-    if parameter is None:
-        parameter = family.chosen(tolerance)
-    request = Request(parameter, cells, cfl, tolerance)
+    family, number = _parse(model)
+    request = Request(number, cells, cfl, tolerance)
+    _require_options(model, family, request)
+    if number is None:
+        request = request._replace(number=family.chosen(tolerance))
     refusal = family.refusal(scene)
     if refusal:
         able = ", ".join(other.pattern for other in honouring(scene)) or "none of this installation"
         raise SceneError(f"model = {model!r}: cannot do {refusal} (scene {scene.name!r}); models that can: {able}")
-    name = model if parameter is None else f"{family.name}:{parameter}"
-    solver = family.make(scene, name, request)
-    solver.model = name
+    solver = make(family, scene, request)
+    solver.model = family.called(request.number)
     if scene.start.kind is StartKind.ORBIT:
         from validation.registry.orbit_start import begin_on_orbit
 
@@ -92,20 +92,20 @@ def _takes(family: Family, option: str, given: dict[str, float]) -> bool:
 
 def _parse(model: str) -> tuple[Family, int | None]:
     name, colon, number = model.partition(":")
-    family = next((family for family in families() if family.name == name), None)
-    if family is None:
+    family = family_of(name)
+    if family is None or family not in families():
         known = ", ".join(["auto", *(family.pattern for family in families())])
         guess = nearest(name, [family.name for family in families()])
         hint = f'; did you mean "{guess}"?' if guess else ""
         raise SceneError(f"model = {shorten(model)}: must be one of {known}{hint}")
     if not colon and family.suited is not None:
         return family, None
-    if not family.parameters:
+    if not family.numbers:
         if colon:
             raise SceneError(f"model = {shorten(model)}: {name} takes no number")
         return family, None
-    if not (number.isascii() and number.isdigit() and len(number) < 9 and int(number) in family.parameters):
-        raise SceneError(f"model = {shorten(model)}: must be {family.pattern} with {_numbers(family.parameters)}")
+    if not (number.isascii() and number.isdigit() and len(number) < 9 and int(number) in family.numbers):
+        raise SceneError(f"model = {shorten(model)}: must be {family.pattern} with {_numbers(family.numbers)}")
     return family, int(number)
 
 
@@ -121,14 +121,9 @@ def _require_options(model: str, family: Family, request: Request) -> None:
         if value is not None and name not in family.options:
             takers = ", ".join(other.pattern for other in families() if name in other.options)
             raise SceneError(f"{name} = {value:g}: model {model} takes no {name}; models that do: {takers}")
-    least, most = _tolerances(family)
+    least, most = family.tolerances
     if request.tolerance is not None and not least <= request.tolerance <= most:
         raise SceneError(f"tolerance = {request.tolerance:g}: must lie in [{least:g}, {most:g}] for model {model}")
-
-
-def _tolerances(family: Family) -> tuple[float, float]:
-    """What may be asked of a family: an estimate from grids cannot tell the last two digits from rounding."""
-    return (1e-12, 0.1) if family.room == "fullwave" else (1e-14, 0.1)
 
 
 def _asked(scene: Scene) -> str:
@@ -137,5 +132,4 @@ def _asked(scene: Scene) -> str:
 
 
 def _delay_refusal(scene: Scene) -> str:
-    delay = next(family for family in FAMILIES if family.name == "delay")
-    return delay.refusal(scene) or "it is not part of this installation"
+    return DELAY.refusal(scene) or "it is not part of this installation"

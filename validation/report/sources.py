@@ -9,11 +9,16 @@ from importlib import metadata
 from pathlib import Path
 
 import validation
-from slipwave.sources import import_closure, imported_names, program
+from slipwave.sources import ROOT, import_closure, imported_names, program
+from validation.registry import families
 from validation.study import Study
 
 _ROOM = Path(validation.__file__).parent
 _GALLERY = _ROOM.parent / "slipwave" / "gallery"
+_REGISTRY = Path(families.__file__)
+_SOLVERS = [ROOT.joinpath(*family.module.split(".")).with_suffix(".py") for family in families.FAMILIES]
+"""Files of what the registry imports by name: its facts name them, no import does."""
+
 _READ = (".py", ".toml", ".json")
 
 
@@ -35,7 +40,10 @@ def sources_of(study: Study) -> list[Path]:
     report's own entrance imports."""
     read = list(_read(getattr(study, "FILES", ())))
     own = Path(str(getattr(study, "__file__", __file__)))
-    programs = import_closure([own, *(path for path in read if path.suffix == ".py")], packages=False)
+    starts = [own, *(path for path in read if path.suffix == ".py")]
+    programs = import_closure(starts, packages=False)
+    if _REGISTRY in programs:
+        programs = import_closure([*starts, *_SOLVERS], packages=False)
     words = set(study.SCENES).union(*(_words(path) for path in programs if path.is_relative_to(_ROOM) or path == own))
     scenes = [path for path in sorted(_GALLERY.glob("*.toml")) if path.stem in words]
     return [*programs, *(path for path in read if path.suffix != ".py"), *sorted(_ROOM.rglob("*.json")), *scenes]

@@ -1,7 +1,11 @@
 """One look for every figure: readable on paper, told apart in grey by line style and marker as well as by colour."""
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
+
+from slipwave.family import Pen
+from validation.registry.families import family_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,35 +41,25 @@ PNG_DOTS_PER_INCH = 110
 WIDTH = 7.4
 """Width of a full-width figure, inches: the text width of the page on A4 paper."""
 
-
-class Pen(NamedTuple):
-    """How a model's curve looks everywhere."""
-
-    label: str
-    color: str
-    dashes: Any
-    marker: str
-    width: float = 1.3
-
-
-PENS = {
-    "delay": Pen("delay system (exact)", "#111111", "-", "o", 2.0),
-    "fd": Pen("full wave, leapfrog", "#d55e00", (0, (1, 2.2)), "s", 2.0),
-    "kelvin-voigt": Pen("Kelvin–Voigt ODE", "#0072b2", "-", "D"),
-    "block8": Pen("block, $\\rho h/8$", "#009e73", (0, (6, 2)), "^"),
-    "block12": Pen("block, $\\rho h/12$", "#009e73", (0, (2, 1.5)), "v"),
-    "quasidynamic": Pen("quasi-dynamic", "#8a8a8a", (0, (8, 2, 1.5, 2)), "P"),
-    "modal:1": Pen("modal, 1 mode", "#cc4f8a", (0, (5, 1.5)), "<"),
-    "modal:2": Pen("modal, 2 modes", "#cc4f8a", (0, (1.2, 1.2)), ">"),
-    "modal:8": Pen("modal, 8 modes", "#8d2f5e", (0, (3, 1, 1, 1)), "*"),
-    "quasistatic": Pen("quasi-static", "#b9b9b9", (0, (1, 1)), "x"),
-}
-"""Pens of the models, by the names of the command line."""
+_DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)))
 
 
 def pen(model: str) -> Pen:
-    """The pen of `model`; models without one of their own share their family's."""
-    return PENS.get(model) or PENS.get(model.split(":")[0]) or Pen(model, "#555555", "-", ".")
+    """The pen of `model`, by its full name; grey for a model without one."""
+    family, number = family_of(model), model.partition(":")[2]
+    pens = family.pens if family else {}
+    return pens.get(int(number) if number else None) or pens.get(None) or Pen(model, "#555555", "-", ".")
+
+
+def grid_pens(models: Iterable[str]) -> dict[str, Pen]:
+    """Pens of several full waves in one figure: colour and marker are the family's, dashes tell its members apart."""
+    pens: dict[str, Pen] = {}
+    for model in models:
+        name, _, number = model.partition(":")
+        seen = sum(other.partition(":")[0] == name for other in pens)
+        own = pen(model)
+        pens[model] = own._replace(label=f"{own.label.removeprefix('full wave, ')} {number}".strip(), dashes=_DASHES[seen])
+    return pens
 
 
 def canvas(width: float = WIDTH, height: float = 4.0) -> "Figure":

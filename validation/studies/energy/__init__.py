@@ -35,7 +35,7 @@ def run(budget: Budget) -> StudyResult:
         ),
         tables=(shares_table(shown), residual_table(residuals, orders), high_table(high)),
         verdicts=(
-            conserves(residuals["fd"]),
+            *(conserves(residuals[ladder.model]) for ladder in LADDERS if not ladder.derived),
             *(order_verdict(ladder, orders[ladder.model]) for ladder in LADDERS if ladder.derived),
             *(closes(name, {model: high[model, name] for model in HIGH}) for name in BOUNDARIES),
         ),

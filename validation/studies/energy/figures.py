@@ -7,7 +7,7 @@ import numpy as np
 
 from slipwave.observe.pieces import Array
 from validation.studies.energy.runs import ENTRIES, History
-from validation.study.drawing import WIDTH, canvas
+from validation.study.drawing import WIDTH, canvas, grid_pens
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,7 +19,6 @@ _PENS = {
     "radiated": ("#009e73", "-"),
     "viscous": ("#cc4f8a", (0, (5, 1.5))),
 }
-_FAMILIES = {"fd": ("#d55e00", "s"), "sbp": ("#0072b2", "D"), "fem": ("#009e73", "^"), "dg": ("#111111", "o")}
 _FLOOR = 1e-16
 
 
@@ -45,13 +44,10 @@ def closure(curves: Mapping[str, tuple[Array, Array]]) -> "Figure":
     """`curves`: family -> (cells per slab, residual)."""
     figure = canvas(WIDTH, 3.6)
     axes = figure.subplots()
-    seen: dict[str, int] = {}
-    for model, (cells, residual) in curves.items():
-        name = model.partition(":")[0]
-        color, marker = _FAMILIES[name]
-        dashes = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)))[seen.setdefault(name, 0)]
-        seen[name] += 1
-        axes.loglog(cells, np.maximum(residual, _FLOOR), color=color, marker=marker, linestyle=dashes, label=model)
+    for model, look in grid_pens(curves).items():
+        cells, residual = curves[model]
+        shown = np.maximum(residual, _FLOOR)
+        axes.loglog(cells, shown, color=look.color, marker=look.marker, linestyle=look.dashes, label=model)
     axes.set_xlabel("cells per slab")
     axes.set_ylabel("residual")
     axes.grid(True)

@@ -11,6 +11,7 @@ from slipwave.observe.pieces import Array
 from validation.measure.cycle import watch
 from validation.measure.order_fit import Fit, fit
 from validation.registry.build import build
+from validation.registry.families import grid_of
 
 ENTRIES = ("input", "friction", "stored", "radiated", "viscous")
 """Entries of the ledger, in the order in which they are shown."""
@@ -24,7 +25,7 @@ _ROUNDING = 10.0
 
 @dataclass(frozen=True)
 class EnergyLadder:
-    """A family, the order at which its ledger closes (None: it conserves) and its grids.
+    """A model, the order at which its ledger closes unless it conserves energy, and its grids.
 
     What is lost is the square of the jumps at upwind interfaces. Families of continuous fields jump at the slabs' ends only, by
     the error of the fields: order 2 in `sbp:2` and `fem:1`, and in `fem:2` too (order P for even P). `dg:P` jumps by h^(P + 1) at
@@ -32,8 +33,13 @@ class EnergyLadder:
     """
 
     model: str
-    derived: float | None
+    order: float | None
     cells: tuple[int, ...]
+
+    @property
+    def derived(self) -> float | None:
+        """The order at which the ledger closes; None for a family that conserves, as its facts say."""
+        return None if grid_of(self.model)[0].conserves else self.order
 
 
 LADDERS = (

@@ -10,6 +10,7 @@ from slipwave.observe.pieces import Array
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, Course, GridLadder
 from validation.measure.orders import OUTPUTS, Climb, Measured, climb, errors, measure
 from validation.registry.build import build
+from validation.registry.families import grid_of
 from validation.studies.grid_convergence.code import code_note, code_table
 from validation.studies.grid_convergence.figures import convergence_and_cost
 from validation.studies.grid_convergence.tables import finest_table, orders_table
@@ -70,8 +71,8 @@ def _curve(ladder: GridLadder, exact: Measured) -> tuple[Array, Array, Array]:
 
 
 def _points_per_cell(model: str) -> int:
-    name, _, number = model.partition(":")
-    return {"fem": int(number or 1), "dg": int(number or 0) + 1}.get(name, 1)
+    family, number = grid_of(model)
+    return family.points(number)
 
 
 def _promises() -> dict[str, float]:

@@ -3,12 +3,13 @@
 from collections.abc import Collection
 from itertools import combinations
 
+from slipwave.family import Exact
 from slipwave.sources import ROOT, import_closure
 from validation.registry.families import FAMILIES
 from validation.study import Table, table
 
 _MARCH = {"fullwave.lines.motion": "the right-hand side with its faces", "fullwave.lines.kernel": "the time stepper"}
-COMPARED = ("delay", "fd", "sbp", "fem", "dg")
+COMPARED = tuple(family.name for family in FAMILIES if family.exact is not Exact.NEVER)
 
 
 def modules_of(family: str) -> frozenset[str]:

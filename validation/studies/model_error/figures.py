@@ -4,12 +4,10 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from slipwave.observe.pieces import Array
-from validation.study.drawing import WIDTH, Pen, canvas, pen
+from validation.study.drawing import WIDTH, canvas, pen
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-_MORE = {"modal:4": Pen("modal, 4 modes", "#cc4f8a", "-", "x")}
 
 
 def errors_over_r(curves: Mapping[str, tuple[Array, Array, Array]]) -> "Figure":
@@ -17,7 +15,7 @@ def errors_over_r(curves: Mapping[str, tuple[Array, Array, Array]]) -> "Figure":
     figure = canvas(WIDTH, 4.4)
     panels = figure.subplots(1, 2, sharey=True)
     for model, (log10_r, *errors) in curves.items():
-        look = _MORE.get(model) or pen(model)
+        look = pen(model)
         for axes, error in zip(panels, errors, strict=True):
             axes.semilogy(
                 log10_r, error, color=look.color, linestyle=look.dashes, marker=look.marker, linewidth=1.1, label=look.label

@@ -19,9 +19,13 @@ from slipwave.scene import Scene
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
 from slipwave.scene.start import Start, StartKind
 from validation.registry.build import build
+from validation.registry.families import GRIDS
 
-CELLS = {"fd": 12, "sbp:2": 12, "sbp:4": 12, "sbp:6": 16, "fem:1": 12, "fem:4": 3, "dg:3": 3, "dg:4": 2, "dg:7": 2}
-"""The families under attack, with cells that make a run cheap: the limit does not depend on them."""
+ATTACKED = {family.called(number or None): cells for family in GRIDS for number, cells in family.attacks.items()}
+"""The models under attack, with their coarse and fine grids."""
+
+CELLS = {model: cells.coarse for model, cells in ATTACKED.items()}
+"""Cells that make a run cheap: the limit does not depend on them."""
 
 _ROUND_TRIP = slipwave.read("paper").upper.round_trip
 MEDIA: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {

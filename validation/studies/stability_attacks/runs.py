@@ -11,10 +11,11 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, RunStatistics, Solver, follow, summarise
 from slipwave.scene import Scene
 from validation.registry.build import build
+from validation.studies.stability_attacks.limits import ATTACKED
 from validation.studies.stability_attacks.limits import CELLS as COARSE
 from validation.study.text import plain
 
-CELLS = {"fd": 64, "sbp:2": 64, "sbp:4": 32, "sbp:6": 32, "fem:1": 64, "fem:4": 8, "dg:3": 8, "dg:4": 8, "dg:7": 4}
+CELLS = {model: cells.fine for model, cells in ATTACKED.items()}
 """Cells of the faster slab for runs that are held against the delay system."""
 
 

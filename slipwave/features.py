@@ -1,7 +1,10 @@
-"""What a scene asks of a model beyond two alike, plain slabs, in words for refusals."""
+"""What a scene asks of a model beyond two alike, plain slabs, in words for refusals. Light to import."""
 
-from slipwave.scene import Scene
-from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from slipwave.scene import Scene
+    from slipwave.scene.slab import Slab
 
 FEATURES = {
     "unlike": "unlike slabs",
@@ -14,7 +17,7 @@ FEATURES = {
 """Name of every feature, with the phrase that describes it."""
 
 
-def features_of(scene: Scene) -> frozenset[str]:
+def features_of(scene: "Scene") -> frozenset[str]:
     """The features of `scene` (keys of FEATURES)."""
     found = {feature for slab in (scene.upper, scene.lower) for feature in _slab_features(slab)}
     if not scene.alike:
@@ -22,7 +25,9 @@ def features_of(scene: Scene) -> frozenset[str]:
     return frozenset(found)
 
 
-def _slab_features(slab: Slab) -> set[str]:
+def _slab_features(slab: "Slab") -> set[str]:
+    from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, StandardLinearViscosity
+
     kinds = {
         "grip": isinstance(slab.face, GripFace),
         "reflection": isinstance(slab.face, ReflectingFace),

@@ -1,0 +1,182 @@
+"""The facts of every full wave, cheapest first. Adding a discretisation means writing its file and adding its line here.
+
+A full wave is made by a class called as (scene, number, cells=, cfl=), without a number where its name has none. Orders hold from
+a smooth start; a jump costs all but the first in every grid.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from slipwave.family import ANYTHING, Exact, Family, Pen
+
+
+class Rungs(NamedTuple):
+    """The grids on which a member shows its order: the coarsest, the most cells a slab worth trying; a bound of the finest
+    errors; the least order promised, if that is not the declared one; the Courant number, if not the family's own."""
+
+    first: int
+    most: int
+    finest: float
+    promised: float | None = None
+    cfl: float | None = None
+
+
+class AttackCells(NamedTuple):
+    """Cells for attacks on a member: a `coarse` grid that makes long marches cheap (step limits do not depend on it), and a
+    `fine` one for runs that are held against the delay system."""
+
+    coarse: int
+    fine: int
+
+
+def _number(p: int) -> int:
+    return p
+
+
+def _next(p: int) -> int:
+    return p + 1
+
+
+def _one(p: int) -> int:
+    return 1
+
+
+def _two(p: int) -> int:
+    return 2
+
+
+def _next_even(p: int) -> int:
+    return p + p % 2
+
+
+def _order_in_time(order: int) -> int:
+    return 4 if order <= 2 else 8
+
+
+def degree_for(tolerance: float) -> int:
+    """Degree of elements that is cheapest around `tolerance`, as raced on the paper's scene at log10 r = -2.68, -2.6 and -2.3:
+    5 at 1e-4, one more per two digits."""
+    return max(3, math.floor(3.5 - 0.5 * math.log10(tolerance)))
+
+
+def _highest_order(tolerance: float) -> int:
+    return 6
+
+
+@dataclass(frozen=True)
+class FullWave(Family):
+    """A family on a grid; functions take the number after the colon (0 where there is none).
+
+    `order_bulk` is the order of the fields inside a slab, `order_interface` that of every output at the interface (elements:
+    at least); `points` are the nodes that a cell adds. `implicit_state`: friction's state limits no step. `conserves`: the
+    ledger closes to rounding, else the scheme dissipates at its order. `cells` and `cfl` are taken if none are asked for;
+    `cfl`, at most 1, counts in units of `step`. `attacks` and `ladder` are by number: members that the studies try."""
+
+    honours: frozenset[str] = ANYTHING
+    exact: Exact = Exact.ON_FINE_GRIDS
+    options: tuple[str, ...] = ("cells", "cfl", "tolerance")
+    tolerances: tuple[float, float] = (1e-12, 0.1)  # the last two digits of an estimate from grids cannot be told from rounding
+    order_bulk: Callable[[int], int] = _two
+    order_interface: Callable[[int], int] = _two
+    points: Callable[[int], int] = _one
+    implicit_state: bool = False
+    conserves: bool = False
+    cells: int = 16
+    cfl: float = 0.9
+    step: str = "the longest stable step"
+    attacks: Mapping[int, AttackCells] = field(default_factory=dict)
+    ladder: Mapping[int, Rungs] = field(default_factory=dict)
+
+    def order_in_time(self, number: int) -> int:
+        """Order of the Runge-Kutta method that does not cap the scheme.
+
+        Elements of order P + 1 give the interface's outputs at up to order 2 P + 1, and with order 4 in time the differences of
+        order 4 lose a factor of five: only schemes of order 2 are left to the classical method (half as dear again with the
+        other)."""
+        return _order_in_time(self.order_interface(number))
+
+
+_OF_ELEMENTS = {
+    1: Rungs(24, 280, 5e-5),
+    2: Rungs(2, 100, 1e-8),
+    3: Rungs(2, 60, 1e-9),
+    4: Rungs(2, 50, 1e-9),
+    5: Rungs(2, 40, 1e-9),
+    6: Rungs(2, 30, 1e-9),
+    7: Rungs(2, 24, 1e-9),
+}
+
+LEAPFROG = FullWave(
+    "fd",
+    "fullwave.finite_difference:Leapfrog",
+    "full wave: staggered leapfrog",
+    "h^2",
+    grids=(16, 32, 64),
+    pens={None: Pen("full wave, leapfrog", "#d55e00", (0, (1, 2.2)), "s", 2.0)},
+    implicit_state=True,
+    conserves=True,
+    cells=64,
+    cfl=1.0,
+    step="dx / c",
+    attacks={0: AttackCells(12, 64)},
+    ladder={0: Rungs(24, 280, 5e-5, cfl=0.5)},
+)
+BY_PARTS = FullWave(
+    "sbp:P",
+    "fullwave.summation_by_parts:SummationByParts",
+    "full wave: summation-by-parts differences of order P",
+    "h^P",
+    numbers=(2, 4, 6),
+    default=6,
+    suited=_highest_order,
+    grids=(16, 32, 64),
+    pens={None: Pen("full wave, by parts", "#0072b2", "-", "D")},
+    order_bulk=_number,
+    order_interface=_number,
+    cells=32,
+    attacks={2: AttackCells(12, 64), 4: AttackCells(12, 32), 6: AttackCells(16, 32)},
+    ladder={2: Rungs(24, 280, 5e-5, 1.95), 4: Rungs(16, 260, 1e-8, 3.9), 6: Rungs(17, 170, 1e-9)},
+)
+ELEMENTS = FullWave(
+    "fem:P",
+    "fullwave.finite_element:FiniteElement",
+    "full wave: continuous finite elements of degree P",
+    "h^(P+1) or better at the interface",
+    numbers=range(1, 17),
+    default=4,
+    suited=degree_for,
+    grids=(2, 4, 8),
+    pens={None: Pen("full wave, elements", "#009e73", "-", "^")},
+    order_bulk=_next_even,
+    order_interface=_next,
+    points=_number,
+    cells=8,
+    attacks={1: AttackCells(12, 64), 4: AttackCells(3, 8)},
+    ladder=_OF_ELEMENTS,
+)
+GALERKIN = FullWave(
+    "dg:P",
+    "fullwave.discontinuous:DiscontinuousGalerkin",
+    "full wave: discontinuous Galerkin elements of degree P",
+    "h^(P+1) or better",
+    numbers=range(1, 25),
+    default=7,
+    suited=degree_for,
+    grids=(1, 2, 4),
+    pens={None: Pen("full wave, Galerkin", "#111111", "-", "o")},
+    order_bulk=_next,
+    order_interface=_next,
+    points=_next,
+    cells=4,
+    cfl=0.75,
+    attacks={3: AttackCells(3, 8), 4: AttackCells(2, 8), 7: AttackCells(2, 4)},
+    ladder=_OF_ELEMENTS,
+)
+FAMILIES: tuple[FullWave, ...] = (
+    LEAPFROG,
+    BY_PARTS,
+    ELEMENTS,
+    GALERKIN,
+)
