@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from reduced.families import DELAY, REDUCTIONS
-from slipwave.family import Exact
 from validation.commands.options import Json, SceneName, Settings, read_scene
-from validation.registry.families import family_of
+from validation.registry.families import one_port_of
 
 if TYPE_CHECKING:
     from reduced.stability import Stability
@@ -35,13 +34,6 @@ def stability(source: SceneName, model: StabilityModel = "delay", settings: Sett
         print_json(result_of(scene, found))
     else:
         _print(scene, found)
-
-
-def one_port_of(model: str) -> str:
-    """The model whose impedance the slabs show under `model`: the exact one under all that are exact."""
-    family = family_of(model)
-    exact = model == "auto" or (family is not None and family.exact is not Exact.NEVER)
-    return DELAY.name if exact else model
 
 
 def result_of(scene: "Scene", found: "Stability") -> dict[str, Any]:

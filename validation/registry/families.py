@@ -7,13 +7,13 @@ from fullwave.families import FullWave
 from reduced.families import DELAY
 from reduced.families import FAMILIES as WITHOUT_GRID
 from slipwave.errors import SceneError
-from slipwave.family import Family
+from slipwave.family import Exact, Family
 
 if TYPE_CHECKING:
     from slipwave.observe import Solver
     from slipwave.scene import Scene
 
-__all__ = ["DELAY", "FAMILIES", "GRIDS", "OPTIONS", "Request", "family_of", "grid_of", "make"]
+__all__ = ["DELAY", "FAMILIES", "GRIDS", "OPTIONS", "Request", "family_of", "grid_of", "make", "one_port_of"]
 
 FAMILIES: tuple[Family, ...] = (*WITHOUT_GRID, *GRIDS)
 """Cheapest first; `auto` takes the first that is exact."""
@@ -38,6 +38,13 @@ class Request(NamedTuple):
 def family_of(model: str) -> Family | None:
     """The family of a full name, as `modal:2`; None if there is none of that name."""
     return next((family for family in FAMILIES if family.name == model.partition(":")[0]), None)
+
+
+def one_port_of(model: str) -> str:
+    """The model whose impedance the slabs show under `model`: the exact one under all that are exact."""
+    family = family_of(model)
+    exact = model == "auto" or (family is not None and family.exact is not Exact.NEVER)
+    return DELAY.name if exact else model
 
 
 def grid_of(model: str) -> tuple[FullWave, int]:

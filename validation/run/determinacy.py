@@ -16,6 +16,7 @@ import numpy as np
 
 from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, StartKind
+from validation.registry.families import one_port_of
 
 TOLERANCE = 1e-9
 """What a model that is asked for no tolerance is expected to reach."""
@@ -56,7 +57,7 @@ def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float 
     fastest = (slopes.reach - slopes.healing) * scene.transit  # no root of a passive slab grows faster
     if scene.start.kind is StartKind.ORBIT or not slopes.weakening or _share(scene, fastest) <= wanted:
         return None
-    problem = characteristic(scene, model)
+    problem = characteristic(scene, one_port_of(model))
     leading = (
         follow_root(problem, slopes.reach - slopes.healing) if fastest > _NO_ECHO else next(iter(leading_roots(problem)), 0.0)
     )
