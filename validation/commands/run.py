@@ -55,6 +55,7 @@ def run(
     from validation.output import attempt, conclude, printed, require_writable
     from validation.registry.build import build, resolve
     from validation.registry.default_grid import judged, note_on
+    from validation.registry.families import one_port_of
     from validation.run.determinacy import amplified_rounding
     from validation.run.recording import FIELD_FILES, fields_for, history_for, write_run
     from validation.run.resuming import march_for, way_on
@@ -67,7 +68,7 @@ def run(
         require_writable(fields, FIELD_FILES, "--fields")
     chosen, why = resolve(model, scene)
     solver: Any = build(chosen, scene, cells, cfl, tol)
-    amplified = amplified_rounding(scene, solver.model, scene.until, tol)
+    amplified = amplified_rounding(scene, one_port_of(solver.model), scene.until, tol)
     notes = [amplified.note] if amplified else []
     grid = _grid(solver)
     if grid is not None:

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from functools import cache
 
 import slipwave
-from fullwave.families import FullWave, Rungs
+from fullwave.families import FAMILIES, FullWave, Rungs
 from slipwave.scene import Scene
-from validation.registry.families import GRIDS
 
 
 @dataclass(frozen=True)
@@ -75,6 +74,6 @@ def _ladder(family: FullWave, number: int, rungs: Rungs) -> GridLadder:
     return GridLadder(family.called(number or None), declared, promised or declared, course, first, most, finest, cfl)
 
 
-_ALL = [_ladder(family, number, rungs) for family in GRIDS for number, rungs in family.ladder.items()]
+_ALL = [_ladder(family, number, rungs) for family in FAMILIES for number, rungs in family.ladder.items()]
 LADDERS = {ladder.model: ladder for ladder in _ALL}
 """By the model's name on the command line. Leapfrog runs at CFL 0.5, where it is no rewriting of the delay system."""

@@ -13,8 +13,9 @@ from validation.report import store
 from validation.report.page import write_page
 from validation.report.provenance import provenance
 from validation.report.red import RedReport, red_lines
-from validation.report.side_by_side import cores, share_out
+from validation.report.side_by_side import share_out
 from validation.run.progress import progress
+from validation.run.timing import cores
 from validation.studies import choose, load
 from validation.study import Budget, Study
 

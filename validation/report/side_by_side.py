@@ -23,11 +23,6 @@ _LOOK = 0.2  # seconds between two looks at what the processes tell
 _news: "Queue[tuple[int, float]] | None" = None
 
 
-def cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def share_out(
     work: Callable[[Task, Tell], Answer], tasks: Sequence[Task], processes: int, progress: Callable[[Task, float], None]
 ) -> Iterator[tuple[Task, Answer | None]]:

@@ -16,7 +16,6 @@ import numpy as np
 
 from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, StartKind
-from validation.registry.families import one_port_of
 
 TOLERANCE = 1e-9
 """What a model that is asked for no tolerance is expected to reach."""
@@ -49,7 +48,8 @@ class Amplified:
 
 
 def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float | None = None) -> Amplified | None:
-    """How far rounding, amplified, reaches into a run of `scene` by `model` to `until` (transits); None if below `tolerance`."""
+    """How far rounding, amplified, reaches into a run of `scene` to `until` (transits); None if below `tolerance`. `model` is
+    one with the one-port of what runs."""
     from reduced.stability import characteristic, follow_root, friction_slopes, leading_roots
 
     wanted = TOLERANCE if tolerance is None else tolerance
@@ -57,7 +57,7 @@ def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float 
     fastest = (slopes.reach - slopes.healing) * scene.transit  # no root of a passive slab grows faster
     if scene.start.kind is StartKind.ORBIT or not slopes.weakening or _share(scene, fastest) <= wanted:
         return None
-    problem = characteristic(scene, one_port_of(model))
+    problem = characteristic(scene, model)
     leading = (
         follow_root(problem, slopes.reach - slopes.healing) if fastest > _NO_ECHO else next(iter(leading_roots(problem)), 0.0)
     )

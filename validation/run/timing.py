@@ -1,6 +1,7 @@
 """Processor time, by one rule for all: that of this process and of those it started and waited for, so that others on the machine
-delay the answer and hardly change it."""
+delay the answer and hardly change it; and how many may be at work."""
 
+import os
 import resource
 import time
 from collections.abc import Callable, Mapping
@@ -14,6 +15,11 @@ def timed(work: Callable[[], Answer]) -> tuple[float, Answer]:
     began = _spent()
     answer = work()
     return _spent() - began, answer
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _spent() -> float:

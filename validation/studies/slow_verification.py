@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from validation.report.side_by_side import cores
+from validation.run.timing import cores
 from validation.study import Budget, Cell, Evidence, Omission, StudyResult, Verdict, judge, table
 
 NAME = "slow-verification"

@@ -1,0 +1,76 @@
+"""Imports run one way: between the rooms, and between the folders and single files of each room.
+
+Imports within functions and those for types alone count too: a circle is a circle whenever it is walked.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from slipwave.sources import ROOT, imported_names
+
+BELOW = {
+    "slipwave": (),
+    "reduced": ("slipwave",),
+    "fullwave": ("slipwave",),
+    "validation": ("slipwave", "reduced", "fullwave"),
+}
+"""What each room may import besides itself: the two that hold models never import each other."""
+
+ORDER = {
+    "slipwave": "errors files sources compiled friction scene features input observe family",
+    "reduced": "families parameters step delay ode impedance stability closed_forms",
+    "fullwave": "families options sampling operators leapfrog lines fields finite_difference summation_by_parts "
+    "finite_element discontinuous adapt",
+    "validation": "output run measure references registry study work_precision studies report benchmark commands cli",
+}
+"""What a room is made of; each may import those named before it."""
+
+
+def arrows(room: str) -> set[tuple[str, str, str, str]]:
+    """(file, part of the room it lies in, room imported, part imported); the room's own `__init__` is the part ""."""
+    found = set()
+    for path in sorted((ROOT / room).rglob("*.py")):
+        place = path.relative_to(ROOT)
+        for name in imported_names(path):
+            words = name.split(".")
+            if words[0] in BELOW:
+                found.add((str(place), part(place.with_suffix("").parts), words[0], part(words)))
+    return found
+
+
+def part(words: list[str] | tuple[str, ...]) -> str:
+    """The folder or file right below the room that a module's name leads to."""
+    place = ROOT.joinpath(*words[:2])
+    is_one = len(words) > 1 and words[1] != "__init__" and (place.is_dir() or place.with_suffix(".py").is_file())
+    return words[1] if is_one else ""
+
+
+@pytest.mark.parametrize("room", BELOW)
+def test_a_room_imports_those_below_it(room: str) -> None:
+    assert [arrow for arrow in arrows(room) if arrow[2] not in (room, *BELOW[room])] == []
+
+
+@pytest.mark.parametrize("room", ORDER)
+def test_a_folder_imports_those_before_it(room: str) -> None:
+    order = ["", *ORDER[room].split()]
+    parts = {part(path.relative_to(ROOT).with_suffix("").parts) for path in (ROOT / room).rglob("*.py")}
+    assert parts <= set(order)
+    up = [a for a in arrows(room) if a[1] and a[2] == room and a[1] != a[3] and order.index(a[3]) > order.index(a[1])]
+    assert up == []
+
+
+def test_an_arrow_that_turns_back_is_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for file, text in {
+        "slipwave/scene/slab.py": "def thickness():\n    from slipwave.observe import follow\n",
+        "slipwave/observe/follow.py": "import slipwave.scene.slab\n",
+        "reduced/delay/system.py": "from fullwave import adapt\n",
+    }.items():
+        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / file).write_text(text)
+    monkeypatch.setitem(globals(), "ROOT", tmp_path)
+    with pytest.raises(AssertionError, match=r"reduced/delay/system.py"):
+        test_a_room_imports_those_below_it("reduced")
+    monkeypatch.setitem(ORDER, "slipwave", "scene observe")
+    with pytest.raises(AssertionError, match=r"slipwave/scene/slab.py"):
+        test_a_folder_imports_those_before_it("slipwave")
