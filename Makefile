@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/installed
 
-.PHONY: install test report bench faults mutants
+.PHONY: install test report wheel bench faults mutants
 
 install: $(STAMP)
 
@@ -23,6 +23,10 @@ test: $(STAMP)
 # make report QUICK=1 takes the cheap version of every study
 report: $(STAMP)
 	$(BIN)/slipwave report $(if $(QUICK),--quick)
+
+# the package as a wheel, installed into a fresh environment and used from another folder
+wheel: $(STAMP)
+	$(BIN)/python -m tests.wheel $(if $(QUICK),--quick-report)
 
 # ratios of run times, beside those of the last time; judges nothing
 bench: $(STAMP)

@@ -1,6 +1,5 @@
 """Where a report comes from: version, commit, machine, libraries."""
 
-import os
 import platform
 import subprocess
 from importlib import metadata
@@ -9,6 +8,7 @@ from pathlib import Path
 import slipwave
 import validation
 from slipwave.sources import source_digest
+from validation.run.timing import cores
 
 _ROOT = Path(validation.__file__).resolve().parent.parent
 
@@ -22,7 +22,7 @@ def provenance() -> dict[str, str]:
         "scene paper": slipwave.read("paper").digest,
         "platform": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
-        "cores": str(_cores()),
+        "cores": str(cores()),
         "Python": platform.python_version(),
         "numpy": metadata.version("numpy"),
         "scipy": metadata.version("scipy"),
@@ -43,10 +43,6 @@ def commit() -> str:
 def _git(*words: str) -> str:
     done = subprocess.run(["git", "-C", str(_ROOT), *words], capture_output=True, text=True, check=True, timeout=10)
     return done.stdout.strip()
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _processor() -> str:
