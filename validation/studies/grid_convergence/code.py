@@ -21,8 +21,9 @@ def modules_of(family: str) -> frozenset[str]:
 
 
 def shared(one: str, other: str) -> tuple[str, ...]:
-    """modules beyond `slipwave` that two families have in common."""
-    return tuple(sorted(name for name in modules_of(one) & modules_of(other) if not name.startswith("slipwave")))
+    """Modules beyond `slipwave` that two families have in common; the tables of facts, which compute nothing, left out."""
+    common = modules_of(one) & modules_of(other)
+    return tuple(sorted(name for name in common if not name.startswith("slipwave") and not name.endswith(".families")))
 
 
 def code_table() -> Table:
