@@ -180,3 +180,8 @@ FAMILIES: tuple[FullWave, ...] = (
     ELEMENTS,
     GALERKIN,
 )
+
+
+def facts_of(name: str) -> FullWave:
+    """The family called `name`, the word before the colon; KeyError if there is none."""
+    return {family.name: family for family in FAMILIES}[name]

@@ -80,8 +80,8 @@ class Family:
         return self.called(self.default)
 
     def called(self, number: int | None) -> str:
-        """The full name of the member with `number`."""
-        return self.name if number is None else f"{self.name}:{number}"
+        """The full name of the member with `number`, which counts for nothing where names have none."""
+        return f"{self.name}:{number}" if self.numbers and number is not None else self.name
 
     def chosen(self, tolerance: float | None) -> int | None:
         """The number after the colon where the user left it open."""

@@ -1,4 +1,8 @@
-"""The short examples of docs/extending.md do what the page says."""
+"""What docs/extending.md and the study of docs/reading-the-report.md say is done, word by word, in a copy of the checkout.
+
+A reader writes a file where the text says "Write `FILE`", adds lines where it says "Add at the end of `TABLE` in `FILE`", changes
+what it says to change, runs every line of a shell block, and expects what a text block shows of a command that is refused.
+"""
 
 import json
 import os
@@ -8,72 +12,129 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 
-import slipwave
-from reduced.delay.alike import Delay
-from reduced.impedance import reduce_scene
-from reduced.ode.reduction import REDUCTIONS, Reduction
-from slipwave.errors import SceneError
-from slipwave.observe import follow
-
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
+FOR_ALL = ("slipwave", "reduced", "fullwave", "validation", "examples")
 
 
-def example(first_words):
-    return next(block for block in re.findall(r"```(?:python)?\n(.*?)```", PAGE, re.S) if block.startswith(first_words))
+class Reader:
+    """Does what a section says, in `folder`."""
+
+    def __init__(self, folder):
+        self.folder, self.output, self.status = folder, "", 0
+        for room in FOR_ALL:
+            shutil.copytree(ROOT / room, folder / room, ignore=shutil.ignore_patterns("__pycache__"))
+
+    def run(self, line):
+        """The command's exit status; what it printed is `output`."""
+        path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+        environment = {**os.environ, "PATH": path, "PYTHONPATH": str(self.folder)}
+        done = subprocess.run(line, shell=True, cwd=self.folder, env=environment, capture_output=True, text=True, timeout=600)
+        self.output = done.stdout + done.stderr
+        return done.returncode
+
+    def json(self, line):
+        assert self.run(f"{line} --json 2>/dev/null") == 0
+        return json.loads(self.output)
+
+    def change(self, file, old, new):
+        path = self.folder / file
+        text = path.read_text()
+        assert text.count(old) == 1
+        path.write_text(text.replace(old, new))
+
+    def add(self, table, file, lines):
+        """Put `lines` last into a table that ends with a bracket at the beginning of a line."""
+        path = self.folder / file
+        added = "".join(f"    {line}\n" for line in lines.splitlines())
+        text, count = re.subn(
+            rf"(^{table}\b.*?\n)([)}}]\n)", lambda found: found[1] + added + found[2], path.read_text(), flags=re.M | re.S
+        )
+        assert count == 1
+        path.write_text(text)
+
+    def follow(self, section):
+        """Every block in turn, with the words between it and the one before."""
+        words, *rest = BLOCK.split(section)
+        steps = list(zip(rest[::3], rest[1::3], rest[2::3], strict=True))
+        for (kind, content, after), following in zip(steps, [*steps[1:], None], strict=True):
+            words = " ".join(words.split())
+            for edit in re.findall(r"[Ii]n `([^`]+)`, change `([^`]+)` to `([^`]+)`", words):
+                self.change(*edit)
+            if kind == "sh":
+                fails = following is not None and following[0] == "text"
+                for line in content.splitlines():
+                    assert (self.run(line) != 0) == fails, f"{line}\n{self.output}"
+            elif kind == "text":
+                assert content.strip() in self.output
+            elif place := re.search(r"Add at the end of `([^`]+)` in `([^`]+)`:$", words):
+                self.add(*place.groups(), content)
+            else:
+                file = self.folder / re.search(r"Write `([^`]+)`[^`]*(\[[^]]*\]\([^)]*\))?:$", words)[1]
+                assert not file.exists()
+                file.write_text(content)
+            words = after
 
 
-def add_to(file, table, line):
-    """Put `line` first into the table `table` of a source file, as a reader of the page would."""
-    text, count = re.subn(rf"^({table}\b.*[{{(]\n)", rf"\g<1>    {line.strip()}\n", file.read_text(), flags=re.M)
-    assert count == 1
-    file.write_text(text)
+def sections(page):
+    """Title and text of every section that adds something."""
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    parts = re.split(r"^## (.*)\n", text, flags=re.M)[1:]
+    return {title: body for title, body in zip(parts[::2], parts[1::2], strict=True) if title.startswith("Adding")}
 
 
-def command(folder, *words):
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(folder / "cache"), "PYTHONPATH": str(folder)}
-    return subprocess.run(
-        [sys.executable, "-m", "validation.cli", *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=600
-    )
+EXTENDING, REPORT = sections("extending.md"), sections("reading-the-report.md")
 
 
-def test_a_reduction_is_added_as_the_page_says(tmp_path):
-    for room in ("slipwave", "reduced", "fullwave", "validation"):
-        shutil.copytree(ROOT / room, tmp_path / room, ignore=shutil.ignore_patterns("__pycache__"))
-    add_to(tmp_path / "reduced" / "ode" / "reduction.py", "REDUCTIONS", example('"block10"'))
-    add_to(tmp_path / "validation" / "registry" / "families.py", "FAMILIES", example('Family("block10"'))
+@pytest.fixture
+def reader(tmp_path):
+    return Reader(tmp_path)
 
-    compared = command(tmp_path, "compare", "paper", "--models", "block8,block10,block12", "--until", "4000", "--json")
-    assert compared.returncode == 0, compared.stderr
-    light, middle, heavy = (row["period"]["mean"] for row in json.loads(compared.stdout)["models"])
+
+def test_a_friction_law(reader):
+    reader.follow(EXTENDING["Adding a friction law of your own"])
+
+
+def test_a_reduction(reader):
+    reader.follow(EXTENDING["Adding an ODE reduction"])
+    compared = reader.json("slipwave compare paper --models block8,block10,block12 --until 4000")
+    light, middle, heavy = (row["period"]["mean"] for row in compared["models"])
     assert light < middle < heavy
-    analysed = command(tmp_path, "stability", "paper", "--model", "block10", "--json")
-    assert json.loads(analysed.stdout)["model"] == "block10"
-    refused = command(tmp_path, "run", "grip", "--model", "block10")
-    assert refused.returncode == 2
-    assert "a grip at the outer face" in refused.stderr
+    assert reader.json("slipwave stability paper --model block10")["model"] == "block10"
+    assert reader.run("slipwave run --help") == 0
+    assert "block10" in reader.output
 
 
-def test_tabulated_data_are_not_taken_for_scenes_they_were_not_made_for(monkeypatch):
-    monkeypatch.setitem(REDUCTIONS, "block10", lambda: Reduction("block10", mass=0.1))
-    assert reduce_scene(slipwave.read("paper"), "block10").mass == 0.1
-    with pytest.raises(SceneError, match="alike homogeneous elastic slabs"):
-        reduce_scene(slipwave.read("unlike"), "block10")
+def test_a_discretisation(reader):
+    reader.follow(EXTENDING["Adding a discretisation"])
+    words = ("delay", "fv --cells 200", "fv --cells 400")
+    exact, *found = (reader.json(f"slipwave run paper --until 12 --model {model}")["final"]["psi"] for model in words)
+    coarse, fine = (abs(psi - exact) for psi in found)
+    assert coarse / fine == pytest.approx(2.0, rel=0.1)
+    assert reader.run("slipwave run viscous --until 1 --model auto") == 0
+    assert "model auto: fd" in reader.output
 
 
-def test_an_observer_is_anything_that_scans():
-    scope = {"np": np}
-    exec(example("class SlipObserver"), scope)
-    observer = scope["SlipObserver"]()
-    solver = Delay(slipwave.read("paper"))
-    follow(solver, 2000, [observer])
-    assert observer.slip == pytest.approx(2000 * 100 * 0.8, rel=0.25)
+def test_an_observer(reader):
+    reader.follow(EXTENDING["Adding an observer"])
+    assert float(reader.output.split()[-1]) == pytest.approx(2000 * 100 * 0.8, rel=0.25)
+
+
+def test_a_study(reader):
+    assert "reading-the-report.md" in EXTENDING["Adding a study"]
+    reader.follow(REPORT["Adding a study"])
+    assert "Does the stress drop depend on the drive?" in (reader.folder / "reports" / "index.html").read_text()
+
+
+def test_every_section_is_done_by_a_test():
+    done = {"Adding a friction law of your own", "Adding an ODE reduction", "Adding a discretisation", "Adding an observer"}
+    assert set(EXTENDING) | set(REPORT) == done | {"Adding a study"}
 
 
 def test_a_law_whose_rate_is_no_exponential_is_refused():
+    from slipwave.errors import SceneError
     from slipwave.friction import LAWS
     from slipwave.friction.check import check_law
 

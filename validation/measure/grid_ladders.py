@@ -71,7 +71,7 @@ def _ladder(family: FullWave, number: int, rungs: Rungs) -> GridLadder:
     declared = float(family.order_interface(number))
     course = ROUGH if declared >= _ROUGH_FROM else GENTLE
     first, most, finest, promised, cfl = rungs
-    return GridLadder(family.called(number or None), declared, promised or declared, course, first, most, finest, cfl)
+    return GridLadder(family.called(number), declared, promised or declared, course, first, most, finest, cfl)
 
 
 _ALL = [_ladder(family, number, rungs) for family in FAMILIES for number, rungs in family.ladder.items()]

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from fullwave.families import FAMILIES as GRIDS
-from fullwave.families import FullWave
+from fullwave.families import FullWave, facts_of
 from reduced.families import DELAY
 from reduced.families import FAMILIES as WITHOUT_GRID
 from slipwave.errors import SceneError
@@ -50,7 +50,7 @@ def one_port_of(model: str) -> str:
 def grid_of(model: str) -> tuple[FullWave, int]:
     """The full wave of a full name, as `dg:7`, and its number (0 if it has none). Raises KeyError for any other name."""
     name, _, number = model.partition(":")
-    return {family.name: family for family in GRIDS}[name], int(number or 0)
+    return facts_of(name), int(number or 0)
 
 
 def make(family: Family, scene: "Scene", request: Request) -> "Solver":

@@ -21,7 +21,7 @@ from slipwave.scene.start import Start, StartKind
 from validation.registry.build import build
 from validation.registry.families import GRIDS
 
-ATTACKED = {family.called(number or None): cells for family in GRIDS for number, cells in family.attacks.items()}
+ATTACKED = {family.called(number): cells for family in GRIDS for number, cells in family.attacks.items()}
 """The models under attack, with their coarse and fine grids."""
 
 CELLS = {model: cells.coarse for model, cells in ATTACKED.items()}
