@@ -18,7 +18,7 @@ from fullwave.lines.blocks import Block, BlockGrid, Section, sections_of, shorte
 from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.panels import LANES, differentiate_rows
 from fullwave.lines.scheme_limit import line_spectrum, longest_step
-from fullwave.lines.system import register_operator
+from fullwave.lines.system import apply
 from fullwave.operators.lobatto import gauss_lobatto
 from fullwave.options import require_whole
 from slipwave.observe.pieces import Array, lagrange_basis
@@ -59,6 +59,7 @@ def element_grid(sections: list[Section], degree: int) -> BlockGrid:
     return BlockGrid(elements, width * (degree + 1), tuple(blocks))
 
 
+@apply.register(Elements)
 def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
     width = operator.scale.size
     for panel in range(0, width, LANES):
@@ -67,9 +68,6 @@ def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
                 operator.derivative, i * operator.nodes, operator.nodes, state, panel, width,
                 operator.scale, panel, rates, at + i * width + panel,
             )  # fmt: skip
-
-
-register_operator(Elements, _apply)
 
 
 @cache

@@ -15,10 +15,9 @@ import numpy as np
 
 from fullwave.families import LEAPFROG
 from fullwave.leapfrog.build import steady_memory, steady_side
-from fullwave.leapfrog.drives import compiled_drive
 from fullwave.leapfrog.faces import Grip
 from fullwave.leapfrog.grid import common_step, slab_grid
-from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, Clock, march
+from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, march
 from fullwave.leapfrog.ledger import energy_of
 from fullwave.leapfrog.sides import Mirror, Side
 from fullwave.lines.budget import enough_memory, require_bytes, steps_at_once
@@ -62,8 +61,6 @@ class Leapfrog:
         self._grids = [slab_grid(slab, slab.round_trip / scene.transit, self.step, cfl, cells) for slab in slabs]
         self._sides = [steady_side(scene, slab, grid) for slab, grid in zip(slabs, self._grids, strict=True)]
         self._lower: Side | Mirror = Mirror() if scene.alike else self._sides[1]
-        self._clock = Clock(self.step, scene.transit, scene.stiffness, scene.steady_stress, scene.start.nudge_size)
-        self._drive = compiled_drive(scene.drive)
         self._memory = steady_memory(scene)
         self._sample = -1
         self._stride = steps_at_once(_CELL_WORK * self.total_cells)
@@ -101,8 +98,9 @@ class Leapfrog:
 
     def _fill(self, pieces: Pieces) -> Pieces:
         """March through `pieces`; through none, the sample at t = 0 is taken if it was not yet."""
-        law, upper = self.scene.law, self._sides[0]
-        failures, failed = march(law, self._clock, self._drive, upper, self._lower, self._memory, self._sample, pieces)
+        scene, upper = self.scene, self._sides[0]
+        physics = (scene.law, self.step, scene.forcing, scene.drive.compiled)
+        failures, failed = march(*physics, upper, self._lower, self._memory, self._sample, pieces)
         if failures and not self.failures:
             self.failed_at = failed * self.step
         self.failures += failures
@@ -111,8 +109,7 @@ class Leapfrog:
 
     def energy(self) -> Energy:
         """Ledger since t = 0, in units of sigma L."""
-        sides = list(zip(self._sides, self._grids, strict=True))
-        return energy_of(self._clock, self._memory, sides, 0.5 * self.scene.velocity, 2 if self.scene.alike else 1)
+        return energy_of(self.scene, self._memory, list(zip(self._sides, self._grids, strict=True)))
 
     def snapshot(self) -> Snapshot:
         """Velocity and stress at the nodes at `time`, second order."""
@@ -120,7 +117,7 @@ class Leapfrog:
 
         if self._sample < 0:  # the velocity of the interface at t = 0 is only known with the sample taken there
             self._fill(empty_pieces(0, self.nodes.size))
-        return snapshot_of(self.scene, self.time, self._clock, self._memory, self._sides, self._grids)
+        return snapshot_of(self.scene, self.time, self._memory, self._sides, self._grids)
 
     def keep_frames(self) -> None:
         """As `FieldSolver`: nothing to do, four steps of a leapfrog are short."""

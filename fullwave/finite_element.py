@@ -24,7 +24,7 @@ from fullwave.families import ELEMENTS
 from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half, sections_of
 from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
-from fullwave.lines.system import register_operator
+from fullwave.lines.system import apply, finish
 from fullwave.operators.gll_element import ElementLineGLL
 from fullwave.operators.lobatto import gauss_lobatto
 from fullwave.options import require_whole
@@ -107,6 +107,7 @@ def _banded_cholesky(matrix: Any, bandwidth: int) -> Array:
     return np.ascontiguousarray(scipy.linalg.cholesky_banded(bands, lower=True))
 
 
+@apply.register(Assembled)
 def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
     pointer, column, value, half = operator.pointer, operator.column, operator.value, operator.half
     for i in range(pointer.size - 1):
@@ -119,6 +120,7 @@ def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
         rates[at + half + i] = strain
 
 
+@finish.register(Assembled)
 def _finish(operator, rates, at):  # type: ignore[no-untyped-def]
     factor = operator.factor
     bandwidth, nodes = factor.shape[0] - 1, factor.shape[1]
@@ -133,9 +135,6 @@ def _finish(operator, rates, at):  # type: ignore[no-untyped-def]
             for k in range(1, min(bandwidth, nodes - 1 - i) + 1):
                 total -= factor[k, i] * rates[begin + i + k]
             rates[begin + i] = total / factor[0, i]
-
-
-register_operator(Assembled, _apply, _finish)
 
 
 def sample_cells(degree: int, cells: int) -> int:

@@ -22,7 +22,7 @@ from fullwave.families import BY_PARTS
 from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half, sections_of
 from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
-from fullwave.lines.system import register_operator
+from fullwave.lines.system import apply
 from fullwave.operators.closure import boundary_closure, central_coefficients, closure_rows
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
@@ -84,6 +84,7 @@ def difference_grid(sections: list[Section], order: int) -> BlockGrid:
     return BlockGrid(Differences(first, scale, central_coefficients(order), closure, half), 2 * half, tuple(blocks))
 
 
+@apply.register(Differences)
 def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
     firsts, scales, central, closure = operator.first, operator.scale, operator.central, operator.closure
     rows, columns = closure.shape
@@ -109,9 +110,6 @@ def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
                     far -= closure[i, j] * state[end - 1 - j]
                 rates[begin + i + shift] = scale * near
                 rates[end - 1 - i + shift] = scale * far
-
-
-register_operator(Differences, _apply)
 
 
 @cache

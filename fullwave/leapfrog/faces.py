@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.compiled.dispatch import dispatch
+from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
 from slipwave.scene.slab import GripFace, ReflectingFace, Slab
 
@@ -41,6 +41,7 @@ class Grip(NamedTuple):
     memory: Array
 
 
+@by_class(inline=True)
 def settle(
     face: Rigid | Grip, inertia: float, old: float, pull: float, damping: float, mean: float, following: float
 ) -> tuple[float, float]:
@@ -48,25 +49,30 @@ def settle(
     raise NotImplementedError(type(face))
 
 
+@by_class(inline=True)
 def push(face: Rigid | Grip, traction: float, velocity: float, mean: float) -> float:
     """Power of the drive by the deviation `traction`; a grip's spring moves on to the next half step."""
     raise NotImplementedError(type(face))
 
 
+@settle.register(Rigid)
 def _settle_rigid(face, inertia, old, pull, damping, mean, following):  # type: ignore[no-untyped-def]
     return 0.0, 0.5 * (old + following)
 
 
+@push.register(Rigid)
 def _push_rigid(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
     return traction * velocity
 
 
+@settle.register(Grip)
 def _settle_grip(face, inertia, old, pull, damping, mean, following):  # type: ignore[no-untyped-def]
     resistance = face.impedance + face.half_spring
     total = inertia + resistance + damping
     return damping / total, (inertia * old - pull + face.memory[0] + resistance * mean) / total
 
 
+@push.register(Grip)
 def _push_grip(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
     slip = mean - velocity
     lost = face.impedance * slip * slip
@@ -75,10 +81,6 @@ def _push_grip(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
     if face.half_spring == 0.0:
         return traction * velocity + lost - face.steady_load * slip  # the dead load acts on the face itself
     return traction * mean
-
-
-dispatch(settle, {Rigid: _settle_rigid, Grip: _settle_grip}, inline=True)
-dispatch(push, {Rigid: _push_rigid, Grip: _push_grip}, inline=True)
 
 
 def compiled_face(slab: Slab, ratio: float, step: float, steady_stress: float) -> Rigid | Grip:

@@ -4,17 +4,15 @@ One step from the whole time t_n to t_n+1: stresses by the velocities at n + 1/2
 velocities on to n + 3/2. A sample (z, psi, mu, y) is taken at each whole time; four steps make a piece. Nothing is allocated.
 """
 
-import math
-from typing import NamedTuple
-
-from fullwave.leapfrog.drives import Constant, Ramps, velocity_at
 from fullwave.leapfrog.friction import solve_friction
 from fullwave.leapfrog.media import accelerate, load, strain
 from fullwave.leapfrog.sides import Mirror, Side, follow_on, meet, part, slip_rate, strain_lower
 from slipwave.compiled import inlined, njit
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array, Pieces
-from slipwave.scene.start import NUDGE_CENTRE
+from slipwave.scene.drive import Constant, Ramps, velocity_at
+from slipwave.scene.forcing import Forcing
+from slipwave.scene.start import nudge_rate
 
 STEPS_PER_PIECE = 4
 """Steps in one piece: a quartic, so that events and extrema are read to fifth order in the step of a scheme of order two."""
@@ -33,44 +31,28 @@ COARSEST_HALF_STEP = 1.0
 psi is not carried further than this beyond its mean, so that the run stays near the quasi-steady state instead of ringing."""
 
 
-class Clock(NamedTuple):
-    """dt (transits), one transit on the friction clock, stiffness of both slabs per transit, stress of steady sliding, nudge
-    size."""
-
-    step: float
-    transit: float
-    stiffness: float
-    steady_stress: float
-    nudge: float
-
-
 @inlined
-def _nudge(clock: Clock, time: float) -> float:
-    gap = time - NUDGE_CENTRE
-    return clock.nudge * math.exp(-gap * gap) if gap * gap < 600.0 else 0.0
-
-
-@inlined
-def take_step(law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lower: Side | Mirror, memory: Array, n: int) -> bool:
-    """Bring the run to sample `n` (time n dt); False if the friction solve did not converge or the step was
+def take_step(
+    law: Law, dt: float, forcing: Forcing, drive: Constant | Ramps, upper: Side, lower: Side | Mirror, memory: Array, n: int
+) -> bool:
+    """Bring the run to sample `n` (time n dt, in transits); False if the friction solve did not converge or the step was
     too long to follow the state."""
-    dt = clock.step
     previous = memory[DRIVE]
     following = velocity_at(drive, (n + 0.5) * dt)
     mean = 0.25 * (previous + following)
     memory[DRIVE] = following
     strain(upper.medium)
     strain_lower(lower)
-    memory[ELASTIC] += dt * clock.stiffness * (previous - slip_rate(lower, upper.medium.velocity[0]))
+    memory[ELASTIC] += dt * forcing.stiffness * (previous - slip_rate(lower, upper.medium.velocity[0]))
     own, own_load = load(upper.medium, upper.face, mean, 0.5 * following)
     impedance, incoming = meet(lower, own, own_load, mean, 0.5 * following)
     z, psi, v, converged = solve_friction(
         law,
         impedance,
-        incoming + clock.steady_stress,
+        incoming + forcing.steady_stress,
         memory[STATE],
-        0.5 * dt * clock.transit,
-        0.5 * dt * _nudge(clock, n * dt),
+        0.5 * dt * forcing.transit,
+        0.5 * dt * nudge_rate(forcing.nudge, n * dt),
         _extrapolated(memory, Z),
         _extrapolated(memory, PSI),
     )
@@ -81,8 +63,8 @@ def take_step(law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lowe
     change = psi - memory[STATE]
     memory[STATE] = psi + min(COARSEST_HALF_STEP, max(-COARSEST_HALF_STEP, change))
     memory[RATE] = rate
-    memory[STRESS] = clock.steady_stress + stress
-    memory[INPUT] += power + 2.0 * clock.steady_stress * mean
+    memory[STRESS] = forcing.steady_stress + stress
+    memory[INPUT] += power + 2.0 * forcing.steady_stress * mean
     memory[FRICTION] += memory[STRESS] * v
     _shift(memory, Z, z)
     _shift(memory, PSI, psi)
@@ -105,7 +87,15 @@ def _shift(memory: Array, slot: int, value: float) -> None:
 
 @njit
 def march(
-    law: Law, clock: Clock, drive: Constant | Ramps, upper: Side, lower: Side | Mirror, memory: Array, first: int, pieces: Pieces
+    law: Law,
+    dt: float,
+    forcing: Forcing,
+    drive: Constant | Ramps,
+    upper: Side,
+    lower: Side | Mirror,
+    memory: Array,
+    first: int,
+    pieces: Pieces,
 ) -> tuple[int, int]:
     """Fill `pieces` with the steps after sample `first` (-1: none taken yet, so begin with sample 0); returns how many of them
     failed (`take_step`), and the sample of the first that did (-1 if none). Neighbouring pieces both get the sample that they
@@ -115,7 +105,7 @@ def march(
     if first >= 0:
         _record(memory, pieces, 0, 0)
     for n in range(first + 1, start + STEPS_PER_PIECE * pieces.time.size + 1):
-        if not take_step(law, clock, drive, upper, lower, memory, n):
+        if not take_step(law, dt, forcing, drive, upper, lower, memory, n):
             failures += 1
             failed = n if failed < 0 else failed
         k = (n - start) // STEPS_PER_PIECE

@@ -9,19 +9,21 @@ import numpy as np
 
 from fullwave.leapfrog.faces import Grip
 from fullwave.leapfrog.grid import LeapfrogGrid
-from fullwave.leapfrog.kernel import FRICTION, INPUT, Clock
+from fullwave.leapfrog.kernel import FRICTION, INPUT
 from fullwave.leapfrog.sides import Side
 from fullwave.leapfrog.viscous import StandardLinear
 from slipwave.observe import Energy
 from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
 
 
-def energy_of(clock: Clock, memory: Array, sides: list[tuple[Side, LeapfrogGrid]], velocity: float, copies: int) -> Energy:
-    """Ledger of `sides` (the one side counted `copies` times for alike slabs), which slid at `velocity` (each) at t = 0."""
-    sums = [side_energy(side, grid, clock.steady_stress, velocity) for side, grid in sides]
+def energy_of(scene: Scene, memory: Array, sides: list[tuple[Side, LeapfrogGrid]]) -> Energy:
+    """Ledger of `sides` (the one side of alike slabs counted twice)."""
+    sums = [side_energy(side, grid, scene.steady_stress, 0.5 * scene.velocity) for side, grid in sides]
+    copies = 2 if scene.alike else 1
     stored, radiated, viscous = (copies * sum(column) for column in zip(*sums, strict=True))
-    unit = clock.transit
-    spent = unit * clock.step
+    unit = scene.transit
+    spent = unit * sides[0][1].step
     return Energy(
         input=float(spent * memory[INPUT]),
         friction=float(spent * memory[FRICTION]),

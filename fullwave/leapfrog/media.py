@@ -19,7 +19,7 @@ import numpy as np
 
 from fullwave.leapfrog.faces import Grip, Rigid, push, settle
 from fullwave.leapfrog.grid import LeapfrogGrid
-from slipwave.compiled.dispatch import dispatch
+from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
 
 Medium: TypeAlias = Any
@@ -55,26 +55,32 @@ def elastic_medium(grid: LeapfrogGrid, velocity: float) -> Uniform | Layered:
     return Layered(u, sigma, 2.0 / grid.inertia, grid.stiffness, float(grid.inertia[0]), float(grid.inertia[-1]))
 
 
+@by_class(inline=True)
 def load(medium: Medium, face: Rigid | Grip, mean: float, following: float) -> tuple[float, float]:
     """(Z, S) of the interface's half cell."""
     raise NotImplementedError(type(medium))
 
 
+@by_class()
 def accelerate(medium: Medium, face: Rigid | Grip, rate: float, mean: float, following: float) -> float:
     """Velocities on by one step, u = `rate` at the interface; power of the drive, less what the steady stress does."""
     raise NotImplementedError(type(medium))
 
 
+@by_class()
 def strain(medium: Medium) -> None:
     """Stresses on by one step."""
     raise NotImplementedError(type(medium))
 
 
+@load.register(Uniform)
+@load.register(Layered)
 def load_elastic(medium: Medium, face: Rigid | Grip, mean: float, following: float) -> tuple[float, float]:
     """The half cell's own momentum only."""
     return medium.inertia, medium.stress[0] + medium.inertia * medium.velocity[0]
 
 
+@accelerate.register(Uniform)
 def _accelerate_uniform(medium, face, rate, mean, following):  # type: ignore[no-untyped-def]
     velocity, stress = medium.velocity, medium.stress
     n = stress.size
@@ -87,6 +93,7 @@ def _accelerate_uniform(medium, face, rate, mean, following):  # type: ignore[no
     return push(face, stress[n - 1] + medium.inertia * (top - old), top, mean)
 
 
+@accelerate.register(Layered)
 def accelerate_layered(medium: Medium, face: Rigid | Grip, rate: float, mean: float, following: float) -> float:
     """As the uniform slab, with a mass of its own for each node."""
     velocity, stress, mobility = medium.velocity, medium.stress, medium.mobility
@@ -100,23 +107,16 @@ def accelerate_layered(medium: Medium, face: Rigid | Grip, rate: float, mean: fl
     return push(face, stress[n - 1] + medium.outer_inertia * (top - old), top, mean)
 
 
+@strain.register(Uniform)
 def _strain_uniform(medium):  # type: ignore[no-untyped-def]
     velocity, stress = medium.velocity, medium.stress
     for j in range(stress.size):
         stress[j] += medium.stiffness * (velocity[j + 1] - velocity[j])
 
 
+@strain.register(Layered)
 def strain_layered(medium: Medium) -> None:
     """As the uniform slab, with a stiffness of its own for each cell."""
     velocity, stress, stiffness = medium.velocity, medium.stress, medium.stiffness
     for j in range(stress.size):
         stress[j] += stiffness[j] * (velocity[j + 1] - velocity[j])
-
-
-LOADS = {Uniform: load_elastic, Layered: load_elastic}
-ACCELERATES = {Uniform: _accelerate_uniform, Layered: accelerate_layered}
-STRAINS = {Uniform: _strain_uniform, Layered: strain_layered}
-"""Open to further media: see `viscous`."""
-dispatch(load, LOADS, inline=True)
-dispatch(accelerate, ACCELERATES)
-dispatch(strain, STRAINS)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from fullwave.leapfrog.faces import Grip, Rigid
 from fullwave.leapfrog.media import Medium, accelerate, load, strain
-from slipwave.compiled.dispatch import dispatch
+from slipwave.compiled.dispatch import by_class
 
 
 class Side(NamedTuple):
@@ -23,75 +23,83 @@ class Mirror(NamedTuple):
     unused: float = 0.0
 
 
+@by_class(inline=True)
 def meet(lower: Side | Mirror, impedance: float, incoming: float, mean: float, following: float) -> tuple[float, float]:
     """(Z, S) of both slabs together, given the upper's."""
     raise NotImplementedError(type(lower))
 
 
+@by_class(inline=True)
 def part(lower: Side | Mirror, impedance: float, incoming: float, stress: float, v: float) -> float:
     """The upper slab's interface velocity when the slip rate is v."""
     raise NotImplementedError(type(lower))
 
 
+@by_class(inline=True)
 def follow_on(lower: Side | Mirror, rate: float, power: float, mean: float, following: float) -> float:
     """Move the lower slab; power of both faces together."""
     raise NotImplementedError(type(lower))
 
 
+@by_class(inline=True)
 def slip_rate(lower: Side | Mirror, own: float) -> float:
     """v at the half step, given the upper slab's interface velocity."""
     raise NotImplementedError(type(lower))
 
 
+@by_class(inline=True)
 def strain_lower(lower: Side | Mirror) -> None:
     """Stresses of the lower slab."""
     raise NotImplementedError(type(lower))
 
 
+@meet.register(Side)
 def _meet_side(lower, impedance, incoming, mean, following):  # type: ignore[no-untyped-def]
     own, other = load(lower.medium, lower.face, mean, following)
     total = impedance + own
     return impedance * own / total, (incoming * own + other * impedance) / total
 
 
+@meet.register(Mirror)
 def _meet_mirror(lower, impedance, incoming, mean, following):  # type: ignore[no-untyped-def]
     return 0.5 * impedance, incoming
 
 
+@part.register(Side)
 def _part_side(lower, impedance, incoming, stress, v):  # type: ignore[no-untyped-def]
     return (incoming - stress) / impedance
 
 
+@part.register(Mirror)
 def _part_mirror(lower, impedance, incoming, stress, v):  # type: ignore[no-untyped-def]
     return 0.5 * v
 
 
+@follow_on.register(Side)
 def _follow_side(lower, rate, power, mean, following):  # type: ignore[no-untyped-def]
     return power + accelerate(lower.medium, lower.face, rate, mean, following)
 
 
+@follow_on.register(Mirror)
 def _follow_mirror(lower, rate, power, mean, following):  # type: ignore[no-untyped-def]
     return 2.0 * power
 
 
+@slip_rate.register(Side)
 def _slip_side(lower, own):  # type: ignore[no-untyped-def]
     return own + lower.medium.velocity[0]
 
 
+@slip_rate.register(Mirror)
 def _slip_mirror(lower, own):  # type: ignore[no-untyped-def]
     return 2.0 * own
 
 
+@strain_lower.register(Side)
 def _strain_side(lower):  # type: ignore[no-untyped-def]
     strain(lower.medium)
 
 
+@strain_lower.register(Mirror)
 def _strain_mirror(lower):  # type: ignore[no-untyped-def]
     pass
-
-
-dispatch(meet, {Side: _meet_side, Mirror: _meet_mirror}, inline=True)
-dispatch(part, {Side: _part_side, Mirror: _part_mirror}, inline=True)
-dispatch(follow_on, {Side: _follow_side, Mirror: _follow_mirror}, inline=True)
-dispatch(slip_rate, {Side: _slip_side, Mirror: _slip_mirror}, inline=True)
-dispatch(strain_lower, {Side: _strain_side, Mirror: _strain_mirror}, inline=True)

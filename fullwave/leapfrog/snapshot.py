@@ -4,7 +4,7 @@ import numpy as np
 
 from fullwave.leapfrog.faces import Rigid
 from fullwave.leapfrog.grid import LeapfrogGrid
-from fullwave.leapfrog.kernel import RATE, STRESS, Clock, Z
+from fullwave.leapfrog.kernel import RATE, STRESS, Z
 from fullwave.leapfrog.sides import Side
 from fullwave.leapfrog.viscous import KelvinVoigt
 from slipwave.friction import rate_of
@@ -13,14 +13,14 @@ from slipwave.observe.snapshot import SlabSnapshot, Snapshot
 from slipwave.scene import Scene
 
 
-def snapshot_of(scene: Scene, time: float, clock: Clock, memory: Array, sides: list[Side], grids: list[LeapfrogGrid]) -> Snapshot:
+def snapshot_of(scene: Scene, time: float, memory: Array, sides: list[Side], grids: list[LeapfrogGrid]) -> Snapshot:
     """Velocity and stress at the nodes at the whole time `time`, second order in the cell."""
-    stress, rate = float(memory[STRESS]) - clock.steady_stress, float(memory[RATE])
+    stress, rate = float(memory[STRESS]) - scene.steady_stress, float(memory[RATE])
     drive = 0.5 * scene.drive.at(time)
     found = [_slab(sides[0], grids[0], stress, rate, drive)]
     if not scene.alike:
         found.append(_slab(sides[1], grids[1], stress, rate_of(scene.law, float(memory[Z])) - rate, drive))
-    upper, lower = (SlabSnapshot(shot.depth, shot.velocity, shot.stress + clock.steady_stress) for shot in (found[0], found[-1]))
+    upper, lower = (SlabSnapshot(shot.depth, shot.velocity, shot.stress + scene.steady_stress) for shot in (found[0], found[-1]))
     return Snapshot(time, upper, SlabSnapshot(lower.depth, -lower.velocity, lower.stress))
 
 

@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fullwave.leapfrog import media
 from fullwave.leapfrog.faces import Grip, Rigid, push, settle
 from fullwave.leapfrog.grid import LeapfrogGrid
+from fullwave.leapfrog.media import accelerate, accelerate_layered, load, load_elastic, strain, strain_layered
 from slipwave.observe.pieces import Array
 
 
@@ -87,6 +87,7 @@ def kelvin_voigt_medium(grid: LeapfrogGrid, velocity: float, time: float, face: 
     )
 
 
+@strain.register(StandardLinear)
 def _strain_standard_linear(medium):  # type: ignore[no-untyped-def]
     velocity, stress, relaxing = medium.velocity, medium.stress, medium.relaxing
     h = medium.half_decay
@@ -100,6 +101,7 @@ def _strain_standard_linear(medium):  # type: ignore[no-untyped-def]
     medium.lost[0] += lost
 
 
+@load.register(KelvinVoigt)
 def _load_kelvin_voigt(medium, face, mean, following):  # type: ignore[no-untyped-def]
     velocity, stress, beta, inertia, damping = medium.velocity, medium.stress, medium.beta, medium.node_inertia, medium.damping
     n = stress.size
@@ -111,6 +113,7 @@ def _load_kelvin_voigt(medium, face, mean, following):  # type: ignore[no-untype
     return impedance, inertia[0] * velocity[0] + stress[0] + damping[0] * beta[1]
 
 
+@accelerate.register(KelvinVoigt)
 def _accelerate_kelvin_voigt(medium, face, rate, mean, following):  # type: ignore[no-untyped-def]
     velocity = medium.velocity
     n = medium.stress.size
@@ -129,6 +132,6 @@ def _accelerate_kelvin_voigt(medium, face, rate, mean, following):  # type: igno
     return push(face, medium.stress[n - 1] + pull + medium.node_inertia[n] * (below - old), below, mean)
 
 
-media.LOADS.update({StandardLinear: media.load_elastic, KelvinVoigt: _load_kelvin_voigt})
-media.ACCELERATES.update({StandardLinear: media.accelerate_layered, KelvinVoigt: _accelerate_kelvin_voigt})
-media.STRAINS.update({StandardLinear: _strain_standard_linear, KelvinVoigt: media.strain_layered})
+load.register(StandardLinear)(load_elastic)
+accelerate.register(StandardLinear)(accelerate_layered)
+strain.register(KelvinVoigt)(strain_layered)

@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fullwave.leapfrog.drives import compiled_drive
 from fullwave.lines.panels import LANES
-from fullwave.lines.system import IMPEDANCE, LIFT, STIFFENED, STRESS, Elastic, Interface, Operator, System, Viscous
+from fullwave.lines.system import IMPEDANCE, LIFT, STIFFENED, STRESS, Interface, Operator, System
+from fullwave.lines.viscosity import Elastic, Viscous
 from fullwave.options import MOST_CELLS, require_whole
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -94,7 +94,8 @@ def assemble(scene: Scene, grid: BlockGrid) -> System:
         grid.operator,
         medium,
         _interface(scene, facts, grid.size),
-        compiled_drive(scene.drive),
+        scene.forcing,
+        scene.drive.compiled,
         slots,
         facts,
         _tops(scene, chains, facts),
@@ -177,12 +178,7 @@ def _interface(scene: Scene, facts: Array, size: int) -> Interface:
     return Interface(
         law=scene.law,
         impedance=1.0 / float((copies / (facts[IMPEDANCE] * facts[STIFFENED]))[ends].sum()),
-        steady_stress=scene.steady_stress,
-        velocity=scene.velocity,
         copies=copies,
-        transit=scene.transit,
-        stiffness=scene.stiffness,
-        nudge=scene.start.nudge_size,
         joints=joints,
         sides=sides,
         size=size,

@@ -35,7 +35,8 @@ def march(
     parabola through them starts each friction solve, which saves two of four iterations. `frames`, if it has rows, takes the
     state at the beginning of every step. Returns (failed solves, step n of the first or -1, fastest state relaxation per
     transit)."""
-    operator, medium, interface, drive = system.operator, system.medium, system.interface, system.drive
+    operator, medium, interface = system.operator, system.medium, system.interface
+    forcing, drive = system.forcing, system.drive
     slots, facts, tops, arrivals = system.slots, system.facts, system.tops, system.arrivals
     weight, abscissae = step * method.weight, step * method.abscissae
     unknown, psis, stress, elastic = pieces.z, pieces.psi, pieces.mu, pieces.y
@@ -51,7 +52,7 @@ def march(
             combine(weight, stages, stage, state, rates, trial)
             guess = 3.0 * (unknowns[0, stage] - unknowns[1, stage]) + unknowns[2, stage]
             z, mu, relaxation, iterations = rates_of(
-                operator, medium, interface, drive, slots, facts, tops, arrivals,
+                operator, medium, interface, forcing, drive, slots, facts, tops, arrivals,
                 time + abscissae[stage], trial, rates, stage * state.size, guess,
             )  # fmt: skip
             fastest = max(fastest, relaxation)

@@ -20,10 +20,10 @@ from fullwave.lines.system import (
     YIELDING,
     Operator,
     System,
-    Viscous,
     apply,
     finish,
 )
+from fullwave.lines.viscosity import Viscous
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
 

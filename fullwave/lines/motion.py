@@ -3,13 +3,9 @@
 `rates` is flat: a stage's values begin at index `at`. `arrivals` is scratch.
 """
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
-import fullwave.lines.viscosity  # noqa: F401  (registers what the compiled calls below are bound to)
-from fullwave.leapfrog.drives import Constant, Ramps, velocity_at
 from fullwave.lines.system import (
     ARRIVING,
     DASHPOT,
@@ -31,23 +27,20 @@ from fullwave.lines.system import (
     VELOCITY,
     VISCOUS,
     YIELDING,
-    Elastic,
     Interface,
+    Medium,
     Operator,
-    Viscous,
     apply,
-    dissipate,
     finish,
-    retard,
-    total_stress,
 )
+from fullwave.lines.viscosity import dissipate, retard, total_stress
 from slipwave.compiled import inlined
 from slipwave.friction import respond
 from slipwave.friction.interface import solve_interface
 from slipwave.observe.pieces import Array
-from slipwave.scene.start import NUDGE_CENTRE
-
-_NUDGE_REACH = 7.0  # transits; exp(-49) is beyond rounding
+from slipwave.scene.drive import Constant, Ramps, velocity_at
+from slipwave.scene.forcing import Forcing
+from slipwave.scene.start import nudge_rate
 
 
 @inlined
@@ -64,14 +57,14 @@ def _meet_joints(joints: int, slots: NDArray[np.int64], facts: Array, state: Arr
 
 @inlined
 def _meet_interface(
-    interface: Interface, slots: NDArray[np.int64], facts: Array, state: Array, z: float, arrivals: Array
+    interface: Interface, forcing: Forcing, slots: NDArray[np.int64], facts: Array, state: Array, z: float, arrivals: Array
 ) -> tuple[float, float, float, int]:
     """Friction solve at the interface: (z, v, mu, iterations); w* - w of each slab."""
     first = 2 * interface.joints
-    free = interface.velocity
+    free = forcing.velocity
     for k in range(first, first + interface.sides):
         free += interface.copies * arrivals[ARRIVING, k] / facts[STIFFENED, k]
-    incoming = interface.steady_stress + interface.impedance * free
+    incoming = forcing.steady_stress + interface.impedance * free
     psi = state[interface.size + PSI]
     z, iterations = solve_interface(interface.law, interface.impedance, incoming, psi, z)
     v = respond(interface.law, z, psi)[0]
@@ -79,12 +72,13 @@ def _meet_interface(
     for k in range(first, first + interface.sides):
         own = (arrivals[ARRIVING, k] - change / facts[IMPEDANCE, k]) / facts[STIFFENED, k]
         arrivals[JUMP, k] = own - state[slots[VELOCITY, k]]
-    return z, v, interface.steady_stress + change, iterations
+    return z, v, forcing.steady_stress + change, iterations
 
 
 @inlined
 def _meet_tops(
     interface: Interface,
+    forcing: Forcing,
     slots: NDArray[np.int64],
     facts: Array,
     tops: Array,
@@ -96,7 +90,7 @@ def _meet_tops(
 ) -> None:
     """w* - w at the outer faces, driven at half of `drive` each; rates of the grips' loads, of the input and of the radiation."""
     first, load = 2 * interface.joints + interface.sides, interface.size + GRIP
-    steady = 0.5 * interface.velocity
+    steady = 0.5 * forcing.velocity
     change = 0.5 * drive - steady
     power = lost = 0.0
     for side in range(interface.sides):
@@ -106,30 +100,27 @@ def _meet_tops(
         slip = change - face
         rates[at + load + side] = tops[SPRING, side] * slip
         traction = facts[IMPEDANCE, k] * (arriving + facts[STIFFENED, k] * face)
-        power += (interface.steady_stress + traction) * (0.5 * drive) - tops[DEAD, side] * interface.steady_stress * slip
+        power += (forcing.steady_stress + traction) * (0.5 * drive) - tops[DEAD, side] * forcing.steady_stress * slip
         lost += tops[DASHPOT, side] * slip * slip
         arrivals[JUMP, k] = face - state[slots[VELOCITY, k]]
-    scale = interface.copies * interface.transit
+    scale = interface.copies * forcing.transit
     rates[at + interface.size + INPUT] = scale * power
     rates[at + interface.size + RADIATED] = scale * lost
 
 
 @inlined
-def _evolve(interface: Interface, time: float, z: float, psi: float) -> tuple[float, float]:
+def _evolve(interface: Interface, forcing: Forcing, time: float, z: float, psi: float) -> tuple[float, float]:
     """(d psi/dt~, relaxation rate of psi), per transit, the nudge of a smooth start included."""
     answer = respond(interface.law, z, psi)
-    growth = interface.transit * answer[5]
-    late = time - NUDGE_CENTRE
-    if interface.nudge != 0.0 and abs(late) < _NUDGE_REACH:
-        growth += interface.nudge * math.exp(-late * late)
-    return growth, interface.transit * abs(answer[7])
+    return forcing.transit * answer[5] + nudge_rate(forcing.nudge, time), forcing.transit * abs(answer[7])
 
 
 @inlined
 def rates_of(
     operator: Operator,
-    medium: Elastic | Viscous,
+    medium: Medium,
     interface: Interface,
+    forcing: Forcing,
     drive: Constant | Ramps,
     slots: NDArray[np.int64],
     facts: Array,
@@ -149,16 +140,16 @@ def rates_of(
         stress = total_stress(medium, slots[STRESS, k], state, rates, at)
         arrivals[ARRIVING, k] = stress - facts[SIGN, k] * facts[STIFFENED, k] * state[slots[VELOCITY, k]]
     _meet_joints(interface.joints, slots, facts, state, arrivals)
-    _meet_tops(interface, slots, facts, tops, velocity, state, rates, at, arrivals)
-    z, v, mu, iterations = _meet_interface(interface, slots, facts, state, z, arrivals)
+    _meet_tops(interface, forcing, slots, facts, tops, velocity, state, rates, at, arrivals)
+    z, v, mu, iterations = _meet_interface(interface, forcing, slots, facts, state, z, arrivals)
     for k in range(traces):
         rates[at + slots[STRESS, k]] += facts[SIGN, k] * facts[LIFT, k] * arrivals[JUMP, k]
     retard(medium, operator, size, state, rates, at)
     for k in range(traces):
         rates[at + slots[VELOCITY, k]] += facts[LIFT, k] * arrivals[JUMP, k]
     finish(operator, rates, at)
-    rates[at + size + VISCOUS] = interface.copies * interface.transit * dissipate(medium, size, state, rates, at)
-    rates[at + size + FRICTION] = interface.transit * mu * v
-    rates[at + size + ELASTIC] = interface.stiffness * (velocity - v)
-    rates[at + size + PSI], relaxation = _evolve(interface, time, z, state[size + PSI])
+    rates[at + size + VISCOUS] = interface.copies * forcing.transit * dissipate(medium, size, state, rates, at)
+    rates[at + size + FRICTION] = forcing.transit * mu * v
+    rates[at + size + ELASTIC] = forcing.stiffness * (velocity - v)
+    rates[at + size + PSI], relaxation = _evolve(interface, forcing, time, z, state[size + PSI])
     return z, mu, relaxation, iterations

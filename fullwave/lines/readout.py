@@ -6,7 +6,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fullwave.lines.blocks import Block, BlockGrid
-from fullwave.lines.system import GRIP, IMPEDANCE, SCALARS, SPRING, System, Viscous
+from fullwave.lines.system import GRIP, IMPEDANCE, SCALARS, SPRING, System
+from fullwave.lines.viscosity import Viscous
 from slipwave.observe.pieces import Array
 from slipwave.observe.snapshot import SlabSnapshot, Snapshot
 
@@ -23,15 +24,15 @@ def stored_energy(grid: BlockGrid, system: System, state: Array) -> float:
         if spring > 0.0:
             load = float(state[interface.size + GRIP + side])
             impedance = float(system.facts[IMPEDANCE, system.facts.shape[1] - interface.sides + side])
-            total += load * (impedance * load + 2.0 * interface.steady_stress) / (2.0 * spring)
-    return interface.copies * interface.transit * total
+            total += load * (impedance * load + 2.0 * system.forcing.steady_stress) / (2.0 * spring)
+    return interface.copies * system.forcing.transit * total
 
 
 def _block_energy(block: Block, system: System, state: Array) -> float:
     """Half of eps (w.H w + s.H s), less the steady part; a Zener solid splits s into its relaxed and its memory spring."""
-    steady = system.interface.steady_stress / block.section.impedance
+    steady = system.forcing.steady_stress / block.section.impedance
     velocity, stress = state[block.velocity], state[block.stress]
-    parts = [(velocity, 0.5 * system.interface.velocity, 1.0)]
+    parts = [(velocity, 0.5 * system.forcing.velocity, 1.0)]
     medium = system.medium
     if isinstance(medium, Viscous) and medium.rate[block.stress[0]] > 0.0:
         memory = state[system.interface.size + SCALARS + block.stress]
@@ -59,10 +60,10 @@ def _slab_fields(grid: BlockGrid, system: System, state: Array, slab: int) -> Sl
     """Fields of a marched slab in the upper slab's direction of drive; the two values at a joint are averaged."""
     blocks = [block for block in grid.blocks if block.section.slab == slab]
     depth = np.concatenate([block.depth for block in blocks])
-    velocity = np.concatenate([state[block.velocity] for block in blocks]) + 0.5 * system.interface.velocity
+    velocity = np.concatenate([state[block.velocity] for block in blocks]) + 0.5 * system.forcing.velocity
     stress = np.concatenate([block.section.impedance * _total_stress(block, system, state) for block in blocks])
     places, where, counts = np.unique(np.round(depth / depth[-1], 12), return_inverse=True, return_counts=True)
-    means = [np.bincount(where, values) / counts for values in (velocity, stress + system.interface.steady_stress)]
+    means = [np.bincount(where, values) / counts for values in (velocity, stress + system.forcing.steady_stress)]
     return SlabSnapshot(places, means[0] if slab == 0 else -means[0], means[1])
 
 
@@ -78,8 +79,7 @@ def _total_stress(block: Block, system: System, state: Array) -> Array:
 
 def impose_fields(grid: BlockGrid, system: System, state: Array, slab: int, velocity: Shape, stress: Shape) -> None:
     """Set the fields of marched slab 0 (upper) or 1 in `state`: functions of depth, as `March.impose` has them."""
-    interface = system.interface
     for block in grid.blocks:
         if block.section.slab == slab:
-            state[block.velocity] = velocity(block.depth) - 0.5 * interface.velocity
-            state[block.stress] = (stress(block.depth) - interface.steady_stress) / block.section.impedance
+            state[block.velocity] = velocity(block.depth) - 0.5 * system.forcing.velocity
+            state[block.stress] = (stress(block.depth) - system.forcing.steady_stress) / block.section.impedance

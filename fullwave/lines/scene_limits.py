@@ -21,9 +21,9 @@ _SAMPLE_NODES = 28  # per section of the sample whose spectrum is computed
 
 def relaxation_limit(system: System, method: RungeKutta) -> float:
     """Longest step at which the grips and, in steady sliding, the frictional state relax stably (transits)."""
-    interface = system.interface
-    psi = steady_state(interface.law, interface.velocity)
-    ageing = interface.transit * abs(respond(interface.law, unknown_of(interface.law, interface.velocity), psi)[7])
+    law, forcing = system.interface.law, system.forcing
+    psi = steady_state(law, forcing.velocity)
+    ageing = forcing.transit * abs(respond(law, unknown_of(law, forcing.velocity), psi)[7])
     return longest_decay_step(max(ageing, float((system.tops[SPRING] * system.tops[YIELDING]).max())), method)
 
 

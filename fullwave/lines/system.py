@@ -32,13 +32,17 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from fullwave.leapfrog.drives import Constant, Ramps
-from slipwave.compiled.dispatch import dispatch
+from slipwave.compiled.dispatch import by_class
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array
+from slipwave.scene.drive import Constant, Ramps
+from slipwave.scene.forcing import Forcing
 
 Operator: TypeAlias = Any
 """An instance of a family's operator class (a NamedTuple)."""
+
+Medium: TypeAlias = Any
+"""What viscosity adds: an instance of `viscosity.Elastic` or `viscosity.Viscous`."""
 
 # scalars carried behind the grid values, integrated by the same Runge-Kutta method (GRIP: one load per slab); SCALARS of them,
 # a multiple of panels.LANES
@@ -58,37 +62,12 @@ DRIVEN, YIELDING, SPRING, DASHPOT, DEAD = 0, 1, 2, 3, 4
 ARRIVING, JUMP = 0, 1
 
 
-class Elastic(NamedTuple):
-    """No viscosity anywhere: nothing of it is compiled in."""
-
-    nothing: float = 0.0
-
-
-class Viscous(NamedTuple):
-    """Per slot of the grid (size,): energy weight eps h, relaxation rate and relaxed fraction (standard linear, else 0), tau
-    (Kelvin-Voigt, else 0), True at velocity slots; scratch for the total stress and its derivative."""
-
-    weight: Array
-    rate: Array
-    fraction: Array
-    retardation: Array
-    is_velocity: NDArray[np.bool_]
-    total: Array
-    spare: Array
-
-
 class Interface(NamedTuple):
-    """Law, Z, stress and slip rate of steady sliding, copies (2 when one slab stands for both), one transit on the friction
-    clock, stiffness of both slabs per transit, nudge size; joints, marched slabs and slots of the grid."""
+    """Law, Z, copies (2 when one slab stands for both); joints, marched slabs and slots of the grid."""
 
     law: Law
     impedance: float
-    steady_stress: float
-    velocity: float
     copies: float
-    transit: float
-    stiffness: float
-    nudge: float
     joints: int
     sides: int
     size: int
@@ -99,8 +78,9 @@ class System(NamedTuple):
     tuple there, each would be counted in and out at every call, which was measured to cost more than the arithmetic."""
 
     operator: Operator
-    medium: Elastic | Viscous
+    medium: Medium
     interface: Interface
+    forcing: Forcing
     drive: Constant | Ramps
     slots: NDArray[np.int64]
     facts: Array
@@ -108,42 +88,12 @@ class System(NamedTuple):
     arrivals: Array
 
 
+@by_class()
 def apply(operator: Operator, state: Array, rates: Array, at: int) -> None:
     """rates[at + velocity slots] = D s, rates[at + stress slots] = D w (before `finish`)."""
     raise NotImplementedError(type(operator))
 
 
+@by_class()
 def finish(operator: Operator, rates: Array, at: int) -> None:
-    """Complete the rates once the faces' terms are in (a consistent mass matrix is solved here)."""
-    raise NotImplementedError(type(operator))
-
-
-def nothing_left(operator: Operator, rates: Array, at: int) -> None:
-    """`finish` of an operator whose norm is diagonal."""
-
-
-def total_stress(medium: Elastic | Viscous, slot: int, state: Array, rates: Array, at: int) -> float:
-    """s + tau s_t at a stress slot, before the faces' terms (s in elastic slabs)."""
-    raise NotImplementedError(type(medium))
-
-
-def retard(medium: Elastic | Viscous, operator: Operator, size: int, state: Array, rates: Array, at: int) -> None:
-    """Kelvin-Voigt: replace D s in the velocity slots by D (s + tau s_t)."""
-    raise NotImplementedError(type(medium))
-
-
-def dissipate(medium: Elastic | Viscous, size: int, state: Array, rates: Array, at: int) -> float:
-    """Rates of the memory stresses (standard linear), and the power turned into heat in the marched slabs, over one transit."""
-    raise NotImplementedError(type(medium))
-
-
-_APPLY: dict[type, Any] = {}
-_FINISH: dict[type, Any] = {}
-dispatch(apply, _APPLY)
-dispatch(finish, _FINISH)
-
-
-def register_operator(kind: type, apply: Any, finish: Any = nothing_left) -> None:
-    """Let the compiled march know a family's operator class."""
-    _APPLY[kind] = apply
-    _FINISH[kind] = finish
+    """Complete the rates once the faces' terms are in: nothing is left to do unless a mass matrix is to be solved."""

@@ -1,21 +1,68 @@
 """What viscosity adds to the equations of motion (`fullwave.lines.system`); in elastic slabs, nothing."""
 
-from fullwave.lines.system import SCALARS, Elastic, Viscous, apply, dissipate, retard, total_stress
-from slipwave.compiled.dispatch import dispatch
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fullwave.lines.system import SCALARS, Operator, apply
+from slipwave.compiled.dispatch import by_class
+from slipwave.observe.pieces import Array
 
 
+class Elastic(NamedTuple):
+    """No viscosity anywhere: nothing of it is compiled in."""
+
+    nothing: float = 0.0
+
+
+class Viscous(NamedTuple):
+    """Per slot of the grid (size,): energy weight eps h, relaxation rate and relaxed fraction (standard linear, else 0), tau
+    (Kelvin-Voigt, else 0), True at velocity slots; scratch for the total stress and its derivative."""
+
+    weight: Array
+    rate: Array
+    fraction: Array
+    retardation: Array
+    is_velocity: NDArray[np.bool_]
+    total: Array
+    spare: Array
+
+
+@by_class()
+def total_stress(medium: Elastic | Viscous, slot: int, state: Array, rates: Array, at: int) -> float:
+    """s + tau s_t at a stress slot, before the faces' terms (s in elastic slabs)."""
+    raise NotImplementedError(type(medium))
+
+
+@by_class()
+def retard(medium: Elastic | Viscous, operator: Operator, size: int, state: Array, rates: Array, at: int) -> None:
+    """Kelvin-Voigt: replace D s in the velocity slots by D (s + tau s_t)."""
+    raise NotImplementedError(type(medium))
+
+
+@by_class()
+def dissipate(medium: Elastic | Viscous, size: int, state: Array, rates: Array, at: int) -> float:
+    """Rates of the memory stresses (standard linear), and the power turned into heat in the marched slabs, over one transit."""
+    raise NotImplementedError(type(medium))
+
+
+@total_stress.register(Elastic)
 def _elastic_stress(medium, slot, state, rates, at):  # type: ignore[no-untyped-def]
     return state[slot]
 
 
+@total_stress.register(Viscous)
 def _viscous_stress(medium, slot, state, rates, at):  # type: ignore[no-untyped-def]
     return state[slot] + medium.retardation[slot] * rates[at + slot]
 
 
+@retard.register(Elastic)
 def _elastic_retard(medium, operator, size, state, rates, at):  # type: ignore[no-untyped-def]
     return None
 
 
+@retard.register(Viscous)
 def _viscous_retard(medium, operator, size, state, rates, at):  # type: ignore[no-untyped-def]
     total, spare, retardation, is_velocity = medium.total, medium.spare, medium.retardation, medium.is_velocity
     for i in range(size):
@@ -26,10 +73,12 @@ def _viscous_retard(medium, operator, size, state, rates, at):  # type: ignore[n
             rates[at + i] = spare[i]
 
 
+@dissipate.register(Elastic)
 def _elastic_dissipate(medium, size, state, rates, at):  # type: ignore[no-untyped-def]
     return 0.0
 
 
+@dissipate.register(Viscous)
 def _viscous_dissipate(medium, size, state, rates, at):  # type: ignore[no-untyped-def]
     weight, rate, fraction, retardation = medium.weight, medium.rate, medium.fraction, medium.retardation
     lost = 0.0
@@ -43,8 +92,3 @@ def _viscous_dissipate(medium, size, state, rates, at):  # type: ignore[no-untyp
             rates[at + i] -= flow
             lost += weight[i] * flow * state[memory + i] / fraction[i]
     return lost
-
-
-dispatch(total_stress, {Elastic: _elastic_stress, Viscous: _viscous_stress})
-dispatch(retard, {Elastic: _elastic_retard, Viscous: _viscous_retard})
-dispatch(dissipate, {Elastic: _elastic_dissipate, Viscous: _viscous_dissipate})

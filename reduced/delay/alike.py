@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from reduced.delay.alike_kernel import PSI, TIME, AlikeMemory, Matrices, Physics, march_delay
+from reduced.delay.alike_kernel import PSI, TIME, AlikeMemory, Matrices, march_delay
 from reduced.delay.march import DelayMarch
 from reduced.delay.transit_mesh import TransitMesh, cuts_of, transit_mesh
 from reduced.step.collocation import growth_limit, highest_coefficient, radau
@@ -45,7 +45,6 @@ class Delay(DelayMarch):
         self._steepest = growth_limit(self._stages, tolerance)
         self._emit = emit
         self.nodes, self._matrices = collocation_matrices(self._stages)
-        self._physics = Physics(scene.upper.epsilon, scene.transit, scene.start.nudge_size, *scene.drive.knots())
         self._cuts = cuts_of(scene.drive)
         self._begin(transit_mesh(steps or _first_steps(scene, self._stages), self._cuts))
         self._march(0, empty_pieces(0, self._stages))  # loads or compiles the march, so that a run's wall time is the march's
@@ -73,9 +72,9 @@ class Delay(DelayMarch):
     def _march(self, count: int, pieces: Pieces) -> tuple[int, int]:
         """(steps kept, verdict) of `count` steps."""
         tolerances = (self._newton_tolerance, self._resolution, self._steepest)
-        kept, iterations, verdict = march_delay(
-            tuple(self.nodes), self.scene.law, self._physics, self._matrices, self._memory, count, *tolerances, pieces
-        )
+        scene, nodes = self.scene, tuple(self.nodes)
+        physics = (scene.law, scene.upper.epsilon, scene.forcing, scene.drive.compiled)
+        kept, iterations, verdict = march_delay(nodes, *physics, self._matrices, self._memory, count, *tolerances, pieces)
         self.iterations += iterations
         return kept, verdict
 

@@ -18,7 +18,8 @@ from reduced.step.newton import RATE, STATE, UNKNOWN, WORK_ROWS, solve_step
 from slipwave.compiled import inlined, njit, overwrite
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array, Pieces
-from slipwave.scene.drive import interpolate_drive
+from slipwave.scene.drive import Constant, Ramps, velocity_at
+from slipwave.scene.forcing import Forcing
 
 # entries of `now`
 TIME, PSI, ELASTIC = 0, 1, 2
@@ -45,22 +46,11 @@ class Matrices(NamedTuple):
     tail: Array
 
 
-class Physics(NamedTuple):
-    """epsilon, round trip r, nudge size, times and velocities of the drive (arrays of equal length)."""
-
-    epsilon: float
-    round_trip: float
-    nudge: float
-    drive_times: Array
-    drive_velocities: Array
-
-
 @inlined
 def emit(
     nodes: Nodes,
     epsilon: float,
-    drive_times: Array,
-    drive_velocities: Array,
+    drive: Constant | Ramps,
     start: float,
     length: float,
     integral: Array,
@@ -81,11 +71,8 @@ def emit(
         pieces.psi[k, j] = guess[STATE, j]
         pieces.mu[k, j] = incoming[i, j] - 0.5 * epsilon * work[RATE, j]
         pieces.y[k, j] = now[ELASTIC]
-    velocity = drive_velocities[0]
     for m in range(s):
-        if drive_velocities.size > 1:
-            velocity = interpolate_drive(drive_times, drive_velocities, start + nodes[m] * length)
-        factor = length * epsilon * (velocity - work[RATE, m])
+        factor = length * epsilon * (velocity_at(drive, start + nodes[m] * length) - work[RATE, m])
         for j in range(s):
             pieces.y[k, j] += integral[m, j] * factor
     now[ELASTIC] = pieces.y[k, s - 1]
@@ -95,7 +82,9 @@ def emit(
 def march_delay(
     nodes: Nodes,
     law: Law,
-    physics: Physics,
+    epsilon: float,
+    forcing: Forcing,
+    drive: Constant | Ramps,
     matrices: Matrices,
     memory: AlikeMemory,
     count: int,
@@ -109,7 +98,7 @@ def march_delay(
     s = len(nodes)
     incoming, guess, now = memory.incoming, memory.guess, memory.now
     integral, predict_rate, predict_state, tail = matrices.integral, matrices.predict, matrices.predict_state, matrices.tail
-    epsilon, nudge, velocities = physics.epsilon, physics.nudge, physics.drive_velocities
+    transit, nudge = forcing.transit, forcing.nudge
     steps, lengths = incoming.shape[0], memory.lengths
     work, system = np.zeros((WORK_ROWS, s)), np.empty((s, s))
     saved, saved_guess, saved_now = np.empty_like(incoming), np.empty_like(guess), np.empty_like(now)
@@ -117,8 +106,6 @@ def march_delay(
     overwrite(saved_now, now)
     overwrite(saved_guess, guess)
     i, anchor, iterations = memory.cursor[0], 0, 0
-    drive_times = physics.drive_times
-    constant, velocity = velocities.size == 1, velocities[0]
     for n in range(count):
         if i == 0:
             anchor = n
@@ -126,7 +113,7 @@ def march_delay(
             overwrite(saved_now, now)
             overwrite(saved_guess, guess)
         left, start, length = now[PSI], now[TIME], lengths[i]
-        h = length * physics.round_trip
+        h = length * transit
         if nudge != 0.0:
             force(nodes, nudge, start, length, integral, work)
         used = solve_step(nodes, law, 0.5 * epsilon, h, left, incoming, i, integral, newton_tolerance, guess, work, system)
@@ -139,13 +126,11 @@ def march_delay(
             memory.cursor[0] = (i - (n - anchor)) % steps
             return anchor, iterations, verdict
         if pieces.time.size == count:
-            emit(nodes, epsilon, drive_times, velocities, start, length, integral, incoming, i, guess, work, now, pieces, n)
+            emit(nodes, epsilon, drive, start, length, integral, incoming, i, guess, work, now, pieces, n)
         elif n == count - 1:
-            emit(nodes, epsilon, drive_times, velocities, start, length, integral, incoming, i, guess, work, now, pieces, 0)
+            emit(nodes, epsilon, drive, start, length, integral, incoming, i, guess, work, now, pieces, 0)
         for j in range(s):
-            if not constant:
-                velocity = interpolate_drive(drive_times, velocities, start + nodes[j] * length + 0.5)
-            incoming[i, j] += epsilon * (velocity - work[RATE, j])
+            incoming[i, j] += epsilon * (velocity_at(drive, start + nodes[j] * length + 0.5) - work[RATE, j])
         now[PSI] = guess[STATE, s - 1]
         now[TIME] = start + length
         i, last = i + 1 if i + 1 < steps else 0, guess[UNKNOWN, s - 1]

@@ -45,7 +45,7 @@ class DelayBreaks(DelayNetwork):
         self._start_times, self._lengths = np.full(_RING, np.nan), np.ones(_RING)
         layers = self._lines.travel.size
         self._memory = self._memory._replace(waves=np.zeros((layers, 2, _RING, self._stages)))
-        self._arrivals = [] if scene.drive.is_constant else [float(time) for time in scene.drive.times if time > 0.0]
+        self._arrivals = [float(time) for time in scene.drive.knots if time > 0.0]
         self.break_points = 0
 
     def advance(self, until: float) -> Pieces:

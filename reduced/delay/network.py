@@ -7,7 +7,7 @@ import numpy as np
 from reduced.delay.alike import collocation_matrices, dense_resolution
 from reduced.delay.alike_kernel import ELASTIC, PSI, TIME
 from reduced.delay.march import DelayMarch
-from reduced.delay.network_kernel import Integers, Motion, Network, NetworkMemory, march_network
+from reduced.delay.network_kernel import Integers, Network, NetworkMemory, march_network
 from reduced.delay.transmission_lines import common_divisor, lines_of
 from reduced.step.collocation import growth_limit, radau
 from reduced.step.guess import DONE, first_guess
@@ -43,7 +43,6 @@ class DelayNetwork(DelayMarch):
         self._commensurate = divisor is not None
         longest = min(1.0 / _FEWEST, float(self._lines.travel.min()))
         self._length = divisor / max(1, math.ceil(divisor / longest)) if divisor else longest
-        self._motion = Motion(scene.transit, scene.stiffness, scene.start.nudge_size, scene.velocity, *scene.drive.knots())
         self._network = self._compile()
         self._memory = self._begin()
         self._origin, self._done = 0.0, 0
@@ -69,7 +68,15 @@ class DelayNetwork(DelayMarch):
     def _march(self, count: int, pieces: Pieces) -> tuple[int, int]:
         """(steps kept, verdict) of `count` steps."""
         rule = (self._matrices.integral, self._matrices.predict, self._matrices.predict_state, self._matrices.tail)
-        systems = (tuple(self.nodes), self.scene.law, self._network, self._motion, *rule, self._memory)
+        systems = (
+            tuple(self.nodes),
+            self.scene.law,
+            self._network,
+            self.scene.forcing,
+            self.scene.drive.compiled,
+            *rule,
+            self._memory,
+        )
         steps, iterations, verdict = march_network(*systems, self._length, count, *self._tolerances, pieces)
         self.iterations += iterations
         return steps, verdict
@@ -91,7 +98,6 @@ class DelayNetwork(DelayMarch):
             self._grip_response(self._length),
             scene.impedance,
             scene.steady_stress + scene.impedance * scene.velocity,
-            scene.steady_stress,
             lines.weight,
         )
 

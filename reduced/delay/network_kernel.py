@@ -17,7 +17,8 @@ from reduced.step.newton import PREVIOUS, RATE, STATE, UNKNOWN, WORK_ROWS, solve
 from slipwave.compiled import njit, overwrite
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array, Pieces
-from slipwave.scene.drive import interpolate_drive
+from slipwave.scene.drive import Constant, Ramps, velocity_at
+from slipwave.scene.forcing import Forcing
 
 OUTWARD, INWARD = 0, 1
 Integers = NDArray[np.int64]
@@ -40,19 +41,7 @@ class Network(NamedTuple):
     grip: Array
     interface_impedance: float
     base: float
-    steady_stress: float
     weight: float
-
-
-class Motion(NamedTuple):
-    """round trip, stiffness of the emitted elastic stress, nudge size, V_0, drive times and velocities."""
-
-    round_trip: float
-    stiffness: float
-    nudge: float
-    steady_velocity: float
-    drive_times: Array
-    drive_velocities: Array
 
 
 class NetworkMemory(NamedTuple):
@@ -134,7 +123,8 @@ def march_network(
     nodes: Nodes,
     law: Law,
     network: Network,
-    motion: Motion,
+    forcing: Forcing,
+    velocity: Constant | Ramps,
     integral: Array,
     predict_rate: Array,
     predict_state: Array,
@@ -155,16 +145,14 @@ def march_network(
     arrived, launched, pull = np.empty((layers, 2, s)), np.empty((layers, 2, s)), np.empty((3, s))
     work, system, incoming, drive = np.zeros((WORK_ROWS, s)), np.empty((s, s)), np.empty((1, s)), np.zeros(s)
     saved_guess, saved_grip = np.empty_like(guess), np.empty_like(grip)
-    impedance, h = network.interface_impedance, length * motion.round_trip
-    velocities, drive_times = motion.drive_velocities, motion.drive_times
+    impedance, h = network.interface_impedance, length * forcing.transit
     iterations = 0
     for n in range(count):
         cursor, start, left = memory.cursor[0], now[TIME], now[PSI]
         overwrite(saved_guess, guess)
         overwrite(saved_grip, grip)
-        if velocities.size > 1:
-            for j in range(s):
-                drive[j] = 0.5 * (interpolate_drive(drive_times, velocities, start + nodes[j] * length) - motion.steady_velocity)
+        for j in range(s):
+            drive[j] = 0.5 * (velocity_at(velocity, start + nodes[j] * length) - forcing.velocity)
         for layer in range(layers):
             arrive(nodes, network, waves, layer, OUTWARD, cursor, arrived)
             arrive(nodes, network, waves, layer, INWARD, cursor, arrived)
@@ -178,8 +166,8 @@ def march_network(
             share = network.weight * impedance / network.impedance[first]
             for j in range(s):
                 incoming[0, j] += share * arrived[first, INWARD, j]
-        if motion.nudge != 0.0:
-            force(nodes, motion.nudge, start, length, integral, work)
+        if forcing.nudge != 0.0:
+            force(nodes, forcing.nudge, start, length, integral, work)
         used = solve_step(nodes, law, impedance, h, left, incoming, 0, integral, newton_tolerance, guess, work, system)
         iterations += used
         verdict = judge_step(nodes, tail, guess, work, used, resolution, steepest)
@@ -187,11 +175,11 @@ def march_network(
             overwrite(guess, saved_guess)
             overwrite(grip, saved_grip)
             return n, iterations, verdict
-        emit(nodes, motion, impedance, integral, incoming, drive, guess, work, now, start, length, pieces, n)
+        emit(nodes, forcing, impedance, integral, incoming, drive, guess, work, now, start, length, pieces, n)
         for slab in range(slabs):
             first = network.first[slab]
             for j in range(s):
-                stress = pieces.mu[n, j] - network.steady_stress
+                stress = pieces.mu[n, j] - forcing.steady_stress
                 launched[first, OUTWARD, j] = 2.0 * stress - arrived[first, INWARD, j]
         for layer in range(layers):
             for j in range(s):
@@ -206,7 +194,7 @@ def march_network(
 @njit
 def emit(
     nodes: Nodes,
-    motion: Motion,
+    forcing: Forcing,
     impedance: float,
     integral: Array,
     incoming: Array,
@@ -229,7 +217,7 @@ def emit(
         pieces.mu[k, j] = incoming[0, j] - impedance * work[RATE, j]
         work[PREVIOUS, j] = now[ELASTIC]
     for m in range(s):
-        factor = length * motion.stiffness * (motion.steady_velocity + 2.0 * drive[m] - work[RATE, m])
+        factor = length * forcing.stiffness * (forcing.velocity + 2.0 * drive[m] - work[RATE, m])
         for j in range(s):
             work[PREVIOUS, j] += integral[m, j] * factor
     for j in range(s):

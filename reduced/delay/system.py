@@ -30,5 +30,5 @@ def _breaks_within_steps(scene: Scene) -> bool:
     divisor = common_divisor(lines_of(scene).travel)
     if divisor is None:
         return scene.start.kind is StartKind.JUMP or not scene.drive.is_constant
-    knots = np.array([] if scene.drive.is_constant else scene.drive.times) / divisor
+    knots = np.array(scene.drive.knots) / divisor
     return bool((np.abs(knots - np.round(knots)) > _ALIGNED).any())

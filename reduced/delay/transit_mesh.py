@@ -51,7 +51,7 @@ class TransitMesh:
 
 def cuts_of(drive: Drive) -> Array:
     """Fractions of the transit at which the drive's knots kink the load or the wave at the interface; 0 is always one."""
-    knots = np.array(drive.times[:0] if drive.is_constant else drive.times)
+    knots = np.array(drive.knots)
     fractions = np.sort(np.concatenate(([0.0], knots % 1.0, (knots + 0.5) % 1.0)))
     fractions = fractions[fractions < 1.0 - _SAME]
     return fractions[np.concatenate(([True], np.diff(fractions) > _SAME))]

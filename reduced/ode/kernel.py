@@ -20,8 +20,9 @@ from reduced.step.collocation import Nodes
 from slipwave.compiled import inlined, njit
 from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array, Pieces
-from slipwave.scene.drive import interpolate_drive
-from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+from slipwave.scene.drive import Constant, Ramps, velocity_at
+from slipwave.scene.forcing import Forcing
+from slipwave.scene.start import nudge_rate
 
 TIME, PSI, SPRING, ELASTIC, RATE, UNKNOWN_END = range(6)
 STATE, UNKNOWN = 0, 1
@@ -41,17 +42,6 @@ class Rule(NamedTuple):
     tail: Array
     predict: Array
     predict_state: Array
-
-
-class Slabs(NamedTuple):
-    """epsilon, round trip, stiffness (per transit, of the emitted elastic stress), nudge size, drive times and velocities."""
-
-    epsilon: float
-    round_trip: float
-    stiffness: float
-    nudge: float
-    drive_times: Array
-    drive_velocities: Array
 
 
 class Limits(NamedTuple):
@@ -93,8 +83,7 @@ def external_stress(
 def force(nodes: Nodes, nudge: float, start: float, length: float, work: Array) -> None:
     """work[_FORCED] <- the nudge at the nodes; kept out of the Newton loop, which it would slow."""
     for j in range(len(nodes)):
-        since = start + nodes[j] * length - NUDGE_CENTRE
-        work[_FORCED, j] = length * nudge * math.exp(-since * since) if abs(since) < NUDGE_REACH else 0.0
+        work[_FORCED, j] = length * nudge_rate(nudge, start + nodes[j] * length)
 
 
 @inlined
@@ -248,7 +237,9 @@ def hold(nodes: Nodes, now: Array, guess: Array) -> None:
 def march_ladder(
     nodes: Nodes,
     law: Law,
-    slabs: Slabs,
+    epsilon: float,
+    forcing: Forcing,
+    drive: Constant | Ramps,
     tables: Tables,
     rule: Rule,
     memory: ReducedMemory,
@@ -260,14 +251,12 @@ def march_ladder(
     """March until `until` or until the pieces are full; returns (steps, Newton iterations, verdict), verdict 0 done, 1 no step
     is short enough. The last step may pass `until`, but none passes `stop`."""
     s = len(nodes)
-    epsilon, nudge, velocities, drive_times = slabs.epsilon, slabs.nudge, slabs.drive_velocities, slabs.drive_times
+    nudge, stiffness = forcing.nudge, forcing.stiffness
     modes, guess, now, levels = memory.modes, memory.guess, memory.now, memory.level
     integral, tail, impedance = rule.integral, rule.tail, tables.impedance
     work, system, change = np.zeros((_WORK_ROWS, s)), np.empty((2 * s, 2 * s)), np.empty(2 * s)
     deepest = tables.length.size - 1
     iterations, k = 0, 0
-    for j in range(s):
-        work[_DRIVE, j] = velocities[0]
     while k < pieces.time.size and now[TIME] < min(until, stop) - SAME:
         level = levels[0]
         while level < deepest and now[TIME] + tables.length[level] > stop + SAME:
@@ -276,11 +265,10 @@ def march_ladder(
             levels[0] = level
             hold(nodes, now, guess)
         length = tables.length[level]
-        h = length * slabs.round_trip
+        h = length * forcing.transit
         psi, start = now[PSI], now[TIME]
-        if velocities.size > 1:
-            for j in range(s):
-                work[_DRIVE, j] = interpolate_drive(drive_times, velocities, start + nodes[j] * length)
+        for j in range(s):
+            work[_DRIVE, j] = velocity_at(drive, start + nodes[j] * length)
         external_stress(nodes, epsilon, tables, level, modes, now[SPRING], now[RATE], work)
         if nudge != 0.0:
             force(nodes, nudge, start, length, work)
@@ -317,10 +305,10 @@ def march_ladder(
             slip = 0.0
             for m in range(s):
                 slip += length * integral[j, m] * (work[_DRIVE, m] - work[_V, m])
-            pieces.y[k, j] = now[ELASTIC] + slabs.stiffness * slip
+            pieces.y[k, j] = now[ELASTIC] + stiffness * slip
         advance_modes(nodes, tables, level, modes, length, integral, work)
         now[SPRING] += tables.spring * slip
-        now[ELASTIC] += slabs.stiffness * slip
+        now[ELASTIC] += stiffness * slip
         now[PSI], now[RATE], now[UNKNOWN_END] = guess[STATE, s - 1], work[_V, s - 1], guess[UNKNOWN, s - 1]
         now[TIME] = start + length
         longer = level > 0 and size < 0.5 ** (s + 1) * limits.resolution

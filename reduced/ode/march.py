@@ -16,7 +16,6 @@ from reduced.ode.kernel import (
     Limits,
     ReducedMemory,
     Rule,
-    Slabs,
     march_ladder,
 )
 from reduced.ode.reduction import Reduction
@@ -52,8 +51,7 @@ class ReducedModel:
         self.nodes = rule.nodes
         self._reduction, self._tolerance = reduction, tolerance
         self._tables = _tables(reduction, stages, LONGEST)
-        self._knots = [] if scene.drive.is_constant else [time for time in scene.drive.times if time > 0.0]
-        self._slabs = Slabs(scene.upper.epsilon, scene.transit, scene.stiffness, scene.start.nudge_size, *scene.drive.knots())
+        self._knots = [time for time in scene.drive.knots if time > 0.0]
         self._memory = self._begin(stages)
         self._take_stretch(0.0)
 
@@ -89,7 +87,9 @@ class ReducedModel:
         steps, iterations, verdict = march_ladder(
             self._shape,
             self.scene.law,
-            self._slabs,
+            self.scene.upper.epsilon,
+            self.scene.forcing,
+            self.scene.drive.compiled,
             self._tables,
             self._rule,
             self._memory,

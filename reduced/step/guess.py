@@ -1,15 +1,13 @@
 """Around the Newton iteration of a collocation step of the delay system: where it starts, what forces it, whether its polynomial
 is resolved. See `reduced.step.newton` for the rows of `guess` and `work`."""
 
-import math
-
 from reduced.step.collocation import Nodes
 from reduced.step.newton import FORCED, FRESH, PREVIOUS, SLOPE, STATE, UNKNOWN
 from slipwave.compiled import inlined, njit
 from slipwave.friction import Law
 from slipwave.friction.interface import solve_interface
 from slipwave.observe.pieces import Array
-from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+from slipwave.scene.start import nudge_rate
 
 DONE, NOT_SOLVED, NOT_SMOOTH, TOO_STEEP = range(4)
 """What becomes of a step."""
@@ -32,13 +30,11 @@ def force(nodes: Nodes, nudge: float, start: float, length: float, integral: Arr
     by a quarter."""
     for j in range(len(nodes)):
         work[FORCED, j] = 0.0
-    if abs(start - NUDGE_CENTRE) > NUDGE_REACH:
-        return
     for k in range(len(nodes)):
-        since = start + nodes[k] * length - NUDGE_CENTRE
-        size = length * nudge * math.exp(-since * since)
-        for j in range(len(nodes)):
-            work[FORCED, j] += integral[k, j] * size
+        gain = length * nudge_rate(nudge, start + nodes[k] * length)
+        if gain != 0.0:
+            for j in range(len(nodes)):
+                work[FORCED, j] += integral[k, j] * gain
 
 
 @inlined

@@ -1,27 +1,49 @@
-"""Choose an implementation by the class of the first argument, at compile time.
+"""Choose an implementation by the class of the first argument, in plain Python and, at compile time, in compiled code.
 
 A slab's medium and its face are NamedTuples; the kernel calls `strain(medium)` and numba compiles in the version that belongs to
 the class, and no other: a rigid face or a uniform slab pays nothing for the grips and layers that a different scene has.
 """
 
 from collections.abc import Callable
-from typing import Any
+from functools import singledispatch
+from typing import Any, ParamSpec, Protocol, TypeVar, cast
 
 from numba.extending import overload
 
 from slipwave.compiled.cache import add_choices
 
+Arguments = ParamSpec("Arguments")
+Answer = TypeVar("Answer", covariant=True)
+Version = TypeVar("Version", bound=Callable[..., Any])
+
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
 
 
-def dispatch(generic: Callable[..., Any], versions: dict[type, Callable[..., Any]], inline: bool = False) -> None:
-    """Make `generic(first, ...)` compile to `versions[class of first]`; argument names must be those of `generic`.
+class ByClass(Protocol[Arguments, Answer]):
+    """A function with a version for each class of its first argument, as `functools.singledispatch` makes it."""
+
+    def __call__(self, *arguments: Arguments.args, **options: Arguments.kwargs) -> Answer:
+        """What the version for the first argument's class returns."""
+
+    def register(self, kind: type) -> Callable[[Version], Version]:
+        """Decorator of the version for the class `kind`."""
+
+
+def by_class(inline: bool = False) -> Callable[[Callable[Arguments, Answer]], ByClass[Arguments, Answer]]:
+    """Decorator of a function whose versions are registered class by class; its own body is the version of all other classes.
 
     `inline` compiles it into its callers: worth it for small parts of a hot loop, where handing over arrays costs more than the
     work; not for loops over cells, which vectorise better on their own.
     """
-    add_choices(generic, versions.items)
 
-    @overload(generic, jit_options=_OPTIONS, strict=False, inline="always" if inline else "never")
-    def _choose(*arguments):  # type: ignore[no-untyped-def]
-        return versions[arguments[0].instance_class]
+    def _decorate(function: Callable[Arguments, Answer]) -> ByClass[Arguments, Answer]:
+        generic = singledispatch(function)
+        add_choices(function, generic.registry.items)
+
+        @overload(generic, jit_options=_OPTIONS, strict=False, inline="always" if inline else "never")
+        def _choose(*arguments):  # type: ignore[no-untyped-def]
+            return generic.dispatch(arguments[0].instance_class)
+
+        return cast(ByClass[Arguments, Answer], generic)
+
+    return _decorate

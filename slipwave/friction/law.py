@@ -12,14 +12,11 @@ Argument names are part of the interface (numba matches them).
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from types import FunctionType
 from typing import Any, NamedTuple, TypeAlias
 
-from numba.extending import overload
-
-from slipwave.compiled.cache import add_choices
+from slipwave.compiled.dispatch import ByClass, by_class
 from slipwave.errors import SceneError
 
 Law: TypeAlias = Any
@@ -40,8 +37,34 @@ class Registered(NamedTuple):
 
 
 LAWS: dict[str, Registered] = {}
-_BY_CLASS: dict[type, Registered] = {}
 _HOUSE = Path(__file__).resolve().parent
+
+
+@by_class()
+def respond(law: Law, z: float, psi: float) -> Response:
+    """(v, v_z, F, F_z, F_psi, G, G_z, G_psi) of `law` at rate unknown z and state psi; G on the friction clock L/V*."""
+    raise NotImplementedError(type(law))
+
+
+@by_class()
+def steady_state(law: Law, v: float) -> float:
+    """psi_ss(v): the state at which sliding at rate v is steady."""
+    raise NotImplementedError(type(law))
+
+
+@by_class()
+def rate_of(law: Law, z: float) -> float:
+    """Slip rate v (in V*) at the rate unknown z."""
+    raise NotImplementedError(type(law))
+
+
+@by_class()
+def unknown_of(law: Law, v: float) -> float:
+    """Rate unknown z at the slip rate v (in V*); ln v for laws that need v > 0."""
+    raise NotImplementedError(type(law))
+
+
+_GENERIC: tuple[ByClass[..., Any], ...] = (respond, steady_state, rate_of, unknown_of)
 
 
 def _exponential(law: Law, z: float) -> float:
@@ -75,61 +98,10 @@ def register(
             f"friction law {name!r} is already registered with the same parameter class; give the new one its own class"
         )
     LAWS[name] = law
-    _BY_CLASS[parameters] = law
+    for generic, version in zip(_GENERIC, law[1:], strict=True):
+        generic.register(parameters)(version)
 
 
 def name_of(law: Law) -> str:
     """The name under which the class of `law` is registered."""
     return next(name for name, known in LAWS.items() if known.parameters is type(law))
-
-
-def respond(law: Law, z: float, psi: float) -> Response:
-    """(v, v_z, F, F_z, F_psi, G, G_z, G_psi) of `law` at rate unknown z and state psi; G on the friction clock L/V*."""
-    return _BY_CLASS[type(law)].respond(law, z, psi)
-
-
-def steady_state(law: Law, v: float) -> float:
-    """psi_ss(v): the state at which sliding at rate v is steady."""
-    return _BY_CLASS[type(law)].steady_state(law, v)
-
-
-def rate_of(law: Law, z: float) -> float:
-    """Slip rate v (in V*) at the rate unknown z."""
-    return _BY_CLASS[type(law)].rate_of(law, z)
-
-
-def unknown_of(law: Law, v: float) -> float:
-    """Rate unknown z at the slip rate v (in V*); ln v for laws that need v > 0."""
-    return _BY_CLASS[type(law)].unknown_of(law, v)
-
-
-def _bare(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function without annotations, which numba would take for a difference between signatures."""
-    return FunctionType(function.__code__, function.__globals__, function.__name__, function.__defaults__, function.__closure__)
-
-
-def _functions() -> Iterator[tuple[type, Callable[..., Any]]]:
-    return ((kind, function) for kind, law in _BY_CLASS.items() for function in law[1:])
-
-
-add_choices(respond, _functions)
-
-
-@overload(respond)
-def _compiled_respond(law, z, psi):  # type: ignore[no-untyped-def]
-    return _bare(_BY_CLASS[law.instance_class].respond)
-
-
-@overload(steady_state)
-def _compiled_steady_state(law, v):  # type: ignore[no-untyped-def]
-    return _bare(_BY_CLASS[law.instance_class].steady_state)
-
-
-@overload(rate_of)
-def _compiled_rate_of(law, z):  # type: ignore[no-untyped-def]
-    return _bare(_BY_CLASS[law.instance_class].rate_of)
-
-
-@overload(unknown_of)
-def _compiled_unknown_of(law, v):  # type: ignore[no-untyped-def]
-    return _bare(_BY_CLASS[law.instance_class].unknown_of)

@@ -1,14 +1,62 @@
 """The drive: the relative velocity of the two outer faces, V(t), split evenly (upper +V/2, lower -V/2)."""
 
-from bisect import bisect_right
 from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
-from slipwave.compiled import njit
+from slipwave.compiled.dispatch import by_class
 
 Array = NDArray[np.float64]
+
+
+class Constant(NamedTuple):
+    """V (in V*) that never changes."""
+
+    velocity: float
+
+
+class Ramps(NamedTuple):
+    """Piecewise linear V: `velocities` (V*) at `times` (transits, rising), constant outside."""
+
+    times: Array
+    velocities: Array
+
+
+@by_class(inline=True)
+def velocity_at(drive: Constant | Ramps, time: float) -> float:
+    """V (in V*) at `time` (transits)."""
+    raise NotImplementedError(type(drive))
+
+
+@velocity_at.register(Constant)
+def _constant(drive, time):  # type: ignore[no-untyped-def]
+    return drive.velocity
+
+
+@velocity_at.register(Ramps)
+def _ramps(drive, time):  # type: ignore[no-untyped-def]
+    return _interpolated(drive.times, drive.velocities, time)
+
+
+@register_jitable
+def _interpolated(times, velocities, time):  # type: ignore[no-untyped-def]
+    low, high = 0, times.size - 1
+    if time <= times[low]:
+        return velocities[low]
+    if time >= times[high]:
+        return velocities[high]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if times[middle] <= time:
+            low = middle
+        else:
+            high = middle
+    share = (time - times[low]) / (times[high] - times[low])
+    return velocities[low] + share * (velocities[high] - velocities[low])
 
 
 @dataclass(frozen=True)
@@ -23,15 +71,22 @@ class Drive:
         """True when V never changes, so that solvers may skip everything that depends on it."""
         return len(set(self.velocities)) == 1
 
+    @property
+    def knots(self) -> tuple[float, ...]:
+        """Times (transits) at which V may bend; none where it is constant."""
+        return () if self.is_constant else self.times
+
+    @cached_property
+    def compiled(self) -> Constant | Ramps:
+        """V as compiled code takes it: a constant costs nothing there."""
+        if self.is_constant:
+            return Constant(float(self.velocities[0]))
+        return Ramps(np.array(self.times, dtype=float), np.array(self.velocities, dtype=float))
+
     def rests_from(self, time: float) -> bool:
         """Whether V is constant from `time` (transits) on, and not zero."""
         here = self.at(time)
         return here != 0.0 and all(v == here for t, v in zip(self.times, self.velocities, strict=True) if t > time)
-
-    def knots(self) -> tuple[Array, Array]:
-        """(times, velocities) as arrays for compiled solvers; one knot if V never changes."""
-        kept = 1 if self.is_constant else len(self.times)
-        return np.array(self.times[:kept], dtype=float), np.array(self.velocities[:kept], dtype=float)
 
     @property
     def initial(self) -> float:
@@ -40,25 +95,9 @@ class Drive:
 
     def at(self, time: float) -> float:
         """V (in V*) at `time` (transits)."""
-        if time <= self.times[0]:
-            return self.velocities[0]
-        if time >= self.times[-1]:
-            return self.velocities[-1]
-        k = bisect_right(self.times, time)
-        share = (time - self.times[k - 1]) / (self.times[k] - self.times[k - 1])
-        return self.velocities[k - 1] + share * (self.velocities[k] - self.velocities[k - 1])
+        return float(velocity_at(self.compiled, time))
 
 
 def steady_drive(velocity: float) -> Drive:
     """Constant V."""
     return Drive((0.0,), (velocity,))
-
-
-@njit
-def interpolate_drive(times: Array, velocities: Array, time: float) -> float:
-    """V (in V*) at `time` (transits) for compiled solvers, from the arrays of a `Drive` with at least two knots."""
-    k = 1
-    while k < times.size - 1 and times[k] < time:
-        k += 1
-    share = (time - times[k - 1]) / (times[k] - times[k - 1])
-    return float(velocities[k - 1] + min(1.0, max(0.0, share)) * (velocities[k] - velocities[k - 1]))

@@ -6,6 +6,7 @@ from functools import cached_property
 
 from slipwave.friction import Law, respond, steady_state, unknown_of
 from slipwave.scene.drive import Drive
+from slipwave.scene.forcing import Forcing
 from slipwave.scene.slab import Slab
 from slipwave.scene.start import Start
 from slipwave.scene.units import Units
@@ -64,6 +65,11 @@ class Scene:
     def steady_stress(self) -> float:
         """mu_ss(V)."""
         return float(respond(self.law, unknown_of(self.law, self.velocity), self.steady_psi)[2])
+
+    @cached_property
+    def forcing(self) -> Forcing:
+        """The scene's numbers as compiled marches take them."""
+        return Forcing(self.transit, self.stiffness, self.steady_stress, self.velocity, self.start.nudge_size)
 
     @cached_property
     def digest(self) -> str:

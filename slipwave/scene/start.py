@@ -5,14 +5,17 @@ jump   psi(0) = psi_ss + size with no wave in the slabs: breaks compatibility; t
 orbit  on the model's own periodic orbit, at the date of a slip event.
 """
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
+
+from slipwave.compiled import inlined
 
 NUDGE_CENTRE = 6.0
 """Transits at which the nudge peaks; at t~ = 0 it is size * e^-36."""
 
 NUDGE_REACH = 7.0
-"""Outside NUDGE_CENTRE +- this many transits the nudge is below size * 6e-22, and need not be evaluated."""
+"""Outside NUDGE_CENTRE +- this many transits the nudge is below size * 6e-22, which is taken for nothing."""
 
 
 class StartKind(StrEnum):
@@ -39,3 +42,10 @@ class Start:
     def jump_size(self) -> float:
         """psi(0) - psi_ss (0 unless the start is a jump)."""
         return self.size if self.kind is StartKind.JUMP else 0.0
+
+
+@inlined
+def nudge_rate(size: float, time: float) -> float:
+    """What the nudge adds to d psi/dt~ at `time` (transits)."""
+    late = time - NUDGE_CENTRE
+    return size * math.exp(-late * late) if size != 0.0 and abs(late) < NUDGE_REACH else 0.0

@@ -18,7 +18,7 @@ from slipwave.friction import respond, unknown_of
 @njit
 def compiled_rates(system, time, state, rates, z):
     return rates_of(
-        system.operator, system.medium, system.interface, system.drive, system.slots, system.facts, system.tops,
+        system.operator, system.medium, system.interface, system.forcing, system.drive, system.slots, system.facts, system.tops,
         system.arrivals, time, state, rates, 0, z,
     )  # fmt: skip
 

@@ -16,19 +16,19 @@ from numba import typeof
 
 from slipwave.compiled import cache as compile_cache
 from slipwave.compiled import njit
+from slipwave.observe import swings
 from slipwave.observe.pieces import Pieces
-from slipwave.scene import drive
-from slipwave.scene.drive import interpolate_drive
+from slipwave.observe.swings import size_of
 from slipwave.sources import ROOT
 
-KNOTS = np.array([1.0, 2.0, 4.0])
+SWING = np.array([1.0, 2.0, 3.5])
 ANSWER = 1.5
 PROGRAM = """
 import numpy as np
-from slipwave.scene.drive import interpolate_drive
-knots = np.array([1.0, 2.0, 4.0])
+from slipwave.observe.swings import size_of
+swing = np.array([1.0, 2.0, 3.5])
 for _ in range(2):
-    print(interpolate_drive(knots, knots, 1.5), interpolate_drive(knots.astype(np.float32), knots, 1.5))
+    print(size_of(swing), size_of(swing.astype(np.float32)))
 """
 
 
@@ -43,8 +43,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def ask() -> tuple[float, int]:
     """Answer of a fresh compiled function, and whether it came from the disk."""
-    fresh: Any = njit(interpolate_drive.py_func)  # type: ignore[attr-defined]
-    return fresh(KNOTS, KNOTS, ANSWER), sum(fresh.stats.cache_hits.values())
+    fresh: Any = njit(size_of.py_func)  # type: ignore[attr-defined]
+    return fresh(SWING), sum(fresh.stats.cache_hits.values())
 
 
 def kept(folder: Path) -> Path:
@@ -169,7 +169,7 @@ def test_what_nobody_used_for_a_month_is_removed(folder: Path) -> None:
 
 
 def kept_name(folder: Path) -> str:
-    return next(path.name for path in folder.iterdir() if path.name.startswith("slipwave.scene.drive.interpolate_drive"))
+    return next(path.name for path in folder.iterdir() if path.name.startswith("slipwave.observe.swings.size_of"))
 
 
 def test_a_function_in_use_counts_as_new(folder: Path) -> None:
@@ -197,7 +197,7 @@ def test_a_choice_from_outside_the_house_keeps_its_callers_off_the_disk(
 ) -> None:
     choices = (compile_cache._file_of(njit), lambda: [(kind, ask)])
     monkeypatch.setattr(compile_cache, "_choices", [*compile_cache._choices, choices])
-    monkeypatch.setattr(compile_cache, "_home_of", lambda kind: Path(drive.__file__) if kind is Pieces else Path(__file__))
+    monkeypatch.setattr(compile_cache, "_home_of", lambda kind: Path(swings.__file__) if kind is Pieces else Path(__file__))
     expected = [0, 0] if kind is Pieces else [0, 1]  # the other is chosen for a class that these callers never see
     assert [ask(), ask()] == [(ANSWER, hits) for hits in expected]
 

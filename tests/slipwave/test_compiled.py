@@ -26,11 +26,11 @@ print(guess[0].hex(), sum(first_guess.stats.cache_hits.values()))
 PROBES = {
     "called": """
 from slipwave.compiled import njit
-from slipwave.scene.drive import interpolate_drive
+from slipwave.observe.swings import size_of
 
 @njit
 def probe(knots):
-    return interpolate_drive(knots, knots, 1.5)
+    return size_of(knots)
 """,
     "inlined": """
 from slipwave.compiled import njit
@@ -49,7 +49,7 @@ def probe(law):
     return respond(law, 0.3, 0.1)[2]
 """,
     "dispatched": """
-from fullwave.lines.system import total_stress
+from fullwave.lines.viscosity import total_stress
 from slipwave.compiled import njit
 
 @njit
@@ -59,8 +59,7 @@ def probe(medium, state):
 }
 ASK_ALL = """
 import numpy as np
-import fullwave.lines.viscosity
-from fullwave.lines.system import Elastic
+from fullwave.lines.viscosity import Elastic
 from slipwave import called, inlined, overloaded, dispatched
 from slipwave.friction.ageing import Ageing
 law, knots = Ageing(0.369, 0.0349, 0.0489), np.array([1.0, 2.0, 4.0])
@@ -72,10 +71,10 @@ for module, arguments in given.items():
 # file, old, new, and the probes whose module imports that file, directly or not
 EDITS = {
     "called": (
-        "slipwave/scene/drive.py",
-        "share = (time - times[k - 1])",
-        "share = 0.5 * (time - times[k - 1])",
-        {"called", "dispatched"},
+        "slipwave/observe/swings.py",
+        "swing[DIRECTION] * (swing[END]",
+        "2.0 * swing[DIRECTION] * (swing[END]",
+        {"called"},
     ),
     "inlined": ("slipwave/friction/interface.py", "impedance * v - incoming", "impedance * v - 1.01 * incoming", {"inlined"}),
     "overloaded": (

@@ -1,0 +1,60 @@
+"""V(t) and the nudge, in compiled code and in plain Python."""
+
+import math
+
+import numpy as np
+import pytest
+
+from slipwave.compiled import njit
+from slipwave.scene.drive import Constant, Drive, Ramps, velocity_at
+from slipwave.scene.start import NUDGE_CENTRE, nudge_rate
+
+MANY = 10_000
+
+
+@njit
+def sampled(drive, times):
+    found = np.empty(times.size)
+    for k in range(times.size):
+        found[k] = velocity_at(drive, times[k])
+    return found
+
+
+def zigzag(knots: int) -> Drive:
+    """Velocities and distances between knots without a pattern."""
+    draw = np.random.default_rng(knots)
+    return Drive(tuple(np.cumsum(draw.uniform(0.1, 2.0, knots)).tolist()), tuple(draw.uniform(-3.0, 5.0, knots).tolist()))
+
+
+@pytest.mark.parametrize("knots", [2, 3, MANY])
+def test_ramps_are_the_broken_line_through_the_knots(knots: int) -> None:
+    drive = zigzag(knots)
+    times = np.linspace(drive.times[0] - 1.0, drive.times[-1] + 1.0, 4001)
+    expected = np.interp(times, drive.times, drive.velocities)
+    np.testing.assert_allclose(sampled(drive.compiled, times), expected, rtol=0, atol=1e-12)  # of slopes up to 80, times to 1e4
+    np.testing.assert_allclose([drive.at(float(time)) for time in times[::40]], expected[::40], rtol=0, atol=1e-12)
+
+
+def test_knots_and_what_lies_beyond_are_exact() -> None:
+    drive = zigzag(MANY)
+    beyond = [(drive.times[0] - 1.0, drive.velocities[0]), (drive.times[-1] + 1e6, drive.velocities[-1])]
+    times, expected = zip(*beyond, *zip(drive.times, drive.velocities, strict=True), strict=True)
+    assert sampled(drive.compiled, np.array(times)).tolist() == list(expected)
+    assert [drive.at(time) for time in times[:99]] == list(expected[:99])
+
+
+def test_only_a_drive_that_changes_is_searched() -> None:
+    assert Drive((0.0, 4.0), (2.0, 2.0)).compiled == Constant(2.0)
+    assert Drive((0.0, 4.0), (2.0, 2.0)).knots == ()
+    assert isinstance(Drive((0.0, 4.0), (2.0, 3.0)).compiled, Ramps)
+    assert Drive((0.0, 4.0), (2.0, 3.0)).knots == (0.0, 4.0)
+
+
+@pytest.mark.parametrize("late", [-6.0, -1.5, 0.0, 0.3, 6.9])
+def test_the_nudge_is_a_bell_around_its_centre(late: float) -> None:
+    assert nudge_rate(0.5, NUDGE_CENTRE + late) == pytest.approx(0.5 * math.exp(-(late**2)), rel=1e-13)
+
+
+def test_the_nudge_ends_where_it_is_below_rounding() -> None:
+    assert nudge_rate(0.5, NUDGE_CENTRE + 6.9) < np.finfo(float).eps ** 1.3
+    assert (nudge_rate(0.5, NUDGE_CENTRE + 7.1), nudge_rate(0.0, NUDGE_CENTRE)) == (0.0, 0.0)
