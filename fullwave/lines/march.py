@@ -10,7 +10,7 @@ from fullwave.lines.blocks import Section, assemble, marched_slabs
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, enough_memory, march_work, require_memory, steps_at_once
 from fullwave.lines.kernel import MOST_PIECES, STEPS_PER_PIECE, march
 from fullwave.lines.readout import Shape, impose_fields, snapshot_of, stored_energy
-from fullwave.lines.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, RungeKutta
+from fullwave.lines.runge_kutta import RungeKutta, method_of
 from fullwave.lines.scene_limits import Builder, relaxation_limit, viscous_limit
 from fullwave.lines.scheme_limit import longest_decay_step
 from fullwave.lines.system import ELASTIC, FRICTION, INPUT, PSI, RADIATED, SCALARS, VISCOUS
@@ -27,7 +27,7 @@ from slipwave.scene import Scene
 
 def method_for(family: FullWave, number: int) -> RungeKutta:
     """The Runge-Kutta method of a member of `family`."""
-    return {method.order: method for method in (CLASSICAL, DORMAND_PRINCE_8)}[family.order_in_time(number)]
+    return method_of(family.order_in_time(number))
 
 
 class MethodOfLines:

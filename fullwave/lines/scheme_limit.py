@@ -13,7 +13,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from fullwave.lines.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, RungeKutta, stability_polynomial
+from fullwave.lines.runge_kutta import RungeKutta, method_of, stability_polynomial
 from slipwave.observe.pieces import Array
 
 Complex = NDArray[np.complex128]
@@ -59,8 +59,7 @@ def longest_step(spectrum: Complex, method: RungeKutta) -> float:
 
 @cache
 def _real_reach(order: int) -> float:
-    method = CLASSICAL if order == CLASSICAL.order else DORMAND_PRINCE_8
-    return longest_step(np.array([-1.0 + 0.0j]), method)
+    return longest_step(np.array([-1.0 + 0.0j]), method_of(order))
 
 
 def longest_decay_step(rate: float, method: RungeKutta) -> float:

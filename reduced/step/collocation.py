@@ -66,9 +66,10 @@ def highest_coefficient(nodes: Array) -> Array:
 
 
 def radau_nodes(stages: int) -> Array:
-    """Right Radau points on (0, 1]: roots of P_s - P_(s-1), shifted."""
-    coefficients = np.zeros(stages + 1)
-    coefficients[stages], coefficients[stages - 1] = 1.0, -1.0
-    nodes = np.asarray((np.sort(legendre.legroots(coefficients).real) + 1.0) / 2.0)
-    nodes[-1] = 1.0
+    """Right Radau points on (0, 1]: the end, and the roots of Jacobi's P^(1,0) of stages - 1, shifted."""
+    from scipy.special import roots_jacobi  # with it start-up would take longer
+
+    nodes = np.ones(stages)
+    if stages > 1:
+        nodes[:-1] = 0.5 * (roots_jacobi(stages - 1, 1.0, 0.0)[0] + 1.0)
     return nodes

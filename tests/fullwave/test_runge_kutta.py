@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from fullwave.lines.runge_kutta import CLASSICAL, DORMAND_PRINCE_8, combine, stability_polynomial
+from fullwave.lines.runge_kutta import CLASSICAL, combine, method_of, stability_polynomial
 from fullwave.lines.scheme_limit import longest_decay_step, longest_step
 
-METHODS = pytest.mark.parametrize("method", [CLASSICAL, DORMAND_PRINCE_8], ids=["order 4", "order 8"])
+METHODS = pytest.mark.parametrize("method", [CLASSICAL, method_of(8)], ids=["order 4", "order 8"])
 
 
 def integrate(method, steps, until=2.0):
@@ -52,6 +52,6 @@ def test_weights_integrate_polynomials(method):
 def test_stability_limits_as_documented():
     imaginary, real = np.array([1.0j]), -1.0
     assert longest_step(imaginary, CLASSICAL) == pytest.approx(2.0 * math.sqrt(2.0), rel=1e-5)
-    assert longest_step(imaginary, DORMAND_PRINCE_8) == pytest.approx(5.961, abs=2e-3)
+    assert longest_step(imaginary, method_of(8)) == pytest.approx(5.961, abs=2e-3)
     assert longest_decay_step(-real, CLASSICAL) == pytest.approx(2.785, abs=1e-3)
-    assert longest_decay_step(-real, DORMAND_PRINCE_8) == pytest.approx(6.39, abs=1e-2)
+    assert longest_decay_step(-real, method_of(8)) == pytest.approx(6.39, abs=1e-2)
