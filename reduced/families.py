@@ -15,7 +15,7 @@ _WITH_A_SPRING = ANYTHING - {"reflection"}
 DELAY = Family(
     "delay",
     "reduced.delay.system:delay_system",
-    "the exact wave physics of elastic slabs, any two, any faces, as a delay system",
+    "the exact wave physics of elastic slabs as a delay system",
     "the tolerance (default 1e-9)",
     _ELASTIC,
     Exact.TO_TOLERANCE,
@@ -76,7 +76,7 @@ REDUCTIONS = (
     Family(
         "fitted:N",
         "reduced.impedance.reduce:fitted",
-        "a passive rational fit of the exact impedance, also of viscous slabs",
+        "a passive rational fit of the exact impedance",
         "of the model, falls with N",
         ANYTHING,
         numbers=_MODES,

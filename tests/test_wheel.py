@@ -31,3 +31,9 @@ def test_a_file_of_a_rooms_own_name_does_stop_it(programs, place):
     (place / "reduced.py").write_text("raise SystemExit('Python itself takes the nearest')\n")
     with pytest.raises(subprocess.CalledProcessError):
         wheel.use(programs, place, "python", "-c", "import reduced.delay.system")
+
+
+def test_the_face_and_the_facts_are_light(programs, place):
+    modules = "slipwave, reduced.families, fullwave.families"
+    code = f"import sys, {modules}; slipwave.read; print(sorted({{'numba', 'numpy'}} & set(sys.modules)))"
+    assert wheel.use(programs, place, "python", "-c", code).strip() == "[]"
