@@ -8,7 +8,7 @@ from reduced.delay.alike import collocation_matrices, dense_resolution
 from reduced.delay.alike_kernel import ELASTIC, PSI, TIME
 from reduced.delay.march import DelayMarch
 from reduced.delay.network_kernel import Integers, Network, NetworkMemory, march_network
-from reduced.delay.transmission_lines import common_divisor, lines_of
+from reduced.delay.transmission_lines import common_step, lines_of
 from reduced.step.collocation import growth_limit, radau
 from reduced.step.guess import DONE, first_guess
 from slipwave.friction import unknown_of
@@ -39,7 +39,7 @@ class DelayNetwork(DelayMarch):
         self._steepest = growth_limit(nodes, tolerance)
         self._tolerances = (max(1e-3 * tolerance, 1e-14), dense_resolution(tolerance, nodes), self._steepest)
         self._lines = lines_of(scene)
-        divisor = common_divisor(self._lines.travel)
+        divisor = common_step(self._lines)
         self._commensurate = divisor is not None
         longest = min(1.0 / _FEWEST, float(self._lines.travel.min()))
         self._length = divisor / max(1, math.ceil(divisor / longest)) if divisor else longest

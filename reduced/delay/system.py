@@ -5,7 +5,7 @@ import numpy as np
 from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.network import DelayNetwork
-from reduced.delay.transmission_lines import common_divisor, lines_of
+from reduced.delay.transmission_lines import common_step, lines_of
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
 
@@ -27,7 +27,7 @@ def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
 
 def _breaks_within_steps(scene: Scene) -> bool:
     """Whether a jump or a knot of the drive comes back where no equal steps can end."""
-    divisor = common_divisor(lines_of(scene).travel)
+    divisor = common_step(lines_of(scene))
     if divisor is None:
         return scene.start.kind is StartKind.JUMP or not scene.drive.is_constant
     knots = np.array(scene.drive.knots) / divisor

@@ -16,12 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from reduced.commensurate import common_divisor
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.slab import GripFace, ReflectingFace, Slab
 
-_COMMENSURATE = 1e-9
 _MOST_DIVISIONS = 64
 
 
@@ -79,12 +79,7 @@ def _top(slab: Slab, round_trip: float) -> tuple[float, float, float]:
     return 1.0, 0.0, 0.0
 
 
-def common_divisor(travel: Array) -> float | None:
-    """Longest time that divides every travel time, or None if that would cut the shortest into more than 64 parts: the round
-    trips are then treated as incommensurate, and delayed values are interpolated."""
-    shortest = float(travel.min())
-    for parts in range(1, _MOST_DIVISIONS + 1):
-        counts = travel * (parts / shortest)
-        if np.abs(counts - np.round(counts)).max() < _COMMENSURATE * counts.max():
-            return shortest / parts
-    return None
+def common_step(lines: Lines) -> float | None:
+    """Longest step (transits) that divides every travel time; None if they are incommensurate or it would be too short: delayed
+    values are then interpolated."""
+    return common_divisor(lines.travel, _MOST_DIVISIONS)

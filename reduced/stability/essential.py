@@ -8,19 +8,18 @@ the phases of the echoes are independent and the abscissa is the largest over al
 
 import itertools
 import math
-from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from reduced.commensurate import common_divisor
 from reduced.stability.friction import friction_slopes
 from slipwave.scene import Scene
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
 
 Echo: TypeAlias = NDArray[Any]
-_LARGEST_DENOMINATOR = 200
-_COMMENSURATE = 1e-12
+_MOST_PARTS, _HIGHEST_DEGREE = 200, 800
 
 
 def essential_abscissa(scene: Scene) -> float:
@@ -103,14 +102,10 @@ def _relaxation(slab: Slab) -> float:
 
 
 def _common_grid(times: list[float]) -> tuple[float, list[int]] | None:
-    """(T, n_j) with T_j = n_j T, or None if the ratios are not simple fractions."""
-    shortest = min(times)
-    ratios = [Fraction(time / shortest).limit_denominator(_LARGEST_DENOMINATOR) for time in times]
-    if any(abs(float(ratio) * shortest / time - 1.0) > _COMMENSURATE for ratio, time in zip(ratios, times, strict=True)):
-        return None
-    common = math.lcm(*(ratio.denominator for ratio in ratios))
-    multiples = [int(ratio * common) for ratio in ratios]
-    return (shortest / common, multiples) if sum(multiples) <= 4 * _LARGEST_DENOMINATOR else None
+    """(T, n_j) with T_j = n_j T, or None if the polynomial in exp(-s T) would be of too high a degree."""
+    unit = common_divisor(np.array(times), _MOST_PARTS)
+    multiples = [round(time / unit) for time in times] if unit else []
+    return (unit, multiples) if unit and sum(multiples) <= _HIGHEST_DEGREE else None
 
 
 def _polynomial(scene: Scene, slabs: tuple[Slab, ...], times: list[float], grid: tuple[float, list[int]]) -> float:
