@@ -86,7 +86,9 @@ class DiscontinuousGalerkin(MethodOfLines):
     Raises SceneError naming the option and its allowed range.
     """
 
-    def __init__(self, scene: Scene, degree: int = 7, cells: int = GALERKIN.cells, cfl: float = GALERKIN.cfl) -> None:
+    def __init__(
+        self, scene: Scene, degree: int = GALERKIN.usual, cells: int = GALERKIN.cells, cfl: float = GALERKIN.cfl
+    ) -> None:
         require_whole("degree", degree, GALERKIN.numbers[0], GALERKIN.numbers[-1])
         self.degree = degree
         sections = sections_of(scene, cells, 1)

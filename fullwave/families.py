@@ -89,6 +89,11 @@ class FullWave(Family):
     attacks: Mapping[int, AttackCells] = field(default_factory=dict)
     ladder: Mapping[int, Rungs] = field(default_factory=dict)
 
+    @property
+    def usual(self) -> int:
+        """The number taken where none is asked for; 0 where names have none."""
+        return self.default or 0
+
     def order_in_time(self, number: int) -> int:
         """Order of the Runge-Kutta method that does not cap the scheme.
 

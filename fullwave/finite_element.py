@@ -159,7 +159,7 @@ class FiniteElement(MethodOfLines):
     def __init__(
         self,
         scene: Scene,
-        degree: int = 4,
+        degree: int = ELEMENTS.usual,
         cells: int = ELEMENTS.cells,
         cfl: float = ELEMENTS.cfl,
         mass: str = "lumped",

@@ -127,7 +127,7 @@ class SummationByParts(MethodOfLines):
     Raises SceneError naming the option and its allowed range.
     """
 
-    def __init__(self, scene: Scene, order: int = 6, cells: int = BY_PARTS.cells, cfl: float = BY_PARTS.cfl) -> None:
+    def __init__(self, scene: Scene, order: int = BY_PARTS.usual, cells: int = BY_PARTS.cells, cfl: float = BY_PARTS.cfl) -> None:
         if order not in BY_PARTS.numbers:
             raise SceneError(f"order = {order!r}: must be one of {', '.join(map(str, BY_PARTS.numbers))}")
         sections = sections_of(scene, cells, fewest_cells(order))
