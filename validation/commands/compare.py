@@ -131,8 +131,7 @@ def _draw(out: Path, runs: "list[Run]", cycles: "list[Cycle | None]") -> None:
             below.plot([], [])
     above.set_title("The last complete cycle of each run; T: its length in transits", fontsize="medium")
     above.set_ylabel("friction stress / normal stress")
-    below.set_ylabel("slip rate / V*")
-    below.set_xlabel("transits since v passed half its largest value in the slip event")
+    below.set(ylabel="slip rate / V*", xlabel="transits since v passed half its largest value in the slip event")
     above.legend(fontsize="small")
     with whole_or_absent(out) as temporary:
         sheet.savefig(temporary, dpi=150)

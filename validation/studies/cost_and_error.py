@@ -200,7 +200,6 @@ def work_precision(points: list[Point]) -> "Drawing":
         )
     axes.grid(True)
     axes.set_axisbelow(True)
-    axes.set_xlabel("run time (ms)")
-    axes.set_ylabel("relative error of the period")
+    axes.set(xlabel="run time (ms)", ylabel="relative error of the period")
     figure.legend(loc="outside right center")
     return figure

@@ -214,10 +214,8 @@ def fall(onsets: Onsets, cycles: list[CycleErrors]) -> "Drawing":
         style = pen(model)
         errors = np.abs([one.errors[model] for one in cycles])
         right.loglog(theta, errors, style.marker, color=style.color, linestyle=style.dashes, linewidth=1.0, markersize=5)
-    left.set_ylim(1e-12, 2.0)
-    left.set_title("onset: critical $r$")
-    right.set_title("cycle: period")
-    right.set_xlim(left.get_xlim())
+    left.set(ylim=(1e-12, 2.0), title="onset: critical $r$")
+    right.set(title="cycle: period", xlim=left.get_xlim())
     left.set_ylabel("relative error")
     for axes in (left, right):
         axes.set_xlabel(r"$\theta=r\,\omega_c$ (radians per transit)")

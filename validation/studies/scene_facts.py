@@ -127,8 +127,7 @@ def _draw() -> "Drawing":
     figure = canvas(height=2.5)
     axes = figure.add_subplot()
     axes.set_axis_off()
-    axes.set_xlim(0, 10)
-    axes.set_ylim(-1.75, 1.75)
+    axes.set(xlim=(0, 10), ylim=(-1.75, 1.75))
     for bottom, shade in ((0.03, "#eceae2"), (-1.03, "#dfe5e8")):
         axes.fill([1, 9, 9, 1], [bottom, bottom, bottom + 1, bottom + 1], facecolor=shade, edgecolor="#1b1b1a", linewidth=1.0)
     for sign in (1, -1):

@@ -171,8 +171,7 @@ def _draw(event: Event) -> "Drawing":
     upper, lower, *_ = figure.axes
     lower.set_xlabel("time since the fastest slip (transits)")
     for axes in (upper, lower):
-        axes.set_ylabel("")
-        axes.set_xlim(-_BEFORE, _AFTER)
+        axes.set(ylabel="", xlim=(-_BEFORE, _AFTER))
     return figure
 
 

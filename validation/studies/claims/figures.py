@@ -18,8 +18,7 @@ def irregular(runs: Mapping[str, tuple[Array, Array]]) -> "Figure":
         style = pen(model)
         axes.plot(time, stress, color=style.color, linewidth=0.7)
         axes.set_title(style.label, fontsize=11)
-        axes.set_ylabel(r"$\mu$")
-        axes.set_xlim(time[0], time[-1])
+        axes.set(ylabel=r"$\mu$", xlim=(time[0], time[-1]))
     grid[-1].set_xlabel("time (transits)")
     return figure
 
@@ -35,8 +34,7 @@ def returns(cycles: Mapping[str, tuple[Array, Array]]) -> "Figure":
                 values[:-1], values[1:], style.marker, color=style.color, markersize=3.0, linestyle="none", label=style.label
             )
     for axes, symbol in zip(panels, ("$T$ (transits)", r"$\Delta\mu$"), strict=True):
-        axes.set_xlabel(f"{symbol} of one cycle")
-        axes.set_ylabel("of the next")
+        axes.set(xlabel=f"{symbol} of one cycle", ylabel="of the next")
         axes.grid(True)
     figure.legend(handles=panels[0].get_lines(), loc="outside upper left", ncols=2)
     return figure

@@ -48,8 +48,7 @@ def closure(curves: Mapping[str, tuple[Array, Array]]) -> "Figure":
         cells, residual = curves[model]
         shown = np.maximum(residual, _FLOOR)
         axes.loglog(cells, shown, color=look.color, marker=look.marker, linestyle=look.dashes, label=model)
-    axes.set_xlabel("cells per slab")
-    axes.set_ylabel("residual")
+    axes.set(xlabel="cells per slab", ylabel="residual")
     axes.grid(True)
     figure.legend(loc="outside right center")
     return figure

@@ -21,8 +21,7 @@ def errors_over_r(curves: Mapping[str, tuple[Array, Array, Array]]) -> "Figure":
                 log10_r, error, color=look.color, linestyle=look.dashes, marker=look.marker, linewidth=1.1, label=look.label
             )
     for axes, title in zip(panels, ("period $T$", r"stress drop $\Delta\mu$"), strict=True):
-        axes.set_title(title)
-        axes.set_xlabel(r"$\log_{10} r$")
+        axes.set(title=title, xlabel=r"$\log_{10} r$")
         axes.grid(True)
         axes.set_axisbelow(True)
     panels[0].set_ylabel("relative error")

@@ -27,8 +27,7 @@ def overlay(cycles: Mapping[str, Cycle]) -> "Figure":
             for axes, share in zip(row, (0.6, 1.0), strict=True):
                 axes.plot(cycle.time, values, color=style.color, linestyle=style.dashes, linewidth=share * style.width)
     for axes in grid[1]:
-        axes.set_yscale("log")
-        axes.set_xlabel("time since the slip event (transits)")
+        axes.set(yscale="log", xlabel="time since the slip event (transits)")
     grid[0, 0].set_ylabel(r"stress $\mu$")
     grid[1, 0].set_ylabel(r"slip rate $v/V^*$")
     for axes in grid[:, 0]:

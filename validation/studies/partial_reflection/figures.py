@@ -27,8 +27,7 @@ def over_grip(grid: Array, orbits: Mapping[float, Sequence[Any]], pairs: Sequenc
     panels[1].lines[-1].set_label("full wave")
     for axes, name in zip(panels, ("period $T$ (transits)", r"stress drop $\Delta\mu$"), strict=True):
         axes.set_ylim(bottom=0.0)
-        axes.set_ylabel(name)
-        axes.set_xlabel(r"$Z_g/\epsilon$")
+        axes.set(ylabel=name, xlabel=r"$Z_g/\epsilon$")
         axes.grid(True)
     lines = [panels[1].lines[0], panels[1].lines[3], panels[1].lines[-1]]
     figure.legend(handles=lines, loc="outside upper left", ncols=3, handlelength=3.0)
@@ -48,8 +47,7 @@ def bare_and_grip(leaks: Array, bare: Sequence[Any], held: Sequence[Any], edge: 
             axes.semilogx(leaks, values, color=color, linestyle=dashes, marker=marker, markersize=4, label=label)
         axes.axvline(edge, color="#6b6b66", linewidth=0.8, linestyle=(0, (1, 2)))
         axes.set_ylim(bottom=0.0)
-        axes.set_title(name)
-        axes.set_xlabel("$1 - R$")
+        axes.set(title=name, xlabel="$1 - R$")
         axes.grid(True)
     figure.legend(handles=panels[0].lines[:2], loc="outside upper left", ncols=2, handlelength=3.0)
     return figure

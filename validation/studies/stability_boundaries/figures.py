@@ -28,12 +28,10 @@ def critical_curves(velocity: Array, delay: Array, kelvin_voigt: Array) -> "Figu
         style = pen(model)
         dashes = "-" if model == "delay" else (0, (5, 2))
         left.loglog(velocity, values, color=style.color, linestyle=dashes, linewidth=style.width, label=style.label)
-    left.set_xlabel("$V/V^*$")
-    left.set_ylabel("$r_c$")
+    left.set(xlabel="$V/V^*$", ylabel="$r_c$")
     left.legend()
     right.loglog(velocity, np.abs(kelvin_voigt / delay - 1.0), color=pen("kelvin-voigt").color)
-    right.set_xlabel("$V/V^*$")
-    right.set_ylabel("relative error of $r_c$")
+    right.set(xlabel="$V/V^*$", ylabel="relative error of $r_c$")
     right.axhline(0.1, color="#b5b5b0", linewidth=0.8, linestyle=(0, (2, 2)))
     right.text(1.3, 0.12, "10 %", color="#6b6b66")
     return figure
@@ -58,10 +56,7 @@ def planes(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, pap
         axes.text(np.sqrt(square) / slopes.omega_c, 1.6e-6, name, ha="right", rotation=90, va="bottom", color="#6b6b66")
     axes.text(1.0e-3, 2e-3, "steady sliding stable")
     axes.text(6e-3, 4e-6, "unstable")
-    axes.set_xlim(r[0], r[-1])
-    axes.set_ylim(1e-6, 0.1)
-    axes.set_xlabel("$r$")
-    axes.set_ylabel(r"$\epsilon$")
+    axes.set(xlim=(r[0], r[-1]), ylim=(1e-6, 0.1), xlabel="$r$", ylabel=r"$\epsilon$")
     axes.legend(loc="upper left")
     return figure
 
@@ -81,15 +76,10 @@ def impedances(paper: Scene) -> "Figure":
             _line(grid["error"], omega, np.abs(z / exact - 1.0), model)
             grid["error"].lines[-1].set_label(style.label)
     for name, label in (("size", r"$|Z|/\epsilon$"), ("phase", "phase of $Z$ (degrees)"), ("error", r"$|Z/Z_{\rm exact}-1|$")):
-        grid[name].set_xscale("log")
-        grid[name].set_ylabel(label)
-        grid[name].set_xlabel(r"$\omega$ (radians per transit)")
-    grid["size"].set_yscale("log")
-    grid["size"].set_ylim(0.02, 30.0)
-    grid["size"].set_xlabel("")
+        grid[name].set(xscale="log", ylabel=label, xlabel=r"$\omega$ (radians per transit)")
+    grid["size"].set(yscale="log", ylim=(0.02, 30.0), xlabel="")
     grid["phase"].set_yticks([-90, 0, 90])
-    grid["error"].set_yscale("log")
-    grid["error"].set_ylim(1e-8, 20.0)
+    grid["error"].set(yscale="log", ylim=(1e-8, 20.0))
     handles = [*grid["size"].get_lines()[:1], *grid["error"].get_lines()]
     figure.legend(
         handles, [pen(model).label for model in ("delay", *_MODELS)], loc="outside upper left", ncols=4, handlelength=2.8
@@ -117,7 +107,6 @@ def spectra(found: Mapping[str, Stability], transit: float) -> "Figure":
     axes.axvline(0.0, color="#b5b5b0", linewidth=0.8)
     axes.set_ylim(-0.7, 14.0)
     axes.set_yticks([0.0, 2 * np.pi, 4 * np.pi], ["0", r"$2\pi$", r"$4\pi$"])
-    axes.set_xlabel("Re $s$ (per transit)")
-    axes.set_ylabel("Im $s$ (per transit)")
+    axes.set(xlabel="Re $s$ (per transit)", ylabel="Im $s$ (per transit)")
     axes.legend(loc="center")
     return figure

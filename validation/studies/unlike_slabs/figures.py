@@ -29,8 +29,7 @@ def last_cycles(shown: Mapping[str, tuple[Curves, Curves]]) -> "Figure":
                 shown_at[some], marks[some], "o", color="#d55e00", markersize=3.6, markerfacecolor="none", label="full wave"
             )
         column[0].set_title(_TITLES[name])
-        column[1].set_yscale("log")
-        column[1].set_xlabel("time since the slip event (transits)")
+        column[1].set(yscale="log", xlabel="time since the slip event (transits)")
     grid[0, 0].set_ylabel(r"stress $\mu$")
     grid[1, 0].set_ylabel(r"slip rate $v/V^*$")
     figure.legend(handles=grid[0, 0].get_lines(), loc="outside upper left", ncols=2)
