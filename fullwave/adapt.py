@@ -26,6 +26,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, follow
 from slipwave.observe.foresight import require_time
 from slipwave.observe.pieces import Array
+from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
 
 MOST_TRIED_CELLS = 400
@@ -99,7 +100,7 @@ def to_tolerance(
     )
 
 
-def judge_grid(cells: int, fine: MethodOfLines, coarse: MethodOfLines) -> Choice:
+def judge_grid(cells: int, fine: FieldSolver, coarse: FieldSolver) -> Choice:
     """What a grid of `cells` that nobody asked for is worth, from fresh solvers on it and on one with two thirds of its cells.
 
     Their difference in a probe is more than the error of the finer, from order 2 on.
@@ -140,7 +141,7 @@ def _kinked(scene: Scene) -> bool:
     return not scene.drive.is_constant and scene.drive.times[-1] > 0.0
 
 
-def _probe(solver: MethodOfLines) -> _Found | None:
+def _probe(solver: FieldSolver) -> _Found | None:
     """None if the grid was too coarse to march."""
     events = EventObserver(solver.scene, solver.nodes)
     require_time(solver, _probed_until(solver.scene))

@@ -27,6 +27,7 @@ from slipwave.observe import Energy, Pieces
 from slipwave.observe.pieces import Array, empty_pieces
 from slipwave.observe.restoring import take_back, whole_numbers
 from slipwave.observe.snapshot import Snapshot
+from slipwave.observe.solver import State
 from slipwave.scene import Scene
 
 _CELL_BYTES = 150.0  # measured: 50 in an elastic slab, 130 in a Kelvin-Voigt one, their building included
@@ -126,14 +127,14 @@ class Leapfrog:
         """As `FieldSolver`: the fields now."""
         return [self.snapshot()]
 
-    def state(self) -> dict[str, Array]:
-        """Everything that changes during a run, as arrays; `restore` takes it back to the bit."""
-        arrays = {"sample": np.array([self._sample]), "failures": np.array([self.failures]), "memory": self._memory.copy()}
-        return arrays | {name: array.copy() for name, array in self._arrays().items()}
+    def state(self) -> State:
+        """As `Solver`; `counts`: sample, failures."""
+        counts = np.array([self._sample, self.failures], dtype=float)
+        return {"counts": counts, "memory": self._memory.copy()} | {name: array.copy() for name, array in self._arrays().items()}
 
-    def restore(self, state: dict[str, Array]) -> None:
-        """Go on from `state`, taken from a solver of the same scene and settings; SceneError if it does not fit."""
-        sample, failures = *whole_numbers(state, "sample", (-1,)), *whole_numbers(state, "failures", (0,))
+    def restore(self, state: State) -> None:
+        """As `Solver`."""
+        sample, failures = whole_numbers(state, "counts", (-1, 0))
         take_back({"memory": self._memory} | self._arrays(), state, f"{self.model}, {self.cells} cells")
         self._sample, self.failures = sample, failures
 

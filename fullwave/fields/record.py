@@ -4,6 +4,7 @@ Any family whose solver offers `snapshot()` (see `slipwave.observe.snapshot`) ca
 more. For alike slabs one slab is kept: the other is its mirror image, with the velocity's sign changed.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -12,10 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from slipwave.errors import SceneError
-from slipwave.observe import Final, Pieces, final_state, follow
+from slipwave.observe import Final, follow
 from slipwave.observe.follow import Observer
 from slipwave.observe.pieces import Array
+from slipwave.observe.restoring import tables
 from slipwave.observe.snapshot import FieldSolver, SlabSnapshot, Snapshot
+from slipwave.observe.solver import State
 from slipwave.scene import Scene
 
 if TYPE_CHECKING:
@@ -83,6 +86,75 @@ class Field:
         return facts
 
 
+class FieldRecord:
+    """Marks of a run: keeps the fields of `solver` from `start` to `end`, every `interval` (transits; rounded up to the solver's
+    steps). The record goes on to the end of the solver's piece, so its last sample may lie beyond `end` by less than one piece (a
+    few steps). A run that goes on from a checkpoint keeps what lies in its window.
+
+    Raises SceneError if the window is empty.
+    """
+
+    def __init__(self, solver: FieldSolver, start: float, end: float, interval: float = INTERVAL) -> None:
+        if not (start < end and interval > 0.0):
+            raise SceneError(f"window = [{start:g}, {end:g}]: must be of positive length")
+        self._solver, self._start, self._end, self._interval = solver, start, end, interval
+        self._shots: list[Snapshot] = []
+
+    @property
+    def due(self) -> float:
+        """As `Mark`."""
+        if not self._shots:
+            return self._start
+        last = self._shots[-1].time
+        return min(last + self._interval, self._end) if last < self._end - 1e-9 else math.inf
+
+    def act(self) -> None:
+        """As `Mark`."""
+        if not self._shots:
+            self._solver.keep_frames()
+            self._shots.append(self._solver.snapshot())
+            return
+        frames = self._solver.frames()
+        for frame in frames:
+            if self._shots[-1].time + self._interval - 1e-9 < frame.time:
+                self._shots.append(frame)
+        if self._solver.time >= self._end - 1e-9 and self._shots[-1].time < frames[-1].time:
+            self._shots.append(frames[-1])
+
+    @property
+    def field(self) -> Field:
+        """The record so far. Raises SceneError if it is shorter than a step."""
+        if len(self._shots) < 2:
+            raise SceneError(f"window = [{self._start:g}, {self._end:g}]: shorter than the solver's step")
+        return assemble(self._solver.scene, self._solver.model, self._shots)
+
+    def state(self) -> State:
+        """As `Resumable`: a row per sample, of its time, then velocity and stress of the upper slab and of the lower."""
+        width = 1 + sum(values.size for values in _values(self._solver.snapshot()))
+        rows = [np.concatenate([[shot.time], *_values(shot)]) for shot in self._shots]
+        return {"samples": np.array(rows).reshape(len(rows), width)}
+
+    def restore(self, state: State) -> None:
+        """As `Resumable`."""
+        now = self._solver.snapshot()
+        sizes = [values.size for values in _values(now)]
+        rows = tables(state, {"samples": (-1, 1 + sum(sizes))}, self._solver.model)["samples"]
+        self._shots = [_shot(row, sizes, now) for row in rows[rows[:, 0] >= self._start - 1e-9]]
+        if self._shots:
+            self._solver.keep_frames()
+
+
+def _values(shot: Snapshot) -> tuple[Array, Array, Array, Array]:
+    return shot.upper.velocity, shot.upper.stress, shot.lower.velocity, shot.lower.stress
+
+
+def _shot(row: Array, sizes: Sequence[int], like: Snapshot) -> Snapshot:
+    """The sample of one row of a state, at the depths of the snapshot `like`."""
+    values = np.split(row[1:], np.cumsum(sizes)[:-1])
+    slabs = SlabSnapshot(like.upper.depth, *values[:2]), SlabSnapshot(like.lower.depth, *values[2:])
+    return Snapshot(float(row[0]), *slabs)
+
+
 def record_field(
     solver: FieldSolver,
     start: float,
@@ -91,36 +163,15 @@ def record_field(
     observers: Sequence[Observer] = (),
     progress: Callable[[float], None] | None = None,
 ) -> tuple[Field, Final]:
-    """March to `end` and keep the fields from `start` on, every `interval` (transits; rounded up to the solver's steps).
+    """March to `end` and keep the fields of a window (`FieldRecord`). Returns the record and the interface's state at `end`.
 
-    Returns the record and the interface's state at `end`. The record goes on to the end of the solver's piece, so its last sample
-    may lie beyond `end` by less than one piece (a few steps). Raises SceneError if the window is empty or already past, and
-    NumericsError as `follow` does.
+    Raises SceneError if the window is empty or already past, and NumericsError as `follow` does.
     """
-    if not (solver.time <= start < end and interval > 0.0):
-        raise SceneError(f"window = [{start:g}, {end:g}]: must be later than t = {solver.time:g} and of positive length")
-    if start > solver.time:
-        follow(solver, start, observers, progress)
-    solver.keep_frames()
-    shots, latest = [solver.snapshot()], _Latest()
-    while solver.time < end - 1e-9:
-        follow(solver, min(end, solver.time + interval), [*observers, latest], progress)
-        for frame in solver.frames():
-            if min(shots[-1].time + interval, solver.time) - 1e-9 < frame.time:
-                shots.append(frame)
-    if latest.pieces is None:
-        raise SceneError(f"window = [{start:g}, {end:g}]: shorter than the solver's step")
-    return assemble(solver.scene, solver.model, shots), final_state(solver, latest.pieces, end)
-
-
-class _Latest:
-    """Remembers the latest pieces: the record's own last sample may lie a little beyond the end of the run."""
-
-    pieces: Pieces | None = None
-
-    def scan(self, pieces: Pieces) -> None:
-        """Take the next pieces of the run, in order."""
-        self.pieces = pieces
+    if not solver.time <= start:
+        raise SceneError(f"window = [{start:g}, {end:g}]: must be later than t = {solver.time:g}")
+    record = FieldRecord(solver, start, end, interval)
+    final = follow(solver, end, observers, progress, [record])
+    return record.field, final
 
 
 def assemble(scene: Scene, model: str, shots: Sequence[Snapshot]) -> Field:

@@ -22,6 +22,7 @@ from slipwave.observe import Energy, Pieces
 from slipwave.observe.pieces import Array
 from slipwave.observe.restoring import take_back, whole_numbers
 from slipwave.observe.snapshot import Snapshot
+from slipwave.observe.solver import State
 from slipwave.scene import Scene
 
 
@@ -38,6 +39,8 @@ class MethodOfLines:
     and friction's state allow if that is less. Raises SceneError naming cfl and its allowed range, or cells too many for the
     memory (`budget`).
     """
+
+    mass: str | None = None
 
     def __init__(
         self, scene: Scene, family: FullWave, number: int, build: Builder, sections: list[Section], limit: float, cfl: float
@@ -76,7 +79,12 @@ class MethodOfLines:
     def settings(self) -> dict[str, Any]:
         """All that shapes its numbers besides the scene and the model's name."""
         cells = [section.cells for section in self.sections]
-        return {"cells": cells, "mass": getattr(self, "mass", None), "cfl": self.cfl, "step": self.step}
+        return {"cells": cells, "mass": self.mass, "cfl": self.cfl, "step": self.step}
+
+    @property
+    def cells(self) -> int:
+        """Cells asked for, per slab."""
+        return self.sections[0].asked
 
     @property
     def transits_per_piece(self) -> float:
@@ -161,13 +169,13 @@ class MethodOfLines:
         `velocity` in V* in the slab's own direction of drive, `stress` in units of the normal stress, both in full."""
         impose_fields(self.grid, self.system, self._state, slab, velocity, stress)
 
-    def state(self) -> dict[str, Array]:
-        """Everything that changes during a run, as arrays; `restore` takes it back to the bit."""
+    def state(self) -> State:
+        """As `Solver`; `counts`: steps taken, failures."""
         counts = np.array([self._taken, self.failures], dtype=float)
         return {"counts": counts, "state": self._state.copy(), "unknowns": self._unknowns.copy()}
 
-    def restore(self, state: dict[str, Array]) -> None:
-        """Go on from `state`, taken from a solver of the same scene and settings; SceneError if it does not fit."""
+    def restore(self, state: State) -> None:
+        """As `Solver`."""
         taken, failures = whole_numbers(state, "counts", (0, 0))
         take_back({"state": self._state, "unknowns": self._unknowns}, state, self.model)
         self._taken, self.failures = taken, failures

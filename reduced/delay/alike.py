@@ -7,13 +7,15 @@ import numpy as np
 
 from reduced.delay.alike_kernel import PSI, TIME, AlikeMemory, Matrices, march_delay
 from reduced.delay.march import DelayMarch
-from reduced.delay.transit_mesh import TransitMesh, cuts_of, transit_mesh
+from reduced.delay.transit_mesh import cuts_of, transit_mesh
 from reduced.step.collocation import growth_limit, highest_coefficient, radau
 from reduced.step.guess import DONE, first_guess
 from reduced.step.newton import UNKNOWN
 from slipwave.errors import SceneError
 from slipwave.friction import respond, unknown_of
 from slipwave.observe.pieces import Array, Pieces, empty_pieces
+from slipwave.observe.restoring import tables, whole_numbers
+from slipwave.observe.solver import State
 from slipwave.scene import Scene
 
 MAX_STEPS = 4096
@@ -26,10 +28,12 @@ class Delay(DelayMarch):
     """Marches the exact system to `tolerance`, the requested relative error of what is asked for.
 
     Asked for are the figures of the cycle, dense extrema included (`emit`, the default), or only the state at the end of the run
-    (`emit=False`: fewer steps; `advance` returns the last piece of each chunk, without elastic stress). The number of steps a
-    transit grows wherever a step's polynomial is not resolved or Newton fails, going back to the last whole transit. `nodes` and
-    `steps` (a lower bound) may be given by hand. `failures` counts unconverged solves: a step that cannot be solved with
-    MAX_STEPS a transit raises NumericsError instead.
+    (`emit=False`: fewer steps; `advance` returns pieces of the last transit it marched, without elastic stress). It marches whole
+    transits and keeps the pieces beyond `until` for the next call. The number of steps a transit grows wherever a step's
+    polynomial is not resolved or Newton fails. The march then goes back to the last whole transit; with `emit=False`, whose
+    polynomials are not good enough to be evaluated at new nodes, to the state at its beginning: the scene's start, or what
+    `restore` was given as such. `nodes` and `steps` (a lower bound) may be given by hand. `failures` counts unconverged solves:
+    a step that cannot be solved with MAX_STEPS a transit raises NumericsError instead.
     """
 
     _memory: AlikeMemory
@@ -44,74 +48,100 @@ class Delay(DelayMarch):
         self._resolution = dense_resolution(tolerance, self._stages) if emit else end_resolution(tolerance)
         self._steepest = growth_limit(self._stages, tolerance)
         self._emit = emit
+        self.settings = {"nodes": self._stages, "steps": steps, "tolerance": tolerance, "emit": emit}
         self.nodes, self._matrices = collocation_matrices(self._stages)
         self._cuts = cuts_of(scene.drive)
-        self._begin(transit_mesh(steps or _first_steps(scene, self._stages), self._cuts))
-        self._march(0, empty_pieces(0, self._stages))  # loads or compiles the march, so that a run's wall time is the march's
+        self._mesh = transit_mesh(steps or _first_steps(scene, self._stages), self._cuts)
+        incoming = scene.steady_stress + 0.5 * scene.upper.epsilon * scene.velocity
+        start = np.array([0.0, scene.steady_psi + scene.start.jump_size, scene.steady_stress])
+        self._memory = self._remember(np.full((self._mesh.steps, self._stages), incoming), start)
+        self._beginning = (self._mesh, self._memory.incoming.copy(), start)
+        self._waiting = empty_pieces(0, self._stages)
+        self._march(0, self._waiting)  # loads or compiles the march, so that a run's wall time is the march's
 
     @property
     def steps(self) -> int:
         """Steps a transit in use now."""
         return self._mesh.steps
 
+    @property
+    def time(self) -> float:
+        """Transits since the start."""
+        return float(self._waiting.time[0] if self._waiting.time.size else self._memory.now[TIME])
+
     def advance(self, until: float) -> Pieces:
         """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
-        while True:
-            wanted = self._mesh.steps_until(until - self.time, int(self._memory.cursor[0]))
-            count = min(_CHUNK if self._emit else _LONG_CHUNK, wanted)
-            pieces = empty_pieces(count if self._emit else 1, self._stages)
-            kept, verdict = self._march(count, pieces)
-            self._memory.now[TIME] = self._on_mesh(self.time)
-            if verdict != DONE:
+        while not self._waiting.time.size:
+            most = (_CHUNK if self._emit else _LONG_CHUNK) // self.steps
+            transits = min(max(1, math.ceil(until - self._memory.now[TIME] - 1e-9)), max(1, most))
+            pieces = empty_pieces(self.steps * (transits if self._emit else 1), self._stages)
+            kept, verdict = self._march(transits, pieces)
+            if self._emit or verdict == DONE:
+                self._waiting = Pieces(*(array[: kept * self.steps] for array in pieces))
+            if verdict != DONE and not self._waiting.time.size:  # else what is known is shown first: refining may fail
                 self._refine(verdict)
-            if not self._emit and verdict == DONE:
-                return pieces
-            if self._emit and kept:
-                return Pieces(*(array[:kept] for array in pieces))
+        count = max(1, int(np.searchsorted(self._waiting.time, until - 1e-9)))
+        shown, self._waiting = (Pieces(*(array[part] for array in self._waiting)) for part in (slice(count), slice(count, None)))
+        return shown
 
-    def _march(self, count: int, pieces: Pieces) -> tuple[int, int]:
-        """(steps kept, verdict) of `count` steps."""
+    def state(self) -> State:
+        """As `Solver`: the memory at a whole transit (`counts`: steps asked for of a transit, failures, iterations; `now`: time,
+        psi, y; `incoming`, `guess`), the pieces `waiting` to be shown, and the beginning that a march without `emit` goes back
+        to."""
+        mesh, incoming, now = self._beginning
+        found = {
+            "counts": np.array([self._mesh.count, self.failures, self.iterations, mesh.count], dtype=float),
+            "incoming": self._memory.incoming.copy(),
+            "guess": self._memory.guess.copy(),
+            "now": self._memory.now.copy(),
+            "waiting": np.column_stack(self._waiting),
+        }
+        return found if self._emit else found | {"beginning.incoming": incoming.copy(), "beginning.now": now.copy()}
+
+    def restore(self, state: State) -> None:
+        """As `Solver`."""
+        count, failures, iterations, first = whole_numbers(state, "counts", (1, 0, 0, 1))
+        mesh, beginning = transit_mesh(min(count, MAX_STEPS), self._cuts), transit_mesh(min(first, MAX_STEPS), self._cuts)
+        shapes = {
+            "incoming": (mesh.steps, self._stages),
+            "guess": (2, self._stages),
+            "now": (3,),
+            "waiting": (-1, 2 + 4 * self._stages),
+        }
+        if not self._emit:
+            shapes |= {"beginning.incoming": (beginning.steps, self._stages), "beginning.now": (3,)}
+        found = tables(state, shapes, self.model)
+        self._mesh, self.failures, self.iterations = mesh, failures, iterations
+        self._memory = AlikeMemory(found["incoming"], mesh.lengths, found["guess"], found["now"])
+        time, length, *values = np.split(found["waiting"], [1, 2, *(2 + self._stages * k for k in range(1, 4))], axis=1)
+        self._waiting = Pieces(time.ravel(), length.ravel(), *(table.copy() for table in values))
+        if not self._emit:
+            self._beginning = (beginning, found["beginning.incoming"], found["beginning.now"])
+
+    def _march(self, transits: int, pieces: Pieces) -> tuple[int, int]:
+        """(transits kept, verdict) of `transits` transits."""
         tolerances = (self._newton_tolerance, self._resolution, self._steepest)
         scene, nodes = self.scene, tuple(self.nodes)
         physics = (scene.law, scene.upper.epsilon, scene.forcing, scene.drive.compiled)
-        kept, iterations, verdict = march_delay(nodes, *physics, self._matrices, self._memory, count, *tolerances, pieces)
+        kept, iterations, verdict = march_delay(nodes, *physics, self._matrices, self._memory, transits, *tolerances, pieces)
         self.iterations += iterations
         return kept, verdict
 
-    def _on_mesh(self, time: float) -> float:
-        """`time` without the rounding of many additions: the start of the step that comes next."""
-        start = float(self._mesh.starts[int(self._memory.cursor[0])])
-        return round(time - start) + start
-
-    def _begin(self, mesh: TransitMesh) -> None:
-        """Steady sliding at t = 0, psi displaced if the start is a jump."""
-        scene = self.scene
-        psi = scene.steady_psi + scene.start.jump_size
-        incoming = np.full((mesh.steps, self._stages), scene.steady_stress + 0.5 * scene.upper.epsilon * scene.velocity)
-        self._mesh = mesh
-        self._memory = self._remember(incoming, np.array([0.0, psi, scene.steady_stress]), 0)
-
     def _refine(self, verdict: int) -> None:
-        """More steps a transit: the stored polynomials are evaluated at the new nodes. Between nodes they are good to the dense
-        tolerance only, so where just the end is wanted and resolved, the run begins again instead."""
-        old, cursor = self._mesh, int(self._memory.cursor[0])
-        new = old.halved() if cursor else transit_mesh(_next_count(old.count), self._cuts)
+        """More steps a transit: the polynomials of the waves to come, or of those at the beginning, at the new nodes."""
+        old, incoming, now = (self._mesh, self._memory.incoming, self._memory.now) if self._emit else self._beginning
+        new = transit_mesh(_next_count(self._mesh.count), self._cuts)
         if new.count > MAX_STEPS:
-            raise self._unresolved(old.steps, verdict)
-        if self._emit:
-            self._mesh = new
-            self._memory = self._remember(old.resample(self._memory.incoming, self.nodes, new), self._memory.now, 2 * cursor)
-        else:
-            self._begin(new)
+            raise self._unresolved(self.steps, verdict)
+        self._mesh = new
+        self._memory = self._remember(old.resample(incoming, self.nodes, new), now)
 
-    def _remember(self, incoming: Array, now: Array, cursor: int) -> AlikeMemory:
-        """Memory at a step's start with guesses from frozen psi."""
+    def _remember(self, incoming: Array, now: Array) -> AlikeMemory:
+        """Memory at a whole transit with guesses from frozen psi."""
         guess = np.full((2, self._stages), now[PSI])
         start = unknown_of(self.scene.law, self.scene.velocity)
-        self.failures += first_guess(
-            self.scene.law, 0.5 * self.scene.upper.epsilon, incoming[cursor], now[PSI], start, guess[UNKNOWN]
-        )
-        return AlikeMemory(incoming, self._mesh.lengths, guess, now.copy(), np.array([cursor]))
+        self.failures += first_guess(self.scene.law, 0.5 * self.scene.upper.epsilon, incoming[0], now[PSI], start, guess[UNKNOWN])
+        return AlikeMemory(incoming, self._mesh.lengths, guess, now.copy())
 
 
 def refuse_unless_plain(scene: Scene) -> None:

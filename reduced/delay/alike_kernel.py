@@ -10,7 +10,6 @@ which is (29, 35) with S = mu_ss + eps V/2 - 2 eps g(t - 1). Delayed values fall
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reduced.step.collocation import Nodes
 from reduced.step.guess import DONE, force, hold, judge_step, predict
@@ -26,15 +25,13 @@ TIME, PSI, ELASTIC = 0, 1, 2
 
 
 class AlikeMemory(NamedTuple):
-    """State at a step's end. `incoming` (steps, s): S at the nodes of the coming transit, from row `cursor[0]` on cyclically;
-    `lengths` (steps,) of the steps in transits; `guess` (2, s): predicted nodal psi and z of the next step; `now`: time
-    (transits), psi, y."""
+    """State at a whole transit. `incoming` (steps, s): S at the nodes of the coming transit; `lengths` (steps,) of its steps in
+    transits; `guess` (2, s): predicted nodal psi and z of the next step; `now`: time (transits), psi, y."""
 
     incoming: Array
     lengths: Array
     guess: Array
     now: Array
-    cursor: NDArray[np.int64]
 
 
 class Matrices(NamedTuple):
@@ -87,14 +84,14 @@ def march_delay(
     drive: Constant | Ramps,
     matrices: Matrices,
     memory: AlikeMemory,
-    count: int,
+    transits: int,
     newton_tolerance: float,
     resolution: float,
     steepest: float,
     pieces: Pieces,
 ) -> tuple[int, int, int]:
-    """March `count` steps; returns (steps kept, Newton iterations, verdict of `judge_step`). Where that is not DONE the memory is
-    back at the last whole transit."""
+    """March `transits` whole transits; returns (transits kept, Newton iterations, verdict of `judge_step`). Where that is not
+    DONE the memory is back at the last whole transit. `pieces` has room for all steps or for those of the last transit."""
     s = len(nodes)
     incoming, guess, now = memory.incoming, memory.guess, memory.now
     integral, predict_rate, predict_state, tail = matrices.integral, matrices.predict, matrices.predict_state, matrices.tail
@@ -102,40 +99,34 @@ def march_delay(
     steps, lengths = incoming.shape[0], memory.lengths
     work, system = np.zeros((WORK_ROWS, s)), np.empty((s, s))
     saved, saved_guess, saved_now = np.empty_like(incoming), np.empty_like(guess), np.empty_like(now)
-    overwrite(saved, incoming)
-    overwrite(saved_now, now)
-    overwrite(saved_guess, guess)
-    i, anchor, iterations = memory.cursor[0], 0, 0
-    for n in range(count):
-        if i == 0:
-            anchor = n
-            overwrite(saved, incoming)
-            overwrite(saved_now, now)
-            overwrite(saved_guess, guess)
-        left, start, length = now[PSI], now[TIME], lengths[i]
-        h = length * transit
-        if nudge != 0.0:
-            force(nodes, nudge, start, length, integral, work)
-        used = solve_step(nodes, law, 0.5 * epsilon, h, left, incoming, i, integral, newton_tolerance, guess, work, system)
-        iterations += used
-        verdict = judge_step(nodes, tail, guess, work, used, resolution, steepest)
-        if verdict != DONE:
-            overwrite(incoming, saved)
-            overwrite(now, saved_now)
-            overwrite(guess, saved_guess)
-            memory.cursor[0] = (i - (n - anchor)) % steps
-            return anchor, iterations, verdict
-        if pieces.time.size == count:
-            emit(nodes, epsilon, drive, start, length, integral, incoming, i, guess, work, now, pieces, n)
-        elif n == count - 1:
-            emit(nodes, epsilon, drive, start, length, integral, incoming, i, guess, work, now, pieces, 0)
-        for j in range(s):
-            incoming[i, j] += epsilon * (velocity_at(drive, start + nodes[j] * length + 0.5) - work[RATE, j])
-        now[PSI] = guess[STATE, s - 1]
-        now[TIME] = start + length
-        i, last = i + 1 if i + 1 < steps else 0, guess[UNKNOWN, s - 1]
-        predict(nodes, predict_rate, predict_state, left, guess, work)
-        if lengths[i] != length:
-            hold(nodes, now[PSI], last, guess)
-    memory.cursor[0] = i
-    return count, iterations, DONE
+    iterations, k = 0, pieces.time.size - steps * transits
+    for n in range(transits):
+        overwrite(saved, incoming)
+        overwrite(saved_now, now)
+        overwrite(saved_guess, guess)
+        for i in range(steps):
+            left, start, length = now[PSI], now[TIME], lengths[i]
+            h = length * transit
+            if nudge != 0.0:
+                force(nodes, nudge, start, length, integral, work)
+            used = solve_step(nodes, law, 0.5 * epsilon, h, left, incoming, i, integral, newton_tolerance, guess, work, system)
+            iterations += used
+            verdict = judge_step(nodes, tail, guess, work, used, resolution, steepest)
+            if verdict != DONE:
+                overwrite(incoming, saved)
+                overwrite(now, saved_now)
+                overwrite(guess, saved_guess)
+                return n, iterations, verdict
+            if k >= 0:
+                emit(nodes, epsilon, drive, start, length, integral, incoming, i, guess, work, now, pieces, k)
+            k += 1
+            for j in range(s):
+                incoming[i, j] += epsilon * (velocity_at(drive, start + nodes[j] * length + 0.5) - work[RATE, j])
+            now[PSI] = guess[STATE, s - 1]
+            now[TIME] = start + length
+            last = guess[UNKNOWN, s - 1]
+            predict(nodes, predict_rate, predict_state, left, guess, work)
+            if lengths[i + 1 if i + 1 < steps else 0] != length:
+                hold(nodes, now[PSI], last, guess)
+        now[TIME] = saved_now[TIME] + 1.0  # a sum of steps would drift
+    return transits, iterations, DONE

@@ -10,14 +10,18 @@ import heapq
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reduced.delay.alike_kernel import PSI, TIME
 from reduced.delay.network import DelayNetwork
+from reduced.delay.transmission_lines import Lines
 from reduced.step.guess import DONE
 from reduced.step.newton import UNKNOWN
 from slipwave.errors import NumericsError
 from slipwave.friction import respond
 from slipwave.observe.pieces import Pieces, empty_pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.restoring import tables, whole_numbers
+from slipwave.observe.solver import State
 from slipwave.scene import Scene
 
 _RING = 8192
@@ -33,8 +37,8 @@ class DelayBreaks(DelayNetwork):
     `break_points` counts the jumps and kinks that were followed. Raises NumericsError where they outgrow the stored history.
     """
 
-    def __init__(self, scene: Scene, tolerance: float = 1e-9) -> None:
-        super().__init__(scene, tolerance)
+    def __init__(self, scene: Scene, tolerance: float = 1e-9, lines: Lines | None = None) -> None:
+        super().__init__(scene, tolerance, lines=lines)
         self._network = self._network._replace(whole=False)
         psi, z = scene.steady_psi, float(self._memory.guess[UNKNOWN, 0])
         self._smallest_jump = tolerance * respond(scene.law, z, psi)[3]
@@ -42,7 +46,7 @@ class DelayBreaks(DelayNetwork):
         self._left = interpolation_matrix(basis, np.zeros(1))[0]
         self._slope_left, self._slope_right = self._left @ basis.derivative, basis.derivative[-1]
         self._smallest_kink = max(self._smallest_jump, _KINK * self._tolerances[1] * respond(scene.law, z, psi)[3])
-        self._start_times, self._lengths = np.full(_RING, np.nan), np.ones(_RING)
+        self._start_times, self._lengths, self._filled = np.empty(_RING), np.ones(_RING), 0
         layers = self._lines.travel.size
         self._memory = self._memory._replace(waves=np.zeros((layers, 2, _RING, self._stages)))
         self._arrivals = [float(time) for time in scene.drive.knots if time > 0.0]
@@ -60,20 +64,17 @@ class DelayBreaks(DelayNetwork):
     def _step(self, piece: Pieces) -> bool:
         """One step to the next break point at most; False if it was refused and the longest step has been halved."""
         now, slot = self._memory.now, int(self._memory.cursor[0])
-        full = self._length
         while self._arrivals and self._arrivals[0] < now[TIME] + _SHORTEST:
             heapq.heappop(self._arrivals)
         left = self._arrivals[0] - now[TIME] if self._arrivals else math.inf
-        length = left / math.ceil(left / full - _SAME) if left < 64.0 * full else full
+        length = left / math.ceil(left / self._length - _SAME) if left < 64.0 * self._length else self._length
         start = float(now[TIME])
         self._look_back(start, length, slot)
-        self._length = length
-        steps, verdict = self._march(1, piece)
-        self._length = full
+        steps, verdict = self._march(start, 0, length, 1, piece)
         if verdict != DONE:
             self._refine(verdict)
             return False
-        self._start_times[slot], self._lengths[slot] = start, length
+        self._start_times[slot], self._lengths[slot], self._filled = start, length, min(self._filled + 1, _RING)
         if abs(left - length) < _SAME:
             now[TIME] = heapq.heappop(self._arrivals)
             self._forget_guess()
@@ -84,23 +85,25 @@ class DelayBreaks(DelayNetwork):
         """Fill in where each node of the step to come finds its delayed waves; before t = 0 there were none."""
         network = self._network
         wanted = start + self.nodes * length - self._lines.travel[:, None]
-        oldest = int(np.isnan(self._start_times).argmax()) if np.isnan(self._start_times).any() else _RING
-        filled = min(oldest, _RING)
-        order = (slot - filled + np.arange(filled)) % _RING
+        order = self._order(slot)
         past = self._start_times[order]
-        if filled == _RING and wanted.min() < past[0]:
+        if order.size == _RING and wanted.min() < past[0]:
             raise NumericsError(
                 f"delay: more than {_RING} break points within a travel time at t = {start:.6g} transits (scene "
                 f"{self.scene.name!r}, digest {self.scene.digest})"
             )
         row = np.searchsorted(past, wanted - _SAME) - 1
         exists = (row >= 0) & (wanted > _SAME)
-        chosen = order[np.clip(row, 0, None)] if filled else np.zeros_like(row)
+        chosen = order[np.clip(row, 0, None)] if order.size else np.zeros_like(row)
         local = np.clip((wanted - self._start_times[chosen]) / self._lengths[chosen], 0.0, 1.0)
         weights = interpolation_matrix(lagrange_basis(self.nodes), np.where(exists, local, 0.5).ravel())
         network.weights[:] = weights.reshape(network.weights.shape) * exists[:, :, None]
         network.back[:] = (slot - chosen) % _RING
         self._network = network._replace(grip=self._grip_response(length))
+
+    def _order(self, slot: int) -> NDArray[np.int64]:
+        """Ring indices of the past steps, oldest first; `slot` is that of the next one."""
+        return (slot - self._filled + np.arange(self._filled)) % _RING
 
     def _follow_breaks(self, slot: int, start: float) -> None:
         """Make break points of the arrivals of what has just jumped or kinked."""
@@ -124,5 +127,33 @@ class DelayBreaks(DelayNetwork):
     def _refine(self, verdict: int) -> None:
         """Half the longest step; the history keeps its own lengths."""
         self._require_room(verdict)
-        self._length *= 0.5
+        self._halvings += 1
         self._forget_guess()
+
+    def state(self) -> State:
+        """As `Solver`: `past` (steps, 2), start and length of the past steps, `waves` launched in them (layers, 2, steps, s), the
+        break points to come as a heap, `arrivals` (points, 1), and the present moment; `counts`: halvings of the longest step,
+        break points, failures, iterations."""
+        memory, order = self._memory, self._order(int(self._memory.cursor[0]))
+        return {
+            "counts": np.array([self._halvings, self.break_points, self.failures, self.iterations], dtype=float),
+            "past": np.column_stack([self._start_times[order], self._lengths[order]]),
+            "waves": memory.waves[:, :, order],
+            "arrivals": np.array(self._arrivals, dtype=float)[:, None],
+            "grip": memory.grip.copy(),
+            "guess": memory.guess.copy(),
+            "now": memory.now.copy(),
+        }
+
+    def restore(self, state: State) -> None:
+        """As `Solver`."""
+        halvings, points, failures, iterations = whole_numbers(state, "counts", (0,) * 4)
+        steps = min(state["past"].shape[0] if "past" in state else 0, _RING)
+        shapes = {"past": (steps, 2), "waves": (self._lines.travel.size, 2, steps, self._stages), "arrivals": (-1, 1)}
+        found = tables(state, shapes | self._present(), self.model)
+        self._halvings, self.break_points, self.failures, self.iterations = halvings, points, failures, iterations
+        self._filled, self._arrivals = steps, found["arrivals"].ravel().tolist()
+        self._start_times[:steps], self._lengths[:steps] = found["past"].T
+        self._memory.waves[:, :, :steps] = found["waves"]
+        present = {name: found[name] for name in self._present()}
+        self._memory = self._memory._replace(cursor=np.array([steps % _RING]), **present)

@@ -1,7 +1,7 @@
 """What every march of the delay system is: the present moment, the counters, and how it gives up."""
 
 import math
-from typing import Protocol
+from typing import Any, Protocol
 
 from reduced.delay.alike_kernel import PSI, TIME
 from reduced.step.guess import TOO_STEEP
@@ -28,6 +28,10 @@ class DelayMarch:
 
     model = "delay"
     seconds_per_piece = 2e-6  # 0.9 to 1.9 measured
+    transits_per_piece = math.nan
+    failed_at = math.nan
+    nodes: Array
+    settings: dict[str, Any]
     _memory: _Memory
     _steepest: float
 
@@ -41,11 +45,6 @@ class DelayMarch:
         """Transits since the start."""
         return float(self._memory.now[TIME])
 
-    @property
-    def psi(self) -> float:
-        """psi at the present moment."""
-        return float(self._memory.now[PSI])
-
     def energy(self) -> Energy | None:
         """The delay system keeps no ledger: its slabs have no inside."""
         return None
@@ -54,16 +53,17 @@ class DelayMarch:
         """What to raise where even `steps` a transit are too few, by the `verdict` on the step that asked for more."""
         if verdict == TOO_STEEP:
             return self._left_too_fast(steps)
+        time, psi = self._memory.now[[TIME, PSI]]
         return NumericsError(
-            f"delay: the step at t = {self.time:.6g} transits cannot be resolved with {steps:.0f} steps a transit "
-            f"(psi = {self.psi:.6g}, scene {self.scene.name!r}, digest {self.scene.digest})"
+            f"delay: the step at t = {time:.6g} transits cannot be resolved with {steps:.0f} steps a transit "
+            f"(psi = {psi:.6g}, scene {self.scene.name!r}, digest {self.scene.digest})"
         )
 
     def _left_too_fast(self, steps: float) -> NumericsError:
         """What to raise where the motion is unstable on a scale that the steps do not follow."""
-        growth = self._growth()
+        growth, (time, psi) = self._growth(), self._memory.now[[TIME, PSI]]
         return NumericsError(
-            f"delay: at t = {self.time:.6g} transits (psi = {self.psi:.6g}) the motion is unstable: disturbances grow at "
+            f"delay: at t = {time:.6g} transits (psi = {psi:.6g}) the motion is unstable: disturbances grow at "
             f"{growth:.4g} per transit, by e^{growth / steps:.3g} in one of {steps:.0f} steps a transit, the most there are, and "
             f"a step follows at most e^{self._steepest:.3g}; longer ones damp the growth and stay on a motion that cannot "
             f"last. Use thinner slabs, or fd with {math.ceil(growth)} cells or more "
@@ -74,5 +74,5 @@ class DelayMarch:
         """Growth rate (per transit) of a disturbance of psi at the present moment, while the waves that arrive are given:
         r (G_psi - G_z F_psi/(F_z + Z v_z)), the real root of the characteristic equation that needs no echo."""
         z = float(self._memory.guess[UNKNOWN, 0])
-        _, v_z, _, friction_z, friction_psi, _, g_z, g_psi = respond(self.scene.law, z, self.psi)
+        _, v_z, _, friction_z, friction_psi, _, g_z, g_psi = respond(self.scene.law, z, float(self._memory.now[PSI]))
         return self.scene.transit * (g_psi - g_z * friction_psi / (friction_z + self.scene.impedance * v_z))

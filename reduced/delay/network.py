@@ -5,18 +5,21 @@ import math
 import numpy as np
 
 from reduced.delay.alike import collocation_matrices, dense_resolution
-from reduced.delay.alike_kernel import ELASTIC, PSI, TIME
+from reduced.delay.alike_kernel import ELASTIC, PSI
 from reduced.delay.march import DelayMarch
 from reduced.delay.network_kernel import Integers, Network, NetworkMemory, march_network
-from reduced.delay.transmission_lines import common_step, lines_of
+from reduced.delay.transmission_lines import Lines, lines_of
 from reduced.step.collocation import growth_limit, radau
-from reduced.step.guess import DONE, first_guess
+from reduced.step.guess import first_guess
 from slipwave.friction import unknown_of
 from slipwave.observe.pieces import Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.restoring import tables, whole_numbers
+from slipwave.observe.solver import State
 from slipwave.scene import Scene
 
 NODES = 8
 MAX_STEPS = 4096
+MOST_HALVINGS = 64  # more than MAX_STEPS allow of any step
 _FEWEST = 3.0
 _CHUNK = 2048
 
@@ -32,20 +35,26 @@ class DelayNetwork(DelayMarch):
 
     _memory: NetworkMemory
 
-    def __init__(self, scene: Scene, tolerance: float = 1e-9, nodes: int = NODES) -> None:
+    def __init__(self, scene: Scene, tolerance: float = 1e-9, nodes: int = NODES, lines: Lines | None = None) -> None:
         super().__init__(scene)
+        self.settings = {"nodes": nodes, "tolerance": tolerance}
         self._stages = nodes
         self.nodes, self._matrices = collocation_matrices(nodes)
         self._steepest = growth_limit(nodes, tolerance)
         self._tolerances = (max(1e-3 * tolerance, 1e-14), dense_resolution(tolerance, nodes), self._steepest)
-        self._lines = lines_of(scene)
-        divisor = common_step(self._lines)
-        self._commensurate = divisor is not None
+        self._lines = lines or lines_of(scene)
+        divisor = self._lines.divisor
         longest = min(1.0 / _FEWEST, float(self._lines.travel.min()))
-        self._length = divisor / max(1, math.ceil(divisor / longest)) if divisor else longest
-        self._network = self._compile()
+        self._longest = divisor / max(1, math.ceil(divisor / longest)) if divisor else longest
+        self._halvings = 0
+        self._network = self._compile(self._length)
         self._memory = self._begin()
         self._origin, self._done = 0.0, 0
+
+    @property
+    def _length(self) -> float:
+        """Length of a step in transits; of the longest where break points end some earlier."""
+        return self._longest * 0.5**self._halvings
 
     @property
     def steps(self) -> float:
@@ -57,45 +66,68 @@ class DelayNetwork(DelayMarch):
         while True:
             count = min(_CHUNK, max(1, math.ceil((until - self.time) / self._length - 1e-6)))
             pieces = empty_pieces(count, self._stages)
-            steps, verdict = self._march(count, pieces)
+            steps, verdict = self._march(self._origin, self._done, self._length, count, pieces)
             self._done += steps
-            self._memory.now[TIME] = self._origin + self._done * self._length  # a sum of steps would drift
-            if verdict != DONE:
-                self._refine(verdict)
             if steps:
                 return Pieces(*(array[:steps] for array in pieces))
+            self._refine(verdict)
 
-    def _march(self, count: int, pieces: Pieces) -> tuple[int, int]:
-        """(steps kept, verdict) of `count` steps."""
+    def state(self) -> State:
+        """As `Solver`: the waves launched in past steps, a ring, and the present moment (`NetworkMemory`); `counts`: halvings of
+        the step, steps done since `origin`, ring index, failures, iterations."""
+        memory = self._memory
+        counts = (self._halvings, self._done, memory.cursor[0], self.failures, self.iterations)
+        return {
+            "counts": np.array(counts, dtype=float),
+            "origin": np.array([self._origin]),
+            "waves": memory.waves.copy(),
+            "grip": memory.grip.copy(),
+            "guess": memory.guess.copy(),
+            "now": memory.now.copy(),
+        }
+
+    def restore(self, state: State) -> None:
+        """As `Solver`."""
+        halvings, done, cursor, failures, iterations = whole_numbers(state, "counts", (0,) * 5)
+        network = self._compile(self._longest * 0.5 ** min(halvings, MOST_HALVINGS))
+        layers, ring = network.impedance.size, int(network.back.max()) + 1
+        shapes = {"origin": (1,), "waves": (layers, 2, ring, self._stages), **self._present()}
+        found = tables(state, shapes, self.model)
+        self._halvings, self._done, self.failures, self.iterations = halvings, done, failures, iterations
+        self._origin, self._network = float(found["origin"][0]), network
+        self._memory = NetworkMemory(found["waves"], found["grip"], found["guess"], found["now"], np.array([cursor % ring]))
+
+    def _present(self) -> dict[str, tuple[int, ...]]:
+        """Shapes of the present moment's arrays in a state."""
+        return {"grip": (self._lines.spring.size,), "guess": (2, self._stages), "now": (3,)}
+
+    def _march(self, origin: float, done: int, length: float, count: int, pieces: Pieces) -> tuple[int, int]:
+        """(steps kept, verdict) of `count` steps of `length`, the first `done` such steps after `origin`."""
         rule = (self._matrices.integral, self._matrices.predict, self._matrices.predict_state, self._matrices.tail)
-        systems = (
-            tuple(self.nodes),
-            self.scene.law,
-            self._network,
-            self.scene.forcing,
-            self.scene.drive.compiled,
-            *rule,
-            self._memory,
+        scene = self.scene
+        physics = (scene.law, self._network, scene.forcing, scene.drive.compiled)
+        clock = (origin, done, length, count)
+        steps, iterations, verdict = march_network(
+            tuple(self.nodes), *physics, *rule, self._memory, *clock, *self._tolerances, pieces
         )
-        steps, iterations, verdict = march_network(*systems, self._length, count, *self._tolerances, pieces)
         self.iterations += iterations
         return steps, verdict
 
-    def _compile(self) -> Network:
-        """The lines with the delays of the present step length."""
+    def _compile(self, length: float) -> Network:
+        """The lines with the delays of steps of `length`."""
         lines, scene = self._lines, self.scene
-        back, weights = delay_rows(lines.travel / self._length, self.nodes)
+        back, weights = delay_rows(lines.travel / length, self.nodes)
         return Network(
             lines.impedance,
             back,
             weights,
-            self._commensurate,
+            lines.divisor is not None,
             np.array(lines.first),
             np.array(lines.last),
             lines.follow,
             lines.yield_,
             lines.spring,
-            self._grip_response(self._length),
+            self._grip_response(length),
             scene.impedance,
             scene.steady_stress + scene.impedance * scene.velocity,
             lines.weight,
@@ -124,8 +156,8 @@ class DelayNetwork(DelayMarch):
         self._require_room(verdict)
         old = self._memory
         self._origin, self._done = self.time, 0
-        self._length *= 0.5
-        self._network = self._compile()
+        self._halvings += 1
+        self._network = self._compile(self._length)
         halves = interpolation_matrix(lagrange_basis(self.nodes), np.r_[0.5 * self.nodes, 0.5 + 0.5 * self.nodes])
         ordered = np.roll(old.waves, -int(old.cursor[0]), axis=2)
         layers, _, ring, stages = ordered.shape

@@ -130,6 +130,8 @@ def march_network(
     predict_state: Array,
     tail: Array,
     memory: NetworkMemory,
+    origin: float,
+    done: int,
     length: float,
     count: int,
     newton_tolerance: float,
@@ -137,8 +139,9 @@ def march_network(
     steepest: float,
     pieces: Pieces,
 ) -> tuple[int, int, int]:
-    """March `count` steps of `length` transits; returns (steps, Newton iterations, verdict) as `march_delay` does, but a refused
-    step leaves the memory at its own start."""
+    """March `count` steps of `length` transits, step n of which begins at `origin` + (`done` + n) `length` (a sum of steps would
+    drift); returns (steps, Newton iterations, verdict) as `march_delay` does, but a refused step leaves the memory at its own
+    start."""
     s = len(nodes)
     waves, grip, guess, now = memory.waves, memory.grip, memory.guess, memory.now
     layers, ring, slabs = waves.shape[0], waves.shape[2], network.first.size
@@ -148,7 +151,7 @@ def march_network(
     impedance, h = network.interface_impedance, length * forcing.transit
     iterations = 0
     for n in range(count):
-        cursor, start, left = memory.cursor[0], now[TIME], now[PSI]
+        cursor, start, left = memory.cursor[0], origin + (done + n) * length, now[PSI]
         overwrite(saved_guess, guess)
         overwrite(saved_grip, grip)
         for j in range(s):
@@ -185,7 +188,7 @@ def march_network(
             for j in range(s):
                 waves[layer, OUTWARD, cursor, j] = launched[layer, OUTWARD, j]
                 waves[layer, INWARD, cursor, j] = launched[layer, INWARD, j]
-        now[PSI], now[TIME] = guess[STATE, s - 1], start + length
+        now[PSI], now[TIME] = guess[STATE, s - 1], origin + (done + n + 1) * length
         memory.cursor[0] = cursor + 1 if cursor + 1 < ring else 0
         predict(nodes, predict_rate, predict_state, left, guess, work)
     return count, iterations, DONE

@@ -5,7 +5,7 @@ import numpy as np
 from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.network import DelayNetwork
-from reduced.delay.transmission_lines import common_step, lines_of
+from reduced.delay.transmission_lines import lines_of
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
 
@@ -20,14 +20,13 @@ def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
     """
     if scene.alike and scene.upper.is_plain:
         return Delay(scene, tolerance=tolerance, emit=bool(scene.record))
-    if _breaks_within_steps(scene):
-        return DelayBreaks(scene, tolerance=tolerance)
-    return DelayNetwork(scene, tolerance=tolerance)
+    lines = lines_of(scene)
+    march = DelayBreaks if _breaks_within_steps(scene, lines.divisor) else DelayNetwork
+    return march(scene, tolerance=tolerance, lines=lines)
 
 
-def _breaks_within_steps(scene: Scene) -> bool:
-    """Whether a jump or a knot of the drive comes back where no equal steps can end."""
-    divisor = common_step(lines_of(scene))
+def _breaks_within_steps(scene: Scene, divisor: float | None) -> bool:
+    """Whether a jump or a knot of the drive comes back where no equal steps, which divide `divisor`, can end."""
     if divisor is None:
         return scene.start.kind is StartKind.JUMP or not scene.drive.is_constant
     knots = np.array(scene.drive.knots) / divisor

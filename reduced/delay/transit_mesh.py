@@ -29,17 +29,6 @@ class TransitMesh:
         """Steps a transit."""
         return int(self.lengths.size)
 
-    def halved(self) -> "TransitMesh":
-        """Every step cut in two, so that step i of the old mesh begins where step 2 i of the new one does."""
-        return _mesh(2 * self.count, np.repeat(0.5 * self.lengths, 2))
-
-    def steps_until(self, wait: float, cursor: int) -> int:
-        """Steps from the start of step `cursor` that take at least `wait` transits (one at least)."""
-        reached = self.starts[cursor] + wait - 1e-9
-        whole = math.floor(reached)
-        inside = int(np.searchsorted(self.starts, reached - whole, side="left"))
-        return int(max(1, whole * self.steps + inside - cursor))
-
     def resample(self, values: Array, nodes: Array, finer: "TransitMesh") -> Array:
         """Nodal values (steps, s) of a piecewise polynomial on this mesh at the nodes of another, shape (finer.steps, s)."""
         at = finer.starts[:, None] + nodes * finer.lengths[:, None]
@@ -61,10 +50,7 @@ def transit_mesh(count: int, cuts: Array) -> TransitMesh:
     """Steps no longer than 1/`count`, equal between neighbouring `cuts` (sorted, the first 0)."""
     gaps = np.diff(np.append(cuts, 1.0))
     shares = [math.ceil(count * gap - 1e-6) or 1 for gap in gaps]
-    return _mesh(count, np.concatenate([np.full(share, gap / share) for share, gap in zip(shares, gaps, strict=True)]))
-
-
-def _mesh(count: int, lengths: Array) -> TransitMesh:
+    lengths = np.concatenate([np.full(share, gap / share) for share, gap in zip(shares, gaps, strict=True)])
     starts = np.concatenate(([0.0], np.cumsum(lengths)[:-1]))
     if np.ptp(lengths) < 1e-14:  # equal steps begin at whole multiples, to the bit
         starts, lengths = np.arange(lengths.size) / lengths.size, np.full(lengths.size, 1.0 / lengths.size)

@@ -13,6 +13,7 @@ are counted so that the slip rate is the sum of both slabs' velocities; alike sl
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -41,6 +42,12 @@ class Lines:
     yield_: Array
     spring: Array
     weight: float
+
+    @cached_property
+    def divisor(self) -> float | None:
+        """Longest step (transits) that divides every travel time; None if they are incommensurate or it would be too short:
+        delayed values are then interpolated."""
+        return common_divisor(self.travel, _MOST_DIVISIONS)
 
 
 def lines_of(scene: Scene) -> Lines:
@@ -77,9 +84,3 @@ def _top(slab: Slab, round_trip: float) -> tuple[float, float, float]:
     if isinstance(face, ReflectingFace):
         return 0.5 * (1.0 + face.coefficient), 0.5 * (1.0 - face.coefficient) / outermost, 0.0
     return 1.0, 0.0, 0.0
-
-
-def common_step(lines: Lines) -> float | None:
-    """Longest step (transits) that divides every travel time; None if they are incommensurate or it would be too short: delayed
-    values are then interpolated."""
-    return common_divisor(lines.travel, _MOST_DIVISIONS)

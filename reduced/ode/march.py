@@ -2,6 +2,7 @@
 
 import math
 from functools import cache, lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +26,8 @@ from slipwave.errors import NumericsError
 from slipwave.friction import rate_of, unknown_of
 from slipwave.observe.ledger import Energy
 from slipwave.observe.pieces import Pieces, empty_pieces
+from slipwave.observe.restoring import tables, whole_numbers
+from slipwave.observe.solver import State
 from slipwave.scene import Scene
 
 STAGES = 6
@@ -42,18 +45,20 @@ class ReducedModel:
     runs away).
     """
 
+    failed_at = math.nan
+    seconds_per_piece = 2e-6  # 1.2 to 2.4 measured
+    transits_per_piece = math.nan
+
     def __init__(self, scene: Scene, reduction: Reduction, tolerance: float = 1e-9, stages: int = STAGES) -> None:
         self.scene, self.model = scene, reduction.name
+        self.settings: dict[str, Any] = {"tolerance": tolerance, "stages": stages}
         self.failures = 0
         self.iterations = 0
-        self.seconds_per_piece = 2e-6  # 1.2 to 2.4 measured
         rule, self._rule, self._shape = _rule(stages)
         self.nodes = rule.nodes
         self._reduction, self._tolerance = reduction, tolerance
-        self._tables = _tables(reduction, stages, LONGEST)
-        self._knots = [time for time in scene.drive.knots if time > 0.0]
         self._memory = self._begin(stages)
-        self._take_stretch(0.0)
+        self._take_stretch(0.0, None)
 
     def _begin(self, stages: int) -> ReducedMemory:
         """Steady sliding, psi displaced if the start is a jump: the rate jumps with it unless mass holds it."""
@@ -83,7 +88,7 @@ class ReducedModel:
         """March past `until` by at most one step, at most one chunk; see `Solver`."""
         pieces = empty_pieces(_CHUNK, self.nodes.size)
         if self.time > self._stop - SAME:
-            self._take_stretch(self._stop)
+            self._take_stretch(self._stop, float(self._tables.length[self._memory.level[0]]))
         steps, iterations, verdict = march_ladder(
             self._shape,
             self.scene.law,
@@ -109,16 +114,41 @@ class ReducedModel:
             )
         return Pieces(*(array[:steps] for array in pieces))
 
-    def _take_stretch(self, begin: float) -> None:
-        """Tables of the steps from `begin`, a knot or the start, to the next knot; the steps stay about as long as they are."""
-        self._knots = [knot for knot in self._knots if knot > begin + SAME]
-        self._stop = self._knots[0] if self._knots else math.inf
-        distance = self._stop - begin
-        longest = distance / 2 ** max(0, math.ceil(math.log2(distance / LONGEST))) if self._knots else LONGEST
-        stages, memory = self.nodes.size, self._memory
-        before = float(self._tables.length[memory.level[0]]) if begin > 0.0 else longest / 2**_FIRST_LEVEL
-        memory.level[0] = max(0, math.ceil(math.log2(longest / before) - 1e-9))
+    def state(self) -> State:
+        """As `Solver`: modes, guess and present moment (`ReducedMemory`); `stretch`: where the present steps' tables begin;
+        `counts`: level of the next step, failures, iterations."""
+        memory = self._memory
+        return {
+            "counts": np.array([memory.level[0], self.failures, self.iterations], dtype=float),
+            "stretch": np.array([self._stretch]),
+            "modes": memory.modes.copy(),
+            "guess": memory.guess.copy(),
+            "now": memory.now.copy(),
+        }
+
+    def restore(self, state: State) -> None:
+        """As `Solver`."""
+        level, failures, iterations = whole_numbers(state, "counts", (0, 0, 0))
+        own = {"modes": self._memory.modes, "guess": self._memory.guess, "now": self._memory.now}
+        shapes = {name: array.shape for name, array in own.items()}
+        found = tables(state, {"stretch": (1,), **shapes}, self.model)
+        self._take_tables(float(found["stretch"][0]))
+        self.failures, self.iterations = failures, iterations
+        self._memory = ReducedMemory(found["modes"], found["guess"], found["now"], np.array([min(level, _LEVELS - 1)]))
+
+    def _take_stretch(self, begin: float, before: float | None) -> None:
+        """Begin a stretch at `begin`, a knot or the start, with steps about as long as `before`."""
+        self._take_tables(begin)
+        longest, memory = float(self._tables.length[0]), self._memory
+        memory.level[0] = max(0, math.ceil(math.log2(longest / before) - 1e-9)) if before else _FIRST_LEVEL
         memory.now[TIME] = begin
+
+    def _take_tables(self, begin: float) -> None:
+        """Tables of the steps from `begin` to the next knot of the drive."""
+        knots = (knot for knot in self.scene.drive.knots if knot > begin + SAME)
+        self._stretch, self._stop = begin, min(knots, default=math.inf)
+        distance, stages = self._stop - begin, self.nodes.size
+        longest = LONGEST if math.isinf(distance) else distance / 2 ** max(0, math.ceil(math.log2(distance / LONGEST)))
         self._tables = _tables(self._reduction, stages, longest)
         growth = growth_limit(stages, self._tolerance)
         self._limits = Limits(

@@ -1,10 +1,11 @@
 """Observers: reduce a run to events, period, drops and extrema while it streams by, piece by piece."""
 
 from slipwave.observe.events import EventObserver, Events
-from slipwave.observe.follow import Final, Solver, final_state, follow
+from slipwave.observe.follow import Final, final_state, follow
 from slipwave.observe.history import HistoryObserver
 from slipwave.observe.ledger import Energy
 from slipwave.observe.pieces import Pieces
+from slipwave.observe.solver import Solver
 from slipwave.observe.statistics import RunStatistics, Spread, summarise
 from slipwave.observe.verdict import Verdict, judge_motion, slides_at
 

@@ -1,61 +1,34 @@
 """Checkpoints: a run killed at any moment goes on from the last one and ends with the same bits as if nothing had happened.
 
-A solver that can be saved has `state() -> dict of arrays`, `restore(dict)` and `settings` (all that shapes its numbers besides
-the scene and the model's name: cells of every section, Courant number, step, ...); an observer has the first two. The file is
-.npz, whole or absent, and carries the scene's digest (without `until`, so a run may be prolonged), the model, its settings, a
-digest of the solver rooms' sources and one of its own contents: a checkpoint of anything else, or a damaged one, is refused,
-never misread.
+Saved are the solver and, by labels, whatever else has a `state()` (`slipwave.observe.solver.Resumable`): observers, records of
+fields. The file is .npz, whole or absent, and carries the scene's digest (without `until`, so a run may be prolonged), the
+model, its settings, a digest of the solver rooms' sources and one of its own contents: a checkpoint of anything else, or a
+damaged one, is refused, never misread.
 """
 
 import dataclasses
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from slipwave.errors import SceneError
 from slipwave.files import whole_or_absent
-from slipwave.observe import Final, follow
-from slipwave.observe.follow import Observer, Solver
+from slipwave.observe.solver import Resumable, Solver
 from slipwave.sources import source_digest
 
 FORMAT = 2
 _LONGEST_VALUE = 60  # characters of a fact in a message
-State = dict[str, NDArray[Any]]
+_Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 
-class ResumableObserver(Observer, Protocol):
-    """An observer that can be saved."""
-
-    def state(self) -> State:
-        """Everything remembered."""
-
-    def restore(self, state: State) -> None:
-        """Go on from `state`."""
-
-
-class ResumableSolver(Solver, Protocol):
-    """A solver that can be saved."""
-
-    step: float
-
-    @property
-    def settings(self) -> dict[str, Any]:
-        """All that shapes its numbers besides the scene and the model's name; goes into a file as JSON."""
-
-    def state(self) -> State:
-        """Everything that changes during a run."""
-
-    def restore(self, state: State) -> None:
-        """Go on from `state`."""
-
-
-def save(path: Path, solver: ResumableSolver, observers: Mapping[str, ResumableObserver] | None = None) -> None:
+def save(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None) -> None:
     """Write the run as it stands to `path`. Raises SceneError if the file cannot be written."""
     arrays = {f"solver/{name}": array for name, array in solver.state().items()}
     for label, observer in (observers or {}).items():
@@ -66,7 +39,7 @@ def save(path: Path, solver: ResumableSolver, observers: Mapping[str, ResumableO
         np.savez(file, allow_pickle=False, facts=np.array(text), **arrays)
 
 
-def load(path: Path, solver: ResumableSolver, observers: Mapping[str, ResumableObserver] | None = None) -> None:
+def load(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None) -> None:
     """Bring `solver` and `observers` to where the run in `path` stood.
 
     Raises SceneError, one line naming the file, if it is not a checkpoint, damaged or inconsistent, or if it belongs to another
@@ -93,31 +66,37 @@ def saved_time(path: Path) -> float:
     return float(_read(path)[0]["time"])
 
 
-def follow_with_checkpoints(
-    solver: ResumableSolver,
-    until: float,
-    path: Path,
-    every: float = 1000.0,
-    observers: Mapping[str, ResumableObserver] | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> Final:
-    """As `slipwave.observe.follow`, saving to `path` about every `every` transits, and starting from `path` if it exists.
+class Checkpoints:
+    """Marks of a run to `until` (transits): saves `solver` and `observers` to `path` every `every` transits."""
 
-    Raises SceneError as `load` does, and if the checkpoint is later than `until`.
-    """
-    watching = dict(observers or {})
-    if path.exists():
-        load(path, solver, watching)
-        if solver.time >= until - 1e-9:
-            raise SceneError(f"until = {until:g}: checkpoint {str(path)!r} is already at t = {solver.time:g}")
-    piece = solver.step * solver.nodes.size
-    mark = every * (np.floor(solver.time / every + 1e-9) + 1)
-    while mark < until - piece:
-        if mark > solver.time:
-            follow(solver, mark, list(watching.values()), progress)
-            save(path, solver, watching)
-        mark += every
-    return follow(solver, until, list(watching.values()), progress)
+    def __init__(
+        self, solver: Solver, observers: Mapping[str, Resumable], path: Path, until: float, every: float = 1000.0
+    ) -> None:
+        self._solver, self._observers, self._path, self._until, self._every = solver, observers, path, until, every
+        self._due = 0.0
+        self._schedule()
+
+    @property
+    def due(self) -> float:
+        """As `Mark`."""
+        return self._due if self._due < self._until else math.inf
+
+    def act(self) -> None:
+        """As `Mark`; a run that is over leaves no checkpoint: nothing goes on from there."""
+        if self._solver.time < self._until - 1e-9:
+            save(self._path, self._solver, self._observers)
+        self._schedule()
+
+    def resume(self) -> None:
+        """Bring the run to where it stood in `path`; SceneError as `load` has it, and if that is later than `until`."""
+        load(self._path, self._solver, self._observers)
+        if self._solver.time >= self._until - 1e-9:
+            raise SceneError(f"until = {self._until:g}: checkpoint {str(self._path)!r} is already at t = {self._solver.time:g}")
+        self._schedule()
+
+    def _schedule(self) -> None:
+        """The next whole multiple of `every`."""
+        self._due = self._every * (math.floor(self._solver.time / self._every + 1e-9) + 1)
 
 
 @cache
@@ -126,7 +105,7 @@ def _sources() -> str:
     return source_digest()
 
 
-def _facts(solver: ResumableSolver) -> dict[str, Any]:
+def _facts(solver: Solver) -> dict[str, Any]:
     """What a checkpoint and the run that goes on from it must have in common; the first that differs is told."""
     return {
         "format": FORMAT,
@@ -153,7 +132,7 @@ def _short(value: Any) -> str:
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."
 
 
-def _digest(facts: Mapping[str, Any], arrays: State) -> str:
+def _digest(facts: Mapping[str, Any], arrays: _Arrays) -> str:
     """Hash of all that a checkpoint says."""
     digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
     for name, array in sorted(arrays.items()):
@@ -162,7 +141,7 @@ def _digest(facts: Mapping[str, Any], arrays: State) -> str:
     return digest.hexdigest()
 
 
-def _read(path: Path) -> tuple[dict[str, Any], State]:
+def _read(path: Path) -> tuple[dict[str, Any], _Arrays]:
     """(facts, arrays) of a file that says of itself what its contents are; SceneError if it cannot be read or they are not."""
     unreadable = f"checkpoint {str(path)!r} cannot be read"
     try:
@@ -183,7 +162,7 @@ def _read(path: Path) -> tuple[dict[str, Any], State]:
     return facts, arrays
 
 
-def _require_layout(found: State, own: State) -> None:
+def _require_layout(found: _Arrays, own: _Arrays) -> None:
     """The same names and kinds of arrays as `own`; tables may differ in one of their axes, along which they grow."""
     if found.keys() != own.keys():
         raise ValueError(f"holds {', '.join(sorted(found)) or 'nothing'}; this run needs {', '.join(sorted(own))}")
@@ -195,5 +174,5 @@ def _require_layout(found: State, own: State) -> None:
             raise ValueError(f"{name} is {other.dtype} {other.shape}; this run needs {array.dtype} {array.shape}")
 
 
-def _under(arrays: State, prefix: str) -> State:
+def _under(arrays: _Arrays, prefix: str) -> _Arrays:
     return {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}

@@ -1,4 +1,4 @@
-"""March any solver to the end of a run, feeding the observers as it goes."""
+"""March any solver to the end of a run, feeding the observers as it goes and stopping at the marks."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -9,9 +9,11 @@ import numpy as np
 
 from slipwave.errors import NumericsError
 from slipwave.friction import rate_of
-from slipwave.observe.ledger import Energy
-from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis
-from slipwave.scene import Scene
+from slipwave.observe.pieces import Pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.solver import Solver
+
+_SAME = 1e-9
+"""Transits within which two times are one."""
 
 
 @dataclass(frozen=True)
@@ -30,49 +32,51 @@ class Observer(Protocol):
         """Take the next pieces, in order."""
 
 
-class Solver(Protocol):
-    """What every model, reduced or full wave, offers: `advance` moves on by a chunk of its own choosing (never past the first
-    step end at or beyond `until`) and returns the pieces it covered."""
-
-    scene: Scene
-    model: str
-    nodes: Array
+class Mark(Protocol):
+    """Something to be done at certain times of a run."""
 
     @property
-    def failures(self) -> int:
-        """Interface or step solves so far that did not converge."""
+    def due(self) -> float:
+        """When next (transits); infinite if never again."""
 
-    @property
-    def time(self) -> float:
-        """Time reached, in transits."""
-
-    def advance(self, until: float) -> Pieces:
-        """March towards `until` (transits) and return the pieces covered; raises NumericsError where it cannot."""
-
-    def energy(self) -> Energy | None:
-        """Ledger since t = 0, for models that keep one."""
+    def act(self) -> None:
+        """Do it: the solver stands at the end of the first of its pieces at or beyond `due`, or at the end of the run."""
 
 
 def follow(
-    solver: Solver, until: float, observers: Sequence[Observer] = (), progress: Callable[[float], None] | None = None
+    solver: Solver,
+    until: float,
+    observers: Sequence[Observer] = (),
+    progress: Callable[[float], None] | None = None,
+    marks: Sequence[Mark] = (),
 ) -> Final:
-    """March `solver` to `until` (transits); returns the interface's state there, from the last piece's polynomial.
+    """March `solver` to `until` (transits); returns the interface's state there, from the last piece's polynomial. At the `marks`
+    on the way, in their order, all observers have seen what came before.
 
     Raises NumericsError with the time, the model and the scene's digest when the numbers stop being finite or a solve did not
     converge; the observers have then seen the pieces before that.
     """
     pieces: Pieces | None = None
-    while solver.time < until - 1e-9:
-        pieces = solver.advance(until)
+    _act(solver, marks)
+    while solver.time < until - _SAME:
+        stop = min([until, *(mark.due for mark in marks)])
+        pieces = solver.advance(max(stop, solver.time + 2.0 * _SAME))
         _require_finite(solver, pieces)
         for observer in observers:
             observer.scan(_before_failure(solver, pieces))
         _require_solved(solver, pieces)
         if progress is not None:
             progress(solver.time)
+        _act(solver, marks)
     if pieces is None:
         raise NumericsError(f"{solver.model}: nothing to do: until = {until} is not after t = {solver.time}")
     return final_state(solver, pieces, until)
+
+
+def _act(solver: Solver, marks: Sequence[Mark]) -> None:
+    for mark in marks:
+        if mark.due <= solver.time + _SAME:
+            mark.act()
 
 
 def _require_finite(solver: Solver, pieces: Pieces) -> None:
@@ -103,8 +107,7 @@ def _require_solved(solver: Solver, pieces: Pieces) -> None:
 
 def _failed_at(solver: Solver, pieces: Pieces) -> float:
     """Time of the first failed solve, as far as the solver knows it; else the beginning of `pieces`."""
-    known = getattr(solver, "failed_at", math.nan)
-    return float(pieces.time[0]) if math.isnan(known) else float(known)
+    return float(pieces.time[0]) if math.isnan(solver.failed_at) else solver.failed_at
 
 
 def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:

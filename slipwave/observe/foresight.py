@@ -7,8 +7,8 @@ its steps are fixed, how long its pieces are (`transits_per_piece`). Where steps
 import math
 
 from slipwave.errors import SceneError
-from slipwave.observe.follow import Solver
 from slipwave.observe.pieces import Pieces
+from slipwave.observe.solver import Solver
 
 DAY = 86400.0
 _ENOUGH = 20_000  # pieces, some 0.1 s, after which their number per transit is taken for the rest
@@ -16,7 +16,7 @@ _ENOUGH = 20_000  # pieces, some 0.1 s, after which their number per transit is 
 
 def require_time(solver: Solver, until: float, most: float = DAY) -> None:
     """Raises SceneError if `solver`, whose steps are fixed, needs more than `most` seconds to come to `until` (transits)."""
-    length = getattr(solver, "transits_per_piece", math.nan)
+    length = solver.transits_per_piece
     if not math.isnan(length):
         _require(solver, until, (until - solver.time) / length if length > 0.0 else math.inf, most)
 
@@ -26,19 +26,21 @@ class Foresight:
 
     def __init__(self, solver: Solver, until: float, most: float = DAY) -> None:
         self._solver, self._until, self._most = solver, until, most
-        self._pieces, self._next = 0, _ENOUGH
+        self._pieces, self._next, self._began = 0, _ENOUGH, math.nan
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
+        self._began = float(pieces.time[0]) if math.isnan(self._began) else self._began
         self._pieces += pieces.time.size
         if self._pieces >= self._next:
             self._next *= 2
             reached = float(pieces.time[-1] + pieces.length[-1])
-            _require(self._solver, self._until, self._pieces * self._until / reached, self._most)
+            share = (reached - self._began) / (self._until - self._began)
+            _require(self._solver, self._until, self._pieces / share, self._most)
 
 
 def _require(solver: Solver, until: float, pieces: float, most: float) -> None:
-    seconds = pieces * getattr(solver, "seconds_per_piece", 0.0)
+    seconds = pieces * solver.seconds_per_piece
     if seconds > most:
         raise SceneError(
             f"model {solver.model}: {until:g} transits would take some {told(seconds)} ({pieces * (solver.nodes.size - 1):.2g} "

@@ -21,13 +21,23 @@ def whole_numbers(state: Mapping[str, NDArray[Any]], name: str, least: tuple[int
     return [int(count) for count in counts.tolist()]
 
 
+def tables(state: Mapping[str, NDArray[Any]], shapes: Mapping[str, tuple[int, ...]], model: str) -> dict[str, Array]:
+    """Copies of the arrays of `state` named in `shapes`, once all of them are known to be finite and of their shape, in which -1
+    stands for any length; SceneError otherwise."""
+    found = {}
+    for name, shape in shapes.items():
+        array = state.get(name, np.empty(0, dtype=bool))
+        fits = len(shape) == array.ndim and all(wanted in (-1, size) for wanted, size in zip(shape, array.shape, strict=True))
+        if array.dtype != np.float64 or not fits:
+            raise SceneError(f"checkpoint: {name} does not fit this scene with model {model}")
+        if not np.isfinite(array).all():
+            raise SceneError(f"checkpoint: {name} holds numbers that are not finite")
+        found[name] = array.copy()
+    return found
+
+
 def take_back(own: Mapping[str, Array], state: Mapping[str, NDArray[Any]], model: str) -> None:
     """own[name][...] = state[name] for every name, once all of them are known to fit and to be finite; SceneError otherwise."""
+    found = tables(state, {name: array.shape for name, array in own.items()}, model)
     for name, array in own.items():
-        found = state.get(name)
-        if found is None or found.shape != array.shape or found.dtype != array.dtype:
-            raise SceneError(f"checkpoint: {name} does not fit this scene with model {model}")
-        if not np.isfinite(found).all():
-            raise SceneError(f"checkpoint: {name} holds numbers that are not finite")
-    for name, array in own.items():
-        array[...] = state[name]
+        array[...] = found[name]

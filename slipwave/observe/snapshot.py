@@ -1,10 +1,11 @@
 """What a full-wave solver shows of its fields at one moment; every family offers `snapshot() -> Snapshot`."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
-from slipwave.observe.follow import Solver
+from slipwave.observe.ledger import Energy
 from slipwave.observe.pieces import Array
+from slipwave.observe.solver import Solver
 
 
 @dataclass(frozen=True)
@@ -26,8 +27,20 @@ class Snapshot:
     lower: SlabSnapshot
 
 
+@runtime_checkable
 class FieldSolver(Solver, Protocol):
-    """A solver whose fields can be recorded."""
+    """A full wave: a solver on a grid, whose fields can be recorded."""
+
+    @property
+    def cells(self) -> int:
+        """Cells asked for, per slab."""
+
+    @property
+    def step(self) -> float:
+        """Length of a step, in transits."""
+
+    def energy(self) -> Energy:
+        """Ledger since t = 0."""
 
     def snapshot(self) -> Snapshot:
         """The fields now."""

@@ -14,20 +14,24 @@ from leapfrog_scenes import PAPER, SCENES
 from fullwave.finite_difference import Leapfrog
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver, follow
-from slipwave.observe.checkpoint import follow_with_checkpoints, load, save
+from slipwave.observe.checkpoint import Checkpoints, load, save
 
 UNTIL = 3000.0
 SCRIPT = """
 import sys
 from pathlib import Path
 import slipwave
-from slipwave.observe.checkpoint import follow_with_checkpoints
 from fullwave.finite_difference import Leapfrog
-from slipwave.observe import EventObserver
+from slipwave.observe import EventObserver, follow
+from slipwave.observe.checkpoint import Checkpoints
 chosen = slipwave.read("paper")
 solver = Leapfrog(chosen, 32, 0.9)
 print("go", flush=True)
-follow_with_checkpoints(solver, float(sys.argv[2]), Path(sys.argv[1]), 20.0, {"events": EventObserver(chosen, solver.nodes)})
+events, path, until = EventObserver(chosen, solver.nodes), Path(sys.argv[1]), float(sys.argv[2])
+marks = Checkpoints(solver, {"events": events}, path, until, 20.0)
+if path.exists():
+    marks.resume()
+follow(solver, until, [events], marks=[marks])
 """
 
 
@@ -61,7 +65,7 @@ def test_killed_and_resumed_equals_uninterrupted(tmp_path):
     reached = solver.time
     assert reached >= 20.0
     end = reached + 500.0
-    final = follow_with_checkpoints(solver, end, path, 130.0, {"events": events})
+    final = follow(solver, end, [events], marks=[Checkpoints(solver, {"events": events}, path, end, 130.0)])
     straight = Leapfrog(PAPER, 32, 0.9)
     watching = EventObserver(PAPER, straight.nodes)
     assert follow(straight, end, [watching]) == final
@@ -73,9 +77,12 @@ def test_a_mark_just_before_the_end(tmp_path, beyond):
     """A mark's last piece must not run past the end of the run."""
     end = 40.0 + beyond
     solver, straight = Leapfrog(PAPER, 32, 0.9), Leapfrog(PAPER, 32, 0.9)
-    assert follow_with_checkpoints(solver, end, tmp_path / "run.npz", 10.0) == follow(straight, end)
+    path = tmp_path / "run.npz"
+    assert follow(solver, end, marks=[Checkpoints(solver, {}, path, end, 10.0)]) == follow(straight, end)
     with pytest.raises(SceneError, match="already at"):
-        follow_with_checkpoints(solver, 10.0, tmp_path / "run.npz", 10.0)
+        Checkpoints(solver, {}, path, 10.0).resume()
+    Checkpoints(solver, {}, path, end, 10.0).resume()
+    assert solver.time < end
 
 
 @pytest.mark.parametrize("name", ["unlike", "everything", "standard-linear"])

@@ -29,22 +29,11 @@ def test_steps_tile_the_transit_and_end_on_the_cuts():
     assert mesh.lengths.max() <= 0.25 + 1e-12
     assert np.abs(ends[:, None] - cuts[1:]).min(axis=0).max() < 1e-12
     assert np.array_equal(transit_mesh(3, np.zeros(1)).starts, np.arange(3) / 3)
-    assert mesh.halved().starts[::2] == pytest.approx(mesh.starts)
-
-
-@pytest.mark.parametrize("cursor", [0, 2, 5])
-@pytest.mark.parametrize("wait", [0.0, 0.3, 1.0, 2.71])
-def test_steps_until_reach_but_do_not_overshoot_by_a_step(wait, cursor):
-    mesh = transit_mesh(5, np.array([0.0, 0.17, 0.3]))
-    steps = mesh.steps_until(wait, cursor)
-    lengths = np.tile(mesh.lengths, 5)[cursor:]
-    assert lengths[:steps].sum() >= wait - 1e-9
-    assert steps == 1 or lengths[: steps - 1].sum() < wait
 
 
 def test_resampling_keeps_polynomials():
-    nodes, coarse = radau_nodes(5), transit_mesh(3, np.array([0.0, 0.17, 0.4]))
-    finer = coarse.halved()
+    nodes, cuts = radau_nodes(5), np.array([0.0, 0.17, 0.4])
+    coarse, finer = transit_mesh(3, cuts), transit_mesh(4, cuts)
     values = (coarse.starts[:, None] + nodes * coarse.lengths[:, None]) ** 4
     wanted = (finer.starts[:, None] + nodes * finer.lengths[:, None]) ** 4
     np.testing.assert_allclose(coarse.resample(values, nodes, finer), wanted, atol=1e-13)

@@ -7,8 +7,8 @@ import pytest
 
 import slipwave
 from slipwave.observe import Events
+from slipwave.observe.orbit import Estimate, Orbit
 from validation.measure.cycle import Cycle
-from validation.measure.settle import Estimate, Orbit
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT
 from validation.studies import claims
 from validation.studies.claims import load as claims_load

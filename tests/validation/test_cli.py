@@ -227,6 +227,7 @@ class Doomed:
     def __init__(self, inner: Any) -> None:
         self._inner = inner
         self.scene, self.nodes, self.model, self.failures = inner.scene, inner.nodes, "doomed", 0
+        self.seconds_per_piece = self.transits_per_piece = self.failed_at = float("nan")
 
     @property
     def time(self) -> float:
@@ -250,8 +251,13 @@ def test_failed_numerics_are_status_3_and_keep_what_was_computed(
 
     from validation.registry import build as models
 
-    build = models.build
-    monkeypatch.setattr(models, "build", lambda *arguments: Doomed(build(*arguments)))
+    prepare = models.prepare
+
+    def doomed(*arguments: Any, resumed: bool) -> Any:
+        built = prepare(*arguments, resumed=resumed)
+        return built._replace(solver=Doomed(built.solver))
+
+    monkeypatch.setattr(models, "prepare", doomed)
     out = tmp_path / "run.nc"
     assert main(["run", "paper", "--model", "delay", "--until", "400", "--json", "--out", str(out)]) == cli.NUMERICS_FAILED
     text, err = capsys.readouterr()
@@ -265,10 +271,10 @@ def test_failed_numerics_are_status_3_and_keep_what_was_computed(
 
 
 def test_an_interrupt_is_one_line_and_status_130(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    def interrupted(*arguments: object) -> None:
+    def interrupted(*arguments: object, resumed: bool) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("validation.registry.build.build", interrupted)
+    monkeypatch.setattr("validation.registry.build.prepare", interrupted)
     assert main(["run", "paper"]) == cli.INTERRUPTED
     out, err = capsys.readouterr()
     assert (out, err) == ("", "slipwave: interrupted\n")

@@ -36,6 +36,7 @@ class Failing:
     def __init__(self) -> None:
         self.scene, self.model, self.nodes = slipwave.read("paper"), "failing", np.linspace(0.0, 1.0, 5)
         self.time, self.failures, self.failed_at = 0.0, 0, np.nan
+        self.seconds_per_piece, self.transits_per_piece = 0.0, np.nan
 
     def advance(self, until: float) -> Pieces:
         begin, self.time = self.time, self.time + 5.0

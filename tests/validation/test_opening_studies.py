@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import slipwave
+from slipwave.observe.orbit import Estimate, Orbit
 from validation.measure.cycle import Cycle
-from validation.measure.settle import Estimate, Orbit, Settled
+from validation.measure.settle import Settled
 from validation.references.published import reference_orbit
 from validation.studies import one_cycle, scene_facts
 from validation.studies.one_cycle.figures import overlay, panels

@@ -5,8 +5,14 @@ import signal
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+import xarray
 
+import slipwave
+from fullwave.finite_difference import Leapfrog
+from slipwave.observe import HistoryObserver, follow
+from slipwave.observe.checkpoint import load, save, saved_time
 from validation.cli import main
 
 BASE = ["run", "paper", "--model", "dg:7", "--json"]
@@ -72,14 +78,14 @@ def test_prolonged_run_equals_one_that_never_stopped(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "hint"),
     [
-        (["--model", "delay"], "cheap to run again"),
-        (["--set", "start.kind=orbit"], "start on the orbit"),
+        (["--model", "delay"], "model is 'dg:7'; this run needs 'delay'"),
+        (["--set", "start.kind=orbit"], "scene"),
         (["--model", "dg:5"], "this run needs 'dg:5'"),
         (["--cells", "8"], "settings"),
         (["--set", "slab.log10_r=-2.6"], "scene"),
         (["--until", "50"], "already at"),
         (["--checkpoint-every", "0"], "positive"),
-        (["--fields", "fields.nc"], "--fields"),
+        (["--fields", "fields.nc"], "observers is ['events']; this run needs ['events', 'fields']"),
     ],
 )
 def test_what_does_not_belong_is_refused(tmp_path, capsys, monkeypatch, words, hint):
@@ -115,3 +121,69 @@ def test_a_text_file_is_no_checkpoint(tmp_path, capsys):
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     assert "run.npz' cannot be read: it is not a checkpoint, or damaged" in said
+
+
+def test_the_fields_of_a_resumed_run_are_those_of_one_that_never_stopped(tmp_path):
+    """Killed within the window of the fields, as a checkpoint was to take the place of the one before."""
+    words = ["run", "unlike", "--model", "dg:5", "--cells", "4", "--until", "150", "--json", "--set", 'run.record=["interface"]']
+    whole = [*words, "--fields", str(tmp_path / "whole.nc"), "--out", str(tmp_path / "run.nc")]
+    assert main(whole) == 0
+    words = [*words, "--fields", str(tmp_path / "parts.nc"), "--out", str(tmp_path / "again.nc")]
+    saving = [*words, "--checkpoint", str(tmp_path / "run.npz"), "--checkpoint-every", "21.3"]
+    done = subprocess.run([sys.executable, "-c", KILLED, "replace", "5", *saving], capture_output=True, check=False)
+    assert done.returncode == -signal.SIGKILL
+    assert 80.0 < saved_time(tmp_path / "run.npz") < 90.0
+    assert main(saving) == 0
+    for whole_file, parts_file in (("whole.nc", "parts.nc"), ("run.nc", "again.nc")):
+        with xarray.open_dataset(tmp_path / whole_file) as one, xarray.open_dataset(tmp_path / parts_file) as other:
+            assert one.sizes == other.sizes
+            assert one.equals(other)
+
+
+def test_a_window_that_has_moved_on_keeps_what_lies_in_it(tmp_path):
+    words = [
+        "run",
+        "paper",
+        "--model",
+        "fd",
+        "--cells",
+        "16",
+        "--checkpoint",
+        str(tmp_path / "run.npz"),
+        "--checkpoint-every",
+        "30",
+    ]
+    fields = tmp_path / "fields.nc"
+    assert main([*words, "--until", "170", "--fields", str(fields)]) == 0
+    assert main([*words, "--until", "230", "--fields", str(fields)]) == 0
+    with xarray.open_dataset(fields) as data:
+        assert data["time"][0] == pytest.approx(130.0, abs=1e-9)
+        assert data["time"][-1] == pytest.approx(230.0, abs=1e-9)
+        assert np.diff(data["time"]) == pytest.approx(0.125)
+
+
+@pytest.mark.parametrize("model", ["fd", "delay", "block8"])
+def test_a_start_on_the_orbit_goes_on_without_looking_for_it_again(tmp_path, capsys, monkeypatch, model):
+    words = ["run", "paper", "--model", model, "--set", "start.kind=orbit", "--until", "300", "--json"]
+    words += ["--cells", "24"] if model == "fd" else []
+    saving = [*words, "--checkpoint", str(tmp_path / "run.npz"), "--checkpoint-every", "70"]
+    assert main(words) == 0
+    direct = json.loads(capsys.readouterr().out)
+    assert main(saving) == 0
+    capsys.readouterr()
+    monkeypatch.setattr("validation.registry.orbit_start.settle", None)
+    assert main(saving) == 0
+    assert json.loads(capsys.readouterr().out) | {"wall_s": 0} == direct | {"wall_s": 0}
+
+
+def test_observers_of_one_kind_are_told_apart(tmp_path):
+    scene = slipwave.read("paper")
+    solver, resumed = Leapfrog(scene, 16), Leapfrog(scene, 16)
+    early, late = (HistoryObserver(scene.law, solver.nodes, start) for start in (0.0, 30.0))
+    follow(solver, 40.0, [early, late])
+    save(tmp_path / "run.npz", solver, {"early": early, "late": late})
+    again = {label: HistoryObserver(scene.law, solver.nodes, start) for label, start in (("early", 0.0), ("late", 30.0))}
+    load(tmp_path / "run.npz", resumed, again)
+    for label, observer in (("early", early), ("late", late)):
+        assert np.array_equal(again[label].columns()["time"], observer.columns()["time"])
+    assert again["late"].columns()["time"][0] >= 30.0

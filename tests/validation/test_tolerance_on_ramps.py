@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 import slipwave
 from slipwave.observe import EventObserver, Solver, follow
 from slipwave.scene import Scene
-from validation.registry.build import build
+from validation.registry.build import build, prepare
 
 STEEP = "drive.velocity=[[0.0,100.0],[120.0,100.0],[123.0,1000.0]]"
 LATE = "drive.velocity=[[0.0,100.0],[500.0,100.0],[510.0,1000.0]]"
@@ -23,9 +23,9 @@ def cycles(solver: Solver, until: float) -> NDArray[np.float64]:
 
 def error_and_estimate(chosen: Scene, tolerance: float) -> tuple[float, float]:
     exact = cycles(build("delay", chosen, tolerance=1e-12), chosen.until)
-    solver = build("dg", chosen, tolerance=tolerance)
-    estimate: float = solver.choice.error_estimate  # type: ignore[attr-defined]
-    return float(np.abs(cycles(solver, chosen.until) / exact - 1.0).max()), estimate
+    built = prepare("dg", chosen, tolerance=tolerance)
+    assert built.choice is not None
+    return float(np.abs(cycles(built.solver, chosen.until) / exact - 1.0).max()), built.choice.error_estimate
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-5, 1e-6])

@@ -20,7 +20,10 @@ from validation.commands.options import (
 )
 
 if TYPE_CHECKING:
+    from fullwave.adapt import Choice
     from slipwave.observe import Solver
+    from validation.registry.families import Built
+    from validation.run.recording import Records
     from validation.run.simulate import Run
 
 
@@ -41,7 +44,7 @@ def run(
     ] = None,
     checkpoint: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="full wave: save the run here on its way, and go on from FILE if it exists"),
+        typer.Option(metavar="FILE", help="save the run here on its way, and go on from FILE if it exists"),
     ] = None,
     every: Annotated[
         float | None, typer.Option("--checkpoint-every", metavar="TRANSITS", help="time between checkpoints (default 1000)")
@@ -50,66 +53,92 @@ def run(
     json: Json = False,
 ) -> None:
     """Run one model on one scene; print events, periods and stress drops of the run's second half."""
-    from fullwave.fields.files import write_field
-    from slipwave.observe import follow
-    from validation.output import attempt, conclude, printed, require_writable
-    from validation.registry.build import build, resolve
+    from validation.output import conclude, require_writable
+    from validation.registry.build import prepare
     from validation.registry.default_grid import judged, note_on
-    from validation.registry.families import one_port_of
-    from validation.run.determinacy import amplified_rounding
-    from validation.run.recording import FIELD_FILES, fields_for, history_for, write_run
-    from validation.run.resuming import march_for, way_on
-    from validation.run.simulate import RunInterrupted, simulate
+    from validation.run.recording import FIELD_FILES, records_of
+    from validation.run.resuming import require_checkpoint, way_on
 
     scene = read_scene(source, settings, until)
     if out is not None:
         require_writable(out, (".nc",))
     if fields is not None:
         require_writable(fields, FIELD_FILES, "--fields")
-    chosen, why = resolve(model, scene)
-    solver: Any = build(chosen, scene, cells, cfl, tol)
-    amplified = amplified_rounding(scene, one_port_of(solver.model), scene.until, tol)
-    notes = [amplified.note] if amplified else []
-    grid = _grid(solver)
-    if grid is not None:
-        typer.echo(f"{solver.model}: {_told(grid)}", err=True)
-    picture = fields_for(solver, fields, out)
-    march = march_for(solver, checkpoint, every, picture or follow)
-    if why:
-        typer.echo(f"model auto: {chosen} ({why})", err=True)
-    stopped = False
-    with history_for(solver, scene.until, out, checkpoint) as history:
-        try:
-            done = simulate(solver, scene.until, [history] if history is not None else [], march, most_seconds(yes))
-        except RunInterrupted as stop:
-            done, stopped = stop.run, True
-        if cells is None and tol is None and not done.failed:
-            default = judged(solver, cfl)
-            if default is not None:
-                solver.choice = default
-                notes += note_on(default)
+    require_checkpoint(checkpoint, every)
+    built = prepare(model, scene, cells, cfl, tol, resumed=checkpoint is not None and checkpoint.exists())
+    _announce(built)
+    notes = _doubts(built.solver, tol)
+    with records_of(built.solver, scene.until, out, fields, checkpoint, every) as records:
+        done, stopped = _march(built.solver, records, most_seconds(yes))
+        default = judged(built.solver, cfl) if cells is None and tol is None and not done.failed else None
+        notes += note_on(default) if default else []
         for note in notes:
             typer.echo(f"note: {note}", err=True)
-        field = picture.field if picture is not None else None
-        deeds = [lambda: printed(lambda: _show(done, json, notes))]  # first: what follows may meet a full disk
-        if fields is not None and field is not None:
-            deeds.append(lambda: write_field(fields, field))
-        if out is not None:
-            deeds.append(lambda: write_run(out, done, history, field if "fields" in scene.record else None))
-        problems = attempt(*deeds)
-    conclude(done.failed, problems, way_on(solver, checkpoint) if stopped else "")
+        problems = _write(done, built.choice or default, notes, json, records, out, fields)
+    conclude(done.failed, problems, way_on(checkpoint) if stopped else "")
 
 
-def _show(done: "Run", json: bool, notes: list[str]) -> None:
+def _announce(built: "Built") -> None:
+    """What was chosen for the user, on stderr."""
+    if built.choice is not None:
+        typer.echo(f"{built.solver.model}: {_told(built.choice)}", err=True)
+    if built.why:
+        typer.echo(f"model auto: {built.solver.model} ({built.why})", err=True)
+
+
+def _march(solver: "Solver", records: "Records", most: float) -> "tuple[Run, bool]":
+    """The run, and whether the user stopped it."""
+    from validation.run.simulate import RunInterrupted, simulate
+
+    try:
+        return simulate(solver, solver.scene.until, records.observers, most, records.watch, records.marks), False
+    except RunInterrupted as stop:
+        return stop.run, True
+
+
+def _doubts(solver: "Solver", tol: float | None) -> list[str]:
+    """What the reader must know of the result before it is there."""
+    from validation.registry.families import one_port_of
+    from validation.run.determinacy import amplified_rounding
+
+    amplified = amplified_rounding(solver.scene, one_port_of(solver.model), solver.scene.until, tol)
+    return [amplified.note] if amplified else []
+
+
+def _write(
+    done: "Run",
+    choice: "Choice | None",
+    notes: list[str],
+    json: bool,
+    records: "Records",
+    out: Path | None,
+    fields: Path | None,
+) -> list[str]:
+    """Print the result and write what was asked for; a line for each that could not be written."""
+    from fullwave.fields.files import write_field
+    from validation.output import attempt, printed
+    from validation.run.recording import write_run
+
+    record = records.fields if done.final is not None else None
+    deeds = [lambda: printed(lambda: _show(done, choice, json, notes))]  # first: what follows may meet a full disk
+    if fields is not None and record is not None:
+        deeds.append(lambda: write_field(fields, record.field))
+    if out is not None:
+        within = record if "fields" in done.solver.scene.record else None
+        deeds.append(lambda: write_run(out, done, records.history, within.field if within is not None else None))
+    return attempt(*deeds)
+
+
+def _show(done: "Run", choice: "Choice | None", json: bool, notes: list[str]) -> None:
     from validation.output import print_json
 
     if json:
-        print_json(result_of(done) | ({"notes": notes} if notes else {}))
+        print_json(result_of(done, choice) | ({"notes": notes} if notes else {}))
     else:
-        _print(done, notes)
+        _print(done, choice, notes)
 
 
-def result_of(done: "Run") -> dict[str, Any]:
+def result_of(done: "Run", choice: "Choice | None" = None) -> dict[str, Any]:
     """The JSON of a run (users rely on its keys); `grid` is there only if the user did not choose its cells, `failed` only if
     the numerics failed."""
     from dataclasses import asdict
@@ -130,25 +159,17 @@ def result_of(done: "Run") -> dict[str, Any]:
         "failures": done.solver.failures,
         "wall_s": done.wall_s,
     }
-    grid = _grid(done.solver)
+    grid = grid_of(choice)
     return result | ({"grid": grid} if grid else {}) | ({"failed": done.failed} if done.failed else {})
 
 
-def _grid(solver: "Solver") -> dict[str, Any] | None:
-    """The grid that a full wave chose, for a tolerance or by default, and its estimated error (`fullwave.adapt.Choice`)."""
-    choice = getattr(solver, "choice", None)
+def grid_of(choice: "Choice | None") -> dict[str, Any] | None:
+    """The grid of a full wave that the user did not choose, and its estimated error."""
     return {name: getattr(choice, name) for name in ("cells", "step", "quantity", "error_estimate")} if choice else None
 
 
-def _grid_word(solver: Any) -> str:
-    """Who chose the grid: a choice by default tried no others."""
-    return "grid chosen for the tolerance" if solver.choice.tried else "default grid"
-
-
-def _told(grid: dict[str, Any]) -> str:
-    return (
-        f"{grid['cells']} cells, steps of {grid['step']:.4g}, estimated error of {grid['quantity']} {grid['error_estimate']:.1e}"
-    )
+def _told(choice: "Choice") -> str:
+    return f"{choice.cells} cells, steps of {choice.step:.4g}, estimated error of {choice.quantity} {choice.error_estimate:.1e}"
 
 
 def _energy(done: "Run") -> dict[str, float] | None:
@@ -159,15 +180,14 @@ def _energy(done: "Run") -> dict[str, float] | None:
     return ledger | ({"viscous": done.energy.viscous} if viscous else {})
 
 
-def _print(done: "Run", notes: list[str]) -> None:
+def _print(done: "Run", choice: "Choice | None", notes: list[str]) -> None:
     from validation.commands.wording import describe, statistics_rows, told_events
     from validation.output import figures, print_table
 
     for line in describe(done.solver.scene):
         print(line)
-    grid = _grid(done.solver)
-    if grid:
-        print(f"{_grid_word(done.solver)}: {_told(grid)}")
+    if choice is not None:  # one by default tried no others
+        print(f"{'grid chosen for the tolerance' if choice.tried else 'default grid'}: {_told(choice)}")
     for note in notes:
         print(f"note: {note}")
     print(f"model {done.solver.model}, {done.until:g} transits: {told_events(done.starts, done.verdict)}")

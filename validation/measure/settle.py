@@ -12,6 +12,7 @@ import numpy as np
 
 from slipwave.observe import EventObserver, Events, HistoryObserver, Solver, follow
 from slipwave.observe.foresight import Foresight
+from slipwave.observe.orbit import Estimate, Orbit
 from slipwave.observe.pieces import Array
 from validation.measure.cycle import Cycle, cut
 from validation.run.timing import timed
@@ -22,29 +23,6 @@ MOST_TRANSITS = 6000.0
 _FIRST_STRETCH = 400.0
 _STALLED = 3
 _STEADY = 1e-3  # v_max/v_min - 1 below which a run has returned to steady sliding
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A value and half the spread of the last cycles about it."""
-
-    value: float
-    error: float
-
-
-@dataclass(frozen=True)
-class Orbit:
-    """What a run is judged by (MODEL.md section 6): period in transits, drops in units of the normal stress, rates in V*."""
-
-    period: Estimate
-    stress_drop: Estimate
-    elastic_stress_drop: Estimate
-    v_max: Estimate
-    v_min: Estimate
-
-    def values(self) -> dict[str, float]:
-        """Name -> value."""
-        return {field.name: getattr(self, field.name).value for field in fields(self)}
 
 
 @dataclass(frozen=True)

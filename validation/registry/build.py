@@ -10,9 +10,10 @@ from slipwave.family import Exact, Family
 from slipwave.features import FEATURES, features_of
 from slipwave.input.wording import nearest, shorten
 from slipwave.observe import Solver
+from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
-from validation.registry.families import DELAY, FAMILIES, OPTIONS, Request, family_of, make
+from validation.registry.families import DELAY, FAMILIES, OPTIONS, Built, Request, family_of, make
 
 
 def families() -> list[Family]:
@@ -38,13 +39,34 @@ def resolve(model: str, scene: Scene) -> tuple[str, str]:
 
 
 def build(model: str, scene: Scene, cells: int | None = None, cfl: float | None = None, tolerance: float | None = None) -> Solver:
-    """The solver called `model` for `scene`; `cells` and `cfl` are for full-wave models, `tolerance` for those that take one;
-    a grid's degree may be left out of its name and is then chosen (`dg` for `dg:P`).
+    """The solver of `prepare`."""
+    return prepare(model, scene, cells, cfl, tolerance).solver
+
+
+def build_full_wave(model: str, scene: Scene, cells: int | None = None, cfl: float | None = None) -> FieldSolver:
+    """As `build`; SceneError for a model without a grid."""
+    solver = build(model, scene, cells, cfl)
+    if not isinstance(solver, FieldSolver):
+        raise SceneError(f"model = {model!r}: has no grid; use a full-wave model")
+    return solver
+
+
+def prepare(
+    model: str,
+    scene: Scene,
+    cells: int | None = None,
+    cfl: float | None = None,
+    tolerance: float | None = None,
+    resumed: bool = False,
+) -> Built:
+    """The solver called `model` for `scene`, and what was chosen for it; `cells` and `cfl` are for full-wave models, `tolerance`
+    for those that take one; a grid's degree may be left out of its name and is then chosen (`dg` for `dg:P`).
 
     Raises SceneError for an unknown model (naming the nearest), a number out of range after the colon, an option the model does
-    not take, and a scene it cannot do (naming the models that can). A start on the orbit marches the model there first.
+    not take, and a scene it cannot do (naming the models that can). A start on the orbit marches the model there first, unless
+    the run is `resumed` from a checkpoint.
     """
-    model, _ = resolve(model, scene)
+    model, why = resolve(model, scene)
     family, number = _parse(model)
     request = Request(number, cells, cfl, tolerance)
     _require_options(model, family, request)
@@ -54,13 +76,15 @@ def build(model: str, scene: Scene, cells: int | None = None, cfl: float | None 
     if refusal:
         able = ", ".join(other.pattern for other in honouring(scene)) or "none of this installation"
         raise SceneError(f"model = {model!r}: cannot do {refusal} (scene {scene.name!r}); models that can: {able}")
-    solver = make(family, scene, request)
-    solver.model = family.called(request.number)
-    if scene.start.kind is StartKind.ORBIT:
-        from validation.registry.orbit_start import begin_on_orbit
+    built = make(family, scene, request)._replace(why=why)
+    if scene.start.kind is not StartKind.ORBIT:
+        return built
+    from validation.registry.orbit_start import on_orbit
 
-        return begin_on_orbit(solver)
-    return solver
+    orbiting = on_orbit(built.solver)
+    if not resumed:
+        orbiting.begin()
+    return built._replace(solver=orbiting)
 
 
 def build_all(

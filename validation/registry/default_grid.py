@@ -1,12 +1,13 @@
 """The error of a full wave on its default grid, which nobody chose: estimated after the run and told with its result."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from slipwave.errors import SceneError
 from slipwave.observe import Solver
+from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
-from validation.registry.build import build
+from validation.registry.build import build_full_wave
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice
@@ -20,14 +21,13 @@ _COARSER = 1.5
 def judged(solver: Solver, cfl: float | None = None) -> "Choice | None":
     """The default grid of `solver` with its estimated error, by fresh solvers; None for models without a grid and for a start on
     the orbit, which depends on a march of its own."""
-    if not hasattr(solver, "snapshot") or solver.scene.start.kind is StartKind.ORBIT:
+    if not isinstance(solver, FieldSolver) or solver.scene.start.kind is StartKind.ORBIT:
         return None
     from fullwave.adapt import judge_grid
 
-    cells = _cells(solver)
-    coarse = _coarser(solver.scene, solver.model, cells, cfl)
-    fine: Any = build(solver.model, solver.scene, cells, cfl)
-    return judge_grid(cells, fine, coarse)
+    coarse = _coarser(solver.scene, solver.model, solver.cells, cfl)
+    fine = build_full_wave(solver.model, solver.scene, solver.cells, cfl)
+    return judge_grid(solver.cells, fine, coarse)
 
 
 def note_on(choice: "Choice") -> list[str]:
@@ -42,16 +42,12 @@ def note_on(choice: "Choice") -> list[str]:
     ]
 
 
-def _cells(solver: Any) -> int:
-    return int(solver.cells if hasattr(solver, "cells") else solver.sections[0].asked)
-
-
-def _coarser(scene: Scene, model: str, cells: int, cfl: float | None) -> Any:
+def _coarser(scene: Scene, model: str, cells: int, cfl: float | None) -> FieldSolver:
     """Two thirds of the cells, or as few more as the family can make of the scene."""
     for fewer in range(max(1, int(cells / _COARSER)), cells):
         try:
-            return build(model, scene, fewer, cfl)
+            return build_full_wave(model, scene, fewer, cfl)
         except SceneError as refusal:
             if "cells" not in str(refusal):
                 raise
-    return build(model, scene, cells, cfl)
+    return build_full_wave(model, scene, cells, cfl)

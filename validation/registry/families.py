@@ -10,10 +10,11 @@ from slipwave.errors import SceneError
 from slipwave.family import Exact, Family
 
 if TYPE_CHECKING:
+    from fullwave.adapt import Choice
     from slipwave.observe import Solver
     from slipwave.scene import Scene
 
-__all__ = ["DELAY", "FAMILIES", "GRIDS", "OPTIONS", "Request", "family_of", "grid_of", "make", "one_port_of"]
+__all__ = ["DELAY", "FAMILIES", "GRIDS", "OPTIONS", "Built", "Request", "family_of", "grid_of", "make", "one_port_of"]
 
 FAMILIES: tuple[Family, ...] = (*WITHOUT_GRID, *GRIDS)
 """Cheapest first; `auto` takes the first that is exact."""
@@ -35,6 +36,14 @@ class Request(NamedTuple):
         return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
 
 
+class Built(NamedTuple):
+    """A solver as it was made: `choice`, the grid that a full wave got for a tolerance, and `why` `auto` took its model."""
+
+    solver: "Solver"
+    choice: "Choice | None" = None
+    why: str = ""
+
+
 def family_of(model: str) -> Family | None:
     """The family of a full name, as `modal:2`; None if there is none of that name."""
     return next((family for family in FAMILIES if family.name == model.partition(":")[0]), None)
@@ -53,21 +62,20 @@ def grid_of(model: str) -> tuple[FullWave, int]:
     return facts_of(name), int(number or 0)
 
 
-def make(family: Family, scene: "Scene", request: Request) -> "Solver":
+def make(family: Family, scene: "Scene", request: Request) -> Built:
     """A solver of the member of `family` that is asked for; SceneError for an option out of range or a scene it cannot do."""
     if family in GRIDS:
         return _on_a_grid(family, scene, request)
     if family is DELAY:
-        exact: Solver = family.maker()(scene, **request.given("tolerance"))
-        return exact
+        return Built(family.maker()(scene, **request.given("tolerance")))
     from reduced.impedance import reduction_of
     from reduced.ode.march import ReducedModel
 
-    return ReducedModel(scene, reduction_of(scene, family.called(request.number)), **request.given("tolerance"))
+    return Built(ReducedModel(scene, reduction_of(scene, family.called(request.number)), **request.given("tolerance")))
 
 
-def _on_a_grid(family: Family, scene: "Scene", request: Request) -> "Solver":
-    """A full wave on the grid asked for, or on one fine enough for the tolerance: then `choice` tells which and how good."""
+def _on_a_grid(family: Family, scene: "Scene", request: Request) -> Built:
+    """A full wave on the grid asked for, or on one fine enough for the tolerance."""
     number = () if request.number is None else (request.number,)
 
     def member(scene: "Scene", **options: Any) -> Any:
@@ -75,12 +83,9 @@ def _on_a_grid(family: Family, scene: "Scene", request: Request) -> "Solver":
         return family.maker()(scene, *number, **options)
 
     if request.tolerance is None:
-        solver: Solver = member(scene, **request.given("cells", "cfl"))
-        return solver
+        return Built(member(scene, **request.given("cells", "cfl")))
     if request.cells is not None:
         raise SceneError(f"tolerance = {request.tolerance:g}: chooses the cells itself; leave out cells = {request.cells}")
     from fullwave.adapt import to_tolerance
 
-    chosen, choice = to_tolerance(scene, request.tolerance, member, **request.given("cfl"))
-    chosen.choice = choice  # type: ignore[attr-defined]
-    return chosen
+    return Built(*to_tolerance(scene, request.tolerance, member, **request.given("cfl")))

@@ -4,39 +4,44 @@ This finds stable orbits only; where cycles go on changing (a torus, chaos, stea
 """
 
 import dataclasses
-import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import Energy, Pieces, Solver, follow
 from slipwave.observe.foresight import require_time
 from slipwave.observe.pieces import Array
+from slipwave.observe.restoring import tables
+from slipwave.observe.snapshot import FieldSolver, Snapshot
+from slipwave.observe.solver import State
 from slipwave.scene import Scene
 from validation.measure.settle import MOST_TRANSITS, NoCycle, settle
 from validation.run.progress import progress
 
-if TYPE_CHECKING:
-    from slipwave.observe.snapshot import FieldSolver, Snapshot
-
 _TOLERANCE = 1e-9
-_PASSED_ON = frozenset({"step", "total_cells", "settings", "choice", "seconds_per_piece", "transits_per_piece"})
 
 
 class OnOrbit:
-    """A solver whose t = 0 is the date of a slip event of its settled orbit, to within one step; see `Solver`."""
+    """A solver whose t = 0 is the date of a slip event of its settled orbit, to within one step, once `begin` or `restore` has
+    brought it there; see `Solver`."""
 
-    def __init__(self, solver: Solver, origin: float) -> None:
-        self._solver, self._origin = solver, origin
-        self._ledger = solver.energy()
+    def __init__(self, solver: Solver) -> None:
+        self._solver = solver
+        self._origin, self._ledger = 0.0, _entries(None)
         self.scene: Scene = solver.scene
         self.model = solver.model
         self.nodes: Array = solver.nodes
+        self.settings: dict[str, Any] = solver.settings
+        self.seconds_per_piece, self.transits_per_piece = solver.seconds_per_piece, solver.transits_per_piece
 
-    def __getattr__(self, name: str) -> Any:
-        """What a full wave tells of its grid. Not its state: a checkpoint of it would not know where t = 0 was."""
-        if name in _PASSED_ON:
-            return getattr(self._solver, name)
-        raise AttributeError(name)
+    def begin(self) -> None:
+        """March onto the orbit and up to the next slip event, which becomes t = 0.
+
+        Raises SceneError if the drive changes (there is no orbit then), NumericsError if the model does not settle.
+        """
+        follow(self._solver, _next_event(self._solver))
+        self._origin, self._ledger = self._solver.time, _entries(self._solver.energy())
 
     @property
     def time(self) -> float:
@@ -51,7 +56,7 @@ class OnOrbit:
     @property
     def failed_at(self) -> float:
         """Time of the first unconverged solve (transits since the start on the orbit); NaN if none is known."""
-        return float(getattr(self._solver, "failed_at", math.nan)) - self._origin
+        return self._solver.failed_at - self._origin
 
     def advance(self, until: float) -> Pieces:
         """March towards `until` (transits since the start on the orbit)."""
@@ -60,20 +65,30 @@ class OnOrbit:
 
     def energy(self) -> Energy | None:
         """Ledger since the start on the orbit."""
-        now, before = self._solver.energy(), self._ledger
-        if now is None or before is None:
-            return None
-        names = ("input", "friction", "radiated", "viscous", "stored")
-        return Energy(**{name: getattr(now, name) - getattr(before, name) for name in names})
+        now = self._solver.energy()
+        return None if now is None else Energy(*(_entries(now) - self._ledger).tolist())
+
+    def state(self) -> State:
+        """As `Solver`; `origin` holds the date of t = 0 on the solver's own clock and its ledger then."""
+        return self._solver.state() | {"origin": np.array([self._origin, *self._ledger])}
+
+    def restore(self, state: State) -> None:
+        """As `Solver`; no march to the orbit is needed before."""
+        origin = tables(state, {"origin": (1 + self._ledger.size,)}, self.model)["origin"]
+        self._solver.restore({name: array for name, array in state.items() if name != "origin"})
+        self._origin, self._ledger = float(origin[0]), origin[1:]
 
 
 class FieldsOnOrbit(OnOrbit):
-    """The same for a solver whose fields can be recorded (`slipwave.observe.snapshot.FieldSolver`): they carry the orbit's clock
-    too."""
+    """The same for a full wave (`slipwave.observe.snapshot.FieldSolver`): its fields carry the orbit's clock too."""
 
-    _solver: "FieldSolver"
+    _solver: FieldSolver
 
-    def snapshot(self) -> "Snapshot":
+    def __init__(self, solver: FieldSolver) -> None:
+        super().__init__(solver)
+        self.cells, self.step = solver.cells, solver.step
+
+    def snapshot(self) -> Snapshot:
         """The fields now."""
         return self._on_clock(self._solver.snapshot())
 
@@ -81,19 +96,25 @@ class FieldsOnOrbit(OnOrbit):
         """From now on `frames` has the fields of every step."""
         self._solver.keep_frames()
 
-    def frames(self) -> "list[Snapshot]":
+    def frames(self) -> list[Snapshot]:
         """The fields at the ends of the last advance's steps, where kept."""
         return [self._on_clock(frame) for frame in self._solver.frames()]
 
-    def _on_clock(self, shot: "Snapshot") -> "Snapshot":
+    def _on_clock(self, shot: Snapshot) -> Snapshot:
         return dataclasses.replace(shot, time=shot.time - self._origin)
 
 
-def begin_on_orbit(solver: Solver) -> OnOrbit:
-    """March `solver` onto its orbit and up to the next slip event, which becomes t = 0.
+def on_orbit(solver: Solver) -> OnOrbit:
+    """`solver` with the clock of its orbit, still at its own start."""
+    return FieldsOnOrbit(solver) if isinstance(solver, FieldSolver) else OnOrbit(solver)
 
-    Raises SceneError if the drive changes (there is no orbit then), NumericsError if the model does not settle.
-    """
+
+def _entries(ledger: Energy | None) -> Array:
+    return np.zeros(5) if ledger is None else np.array(dataclasses.astuple(ledger))
+
+
+def _next_event(solver: Solver) -> float:
+    """Date of the first slip event to come, on the settled orbit that `solver` is marched to."""
     scene = solver.scene
     if not scene.drive.is_constant:
         raise SceneError("start.kind = 'orbit': needs a constant drive.velocity; with a ramp use 'nudge' or 'jump'")
@@ -108,9 +129,8 @@ def begin_on_orbit(solver: Solver) -> OnOrbit:
             f"start.kind = 'orbit': {solver.model} had not settled after {settled.transits:.0f} transits: its last cycles differ "
             f"by {settled.unrest:.1e} (scene {scene.name!r}); it may have no stable periodic orbit here"
         )
-    next_event = float(settled.observer.dates()[-1]) + settled.orbit.period.value
-    while next_event <= solver.time:
-        next_event += settled.orbit.period.value
-    follow(solver, next_event)
-    kind = FieldsOnOrbit if hasattr(solver, "snapshot") else OnOrbit
-    return kind(solver, solver.time)
+    period = settled.orbit.period.value
+    date = float(settled.observer.dates()[-1]) + period
+    while date <= solver.time:
+        date += period
+    return date

@@ -3,22 +3,26 @@ from; and the fields of a full-wave run's last transits.
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from slipwave.errors import SceneError
 from slipwave.files import part_of, whole_or_absent
-from slipwave.observe import Final, Solver
-from slipwave.observe.follow import Observer
+from slipwave.observe import EventObserver, Solver
+from slipwave.observe.checkpoint import Checkpoints
+from slipwave.observe.follow import Mark, Observer
+from slipwave.observe.snapshot import FieldSolver
+from slipwave.observe.solver import Resumable
 from validation.run.history_file import HistoryFile
+from validation.run.resuming import checkpoints_of
 from validation.run.simulate import Run
 
 if TYPE_CHECKING:
-    from fullwave.fields.record import Field
-    from slipwave.observe.snapshot import FieldSolver
+    from fullwave.fields.record import Field, FieldRecord
 
 _EVENT_NOTES = {
     "time": ("date of the slip event: v passes half its largest value", "transit"),
@@ -44,35 +48,54 @@ FIELD_WINDOW = 100.0
 """Transits before the end of the run whose fields are kept: more than a cycle of the paper's scenes, never all of a long run."""
 
 
-class FieldMarch:
-    """Marches a full-wave solver as `follow` does and keeps the `field` of the last FIELD_WINDOW transits (None before the end).
+@dataclass(frozen=True)
+class Records:
+    """What is kept of a run on its way: `watch` for events, and, where asked for, the interface's history, the last fields and
+    checkpoints."""
 
-    Raises SceneError, naming what asked (`asked`), if the solver has no fields.
+    watch: EventObserver
+    history: HistoryFile | None
+    fields: "FieldRecord | None"
+    checkpoints: Checkpoints | None
+
+    @property
+    def observers(self) -> list[Observer]:
+        """What feeds on the run besides `watch`."""
+        return [self.history] if self.history is not None else []
+
+    @property
+    def marks(self) -> list[Mark]:
+        """What is done at certain times of the run: fields first, so that a checkpoint has them."""
+        return [mark for mark in (self.fields, self.checkpoints) if mark is not None]
+
+
+@contextmanager
+def records_of(
+    solver: Solver, until: float, out: Path | None, fields: Path | None, checkpoint: Path | None, every: float | None
+) -> Iterator[Records]:
+    """What a run of `solver` keeps in `out`, `fields` and, every `every` transits, in `checkpoint`, from which it goes on if that
+    exists. Raises SceneError for fields of a model that has none and for a checkpoint of another run."""
+    with history_for(solver, until, out, checkpoint) as history:
+        watch, kept = EventObserver(solver.scene, solver.nodes), fields_for(solver, until, fields, out)
+        parts = {"events": watch if solver.scene.record else None, "interface": history, "fields": kept}
+        saved: dict[str, Resumable] = {label: part for label, part in parts.items() if part is not None}
+        marks = None if checkpoint is None else checkpoints_of(solver, saved, checkpoint, until, every)
+        yield Records(watch, history, kept, marks)
+
+
+def fields_for(solver: Solver, until: float, fields: Path | None, out: Path | None) -> "FieldRecord | None":
+    """The record of the last FIELD_WINDOW transits, if --fields or, for a run written to `out`, the scene's `record` asks for it.
+
+    Raises SceneError, naming what asked, if the solver has no fields.
     """
+    if fields is None and (out is None or "fields" not in solver.scene.record):
+        return None
+    asked = 'run.record: "fields"' if fields is None else f"--fields = {str(fields)!r}"
+    if not isinstance(solver, FieldSolver):
+        raise SceneError(f"{asked}: model {solver.model} has no grid to take fields from; use a full-wave model")
+    from fullwave.fields.record import FieldRecord
 
-    def __init__(self, solver: Solver, asked: str) -> None:
-        if not hasattr(solver, "snapshot"):
-            raise SceneError(f"{asked}: model {solver.model} has no grid to take fields from; use a full-wave model")
-        self.field: Field | None = None
-
-    def __call__(
-        self, solver: Solver, until: float, observers: Sequence[Observer] = (), progress: Callable[[float], None] | None = None
-    ) -> Final:
-        """March to `until` (transits), as `follow`."""
-        from fullwave.fields.record import record_field
-
-        start = max(until - FIELD_WINDOW, solver.time)
-        self.field, final = record_field(cast("FieldSolver", solver), start, until, observers=observers, progress=progress)
-        return final
-
-
-def fields_for(solver: Solver, fields: Path | None, out: Path | None) -> FieldMarch | None:
-    """The march that keeps fields, if --fields or, for a run written to `out`, the scene's `record` asks for them."""
-    if fields is not None:
-        return FieldMarch(solver, f"--fields = {str(fields)!r}")
-    if out is not None and "fields" in solver.scene.record:
-        return FieldMarch(solver, 'run.record: "fields"')
-    return None
+    return FieldRecord(solver, max(until - FIELD_WINDOW, 0.0), until)
 
 
 @contextmanager

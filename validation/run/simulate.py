@@ -2,9 +2,8 @@
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 from slipwave.errors import NumericsError
 from slipwave.observe import (
@@ -20,19 +19,10 @@ from slipwave.observe import (
     slides_at,
     summarise,
 )
-from slipwave.observe.follow import Observer
+from slipwave.observe.follow import Mark, Observer
 from slipwave.observe.foresight import DAY, Foresight, require_time
 from slipwave.scene import Scene
 from validation.run.progress import progress
-
-
-class March(Protocol):
-    """What takes a solver to the end of a run: `slipwave.observe.follow`, or something that does more on the way."""
-
-    def __call__(
-        self, solver: Solver, until: float, observers: Sequence[Observer] = (), progress: Callable[[float], None] | None = None
-    ) -> Final:
-        """March `solver` to `until` (transits), feeding the observers and telling progress."""
 
 
 @dataclass(frozen=True)
@@ -63,24 +53,30 @@ class RunInterrupted(KeyboardInterrupt):
 
 
 def simulate(
-    solver: Solver, until: float, observers: Sequence[Observer] = (), march: March = follow, most_seconds: float = DAY
+    solver: Solver,
+    until: float,
+    observers: Sequence[Observer] = (),
+    most_seconds: float = DAY,
+    watch: EventObserver | None = None,
+    marks: Sequence[Mark] = (),
 ) -> Run:
     """March `solver` to `until` (transits) with progress on stderr; statistics are those of the run's second half.
 
-    A scene that records nothing is not watched for events. A NumericsError of the solver does not escape: it is kept in
-    `failed`, beside what was computed before. Raises RunInterrupted with the same if the user stops it, and
-    SceneError if the run would take more than `most_seconds` (`slipwave.observe.foresight`).
+    `watch` is given where it has seen the beginning of the run. A scene that records nothing is not watched for events. A
+    NumericsError of the solver does not escape: it is kept in `failed`, beside what was computed before. Raises RunInterrupted
+    with the same if the user stops it, and SceneError if the run would take more than `most_seconds`
+    (`slipwave.observe.foresight`).
     """
     require_time(solver, until, most_seconds)
-    watching = list(observers) if hasattr(solver, "transits_per_piece") else [*observers, Foresight(solver, until, most_seconds)]
-    watch = EventObserver(solver.scene, solver.nodes)
+    watching = [*observers, Foresight(solver, until, most_seconds)] if math.isnan(solver.transits_per_piece) else list(observers)
+    watch = watch or EventObserver(solver.scene, solver.nodes)
     watched = bool(solver.scene.record)
     final: Final | None = None
     failed, stopped = "", False
     began = time.perf_counter()
     try:
         with progress(f"{solver.scene.name}, {solver.model}", until) as report:
-            final = march(solver, until, [watch, *watching] if watched else watching, report)
+            final = follow(solver, until, [watch, *watching] if watched else watching, report, marks)
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:
@@ -89,8 +85,7 @@ def simulate(
     half = second_half(solver, until)
     verdict = _judge(watch, solver.scene, half, final) if watched else None
     statistics = summarise(watch.events(half if verdict and verdict.repeats else math.inf))
-    ledger: Callable[[], Energy | None] | None = getattr(solver, "energy", None)
-    energy = None if failed or ledger is None else ledger()
+    energy = None if failed else solver.energy()
     done = Run(solver, until, watch.events(), watch.count if watched else None, verdict, statistics, final, energy, wall, failed)
     if stopped:
         raise RunInterrupted(done)

@@ -1,7 +1,7 @@
 """The waves of one slip event in the (time, depth) plane."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -11,14 +11,12 @@ from fullwave.fields.picture import picture
 from fullwave.fields.record import Field, record_field
 from slipwave.observe.pieces import Array
 from validation.measure.cycle import watch
-from validation.registry.build import build
+from validation.registry.build import build_full_wave
 from validation.study import Budget, Evidence, Figure, Number, StudyResult, Table, Verdict, table
 from validation.study.bounds import bounded
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
-
-    from slipwave.observe.snapshot import FieldSolver
 
 NAME = "slip-event"
 QUESTION = "What do the slabs do during one slip event?"
@@ -67,13 +65,13 @@ def run(budget: Budget) -> StudyResult:
 def _record(cells: int) -> Event:
     """March to the orbit, predict the next event from the last period, keep the fields about its fastest moment."""
     scene = slipwave.read("paper")
-    solver = build(_MODEL, scene, cells=cells)
+    solver = build_full_wave(_MODEL, scene, cells=cells)
     events = watch(solver, _SETTLED).events()
     period = float(events.period[-1])
     start = float(events.time[-1]) + period
     while start - _BEFORE <= solver.time:
         start += period
-    recorded, _ = record_field(cast("FieldSolver", solver), start - _BEFORE, start + _SEARCHED, _INTERVAL)
+    recorded, _ = record_field(solver, start - _BEFORE, start + _SEARCHED, _INTERVAL)
     fastest = recorded.time[int(np.argmax(recorded.upper.velocity[:, 0]))]
     return Event(_window(recorded, float(fastest)), cells)
 

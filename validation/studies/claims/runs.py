@@ -7,11 +7,12 @@ import numpy as np
 
 import slipwave
 from slipwave.observe import EventObserver, Events, HistoryObserver, follow
+from slipwave.observe.orbit import Orbit
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.measure.cycle import Cycle
 from validation.measure.ripples import ripple_period
-from validation.measure.settle import Orbit, Settled, one_cycle, settle
+from validation.measure.settle import Settled, one_cycle, settle
 from validation.references.onset import Onset, onset_of
 from validation.registry.build import build
 

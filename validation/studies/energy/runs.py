@@ -1,16 +1,16 @@
 """What the energy ledgers of the full wave leave open on each grid, and their entries over two cycles."""
 
 from dataclasses import dataclass
-from typing import Any, cast
 
 import numpy as np
 
 import slipwave
 from slipwave.observe import follow
 from slipwave.observe.pieces import Array
+from slipwave.observe.snapshot import FieldSolver
 from validation.measure.cycle import watch
 from validation.measure.order_fit import Fit, fit
-from validation.registry.build import build
+from validation.registry.build import build_full_wave
 from validation.registry.families import grid_of
 
 ENTRIES = ("input", "friction", "stored", "radiated", "viscous")
@@ -79,16 +79,16 @@ class History:
         return self.total(entry) / self.total("input")
 
 
-def _solver(model: str, cells: int, name: str) -> Any:
+def _solver(model: str, cells: int, name: str) -> FieldSolver:
     gallery, changes = BOUNDARIES[name]
-    return build(model, slipwave.read(gallery, list(changes)), cells=cells)
+    return build_full_wave(model, slipwave.read(gallery, list(changes)), cells=cells)
 
 
 def residual_of(model: str, cells: int, name: str) -> float:
     """What does not close after `UNTIL` transits, relative to the largest entry."""
     solver = _solver(model, cells, name)
     follow(solver, UNTIL)
-    return float(cast(Any, solver.energy()).residual)
+    return solver.energy().residual
 
 
 def order_of(cells: tuple[int, ...], residual: Array) -> Fit:

@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 import slipwave
+from slipwave.observe.orbit import Orbit
 from validation.measure.cycle import Cycle
-from validation.measure.settle import Orbit, Settled, one_cycle, settle
+from validation.measure.settle import Settled, one_cycle, settle
 from validation.registry.build import build
 
 LOG10_R = -2.68

@@ -1,0 +1,120 @@
+"""A run taken up from a checkpoint equals the uninterrupted one to the bit: every model, and every march of the delay system."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import slipwave
+from reduced.delay.alike import Delay
+from reduced.delay.break_points import DelayBreaks
+from reduced.delay.network import DelayNetwork
+from reduced.delay.system import delay_system
+from slipwave.errors import SceneError
+from slipwave.observe import EventObserver, HistoryObserver, Solver, follow
+from slipwave.observe.checkpoint import load, save
+from validation.registry.build import build
+from validation.registry.families import FAMILIES
+
+RAMP = ["drive.velocity=[[0.0, 100.0], [20.3, 100.0], [41.17, 200.0]]"]
+JUMP = ["start.kind=jump", "start.size=0.05"]
+NOT_COMMENSURATE = ["lower.r=0.0013731"]
+SCENES = {
+    "paper": ("paper", []),
+    "ramp": ("paper", RAMP),
+    "jump": ("paper", JUMP),
+    "unlike": ("unlike", []),
+    "unlike ramp": ("unlike", RAMP),
+    "no common divisor": ("unlike", NOT_COMMENSURATE),
+    "break points": ("unlike", [*NOT_COMMENSURATE, *JUMP]),
+}
+MODELS = [family.example for family in FAMILIES]
+CASES = [(model, scene) for model in MODELS for scene in ("paper", "ramp", "unlike")]
+CASES += [("delay", scene) for scene in SCENES if scene not in ("paper", "ramp", "unlike")]
+END = 90.0
+
+
+def solver_of(model: str, name: str) -> Solver:
+    gallery, changes = SCENES[name]
+    return build(model, slipwave.read(gallery, changes))
+
+
+def watched(solver: Solver) -> dict[str, EventObserver | HistoryObserver]:
+    return {"events": EventObserver(solver.scene, solver.nodes), "history": HistoryObserver(solver.scene.law, solver.nodes)}
+
+
+def assert_same_bits(ours: dict[str, np.ndarray], theirs: dict[str, np.ndarray]) -> None:
+    assert ours.keys() == theirs.keys()
+    for name, array in ours.items():
+        assert array.tobytes() == theirs[name].tobytes(), name
+
+
+@pytest.mark.parametrize("mark", [23.37, 70.0])
+@pytest.mark.parametrize(("model", "name"), CASES)
+def test_a_resumed_run_equals_the_uninterrupted_one(tmp_path: Path, model: str, name: str, mark: float) -> None:
+    if FAMILIES[MODELS.index(model)].refusal(slipwave.read(*SCENES[name])):
+        pytest.skip("the model refuses the scene")
+    straight, first, resumed = (solver_of(model, name) for _ in range(3))
+    kept, begun, again = watched(straight), watched(first), watched(resumed)
+    follow(first, mark, list(begun.values()))
+    save(tmp_path / "run.npz", first, begun)
+    load(tmp_path / "run.npz", resumed, again)
+    assert resumed.time == first.time
+    assert follow(resumed, END, list(again.values())) == follow(straight, END, list(kept.values()))
+    assert_same_bits(resumed.state(), straight.state())
+    assert {array.dtype for array in straight.state().values()} == {np.dtype(np.float64)}
+    for label, observer in again.items():
+        assert_same_bits(observer.state(), kept[label].state())
+
+
+def test_the_cases_reach_every_march_of_the_delay_system() -> None:
+    kinds = [type(delay_system(slipwave.read(*scene))) for scene in SCENES.values()]
+    assert kinds == [Delay, Delay, Delay, DelayNetwork, DelayBreaks, DelayNetwork, DelayBreaks]
+
+
+@pytest.mark.parametrize(("model", "name"), [("delay", scene) for scene in SCENES] + [("modal:2", "paper"), ("block8", "ramp")])
+def test_a_state_that_does_not_fit_is_refused_and_changes_nothing(model: str, name: str) -> None:
+    solver, other = solver_of(model, name), solver_of(model, name)
+    follow(solver, 30.2)
+    follow(other, 31.7)
+    kept, given = solver.state(), other.state()
+    for label, array in given.items():
+        wrong = [array.astype(complex), array[None], array.ravel()[:-1]] + ([np.full(array.shape, np.nan)] if array.size else [])
+        for one in (given | {label: each} for each in wrong):
+            with pytest.raises(SceneError):
+                solver.restore(one)
+        with pytest.raises(SceneError):
+            solver.restore({key: value for key, value in given.items() if key != label})
+    assert_same_bits(solver.state(), kept)
+    solver.restore(given)
+    assert_same_bits(solver.state(), given)
+    assert follow(solver, 40.0) == follow(other, 40.0)
+
+
+def refining(emit: bool) -> Delay:
+    """Three steps a transit are too few from the first event on."""
+    return Delay(slipwave.read("paper", ["slab.log10_r=-2.3", *JUMP]), steps=3, emit=emit)
+
+
+@pytest.mark.parametrize("emit", [True, False])
+def test_steps_that_become_too_long_after_a_restart_are_refined_as_without_it(emit: bool) -> None:
+    straight, first, resumed = refining(emit), refining(emit), refining(emit)
+    follow(first, 1.5)
+    before = first.steps
+    resumed.restore(first.state())
+    assert follow(resumed, 300.0) == follow(straight, 300.0)
+    assert resumed.steps > before
+    assert_same_bits(resumed.state(), straight.state())
+
+
+def test_a_march_to_its_end_begins_again_where_it_was_set() -> None:
+    """State at t = 100 of a march that shows everything, put into one that shows its end only and must refine: it would begin at
+    t = 0 again, in steady sliding."""
+    exact, end = (Delay(refining(True).scene, emit=emit, tolerance=1e-10) for emit in (True, False))
+    follow(exact, 100.0)
+    given, steps = exact.state(), exact.steps
+    beginning = {"beginning.incoming": given["incoming"], "beginning.now": given["now"]}
+    end.restore(given | beginning | {"counts": np.append(given["counts"][:3], given["counts"][0])})
+    end._resolution = 1e-9
+    assert follow(end, 160.0).psi == pytest.approx(follow(exact, 160.0).psi, abs=1e-8)
+    assert end.steps > steps
