@@ -44,19 +44,15 @@ def _ramps(drive, time):  # type: ignore[no-untyped-def]
 
 @register_jitable
 def _interpolated(times, velocities, time):  # type: ignore[no-untyped-def]
-    low, high = 0, times.size - 1
-    if time <= times[low]:
-        return velocities[low]
-    if time >= times[high]:
-        return velocities[high]
-    while high - low > 1:
-        middle = (low + high) // 2
-        if times[middle] <= time:
-            low = middle
-        else:
-            high = middle
-    share = (time - times[low]) / (times[high] - times[low])
-    return velocities[low] + share * (velocities[high] - velocities[low])
+    if time >= times[-1]:
+        return velocities[-1]
+    low, count = 0, times.size - 1  # the stretches among which that of `time` is searched
+    while count > 1:
+        half = count // 2
+        low += half if times[low + half] <= time else 0
+        count -= half
+    share = max(0.0, (time - times[low]) / (times[low + 1] - times[low]))
+    return velocities[low] + share * (velocities[low + 1] - velocities[low])
 
 
 @dataclass(frozen=True)
