@@ -31,38 +31,10 @@ class AttackCells(NamedTuple):
     fine: int
 
 
-def _number(p: int) -> int:
-    return p
-
-
-def _next(p: int) -> int:
-    return p + 1
-
-
-def _one(p: int) -> int:
-    return 1
-
-
-def _two(p: int) -> int:
-    return 2
-
-
-def _next_even(p: int) -> int:
-    return p + p % 2
-
-
-def _order_in_time(order: int) -> int:
-    return 4 if order <= 2 else 8
-
-
 def degree_for(tolerance: float) -> int:
     """Degree of elements that is cheapest around `tolerance`, as raced on the paper's scene at log10 r = -2.68, -2.6 and -2.3:
     5 at 1e-4, one more per two digits."""
     return max(3, math.floor(3.5 - 0.5 * math.log10(tolerance)))
-
-
-def _highest_order(tolerance: float) -> int:
-    return 6
 
 
 @dataclass(frozen=True)
@@ -78,9 +50,9 @@ class FullWave(Family):
     exact: Exact = Exact.ON_FINE_GRIDS
     options: tuple[str, ...] = ("cells", "cfl", "tolerance")
     tolerances: tuple[float, float] = (1e-12, 0.1)  # the last two digits of an estimate from grids cannot be told from rounding
-    order_bulk: Callable[[int], int] = _two
-    order_interface: Callable[[int], int] = _two
-    points: Callable[[int], int] = _one
+    order_bulk: Callable[[int], int] = lambda p: 2
+    order_interface: Callable[[int], int] = lambda p: 2
+    points: Callable[[int], int] = lambda p: 1
     implicit_state: bool = False
     conserves: bool = False
     cells: int = 16
@@ -100,7 +72,7 @@ class FullWave(Family):
         Elements of order P + 1 give the interface's outputs at up to order 2 P + 1, and with order 4 in time the differences of
         order 4 lose a factor of five: only schemes of order 2 are left to the classical method (half as dear again with the
         other)."""
-        return _order_in_time(self.order_interface(number))
+        return 4 if self.order_interface(number) <= 2 else 8
 
 
 _OF_ELEMENTS = {
@@ -135,11 +107,11 @@ BY_PARTS = FullWave(
     "h^P",
     numbers=(2, 4, 6),
     default=6,
-    suited=_highest_order,
+    suited=lambda tolerance: 6,
     grids=(16, 32, 64),
     pens={None: Pen("full wave, by parts", "#0072b2", "-", "D")},
-    order_bulk=_number,
-    order_interface=_number,
+    order_bulk=lambda p: p,
+    order_interface=lambda p: p,
     cells=32,
     attacks={2: AttackCells(12, 64), 4: AttackCells(12, 32), 6: AttackCells(16, 32)},
     ladder={2: Rungs(24, 280, 5e-5, 1.95), 4: Rungs(16, 260, 1e-8, 3.9), 6: Rungs(17, 170, 1e-9)},
@@ -154,9 +126,9 @@ ELEMENTS = FullWave(
     suited=degree_for,
     grids=(2, 4, 8),
     pens={None: Pen("full wave, elements", "#009e73", "-", "^")},
-    order_bulk=_next_even,
-    order_interface=_next,
-    points=_number,
+    order_bulk=lambda p: p + p % 2,
+    order_interface=lambda p: p + 1,
+    points=lambda p: p,
     cells=8,
     attacks={1: AttackCells(12, 64), 4: AttackCells(3, 8)},
     ladder=_OF_ELEMENTS,
@@ -171,9 +143,9 @@ GALERKIN = FullWave(
     suited=degree_for,
     grids=(1, 2, 4),
     pens={None: Pen("full wave, Galerkin", "#111111", "-", "o")},
-    order_bulk=_next,
-    order_interface=_next,
-    points=_next,
+    order_bulk=lambda p: p + 1,
+    order_interface=lambda p: p + 1,
+    points=lambda p: p + 1,
     cells=4,
     cfl=0.75,
     attacks={3: AttackCells(3, 8), 4: AttackCells(2, 8), 7: AttackCells(2, 4)},

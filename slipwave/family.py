@@ -70,11 +70,6 @@ class Family:
         return self.made_by.partition(":")[0]
 
     @property
-    def room(self) -> str:
-        """`reduced` or `fullwave`."""
-        return self.module.partition(".")[0]
-
-    @property
     def example(self) -> str:
         """A name that `build` accepts."""
         return self.called(self.default)
