@@ -9,7 +9,7 @@ MOST_MODES = 64
 _MODES = range(MOST_MODES + 1)
 _HOMOGENEOUS = NOTHING | {"unlike"}
 _LOSSLESS = _HOMOGENEOUS | {"layers"}
-_ELASTIC = _LOSSLESS | {"grip", "reflection"}
+_ELASTIC = _LOSSLESS | {"grip", "reflection", "mass"}
 _WITH_A_SPRING = ANYTHING - {"reflection"}
 
 DELAY = Family(

@@ -8,7 +8,7 @@ from typing import Any
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
 from slipwave.scene.drive import steady_drive
-from slipwave.scene.slab import GripFace, ReflectingFace, Slab
+from slipwave.scene.slab import Slab
 
 
 def _both(scene: Scene, change: Callable[[Slab], Slab]) -> Scene:
@@ -34,12 +34,11 @@ def _law(name: str) -> Callable[[Scene, float], Scene]:
     return lambda scene, value: dataclasses.replace(scene, law=scene.law._replace(**{name: value}))
 
 
-def _face(name: str, kind: type[GripFace] | type[ReflectingFace]) -> Callable[[Scene, float], Scene]:
+def _face(name: str) -> Callable[[Scene, float], Scene]:
     def change(slab: Slab, value: float) -> Slab:
-        """The slab with its face changed, if it has one of this kind."""
+        """The slab with this number of its face changed, if its kind of face has one."""
         face: Any = slab.face
-        changed = {name: value} if isinstance(slab.face, kind) else {}
-        return dataclasses.replace(slab, face=dataclasses.replace(face, **changed))
+        return dataclasses.replace(slab, face=dataclasses.replace(face, **{name: value})) if hasattr(face, name) else slab
 
     return lambda scene, value: _both(scene, lambda slab: change(slab, value))
 
@@ -64,11 +63,13 @@ PARAMETERS: dict[str, Callable[[Scene, float], Scene]] = {
     "log10_V": _logarithmic(_velocity),
     "a": _law("a"),
     "b": _law("b"),
-    "grip_impedance": _face("impedance", GripFace),
-    "log10_grip_impedance": _logarithmic(_face("impedance", GripFace)),
-    "grip_stiffness": _face("stiffness", GripFace),
-    "log10_grip_stiffness": _logarithmic(_face("stiffness", GripFace)),
-    "reflection": _face("coefficient", ReflectingFace),
+    "grip_impedance": _face("impedance"),
+    "log10_grip_impedance": _logarithmic(_face("impedance")),
+    "grip_stiffness": _face("stiffness"),
+    "log10_grip_stiffness": _logarithmic(_face("stiffness")),
+    "machine_mass": _face("mass"),
+    "log10_machine_mass": _logarithmic(_face("mass")),
+    "reflection": _face("coefficient"),
     "ratio_r": _lower("round_trip"),
     "ratio_epsilon": _lower("epsilon"),
 }

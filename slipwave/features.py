@@ -9,7 +9,8 @@ if TYPE_CHECKING:
 FEATURES = {
     "unlike": "unlike slabs",
     "grip": "a grip at the outer face",
-    "reflection": "a bare reflection coefficient",
+    "reflection": "an outer face without a spring (a reflection coefficient below 1, a stiffness of 0)",
+    "mass": "a mass on the outer face",
     "layers": "layers",
     "kelvin-voigt": "Kelvin-Voigt viscosity",
     "standard-linear": "standard-linear viscosity",
@@ -26,11 +27,13 @@ def features_of(scene: "Scene") -> frozenset[str]:
 
 
 def _slab_features(slab: "Slab") -> set[str]:
-    from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, StandardLinearViscosity
+    from slipwave.scene.slab import KelvinVoigtViscosity, StandardLinearViscosity
 
+    held = slab.termination
     kinds = {
-        "grip": isinstance(slab.face, GripFace),
-        "reflection": isinstance(slab.face, ReflectingFace),
+        "grip": held.spring > 0.0,
+        "reflection": held.has_dead_load,
+        "mass": held.mass > 0.0,
         "layers": len(slab.layers) > 1,
         "kelvin-voigt": isinstance(slab.viscosity, KelvinVoigtViscosity),
         "standard-linear": isinstance(slab.viscosity, StandardLinearViscosity),

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from slipwave.scene import Scene
-from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, ReflectingFace, Slab, StandardLinearViscosity
 
 
 def modulus(slab: Slab, s: complex) -> complex:
@@ -30,6 +30,8 @@ def slab_impedance(slab: Slab, s: complex) -> complex:
     match slab.face:
         case GripFace(stiffness, dashpot):
             top = dashpot * slab.epsilon + stiffness * slab.epsilon / slab.round_trip / s
+        case MachineFace(stiffness, dashpot, mass):
+            top = slab.epsilon * (dashpot + stiffness / (slab.round_trip * s) + mass * slab.round_trip * s)
         case ReflectingFace(coefficient) if coefficient < 1.0:
             top = slab.epsilon * slab.layers[-1].impedance * (1.0 + coefficient) / (1.0 - coefficient)
     for layer in reversed(slab.layers):

@@ -16,7 +16,7 @@ from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscos
 
 def steady_side(scene: Scene, slab: Slab, grid: LeapfrogGrid) -> Side:
     """One slab in steady sliding at the scene's initial velocity."""
-    face = compiled_face(slab, slab.round_trip / scene.transit, grid.step, scene.steady_stress)
+    face = compiled_face(slab.termination.in_transits(scene.transit), grid.step, scene.steady_stress)
     velocity = 0.5 * scene.velocity
     medium: Medium
     if isinstance(slab.viscosity, KelvinVoigtViscosity) and slab.viscosity.time > 0.0:

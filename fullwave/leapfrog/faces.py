@@ -8,10 +8,10 @@ coupling to the node below (velocity u; 0 in an elastic slab),
 
 rigid   w is the drive's velocity.
 grip    T = load + Z_g (V - w), load' = K (V - w): the spring is taken at the mean of its two half steps, which adds K dt/2 to
-        Z_g, conserves its energy and needs no smaller step however stiff it is. K = 0 is a bare reflection coefficient: the load
-        is then the stress of steady sliding for ever, so R = 1 is rigid, R = 0 swallows every wave, R = -1 is a face under
-        constant traction.
+        Z_g, conserves its energy and needs no smaller step however stiff it is. With K = 0 the load is the stress of steady
+        sliding for ever.
 
+A mass on the face belongs to the half cell: it is part of Z (`grid.LeapfrogGrid`).
 Stresses are deviations from the stress of steady sliding, units of the normal stress; velocities in V*; `mean` is the drive at
 the whole time, `following` at the next half step; time in transits.
 """
@@ -22,7 +22,7 @@ import numpy as np
 
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
-from slipwave.scene.slab import GripFace, ReflectingFace, Slab
+from slipwave.scene.termination import Termination
 
 
 class Rigid(NamedTuple):
@@ -83,14 +83,8 @@ def _push_grip(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
     return traction * mean
 
 
-def compiled_face(slab: Slab, ratio: float, step: float, steady_stress: float) -> Rigid | Grip:
-    """The kernel's form of a slab's outer face; `ratio` is its round trip and `step` the time step, both in transits."""
-    face = slab.face
-    if isinstance(face, GripFace):
-        spring = face.stiffness * slab.epsilon / ratio
-        return Grip(face.impedance * slab.epsilon, 0.5 * spring * step, steady_stress, np.zeros(2))
-    if isinstance(face, ReflectingFace) and face.coefficient < 1.0:
-        outermost = slab.epsilon * slab.layers[-1].impedance
-        matched = (1.0 + face.coefficient) / (1.0 - face.coefficient)
-        return Grip(matched * outermost, 0.0, steady_stress, np.zeros(2))
-    return Rigid()
+def compiled_face(held: Termination, step: float, steady_stress: float) -> Rigid | Grip:
+    """The kernel's form of an outer face; `held` and the time step `step` in transits."""
+    if held.is_rigid:
+        return Rigid()
+    return Grip(held.dashpot, 0.5 * held.spring * step, steady_stress, np.zeros(2))

@@ -18,11 +18,13 @@ MOST_CELLS = 10_000_000
 
 @dataclass(frozen=True)
 class LeapfrogGrid:
-    """Cells of one slab from the interface outwards: `width` (n,) as travel time in transits, `impedance` (n,); and the step."""
+    """Cells of one slab from the interface outwards: `width` (n,) as travel time in transits, `impedance` (n,); the step; and the
+    `burden` on the last node, the mass on the slab's outer face (stress/V* times a transit)."""
 
     width: Array
     impedance: Array
     step: float
+    burden: float = 0.0
 
     @property
     def depth(self) -> Array:
@@ -31,9 +33,9 @@ class LeapfrogGrid:
 
     @property
     def mass(self) -> Array:
-        """Mass per node times c: half of each neighbouring cell's eps dx, shape (n + 1,)."""
+        """Mass per node times c: half of each neighbouring cell's eps dx, and the burden; shape (n + 1,)."""
         half = 0.5 * self.impedance * self.width
-        return np.concatenate((half, [0.0])) + np.concatenate(([0.0], half))
+        return np.concatenate((half, [self.burden])) + np.concatenate(([0.0], half))
 
     @property
     def inertia(self) -> Array:
@@ -47,8 +49,8 @@ class LeapfrogGrid:
 
     @property
     def is_uniform(self) -> bool:
-        """One width and one impedance."""
-        return bool(np.all(self.width == self.width[0]) and np.all(self.impedance == self.impedance[0]))
+        """One width and one impedance, no burden."""
+        return self.burden == 0.0 and bool(np.all(self.width == self.width[0]) and np.all(self.impedance == self.impedance[0]))
 
 
 def common_step(scene: Scene, cells: int, cfl: float) -> float:
@@ -57,11 +59,11 @@ def common_step(scene: Scene, cells: int, cfl: float) -> float:
     return cfl * 0.5 * shorter / cells
 
 
-def slab_grid(slab: Slab, ratio: float, step: float, cfl: float, cells: int) -> LeapfrogGrid:
-    """Grid of `slab`, whose round trip is `ratio` transits. Raises SceneError naming cells if a layer is thinner than a cell."""
+def slab_grid(slab: Slab, transit: float, step: float, cfl: float, cells: int) -> LeapfrogGrid:
+    """Grid of `slab`, a transit being `transit` L/V*. Raises SceneError naming cells if a layer is thinner than a cell."""
     widths, impedances = [], []
     for number, layer in enumerate(slab.layers):
-        travel = 0.5 * ratio * layer.fraction
+        travel = 0.5 * slab.round_trip / transit * layer.fraction
         count = int(np.floor(cfl * travel / step * (1.0 + 1e-9)))
         if count < 1:
             wanted = int(np.ceil(cells * step / (cfl * travel)))
@@ -70,4 +72,5 @@ def slab_grid(slab: Slab, ratio: float, step: float, cfl: float, cells: int) -> 
             raise SceneError(f"cells = {cells}: the slower slab would need {count} cells; at most {MOST_CELLS} are allowed")
         widths.append(np.full(count, travel / count))
         impedances.append(np.full(count, slab.epsilon * layer.impedance))
-    return LeapfrogGrid(np.concatenate(widths), np.concatenate(impedances), step)
+    burden = slab.termination.in_transits(transit).mass
+    return LeapfrogGrid(np.concatenate(widths), np.concatenate(impedances), step, burden)

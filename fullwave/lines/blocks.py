@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fullwave.lines.panels import LANES
-from fullwave.lines.system import IMPEDANCE, LIFT, STIFFENED, STRESS, Interface, Operator, System
+from fullwave.lines.system import IMPEDANCE, LIFT, SCALARS, STIFFENED, STRESS, Interface, Operator, System
 from fullwave.lines.viscosity import Elastic, Viscous
 from fullwave.options import MOST_CELLS, require_whole
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
+from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
 
 
 class Section(NamedTuple):
@@ -93,7 +93,7 @@ def assemble(scene: Scene, grid: BlockGrid) -> System:
     return System(
         grid.operator,
         medium,
-        _interface(scene, facts, grid.size),
+        _interface(scene, facts, grid.size, isinstance(medium, Viscous)),
         scene.forcing,
         scene.drive.compiled,
         slots,
@@ -101,6 +101,12 @@ def assemble(scene: Scene, grid: BlockGrid) -> System:
         _tops(scene, chains, facts),
         np.zeros((2, slots.shape[1])),
     )
+
+
+def state_size(system: System) -> int:
+    """Values that are integrated: grid, scalars, in viscous slabs a memory stress per slot, and the velocities of heavy faces."""
+    size, heavy = system.interface.size, system.interface.heavy
+    return heavy + LANES if heavy else size + SCALARS + size * isinstance(system.medium, Viscous)
 
 
 def _traces(chains: list[list[Block]], medium: Elastic | Viscous) -> tuple[NDArray[np.int64], Array]:
@@ -121,24 +127,15 @@ def _traces(chains: list[list[Block]], medium: Elastic | Viscous) -> tuple[NDArr
 def _tops(scene: Scene, chains: list[list[Block]], facts: Array) -> Array:
     columns = []
     for index, (slab, chain) in enumerate(zip(marched_slabs(scene), chains, strict=True)):
-        impedance = chain[-1].section.impedance
-        stiffened = float(facts[STIFFENED, facts.shape[1] - len(chains) + index])
-        match slab.face:
-            case GripFace(stiffness, relative):
-                spring = stiffness * slab.epsilon / impedance * scene.transit / slab.round_trip
-                shares = _shares(relative * slab.epsilon / impedance, stiffened)
-                columns.append((*shares, spring, relative * slab.epsilon, 0.0))
-            case ReflectingFace(coefficient) if coefficient < 1.0:
-                dashpot = (1.0 + coefficient) / (1.0 - coefficient)
-                columns.append((*_shares(dashpot, stiffened), 0.0, dashpot * impedance, 1.0))
-            case _:
-                columns.append((1.0, 0.0, 0.0, 0.0, 0.0))
-    return np.array(columns).T.copy()
-
-
-def _shares(dashpot: float, stiffened: float) -> tuple[float, float]:
-    """A and B of w* = A V + B (y_g - o) for a dashpot in units of the impedance of the slab behind it."""
-    return dashpot / (dashpot + stiffened), 1.0 / (dashpot + stiffened)
+        held, impedance = slab.termination.in_transits(scene.transit), chain[-1].section.impedance
+        if held.is_rigid:
+            columns.append((1.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+            continue
+        dashpot = held.dashpot / impedance
+        resistance = dashpot + float(facts[STIFFENED, facts.shape[1] - len(chains) + index])
+        yielding = 1.0 / resistance
+        columns.append((dashpot / resistance, yielding, held.spring / impedance, held.dashpot, held.has_dead_load, held.mass))
+    return np.array(columns, dtype=float).T.copy()
 
 
 def energy_weight(grid: BlockGrid) -> Array:
@@ -170,8 +167,9 @@ def _medium(scene: Scene, grid: BlockGrid) -> Elastic | Viscous:
     return Viscous(energy_weight(grid), rate, fraction, delay, is_velocity, total, spare)
 
 
-def _interface(scene: Scene, facts: Array, size: int) -> Interface:
+def _interface(scene: Scene, facts: Array, size: int, viscous: bool) -> Interface:
     sides = len(marched_slabs(scene))
+    has_mass = any(slab.termination.mass > 0.0 for slab in marched_slabs(scene))
     joints = facts.shape[1] // 2 - sides
     copies = 2.0 if sides == 1 else 1.0
     ends = slice(2 * joints, 2 * joints + sides)
@@ -182,4 +180,5 @@ def _interface(scene: Scene, facts: Array, size: int) -> Interface:
         joints=joints,
         sides=sides,
         size=size,
+        heavy=has_mass * (size + SCALARS + viscous * size),
     )

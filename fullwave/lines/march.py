@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 
 from fullwave.families import FullWave
-from fullwave.lines.blocks import Section, assemble, marched_slabs
+from fullwave.lines.blocks import Section, assemble, marched_slabs, state_size
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, enough_memory, march_work, require_memory, steps_at_once
 from fullwave.lines.kernel import MOST_PIECES, STEPS_PER_PIECE, march
 from fullwave.lines.readout import Shape, impose_fields, snapshot_of, stored_energy
 from fullwave.lines.runge_kutta import RungeKutta, method_of
-from fullwave.lines.scene_limits import Builder, relaxation_limit, viscous_limit
+from fullwave.lines.scene_limits import Builder, relaxation_limit, spectral_limit
 from fullwave.lines.scheme_limit import longest_decay_step
-from fullwave.lines.system import ELASTIC, FRICTION, INPUT, PSI, RADIATED, SCALARS, VISCOUS
+from fullwave.lines.system import ELASTIC, FRICTION, INPUT, PSI, RADIATED, VISCOUS
 from fullwave.options import require_cfl
 from fullwave.sampling import pieces_until, sample_nodes
 from slipwave.errors import NumericsError
@@ -35,9 +35,9 @@ class MethodOfLines:
     """Marches `scene`, its `sections` gridded by `build`, as the member of `family` with `number`; a `Solver`
     (slipwave.observe.follow).
 
-    `limit` is the longest stable step (transits) of elastic waves; `step` is the share `cfl` of it, or of what grips, viscosity
-    and friction's state allow if that is less. Raises SceneError naming cfl and its allowed range, or cells too many for the
-    memory (`budget`).
+    `limit` is the longest stable step (transits) of elastic waves; `step` is the share `cfl` of it, or of what outer faces,
+    viscosity and friction's state allow if that is less. Raises SceneError naming cfl and its allowed range, or cells too many
+    for the memory (`budget`).
     """
 
     mass: str | None = None
@@ -62,11 +62,11 @@ class MethodOfLines:
         self.system = assemble(scene, self.grid)
         grid = self.grid
         self.step = self.cfl * min(limit, relaxation_limit(self.system, method))
-        if viscous:
-            self.step = min(self.step, self.cfl * viscous_limit(scene, build, sections, method))
+        if viscous or self.system.interface.heavy:
+            self.step = min(self.step, self.cfl * spectral_limit(scene, build, sections, method))
         self._taken = 0
         self._unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
-        self._state = np.zeros(grid.size + SCALARS + viscous * grid.size)
+        self._state = np.zeros(state_size(self.system))
         self._state[grid.size + PSI] = scene.steady_psi + scene.start.jump_size
         self._state[grid.size + ELASTIC] = scene.steady_stress
         self._frames, self._keeps_frames = np.empty((0, self._state.size)), False

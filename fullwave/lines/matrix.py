@@ -7,10 +7,13 @@ friction law lies between these two.
 
 import numpy as np
 
+from fullwave.lines.blocks import state_size
 from fullwave.lines.system import (
+    DASHPOT,
     GRIP,
     IMPEDANCE,
     LIFT,
+    MASS,
     SCALARS,
     SIGN,
     SPRING,
@@ -38,11 +41,11 @@ def _columns(operator: Operator, states: Array, at_apply: Array, at_finish: Arra
 
 
 def motion_matrix(system: System, locked: bool) -> Array:
-    """d q/dt~ = A q for q = (grid, scalars, memory stresses) in deviations from steady sliding; friction, drive, state and ledger
-    apart (their rows and columns are zero). Shape (n, n)."""
+    """d q/dt~ = A q for q = (grid, scalars, memory stresses, heavy faces) in deviations from steady sliding; friction, drive,
+    state and ledger apart (their rows and columns are zero). Shape (n, n)."""
     size = system.interface.size
     viscous = system.medium if isinstance(system.medium, Viscous) else None
-    total = size + SCALARS + (size if viscous is not None else 0)
+    total = state_size(system)
     derivative, completion = np.zeros((size, size)), np.zeros((size, size))
     _columns(system.operator, np.eye(size), derivative, completion)
     state = np.eye(total)  # every row below is a linear form in the state
@@ -51,8 +54,9 @@ def motion_matrix(system: System, locked: bool) -> Array:
     stress = state[:size].copy()
     if viscous is not None:
         stress += viscous.retardation[:, None] * strong
-    jump = _jumps(system, state, stress, locked)
     slots, facts = system.slots, system.facts
+    arriving = stress[slots[STRESS]] - facts[SIGN][:, None] * facts[STIFFENED][:, None] * state[slots[VELOCITY]]
+    jump = _jumps(system, state, arriving, locked)
     rates = strong
     np.add.at(rates, slots[STRESS], (facts[SIGN] * facts[LIFT])[:, None] * jump)
     if viscous is not None:
@@ -62,21 +66,24 @@ def motion_matrix(system: System, locked: bool) -> Array:
     rates = completion.T @ rates
     matrix = np.zeros((total, total))
     if viscous is not None:
-        memory = state[size + SCALARS :]
-        matrix[size + SCALARS :] = viscous.fraction[:, None] * rates - viscous.rate[:, None] * memory
+        memory = state[size + SCALARS : 2 * size + SCALARS]
+        matrix[size + SCALARS : 2 * size + SCALARS] = viscous.fraction[:, None] * rates - viscous.rate[:, None] * memory
         rates = rates - viscous.rate[:, None] * memory
     matrix[:size] = rates
     sides, grip = system.interface.sides, size + GRIP
     tops = slots[VELOCITY, -sides:]
     matrix[grip : grip + sides] = -system.tops[SPRING][:, None] * (jump[-sides:] + state[tops])
+    for side in np.flatnonzero(system.tops[MASS]):
+        k, own = side - sides, state[system.interface.heavy + side]
+        pull = facts[IMPEDANCE, k] * (state[grip + side] - arriving[k] - facts[STIFFENED, k] * own)
+        matrix[system.interface.heavy + side] = (pull - system.tops[DASHPOT, side] * own) / system.tops[MASS, side]
     return matrix
 
 
-def _jumps(system: System, state: Array, stress: Array, locked: bool) -> Array:
-    """w* - w at every trace, as linear forms."""
+def _jumps(system: System, state: Array, arriving: Array, locked: bool) -> Array:
+    """w* - w at every trace, as linear forms, from the characteristics that arrive there."""
     slots, facts, interface = system.slots, system.facts, system.interface
     velocity, stiffened = state[slots[VELOCITY]], facts[STIFFENED][:, None]
-    arriving = stress[slots[STRESS]] - facts[SIGN][:, None] * stiffened * velocity
     star = np.zeros_like(velocity)
     pairs = 2 * interface.joints
     near, far = slice(0, pairs, 2), slice(1, pairs, 2)
@@ -92,5 +99,7 @@ def _jumps(system: System, state: Array, stress: Array, locked: bool) -> Array:
     tops = slice(pairs + interface.sides, None)
     load = state[interface.size + GRIP : interface.size + GRIP + interface.sides]
     star[tops] = system.tops[YIELDING][:, None] * (load - arriving[tops])
+    for side in np.flatnonzero(system.tops[MASS]):
+        star[side - interface.sides] = state[interface.heavy + side]
     jumps: Array = star - velocity
     return jumps

@@ -18,6 +18,7 @@ from fullwave.lines.system import (
     INPUT,
     JUMP,
     LIFT,
+    MASS,
     PSI,
     RADIATED,
     SIGN,
@@ -88,18 +89,26 @@ def _meet_tops(
     at: int,
     arrivals: Array,
 ) -> None:
-    """w* - w at the outer faces, driven at half of `drive` each; rates of the grips' loads, of the input and of the radiation."""
+    """w* - w at the outer faces, driven at half of `drive` each; rates of the springs' loads, of heavy faces' velocities, of the
+    input and of the radiation."""
     first, load = 2 * interface.joints + interface.sides, interface.size + GRIP
     steady = 0.5 * forcing.velocity
     change = 0.5 * drive - steady
     power = lost = 0.0
     for side in range(interface.sides):
         k = first + side
-        arriving = arrivals[ARRIVING, k]
-        face = tops[DRIVEN, side] * change + tops[YIELDING, side] * (state[load + side] - arriving)
+        arriving, mass = arrivals[ARRIVING, k], tops[MASS, side]
+        if mass > 0.0:
+            face = state[interface.heavy + side]
+        else:
+            face = tops[DRIVEN, side] * change + tops[YIELDING, side] * (state[load + side] - arriving)
         slip = change - face
         rates[at + load + side] = tops[SPRING, side] * slip
         traction = facts[IMPEDANCE, k] * (arriving + facts[STIFFENED, k] * face)
+        if mass > 0.0:
+            pull = facts[IMPEDANCE, k] * state[load + side] + tops[DASHPOT, side] * slip
+            rates[at + interface.heavy + side] = (pull - traction) / mass
+            traction = pull
         power += (forcing.steady_stress + traction) * (0.5 * drive) - tops[DEAD, side] * forcing.steady_stress * slip
         lost += tops[DASHPOT, side] * slip * slip
         arrivals[JUMP, k] = face - state[slots[VELOCITY, k]]

@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fullwave.lines.blocks import Block, BlockGrid
-from fullwave.lines.system import GRIP, IMPEDANCE, SCALARS, SPRING, System
+from fullwave.lines.system import GRIP, IMPEDANCE, MASS, SCALARS, SPRING, System
 from fullwave.lines.viscosity import Viscous
 from slipwave.observe.pieces import Array
 from slipwave.observe.snapshot import SlabSnapshot, Snapshot
@@ -16,7 +16,7 @@ Shape: TypeAlias = Callable[[Array], Array]
 
 
 def stored_energy(grid: BlockGrid, system: System, state: Array) -> float:
-    """Change since steady sliding of kinetic, elastic and grip energy of all slabs, in units of sigma L."""
+    """Change since steady sliding of the energy of all slabs and of what holds them, in units of sigma L."""
     interface = system.interface
     total = sum(_block_energy(block, system, state) for block in grid.blocks)
     for side in range(interface.sides):
@@ -25,6 +25,9 @@ def stored_energy(grid: BlockGrid, system: System, state: Array) -> float:
             load = float(state[interface.size + GRIP + side])
             impedance = float(system.facts[IMPEDANCE, system.facts.shape[1] - interface.sides + side])
             total += load * (impedance * load + 2.0 * system.forcing.steady_stress) / (2.0 * spring)
+        if interface.heavy:
+            velocity = float(state[interface.heavy + side])
+            total += 0.5 * float(system.tops[MASS, side]) * velocity * (velocity + system.forcing.velocity)
     return interface.copies * system.forcing.transit * total
 
 
@@ -83,3 +86,5 @@ def impose_fields(grid: BlockGrid, system: System, state: Array, slab: int, velo
         if block.section.slab == slab:
             state[block.velocity] = velocity(block.depth) - 0.5 * system.forcing.velocity
             state[block.stress] = (stress(block.depth) - system.forcing.steady_stress) / block.section.impedance
+            if system.interface.heavy:  # the last block's end is the outer face
+                state[system.interface.heavy + slab] = state[block.velocity[-1]]

@@ -1,4 +1,4 @@
-"""Step limits that come from the scene rather than from the scheme alone: grips, viscosity, the frictional state."""
+"""Step limits that come from the scene rather than from the scheme alone: outer faces, viscosity, the frictional state."""
 
 from collections.abc import Callable
 from typing import TypeAlias
@@ -9,7 +9,7 @@ from fullwave.lines.blocks import BlockGrid, Section, assemble
 from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.runge_kutta import RungeKutta
 from fullwave.lines.scheme_limit import MARGIN, longest_decay_step, longest_step
-from fullwave.lines.system import SPRING, YIELDING, System
+from fullwave.lines.system import MASS, SPRING, YIELDING, System
 from slipwave.friction import respond, steady_state, unknown_of
 from slipwave.scene import Scene
 
@@ -20,14 +20,15 @@ _SAMPLE_NODES = 28  # per section of the sample whose spectrum is computed
 
 
 def relaxation_limit(system: System, method: RungeKutta) -> float:
-    """Longest step at which the grips and, in steady sliding, the frictional state relax stably (transits)."""
+    """Longest step at which massless faces' springs and, in steady sliding, the frictional state relax stably (transits)."""
     law, forcing = system.interface.law, system.forcing
     psi = steady_state(law, forcing.velocity)
     ageing = forcing.transit * abs(respond(law, unknown_of(law, forcing.velocity), psi)[7])
-    return longest_decay_step(max(ageing, float((system.tops[SPRING] * system.tops[YIELDING]).max())), method)
+    massless = system.tops[MASS] == 0.0
+    return longest_decay_step(max(ageing, float((massless * system.tops[SPRING] * system.tops[YIELDING]).max())), method)
 
 
-def viscous_limit(scene: Scene, build: Builder, sections: list[Section], method: RungeKutta) -> float:
+def spectral_limit(scene: Scene, build: Builder, sections: list[Section], method: RungeKutta) -> float:
     """Longest stable step (transits) of `scene` in cells of the given lengths, from the spectra of slabs cut short to sections of
     a few cells each, with the interface locked and free; `MARGIN` is for what is cut off (0.3 per cent was measured)."""
     system = assemble(scene, build([_cut_short(section, build) for section in sections]))

@@ -20,7 +20,7 @@ the power of what is outside less what upwinding takes: nothing grows, and no fr
 Three kinds of face, all solved for w* from the characteristic o = s -+ w that arrives at them (MODEL.md section 3):
     joint      between two blocks: stress and velocity continuous;
     interface  one scalar friction solve (scene.interface) for both slabs;
-    top        rigid, grip or bare reflection: w* = A V + B (y_g - o).
+    top        rigid, spring or dashpot: w* = A V + B (y_g - o); a mass on the face keeps w* as a state of its own.
 
 Viscosity. Standard linear: a memory stress m per node, s_t = D w + ... - rate m, m_t = fraction (D w + ...) - rate m.
 Kelvin-Voigt: s is the elastic part and s + tau s_t the stress; the ends' impedances gain the factor 1 + tau l, which solves for
@@ -55,15 +55,16 @@ VELOCITY, STRESS = 0, 1
 LIFT, SIGN, STIFFENED, IMPEDANCE = 0, 1, 2, 3
 
 # rows of `System.tops`, one column per slab: A and B of w* = A V + B (y_g - o); spring over impedance (per transit); dashpot Z_g
-# in units of stress/V*; 1 where the steady load hangs on the face itself (a bare reflection coefficient)
-DRIVEN, YIELDING, SPRING, DASHPOT, DEAD = 0, 1, 2, 3, 4
+# in units of stress/V*; 1 where the steady load hangs on the face itself (no spring); mass in units of stress/V* times a transit
+DRIVEN, YIELDING, SPRING, DASHPOT, DEAD, MASS = 0, 1, 2, 3, 4, 5
 
 # rows of `System.arrivals` (scratch), one column per trace: the characteristic that arrives over eps, and w* - w
 ARRIVING, JUMP = 0, 1
 
 
 class Interface(NamedTuple):
-    """Law, Z, copies (2 when one slab stands for both); joints, marched slabs and slots of the grid."""
+    """Law, Z, copies (2 when one slab stands for both); joints, marched slabs and slots of the grid; `heavy`: the slot, behind
+    all others, of w* at the first slab's face, one per slab; 0 where no face has a mass."""
 
     law: Law
     impedance: float
@@ -71,6 +72,7 @@ class Interface(NamedTuple):
     joints: int
     sides: int
     size: int
+    heavy: int
 
 
 class System(NamedTuple):

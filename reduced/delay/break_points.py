@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.delay.alike_kernel import PSI, TIME
-from reduced.delay.network import DelayNetwork
+from reduced.delay.network import DelayNetwork, tops_for
 from reduced.delay.transmission_lines import Lines
 from reduced.step.guess import DONE
 from reduced.step.newton import UNKNOWN
@@ -99,7 +99,8 @@ class DelayBreaks(DelayNetwork):
         weights = interpolation_matrix(lagrange_basis(self.nodes), np.where(exists, local, 0.5).ravel())
         network.weights[:] = weights.reshape(network.weights.shape) * exists[:, :, None]
         network.back[:] = (slot - chosen) % _RING
-        self._network = network._replace(grip=self._grip_response(length))
+        compliance, inertia = tops_for(self._lines, length, self._stages)
+        self._network = network._replace(compliance=compliance, inertia=inertia)
 
     def _order(self, slot: int) -> NDArray[np.int64]:
         """Ring indices of the past steps, oldest first; `slot` is that of the next one."""
@@ -140,7 +141,7 @@ class DelayBreaks(DelayNetwork):
             "past": np.column_stack([self._start_times[order], self._lengths[order]]),
             "waves": memory.waves[:, :, order],
             "arrivals": np.array(self._arrivals, dtype=float)[:, None],
-            "grip": memory.grip.copy(),
+            "tops": memory.tops.copy(),
             "guess": memory.guess.copy(),
             "now": memory.now.copy(),
         }

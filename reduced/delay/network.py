@@ -81,7 +81,7 @@ class DelayNetwork(DelayMarch):
             "counts": np.array(counts, dtype=float),
             "origin": np.array([self._origin]),
             "waves": memory.waves.copy(),
-            "grip": memory.grip.copy(),
+            "tops": memory.tops.copy(),
             "guess": memory.guess.copy(),
             "now": memory.now.copy(),
         }
@@ -95,11 +95,11 @@ class DelayNetwork(DelayMarch):
         found = tables(state, shapes, self.model)
         self._halvings, self._done, self.failures, self.iterations = halvings, done, failures, iterations
         self._origin, self._network = float(found["origin"][0]), network
-        self._memory = NetworkMemory(found["waves"], found["grip"], found["guess"], found["now"], np.array([cursor % ring]))
+        self._memory = NetworkMemory(found["waves"], found["tops"], found["guess"], found["now"], np.array([cursor % ring]))
 
     def _present(self) -> dict[str, tuple[int, ...]]:
         """Shapes of the present moment's arrays in a state."""
-        return {"grip": (self._lines.spring.size,), "guess": (2, self._stages), "now": (3,)}
+        return {"tops": (len(self._lines.tops), 2), "guess": (2, self._stages), "now": (3,)}
 
     def _march(self, origin: float, done: int, length: float, count: int, pieces: Pieces) -> tuple[int, int]:
         """(steps kept, verdict) of `count` steps of `length`, the first `done` such steps after `origin`."""
@@ -124,20 +124,13 @@ class DelayNetwork(DelayMarch):
             lines.divisor is not None,
             np.array(lines.first),
             np.array(lines.last),
-            lines.follow,
-            lines.yield_,
-            lines.spring,
-            self._grip_response(length),
+            np.array([top.spring for top in lines.tops]),
+            *tops_for(lines, length, self._stages),
+            np.array([top.spring > 0.0 or top.mass > 0.0 for top in lines.tops]),
             scene.impedance,
             scene.steady_stress + scene.impedance * scene.velocity,
             lines.weight,
         )
-
-    def _grip_response(self, length: float) -> Array:
-        """(1 + h K yield A)^-1 of every slab for a step of `length`."""
-        h_spring = length * self._lines.spring * self._lines.yield_
-        inverse = np.linalg.inv(np.eye(self._stages) + h_spring[:, None, None] * radau(self._stages).integral)
-        return np.asarray(inverse, dtype=float)
 
     def _begin(self) -> NetworkMemory:
         """Steady sliding, no wave, psi displaced if the start is a jump."""
@@ -149,7 +142,7 @@ class DelayNetwork(DelayMarch):
         steady = np.full(self._stages, self._network.base)
         start = unknown_of(scene.law, scene.velocity)
         self.failures += first_guess(scene.law, scene.impedance, steady, now[PSI], start, guess[1])
-        return NetworkMemory(waves, np.zeros(self._lines.spring.size), guess, now, np.zeros(1, dtype=np.int64))
+        return NetworkMemory(waves, np.zeros((len(self._lines.tops), 2)), guess, now, np.zeros(1, dtype=np.int64))
 
     def _refine(self, verdict: int) -> None:
         """Half the step: the stored waves are evaluated at the nodes of the two halves of each step."""
@@ -167,12 +160,24 @@ class DelayNetwork(DelayMarch):
             finer[:, :, -wanted:] if wanted <= 2 * ring else np.pad(finer, ((0, 0), (0, 0), (wanted - 2 * ring, 0), (0, 0)))
         )
         guess = np.repeat([[old.now[PSI]], [float(old.guess[1, 0])]], stages, axis=1)
-        self._memory = NetworkMemory(waves, old.grip, guess, old.now, np.zeros(1, dtype=np.int64))
+        self._memory = NetworkMemory(waves, old.tops, guess, old.now, np.zeros(1, dtype=np.int64))
 
     def _require_room(self, verdict: int) -> None:
         """NumericsError unless the step may still be halved."""
         if 2.0 / self._length > MAX_STEPS / min(1.0, 2.0 * float(self._lines.travel.min())):
             raise self._unresolved(self.steps, verdict)
+
+
+def tops_for(lines: Lines, length: float, stages: int) -> tuple[Array, Array]:
+    """`compliance` and `inertia` of the outer faces in a step of `length` (`Network`), (slabs, s, s) each."""
+    rule, one = radau(stages), np.eye(stages)
+    inertia = np.array([top.mass / length * rule.inverse for top in lines.tops])
+    compliance = np.zeros_like(inertia)
+    for slab, top in enumerate(lines.tops):
+        if not top.is_rigid:
+            resistance = (top.dashpot + lines.impedance[lines.last[slab]]) * one
+            compliance[slab] = np.linalg.inv(inertia[slab] + resistance + length * top.spring * rule.integral)
+    return compliance, inertia
 
 
 def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:

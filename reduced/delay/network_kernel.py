@@ -21,13 +21,15 @@ from slipwave.scene.drive import Constant, Ramps, velocity_at
 from slipwave.scene.forcing import Forcing
 
 OUTWARD, INWARD = 0, 1
+LOAD, VELOCITY = 0, 1  # columns of `NetworkMemory.tops`
 Integers = NDArray[np.int64]
 
 
 class Network(NamedTuple):
     """Lines in compiled form (see `Lines`): per layer `impedance` e, `back` (layers, s) steps to go back and `weights`
-    (layers, s, s); `whole` says that all weights are unit vectors; per slab `first`, `last`, `follow`, `yield_`, `spring`, and
-    `grip` (slabs, s, s) = (1 + h K yield A)^-1; `base` = mu_ss + Z V_0; `weight` of each slab."""
+    (layers, s, s); `whole` says that all weights are unit vectors; per slab `first`, `last` and its top: `spring`, `compliance`
+    (s, s) = (m/h A^-1 + Z_g + e + h K A)^-1, `inertia` (s, s) = m/h A^-1 and `remembers` = has a spring or a mass (`tops_for`);
+    `base` = mu_ss + Z V_0; `weight` of each slab."""
 
     impedance: Array
     back: Integers
@@ -35,21 +37,21 @@ class Network(NamedTuple):
     whole: bool
     first: Integers
     last: Integers
-    follow: Array
-    yield_: Array
     spring: Array
-    grip: Array
+    compliance: Array
+    inertia: Array
+    remembers: NDArray[np.bool_]
     interface_impedance: float
     base: float
     weight: float
 
 
 class NetworkMemory(NamedTuple):
-    """`waves` (layers, 2, ring, s): deviations launched outwards and inwards in past steps, a ring; `grip` (slabs,) spring
-    stress; `guess` (2, s); `now`: time, psi, y; `cursor` (1,): ring index of the next step."""
+    """`waves` (layers, 2, ring, s): deviations launched outwards and inwards in past steps, a ring; `tops` (slabs, 2): spring
+    stress and velocity of each outer face; `guess` (2, s); `now`: time, psi, y; `cursor` (1,): ring index of the next step."""
 
     waves: Array
-    grip: Array
+    tops: Array
     guess: Array
     now: Array
     cursor: Integers
@@ -82,30 +84,39 @@ def reflect_top(
     drive: Array,
     arrived: Array,
     launched: Array,
-    grip: Array,
-    pull: Array,
+    tops: Array,
+    work: Array,
 ) -> None:
-    """Wave launched inwards by a slab's outer face, and its grip's spring at the step's end."""
+    """Wave launched inwards by a slab's outer face, and the face's load and velocity at the step's end.
+
+    With u = dV - w at the nodes, collocation of `transmission_lines` is
+
+        (m/h A^-1 + Z_g + e + h K A) u = P + e dV - y_0 + m/h A^-1 (dV - w_0),     y = y_0 + h K A u;
+
+    solved for u, a stiff spring's load loses no digits."""
     s = len(nodes)
-    layer = network.last[slab]
-    follow, yielding, spring = network.follow[slab], network.yield_[slab], network.spring[slab]
-    twice = 2.0 * network.impedance[layer]
+    layer, load, velocity = network.last[slab], tops[slab, LOAD], tops[slab, VELOCITY]
+    impedance = network.impedance[layer]
     for j in range(s):
-        pull[0, j] = follow * drive[j] - yielding * arrived[layer, OUTWARD, j]
-        pull[1, j] = 0.0
-    if spring > 0.0:
-        for j in range(s):
-            total = grip[slab]
-            for k in range(s):
-                total += length * spring * integral[k, j] * (drive[k] - pull[0, k])
-            pull[2, j] = total
+        work[0, j] = arrived[layer, OUTWARD, j] + impedance * drive[j] - load
+    if network.remembers[slab]:
         for j in range(s):
             for k in range(s):
-                pull[1, j] += network.grip[slab, j, k] * pull[2, k]
-        grip[slab] = pull[1, s - 1]
+                work[0, j] += network.inertia[slab, j, k] * (drive[k] - velocity)
+        for j in range(s):
+            total = 0.0
+            for k in range(s):
+                total += network.compliance[slab, j, k] * work[0, k]
+            work[1, j] = total
+        stiffness = length * network.spring[slab]
+        for k in range(s):
+            tops[slab, LOAD] += stiffness * integral[k, s - 1] * work[1, k]
+        tops[slab, VELOCITY] = drive[s - 1] - work[1, s - 1]
+    else:
+        for j in range(s):
+            work[1, j] = network.compliance[slab, j, j] * work[0, j]
     for j in range(s):
-        velocity = pull[0, j] + yielding * pull[1, j]
-        launched[layer, INWARD, j] = arrived[layer, OUTWARD, j] + twice * velocity
+        launched[layer, INWARD, j] = arrived[layer, OUTWARD, j] + 2.0 * impedance * (drive[j] - work[1, j])
 
 
 @njit
@@ -143,17 +154,17 @@ def march_network(
     drift); returns (steps, Newton iterations, verdict) as `march_delay` does, but a refused step leaves the memory at its own
     start."""
     s = len(nodes)
-    waves, grip, guess, now = memory.waves, memory.grip, memory.guess, memory.now
+    waves, tops, guess, now = memory.waves, memory.tops, memory.guess, memory.now
     layers, ring, slabs = waves.shape[0], waves.shape[2], network.first.size
-    arrived, launched, pull = np.empty((layers, 2, s)), np.empty((layers, 2, s)), np.empty((3, s))
+    arrived, launched, outer = np.empty((layers, 2, s)), np.empty((layers, 2, s)), np.empty((2, s))
     work, system, incoming, drive = np.zeros((WORK_ROWS, s)), np.empty((s, s)), np.empty((1, s)), np.zeros(s)
-    saved_guess, saved_grip = np.empty_like(guess), np.empty_like(grip)
+    saved_guess, saved_tops = np.empty_like(guess), np.empty_like(tops)
     impedance, h = network.interface_impedance, length * forcing.transit
     iterations = 0
     for n in range(count):
         cursor, start, left = memory.cursor[0], origin + (done + n) * length, now[PSI]
         overwrite(saved_guess, guess)
-        overwrite(saved_grip, grip)
+        overwrite(saved_tops, tops)
         for j in range(s):
             drive[j] = 0.5 * (velocity_at(velocity, start + nodes[j] * length) - forcing.velocity)
         for layer in range(layers):
@@ -162,7 +173,7 @@ def march_network(
         for j in range(s):
             incoming[0, j] = network.base
         for slab in range(slabs):
-            reflect_top(nodes, network, slab, length, integral, drive, arrived, launched, grip, pull)
+            reflect_top(nodes, network, slab, length, integral, drive, arrived, launched, tops, outer)
             first = network.first[slab]
             for layer in range(network.last[slab] - 1, first - 1, -1):
                 scatter(nodes, network, layer, arrived, launched)
@@ -176,7 +187,7 @@ def march_network(
         verdict = judge_step(nodes, tail, guess, work, used, resolution, steepest)
         if verdict != DONE:
             overwrite(guess, saved_guess)
-            overwrite(grip, saved_grip)
+            overwrite(tops, saved_tops)
             return n, iterations, verdict
         emit(nodes, forcing, impedance, integral, incoming, drive, guess, work, now, start, length, pieces, n)
         for slab in range(slabs):

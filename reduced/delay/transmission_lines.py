@@ -5,11 +5,11 @@ after its one-way travel time. All that happens between is algebra at the ends (
 sliding:
 
     joint      U from inside, D from outside:  w = (D - U)/(e_in + e_out),  back in U + 2 e_in w,  on out D - 2 e_out w
-    top        P from inside:  w = (Z_g dV - P + y)/(Z_g + e),  back in P + 2 e w;   a grip's spring  y' = K (dV - w)
+    top        P from inside:  m w' = y + Z_g (dV - w) - P - e w,  y' = K (dV - w),  back in P + 2 e w
     interface  S from outside: mu = Z (sum S_i/e_i - dv),  on out 2 mu - S
 
-A rigid top is Z_g -> infinity (w = dV), a bare reflection R is Z_g = e (1 + R)/(1 - R) with y = 0. Velocities of the lower slab
-are counted so that the slip rate is the sum of both slabs' velocities; alike slabs march one, counted twice.
+(K, Z_g, m) is the slab's `Termination`; a rigid top is Z_g -> infinity (w = dV). Velocities of the lower slab are counted so that
+the slip rate is the sum of both slabs' velocities; alike slabs march one, counted twice.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from reduced.commensurate import common_divisor
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from slipwave.scene.slab import GripFace, ReflectingFace, Slab
+from slipwave.scene.termination import Termination
 
 _MOST_DIVISIONS = 64
 
@@ -30,17 +30,15 @@ _MOST_DIVISIONS = 64
 class Lines:
     """Layers of all slabs, slab after slab, from the interface outwards.
 
-    `impedance`, `travel` (one way, transits) per layer; per slab `first` and `last` layer index, and its top: `follow` is
-    Z_g/(Z_g + e), `yield_` is 1/(Z_g + e), `spring` K per transit (0 without); `weight` is 2 for one of two alike slabs, else 1.
+    `impedance`, `travel` (one way, transits) per layer; per slab `first` and `last` layer index, and its `tops` (transit clock);
+    `weight` is 2 for one of two alike slabs, else 1.
     """
 
     impedance: Array
     travel: Array
     first: tuple[int, ...]
     last: tuple[int, ...]
-    follow: Array
-    yield_: Array
-    spring: Array
+    tops: tuple[Termination, ...]
     weight: float
 
     @cached_property
@@ -59,7 +57,6 @@ def lines_of(scene: Scene) -> Lines:
                 f"model = delay: scene {scene.name!r} is viscous: its waves disperse, so that no finite set of delays is exact; "
                 "use fitted:N or a full wave"
             )
-    tops = [_top(slab, slab.round_trip / scene.transit) for slab in slabs]
     counts = [len(slab.layers) for slab in slabs]
     ends = np.cumsum(counts)
     return Lines(
@@ -67,20 +64,6 @@ def lines_of(scene: Scene) -> Lines:
         travel=np.array([0.5 * slab.round_trip / scene.transit * layer.fraction for slab in slabs for layer in slab.layers]),
         first=tuple(int(end - count) for end, count in zip(ends, counts, strict=True)),
         last=tuple(int(end - 1) for end in ends),
-        follow=np.array([top[0] for top in tops]),
-        yield_=np.array([top[1] for top in tops]),
-        spring=np.array([top[2] for top in tops]),
+        tops=tuple(slab.termination.in_transits(scene.transit) for slab in slabs),
         weight=2.0 if scene.alike else 1.0,
     )
-
-
-def _top(slab: Slab, round_trip: float) -> tuple[float, float, float]:
-    """(follow, yield, spring) of the slab's outer face."""
-    outermost = slab.epsilon * slab.layers[-1].impedance
-    face = slab.face
-    if isinstance(face, GripFace):
-        total = slab.epsilon * face.impedance + outermost
-        return slab.epsilon * face.impedance / total, 1.0 / total, face.stiffness * slab.epsilon / round_trip
-    if isinstance(face, ReflectingFace):
-        return 0.5 * (1.0 + face.coefficient), 0.5 * (1.0 - face.coefficient) / outermost, 0.0
-    return 1.0, 0.0, 0.0

@@ -12,14 +12,14 @@ import numpy as np
 from reduced.impedance.jet import Jet
 from reduced.impedance.transmission_line import pair_ratio
 from slipwave.scene import Scene
-from slipwave.scene.slab import RigidFace, Slab
+from slipwave.scene.slab import Slab
 
 _NOT_COUPLED = 1e-9
 
 
 def is_lossless(slab: Slab) -> bool:
     """Elastic, driven through a rigid face: Z is imaginary on the imaginary axis. Layers are allowed."""
-    return slab.viscosity is None and isinstance(slab.face, RigidFace)
+    return slab.viscosity is None and slab.termination.is_rigid
 
 
 def _rescale(angle: float, factor: float) -> float:

@@ -11,7 +11,6 @@ from reduced.impedance.modes import is_lossless, locked_modes, spring_and_mass
 from reduced.ode.reduction import TABULATED, Reduction, mode_count, reduction
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
-from slipwave.scene.slab import ReflectingFace
 
 
 def reduction_of(scene: Scene, name: str) -> Reduction:
@@ -40,8 +39,7 @@ def reduce_scene(scene: Scene, name: str) -> Reduction:
 
 def relaxed_spring(scene: Scene) -> float:
     """Quasi-static stiffness of the pair over the upper slab's epsilon, per transit; a standard linear solid counts relaxed."""
-    slabs = (scene.upper, scene.lower)
-    if any(isinstance(slab.face, ReflectingFace) and slab.face.coefficient < 1.0 for slab in slabs):
+    if any(slab.termination.has_dead_load for slab in (scene.upper, scene.lower)):
         return 0.0
     return scene.stiffness / scene.upper.epsilon
 

@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from reduced.impedance.jet import Jet
 from slipwave.scene import Scene
-from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
+from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
 
 Ratio: TypeAlias = tuple[Jet, Jet]
 """(p, q) with Y = p/q and Z = q/p."""
@@ -30,14 +30,14 @@ def modulus(slab: Slab, s: Jet) -> Jet:
 
 
 def _outer_face(slab: Slab, s: Jet) -> Ratio:
-    """(p, q) of what holds the outer face, seen from the slab: its velocity per stress."""
-    match slab.face:
-        case GripFace(stiffness, impedance):
-            return s * (1.0 / slab.epsilon), s * impedance + stiffness / slab.round_trip
-        case ReflectingFace(coefficient):
-            outermost = slab.epsilon * slab.layers[-1].impedance
-            return s.constant((1.0 - coefficient) / outermost), s.constant(1.0 + coefficient)
-    return s.constant(0.0), s.constant(1.0)
+    """(p, q) of what holds the outer face, seen from the slab: Z = mass s + dashpot + spring/s; both over epsilon."""
+    held = slab.termination
+    if held.is_rigid:
+        return s.constant(0.0), s.constant(1.0)
+    resistance = (s * held.mass + held.dashpot) * (1.0 / slab.epsilon)
+    if held.has_dead_load:
+        return s.constant(1.0 / slab.epsilon), resistance
+    return s * (1.0 / slab.epsilon), s * resistance + held.spring / slab.epsilon
 
 
 def slab_ratio(slab: Slab, s: Jet) -> Ratio:

@@ -16,7 +16,7 @@ from reduced.impedance import Complex, Jet, Ratio, ratio_of
 from reduced.impedance.transmission_line import slab_ratio
 from reduced.stability.friction import FrictionSlopes, friction_slopes
 from slipwave.scene import Scene
-from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Slab, StandardLinearViscosity
+from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
 
 _SHARED = 1e-6
 
@@ -63,10 +63,10 @@ class Characteristic:
         return max(self.scene.upper.round_trip, self.scene.lower.round_trip)
 
     @property
-    def anchors(self) -> tuple[float, ...]:
-        """Points of the real axis near which D varies on a scale of its own: 0, the friction state's rate, and the relaxation
-        rates of viscous slabs and grips."""
-        found = {0.0, -self.slopes.healing}
+    def anchors(self) -> tuple[complex, ...]:
+        """Points near which D varies on a scale of its own: 0, the friction state's rate, the relaxation rates of viscous slabs,
+        and the rates at which the outer faces would settle by themselves."""
+        found: set[complex] = {0.0, -self.slopes.healing}
         for slab in (self.scene.upper, self.scene.lower):
             found.update(_rates(slab))
         return tuple(found)
@@ -86,12 +86,13 @@ def _fastest_relaxation(slab: Slab) -> float:
     return float("inf")
 
 
-def _rates(slab: Slab) -> list[float]:
-    rates = [-_fastest_relaxation(slab)] if slab.viscosity else []
+def _rates(slab: Slab) -> list[complex]:
+    held = slab.termination
+    rates = [] if held.is_rigid else [complex(root) for root in np.roots([held.mass, held.dashpot, held.spring])]
+    if slab.viscosity:
+        rates.append(-_fastest_relaxation(slab))
     if isinstance(slab.viscosity, StandardLinearViscosity):
         rates.append(-1.0 / slab.viscosity.time)
-    if isinstance(slab.face, GripFace) and slab.face.impedance > 0.0:
-        rates.append(-slab.face.stiffness / (slab.face.impedance * slab.round_trip))
     return rates
 
 

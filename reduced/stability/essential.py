@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from reduced.commensurate import common_divisor
 from reduced.stability.friction import friction_slopes
 from slipwave.scene import Scene
-from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, Slab, StandardLinearViscosity
+from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
 
 Echo: TypeAlias = NDArray[Any]
 _MOST_PARTS, _HIGHEST_DEGREE = 200, 800
@@ -55,16 +55,13 @@ def fast_balance(scene: Scene, slabs: tuple[Slab, ...], echoes: list[Echo]) -> E
 
 
 def _fast_ratio(slab: Slab, echoes: list[Echo]) -> tuple[Echo, Echo]:
-    """(p, q) of a slab whose springs are too soft to matter: `line.slab_ratio` for s -> infinity at given echoes."""
-    outermost = slab.epsilon * slab.layers[-1].impedance
-    one = np.ones_like(echoes[0])
-    match slab.face:
-        case GripFace(_, impedance):
-            p, q = one / slab.epsilon, one * impedance
-        case ReflectingFace(coefficient):
-            p, q = one * (1.0 - coefficient) / outermost, one * (1.0 + coefficient)
-        case _:
-            p, q = 0.0 * one, one
+    """(p, q) of a slab: `transmission_line.slab_ratio` for s -> infinity at given echoes. The outer face's spring is then too
+    soft to matter, and its mass too heavy to move."""
+    one, held = np.ones_like(echoes[0]), slab.termination
+    if held.is_rigid or held.mass > 0.0:
+        p, q = 0.0 * one, one
+    else:
+        p, q = one / slab.epsilon, one * held.dashpot / slab.epsilon
     for layer, echo in zip(reversed(slab.layers), reversed(echoes), strict=True):
         admittance = 1.0 / (slab.epsilon * layer.impedance)
         echo = echo * _attenuation(slab, layer.fraction)

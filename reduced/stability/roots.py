@@ -33,12 +33,12 @@ def rectangle(low: complex, high: complex) -> Complex:
     return np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag), low])
 
 
-def count_zeros(function: Function, corners: Complex, anchors: tuple[float, ...] = ()) -> int:
+def count_zeros(function: Function, corners: Complex, anchors: tuple[complex, ...] = ()) -> int:
     """Zeros of an analytic function inside a closed polyline: its winding number.
 
     Sides are halved until |D'/D| times the step is below 1/2 at both ends of every piece, D turns by less than 60 degrees over
-    it, and it is shorter than its distance from every one of the `anchors`, the points of the real axis near which D varies on a
-    scale of its own. Raises NumericsError if a zero lies on the contour.
+    it, and it is shorter than its distance from every one of the `anchors`, the points near which D varies on a scale of
+    its own. Raises NumericsError if a zero lies on the contour.
     """
     floor = _SHORTEST * float(np.abs(corners).max())
     points = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in pairwise(corners)] + [corners[-1:]])
@@ -81,7 +81,7 @@ def polish(function: Function, starts: Complex, rounds: int = _NEWTON_ROUNDS) ->
 
 
 def zeros_in(
-    function: Function, low: complex, high: complex, expected: int, anchors: tuple[float, ...] = (), depth: int = 0
+    function: Function, low: complex, high: complex, expected: int, anchors: tuple[complex, ...] = (), depth: int = 0
 ) -> Complex:
     """All `expected` zeros in the rectangle with corners `low` (left, below) and `high`, each once; a few dozen are sensible.
 
@@ -103,7 +103,7 @@ def zeros_in(
 
 
 def _halves(
-    function: Function, low: complex, high: complex, expected: int, anchors: tuple[float, ...]
+    function: Function, low: complex, high: complex, expected: int, anchors: tuple[complex, ...]
 ) -> list[tuple[tuple[complex, complex], int]]:
     """Both halves of a rectangle across its longer side, with their counts; the cut moves aside if it meets a zero."""
     size = high - low

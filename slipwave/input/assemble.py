@@ -6,18 +6,16 @@ from typing import Any
 from slipwave.errors import SceneError
 from slipwave.friction import LAWS
 from slipwave.input import schema
-from slipwave.input.number import EPSILON, ROUND_TRIP, Range
+from slipwave.input.number import EPSILON, NON_NEGATIVE, ROUND_TRIP, Range
 from slipwave.input.validate import Validated
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import (
+    FACES,
     Face,
-    GripFace,
     KelvinVoigtViscosity,
     Layer,
-    ReflectingFace,
-    RigidFace,
     Slab,
     StandardLinearViscosity,
     Viscosity,
@@ -75,7 +73,8 @@ def _slab(key: str, table: schema.SlabTable, units: Units | None) -> Slab:
     _require_units(key, table, units)
     epsilon = _epsilon(key, table, units)
     round_trip = _round_trip(key, table, units)
-    return Slab(epsilon, round_trip, _face(table.face), _viscosity(table.viscosity), _layers(key, table.layers))
+    face = _face(f"{key}.face", table.face, units, epsilon, round_trip)
+    return Slab(epsilon, round_trip, face, _viscosity(table.viscosity), _layers(key, table.layers))
 
 
 def _require_units(key: str, table: schema.SlabTable, units: Units | None) -> None:
@@ -130,13 +129,22 @@ def _in_range(what: str, result: float, allowed: Range, sources: dict[str, float
     return result
 
 
-def _face(table: Any) -> Face:
-    match table:
-        case schema.GripTable():
-            return GripFace(table.stiffness, table.impedance)
-        case schema.ReflectionTable():
-            return RigidFace() if table.coefficient == 1.0 else ReflectingFace(table.coefficient)
-    return RigidFace()
+def _face(key: str, table: Any, units: Units | None, epsilon: float, round_trip: float) -> Face:
+    given = table.model_dump(exclude={"kind"})
+    if isinstance(table, schema.MachineTable):
+        slab = {"stiffness": epsilon / round_trip, "impedance": epsilon, "mass": epsilon * round_trip}
+        scales = {name: scale * units.face[name] if units else 1.0 for name, scale in slab.items()}
+        given = {name: _relative(f"{key}.{name}", value, scales[name]) for name, value in given.items()}
+    return FACES[table.kind](**given)
+
+
+def _relative(key: str, value: float, scale: float) -> float:
+    """`value` over `scale`; SceneError naming `key` if that is out of range."""
+    result = value / scale
+    if not NON_NEGATIVE.low <= result <= NON_NEGATIVE.high:
+        relative = "" if result == value else f" is {result:.9g} relative to the slab, which"
+        raise SceneError(f"{key} = {value:g}:{relative} must be {NON_NEGATIVE}")
+    return result
 
 
 def _viscosity(table: Any) -> Viscosity | None:

@@ -45,7 +45,11 @@ Physical: TypeAlias = Annotated[float, BeforeValidator(Range(1e-15, 1e15))]
 Relative: TypeAlias = Annotated[float, BeforeValidator(Range(1e-9, 1e9))]
 """A positive ratio."""
 
-NonNegative: TypeAlias = Annotated[float, BeforeValidator(Range(0.0, 1e9))]
+NON_NEGATIVE = Range(0.0, 1e9)
+NonNegative: TypeAlias = Annotated[float, BeforeValidator(NON_NEGATIVE)]
+Machine: TypeAlias = Annotated[float, BeforeValidator(Range(0.0, 1e15))]
+"""In SI units where the scene has units; relative to the slab it must be in `NON_NEGATIVE`."""
+
 Fraction: TypeAlias = Annotated[float, BeforeValidator(Range(1e-9, 1.0))]
 Coefficient: TypeAlias = Annotated[float, BeforeValidator(Range(-1.0, 1.0))]
 Relaxation: TypeAlias = Annotated[float, BeforeValidator(Range(1e-15, 1e9))]

@@ -16,6 +16,7 @@ from slipwave.input.number import (
     Epsilon,
     Fraction,
     LogRoundTrip,
+    Machine,
     NonNegative,
     Physical,
     Range,
@@ -64,6 +65,15 @@ class GripTable(Table):
     impedance: NonNegative
 
 
+class MachineTable(Table):
+    """A grip with a mass on the slab's face (relative to epsilon r). In scenes with units Pa/m, Pa s/m and kg/m2 instead."""
+
+    kind: Literal["machine"]
+    stiffness: Machine
+    impedance: Machine
+    mass: Machine
+
+
 class ReflectionTable(Table):
     """Bare reflection coefficient."""
 
@@ -95,7 +105,10 @@ def _kind(default: str) -> Discriminator:
 
 
 FaceTable: TypeAlias = Annotated[
-    Annotated[RigidTable, Tag("rigid")] | Annotated[GripTable, Tag("grip")] | Annotated[ReflectionTable, Tag("reflection")],
+    Annotated[RigidTable, Tag("rigid")]
+    | Annotated[GripTable, Tag("grip")]
+    | Annotated[MachineTable, Tag("machine")]
+    | Annotated[ReflectionTable, Tag("reflection")],
     _kind("rigid"),
 ]
 ViscosityTable: TypeAlias = Annotated[

@@ -7,13 +7,27 @@ interface to the outer face and back.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
+
+from slipwave.scene.termination import Termination
+
+
+class Face(Protocol):
+    """A kind of outer face: data that knows what it amounts to."""
+
+    def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
+        """Its numbers (time in L/V*) on a slab of `epsilon` and `round_trip`, whose outermost layer has impedance `outermost`."""
 
 
 @dataclass(frozen=True)
 class RigidFace:
     """The drive moves the outer face itself: full reflection of velocity, no state."""
+
+    def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
+        """As `Face`."""
+        return Termination(0.0, math.inf)
 
 
 @dataclass(frozen=True)
@@ -21,11 +35,28 @@ class GripFace:
     """A spring and a dashpot in parallel between drive and outer face (MODEL.md section 3).
 
     `stiffness` K is relative to the slab's epsilon/round_trip, `impedance` Z_g to its epsilon; Z_g = 1 swallows every wave and
-    keeps the load. If either is infinite the face cannot move against the drive: a slab held so has a `RigidFace`.
+    keeps the load. If either is infinite the face cannot move against the drive.
     """
 
     stiffness: float
     impedance: float
+
+    def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
+        """As `Face`."""
+        return Termination(self.stiffness * epsilon / round_trip, self.impedance * epsilon)
+
+
+@dataclass(frozen=True)
+class MachineFace:
+    """A grip with a mass on the slab's face: `mass` is relative to epsilon * round_trip, twice the slab's own mass."""
+
+    stiffness: float
+    impedance: float
+    mass: float
+
+    def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
+        """As `Face`."""
+        return Termination(self.stiffness * epsilon / round_trip, self.impedance * epsilon, self.mass * epsilon * round_trip)
 
 
 @dataclass(frozen=True)
@@ -34,8 +65,19 @@ class ReflectingFace:
 
     coefficient: float
 
+    def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
+        """As `Face`: a dashpot (1 + R)/(1 - R) times the impedance behind it."""
+        lost = 1.0 - self.coefficient
+        return Termination(0.0, outermost * (1.0 + self.coefficient) / lost if lost > 0.0 else math.inf)
 
-Face: TypeAlias = RigidFace | GripFace | ReflectingFace
+
+FACES: dict[str, Callable[..., Face]] = {
+    "rigid": RigidFace,
+    "grip": GripFace,
+    "machine": MachineFace,
+    "reflection": ReflectingFace,
+}
+"""The kinds of face by their names in scene files; a kind's fields are its keys there."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +119,13 @@ class Slab:
     layers: tuple[Layer, ...] = (Layer(1.0, 1.0),)
 
     def __post_init__(self) -> None:
-        if isinstance(self.face, GripFace) and math.inf in (self.face.stiffness, self.face.impedance):
+        if self.termination.is_rigid:  # by whatever name: two slabs held alike are alike
             object.__setattr__(self, "face", RigidFace())
+
+    @property
+    def termination(self) -> Termination:
+        """What holds the outer face, time in L/V*."""
+        return self.face.termination(self.epsilon, self.round_trip, self.epsilon * self.layers[-1].impedance)
 
     @property
     def interface_impedance(self) -> float:
@@ -88,13 +135,13 @@ class Slab:
     @property
     def compliance(self) -> float:
         """Quasi-static displacement per stress: layers, sum of round_trip fraction / (2 impedance), a standard linear solid
-        relaxed, and the grip's spring."""
+        relaxed, and the spring at the outer face."""
         softer = 1.0 + (self.viscosity.ratio if isinstance(self.viscosity, StandardLinearViscosity) else 0.0)
         layers = softer * sum(layer.fraction * self.round_trip / (2.0 * self.epsilon * layer.impedance) for layer in self.layers)
-        grip = self.round_trip / (self.epsilon * self.face.stiffness) if isinstance(self.face, GripFace) else 0.0
-        return layers + grip
+        spring = self.termination.spring
+        return layers + (1.0 / spring if spring > 0.0 else 0.0)
 
     @property
     def is_plain(self) -> bool:
         """Homogeneous, elastic, driven through a rigid face."""
-        return isinstance(self.face, RigidFace) and self.viscosity is None and len(self.layers) == 1
+        return self.termination.is_rigid and self.viscosity is None and len(self.layers) == 1

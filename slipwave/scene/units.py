@@ -17,6 +17,12 @@ class Units:
         """L/V* in seconds."""
         return self.memory_length / self.reference_velocity
 
+    @property
+    def face(self) -> dict[str, float]:
+        """What one unit of an outer face's stiffness [Pa/m], impedance [Pa s/m] and mass [kg/m2] is."""
+        impedance = self.normal_stress / self.reference_velocity
+        return {"stiffness": impedance / self.time, "impedance": impedance, "mass": impedance * self.time}
+
     def epsilon(self, density: float, shear_modulus: float) -> float:
         """Slab impedance rho c over frictional impedance sigma/V*, c = sqrt(G/rho)."""
         return math.sqrt(density * shear_modulus) * self.reference_velocity / self.normal_stress

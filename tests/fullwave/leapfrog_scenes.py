@@ -4,7 +4,7 @@ import dataclasses
 
 import slipwave
 from slipwave.scene.drive import Drive
-from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, ReflectingFace, StandardLinearViscosity
 
 PAPER = slipwave.read("paper")
 SLAB = PAPER.upper
@@ -25,6 +25,8 @@ SCENES = {
     "unlike": of({}, {"epsilon": 3 * SLAB.epsilon, "round_trip": ROUND_TRIP * 2**0.5}),
     "grip": of({"face": GripFace(2.0, 1.0)}),
     "stiff-grip": of({"face": GripFace(1e4, 1e3)}),
+    "machine": of({"face": MachineFace(2.0, 0.5, 0.4)}),
+    "hung-machine": of({"face": MachineFace(0.0, 1.0, 0.05), "viscosity": StandardLinearViscosity(3.0 * ROUND_TRIP, 0.5)}, {}),
     "absorbing": of({"face": ReflectingFace(0.0)}),
     "free-above": of({"face": ReflectingFace(-1.0)}, {}),
     "layers": of({"layers": TWO_LAYERS, "face": GripFace(2.0, 1.0)}),

@@ -15,8 +15,10 @@ def test_ledger_closes_to_rounding(name):
     assert abs(ledger.residual) < 1e-12
     assert ledger.input > 0
     assert ledger.friction > 0
-    assert (ledger.radiated > 0) == (name in ("grip", "stiff-grip", "absorbing", "layers", "everything"))
-    assert (ledger.viscous > 0) == (name in ("kelvin-voigt", "standard-linear", "everything"))
+    assert (ledger.radiated > 0) == (
+        name in ("grip", "stiff-grip", "machine", "hung-machine", "absorbing", "layers", "everything")
+    )
+    assert (ledger.viscous > 0) == (name in ("kelvin-voigt", "standard-linear", "hung-machine", "everything"))
     assert solver.failures == 0
 
 

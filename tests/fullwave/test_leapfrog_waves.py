@@ -26,7 +26,7 @@ def march_locked(medium, face, steps):
 
 
 def at_rest(slab, cells, cfl=1.0):
-    grid = slab_grid(slab, 1.0, cfl * 0.5 / cells, cfl, cells)
+    grid = slab_grid(slab, slab.round_trip, cfl * 0.5 / cells, cfl, cells)
     side = steady_side(PAPER, slab, grid)
     side.medium.velocity[:] = 0.0
     return side, grid

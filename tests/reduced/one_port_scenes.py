@@ -6,7 +6,15 @@ from typing import Any
 from slipwave.friction.ageing import Ageing
 from slipwave.scene import Scene
 from slipwave.scene.drive import steady_drive
-from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, Slab, StandardLinearViscosity
+from slipwave.scene.slab import (
+    GripFace,
+    KelvinVoigtViscosity,
+    Layer,
+    MachineFace,
+    ReflectingFace,
+    Slab,
+    StandardLinearViscosity,
+)
 
 PAPER = Ageing(0.369, 0.0349, 0.0489)
 EPSILON, ROUND_TRIP = 2.8e-5, 10**-2.68
@@ -36,6 +44,8 @@ LOSSY = {
     "grip": scene_of(slab(face=GripFace(2.0, 3.0))),
     "matched grip": scene_of(slab(face=GripFace(1.0, 1.0))),
     "grip below": scene_of(slab(), Slab(2.0 * EPSILON, 0.7 * ROUND_TRIP, GripFace(5.0, 0.3))),
+    "machine": scene_of(slab(face=MachineFace(2.0, 0.5, 0.4))),
+    "machine below": scene_of(slab(), Slab(2.0 * EPSILON, 0.7 * ROUND_TRIP, MachineFace(5.0, 1.2, 0.4))),
     "reflection": scene_of(slab(face=ReflectingFace(0.5))),
     "standard linear": scene_of(slab(viscosity=StandardLinearViscosity(3.0 * ROUND_TRIP, 0.5))),
     "kelvin-voigt solid": scene_of(slab(viscosity=KelvinVoigtViscosity(0.05 * ROUND_TRIP))),

@@ -6,7 +6,16 @@ from one_port_scenes import EPSILON, EVERY, LAYERS, LOSSLESS, ROUND_TRIP, paper,
 
 from reduced.impedance import admittance, admittance_slope, check_passivity, impedance, slab_ratio
 from reduced.impedance.jet import Jet
-from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, RigidFace, Slab, StandardLinearViscosity
+from slipwave.scene.slab import (
+    GripFace,
+    KelvinVoigtViscosity,
+    Layer,
+    MachineFace,
+    ReflectingFace,
+    RigidFace,
+    Slab,
+    StandardLinearViscosity,
+)
 from tests.one_port_by_hand import modulus, pair_impedance, slab_impedance
 
 S = np.array([0.01 + 0.1j, 0.3 + 1j, 2.2j, -0.2 + 3j, 5 + 40j, 1e3 + 1j]) / ROUND_TRIP
@@ -41,6 +50,9 @@ def by_boundary_conditions(slab, s):
             matrix[-1] = velocity
         case GripFace(stiffness, damper):
             matrix[-1] = pull + (damper * slab.epsilon + stiffness * slab.epsilon / (slab.round_trip * s)) * velocity
+        case MachineFace(stiffness, damper, mass):
+            per_velocity = damper + stiffness / (slab.round_trip * s) + mass * slab.round_trip * s
+            matrix[-1] = pull + slab.epsilon * per_velocity * velocity
         case ReflectingFace(coefficient):
             top = slab.epsilon * slab.layers[-1].impedance
             matrix[-1] = (1 - coefficient) * pull + (1 + coefficient) * top * velocity
@@ -53,6 +65,8 @@ VARIED = [
     slab(layers=LAYERS),
     slab(face=GripFace(2.0, 3.0)),
     slab(face=GripFace(0.5, 0.3), layers=LAYERS),
+    slab(face=MachineFace(2.0, 0.5, 0.4), layers=LAYERS),
+    slab(face=MachineFace(0.0, 0.0, 0.7)),
     slab(face=ReflectingFace(0.5), layers=LAYERS),
     slab(face=ReflectingFace(-1.0)),
     slab(viscosity=StandardLinearViscosity(3.0 * ROUND_TRIP, 0.5)),

@@ -71,6 +71,8 @@ class Reader:
                 assert content.strip() in self.output
             elif place := re.search(r"Add at the end of `([^`]+)` in `([^`]+)`:$", words):
                 self.add(*place.groups(), content)
+            elif place := re.search(r"Add before `([^`]+)` in `([^`]+)`:$", words):
+                self.change(place[2], place[1], f"{content}\n\n{place[1]}")
             else:
                 file = self.folder / re.search(r"Write `([^`]+)`[^`]*(\[[^]]*\]\([^)]*\))?:$", words)[1]
                 assert not file.exists()
@@ -95,6 +97,17 @@ def reader(tmp_path):
 
 def test_a_friction_law(reader):
     reader.follow(EXTENDING["Adding a friction law of your own"])
+
+
+def test_an_outer_face(reader):
+    """Two files: the face and its keys. It is then a machine of the same numbers."""
+    reader.follow(EXTENDING["Adding an outer face"])
+    bolt = reader.json("slipwave stability paper --set slab.face.kind=bolt --set slab.face.stiffness=2")
+    machine = ("kind=machine", "stiffness=2", "impedance=0", "mass=0.1")
+    wanted = reader.json("slipwave stability paper " + " ".join(f"--set slab.face.{key}" for key in machine))
+    assert (bolt["log10_r_c"], bolt["leading_roots"]) == (wanted["log10_r_c"], wanted["leading_roots"])
+    assert reader.run("slipwave run paper --set slab.face.kind=bolt --set slab.face.stiffness=0") == 2
+    assert "slab.face.stiffness = 0: must be a number from 1e-09" in reader.output
 
 
 def test_a_reduction(reader):
@@ -129,8 +142,8 @@ def test_a_study(reader):
 
 
 def test_every_section_is_done_by_a_test():
-    done = {"Adding a friction law of your own", "Adding an ODE reduction", "Adding a discretisation", "Adding an observer"}
-    assert set(EXTENDING) | set(REPORT) == done | {"Adding a study"}
+    done = {"a friction law of your own", "an outer face", "an ODE reduction", "a discretisation", "an observer", "a study"}
+    assert set(EXTENDING) | set(REPORT) == {f"Adding {what}" for what in done}
 
 
 def test_a_law_whose_rate_is_no_exponential_is_refused():

@@ -64,6 +64,9 @@ def test_what_the_faces_do_to_a_wave_and_to_the_load() -> None:
     assert isinstance(leak, ReflectingFace)
     assert leak.coefficient**1000 == pytest.approx(math.exp(-1.0), rel=1e-3)
     assert "to 1/e in 1000 transits" in TITLES["reflection"]
+    slab = slipwave.read("machine").upper
+    assert slab.termination.mass == pytest.approx(0.5 * slab.epsilon * slab.round_trip, rel=1e-14)  # rho h/2 over sigma L/V*^2
+    assert "a mass of the slab's own" in TITLES["machine"]
 
 
 def test_ratios_of_unlike_slabs_and_layers_and_of_the_ramp() -> None:

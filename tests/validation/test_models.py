@@ -11,7 +11,7 @@ from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.features import FEATURES, features_of
 from slipwave.observe import follow
-from slipwave.scene.slab import GripFace
+from slipwave.scene.slab import Face, GripFace, MachineFace
 from validation.cli import main
 from validation.registry.build import build, build_all, families, honouring, resolve
 from validation.registry.families import FAMILIES, GRIDS
@@ -24,6 +24,7 @@ from validation.registry.families import FAMILIES, GRIDS
         ("unlike", {"unlike"}),
         ("unlike-irrational", {"unlike"}),
         ("grip", {"grip"}),
+        ("machine", {"grip", "mass"}),
         ("reflection", {"reflection"}),
         ("layered", {"layers"}),
         ("viscous", {"kelvin-voigt"}),
@@ -108,11 +109,15 @@ def test_the_help_of_model_names_every_family(command: str, capsys: pytest.Captu
     assert told >= (reduced if command == "stability" else {family.pattern for family in FAMILIES})
 
 
-@pytest.mark.parametrize("family", [family for family in FAMILIES if "grip" in family.honours], ids=lambda family: family.name)
-@pytest.mark.parametrize("grip", [GripFace(math.inf, 1.0), GripFace(1.0, math.inf)], ids=["spring", "dashpot"])
-def test_a_grip_of_infinite_strength_is_rigid(family: Family, grip: GripFace) -> None:
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
+@pytest.mark.parametrize(
+    "face",
+    [GripFace(math.inf, 1.0), GripFace(1.0, math.inf), MachineFace(math.inf, 0.0, 3.0), MachineFace(0.0, math.inf, 3.0)],
+    ids=["grip's spring", "grip's dashpot", "machine's spring", "machine's dashpot"],
+)
+def test_a_face_of_infinite_strength_is_rigid(family: Family, face: Face) -> None:
     paper = slipwave.read("paper")
-    upper, lower = (dataclasses.replace(slab, face=grip) for slab in (paper.upper, paper.lower))
+    upper, lower = (dataclasses.replace(slab, face=face) for slab in (paper.upper, paper.lower))
     held = dataclasses.replace(paper, upper=upper, lower=lower)
     rigid, gripped = (follow(build(family.example, which), 8.0) for which in (paper, held))
     assert gripped == rigid

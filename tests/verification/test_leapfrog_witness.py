@@ -11,7 +11,7 @@ import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_difference import Leapfrog
 from slipwave.observe import follow
-from slipwave.scene.slab import GripFace, Layer, StandardLinearViscosity
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, StandardLinearViscosity
 from validation.measure.order_fit import extrapolated
 
 PAPER = slipwave.read("paper")
@@ -27,6 +27,10 @@ SLABS = {
             "face": GripFace(2.0, 1.5),
             "viscosity": StandardLinearViscosity(0.5 * ROUND_TRIP, 0.7),
         },
+    ],
+    "machine-and-creep-below": [
+        {},
+        {"face": MachineFace(2.0, 0.5, 0.4), "viscosity": KelvinVoigtViscosity(0.02 * ROUND_TRIP)},
     ],
     "standard-linear": [{"viscosity": StandardLinearViscosity(3 * ROUND_TRIP, 0.5)}],
 }

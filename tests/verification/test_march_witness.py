@@ -10,7 +10,7 @@ from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
 from slipwave.observe import EventObserver, follow
-from slipwave.scene.slab import GripFace, Layer, ReflectingFace
+from slipwave.scene.slab import GripFace, Layer, MachineFace, ReflectingFace
 
 PAPER = slipwave.read("paper")
 SLAB = PAPER.upper
@@ -57,6 +57,12 @@ SCENES = {
     "layers below, on a grip": changed(
         {}, {"layers": (Layer(0.4, 1.0), Layer(0.6, 2.0)), "face": GripFace(2.0, 1.5), "round_trip": 1.5 * SLAB.round_trip}
     ),
+    "machines": changed({"face": MachineFace(2.0, 0.5, 0.4)}),
+    "machine below": changed(
+        {}, {"face": MachineFace(2.0, 1.5, 0.05), "round_trip": 2**0.5 * SLAB.round_trip, "epsilon": 3 * SLAB.epsilon}
+    ),
+    "machine on layers": changed({"layers": (Layer(0.4, 1.0), Layer(0.6, 2.0)), "face": MachineFace(2.0, 0.0, 0.3)}),
+    "masses under a dead load": changed({"face": MachineFace(0.0, 0.5, 0.4)}, {"face": MachineFace(0.0, 0.0, 2.0)}),
     "reflecting": changed({"face": ReflectingFace(0.9)}),
     "one absorbing": changed({"face": ReflectingFace(0.0)}, {}),
     "layers": changed({"layers": (Layer(0.4, 1.0), Layer(0.6, 2.0))}, {}),

@@ -1,0 +1,125 @@
+"""What every kind of outer face amounts to in numbers, by hand; units, clocks, limits and refusals."""
+
+import math
+
+import pytest
+
+import slipwave
+from slipwave.errors import SceneError
+from slipwave.scene.slab import Face, GripFace, Layer, MachineFace, ReflectingFace, RigidFace, Slab
+from slipwave.scene.termination import Termination
+
+EPSILON, ROUND_TRIP, OUTERMOST = 3e-5, 0.002, 2.0
+LAYERS = (Layer(0.4, 1.0), Layer(0.6, OUTERMOST))
+RIGID = Termination(0.0, math.inf, 0.0)
+
+
+def held(face: Face) -> Termination:
+    return Slab(EPSILON, ROUND_TRIP, face, layers=LAYERS).termination
+
+
+@pytest.mark.parametrize(
+    ("face", "spring", "dashpot", "mass"),
+    [
+        (GripFace(2.0, 0.5), 0.03, 1.5e-5, 0.0),  # relative to epsilon/r and epsilon, whatever the layers
+        (GripFace(2.0, 0.0), 0.03, 0.0, 0.0),
+        (MachineFace(2.0, 0.5, 4.0), 0.03, 1.5e-5, 2.4e-7),  # mass relative to epsilon r
+        (MachineFace(0.0, 0.0, 0.0), 0.0, 0.0, 0.0),
+        (ReflectingFace(0.5), 0.0, 3.0 * 6e-5, 0.0),  # (1 + R)/(1 - R) of the outermost layer's impedance
+        (ReflectingFace(0.0), 0.0, 6e-5, 0.0),
+        (ReflectingFace(-1.0), 0.0, 0.0, 0.0),
+    ],
+)
+def test_numbers_of_every_face(face: Face, spring: float, dashpot: float, mass: float) -> None:
+    found = held(face)
+    assert (found.spring, found.dashpot, found.mass) == pytest.approx((spring, dashpot, mass), rel=1e-14)
+    assert not found.is_rigid
+    assert found.has_dead_load == (spring == 0.0)
+
+
+@pytest.mark.parametrize(
+    "face",
+    [
+        RigidFace(),
+        ReflectingFace(1.0),
+        GripFace(math.inf, 0.5),
+        GripFace(2.0, math.inf),
+        MachineFace(math.inf, 0.0, 4.0),
+        MachineFace(0.0, math.inf, 4.0),
+    ],
+)
+def test_what_cannot_move_against_the_drive_is_rigid_by_whatever_name(face: Face) -> None:
+    assert held(face) == RIGID
+    assert held(face).is_rigid
+    assert not held(face).has_dead_load
+    assert Slab(EPSILON, ROUND_TRIP, face) == Slab(EPSILON, ROUND_TRIP)
+    assert Slab(EPSILON, ROUND_TRIP, face).is_plain
+
+
+def test_time_in_transits() -> None:
+    """Over a transit of 0.002 a spring builds up 0.002 times what it does in a unit of L/V*."""
+    found = held(MachineFace(2.0, 0.5, 4.0)).in_transits(ROUND_TRIP)
+    assert (found.spring, found.dashpot, found.mass) == pytest.approx((2.0 * EPSILON, 0.5 * EPSILON, 4.0 * EPSILON), rel=1e-14)
+    assert RIGID.in_transits(ROUND_TRIP) == RIGID
+
+
+@pytest.mark.parametrize(
+    "numbers", [(-1.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, -1.0), (1.0, 1.0, math.inf), (math.nan, 1.0, 1.0)]
+)
+def test_what_no_face_can_be_is_refused(numbers: tuple[float, float, float]) -> None:
+    with pytest.raises(SceneError, match=r"outer face: spring = .*, dashpot = .*, mass = .*: must be 0 or more, the mass finite"):
+        Termination(*numbers)
+
+
+def test_a_spring_adds_its_compliance_and_a_dead_load_none() -> None:
+    layers = ROUND_TRIP / (2.0 * EPSILON) * (0.4 + 0.6 / OUTERMOST)
+    for face, more in ((RigidFace(), 0.0), (MachineFace(2.0, 1.0, 3.0), 1.0 / 0.03), (MachineFace(0.0, 1.0, 3.0), 0.0)):
+        assert Slab(EPSILON, ROUND_TRIP, face, layers=LAYERS).compliance == pytest.approx(layers + more, rel=1e-14)
+
+
+def machine(scene: str, **keys: float) -> Face:
+    return slipwave.read(
+        scene, {"slab.face.kind": "machine"} | {f"slab.face.{key}": value for key, value in keys.items()}
+    ).upper.face
+
+
+def test_a_machine_in_si_by_the_slabs_own_numbers() -> None:
+    """A spring like both slabs of h together, a dashpot like rho c, and a mass of both slabs are 1 each."""
+    density, modulus, thickness = 784.0, 1e6, 0.03357797353158276
+    both = 2.0 * thickness
+    found = machine("paper-si", stiffness=modulus / both, impedance=math.sqrt(density * modulus), mass=density * both)
+    assert isinstance(found, MachineFace)
+    assert (found.stiffness, found.impedance, found.mass) == pytest.approx((1.0, 1.0, 1.0), rel=1e-12)
+
+
+def test_a_machine_without_units_is_relative() -> None:
+    assert machine("paper", stiffness=0, impedance=0.5, mass=2) == MachineFace(0.0, 0.5, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("scene", "keys", "complaint"),
+    [
+        ("paper", {"mass": -1}, r"slab.face.mass = -1: must be a number from 0 "),
+        ("paper", {"mass": 1e10}, r"slab.face.mass = 1e\+10: must be a number from 0 to 1e\+09"),
+        ("paper-si", {"stiffness": 1e18}, r"slab.face.stiffness = 1e\+18: must be a number from 0 to 1e\+15"),
+        (
+            "paper-si",
+            {"mass": 1e15},
+            r"slab.face.mass = 1e\+15: is 1.8993\d*e\+13 relative to the slab, which must be .* 0 to 1e\+09",
+        ),
+        ("paper", {"mas": 3}, r"slab.face.mas = 3: unknown key; did you mean mass\?"),
+    ],
+)
+def test_machines_that_make_no_sense_are_refused_by_key(scene: str, keys: dict[str, float], complaint: str) -> None:
+    with pytest.raises(SceneError, match=complaint):
+        machine(scene, **({"stiffness": 1.0, "impedance": 1.0, "mass": 1.0} | keys))
+
+
+def test_a_missing_number_of_a_machine_is_named() -> None:
+    with pytest.raises(SceneError, match=r"slab\.face\.impedance: missing"):
+        machine("paper", stiffness=1.0, mass=1.0)
+
+
+def test_the_mass_belongs_to_the_machine_alone() -> None:
+    with pytest.raises(SceneError, match=r'slab\.face\.mass = 1: .*it belongs to kind "machine", not to kind "grip"'):
+        slipwave.read("grip", ["slab.face.mass=1"])
