@@ -114,12 +114,9 @@ class FieldRecord:
             self._solver.keep_frames()
             self._shots.append(self._solver.snapshot())
             return
-        frames = self._solver.frames()
-        for frame in frames:
-            if self._shots[-1].time + self._interval - 1e-9 < frame.time:
+        for frame in self._solver.frames():  # the last, which the next sample is counted from, is always one
+            if min(self._shots[-1].time + self._interval, self._solver.time) - 1e-9 < frame.time:
                 self._shots.append(frame)
-        if self._solver.time >= self._end - 1e-9 and self._shots[-1].time < frames[-1].time:
-            self._shots.append(frames[-1])
 
     @property
     def field(self) -> Field:
