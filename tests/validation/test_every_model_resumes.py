@@ -25,11 +25,13 @@ SCENES = {
     "jump": ("paper", JUMP),
     "unlike": ("unlike", []),
     "unlike ramp": ("unlike", RAMP),
+    "machine": ("machine", []),
     "no common divisor": ("unlike", NOT_COMMENSURATE),
     "break points": ("unlike", [*NOT_COMMENSURATE, *JUMP]),
 }
 MODELS = [family.example for family in FAMILIES]
 CASES = [(model, scene) for model in MODELS for scene in ("paper", "ramp", "unlike")]
+CASES += [(model, "machine") for model in ("fd", "dg:7", "fitted:4")]
 CASES += [("delay", scene) for scene in SCENES if scene not in ("paper", "ramp", "unlike")]
 END = 90.0
 
@@ -69,7 +71,7 @@ def test_a_resumed_run_equals_the_uninterrupted_one(tmp_path: Path, model: str, 
 
 def test_the_cases_reach_every_march_of_the_delay_system() -> None:
     kinds = [type(delay_system(slipwave.read(*scene))) for scene in SCENES.values()]
-    assert kinds == [Delay, Delay, Delay, DelayNetwork, DelayBreaks, DelayNetwork, DelayBreaks]
+    assert kinds == [Delay, Delay, Delay, DelayNetwork, DelayBreaks, DelayNetwork, DelayNetwork, DelayBreaks]
 
 
 @pytest.mark.parametrize(("model", "name"), [("delay", scene) for scene in SCENES] + [("modal:2", "paper"), ("block8", "ramp")])
