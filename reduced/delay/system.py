@@ -16,10 +16,11 @@ def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
     """The marching delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless ones,
     with steps that follow jumps and kinks of the drive where equal ones cannot end on them (far dearer).
 
-    A scene that records nothing gets the state at the end only (`Delay`, emit=False). Raises SceneError for viscous slabs.
+    A scene that records nothing, and need not find its orbit, gets the state at the end only (`Delay`, emit=False).
+    Raises SceneError for viscous slabs.
     """
     if scene.alike and scene.upper.is_plain:
-        return Delay(scene, tolerance=tolerance, emit=bool(scene.record))
+        return Delay(scene, tolerance=tolerance, emit=bool(scene.record) or scene.start.kind is StartKind.ORBIT)
     lines = lines_of(scene)
     march = DelayBreaks if _breaks_within_steps(scene, lines.divisor) else DelayNetwork
     return march(scene, tolerance=tolerance, lines=lines)

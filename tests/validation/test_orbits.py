@@ -97,3 +97,10 @@ def test_a_start_on_the_orbit_has_no_transient_and_keeps_its_grid() -> None:
     assert watch.events().time[0] == pytest.approx(watch.events().period[0], abs=0.2)
     assert isinstance(solver, FieldSolver)
     assert not isinstance(build("block8", slipwave.read("paper", ["start.kind=orbit"])), FieldSolver)
+
+
+def test_the_orbit_is_found_where_nothing_is_recorded() -> None:
+    silent, watched = (
+        build("delay", slipwave.read("paper", ["start.kind=orbit", record])) for record in ("run.record=[]", "run.until=9")
+    )
+    assert follow(silent, 8.0) == follow(watched, 8.0)
