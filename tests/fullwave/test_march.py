@@ -92,7 +92,7 @@ def test_state_too_fast_for_the_step_is_reported_in_one_line():
         follow(solver, 50.0)
 
 
-@pytest.mark.parametrize("name", ["alike", "grip", "absorbing", "layers", "kelvin-voigt", "standard-linear"])
+@pytest.mark.parametrize("name", ["alike", "grip", "machine", "absorbing", "layers", "kelvin-voigt", "standard-linear"])
 def test_ledger_closes(name):
     for family, (kind, options) in FINE.items():
         solver = kind(SCENES[name], **options)
@@ -101,7 +101,7 @@ def test_ledger_closes(name):
         assert abs(energy.residual) < 2e-13, family  # measured: 1e-14
         assert energy.friction > 0.0
         assert (energy.viscous > 0.0) == (name in ("kelvin-voigt", "standard-linear"))
-        assert (energy.radiated > 0.0) == (name in ("grip", "absorbing", "layers"))
+        assert (energy.radiated > 0.0) == (name in ("grip", "machine", "absorbing", "layers"))
 
 
 def test_ledger_residual_falls_at_the_order_of_the_scheme():
