@@ -96,6 +96,12 @@ def test_every_reduction_that_is_offered_is_passive(name, model):
             check_passivity(EVERY[name], model)
 
 
+@pytest.mark.parametrize("count", [1, 3, 8])
+def test_a_fit_has_as_many_oscillators_as_its_name_says(count):
+    """Where the slabs ring: heavier losses turn two real poles into one oscillator more."""
+    assert sum(frequency > 0.0 for frequency in reduction_of(LOSSY["grip"], f"fitted:{count}").frequencies) == count
+
+
 @pytest.mark.parametrize("name", LOSSY)
 def test_fitted_converges(name):
     s = 1j * np.array([0.05, 0.3, 1.0, 2.5]) / ROUND_TRIP

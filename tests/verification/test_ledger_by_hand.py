@@ -96,7 +96,7 @@ CASES = [(name, family) for name in SCENES for family in FAMILIES if name != "ke
 @pytest.mark.parametrize(("name", "family"), CASES)
 def test_every_entry(name, family):
     """Measured: 7e-6 of input, friction and stored energy (6e-4 for the leapfrog's second order); of what the grip's dashpot and
-    viscosity take, a thousandth of the whole, 1.2e-3 and 6e-4."""
+    viscosity take, a thousandth of the whole, 1.2e-3 and 6e-4. What does not close: 5e-10, rounding for the leapfrog."""
     upper, lower = SCENES[name]
     chosen = dataclasses.replace(PAPER, upper=upper, lower=lower, drive=RAMP)
     solver = build(family, chosen, cells=FAMILIES[family])
@@ -107,5 +107,6 @@ def test_every_entry(name, family):
     assert ledger.friction == pytest.approx(wanted["friction"], rel=allowed)
     assert ledger.radiated == pytest.approx(wanted["radiated"], rel=1e-2)
     assert ledger.viscous == pytest.approx(wanted["viscous"], rel=6e-3)
+    assert abs(ledger.residual) < (1e-14 if family == "fd" else 5e-9) * ledger.input
     if not (upper.viscosity or lower.viscosity):
         assert ledger.stored == pytest.approx(wanted["stored"], rel=allowed)

@@ -66,6 +66,10 @@ SCENES = {
     "reflecting": changed({"face": ReflectingFace(0.9)}),
     "one absorbing": changed({"face": ReflectingFace(0.0)}, {}),
     "layers": changed({"layers": (Layer(0.4, 1.0), Layer(0.6, 2.0))}, {}),
+    "three layers": changed({"layers": (Layer(0.2, 1.0), Layer(0.3, 2.0), Layer(0.5, 0.6))}),
+    "four layers below": changed(
+        {}, {"layers": tuple(Layer(0.25, z) for z in (1.0, 3.0, 0.5, 2.0)), "epsilon": 2 * SLAB.epsilon}
+    ),
     "grip on layers": changed({"layers": (Layer(0.4, 1.0), Layer(0.6, 2.0)), "face": GripFace(2.0, 1.5)}),
 }
 
