@@ -1,1 +1,1 @@
-"""The slab without a grid: exact delay system, ODE reductions, impedance and stability. Imports only `scene`."""
+"""Models without a grid: exact delay system, ODE reductions, impedance and stability. Imports only `slipwave`."""

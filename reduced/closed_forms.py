@@ -1,4 +1,4 @@
-"""The paper's closed forms for alike plain slabs and any friction law: yardsticks for the computed stability.
+"""The paper's closed forms for alike plain slabs and any friction law, to check the computed stability against.
 
 Friction clock L/V* throughout; `slopes` are F_v, G_phi, F_ss' of the law at V, `epsilon` and r those of (15).
 """
@@ -53,7 +53,7 @@ def kelvin_voigt_quartic(slopes: FrictionSlopes, epsilon: float, r: float) -> ND
 
 def kelvin_voigt_epsilon(slopes: FrictionSlopes, r: float) -> float:
     """Boundary eps_c(r) of the Kelvin-Voigt system (28); negative for sqrt 8 < r omega_c < sqrt 24, where there is none. Beyond
-    sqrt 24 it is the second pair of roots that crosses."""
+    sqrt 24 the second pair of roots crosses the imaginary axis."""
     square = slopes.omega_c**-2
     return -slopes.healing * slopes.steady * r * (r**2 - 24.0 * square) / (3.0 * (r**2 - 8.0 * square))
 

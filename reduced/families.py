@@ -1,6 +1,6 @@
-"""The facts of every model without a grid, cheapest first. Adding a reduction means writing its file and adding its line here.
+"""The facts of every model without a grid, cheapest first. To add a reduction, write its file and add its entry here.
 
-A reduction is made by a function (scene, name) -> `reduced.ode.reduction.Reduction`; it is asked only for scenes that it honours.
+A function (scene, name) -> `reduced.ode.reduction.Reduction` makes a reduction; it is called only for scenes that it honours.
 """
 
 from slipwave.family import ANYTHING, NOTHING, Exact, Family, Pen

@@ -1,4 +1,4 @@
-"""Parameters of a scene by name, for boundaries and branches. Adding one is one function and one line of `PARAMETERS`."""
+"""Parameters of a scene by name, for boundaries and branches. A new one needs one function and one line of `PARAMETERS`."""
 
 import dataclasses
 from collections.abc import Callable
@@ -16,7 +16,7 @@ def _both(scene: Scene, change: Callable[[Slab], Slab]) -> Scene:
 
 
 def _round_trip(scene: Scene, value: float) -> Scene:
-    """The upper slab's; the ratio of the two stays."""
+    """Sets the upper slab's round trip; the ratio of both round trips stays."""
     factor = value / scene.upper.round_trip
     return _both(scene, lambda slab: dataclasses.replace(slab, round_trip=slab.round_trip * factor))
 
@@ -36,7 +36,7 @@ def _law(name: str) -> Callable[[Scene, float], Scene]:
 
 def _face(name: str) -> Callable[[Scene, float], Scene]:
     def change(slab: Slab, value: float) -> Slab:
-        """The slab with this number of its face changed, if its kind of face has one."""
+        """The slab with this field of its face changed, if its kind of face has that field."""
         face: Any = slab.face
         return dataclasses.replace(slab, face=dataclasses.replace(face, **{name: value})) if hasattr(face, name) else slab
 
@@ -44,7 +44,7 @@ def _face(name: str) -> Callable[[Scene, float], Scene]:
 
 
 def _lower(name: str) -> Callable[[Scene, float], Scene]:
-    """A quantity of the lower slab as a ratio to the upper slab's."""
+    """Sets a quantity of the lower slab by its ratio to that of the upper slab."""
     return lambda scene, value: dataclasses.replace(
         scene, lower=dataclasses.replace(scene.lower, **{name: value * getattr(scene.upper, name)})
     )

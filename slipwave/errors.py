@@ -1,4 +1,4 @@
-"""The ways a run can end before its time; the command line turns them into exit status 2, 3 and 130."""
+"""The errors that end a run early; the command line turns them into exit status 2, 3 and 130."""
 
 
 class SceneError(ValueError):
@@ -6,7 +6,7 @@ class SceneError(ValueError):
 
 
 class Interrupted(Exception):
-    """The user stopped the work: one line saying when, and how to go on (exit 130)."""
+    """The user stopped the run: one line says when, and how to continue (exit 130)."""
 
 
 class NumericsError(ArithmeticError):

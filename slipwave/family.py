@@ -1,7 +1,7 @@
-"""A family of models as facts: stated once, in `reduced/families.py` or `fullwave/families.py`, and read by all who need them.
+"""The facts about a family of models, stated once, in `reduced/families.py` or `fullwave/families.py`.
 
-`auto`, refusals, help texts, the tables of the README, pens, benchmarks and studies ask a family and nobody else. Importing facts
-is light: a solver's module is named here and imported only when one is built.
+`auto`, refusals, help texts, the tables of the README, pens, benchmarks and studies all read them from there. Importing the facts
+is light: a solver's module is only named, and is imported when a solver is built.
 """
 
 from collections.abc import Callable, Mapping
@@ -21,7 +21,7 @@ ANYTHING = frozenset(FEATURES)
 
 
 class Exact(StrEnum):
-    """Where a family's answer is that of the wave physics, in every scene that it honours."""
+    """When a family's result is that of the wave physics, in every scene that it honours."""
 
     TO_TOLERANCE = "to the tolerance"
     ON_FINE_GRIDS = "in the limit of a fine grid"
@@ -40,10 +40,10 @@ class Pen(NamedTuple):
 
 @dataclass(frozen=True)
 class Family:
-    """`pattern` is the name as shown (`modal:N`), `made_by` the "module:name" of what makes a member, `error` how far it is from
-    the wave physics. `numbers` may stand after the colon, `default` is taken for examples; where the name may be given without
-    one, `suited` chooses it for a tolerance. `tolerances` are the least and the largest that may be asked for. `pens` are by
-    number, or None for all others. `grids` are the cells per slab that a benchmark tries."""
+    """`pattern` is the name as shown (`modal:N`), `made_by` the "module:name" of the function that makes a member, `error` the
+    distance from the wave physics in words. `numbers` are allowed after the colon, and `default` is used in examples. If the name
+    may be given without a number, `suited` chooses one for a tolerance. `tolerances` are the least and the largest allowed one.
+    `pens` are keyed by number, with None for all others. `grids` are the cells per slab that a benchmark tries."""
 
     pattern: str
     made_by: str
@@ -75,19 +75,19 @@ class Family:
         return self.called(self.default)
 
     def called(self, number: int | None) -> str:
-        """The full name of the member with `number`, which counts for nothing where names have none."""
+        """The full name of the member with `number`, which is ignored if the family's names have no numbers."""
         return f"{self.name}:{number}" if self.numbers and number is not None else self.name
 
     def chosen(self, tolerance: float | None) -> int | None:
-        """The number after the colon where the user left it open."""
+        """The number after the colon if the user gave none."""
         return self.default if tolerance is None or self.suited is None else self.suited(tolerance)
 
     def maker(self) -> Callable[..., Any]:
-        """What makes a member; imports the solver."""
+        """The function that makes a member; imports the solver."""
         made: Callable[..., Any] = getattr(import_module(self.module), self.made_by.partition(":")[2])
         return made
 
     def refusal(self, scene: "Scene") -> str:
-        """Why this family cannot do `scene`; empty if it can."""
+        """Why this family cannot compute `scene`; empty if it can."""
         missing = features_of(scene) - self.honours
         return " and ".join(phrase for feature, phrase in FEATURES.items() if feature in missing)

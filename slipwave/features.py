@@ -1,4 +1,4 @@
-"""What a scene asks of a model beyond two alike, plain slabs, in words for refusals. Light to import."""
+"""What a scene needs from a model beyond two alike, plain slabs, with phrases for refusals. Light to import."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""Files that are whole or absent."""
+"""Files that are written whole or not at all."""
 
 import os
 from collections.abc import Iterator
@@ -12,18 +12,18 @@ _PROBE = 1 << 20  # bytes: a disk without so much room is full
 
 
 def part_of(path: Path, suffix: str) -> Path:
-    """A hidden name of the kind `suffix` beside `path` that no other process takes."""
+    """A hidden name beside `path`, ending in `suffix`, that no other process uses."""
     return path.with_name(f".{path.stem[:_LONGEST_STEM]}-{os.getpid()}{suffix}")
 
 
 @contextmanager
 def whole_or_absent(path: Path) -> Iterator[Path]:
-    """A name beside `path`, of the same kind, to write to: takes its place, safely on the disk, when the block ends well,
-    vanishes when not.
+    """Context with a temporary file beside `path` to write to. If the block succeeds, the file is flushed to disk and replaces
+    `path`; if not, it is deleted.
 
-    Raises SceneError naming the file if it cannot be written, whatever a library makes of a full disk. A process killed inside
-    the block leaves `path` as it was and the hidden part beside it; its process number is in the name, so that two runs never
-    write to the same part.
+    Raises SceneError naming the file if it cannot be written, whatever error a library raises on a full disk. A process killed
+    inside the block leaves `path` as it was, and the temporary file beside it. The name of that file holds the process number, so
+    two runs never write to the same one.
     """
     temporary = part_of(path, path.suffix)
     try:
@@ -41,7 +41,7 @@ def whole_or_absent(path: Path) -> Iterator[Path]:
 
 
 def _refusal(path: Path) -> OSError | None:
-    """Why `path` takes no further bytes, if it does not: libraries fail in their own words where the disk is full."""
+    """Why no more bytes can be written to `path`; None if they can. On a full disk libraries raise errors of their own kinds."""
     try:
         with path.open("ab") as file:
             file.write(bytes(_PROBE))

@@ -1,7 +1,7 @@
-"""The house's own source files: what a module imports, and digests that name what was computed from them.
+"""The project's own source files: what a module imports, and digests that identify what was computed from them.
 
-Imports are read from the text (`ast`), those within functions too. A digest leaves out comments and docstrings, so that a better
-explanation makes nothing stale.
+Imports are read from the text (`ast`), including those within functions. A digest leaves out comments and docstrings, so that a
+change of these makes nothing stale.
 """
 
 import ast
@@ -22,7 +22,7 @@ def source_digest(rooms: Iterable[str] = SOLVER_ROOMS) -> str:
 
 
 def digest_of(paths: Iterable[Path]) -> str:
-    """Digest of the program text of the Python files `paths` of the house, in the order given, with their places in it."""
+    """Digest of the program text of the project's Python files `paths`, in the given order, with their places in the project."""
     digest = hashlib.sha256()
     for path in paths:
         digest.update(f"{path.relative_to(ROOT).as_posix()}\n{program(path)}\n".encode())
@@ -30,10 +30,10 @@ def digest_of(paths: Iterable[Path]) -> str:
 
 
 def import_closure(starts: Iterable[Path], packages: bool = True) -> list[Path]:
-    """`starts` and every file of the four rooms that they import, directly or not, sorted.
+    """`starts` and every file of the four packages that they import, directly or indirectly, sorted.
 
-    `packages` adds the `__init__.py` of every package on the way, which Python runs first; a package that is imported by its own
-    name is always there.
+    `packages` adds the `__init__.py` of every package on the way, which Python runs first. The `__init__.py` of a package that is
+    imported by its own name is always included.
     """
     found: set[Path] = set()
     to_read = set(starts)
@@ -45,7 +45,7 @@ def import_closure(starts: Iterable[Path], packages: bool = True) -> list[Path]:
 
 
 def inside(path: Path) -> bool:
-    """Whether `path` is a source file of the four rooms."""
+    """Whether `path` is a source file of the four packages."""
     return path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in _ROOMS
 
 
@@ -66,7 +66,7 @@ def _imported(path: Path, packages: bool) -> set[Path]:
 
 @cache
 def imported_names(path: Path) -> tuple[str, ...]:
-    """Modules that a file imports anywhere in it; for `from a import b` both a and a.b (relative imports are not used here)."""
+    """Modules that a file imports; for `from a import b` both a and a.b (the project has no relative imports)."""
     names: list[str] = []
     for node in ast.walk(ast.parse(path.read_bytes())):
         if isinstance(node, ast.ImportFrom) and node.module:
@@ -77,7 +77,7 @@ def imported_names(path: Path) -> tuple[str, ...]:
 
 
 def _files(name: str, packages: bool) -> Iterator[Path]:
-    """The file of the module `name`, if it is one of the house, and those of the packages it lies in."""
+    """The file of the module `name`, if it belongs to the project; with `packages` also those of the packages around it."""
     parts = name.split(".")
     if parts[0] not in _ROOMS:
         return

@@ -25,15 +25,15 @@ _FEWEST_STEPS, _MOST_FIRST_STEPS = 3, 24
 
 
 class Delay(DelayMarch):
-    """Marches the exact system to `tolerance`, the requested relative error of what is asked for.
+    """Marches the exact system to `tolerance`, the requested relative error of the outputs.
 
-    Asked for are the figures of the cycle, dense extrema included (`emit`, the default), or only the state at the end of the run
-    (`emit=False`: fewer steps; `advance` returns pieces of the last transit it marched, without elastic stress). It marches whole
-    transits and keeps the pieces beyond `until` for the next call. The number of steps a transit grows wherever a step's
-    polynomial is not resolved or Newton fails. The march then goes back to the last whole transit; with `emit=False`, whose
-    polynomials are not good enough to be evaluated at new nodes, to the state at its beginning: the scene's start, or what
-    `restore` was given as such. `nodes` and `steps` (a lower bound) may be given by hand. `failures` counts unconverged solves:
-    a step that cannot be solved with MAX_STEPS a transit raises NumericsError instead.
+    With `emit` (the default) the outputs are the figures of the cycle, including extrema between nodes. With `emit=False` they
+    are only the state at the end of the run: fewer steps, and `advance` returns pieces of the last transit it marched, without
+    elastic stress. The solver marches whole transits and keeps the pieces beyond `until` for the next call. The number of steps
+    per transit grows where a step's polynomial is not resolved or Newton fails. The march then goes back to the last whole
+    transit. With `emit=False` the polynomials are not accurate enough for new nodes, so it goes back to its beginning: the
+    scene's start, or the beginning that `restore` was given. `nodes` and `steps` (a lower bound) may be given. `failures` counts
+    unconverged solves; a step that cannot be solved with MAX_STEPS per transit raises NumericsError instead.
     """
 
     _memory: AlikeMemory
@@ -57,11 +57,11 @@ class Delay(DelayMarch):
         self._memory = self._remember(np.full((self._mesh.steps, self._stages), incoming), start)
         self._beginning = (self._mesh, self._memory.incoming.copy(), start)
         self._waiting = empty_pieces(0, self._stages)
-        self._march(0, self._waiting)  # loads or compiles the march, so that a run's wall time is the march's
+        self._march(0, self._waiting)  # loads or compiles the march, so that a run's wall time does not include that
 
     @property
     def steps(self) -> int:
-        """Steps a transit in use now."""
+        """The present number of steps per transit."""
         return self._mesh.steps
 
     @property
@@ -78,16 +78,16 @@ class Delay(DelayMarch):
             kept, verdict = self._march(transits, pieces)
             if self._emit or verdict == DONE:
                 self._waiting = Pieces(*(array[: kept * self.steps] for array in pieces))
-            if verdict != DONE and not self._waiting.time.size:  # else what is known is shown first: refining may fail
+            if verdict != DONE and not self._waiting.time.size:  # return known pieces first: refining may raise an error
                 self._refine(verdict)
         count = max(1, int(np.searchsorted(self._waiting.time, until - 1e-9)))
         shown, self._waiting = (Pieces(*(array[part] for array in self._waiting)) for part in (slice(count), slice(count, None)))
         return shown
 
     def state(self) -> State:
-        """As `Solver`: the memory at a whole transit (`counts`: steps asked for of a transit, failures, iterations; `now`: time,
-        psi, y; `incoming`, `guess`), the pieces `waiting` to be shown, and the beginning that a march without `emit` goes back
-        to."""
+        """As `Solver`: the memory at a whole transit (`counts`: requested steps per transit, failures, iterations, and those
+        steps at the beginning; `now`: time, psi, y; `incoming`, `guess`), the pieces `waiting` to be returned, and the beginning
+        to which a march without `emit` goes back."""
         mesh, incoming, now = self._beginning
         found = {
             "counts": np.array([self._mesh.count, self.failures, self.iterations, mesh.count], dtype=float),
@@ -119,7 +119,7 @@ class Delay(DelayMarch):
             self._beginning = (beginning, found["beginning.incoming"], found["beginning.now"])
 
     def _march(self, transits: int, pieces: Pieces) -> tuple[int, int]:
-        """(transits kept, verdict) of `transits` transits."""
+        """March `transits` transits; returns (transits kept, verdict)."""
         tolerances = (self._newton_tolerance, self._resolution, self._steepest)
         scene, nodes = self.scene, tuple(self.nodes)
         physics = (scene.law, scene.upper.epsilon, scene.forcing, scene.drive.compiled)
@@ -128,7 +128,8 @@ class Delay(DelayMarch):
         return kept, verdict
 
     def _refine(self, verdict: int) -> None:
-        """More steps a transit: the polynomials of the waves to come, or of those at the beginning, at the new nodes."""
+        """Take more steps per transit: evaluate the polynomials of the incoming waves (now or at the beginning) at the new
+        nodes."""
         old, incoming, now = (self._mesh, self._memory.incoming, self._memory.now) if self._emit else self._beginning
         new = transit_mesh(_next_count(self._mesh.count), self._cuts)
         if new.count > MAX_STEPS:
@@ -145,7 +146,7 @@ class Delay(DelayMarch):
 
 
 def refuse_unless_plain(scene: Scene) -> None:
-    """SceneError unless both slabs are alike, homogeneous, elastic and driven through rigid faces."""
+    """Raises SceneError unless both slabs are alike, homogeneous, elastic and driven through rigid faces."""
     if not (scene.alike and scene.upper.is_plain):
         raise SceneError(f"model = delay: scene {scene.name!r} is not a pair of alike plain slabs with rigid faces")
 
@@ -159,20 +160,20 @@ def collocation_matrices(stages: int) -> tuple[Array, Matrices]:
 
 
 def dense_resolution(tolerance: float, stages: int) -> float:
-    """Largest highest Legendre coefficient of z in a step for polynomials good to `tolerance` (the next one is smaller by the
-    decay from coefficient to coefficient)."""
+    """Limit of the highest Legendre coefficient of z in a step whose polynomial has error `tolerance` (the first neglected
+    coefficient is smaller by the decay from one coefficient to the next)."""
     return float(max(tolerance ** (stages / (stages + 2.0)), 1e-9))
 
 
 def end_resolution(tolerance: float) -> float:
-    """The same for the state at the steps' ends alone, which superconverges: measured on the yardstick scenes, 5 and 8 nodes, the
-    error of psi is 0.02 coefficient^2 (from 2e-2 down to 1e-5)."""
+    """The same if only the state at the ends of steps counts, which superconverges: with 5 and 8 nodes the error of psi, measured
+    on the reference scenes, is 0.02 coefficient^2 (for coefficients from 2e-2 down to 1e-5)."""
     return float(min(0.02, max((30.0 * tolerance) ** 0.5, 1e-6)))
 
 
 def _first_steps(scene: Scene, stages: int) -> int:
-    """Steps a transit to begin with, from the fastest acceleration possible: (ln v)' <= r b / Z where radiation limits v
-    (8 nodes: 3 at log10 r = -2.68 of the paper's scene, 14 at -2.3)."""
+    """First number of steps per transit, from the fastest possible acceleration: (ln v)' <= r b / Z where radiation limits v
+    (with 8 nodes, in the paper's scene: 3 at log10 r = -2.68, 14 at -2.3)."""
     z = unknown_of(scene.law, scene.velocity)
     _, v_z, _, _, friction_psi, _, g_z, _ = respond(scene.law, z, scene.steady_psi)
     fastest = scene.transit * abs(friction_psi * g_z) / (scene.impedance * v_z)
@@ -182,6 +183,6 @@ def _first_steps(scene: Scene, stages: int) -> int:
 
 
 def _next_count(steps: int) -> int:
-    """The next of 3, 4, 6, 8, 12, 16, ... (grids of the transit that refine in factors 4/3 and 3/2)."""
+    """The next of 3, 4, 6, 8, 12, 16, ... (each larger by a factor of 4/3 or 3/2)."""
     power = 1 << max(1, steps.bit_length() - 1)
     return next(n for n in (power, 3 * power // 2, 2 * power, 3 * power) if n > steps)

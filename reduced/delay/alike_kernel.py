@@ -1,10 +1,12 @@
 """The compiled march of the delay system for alike plain slabs: collocation steps that divide the transit.
 
-With one slab's incoming characteristic S = mu + eps v/2 (MODEL.md section 3), interface and state obey, on the t~ clock,
+With one slab's incoming characteristic S = mu + eps v/2 (MODEL.md section 3), the equations of interface and state are, on the t~
+clock,
 
     F(z, psi) + (eps/2) v(z) = S,     psi' = r G(z, psi) + nudge(t),     S(t + 1) = S(t) - eps v(t) + eps V(t + 1/2),
 
-which is (29, 35) with S = mu_ss + eps V/2 - 2 eps g(t - 1). Delayed values fall on the same collocation nodes: no interpolation.
+which is (29, 35) with S = mu_ss + eps V/2 - 2 eps g(t - 1). Delayed values lie on the same collocation nodes, so nothing is
+interpolated.
 """
 
 from typing import NamedTuple
@@ -25,7 +27,7 @@ TIME, PSI, ELASTIC = 0, 1, 2
 
 
 class AlikeMemory(NamedTuple):
-    """State at a whole transit. `incoming` (steps, s): S at the nodes of the coming transit; `lengths` (steps,) of its steps in
+    """State at a whole transit. `incoming` (steps, s): S at the nodes of the next transit; `lengths` (steps,) of its steps in
     transits; `guess` (2, s): predicted nodal psi and z of the next step; `now`: time (transits), psi, y."""
 
     incoming: Array
@@ -90,8 +92,8 @@ def march_delay(
     steepest: float,
     pieces: Pieces,
 ) -> tuple[int, int, int]:
-    """March `transits` whole transits; returns (transits kept, Newton iterations, verdict of `judge_step`). Where that is not
-    DONE the memory is back at the last whole transit. `pieces` has room for all steps or for those of the last transit."""
+    """March `transits` whole transits; returns (transits kept, Newton iterations, verdict of `judge_step`). If that is not DONE,
+    the memory is that of the last whole transit. `pieces` has room for all steps or for those of the last transit."""
     s = len(nodes)
     incoming, guess, now = memory.incoming, memory.guess, memory.now
     integral, predict_rate, predict_state, tail = matrices.integral, matrices.predict, matrices.predict_state, matrices.tail
@@ -128,5 +130,5 @@ def march_delay(
             predict(nodes, predict_rate, predict_state, left, guess, work)
             if lengths[i + 1 if i + 1 < steps else 0] != length:
                 hold(nodes, now[PSI], last, guess)
-        now[TIME] = saved_now[TIME] + 1.0  # a sum of steps would drift
+        now[TIME] = saved_now[TIME] + 1.0  # a sum of steps would accumulate rounding
     return transits, iterations, DONE

@@ -1,9 +1,9 @@
-"""The delay system when jumps or kinks echo where no equal steps can end: steps end on the break points.
+"""The delay system for jumps or kinks whose echoes fall within equal steps: here steps end on the break points.
 
-A jump at t = 0 returns with every round trip, and with every sum of round trips, for ever (MODEL.md section 7); so does the kink
-that a knot of the drive makes. What breaks is measured: at each step's start the waves just launched at every end of every layer
-are compared, in value and in slope, with those of the step before; a break above the tolerance makes its arrival at the layer's
-other end a break point, where a step will end. Breaks that have faded are forgotten.
+A jump at t = 0 returns after every round trip, and after every sum of round trips, for ever (MODEL.md section 7). The same holds
+for the kink that a knot of the drive causes. Breaks are measured: at each step's start the waves just launched at every end of
+every layer are compared, in value and in slope, with those of the step before. If the difference is above the tolerance, the time
+at which it arrives at the layer's other end becomes a break point, where a step will end. Smaller breaks are no longer followed.
 """
 
 import heapq
@@ -28,13 +28,13 @@ _RING = 8192
 _PIECES = 256
 _SAME = 1e-10
 _SHORTEST = 1e-7
-_KINK = 100.0  # smallest kink over the largest coefficient left out of a step: slopes are that much less certain than values
+_KINK = 100.0  # smallest kink over the largest coefficient left out of a step: slopes are so much less accurate than values
 
 
 class DelayBreaks(DelayNetwork):
-    """As `DelayNetwork`, with steps of varying length that end where a break arrives; costs about 0.2 ms a step.
+    """As `DelayNetwork`, with steps of varying length that end where a break arrives; costs about 0.2 ms per step.
 
-    `break_points` counts the jumps and kinks that were followed. Raises NumericsError where they outgrow the stored history.
+    `break_points` counts the jumps and kinks that were followed. Raises NumericsError if they need more than the stored history.
     """
 
     def __init__(self, scene: Scene, tolerance: float = 1e-9, lines: Lines | None = None) -> None:
@@ -62,7 +62,7 @@ class DelayBreaks(DelayNetwork):
         return Pieces(*(array[:k] for array in pieces))
 
     def _step(self, piece: Pieces) -> bool:
-        """One step to the next break point at most; False if it was refused and the longest step has been halved."""
+        """March one step, at most to the next break point. Returns False if it was rejected and the longest step halved."""
         now, slot = self._memory.now, int(self._memory.cursor[0])
         while self._arrivals and self._arrivals[0] < now[TIME] + _SHORTEST:
             heapq.heappop(self._arrivals)
@@ -82,7 +82,7 @@ class DelayBreaks(DelayNetwork):
         return steps == 1
 
     def _look_back(self, start: float, length: float, slot: int) -> None:
-        """Fill in where each node of the step to come finds its delayed waves; before t = 0 there were none."""
+        """Set the past step and the weights from which each node of the next step reads its delayed waves (none before t = 0)."""
         network = self._network
         wanted = start + self.nodes * length - self._lines.travel[:, None]
         order = self._order(slot)
@@ -107,7 +107,7 @@ class DelayBreaks(DelayNetwork):
         return (slot - self._filled + np.arange(self._filled)) % _RING
 
     def _follow_breaks(self, slot: int, start: float) -> None:
-        """Make break points of the arrivals of what has just jumped or kinked."""
+        """Add the arrivals of the waves that have just jumped or kinked to the break points."""
         waves = self._memory.waves
         now, before = waves[:, :, slot], waves[:, :, slot - 1] if start > 0.0 else np.zeros(waves[:, :, slot].shape)
         jumps = np.abs(now @ self._left - before[:, :, -1])
@@ -120,21 +120,21 @@ class DelayBreaks(DelayNetwork):
                 self.break_points += 1
 
     def _forget_guess(self) -> None:
-        """After a break point no polynomial extends."""
+        """Take constants as the guess: polynomials cannot be extended beyond a break point."""
         guess = self._memory.guess
         guess[0] = self._memory.now[PSI]
         guess[UNKNOWN] = guess[UNKNOWN, 0]
 
     def _refine(self, verdict: int) -> None:
-        """Half the longest step; the history keeps its own lengths."""
+        """Halve the longest step; past steps keep their own lengths."""
         self._require_room(verdict)
         self._halvings += 1
         self._forget_guess()
 
     def state(self) -> State:
-        """As `Solver`: `past` (steps, 2), start and length of the past steps, `waves` launched in them (layers, 2, steps, s), the
-        break points to come as a heap, `arrivals` (points, 1), and the present moment; `counts`: halvings of the longest step,
-        break points, failures, iterations."""
+        """As `Solver`: start and length of the `past` steps (steps, 2), the `waves` launched in them (layers, 2, steps, s), the
+        next break points as a heap, `arrivals` (points, 1), and the present state; `counts`: halvings of the longest step, break
+        points, failures, iterations."""
         memory, order = self._memory, self._order(int(self._memory.cursor[0]))
         return {
             "counts": np.array([self._halvings, self.break_points, self.failures, self.iterations], dtype=float),

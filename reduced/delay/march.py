@@ -1,4 +1,4 @@
-"""What every march of the delay system is: the present moment, the counters, and how it gives up."""
+"""What all marches of the delay system share: the present state, the counters, and the errors if a step cannot be resolved."""
 
 import math
 from typing import Any, Protocol
@@ -20,11 +20,11 @@ class _Memory(Protocol):
 
     @property
     def guess(self) -> Array:
-        """Nodal psi and z of the step to come."""
+        """Nodal psi and z of the next step."""
 
 
 class DelayMarch:
-    """Base of the solvers of the delay system; they keep their state in `_memory`, whose `now` is the present moment."""
+    """Base of the solvers of the delay system; they keep their state in `_memory`, whose `now` is the present state."""
 
     model = "delay"
     seconds_per_piece = 2e-6  # 0.9 to 1.9 measured
@@ -46,11 +46,11 @@ class DelayMarch:
         return float(self._memory.now[TIME])
 
     def energy(self) -> Energy | None:
-        """The delay system keeps no ledger: its slabs have no inside."""
+        """None: the delay system knows no fields in the slabs, and so keeps no ledger."""
         return None
 
     def _unresolved(self, steps: float, verdict: int) -> NumericsError:
-        """What to raise where even `steps` a transit are too few, by the `verdict` on the step that asked for more."""
+        """The error to raise if even `steps` per transit are too few, for the `verdict` on the step that needs more."""
         if verdict == TOO_STEEP:
             return self._left_too_fast(steps)
         time, psi = self._memory.now[[TIME, PSI]]
@@ -60,7 +60,7 @@ class DelayMarch:
         )
 
     def _left_too_fast(self, steps: float) -> NumericsError:
-        """What to raise where the motion is unstable on a scale that the steps do not follow."""
+        """The error to raise if the motion is unstable on a time scale that the steps cannot follow."""
         growth, (time, psi) = self._growth(), self._memory.now[[TIME, PSI]]
         return NumericsError(
             f"delay: at t = {time:.6g} transits (psi = {psi:.6g}) the motion is unstable: disturbances grow at "
@@ -71,8 +71,8 @@ class DelayMarch:
         )
 
     def _growth(self) -> float:
-        """Growth rate (per transit) of a disturbance of psi at the present moment, while the waves that arrive are given:
-        r (G_psi - G_z F_psi/(F_z + Z v_z)), the real root of the characteristic equation that needs no echo."""
+        """Growth rate (per transit) of a disturbance of psi at present, with the arriving waves given:
+        r (G_psi - G_z F_psi/(F_z + Z v_z)), the real root of the characteristic equation without echoes."""
         z = float(self._memory.guess[UNKNOWN, 0])
         _, v_z, _, friction_z, friction_psi, _, g_z, g_psi = respond(self.scene.law, z, float(self._memory.now[PSI]))
         return self.scene.transit * (g_psi - g_z * friction_psi / (friction_z + self.scene.impedance * v_z))

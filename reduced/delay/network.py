@@ -1,4 +1,4 @@
-"""The exact delay system of any pair of lossless slabs: unlike, layered, gripped, reflecting, round trips commensurate or not."""
+"""The exact delay system of any pair of lossless slabs: unlike, layered, any outer face, round trips commensurate or not."""
 
 import math
 
@@ -27,10 +27,10 @@ _CHUNK = 2048
 class DelayNetwork(DelayMarch):
     """Marches the exact system to `tolerance`, the requested relative error of the cycle's figures.
 
-    The step divides every travel time where these have a common divisor: break points then lie on steps, and a jump start keeps
-    its accuracy. Otherwise delayed waves are interpolated within their step to the same tolerance (and a jump start takes
-    `DelayBreaks`). A step that is too coarse is halved for good, the stored waves resampled. `failures` counts unconverged
-    solves: a step that cannot be solved with MAX_STEPS a transit raises NumericsError.
+    If all travel times have a common divisor, the step divides it: break points then lie on the ends of steps, and a jump start
+    keeps its accuracy. Otherwise delayed waves are interpolated within their step to the same tolerance (and a jump start needs
+    `DelayBreaks`). A step that is too long is halved for the rest of the run, and the stored waves are resampled. `failures`
+    counts unconverged solves; a step that cannot be solved with MAX_STEPS per transit raises NumericsError.
     """
 
     _memory: NetworkMemory
@@ -53,12 +53,12 @@ class DelayNetwork(DelayMarch):
 
     @property
     def _length(self) -> float:
-        """Length of a step in transits; of the longest where break points end some earlier."""
+        """Length of a step in transits; of the longest one if break points shorten some steps."""
         return self._longest * 0.5**self._halvings
 
     @property
     def steps(self) -> float:
-        """Steps a transit in use now."""
+        """The present number of steps per transit."""
         return 1.0 / self._length
 
     def advance(self, until: float) -> Pieces:
@@ -73,7 +73,7 @@ class DelayNetwork(DelayMarch):
             self._refine(verdict)
 
     def state(self) -> State:
-        """As `Solver`: the waves launched in past steps, a ring, and the present moment (`NetworkMemory`); `counts`: halvings of
+        """As `Solver`: the ring of waves launched in past steps, and the present state (`NetworkMemory`); `counts`: halvings of
         the step, steps done since `origin`, ring index, failures, iterations."""
         memory = self._memory
         counts = (self._halvings, self._done, memory.cursor[0], self.failures, self.iterations)
@@ -98,11 +98,11 @@ class DelayNetwork(DelayMarch):
         self._memory = NetworkMemory(found["waves"], found["tops"], found["guess"], found["now"], np.array([cursor % ring]))
 
     def _present(self) -> dict[str, tuple[int, ...]]:
-        """Shapes of the present moment's arrays in a state."""
+        """Shapes of the arrays that describe the present, in a state."""
         return {"tops": (len(self._lines.tops), 2), "guess": (2, self._stages), "now": (3,)}
 
     def _march(self, origin: float, done: int, length: float, count: int, pieces: Pieces) -> tuple[int, int]:
-        """(steps kept, verdict) of `count` steps of `length`, the first `done` such steps after `origin`."""
+        """March `count` steps of `length`, the first of which begins `done` such steps after `origin`; (steps kept, verdict)."""
         rule = (self._matrices.integral, self._matrices.predict, self._matrices.predict_state, self._matrices.tail)
         scene = self.scene
         physics = (scene.law, self._network, scene.forcing, scene.drive.compiled)
@@ -114,7 +114,7 @@ class DelayNetwork(DelayMarch):
         return steps, verdict
 
     def _compile(self, length: float) -> Network:
-        """The lines with the delays of steps of `length`."""
+        """The lines in compiled form, with their delays in steps of `length`."""
         lines, scene = self._lines, self.scene
         back, weights = delay_rows(lines.travel / length, self.nodes)
         return Network(
@@ -133,7 +133,7 @@ class DelayNetwork(DelayMarch):
         )
 
     def _begin(self) -> NetworkMemory:
-        """Steady sliding, no wave, psi displaced if the start is a jump."""
+        """Memory at the start: steady sliding without waves, psi displaced if the start is a jump."""
         scene = self.scene
         now = np.zeros(3)
         now[PSI], now[ELASTIC] = scene.steady_psi + scene.start.jump_size, scene.steady_stress
@@ -145,7 +145,7 @@ class DelayNetwork(DelayMarch):
         return NetworkMemory(waves, np.zeros((len(self._lines.tops), 2)), guess, now, np.zeros(1, dtype=np.int64))
 
     def _refine(self, verdict: int) -> None:
-        """Half the step: the stored waves are evaluated at the nodes of the two halves of each step."""
+        """Halve the step; the stored waves are evaluated at the nodes of the two halves of each step."""
         self._require_room(verdict)
         old = self._memory
         self._origin, self._done = self.time, 0
@@ -163,7 +163,7 @@ class DelayNetwork(DelayMarch):
         self._memory = NetworkMemory(waves, old.tops, guess, old.now, np.zeros(1, dtype=np.int64))
 
     def _require_room(self, verdict: int) -> None:
-        """NumericsError unless the step may still be halved."""
+        """Raises NumericsError unless the step may still be halved."""
         if 2.0 / self._length > MAX_STEPS / min(1.0, 2.0 * float(self._lines.travel.min())):
             raise self._unresolved(self.steps, verdict)
 
@@ -181,7 +181,7 @@ def tops_for(lines: Lines, length: float, stages: int) -> tuple[Array, Array]:
 
 
 def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:
-    """How many steps each node looks back for a delay of `steps_back` (L,) steps, (L, s), and the weights there, (L, s, s)."""
+    """For delays of `steps_back` (L,) steps: how many steps back each node reads, (L, s), and its weights there, (L, s, s)."""
     place = nodes - steps_back[:, None]
     back = -np.floor(place - 1e-9).astype(np.int64)
     local = np.clip(place + back, 0.0, 1.0)

@@ -1,7 +1,7 @@
-"""The compiled march of `network`: collocation steps of one length, delayed waves read at fixed places of past steps.
+"""The compiled march of `network`: collocation steps of equal length; delayed waves are read at fixed places of past steps.
 
-Because the step never changes, a delay is a whole number of steps and a fraction, the same for every step: each node reads its
-delayed value from one past step through one row of weights, found once. Where all delays are whole numbers of steps that row is a
+Because the step's length is constant, a delay is the same whole number of steps and fraction for every step. Each node reads its
+delayed value from one past step with one row of weights, computed once. If all delays are whole numbers of steps, that row is a
 unit vector.
 """
 
@@ -26,9 +26,9 @@ Integers = NDArray[np.int64]
 
 
 class Network(NamedTuple):
-    """Lines in compiled form (see `Lines`): per layer `impedance` e, `back` (layers, s) steps to go back and `weights`
-    (layers, s, s); `whole` says that all weights are unit vectors; per slab `first`, `last` and its top: `spring`, `compliance`
-    (s, s) = (m/h A^-1 + Z_g + e + h K A)^-1, `inertia` (s, s) = m/h A^-1 and `remembers` = has a spring or a mass (`tops_for`);
+    """Lines in compiled form (see `Lines`). Per layer: `impedance` e, `back` (layers, s) steps to go back and `weights`
+    (layers, s, s); `whole` is true if all weights are unit vectors. Per slab: `first`, `last` and its top: `spring`, `compliance`
+    (s, s) = (m/h A^-1 + Z_g + e + h K A)^-1, `inertia` (s, s) = m/h A^-1 and `remembers` = has a spring or a mass (`tops_for`).
     `base` = mu_ss + Z V_0; `weight` of each slab."""
 
     impedance: Array
@@ -47,7 +47,7 @@ class Network(NamedTuple):
 
 
 class NetworkMemory(NamedTuple):
-    """`waves` (layers, 2, ring, s): deviations launched outwards and inwards in past steps, a ring; `tops` (slabs, 2): spring
+    """`waves` (layers, 2, ring, s): ring of the deviations launched outwards and inwards in past steps; `tops` (slabs, 2): spring
     stress and velocity of each outer face; `guess` (2, s); `now`: time, psi, y; `cursor` (1,): ring index of the next step."""
 
     waves: Array
@@ -93,7 +93,7 @@ def reflect_top(
 
         (m/h A^-1 + Z_g + e + h K A) u = P + e dV - y_0 + m/h A^-1 (dV - w_0),     y = y_0 + h K A u;
 
-    solved for u, a stiff spring's load loses no digits."""
+    solved for u, so that the load of a stiff spring loses no digits."""
     s = len(nodes)
     layer, load, velocity = network.last[slab], tops[slab, LOAD], tops[slab, VELOCITY]
     impedance = network.impedance[layer]
@@ -150,9 +150,9 @@ def march_network(
     steepest: float,
     pieces: Pieces,
 ) -> tuple[int, int, int]:
-    """March `count` steps of `length` transits, step n of which begins at `origin` + (`done` + n) `length` (a sum of steps would
-    drift); returns (steps, Newton iterations, verdict) as `march_delay` does, but a refused step leaves the memory at its own
-    start."""
+    """March `count` steps of `length` transits. Step n begins at `origin` + (`done` + n) `length`, because a sum of steps would
+    accumulate rounding. Returns (steps, Newton iterations, verdict) as `march_delay` does, but a rejected step leaves the memory
+    at that step's start."""
     s = len(nodes)
     waves, tops, guess, now = memory.waves, memory.tops, memory.guess, memory.now
     layers, ring, slabs = waves.shape[0], waves.shape[2], network.first.size

@@ -1,4 +1,4 @@
-"""The exact delay system of a scene, by the cheapest march that can do it."""
+"""The exact delay system of a scene, with the cheapest march that can compute it."""
 
 import numpy as np
 
@@ -9,14 +9,14 @@ from reduced.delay.transmission_lines import lines_of
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
 
-_ALIGNED = 1e-7  # of a step: a kink so close to its end costs that share of itself
+_ALIGNED = 1e-7  # of a step: ignoring a kink this close to a step's end causes a relative error of that size
 
 
 def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
-    """The marching delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless ones,
-    with steps that follow jumps and kinks of the drive where equal ones cannot end on them (far dearer).
+    """The solver of the delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless
+    ones. If equal steps cannot end on the jumps and kinks, steps follow these (`DelayBreaks`), which is far more expensive.
 
-    A scene that records nothing, and need not find its orbit, gets the state at the end only (`Delay`, emit=False).
+    For a scene that records nothing and does not start on its orbit, only the state at the end is accurate (`Delay`, emit=False).
     Raises SceneError for viscous slabs.
     """
     if scene.alike and scene.upper.is_plain:
@@ -27,7 +27,7 @@ def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
 
 
 def _breaks_within_steps(scene: Scene, divisor: float | None) -> bool:
-    """Whether a jump or a knot of the drive comes back where no equal steps, which divide `divisor`, can end."""
+    """Whether echoes of a jump or of a knot of the drive fall within equal steps, which divide `divisor`."""
     if divisor is None:
         return scene.start.kind is StartKind.JUMP or not scene.drive.is_constant
     knots = np.array(scene.drive.knots) / divisor

@@ -1,7 +1,7 @@
-"""How a transit is cut into steps: equal ones, with cuts at the kinks of the drive, which come back every transit.
+"""Divides a transit into equal steps, with cuts at the kinks of the drive, which return every transit.
 
-A knot of the drive at t kinks the load at t and, half a transit later, the wave that reaches the interface; its echoes come back
-every transit for ever. A polynomial across a kink is of first order whatever its degree, so kinks lie on the ends of steps.
+A knot of the drive at t causes a kink of the load at t and, half a transit later, of the wave that reaches the interface. Its
+echoes return every transit for ever. A polynomial across a kink is only first-order accurate, so steps must end on kinks.
 """
 
 import math
@@ -13,12 +13,12 @@ from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
 from slipwave.scene.drive import Drive
 
 _SAME = 1e-7
-"""Transits below which two cuts are one: a kink so close to a step's end costs that share of itself."""
+"""Transits; cuts closer than this are one. Ignoring a kink this close to a step's end causes a relative error of that size."""
 
 
 @dataclass(frozen=True)
 class TransitMesh:
-    """`lengths` (steps,) of the steps of one transit, their `starts`, and `count`, the equal steps that it was asked for."""
+    """`lengths` (steps,) and `starts` (steps,) of the steps of one transit; `count` is the requested number of equal steps."""
 
     count: int
     lengths: Array
@@ -26,11 +26,12 @@ class TransitMesh:
 
     @property
     def steps(self) -> int:
-        """Steps a transit."""
+        """Steps per transit."""
         return int(self.lengths.size)
 
     def resample(self, values: Array, nodes: Array, finer: "TransitMesh") -> Array:
-        """Nodal values (steps, s) of a piecewise polynomial on this mesh at the nodes of another, shape (finer.steps, s)."""
+        """Values (finer.steps, s), at the nodes of the mesh `finer`, of a piecewise polynomial with nodal `values` (steps, s)
+        here."""
         at = finer.starts[:, None] + nodes * finer.lengths[:, None]
         step = np.clip(np.searchsorted(self.starts, at - 1e-9, side="left") - 1, 0, self.steps - 1)
         local = np.clip((at - self.starts[step]) / self.lengths[step], 0.0, 1.0)
@@ -39,7 +40,7 @@ class TransitMesh:
 
 
 def cuts_of(drive: Drive) -> Array:
-    """Fractions of the transit at which the drive's knots kink the load or the wave at the interface; 0 is always one."""
+    """Fractions of the transit at which the drive's knots cause a kink of the load or of the wave at the interface, and 0."""
     knots = np.array(drive.knots)
     fractions = np.sort(np.concatenate(([0.0], knots % 1.0, (knots + 0.5) % 1.0)))
     fractions = fractions[fractions < 1.0 - _SAME]
@@ -52,6 +53,6 @@ def transit_mesh(count: int, cuts: Array) -> TransitMesh:
     shares = [math.ceil(count * gap - 1e-6) or 1 for gap in gaps]
     lengths = np.concatenate([np.full(share, gap / share) for share, gap in zip(shares, gaps, strict=True)])
     starts = np.concatenate(([0.0], np.cumsum(lengths)[:-1]))
-    if np.ptp(lengths) < 1e-14:  # equal steps begin at whole multiples, to the bit
+    if np.ptp(lengths) < 1e-14:  # equal steps begin exactly at whole multiples of their length
         starts, lengths = np.arange(lengths.size) / lengths.size, np.full(lengths.size, 1.0 / lengths.size)
     return TransitMesh(count, lengths, starts)

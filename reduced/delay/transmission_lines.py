@@ -1,15 +1,14 @@
 """Any pair of lossless slabs as transmission lines between the interface and the drive: the delay system as data.
 
-A slab is a chain of layers; each carries one wave inwards and one outwards, sigma +- e w, which arrive at the layer's other end
-after its one-way travel time. All that happens between is algebra at the ends (MODEL.md section 3), in deviations from steady
-sliding:
+A slab is a chain of layers. Each carries one wave inwards and one outwards, sigma +- e w, which arrive at the layer's other end
+after its one-way travel time. At the ends of layers the waves obey (MODEL.md section 3), in deviations from steady sliding,
 
     joint      U from inside, D from outside:  w = (D - U)/(e_in + e_out),  back in U + 2 e_in w,  on out D - 2 e_out w
     top        P from inside:  m w' = y + Z_g (dV - w) - P - e w,  y' = K (dV - w),  back in P + 2 e w
     interface  S from outside: mu = Z (sum S_i/e_i - dv),  on out 2 mu - S
 
-(K, Z_g, m) is the slab's `Termination`; a rigid top is Z_g -> infinity (w = dV). Velocities of the lower slab are counted so that
-the slip rate is the sum of both slabs' velocities; alike slabs march one, counted twice.
+(K, Z_g, m) is the slab's `Termination`; a rigid top is Z_g -> infinity (w = dV). The sign of the lower slab's velocities is such
+that the slip rate is the sum of both slabs' velocities. For alike slabs only one is computed, and counted twice.
 """
 
 from dataclasses import dataclass
@@ -43,8 +42,8 @@ class Lines:
 
     @cached_property
     def divisor(self) -> float | None:
-        """Longest step (transits) that divides every travel time; None if they are incommensurate or it would be too short:
-        delayed values are then interpolated."""
+        """Longest step (transits) that divides every travel time. None if it would be too short or does not exist; delayed values
+        are then interpolated."""
         return common_divisor(self.travel, _MOST_DIVISIONS)
 
 

@@ -1,4 +1,4 @@
-"""The slab pair as a one-port: exact impedance of every scene, every reduction of it, and its passivity (MODEL.md section 3)."""
+"""The slab pair as a one-port: its exact impedance, its reductions, and their passivity (MODEL.md section 3)."""
 
 from reduced.impedance.jet import Complex, Jet
 from reduced.impedance.models import (

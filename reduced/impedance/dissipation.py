@@ -1,12 +1,12 @@
-"""Where a reduction's Re Z(i omega) can change its sign, from the eigenvalues of a Hamiltonian pencil: no grid to fall between.
+"""Where a reduction's Re Z(i omega) can change its sign, from the eigenvalues of a Hamiltonian pencil, so that none is missed.
 
-Spring and mass dissipate nothing on the axis. The rest is G(s) = D + C (s - A)^-1 B, D the damping, and G(s) + G(-s) is 0 exactly
-at the finite eigenvalues of
+Spring and mass dissipate nothing on the axis. The rest is G(s) = D + C (s - A)^-1 B with the damping D, and G(s) + G(-s) is 0
+exactly at the finite eigenvalues of
 
     [[A, 0, B], [0, -A^T, -C^T], [C, B^T, 2 D]] x = s [[1, 0, 0], [0, 1, 0], [0, 0, 0]] x
 
-(Boyd, Balakrishnan and Kabamba 1989, as a pencil, so that D may be 0). Re G(i omega) changes its sign at imaginary ones only.
-Rounding moves them off the axis; so all of their imaginary parts are taken, those that are not zeros of Re G included.
+(Boyd, Balakrishnan and Kabamba 1989, as a pencil, so that D may be 0). Re G(i omega) changes its sign only at imaginary ones.
+Rounding moves these off the axis, so the imaginary parts of all eigenvalues are used; some of them are not zeros of Re G.
 """
 
 import numpy as np
@@ -29,8 +29,8 @@ def dissipation(model: Reduction, omega: Real) -> Real:
 
 
 def telling_frequencies(model: Reduction) -> Real:
-    """Frequencies (radians per transit) with at least one in every interval of the axis in which Re Z keeps one sign, and the
-    poles': a reduction is passive if its Re Z is not negative at any of them and its poles are stable."""
+    """Frequencies (radians per transit): those of the poles, and at least one in every interval of the axis in which Re Z keeps
+    its sign. A reduction is passive if Re Z is not negative at any of them and its poles are stable."""
     turns = np.unique(np.concatenate([[0.0], np.abs(_zeros(model).imag), model.frequencies]))
     return np.concatenate([turns, 0.5 * (turns[1:] + turns[:-1]), [2.0 * turns[-1] + 1.0, 1e3 * (turns[-1] + 1.0)]])
 
@@ -50,7 +50,8 @@ def _zeros(model: Reduction) -> NDArray[np.complex128]:
 
 
 def _state_space(model: Reduction) -> tuple[Real, Real, Real]:
-    """(A, B, C) of modes and relaxations; a mode's states are those of an oscillator, scaled alike by its frequency."""
+    """(A, B, C) of modes and relaxations; a mode's two states are those of an oscillator, scaled by its frequency to equal
+    size."""
     pairs, singles = len(model.frequencies), len(model.relaxations)
     n = 2 * pairs + singles
     a, b, c = np.zeros((n, n)), np.zeros(n), np.zeros(n)

@@ -1,8 +1,8 @@
 """`fitted:N`: a passive rational fit of any scene's impedance with about N oscillators and two relaxations.
 
-Where the modes are known (elastic slabs behind rigid faces) it is modal:N. Elsewhere the poles come from vector fitting of exact
-samples on the imaginary axis and the coefficients from least squares under Re Z >= 0. The spring is not fitted: it is the exact
-quasi-static one. Passivity is certified between the points of any grid (`dissipation`); a fit that is not passive, or not
+If the modes are known (elastic slabs behind rigid faces), it is modal:N. Otherwise the poles come from vector fitting of exact
+samples on the imaginary axis, and the coefficients from least squares under Re Z >= 0. The spring is not fitted; it is the exact
+quasi-static one. Passivity is certified on the whole axis, not on a grid (`dissipation`). A fit that is not passive, or not
 accurate at low frequency, is refused.
 """
 
@@ -20,11 +20,11 @@ from slipwave.errors import SceneError
 from slipwave.scene import Scene
 
 WORST_ALLOWED = 0.05
-"""Largest error of Z tolerated below half the first mode, relative to |Z| + epsilon; a worse fit is refused."""
+"""Largest allowed error of Z below half the first mode, relative to |Z| + epsilon; a worse fit is refused."""
 
 _EMPHASIS = 4
 _FLOOR = 1e-7
-"""Re Z/epsilon is held above this on the grid of constraints, so that it stays above zero between its points."""
+"""Re Z/epsilon is kept above this on the grid of constraints, so that it stays above zero between the points."""
 _ROUNDS = 8
 
 
@@ -70,7 +70,7 @@ def exact_impedance(scene: Scene, s: Complex) -> Complex:
 
 
 def _weight(s: Complex, target: Complex) -> NDArray[np.float64]:
-    """Relative errors, the more important the lower the frequency: what is left out above the band shows at the band's edge."""
+    """Weights of the relative errors, larger at lower frequency: the modes above the band disturb the fit at the band's edge."""
     return np.asarray(1.0 / ((1.0 + np.abs(target)) * (1.0 + np.abs(s) ** _EMPHASIS)))
 
 
@@ -79,7 +79,7 @@ def _columns(s: Complex, pairs: Complex, reals: NDArray[np.float64]) -> Complex:
 
 
 def _passive(name: str, s: Complex, target: Complex, spring: float, pairs: Complex, reals: NDArray[np.float64]) -> Reduction:
-    """Least squares with Re Z >= 0 on a grid, to which dips found between its points are added until there is none."""
+    """Least squares with Re Z >= 0 on a grid. Negative dips between its points are added to the grid until there are none."""
     weight = _weight(s, target)
     rows, right = _columns(s, pairs, reals) * weight[:, None], (target - spring / s) * weight
     matrix, data = np.concatenate([rows.real, rows.imag]), np.concatenate([right.real, right.imag])
@@ -106,7 +106,7 @@ def _passive(name: str, s: Complex, target: Complex, spring: float, pairs: Compl
 
 
 def _watch(s: Complex, pairs: Complex) -> NDArray[np.float64]:
-    """Frequencies where Re Z is watched: the band, far above it, and across every resonance's width."""
+    """Frequencies at which Re Z is checked: in the band, far above it, and across the width of every resonance."""
     top = float(s.imag[-1])
     across = pairs.imag[:, None] - pairs.real[:, None] * np.linspace(-8.0, 8.0, 81)
     grid = np.concatenate(

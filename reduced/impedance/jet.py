@@ -1,4 +1,4 @@
-"""A value with its derivative in s: every impedance below is written once and gives Z and dZ/ds together (forward mode)."""
+"""A value with its derivative in s: one formula of an impedance gives both Z and dZ/ds (forward differentiation)."""
 
 from __future__ import annotations
 

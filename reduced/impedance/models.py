@@ -25,8 +25,8 @@ def is_exact(model: str) -> bool:
 def ratio_of(scene: Scene, model: str = "delay") -> Callable[[Jet], Ratio]:
     """The function s -> (p, q), Y = p/q and Z = q/p, of a scene's slab pair under a model.
 
-    `model` is any reduction's name, `delay`, or `taylor` (the unusable next truncation). Raises SceneError as `reduction_of`
-    does.
+    `model` is any reduction's name, `delay`, or `taylor` (the next truncation, which is unusable). Raises SceneError as
+    `reduction_of` does.
     """
     if is_exact(model):
         return lambda s: pair_ratio(scene, s)
@@ -58,7 +58,7 @@ def admittance_slope(scene: Scene, s_friction_clock: object, model: str = "delay
 
 @dataclass(frozen=True)
 class Passivity:
-    """Outcome of the check: `worst` is the smallest Re Z/|Z| met, at `where` (1/transit); `unstable_poles` in 1/transit."""
+    """Result of the check: `worst` is the smallest Re Z/|Z|, found at `where` (1/transit); `unstable_poles` in 1/transit."""
 
     passive: bool
     worst: float
@@ -67,8 +67,8 @@ class Passivity:
 
 
 def check_passivity(scene: Scene, model: str = "delay", highest: float = 200.0) -> Passivity:
-    """Is Z positive real? Re Z >= 0 on the imaginary axis up to `highest` (radians per transit) and in the right half plane,
-    poles in the closed left half plane, those on the axis with positive residue. A reduction is looked at wherever
+    """Checks that Z is positive real: Re Z >= 0 on the imaginary axis up to `highest` (radians per transit) and in the right half
+    plane, poles in the closed left half plane, and positive residues of poles on the axis. A reduction is also checked wherever
     its Re Z may change its sign (`dissipation`)."""
     axis = np.concatenate([np.geomspace(1e-4, 1.0, 200), np.linspace(1.0, highest, 4001)])
     s = np.concatenate([shift + 1j * axis for shift in (0.0, 1e-3, 0.1, 1.0, 10.0, 100.0)])
@@ -81,7 +81,8 @@ def check_passivity(scene: Scene, model: str = "delay", highest: float = 200.0) 
 
 
 def _unstable_poles(scene: Scene, model: str) -> tuple[complex, ...]:
-    """Poles (1/transit) that a passive one-port cannot have. The exact one is a chain of passive sections: it has none."""
+    """Poles (1/transit) that a passive one-port cannot have. The exact one has none, because it is a chain of passive
+    sections."""
     if is_exact(model):
         return ()
     if model == "taylor":

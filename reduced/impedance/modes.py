@@ -1,8 +1,8 @@
-"""Modes of a lossless slab pair whose interface is locked: the poles of its impedance, and what it does at low frequency.
+"""Modes of a lossless slab pair whose interface is locked: the poles of its impedance, and its impedance at low frequency.
 
-On s = i omega a lossless section turns Y = i Y_c tan(alpha) at its far end into i Y_c tan(alpha + omega T) at its near end, so
-the phase alpha of a chain of layers grows monotonically with omega and its branch is known: no mode can be missed. With the
-phases of both slabs referred to the same impedance, Y_1 + Y_2 = 0 is  beta_1 + beta_2 = k pi.
+On s = i omega a lossless section turns Y = i Y_c tan(alpha) at its far end into i Y_c tan(alpha + omega T) at its near end. So
+the phase alpha of a chain of layers grows monotonically with omega and its branch is known: no mode can be missed. If the phases
+of both slabs refer to the same impedance, Y_1 + Y_2 = 0 means  beta_1 + beta_2 = k pi.
 """
 
 import math
@@ -23,7 +23,7 @@ def is_lossless(slab: Slab) -> bool:
 
 
 def _rescale(angle: float, factor: float) -> float:
-    """The angle whose tangent is `factor` times as large, on the same branch (atan2: tan would jump a branch at its pole)."""
+    """The angle whose tangent is `factor` times as large, on the same branch (by atan2, because tan has poles)."""
     turns = math.floor(angle / math.pi + 0.5) * math.pi
     return math.atan2(factor * math.sin(angle - turns), math.cos(angle - turns)) + turns
 
@@ -39,7 +39,7 @@ def _phase(slab: Slab, omega: float, reference: float) -> float:
 
 
 def _mode(scene: Scene, number: int, longest: float) -> float:
-    """omega at which beta_1 + beta_2 = number * pi, by bisection to rounding."""
+    """omega at which beta_1 + beta_2 = number * pi, by bisection down to rounding."""
     wanted, reference = number * math.pi, scene.impedance
     low, high = 0.0, 2.0 * math.pi * number / longest
     while _phase(scene.upper, high, reference) + _phase(scene.lower, high, reference) < wanted:
@@ -57,8 +57,8 @@ def _mode(scene: Scene, number: int, longest: float) -> float:
 def locked_modes(scene: Scene, count: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """(frequencies, residues) of the `count` lowest modes, relative to the upper slab's epsilon and transit.
 
-    Near such a mode Z/epsilon = residue s/(s^2 + omega^2) + ..., residue = 2/(epsilon dY/ds) at s = i omega. Modes in which the
-    slabs move as one and leave the interface unloaded do not couple and are left out.
+    Near such a mode Z/epsilon = residue s/(s^2 + omega^2) + ..., residue = 2/(epsilon dY/ds) at s = i omega. Modes in which both
+    slabs move together without stress at the interface do not couple to it and are left out.
     """
     frequencies: list[float] = []
     residues: list[float] = []
@@ -78,7 +78,8 @@ def locked_modes(scene: Scene, count: int) -> tuple[tuple[float, ...], tuple[flo
 def low_frequency(slab: Slab) -> tuple[float, float]:
     """(c_1, c_3) of Y = c_1 s + c_3 s^3 + ... of a lossless slab, s on the friction clock.
 
-    Per layer, with f the coefficients beyond it and x = s T: a_1 = f_1 + Y_c T,  a_3 = f_3 - Y_c T^3/3 - a_1 f_1 T/Y_c.
+    Per layer, with x = s T and the coefficients f of the layers beyond: a_1 = f_1 + Y_c T,  a_3 = f_3 - Y_c T^3/3 - a_1 f_1
+    T/Y_c.
     """
     first, third = 0.0, 0.0
     for layer in reversed(slab.layers):

@@ -1,4 +1,4 @@
-"""The impedance of a reduction: a rational function of s, its poles, and whether it is passive."""
+"""The impedance of a reduction: a rational function of s, its poles, and its real part."""
 
 import cmath
 
@@ -11,10 +11,10 @@ from reduced.ode.reduction import Reduction
 
 
 def reduction_ratio(model: Reduction, epsilon: float, transit: float, s: Jet) -> Ratio:
-    """(p, q) with Z = q/p of a reduction; s on the friction clock, `transit` and `epsilon` the upper slab's.
+    """(p, q) with Z = q/p of a reduction; s on the friction clock, `transit` and `epsilon` are those of the upper slab.
 
     Each new term n/d turns q/p into (q d + n p)/(p d). Both are divided by powers of (1 + t/1000), t = s * transit, so that 64
-    modes do not overflow; p and q are analytic right of t = -1000.
+    modes do not overflow; p and q are analytic to the right of t = -1000.
     """
     t = s * transit
     p, q = s.constant(1.0), (t * model.mass + model.damping) * epsilon
@@ -37,8 +37,8 @@ def _terms(model: Reduction, t: Jet) -> list[Ratio]:
 
 
 def taylor_ratio(epsilon: float, transit: float, s: Jet) -> Ratio:
-    """(p, q) of the next Taylor truncation after the paper's, Z = (eps/s)(1 + s^2/8 + s^4/384)/(1 + s^2/24 + s^4/1920): shown to
-    be unusable (its poles lie in the right half plane), never integrated."""
+    """(p, q) of the next Taylor truncation after the paper's, Z = (eps/s)(1 + s^2/8 + s^4/384)/(1 + s^2/24 + s^4/1920). It is
+    unusable because it has poles in the right half plane; it is analysed but never integrated."""
     square = (s * transit) * (s * transit)
     return s * transit * (1.0 + square * (1.0 / 24.0 + square * (1.0 / 1920.0))), (
         1.0 + square * (1.0 / 8.0 + square * (1.0 / 384.0))
@@ -46,7 +46,7 @@ def taylor_ratio(epsilon: float, transit: float, s: Jet) -> Ratio:
 
 
 def poles_and_residues(model: Reduction) -> tuple[Complex, Complex]:
-    """Poles (in 1/transit) of Z/epsilon and the residues there, conjugates included; the spring's pole 0 first.
+    """Poles (in 1/transit) of Z/epsilon and the residues there, including conjugates; the spring's pole 0 comes first.
 
     A mode's pole pair is -decay +- i sqrt(omega^2 - decay^2), its residue (residue s + offset)/(2 s + 2 decay).
     """

@@ -1,7 +1,7 @@
-"""The ladder for scenes beyond alike plain slabs: every reduction from the scene's own impedance.
+"""Reductions for scenes beyond alike plain slabs, each derived from the scene's own impedance.
 
-The pair stays ONE one-port with one slip rate v whatever the slabs are: two slabs in series are Y = Y_1 + Y_2, and the modes are
-those of the pair with its interface locked.
+Any pair of slabs is ONE one-port with one slip rate v: two slabs in series have Y = Y_1 + Y_2, and the modes are those of the
+pair with its interface locked.
 """
 
 import math
@@ -16,8 +16,8 @@ from slipwave.scene import Scene
 def reduction_of(scene: Scene, name: str) -> Reduction:
     """The reduction `name` of this scene's slab pair, relative to the upper slab's epsilon and transit.
 
-    Alike plain slabs take the closed form where there is one; any other scene is reduced from its own impedance. Raises
-    SceneError for an unknown name, and for a scene that the reduction does not honour.
+    Alike plain slabs use the closed form if there is one; any other scene is reduced from its own impedance. Raises SceneError
+    for an unknown name, and for a scene that the reduction does not honour.
     """
     kind = name.partition(":")[0]
     if scene.alike and scene.upper.is_plain and (kind in TABULATED or kind == "modal"):
@@ -29,7 +29,7 @@ def reduce_scene(scene: Scene, name: str) -> Reduction:
     """The reduction `name` of any scene that it honours (`reduced.families`), from the scene's own impedance."""
     family = next((family for family in REDUCTIONS if family.name == name.partition(":")[0]), None)
     if family is None:
-        return reduction(name)  # raises: it knows what to say
+        return reduction(name)  # raises the SceneError for an unknown name
     refusal = family.refusal(scene)
     if refusal:
         raise SceneError(f"model = {name!r}: cannot do {refusal}; use fitted:N, delay or a full wave for this scene")
@@ -38,7 +38,7 @@ def reduce_scene(scene: Scene, name: str) -> Reduction:
 
 
 def relaxed_spring(scene: Scene) -> float:
-    """Quasi-static stiffness of the pair over the upper slab's epsilon, per transit; a standard linear solid counts relaxed."""
+    """Quasi-static stiffness of the pair over the upper slab's epsilon, per transit; a standard linear solid is relaxed."""
     if any(slab.termination.has_dead_load for slab in (scene.upper, scene.lower)):
         return 0.0
     return scene.stiffness / scene.upper.epsilon
@@ -50,7 +50,7 @@ def quasistatic(scene: Scene, name: str) -> Reduction:
 
 
 def quasidynamic(scene: Scene, name: str) -> Reduction:
-    """The spring, and the damping of waves that never come back."""
+    """The spring, and the damping by waves that never return."""
     return Reduction(name, spring=relaxed_spring(scene), damping=scene.impedance / scene.upper.epsilon)
 
 
@@ -67,7 +67,7 @@ def block8(scene: Scene, name: str) -> Reduction:
 
 
 def modal(scene: Scene, name: str) -> Reduction:
-    """The lowest modes of the pair with its interface locked; the mass of all others is kept as mass."""
+    """The lowest modes of the pair with its interface locked; the low-frequency mass of all other modes is kept."""
     count = mode_count(name)
     spring, mass = spring_and_mass(scene)
     frequencies, residues = locked_modes(scene, count)
@@ -96,7 +96,7 @@ def kelvin_voigt(scene: Scene, name: str) -> Reduction:
 
 
 def fitted(scene: Scene, name: str) -> Reduction:
-    """The exact modes where they are known, else a passive rational fit."""
+    """The exact modes if they are known, else a passive rational fit."""
     if is_lossless(scene.upper) and is_lossless(scene.lower):
         return modal(scene, name)
     from reduced.impedance.fit import fit_scene

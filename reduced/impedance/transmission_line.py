@@ -1,12 +1,12 @@
 """Exact one-ports: slabs as chained transmission-line sections (MODEL.md section 3).
 
-A one-port is kept as a pair (p, q) with admittance Y = p/q and impedance Z = q/p, so that poles of either are zeros of a function
-that is analytic wherever the slab's material is (everywhere if elastic, right of the relaxation rates if viscous). A section of
-impedance Z_c and one-way travel time T turns the pair at its far end into the pair at its near end,
+A one-port is stored as a pair (p, q) with admittance Y = p/q and impedance Z = q/p. Poles of Y and Z are then zeros of a function
+that is analytic wherever the slab's material law is (everywhere if elastic, right of the relaxation rates if viscous). A section
+of impedance Z_c and one-way travel time T turns the pair at its far end into the pair at its near end,
 
     Y_in = Y_c (Y_far + Y_c tanh x)/(Y_c + Y_far tanh x),   x = s T,   tanh x = (1 - E)/(1 + E),   E = e^(-2 x),
 
-multiplied through by 1 + E: nothing overflows in the right half plane. s is on the friction clock, in 1/(L/V*).
+with both multiplied by 1 + E, so that nothing overflows in the right half plane. s is on the friction clock, in 1/(L/V*).
 """
 
 from typing import TypeAlias
@@ -20,7 +20,7 @@ Ratio: TypeAlias = tuple[Jet, Jet]
 
 
 def modulus(slab: Slab, s: Jet) -> Jet:
-    """G(s)/G, G the (unrelaxed) modulus that epsilon and the round trip refer to; 1 for an elastic slab."""
+    """G(s)/G with the (unrelaxed) modulus G to which epsilon and the round trip refer; 1 for an elastic slab."""
     match slab.viscosity:
         case KelvinVoigtViscosity(time):
             return 1.0 + s * time
@@ -30,7 +30,7 @@ def modulus(slab: Slab, s: Jet) -> Jet:
 
 
 def _outer_face(slab: Slab, s: Jet) -> Ratio:
-    """(p, q) of what holds the outer face, seen from the slab: Z = mass s + dashpot + spring/s; both over epsilon."""
+    """(p, q) of the outer face's termination, seen from the slab: Z = mass s + dashpot + spring/s; both over epsilon."""
     held = slab.termination
     if held.is_rigid:
         return s.constant(0.0), s.constant(1.0)
@@ -58,7 +58,7 @@ def slab_ratio(slab: Slab, s: Jet) -> Ratio:
 
 def pair_ratio(scene: Scene, s: Jet) -> Ratio:
     """(p, q) of both slabs in series, Y = Y_1 + Y_2 = p/q: slip rate v per stress. Alike slabs: Y = 2 Y_1, without the modes in
-    which both slabs move as one and the interface feels nothing."""
+    which both slabs move together without stress or slip at the interface."""
     p, q = slab_ratio(scene.upper, s)
     if scene.alike:
         return p * 2.0, q

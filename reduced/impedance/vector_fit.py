@@ -1,9 +1,9 @@
-"""Vector fitting with passivity kept by linear constraints.
+"""Vector fitting, with passivity enforced by linear constraints.
 
-Poles: the relocation of Gustavsen and Semlyen (1999), f(s) ~ sum c_k/(s - a_k) + d + h s, in real arithmetic, unstable
-poles reflected.
-Residues: with the poles fixed Re Z(i omega) is linear in the coefficients, so least squares under Re Z >= 0 on a grid is a
-quadratic programme; it is solved as Lawson and Hanson's least distance problem by non-negative least squares.
+Poles: the relocation of Gustavsen and Semlyen (1999), f(s) ~ sum c_k/(s - a_k) + d + h s, in real arithmetic; unstable poles are
+reflected.
+Residues: for fixed poles Re Z(i omega) is linear in the coefficients, so least squares under Re Z >= 0 on a grid is a quadratic
+programme. It is solved as Lawson and Hanson's least distance problem by non-negative least squares.
 """
 
 from typing import Any
@@ -46,7 +46,7 @@ def relocate(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: R
 
 
 def _companion(pairs: Complex, reals: Real, sigma: Real) -> Real:
-    """A - b c~^T, whose eigenvalues are the zeros of sigma; a pair is the block [[2 g, -w^2], [1, 0]], driven at its first."""
+    """A - b c~^T, whose eigenvalues are the zeros of sigma; a pair is the block [[2 g, -w^2], [1, 0]], with b = (1, 0)."""
     n, m = reals.size, pairs.size
     matrix = np.zeros((n + 2 * m, n + 2 * m))
     matrix[range(n), range(n)] = reals
@@ -60,7 +60,7 @@ def _companion(pairs: Complex, reals: Real, sigma: Real) -> Real:
 
 
 def fit_poles(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: Real, rounds: int = 12) -> tuple[Complex, Real]:
-    """Poles after at most `rounds` relocations from the given start; fewer once they rest."""
+    """Poles after at most `rounds` relocations from the given start; it stops as soon as they no longer move."""
     for _ in range(rounds):
         before = np.sort_complex(np.concatenate([pairs, reals]))
         pairs, reals = relocate(s, values, weight, pairs, reals)
@@ -73,8 +73,8 @@ def fit_poles(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: 
 def passive_coefficients(matrix: Real, right: Real, constraints: Real, floors: Real) -> Real:
     """x that minimises |matrix x - right| under constraints x >= floors.
 
-    With matrix = Q R and z = R x - Q^T right this is the least distance problem min |z|, G z >= h, whose solution is read off
-    the residual of non-negative least squares (Lawson and Hanson, chapter 23). Raises ArithmeticError if nothing satisfies them.
+    With matrix = Q R and z = R x - Q^T right this is the least distance problem min |z|, G z >= h. Its solution follows from the
+    residual of non-negative least squares (Lawson and Hanson, chapter 23). Raises ArithmeticError if no x satisfies them.
     """
     from scipy.linalg import solve_triangular
     from scipy.optimize import nnls

@@ -1,12 +1,12 @@
 """The one stiff integrator of all ODE reductions: Radau collocation of the whole network with the friction interface.
 
-With the stage impedance K of `ladder_tables`, every reduction is the same interface condition at the nodes of a step,
+With the stage impedance K of `step_tables`, every reduction is the same interface condition at the nodes of a step,
 
     F(z_j, psi_j) + epsilon sum_l K_jl v_l = E_j,      psi_j = psi_0 + h sum_l A_jl (r G(z_l, psi_l) + nudge(t_l)),
 
-E_j from the states at the step's start. Newton solves for (psi, z) at the nodes. Steps have lengths longest / 2^level and are
-accepted when the highest Legendre coefficient of z and of psi stays below the resolution and no disturbance grows faster than a
-step reproduces (`grows_unseen`).
+where E_j follows from the states at the step's start. Newton solves for (psi, z) at the nodes. Steps have lengths
+longest / 2^level. A step is accepted if the highest Legendre coefficients of z and of psi are below the resolution and no
+disturbance grows faster than a step reproduces (`grows_unseen`).
 """
 
 import math
@@ -31,7 +31,7 @@ _WORK_ROWS = 11
 _MAX_NEWTON = 12
 _LARGEST_CHANGE = 2.0
 _FAR = 1e3
-SAME = 1e-9  # transits within which two times are one
+SAME = 1e-9  # transits; two times that differ by less are equal
 
 
 class Rule(NamedTuple):
@@ -45,8 +45,8 @@ class Rule(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """`newton` and `resolution`: errors allowed of the iteration and of the polynomials; `growth`, the largest that a step
-    reproduces, and `impedance` (L,): Z/epsilon at s = growth/length of every level."""
+    """`newton` and `resolution`: allowed errors of the iteration and of the polynomials; `growth`: the largest that a step
+    reproduces; `impedance` (L,): Z/epsilon at s = growth/length of every level."""
 
     newton: float
     resolution: float
@@ -56,7 +56,7 @@ class Limits(NamedTuple):
 
 class ReducedMemory(NamedTuple):
     """`modes` (N, 2): tau, p relative to epsilon; `guess` (2, s); `now`: time, psi, spring stress / epsilon, y, v, z;
-    `level` (1,): that of the next step."""
+    `level` (1,) of the next step."""
 
     modes: Array
     guess: Array
@@ -68,7 +68,7 @@ class ReducedMemory(NamedTuple):
 def external_stress(
     nodes: Nodes, epsilon: float, tables: Tables, level: int, modes: Array, spring: float, rate: float, work: Array
 ) -> None:
-    """E_j: spring, modes and momentum at the step's start, and the drive's share of the stage impedance."""
+    """E_j: spring, modes and momentum at the step's start, and the drive's part of the stage impedance."""
     s = len(nodes)
     for j in range(s):
         total = spring + tables.inertia[level, j] * rate
@@ -81,7 +81,7 @@ def external_stress(
 
 @njit
 def force(nodes: Nodes, nudge: float, start: float, length: float, work: Array) -> None:
-    """work[_FORCED] <- the nudge at the nodes; kept out of the Newton loop, which it would slow."""
+    """work[_FORCED] <- the nudge at the nodes; done outside the Newton loop, which it would slow down."""
     for j in range(len(nodes)):
         work[_FORCED, j] = length * nudge_rate(nudge, start + nodes[j] * length)
 
@@ -129,7 +129,7 @@ def linearise(
 
 @inlined
 def eliminate(nodes: Nodes, system: Array, change: Array) -> bool:
-    """change <- system^-1 change by Gaussian elimination with row exchange; False if singular."""
+    """change <- system^-1 change by Gaussian elimination with pivoting; False if singular."""
     s = len(nodes)
     n = 2 * s
     for k in range(n):
@@ -159,7 +159,7 @@ def eliminate(nodes: Nodes, system: Array, change: Array) -> bool:
 
 @inlined
 def correct(nodes: Nodes, epsilon: float, impedance: Array, level: int, guess: Array, work: Array, change: Array) -> float:
-    """Apply the change; v continued by v'' = v. Returns an estimate of what the linearisation neglected; inf if too large."""
+    """Apply the change; v is continued by v'' = v. Returns an estimate of what the linearisation neglects; inf if too large."""
     s = len(nodes)
     error = 0.0
     for j in range(s):
@@ -197,10 +197,10 @@ def advance_modes(nodes: Nodes, tables: Tables, level: int, modes: Array, length
 
 @inlined
 def grows_unseen(nodes: Nodes, epsilon: float, limits: Limits, level: int, work: Array) -> bool:
-    """Whether a disturbance of some node's state would grow by more than e^g within the step, g = `limits.growth`.
+    """Whether a disturbance of the state at some node would grow by more than e^g within the step, g = `limits.growth`.
 
-    Frozen at a node, the motion's growth rates s are the zeros of (F_z + Z(s) v_z)(s - G_psi) + F_psi G_z, positive for large
-    s: below 0 at s = g/length there is a real one beyond.
+    With coefficients frozen at a node, the growth rates s are the zeros of (F_z + Z(s) v_z)(s - G_psi) + F_psi G_z. This is
+    positive for large s; if it is negative at s = g/length, there is a real zero beyond.
     """
     g = limits.growth
     for j in range(len(nodes)):
@@ -214,7 +214,7 @@ def grows_unseen(nodes: Nodes, epsilon: float, limits: Limits, level: int, work:
 def predict(
     nodes: Nodes, predict_rate: Array, predict_state: Array, ratio: int, left: float, pieces: Pieces, k: int, guess: Array
 ) -> None:
-    """Nodal guess on the next step by extending the polynomials of piece k."""
+    """Nodal guess for the next step: the polynomials of piece k, extended."""
     s = len(nodes)
     for j in range(s):
         psi, z = predict_state[ratio, j, 0] * left, 0.0
@@ -227,7 +227,7 @@ def predict(
 
 @inlined
 def hold(nodes: Nodes, now: Array, guess: Array) -> None:
-    """The present values as the guess of a step that no polynomial was extended to."""
+    """Take the present values as the guess for a step to which no polynomial was extended."""
     for j in range(len(nodes)):
         guess[STATE, j] = now[PSI]
         guess[UNKNOWN, j] = now[UNKNOWN_END]
@@ -248,8 +248,8 @@ def march_ladder(
     limits: Limits,
     pieces: Pieces,
 ) -> tuple[int, int, int]:
-    """March until `until` or until the pieces are full; returns (steps, Newton iterations, verdict), verdict 0 done, 1 no step
-    is short enough. The last step may pass `until`, but none passes `stop`."""
+    """March to `until`, or until the pieces are full; returns (steps, Newton iterations, verdict). Verdict 0: done; 1: no step is
+    short enough. The last step may end beyond `until`, but not beyond `stop`."""
     s = len(nodes)
     nudge, stiffness = forcing.nudge, forcing.stiffness
     modes, guess, now, levels = memory.modes, memory.guess, memory.now, memory.level

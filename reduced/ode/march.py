@@ -1,4 +1,4 @@
-"""Marches any ODE reduction of a slab pair (MODEL.md section 3): one description, one stiff integrator."""
+"""Marches any ODE reduction of a slab pair (MODEL.md section 3), all with the same stiff integrator."""
 
 import math
 from functools import cache, lru_cache
@@ -39,10 +39,10 @@ _FIRST_LEVEL = 4
 class ReducedModel:
     """Marches `reduction` of the scene's slab pair to `tolerance`, the requested relative error of the cycle's figures.
 
-    Radau IIA with 6 nodes (order 11 at step ends, L-stable), step lengths 2 / 2^level transits. Between two knots of the drive,
-    which kink the motion, steps are their distance over powers of two, so that one ends on each. `failures` counts unconverged
-    solves: a step that cannot be solved at the shortest length raises NumericsError naming time and scene (a quasi-static model
-    runs away).
+    Radau IIA with 6 nodes (order 11 at step ends, L-stable), step lengths 2 / 2^level transits. Knots of the drive cause kinks of
+    the motion; between two knots, step lengths are their distance over powers of two, so that a step ends on each. `failures`
+    counts unconverged solves; a step that cannot be solved at the shortest length raises NumericsError naming time and scene (a
+    quasi-static model runs away).
     """
 
     failed_at = math.nan
@@ -61,7 +61,7 @@ class ReducedModel:
         self._take_stretch(0.0, None)
 
     def _begin(self, stages: int) -> ReducedMemory:
-        """Steady sliding, psi displaced if the start is a jump: the rate jumps with it unless mass holds it."""
+        """Memory at the start: steady sliding, psi displaced if the start is a jump. Without mass the rate then jumps too."""
         scene = self.scene
         now = np.empty(6)
         now[TIME], now[PSI] = 0.0, scene.steady_psi + scene.start.jump_size
@@ -81,7 +81,7 @@ class ReducedModel:
         return float(self._memory.now[TIME])
 
     def energy(self) -> Energy | None:
-        """No ledger: a reduction's energy is not the slabs'."""
+        """None: a reduction's energy is not that of the slabs."""
         return None
 
     def advance(self, until: float) -> Pieces:
@@ -115,8 +115,8 @@ class ReducedModel:
         return Pieces(*(array[:steps] for array in pieces))
 
     def state(self) -> State:
-        """As `Solver`: modes, guess and present moment (`ReducedMemory`); `stretch`: where the present steps' tables begin;
-        `counts`: level of the next step, failures, iterations."""
+        """As `Solver`: modes, guess and present state (`ReducedMemory`); `stretch`: the time from which the present tables of
+        steps hold; `counts`: level of the next step, failures, iterations."""
         memory = self._memory
         return {
             "counts": np.array([memory.level[0], self.failures, self.iterations], dtype=float),
@@ -137,7 +137,7 @@ class ReducedModel:
         self._memory = ReducedMemory(found["modes"], found["guess"], found["now"], np.array([min(level, _LEVELS - 1)]))
 
     def _take_stretch(self, begin: float, before: float | None) -> None:
-        """Begin a stretch at `begin`, a knot or the start, with steps about as long as `before`."""
+        """Begin a stretch between knots at `begin` (transits), with steps about as long as `before`."""
         self._take_tables(begin)
         longest, memory = float(self._tables.length[0]), self._memory
         memory.level[0] = max(0, math.ceil(math.log2(longest / before) - 1e-9)) if before else _FIRST_LEVEL
@@ -161,7 +161,7 @@ class ReducedModel:
 
 @cache
 def _rule(stages: int) -> tuple[Collocation, Rule, tuple[float, ...]]:
-    """Collocation rule, its compiled form, and the nodes as the tuple that tells the compiler their number."""
+    """Collocation rule, its compiled form, and its nodes as a tuple, from which the compiler knows their number."""
     rule = radau(stages)
     tail = highest_coefficient(rule.nodes)
     return rule, Rule(rule.integral, tail, *prediction_tables(rule, (1.0, 2.0))), tuple(float(x) for x in rule.nodes)

@@ -1,17 +1,17 @@
-"""The ladder of ODE reductions: every simplified slab pair is one passive one-port, written as data (MODEL.md section 3).
+"""ODE reductions: every simplified slab pair is one passive one-port, written as data (MODEL.md section 3).
 
-The pair answers the slip rate with  delta_mu = -Z(s) delta_v  and, s in 1/transit and epsilon that of the upper slab,
+The pair responds to the slip rate with  delta_mu = -Z(s) delta_v  and, with s in 1/transit and epsilon of the upper slab,
 
     Z(s)/epsilon = spring/s + mass s + damping + sum_k (residue_k s + offset_k)/(s^2 + 2 decay_k s + omega_k^2)
                    + sum_j strength_j/(s + rate_j).
 
-Alike elastic slabs behind rigid faces have spring = 1 and need neither offsets nor relaxations; these belong to fits of lossy
-scenes. In states, with u = v - V and tau_k the stress of mode k (in units of epsilon):
+Alike elastic slabs behind rigid faces have spring = 1 and need neither offsets nor relaxations, which occur in fits of lossy
+scenes. As ODEs, with u = v - V and the stress tau_k of mode k (in units of epsilon):
 
     tau_k' = -residue_k u - 2 decay_k tau_k + p_k,   p_k' = -offset_k u - omega_k^2 tau_k,
     tau_j' = -strength_j u - rate_j tau_j,            y' = -spring u,   mass v' + damping u = y + sum tau - mu/epsilon.
 
-Which reductions there are is said in `reduced.families`.
+`reduced.families` lists the reductions.
 """
 
 import math
@@ -51,12 +51,13 @@ class Reduction:
 
     @property
     def is_algebraic(self) -> bool:
-        """Without mass the rate v follows from the stress at once (the interface condition), with it v is a state."""
+        """No mass: the rate v follows from the stress by the interface condition. With mass, v is a state."""
         return self.mass == 0.0
 
     @property
     def runs_away(self) -> bool:
-        """Nothing limits v when unstable: no limit cycle (quasi-static slip has neither inertia nor radiation)."""
+        """Nothing limits v if steady sliding is unstable: no limit cycle (quasi-static slip has neither inertia nor
+        radiation)."""
         return self.is_algebraic and self.damping == 0.0 and not self.frequencies and not self.relaxations
 
 
@@ -80,8 +81,8 @@ TABULATED: dict[str, Callable[[], Reduction]] = {
 def reduction(name: str) -> Reduction:
     """The reduction `name` of an alike pair of homogeneous elastic slabs behind rigid faces.
 
-    Raises SceneError for an unknown name (listing the known ones), a mode count outside 0..64, and for `taylor`, the next
-    truncation after the paper's, whose poles lie in the right half plane so that no run of it can be bounded.
+    Raises SceneError for an unknown name (listing the known ones), for a mode count outside 0..64, and for `taylor`, the next
+    truncation after the paper's: it has poles in the right half plane, so that no run of it is bounded.
     """
     if name in TABULATED:
         return TABULATED[name]()

@@ -1,13 +1,13 @@
-"""What a reduction does within one collocation step, tabulated for every step length the integrator may take.
+"""The response of a reduction within one collocation step, tabulated for every step length of the integrator.
 
-Collocation turns the linear network of a `Reduction` (its docstring gives the states) into a stage impedance: with u = v - V
-at the s nodes of a step of length h, A the collocation matrix and c = A 1, mode k answers
+Collocation turns the linear network of a `Reduction` (its module gives the states) into a stage impedance: with u = v - V at the
+s nodes of a step of length h, the collocation matrix A and c = A 1, mode k responds with
 
     tau = W (tau_0 1 + h p_0 c - (residue h A + offset h^2 A^2) u),     W = (1 + 2 decay h A + omega^2 h^2 A^2)^-1,
 
-the spring  -spring h A u,  damping  -damping u,  and mass m  -(m/h) A^-1 (v - v_0 1).  The sum of the u-parts is one s x s
-matrix K(h): the cost of a Newton iteration does not depend on the number of modes. Everything is relative to epsilon, on the
-transit clock.
+the spring with  -spring h A u,  damping with  -damping u,  and mass m with  -(m/h) A^-1 (v - v_0 1).  The sum of all factors of u
+is one s x s matrix K(h), so the cost of a Newton iteration does not depend on the number of modes. Everything is relative to
+epsilon, on the transit clock.
 """
 
 from typing import NamedTuple
@@ -23,8 +23,8 @@ LONGEST = 2.0
 
 
 class Tables(NamedTuple):
-    """Per level l: `length` (L,); `impedance` K (L, s, s) with and `elastic` (L, s, s) without mass; `inertia` m A^-1 1 / h,
-    (L, s); `free` (L, N, 2, s): response to tau_0 and p_0; `forced` (L, N, s, s): response to -u. Per mode `offset` and
+    """Per level: `length` (L,); `impedance` K (L, s, s) with mass, and `elastic` (L, s, s) without; `inertia` m A^-1 1 / h, (L,
+    s); `free` (L, N, 2, s): response to tau_0 and p_0; `forced` (L, N, s, s): response to -u. Per mode: `offset`,
     `omega_squared`."""
 
     length: Array
@@ -39,7 +39,7 @@ class Tables(NamedTuple):
 
 
 def step_tables(reduction: Reduction, rule: Collocation, levels: int, longest: float = LONGEST) -> Tables:
-    """Tables of `reduction` for `levels` step lengths, from `longest` (transits) on."""
+    """Tables of `reduction` for `levels` step lengths, of which `longest` (transits) is the first."""
     residue, offset, decay2, omega2 = _terms(reduction)
     length = np.ldexp(longest, -np.arange(levels))
     a, one = rule.integral, np.ones(rule.nodes.size)
@@ -76,8 +76,8 @@ def _terms(reduction: Reduction) -> tuple[Array, Array, Array, Array]:
 
 
 def prediction_tables(rule: Collocation, ratios: tuple[float, ...]) -> tuple[Array, Array]:
-    """Extrapolation to the nodes of the next step, `ratio` times as long: (R, s, s) from nodal values, (R, s, s + 1) with the
-    left end."""
+    """Matrices that extrapolate to the nodes of a next step `ratio` times as long: (R, s, s) from nodal values, (R, s, s + 1)
+    from these and the value at the left end."""
     nodal, with_left = lagrange_basis(rule.nodes), lagrange_basis(np.r_[0.0, rule.nodes])
     return (
         np.array([interpolation_matrix(nodal, 1.0 + ratio * rule.nodes) for ratio in ratios]),

@@ -1,4 +1,4 @@
-"""Stability of steady sliding from impedance alone: spectrum, critical values, boundaries, for every scene and model."""
+"""Stability of steady sliding, from the impedance alone: spectrum, critical values and boundaries, for every scene and model."""
 
 from reduced.parameters import PARAMETERS, with_parameter
 from reduced.stability.analyse import Stability, analyse

@@ -1,4 +1,4 @@
-"""Everything about the stability of steady sliding in one scene under one model."""
+"""The results on the stability of steady sliding in one scene under one model."""
 
 import math
 from dataclasses import dataclass
@@ -13,18 +13,18 @@ from reduced.stability.spectrum import leading_roots, unstable_count
 from slipwave.scene import Scene
 
 NEUTRAL = 1e-9
-"""A root with |Re s| up to this share of `FrictionSlopes.reach` is neutral: the certified count cannot tell its side."""
+"""A root with |Re s| below this share of `FrictionSlopes.reach` is neutral: the certified count cannot decide its side."""
 
 
 @dataclass(frozen=True)
 class Stability:
-    """Friction clock: frequencies and roots in 1/(L/V*). nan where there is no such value.
+    """Friction clock: frequencies and roots in 1/(L/V*); nan for values that do not exist.
 
-    `velocity`: that of the steady sliding analysed; `stable` is None where the leading root is neutral and nothing else grows.
+    `velocity` of the analysed steady sliding; `stable` is None if the leading root is neutral and no other root grows.
 
     `omega_c` and `log10_r_c`: frequency and upper round trip at the first loss of stability as both round trips grow;
-    `epsilon_c`: upper epsilon above which the scene's r is stable; `unstable_roots` is certified; `essential_abscissa` belongs
-    to the exact models (reductions have finitely many roots: nan).
+    `epsilon_c`: upper epsilon above which the scene's r is stable; `unstable_roots` is certified; `essential_abscissa` exists
+    only for exact models (reductions have finitely many roots: nan).
     """
 
     model: str
@@ -39,10 +39,10 @@ class Stability:
 
 
 def analyse(scene: Scene, model: str = "delay") -> Stability:
-    """Stability of steady sliding at the scene's drive velocity, that at t = 0 if it changes. `taylor` is analysed too: it is
-    unstable whatever the friction.
+    """Stability of steady sliding at the scene's drive velocity (at t = 0 if it changes). `taylor` is allowed too; it is unstable
+    for any friction.
 
-    Raises SceneError where the model does not fit the scene, NumericsError if a root cannot be located.
+    Raises SceneError if the model cannot compute the scene, NumericsError if a root cannot be located.
     """
     problem = characteristic(scene, model)
     unstable = unstable_count(problem, active=model == "taylor")

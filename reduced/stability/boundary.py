@@ -19,7 +19,7 @@ _DIFFERENCE = 1e-6
 
 @dataclass(frozen=True)
 class Boundary:
-    """One curve on which a pair of roots is neutral: `first`, `second` the two parameters' values, `omega` (1/(L/V*))."""
+    """One curve on which a pair of roots is neutral: values of the `first` and `second` parameter, and `omega` (1/(L/V*))."""
 
     names: tuple[str, str]
     first: Real
@@ -35,11 +35,11 @@ def boundary(
     seeds: int = 4,
     step: float = 0.02,
 ) -> list[Boundary]:
-    """Every stability boundary of `scene` under `model` met in the rectangle `ranges` of the parameters `over`.
+    """The stability boundaries of `scene` under `model` found in the rectangle `ranges` of the parameters `over`.
 
-    Names are those of `reduced.parameters`. Curves are sought on `seeds` lines per parameter, where the certified
-    number of unstable roots changes, and followed both ways in steps of `step` (of the rectangle's side) until they leave it or
-    close.
+    Names are those of `reduced.parameters`. A curve is found where the certified number of unstable roots changes along one of
+    `seeds` lines per parameter. It is followed both ways in steps of `step` (of the rectangle's side) until it leaves the
+    rectangle or closes.
     """
     plane = _Plane(scene, model, over, np.array(ranges, dtype=float))
     curves: list[Real] = []
@@ -52,7 +52,7 @@ def boundary(
 
 @dataclass(frozen=True)
 class _Plane:
-    """Unknowns x = (ln omega, u_1, u_2), u the parameters scaled to [0, 1]."""
+    """Unknowns x = (ln omega, u_1, u_2) with the parameters u scaled to [0, 1]."""
 
     scene: Scene
     model: str
@@ -96,7 +96,7 @@ class _Plane:
 
 
 def _seeds(plane: _Plane, lines: int) -> list[Real]:
-    """Points on the boundary: on lines across the rectangle, between samples where the count of unstable roots changes."""
+    """Points on the boundary: on lines across the rectangle, between samples with different counts of unstable roots."""
     found = []
     samples = np.linspace(0.0, 1.0, 41)
     for axis in (0, 1):
@@ -113,7 +113,7 @@ def _seeds(plane: _Plane, lines: int) -> list[Real]:
 def _count(problem: Characteristic) -> int:
     try:
         return unstable_count(problem)
-    except NumericsError:  # a root on the contour: the neighbours tell
+    except NumericsError:  # a root on the contour: this differs from the neighbours' counts
         return -1
 
 
@@ -126,7 +126,7 @@ def _seed_between(plane: _Plane, low: Real, high: Real) -> Real | None:
 
 
 def _trace(plane: _Plane, start: Real, step: float) -> Real:
-    """The curve through `start`, both ways; one row (ln omega, u_1, u_2) per point."""
+    """The curve through `start`, followed both ways; one row (ln omega, u_1, u_2) per point."""
     forward = _march(plane, start, step, 1.0)
     if len(forward) > 3 and np.linalg.norm(forward[-1] - start) < 1.5 * step:
         return np.array(forward)
@@ -154,7 +154,7 @@ def _march(plane: _Plane, start: Real, step: float, direction: float) -> list[Re
 
 
 def _tangent(jacobian: Real, before: Real | None) -> Real:
-    """Null vector of the 2 x 3 Jacobian, pointing on."""
+    """Null vector of the 2 x 3 Jacobian, in the direction of `before`."""
     vector = np.cross(jacobian[0], jacobian[1])
     vector = vector / np.linalg.norm(vector)
     return np.asarray(-vector if before is not None and vector @ before < 0.0 else vector)

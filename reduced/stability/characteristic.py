@@ -2,8 +2,8 @@
 
     D(s) = (F_v s + G_phi F_ss') p(s) + (s + G_phi) q(s) = 0,      H(s) + Z(s) = 0 with Z = q/p,
 
-written with the one-port's pair (p, q), so that D is analytic (poles of Z are zeros of p, never poles of D) and a count of its
-zeros by the argument principle needs no correction. s is on the friction clock, in 1/(L/V*).
+written with the one-port's pair (p, q), so that D is analytic: poles of Z are zeros of p, not poles of D. A count of its zeros by
+the argument principle therefore needs no correction. s is on the friction clock, in 1/(L/V*).
 """
 
 from collections.abc import Callable
@@ -23,7 +23,7 @@ _SHARED = 1e-6
 
 @dataclass(frozen=True)
 class Characteristic:
-    """D(s) of one scene under one model. `transit` is the upper slab's round trip."""
+    """D(s) of one scene under one model; `transit` is the upper slab's round trip."""
 
     scene: Scene
     slopes: FrictionSlopes
@@ -46,8 +46,8 @@ class Characteristic:
         return np.asarray((left + right) / (np.abs(left) + np.abs(right)))
 
     def idle(self, s: Complex) -> NDArray[np.bool_]:
-        """True at roots in which both slabs swing freely and alike, so that the interface neither slips nor carries stress: they
-        exist where the free modes of unlike slabs coincide, and friction cannot reach them."""
+        """True at roots in which both slabs swing freely and alike, so that the interface neither slips nor carries stress.
+        Friction does not affect such roots; they exist if free modes of unlike slabs coincide."""
         if self.scene.alike:
             return np.zeros(s.shape, dtype=bool)
         variable = Jet.variable(s)
@@ -65,7 +65,7 @@ class Characteristic:
     @property
     def anchors(self) -> tuple[complex, ...]:
         """Points near which D varies on a scale of its own: 0, the friction state's rate, the relaxation rates of viscous slabs,
-        and the rates at which the outer faces would settle by themselves."""
+        and the rates at which the outer faces alone would settle."""
         found: set[complex] = {0.0, -self.slopes.healing}
         for slab in (self.scene.upper, self.scene.lower):
             found.update(_rates(slab))
@@ -73,7 +73,7 @@ class Characteristic:
 
     @property
     def leftmost(self) -> float:
-        """Re s (< 0) left of which D need not be analytic: the relaxation of a viscous slab; -inf if both are elastic."""
+        """Re s (< 0) left of which D may not be analytic: the relaxation of a viscous slab; -inf if both are elastic."""
         return max(-_fastest_relaxation(self.scene.upper), -_fastest_relaxation(self.scene.lower))
 
 
@@ -97,5 +97,5 @@ def _rates(slab: Slab) -> list[complex]:
 
 
 def characteristic(scene: Scene, model: str = "delay") -> Characteristic:
-    """D(s) for steady sliding at the scene's drive velocity. Raises SceneError where the model does not fit the scene."""
+    """D(s) for steady sliding at the scene's drive velocity. Raises SceneError if the model cannot compute the scene."""
     return Characteristic(scene, friction_slopes(scene.law, scene.velocity), ratio_of(scene, model), scene.transit)

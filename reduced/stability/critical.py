@@ -1,12 +1,12 @@
-"""Where steady sliding loses stability: critical r, epsilon and V of any scene under any model.
+"""The critical r, epsilon and V at which steady sliding loses stability, for any scene under any model.
 
 "r" scales both round trips together, "epsilon" both impedances; ratios between the slabs and a grip's relative stiffness stay.
-For slabs without viscosity Z depends on theta = omega r alone, so a crossing needs, with zeta(theta) = Z at s = i theta/r,
+For slabs without viscosity Z depends only on theta = omega r, so a crossing requires, with zeta(theta) = Z at s = i theta/r,
 
     omega^2(theta) = -G_phi^2 (F_ss' + Re zeta)/(F_v + Re zeta),     Im H(i omega) + Im zeta = 0,
 
-one scalar equation in theta; lossless slabs give omega = omega_c (20), (38) at once. Viscous times do not scale: there the first
-crossing is bracketed by counting unstable roots.
+one scalar equation in theta; for lossless slabs omega = omega_c (20), (38). The times of viscous slabs do not scale with r; there
+the first crossing is bracketed by counting unstable roots.
 """
 
 import dataclasses
@@ -44,8 +44,8 @@ def scaled(scene: Scene, round_trip: float = 1.0, epsilon: float = 1.0, velocity
 
 
 def critical_round_trip(scene: Scene, model: str = "delay") -> tuple[float, float]:
-    """(r_c, omega): the upper slab's round trip at which steady sliding first loses stability as both grow from 0, and the
-    frequency there; (nan, nan) if it never does. Friction clock."""
+    """(r_c, omega): the upper slab's round trip at which steady sliding first loses stability as both round trips grow from 0,
+    and the frequency there; (nan, nan) if it never does. Friction clock."""
     slopes = friction_slopes(scene.law, scene.velocity)
     if not slopes.weakening:
         return math.nan, math.nan
@@ -79,7 +79,7 @@ def _by_angle(scene: Scene, model: str, slopes: FrictionSlopes) -> tuple[float, 
 
 
 def _omega(slopes: FrictionSlopes, zeta: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Frequency at which Re H = -Re zeta; nan where the slab dissipates too much for any."""
+    """Frequency at which Re H = -Re zeta; nan where the slab dissipates too much."""
     with np.errstate(invalid="ignore"):
         return np.asarray(slopes.healing * np.sqrt(-(slopes.steady + zeta.real) / (slopes.direct + zeta.real)))
 
@@ -90,8 +90,8 @@ def _reactance(slopes: FrictionSlopes, omega: NDArray[np.float64]) -> NDArray[np
 
 
 def _by_counting(scene: Scene, model: str) -> tuple[float, float]:
-    """Octaves of r from small to large until a root is unstable, then bisection; the frequency from the crossing root itself.
-    A fit, which costs a new fit for every r, starts from the exact one-port's answer instead."""
+    """Searches octaves of r from small to large until a root is unstable, then bisects; the frequency is that of the crossing
+    root. A reduction would need a new fit for every r, so it starts from the result of the exact one-port instead."""
 
     def at(exponent: float) -> Scene:
         """The scene with both round trips scaled by 2^exponent."""
@@ -102,7 +102,7 @@ def _by_counting(scene: Scene, model: str) -> tuple[float, float]:
         return _refine(at, model, math.log2(exact / scene.transit), scene.transit) if exact > 0.0 else (math.nan, math.nan)
 
     def unstable(exponent: float) -> bool:
-        """Whether a root lies in the right half plane there."""
+        """Whether a root lies in the right half plane for this exponent."""
         return unstable_count(characteristic(at(exponent), model)) > 0
 
     exponents = range(_FIRST_OCTAVE, _LAST_OCTAVE + 1)
@@ -115,7 +115,7 @@ def _by_counting(scene: Scene, model: str) -> tuple[float, float]:
         low, high = (low, middle) if unstable(middle) else (middle, high)
     try:
         return _refine(at, model, 0.5 * (low + high), scene.transit)
-    except NumericsError:  # Newton's method has no hold on a shallow crossing; counting has
+    except NumericsError:  # Newton's method fails at a shallow crossing, where counting still works
         while high - low > 1e-12 * max(1.0, abs(low)):
             middle = 0.5 * (low + high)
             low, high = (low, middle) if unstable(middle) else (middle, high)
@@ -132,8 +132,9 @@ def _refine(at: Callable[[float], Scene], model: str, start: float, transit: flo
 def critical_epsilon(scene: Scene, model: str = "delay") -> float:
     """The upper slab's epsilon above which steady sliding is stable at the scene's r (40), (28); nan if there is none.
 
-    With Z proportional to epsilon a crossing at i omega needs epsilon_c/epsilon = -H/Z real and positive; the largest one counts.
-    Only omega <= omega_c can cross (the slab is passive, so Re H <= 0 there); omega = 0 can where the slabs have no spring.
+    Z is proportional to epsilon, so a crossing at i omega requires a real positive epsilon_c/epsilon = -H/Z; the largest one
+    counts. Roots can cross only at omega <= omega_c, because the slab is passive and so Re H <= 0; they cross at 0 only without a
+    spring.
     """
     slopes = friction_slopes(scene.law, scene.velocity)
     if not slopes.weakening:
@@ -159,7 +160,7 @@ def critical_epsilon(scene: Scene, model: str = "delay") -> float:
 
 
 def critical_velocity(scene: Scene, model: str = "delay", decades: float = 6.0, per_decade: int = 4) -> float:
-    """The velocity (V*) nearest the scene's at which its own round trip is critical; nan if there is none within `decades`."""
+    """The velocity (V*), nearest to the scene's, at which the scene's round trip is critical; nan if none within `decades`."""
     from scipy.optimize import brentq
 
     def margin(exponent: float) -> float:

@@ -1,4 +1,4 @@
-"""One crossing of the imaginary axis as a single parameter varies, by Newton's method on the parameter and the frequency."""
+"""A crossing of the imaginary axis as one parameter varies, by Newton's method for the parameter and the frequency."""
 
 import math
 from collections.abc import Callable
@@ -14,7 +14,7 @@ _DIFFERENCE = 1e-6
 
 
 def crossing(problem_at: Callable[[float], Characteristic], start: float) -> tuple[float, float]:
-    """(parameter, omega) near `start` at which a root is i omega: Newton from the minima of |D(i omega)| over omega.
+    """(parameter, omega), nearest to `start`, at which a root is i omega: Newton from the minima of |D(i omega)| over omega.
 
     Raises NumericsError if no start converges.
     """

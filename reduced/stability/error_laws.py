@@ -1,13 +1,13 @@
-"""How wrong a reduction will be, before it is run: the leading error of its critical r as theta = r omega_c -> 0.
+"""Predicts the error of a reduction without running it: the leading error of its critical r as theta = r omega_c -> 0.
 
 On s = i theta (transit clock) the alike pair's reactance over epsilon is
 
     exact     -(1/2) cot(theta/2) = -1/theta + theta/12 + theta^3/720 + theta^5/30240 + ...
     reduced   -1/theta + (mass + sum c_k/w_k^2) theta + (sum c_k/w_k^4) theta^3 + ...
 
-and the crossing needs that reactance to equal a number that friction alone fixes, so a deficit of (coefficient) theta^(p-1)
-moves r_c by the relative amount coefficient theta^p. Radiation damping instead acts at first order: quasidynamic has
-r_c = r_*/(1 - r_* G_phi/2), an error (G_phi/(2 omega_c)) theta.
+At a crossing this reactance equals a number that depends on friction alone. Therefore a deficit of coefficient theta^(p-1)
+changes r_c by the relative amount coefficient theta^p. Radiation damping acts at first order: quasidynamic has r_c = r_*/(1 - r_*
+G_phi/2), an error of (G_phi/(2 omega_c)) theta.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ def error_law(model: str, slopes: FrictionSlopes) -> ErrorLaw:
     quasistatic theta^2/12, quasidynamic (G_phi/(2 omega_c)) theta, block8 -theta^2/24, block12 theta^4/720, kelvin-voigt
     -theta^4/480, modal:N theta^4 sum_{k>N} 2/(2 pi k)^4.
 
-    Raises SceneError for a name that is not a reduction, ValueError for one with other damping than radiation's.
+    Raises SceneError for a name that is not a reduction, ValueError for a reduction with other damping than radiation.
     """
     reduced = reduction(model)
     if reduced.damping:

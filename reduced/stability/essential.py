@@ -1,9 +1,9 @@
-"""The neutral (essential) spectrum: where the infinitely many fast roots of the exact system pile up.
+"""The neutral (essential) spectrum: the abscissa at which the infinitely many fast roots of the exact system accumulate.
 
-At high frequency friction is the constant impedance F_v (the state cannot follow) and every slab a set of echoes without memory.
-Roots then satisfy D(E_1, E_2, ...) = 0, E_j = exp(-s T_j), affine in the echo of each layer; for alike plain slabs
-Re s = -(1/r) ln |(2 F_v + epsilon)/(2 F_v - epsilon)|. If all T_j are multiples of one time the equation is a polynomial, else
-the phases of the echoes are independent and the abscissa is the largest over all of them.
+At high frequency friction is the constant impedance F_v (the state cannot follow), and every slab is a set of echoes without
+memory. Roots then satisfy D(E_1, E_2, ...) = 0 with E_j = exp(-s T_j); D is affine in the echo of each layer. For alike plain
+slabs Re s = -(1/r) ln |(2 F_v + epsilon)/(2 F_v - epsilon)|. If all T_j are multiples of one time, the equation is a polynomial.
+Otherwise the phases of the echoes are independent, and the abscissa is the largest over all phases.
 """
 
 import itertools
@@ -23,10 +23,11 @@ _MOST_PARTS, _HIGHEST_DEGREE = 200, 800
 
 
 def essential_abscissa(scene: Scene) -> float:
-    """Re s (1/(L/V*)) of the rightmost pile of fast roots of the exact system; -inf if there is none (every wave is swallowed).
+    """Re s (1/(L/V*)) of the rightmost accumulation of fast roots of the exact system; -inf if there is none (every wave is
+    absorbed).
 
     Incommensurate travel times give the supremum over all phases of the echoes: exact for up to two of them, and in general over
-    all combinations of signs. Kelvin-Voigt solids let no fast wave through; their roots pile up at -1/time instead.
+    all combinations of signs. Kelvin-Voigt solids transmit no fast waves; their roots accumulate at -1/time instead.
     """
     slabs = (scene.upper,) if scene.alike else (scene.upper, scene.lower)
     accumulation = max(-_relaxation(slab) for slab in slabs)
@@ -39,7 +40,7 @@ def essential_abscissa(scene: Scene) -> float:
 
 
 def fast_balance(scene: Scene, slabs: tuple[Slab, ...], echoes: list[Echo]) -> Echo:
-    """F_v p + q of the chain of layers at high frequency, `echoes` the factor e^(-s T_j) of every layer, upper slab's first."""
+    """F_v p + q of the chain of layers at high frequency; `echoes`: the factor e^(-s T_j) of every layer, upper slab first."""
     direct = friction_slopes(scene.law, scene.velocity).direct
     remaining = list(echoes)
     ports = []
@@ -55,8 +56,8 @@ def fast_balance(scene: Scene, slabs: tuple[Slab, ...], echoes: list[Echo]) -> E
 
 
 def _fast_ratio(slab: Slab, echoes: list[Echo]) -> tuple[Echo, Echo]:
-    """(p, q) of a slab: `transmission_line.slab_ratio` for s -> infinity at given echoes. The outer face's spring is then too
-    soft to matter, and its mass too heavy to move."""
+    """(p, q) of a slab: `transmission_line.slab_ratio` for s -> infinity at given echoes. The outer face's spring is then
+    negligible, and its mass does not move."""
     one, held = np.ones_like(echoes[0]), slab.termination
     if held.is_rigid or held.mass > 0.0:
         p, q = 0.0 * one, one
@@ -70,7 +71,7 @@ def _fast_ratio(slab: Slab, echoes: list[Echo]) -> tuple[Echo, Echo]:
 
 
 def _idle(slabs: tuple[Slab, ...], echoes: list[Echo]) -> NDArray[np.bool_]:
-    """Roots that belong to both slabs swinging freely and alike: friction does not reach them (`Characteristic.idle`)."""
+    """Roots in which both slabs swing freely and alike: friction does not affect them (`Characteristic.idle`)."""
     if len(slabs) == 1:
         return np.zeros(echoes[0].shape, dtype=bool)
     split = len(slabs[0].layers)
@@ -82,7 +83,7 @@ def _idle(slabs: tuple[Slab, ...], echoes: list[Echo]) -> NDArray[np.bool_]:
 
 
 def _attenuation(slab: Slab, fraction: float) -> float:
-    """What a standard linear solid takes off a fast wave on its way to the far side of a layer and back."""
+    """Factor by which a standard linear solid attenuates a fast wave on its way to the far side of a layer and back."""
     if isinstance(slab.viscosity, StandardLinearViscosity):
         loss = slab.viscosity.ratio / (1.0 + slab.viscosity.ratio)
         return math.exp(-0.5 * slab.round_trip * fraction * loss / slab.viscosity.time)
@@ -99,14 +100,14 @@ def _relaxation(slab: Slab) -> float:
 
 
 def _common_grid(times: list[float]) -> tuple[float, list[int]] | None:
-    """(T, n_j) with T_j = n_j T, or None if the polynomial in exp(-s T) would be of too high a degree."""
+    """(T, n_j) with T_j = n_j T, or None if the degree of the polynomial in exp(-s T) would be too high."""
     unit = common_divisor(np.array(times), _MOST_PARTS)
     multiples = [round(time / unit) for time in times] if unit else []
     return (unit, multiples) if unit and sum(multiples) <= _HIGHEST_DEGREE else None
 
 
 def _polynomial(scene: Scene, slabs: tuple[Slab, ...], times: list[float], grid: tuple[float, list[int]]) -> float:
-    """Smallest root |E| of the polynomial in E = exp(-s T), whose coefficients are read off the unit circle."""
+    """The abscissa -ln|E|/T of the smallest root of the polynomial in E = exp(-s T), sampled on the unit circle."""
     unit, multiples = grid
     degree = sum(multiples)
     circle = np.exp(2j * np.pi * np.arange(degree + 1) / (degree + 1))
@@ -118,9 +119,9 @@ def _polynomial(scene: Scene, slabs: tuple[Slab, ...], times: list[float], grid:
 
 
 def _over_all_signs(scene: Scene, slabs: tuple[Slab, ...], times: list[float]) -> float:
-    """Largest sigma with F_v p + q = 0 for echoes +-exp(-sigma T_j): the balance is affine in each echo with real coefficients,
-    so that its modulus over the phase of any one echo is smallest at a sign. 0 for unlike slabs behind rigid faces: modes in
-    which both swing nearly freely and alike are damped as little as one likes."""
+    """Largest sigma with F_v p + q = 0 for echoes +-exp(-sigma T_j). The balance is affine in each echo with real coefficients,
+    so over the phase of any one echo its modulus is smallest at one of the signs. The result is 0 for unlike slabs behind rigid
+    faces: modes in which both swing nearly freely and alike have arbitrarily small damping."""
     best = -math.inf
     scale = 1.0 / max(times)
     sigma = np.linspace(-40.0, 0.004, 40005) * scale

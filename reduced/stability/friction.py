@@ -1,4 +1,4 @@
-"""Linearised friction: the interface's own one-port, for any registered law."""
+"""Linearised friction: the one-port of the interface, for any registered law."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ class FrictionSlopes:
 
     @property
     def weakening(self) -> bool:
-        """Friction falls with the steady rate: the one way to instability."""
+        """Friction falls with the steady rate, which is necessary for instability."""
         return self.steady < 0.0
 
     @property
@@ -28,7 +28,7 @@ class FrictionSlopes:
 
     @property
     def reach(self) -> float:
-        """Every root with Re s >= 0 of every passive slab lies within |s + G_phi| <= reach: beyond, Re H > 0 and Re Z >= 0."""
+        """For passive slabs every root with Re s >= 0 has |s + G_phi| <= reach, because beyond that Re H > 0 and Re Z >= 0."""
         return self.healing * abs(self.direct - self.steady) / self.direct
 
     def impedance_at(self, omega: float) -> complex:

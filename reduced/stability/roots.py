@@ -1,4 +1,4 @@
-"""Zeros of an analytic function in a region, with a certified count: argument principle, then Newton from a cloud of starts."""
+"""Zeros of an analytic function in a region, with a certified count: argument principle, then Newton from many starts."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -12,7 +12,7 @@ from slipwave.errors import NumericsError
 Function = Callable[[Complex], Jet]
 
 _STEP = 0.5
-"""Largest |D'/D| ds along the contour: the argument cannot turn unseen between two samples."""
+"""Largest |D'/D| ds along the contour, so that no turn of the argument is missed between two samples."""
 _MOST_POINTS = 400_000
 _SHORTEST = 1e-12
 _NEWTON_ROUNDS = 40
@@ -22,7 +22,7 @@ _CUTS = (0.5123, 0.4711, 0.5371, 0.4313, 0.5779)
 
 
 def half_disc(radius: float, inset: float) -> Complex:
-    """Corners of a polyline round {Re s > inset, |s| < radius}, counter-clockwise, closed; the arc is cut into 64 chords."""
+    """Corners of a closed polyline around {Re s > inset, |s| < radius}, counter-clockwise; the arc is divided into 64 chords."""
     angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 65)
     arc = inset + radius / np.cos(np.pi / 128.0) * np.exp(1j * angle)
     return np.append(arc, arc[0])
@@ -36,9 +36,9 @@ def rectangle(low: complex, high: complex) -> Complex:
 def count_zeros(function: Function, corners: Complex, anchors: tuple[complex, ...] = ()) -> int:
     """Zeros of an analytic function inside a closed polyline: its winding number.
 
-    Sides are halved until |D'/D| times the step is below 1/2 at both ends of every piece, D turns by less than 60 degrees over
-    it, and it is shorter than its distance from every one of the `anchors`, the points near which D varies on a scale of
-    its own. Raises NumericsError if a zero lies on the contour.
+    Sides are halved until every piece meets three conditions: |D'/D| times its length is below 1/2 at both ends, D turns by less
+    than 60 degrees over it, and it is shorter than its distance from each of the `anchors`, the points near which D varies on a
+    scale of its own. Raises NumericsError if a zero lies on the contour.
     """
     floor = _SHORTEST * float(np.abs(corners).max())
     points = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in pairwise(corners)] + [corners[-1:]])
@@ -68,7 +68,7 @@ def _first_bad(points: Complex, rate: NDArray[np.float64]) -> complex:
 
 
 def polish(function: Function, starts: Complex, rounds: int = _NEWTON_ROUNDS) -> Complex:
-    """Newton's method from every start at once; nan where it does not converge to rounding."""
+    """Newton's method from all starts; nan where it does not converge to rounding."""
     s = np.array(starts, dtype=np.complex128)
     step = np.full(s.shape, np.inf, dtype=np.complex128)
     with np.errstate(all="ignore"):
@@ -83,10 +83,11 @@ def polish(function: Function, starts: Complex, rounds: int = _NEWTON_ROUNDS) ->
 def zeros_in(
     function: Function, low: complex, high: complex, expected: int, anchors: tuple[complex, ...] = (), depth: int = 0
 ) -> Complex:
-    """All `expected` zeros in the rectangle with corners `low` (left, below) and `high`, each once; a few dozen are sensible.
+    """All `expected` zeros in the rectangle with corners `low` (left, below) and `high`, each once; for at most a few dozen
+    zeros.
 
-    `expected` is the rectangle's own count; `anchors` as in `count_zeros`. The rectangle is halved until Newton's method finds
-    them all. Raises NumericsError if they cannot be told apart.
+    `expected` is their number from `count_zeros`, where `anchors` is explained. The rectangle is halved until Newton's method
+    finds them all. Raises NumericsError if zeros lie too close to be distinguished.
     """
     if expected == 0:
         return np.empty(0, dtype=np.complex128)
@@ -105,7 +106,7 @@ def zeros_in(
 def _halves(
     function: Function, low: complex, high: complex, expected: int, anchors: tuple[complex, ...]
 ) -> list[tuple[tuple[complex, complex], int]]:
-    """Both halves of a rectangle across its longer side, with their counts; the cut moves aside if it meets a zero."""
+    """Both halves of a rectangle, cut across its longer side, with their counts; the cut is shifted if it meets a zero."""
     size = high - low
     for share in _CUTS:
         if size.imag >= size.real:
@@ -123,7 +124,7 @@ def _halves(
 
 
 def _distinct(found: Complex) -> Complex:
-    """Zeros, each once."""
+    """The finite zeros in `found`, each once."""
     kept: list[complex] = []
     for zero in found[np.isfinite(found)]:
         if all(abs(zero - other) > 1e-8 * abs(zero) for other in kept):

@@ -1,4 +1,4 @@
-"""The spectrum of steady sliding: how many roots are unstable (certified), and the leading ones."""
+"""The spectrum of steady sliding: the certified number of unstable roots, and the leading roots."""
 
 import numpy as np
 
@@ -8,11 +8,11 @@ from reduced.stability.roots import count_zeros, half_disc, polish, rectangle, z
 from slipwave.errors import NumericsError
 
 _INSETS = (1e-9, 1e-11, 1e-7)
-"""The contour runs this far right of the imaginary axis, relative to its radius, the first that meets no root: a neutral
-root does not count as unstable."""
+"""Distances of the contour from the imaginary axis, to the right, relative to its radius; the first that meets no root is used. A
+neutral root does not count as unstable."""
 
 _RIPPLES = 4.6
-"""Leading roots are looked for up to this many times pi per longer round trip: two pairs of reverberations."""
+"""Leading roots are searched up to this many times pi per longer round trip: two pairs of reverberations."""
 
 _CROWD = 60
 _DEEPEST_STRIP = 6.0
@@ -22,8 +22,8 @@ _TRIES = 5
 def unstable_count(problem: Characteristic, active: bool = False) -> int:
     """Roots with Re s > 0, by the argument principle.
 
-    For a passive slab all of them lie within `FrictionSlopes.reach` of -G_phi, so the count is complete; `active` (a slab with
-    unstable poles of its own) counts within 20 per transit instead. Raises NumericsError if a root lies on the contour.
+    For passive slabs all of them lie within `FrictionSlopes.reach` of -G_phi, so the count is complete. For an `active` slab
+    (with unstable poles of its own) it counts up to 20 per transit. Raises NumericsError if a root lies on the contour.
     """
     radius = problem.slopes.reach
     if active:
@@ -33,16 +33,16 @@ def unstable_count(problem: Characteristic, active: bool = False) -> int:
     for inset in _INSETS:
         try:
             return count_zeros(problem.jet, half_disc(1.001 * radius, inset * radius), problem.anchors)
-        except NumericsError as error:  # a neutral root: pass it on its other side
+        except NumericsError as error:  # a neutral root lies on the contour: move the contour to its other side
             failure = error
     raise failure
 
 
 def leading_roots(problem: Characteristic, most: int = 8) -> Complex:
-    """The `most` roots with the largest real parts among those with |Im s| below two ripple frequencies, conjugates included.
+    """The `most` roots with the largest real parts among those with |Im s| below two ripple frequencies, including conjugates.
 
-    The rectangle searched grows to the left until it holds enough, or shrinks until it holds few; in it the number of roots is
-    certified. Sorted by falling real part; 1/(L/V*). Raises NumericsError if roots cannot be told apart.
+    The searched rectangle grows to the left until it holds enough roots, or shrinks until it does not hold too many; their number
+    is certified. Sorted by falling real part; 1/(L/V*). Raises NumericsError if roots lie too close to be distinguished.
     """
     low, count = _rectangle(problem, most)
     roots = zeros_in(problem.jet, low, _mirrored(problem, low), count, problem.anchors)
@@ -61,7 +61,7 @@ def _mirrored(problem: Characteristic, low: complex) -> complex:
 
 
 def _counted(problem: Characteristic, left: float, top: float) -> tuple[complex, int]:
-    """(lower left corner, number of roots inside) of the search rectangle, moved a little if a root lies on its rim."""
+    """(lower left corner, number of roots inside) of the search rectangle, moved slightly if a root lies on its boundary."""
     for _ in range(_TRIES):
         corner = complex(-left, -top)
         try:
@@ -72,7 +72,7 @@ def _counted(problem: Characteristic, left: float, top: float) -> tuple[complex,
 
 
 def _rectangle(problem: Characteristic, most: int) -> tuple[complex, int]:
-    """The search rectangle that holds enough roots and few, and its count."""
+    """A search rectangle that holds enough roots but not too many: (lower left corner, number of roots)."""
     unit, wall = 1.0 / problem.longest, -0.9 * problem.leftmost
     left, top = min(0.3 * unit, wall), max(1.05 * problem.slopes.reach, _RIPPLES * np.pi * unit)
     found = _counted(problem, left, top)
@@ -81,7 +81,7 @@ def _rectangle(problem: Characteristic, most: int) -> tuple[complex, int]:
         if fewer[1] < most:
             break
         left, found = left / 3.0, fewer
-    while found[1] > _CROWD:  # the fast roots all lie in one thin strip: only the slow ones then
+    while found[1] > _CROWD:  # all fast roots lie in one thin strip: search only the slow ones
         top /= 3.0
         found = _counted(problem, left, top)
     while found[1] < most and left < min(_DEEPEST_STRIP * unit, wall):
@@ -91,5 +91,5 @@ def _rectangle(problem: Characteristic, most: int) -> tuple[complex, int]:
 
 
 def follow_root(problem: Characteristic, start: complex) -> complex:
-    """The root Newton's method reaches from `start`; nan if it reaches none."""
+    """The root to which Newton's method converges from `start`; nan if it does not converge."""
     return complex(polish(problem.jet, np.array([start]))[0])

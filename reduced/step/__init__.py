@@ -1,1 +1,1 @@
-"""One collocated step of friction: nodes, Newton iteration, first guess."""
+"""One collocation step of friction: nodes, Newton iteration, first guess."""

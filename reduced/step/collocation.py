@@ -1,4 +1,4 @@
-"""Radau IIA collocation on the unit step, shared by the delay system and the ladder of ODE reductions."""
+"""Radau IIA collocation on the unit step, shared by the delay system and the ODE reductions."""
 
 from functools import cache
 from typing import NamedTuple, TypeAlias
@@ -12,13 +12,13 @@ Nodes: TypeAlias = tuple[float, ...]
 """Nodes as a tuple: compiled code then knows their number."""
 
 
-_ROUNDING = 1e-13  # of the stability function as it is computed here
+_ROUNDING = 1e-13  # rounding error of the stability function as computed here
 
 
 class Collocation(NamedTuple):
     """s nodes in (0, 1] (the last is 1); `integral` A (s, s): A_ij = integral of Lagrange polynomial j from 0 to node i;
-    `inverse` A^-1; `predict` (s, s): values one step further on of the polynomial through s nodal values;
-    `predict_state` (s, s + 1): the same for a polynomial that also knows its value at the left end (first column)."""
+    `inverse` A^-1; `predict` (s, s): values, at the nodes of the next step, of the polynomial through s nodal values;
+    `predict_state` (s, s + 1): the same for the polynomial that also uses the value at the left end (first column)."""
 
     nodes: Array
     integral: Array
@@ -50,8 +50,9 @@ def radau(stages: int) -> Collocation:
 def growth_limit(stages: int, tolerance: float) -> float:
     """Largest growth per step, z = (growth rate) * length, that Radau IIA of `stages` nodes reproduces to `tolerance`.
 
-    |R(z) e^-z - 1| <= tolerance up to there, R the stability function (Hairer and Wanner II, IV.3). Beyond z = 38 with 6 nodes,
-    61 with 8, |R| is below 1: what grows seems to decay, smoothly, and no test of the polynomial's resolution sees it.
+    |R(z) e^-z - 1| <= tolerance up to this z, with the stability function R (Hairer and Wanner II, IV.3). Beyond z = 38 with 6
+    nodes, 61 with 8, |R| is below 1: a growing motion seems to decay smoothly, and no test of the polynomial's resolution detects
+    it.
     """
     growth = np.linspace(0.0, 12.0, 1201)[1:]
     systems = np.eye(stages) - growth[:, None, None] * radau(stages).integral
@@ -61,13 +62,13 @@ def growth_limit(stages: int, tolerance: float) -> float:
 
 
 def highest_coefficient(nodes: Array) -> Array:
-    """Row (s,) that gives the highest Legendre coefficient of a polynomial from its nodal values: how well a step resolves it."""
+    """Row (s,) that gives the highest Legendre coefficient of a polynomial from its nodal values, a measure of its resolution."""
     return np.asarray(np.linalg.inv(legendre.legvander(2.0 * nodes - 1.0, nodes.size - 1))[-1]).copy()
 
 
 def radau_nodes(stages: int) -> Array:
     """Right Radau points on (0, 1]: the end, and the roots of Jacobi's P^(1,0) of stages - 1, shifted."""
-    from scipy.special import roots_jacobi  # with it start-up would take longer
+    from scipy.special import roots_jacobi  # imported here to keep start-up fast
 
     nodes = np.ones(stages)
     if stages > 1:

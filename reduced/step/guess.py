@@ -1,5 +1,5 @@
-"""Around the Newton iteration of a collocation step of the delay system: where it starts, what forces it, whether its polynomial
-is resolved. See `reduced.step.newton` for the rows of `guess` and `work`."""
+"""Parts of a collocation step of the delay system besides its Newton iteration: the first guess, the nudge, and the verdict on
+the step. See `reduced.step.newton` for the rows of `guess` and `work`."""
 
 from reduced.step.collocation import Nodes
 from reduced.step.newton import FORCED, FRESH, PREVIOUS, SLOPE, STATE, UNKNOWN
@@ -15,7 +15,7 @@ DONE, NOT_SOLVED, NOT_SMOOTH, TOO_STEEP = range(4)
 
 @njit
 def first_guess(law: Law, impedance: float, incoming: Array, psi: float, z: float, guess: Array) -> int:
-    """Nodal z for frozen psi; returns the number of non-converged solves. Used where there is no earlier step to extend."""
+    """Nodal z for constant psi; returns the number of unconverged solves. Used where there is no earlier step to extend."""
     failures = 0
     for j in range(guess.size):
         z, iterations = solve_interface(law, impedance, incoming[j], psi, z)
@@ -26,8 +26,8 @@ def first_guess(law: Law, impedance: float, incoming: Array, psi: float, z: floa
 
 @njit
 def force(nodes: Nodes, nudge: float, start: float, length: float, integral: Array, work: Array) -> None:
-    """work[FORCED] <- integral of the nudge from the step's start to each node; kept out of the Newton loop, which it would slow
-    by a quarter."""
+    """work[FORCED] <- integral of the nudge from the step's start to each node; done outside the Newton loop, which it would slow
+    down by a quarter."""
     for j in range(len(nodes)):
         work[FORCED, j] = 0.0
     for k in range(len(nodes)):
@@ -39,10 +39,10 @@ def force(nodes: Nodes, nudge: float, start: float, length: float, integral: Arr
 
 @inlined
 def judge_step(nodes: Nodes, tail: Array, guess: Array, work: Array, used: int, resolution: float, steepest: float) -> int:
-    """DONE; NOT_SOLVED where Newton `used` no iteration; NOT_SMOOTH if the highest Legendre coefficient of z in the step, `tail`
-    times the nodal values, is above `resolution`; TOO_STEEP if a disturbance would grow by more than e^`steepest` within the step
-    (the slopes of the linearised step): an implicit step damps it, and a smooth solution that is left by everything in its
-    neighbourhood would pass."""
+    """NOT_SOLVED if `used`, Newton's iterations, is 0. NOT_SMOOTH if the highest Legendre coefficient of z in the step (`tail`
+    times the nodal values) is above `resolution`. TOO_STEEP if a disturbance would grow by more than e^`steepest` within the step
+    (by the slopes of the linearised step): an implicit step damps such growth, so that it would follow an unstable smooth
+    solution. Otherwise DONE."""
     coefficient, growth = 0.0, 0.0
     for j in range(len(nodes)):
         coefficient += tail[j] * guess[UNKNOWN, j]
@@ -56,7 +56,7 @@ def judge_step(nodes: Nodes, tail: Array, guess: Array, work: Array, used: int, 
 
 @inlined
 def predict(nodes: Nodes, predict_rate: Array, predict_state: Array, left: float, guess: Array, work: Array) -> None:
-    """Replace the nodal values by those one step on of their polynomials: the next step's guess."""
+    """Replace the nodal values by those of their polynomials at the nodes of the next step, as its guess."""
     s = len(nodes)
     for j in range(s):
         work[PREVIOUS, j] = predict_state[0, j] * left
@@ -73,7 +73,7 @@ def predict(nodes: Nodes, predict_rate: Array, predict_state: Array, left: float
 
 @njit
 def hold(nodes: Nodes, psi: float, z: float, guess: Array) -> None:
-    """The values at a step's end as the next step's guess, where its length differs and no polynomial may be extended."""
+    """Take the values at a step's end as the guess for the next step if its length differs, so that polynomials do not extend."""
     for j in range(len(nodes)):
         guess[STATE, j] = psi
         guess[UNKNOWN, j] = z

@@ -2,10 +2,11 @@
 
     F(z, psi) + Z v(z) = S,     psi' = r G(z, psi) + nudge(t),
 
-S being the incoming stress at the step's nodes, Z the interface's impedance. z is eliminated node by node; what is left is small.
+with the incoming stress S at the step's nodes and the interface's impedance Z. z is eliminated node by node, which leaves a small
+linear system for psi.
 
-`nodes` is a tuple so that the compiler knows how many there are and unrolls the small loops (a factor 1.7 measured); the parts
-are inlined and take arrays one by one: calls, tuples of arrays and row views cost reference counting (a factor 1.5 measured).
+`nodes` is a tuple, so that the compiler knows their number and unrolls the small loops (a factor of 1.7 measured). The parts are
+inlined and take arrays one by one: calls, tuples of arrays and row views cost reference counting (a factor of 1.5 measured).
 """
 
 import math
@@ -28,7 +29,7 @@ WORK_ROWS = 12
 
 @inlined
 def linearise(nodes: Nodes, law: Law, impedance: float, h: float, incoming: Array, i: int, guess: Array, work: Array) -> float:
-    """Per node: friction and state linearised at the guess with z eliminated; returns the largest coupling |slope|."""
+    """Per node: linearise friction and state at the guess and eliminate z; returns the largest coupling |slope|."""
     s = len(nodes)
     coupling = 0.0
     for j in range(s):
@@ -51,7 +52,7 @@ def linearise(nodes: Nodes, law: Law, impedance: float, h: float, incoming: Arra
 
 @inlined
 def neumann(nodes: Nodes, integral: Array, work: Array, sweeps: int) -> None:
-    """change <- (1 + K + ... + K^sweeps) change with K = A diag(slope), small: enough inside a Newton iteration."""
+    """change <- (1 + K + ... + K^sweeps) change; accurate enough for a Newton iteration if K = A diag(slope) is small."""
     s = len(nodes)
     for j in range(s):
         work[PREVIOUS, j] = work[CHANGE, j]
@@ -70,7 +71,8 @@ def neumann(nodes: Nodes, integral: Array, work: Array, sweeps: int) -> None:
 
 @inlined
 def eliminate(nodes: Nodes, integral: Array, work: Array, system: Array) -> None:
-    """change <- (1 - A diag(slope))^-1 change by Gaussian elimination; the diagonal dominates for any resolved step."""
+    """change <- (1 - A diag(slope))^-1 change by Gaussian elimination without pivoting: a resolved step is diagonally
+    dominant."""
     s = len(nodes)
     for k in range(s):
         factor = work[SLOPE, k]
@@ -94,7 +96,7 @@ def eliminate(nodes: Nodes, integral: Array, work: Array, system: Array) -> None
 
 @inlined
 def correct(nodes: Nodes, guess: Array, work: Array) -> float:
-    """Apply the change to psi, z and v in place; returns an estimate of what the linearisation neglected.
+    """Apply the change to psi, z and v in place; returns an estimate of what the linearisation neglects.
 
     v is continued by v'' = v, exact for v = e^z and v = 2 c sinh z, so no exponential is evaluated again.
     """
@@ -130,10 +132,11 @@ def solve_step(
     work: Array,
     system: Array,
 ) -> int:
-    """Newton for the step's nodal psi and z, from and into `guess`, nodal v into work[RATE]; returns iterations, 0 = failed.
+    """Newton for the step's nodal psi and z, which replace those in `guess`; nodal v in work[RATE]. Returns iterations, 0 =
+    failed.
 
-    z is eliminated node by node, and the small system for psi is summed (Neumann) where the state couples weakly, as in
-    the stick, else eliminated.
+    z is eliminated node by node. The small system for psi is solved by a Neumann series if the state couples weakly, as during
+    stick, and by elimination otherwise.
     """
     s = len(nodes)
     for iteration in range(1, _MAX_NEWTON + 1):

@@ -1,4 +1,4 @@
-"""numba for the whole house: compiled functions, their cache on disk, and dispatch by class."""
+"""numba for all packages: compiled functions, their cache on disk, and dispatch by class."""
 
 from slipwave.compiled.functions import inlined, njit, overwrite
 

@@ -1,13 +1,13 @@
-"""Compiled code kept on disk: found again as long as nothing it was made from has changed, and never the end of a run.
+"""Compiled code kept on disk. It is used as long as nothing it was made from has changed; trouble with it never ends a run.
 
 One file holds one function compiled for one set of argument types. Its name is a digest of all that shapes the machine code: the
-program text of the function's module, of those of its arguments' classes, of every module they import, and of the functions that
-compiled code chooses by class (`add_choices`, friction laws for example); the argument types, the processor, and the versions of
-Python, numpy, numba and llvmlite. A file opens with a digest of its contents; one that does not match is thrown away. Where the
-folder cannot be read or written, functions are compiled without it, which is told once.
+argument types, the processor, the versions of Python, numpy, numba and llvmlite, and the program text of these modules: the
+function's own, those of its arguments' classes, those of the functions that compiled code chooses by class (`add_choices`, for
+example friction laws), and every module that these import. A file begins with a digest of its contents; if that does not match,
+the file is deleted. If the folder cannot be read or written, functions are compiled without it, and one line on stderr says so.
 
-The folder is `$NUMBA_CACHE_DIR` if that variable is set, else `$XDG_CACHE_HOME/slipwave` (default ~/.cache). What has not been
-used for a month is removed. numba's own cache, which a user's functions may use, is left alone.
+The folder is `$NUMBA_CACHE_DIR` if that variable is set, else `$XDG_CACHE_HOME/slipwave` (default ~/.cache). Files that were not
+used for a month are removed. numba's own cache, which a user's functions may use, is left alone.
 """
 
 import contextlib
@@ -49,7 +49,7 @@ _is_writable = True
 
 
 def add_choices(generic: Callable[..., Any], choices: Choices) -> None:
-    """Declare that a compiled call of `generic` may become any of `choices()`, whose modules its own need not import."""
+    """Declare that a compiled call of `generic` may become any of `choices()`; the module of `generic` need not import theirs."""
     _choices.append((_file_of(generic), choices))
 
 
@@ -96,12 +96,12 @@ class DiskCache(NullCache):  # type: ignore[misc]
             _prune_once(path.parent)
             contents = dumps((sig, data._reduce()))
             _write(path, _digest(contents, path.name) + contents)
-        except Exception as error:  # a numba that has changed inside is no reason to end a run, nor is a full disk
+        except Exception as error:  # neither a full disk nor a new numba with other internals may end a run
             _is_writable = False
             _tell(f"cannot be written ({error})")
 
     def _path(self, sig: Any, codegen: Any) -> Path | None:
-        """Where the code for `sig` belongs; None if it depends on foreign code, or on a file edited since the process began."""
+        """File for the code of `sig`; None if the code depends on foreign modules or on a file edited since the process began."""
         sources = _sources(_file_of(self._function), set(_classes(getattr(sig, "args", sig))))
         if sources is None:
             return None
@@ -111,7 +111,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
 
 
 def folder() -> Path:
-    """Where compiled code is kept. Raises RuntimeError if there is no home to look in."""
+    """Where compiled code is kept. Raises RuntimeError if there is no home folder."""
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     if chosen:
         return Path(chosen)
@@ -137,8 +137,8 @@ def _classes(kinds: Iterable[Any]) -> Iterator[type]:
 
 
 def _sources(start: Path, classes: set[type]) -> tuple[Path, ...] | None:
-    """The files whose text shapes code compiled in `start` for arguments of `classes`, sorted; None if one of them is unknown to
-    the house or too new. A choice counts if its class is among them or in one of the files."""
+    """The files whose text shapes code compiled in `start` for arguments of `classes`, sorted; None if one of them is outside the
+    project or too new. A choice counts if its class is in `classes` or in one of the files."""
     found: tuple[Path, ...] = ()
     starts = {start, *map(_home_of, classes)}
     while not starts <= set(found):
@@ -147,7 +147,7 @@ def _sources(start: Path, classes: set[type]) -> tuple[Path, ...] | None:
         found = _closure(frozenset(starts.union(found)))
         pairs = [pair for owner, choices in _choices if owner in found for pair in choices()]
         starts = {_file_of(function) for kind, function in pairs if kind in classes or _home_of(kind) in found}
-    # what was imported may be older than what is read now
+    # a file edited after the start is no longer the text that this process has imported
     return None if any(path.stat().st_mtime > _STARTED for path in found) else found
 
 
@@ -178,7 +178,7 @@ def _checked(packed: bytes, name: str) -> bytes:
 
 
 def _write(path: Path, packed: bytes) -> None:
-    """Whole or absent, also when several processes write the same file."""
+    """Write the file whole or not at all, also when several processes write it."""
     part = path.with_name(f"{uuid.uuid4().hex}.part")
     try:
         part.write_bytes(packed)
@@ -189,10 +189,10 @@ def _write(path: Path, packed: bytes) -> None:
 
 @cache
 def _prune_once(place: Path) -> None:
-    """Make the folder, and remove from it what has not been used for a month."""
+    """Make the folder, and remove files from it that were not used for a month."""
     place.mkdir(parents=True, exist_ok=True)
     for path in place.iterdir():
-        with contextlib.suppress(OSError):  # another process may be at it too
+        with contextlib.suppress(OSError):  # another process may be removing them too
             if path.stat().st_mtime > _STARTED - _UNUSED_SECONDS:
                 continue
             if path.suffix in (_SUFFIX, ".part"):
@@ -202,7 +202,7 @@ def _prune_once(place: Path) -> None:
 
 
 def _tell(trouble: str) -> None:
-    """One line on stderr, the first time."""
+    """Print one line on stderr, the first time only."""
     global _is_told
     if not _is_told:
         _is_told = True

@@ -1,7 +1,7 @@
 """Choose an implementation by the class of the first argument, in plain Python and, at compile time, in compiled code.
 
-A slab's medium and its face are NamedTuples; the kernel calls `strain(medium)` and numba compiles in the version that belongs to
-the class, and no other: a rigid face or a uniform slab pays nothing for the grips and layers that a different scene has.
+A slab's medium and its face are NamedTuples. The kernel calls `strain(medium)`, and numba compiles in only the version for that
+class, so a rigid face or a uniform slab costs nothing for the grips and layers of other scenes.
 """
 
 from collections.abc import Callable
@@ -32,8 +32,8 @@ class ByClass(Protocol[Arguments, Answer]):
 def by_class(inline: bool = False) -> Callable[[Callable[Arguments, Answer]], ByClass[Arguments, Answer]]:
     """Decorator of a function whose versions are registered class by class; its own body is the version of all other classes.
 
-    `inline` compiles it into its callers: worth it for small parts of a hot loop, where handing over arrays costs more than the
-    work; not for loops over cells, which vectorise better on their own.
+    `inline` compiles it into its callers. This pays for small parts of a hot loop, where passing arrays costs more than the work;
+    it does not for loops over cells, which vectorise better in a function of their own.
     """
 
     def _decorate(function: Callable[Arguments, Answer]) -> ByClass[Arguments, Answer]:

@@ -1,4 +1,4 @@
-"""`njit` for the whole house: numba with a disk cache that cannot go stale (`slipwave.compiled.cache`)."""
+"""`njit` for all packages: numba with a disk cache that cannot go stale (`slipwave.compiled.cache`)."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
@@ -18,7 +18,7 @@ def njit(function: Function) -> Function:
 
 
 def inlined(function: Function) -> Function:
-    """Compile `function` into its callers: for the parts of a hot loop, where a call's reference counting would show."""
+    """Compile `function` into its callers: for parts of a hot loop, where the reference counting of a call would cost time."""
     return cast(Function, numba.njit(inline="always", error_model="numpy", fastmath={"contract"})(function))
 
 

@@ -1,4 +1,4 @@
-"""Numerical check of a friction law supplied from outside: a wrong derivative is refused before it can bend a result."""
+"""Numerical check of a friction law supplied from outside: a wrong derivative is refused before it can falsify a result."""
 
 import itertools
 import math
@@ -32,7 +32,7 @@ def check_law(name: str, law: Any, parameters: tuple[float, ...] = _PARAMETERS) 
 
 
 def _sample(name: str, law: Any, parameters: tuple[float, ...]) -> Any:
-    """An instance of the law's parameters to try it with."""
+    """An instance of the law's parameters for the check."""
     for values in ((), parameters):
         try:
             return law.parameters(*values)

@@ -1,14 +1,14 @@
-"""What a friction law is, and how one is registered.
+"""What a friction law is, and how to register one.
 
-A law is a NamedTuple of its parameters (numba specialises every solver on its class, so the branches of other laws are not
-compiled in) and one pure function in the well-scaled variables: the rate unknown z, usually ln v, and the state psi = ln phi.
+A law consists of a NamedTuple of its parameters and one pure function of two well-scaled variables: the rate unknown z, usually
+ln v, and the state psi = ln phi. numba specialises every solver on that NamedTuple's class, so other laws are not compiled in.
 
     respond(law, z, psi) -> (v, v_z, F, F_z, F_psi, G, G_z, G_psi)
 
 v is the slip rate, F the friction coefficient (1), and psi' = G(z, psi) on the friction clock L/V*; subscripts are partial
-derivatives. `steady_state(law, v) -> psi` solves G = 0. Laws that allow v <= 0
-also supply `rate_of(law, z) -> v` and its inverse `unknown_of(law, v) -> z`; v'' = v in z, as for e^z and sinh z, is relied on.
-Argument names are part of the interface (numba matches them).
+derivatives. `steady_state(law, v) -> psi` solves G = 0. Laws that allow v <= 0 also supply `rate_of(law, z) -> v` and its inverse
+`unknown_of(law, v) -> z`. Solvers rely on v'' = v in z, which holds for e^z and sinh z. Argument names are part of the interface
+(numba matches them).
 """
 
 import math
@@ -86,7 +86,7 @@ def register(
     """Make a law known to every solver under `name`.
 
     A law from outside this package is checked first (its derivatives against finite differences, its steady state against G = 0)
-    and is compiled in each process, never taken from disk. Raises SceneError naming the first wrong function.
+    and is compiled in each process, never read from the disk cache. Raises SceneError naming the first wrong function.
     """
     law = Registered(parameters, respond, steady_state, rate_of, unknown_of)
     if Path(respond.__code__.co_filename).parent != _HOUSE:

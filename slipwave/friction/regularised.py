@@ -1,4 +1,4 @@
-"""The regularised direct effect, which allows v <= 0, shared by the laws that differ only in how their state evolves:
+"""The regularised direct effect, which allows v <= 0. The laws that share it differ only in how their state evolves:
 
     mu = a asinh( (v/2) exp((a_* + b psi)/a) ),   v = 2 RATE_FLOOR sinh z.
 
@@ -33,7 +33,7 @@ def direct_effect(a_star: float, a: float, b: float, z: float, psi: float) -> tu
     c = (a_star + b * psi) / a
     half = 0.5 * abs(v)
     root = math.sqrt(half * half + math.exp(-2.0 * c))
-    # the logarithm would lose every digit of a rate near rest, the exponential overflows where friction is weak (a small)
+    # near rest the logarithm would lose every digit of the rate; for weak friction (small a) the exponential overflows
     size = math.asinh(half * math.exp(c)) if c < _LARGEST_EXPONENT else c + math.log(half + root)
     return v, v_z, math.copysign(a * size, v), a * 0.5 * v_z / root, b * v / (2.0 * root)
 

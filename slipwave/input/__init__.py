@@ -1,4 +1,4 @@
-"""Scene files in, frozen `Scene` out: find the text, apply overrides, validate every key, convert SI, assemble."""
+"""Reads a scene file into a frozen `Scene`: finds the text, applies overrides, validates every key, converts SI, assembles."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -15,7 +15,7 @@ def read(source: str | Path | Mapping[str, Any], overrides: Iterable[str] | Mapp
     `slipwave.input.overrides`. Reading runs no code. Raises SceneError: one line that names the key, the value and what is
     allowed.
     """
-    # numba and pydantic load only now: `import slipwave` stays light
+    # numba and pydantic are imported only here, so that `import slipwave` stays light
     from slipwave.input.assemble import assemble
     from slipwave.input.overrides import apply_overrides
     from slipwave.input.source import load

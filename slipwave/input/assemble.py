@@ -1,4 +1,4 @@
-"""Validated tables -> frozen `Scene`: joins keys that depend on each other and converts SI (15)."""
+"""Turns validated tables into a frozen `Scene`: combines keys that depend on each other and converts SI (15)."""
 
 import math
 from typing import Any
@@ -122,7 +122,8 @@ def _named(units: Units, *keys: str) -> dict[str, float]:
 
 
 def _in_range(what: str, result: float, allowed: Range, sources: dict[str, float]) -> float:
-    """`result`, derived from the keys `sources`; outside `allowed` every one of them is named, for any may be the wrong one."""
+    """`result`, derived from the keys `sources`. The SceneError for a result outside `allowed` names all of them, because any of
+    them may be the wrong one."""
     if not allowed.low <= result <= allowed.high:
         given = ", ".join(f"{key} = {value:g}" for key, value in sources.items())
         raise SceneError(f"{given}: give {what} = {result:.9g}, which must be {allowed}")

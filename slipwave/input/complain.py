@@ -1,4 +1,4 @@
-"""One fault found by pydantic -> one line: dotted key = value: what is allowed there."""
+"""Turns one fault found by pydantic into one line: dotted key = value: what is allowed there."""
 
 from collections.abc import Iterator
 from typing import Any, get_args
@@ -19,7 +19,7 @@ def _tables(hint: Any) -> list[type[BaseModel]]:
 
 
 def _held(table: type[BaseModel]) -> dict[str, list[type[BaseModel]]]:
-    """Every key at and below `table` that holds tables, with these: several of different kinds, or the only one."""
+    """Every key at and below `table` that holds tables, with the tables it may hold: one, or several of different kinds."""
     own = {key: tables for key, field in table.model_fields.items() if (tables := _tables(field.annotation))}
     return own | {key: held for tables in own.values() for inner in tables for key, held in _held(inner).items()}
 
@@ -52,7 +52,7 @@ def complaint(fault: ErrorDetails, above: tuple[str, ...], fields: dict[str, Fie
 
 
 def _without_tags(loc: tuple[str | int, ...]) -> tuple[list[str | int], list[str]]:
-    """The key's path as the user wrote it, and the kinds pydantic added (`slab.face.grip.stiffness` is slab.face.stiffness)."""
+    """The key's path as the user wrote it, and the kinds that pydantic inserts (`grip` in slab.face.grip.stiffness)."""
     place: list[str | int] = []
     tables: list[str] = []
     for part in loc:
@@ -77,7 +77,7 @@ def _fields(place: list[str | int], kinds: list[str], fallback: dict[str, FieldI
 
 
 def _suggestion(place: list[str | int], kinds: list[str], fields: dict[str, FieldInfo]) -> str:
-    """Names the known key nearest to an unknown one: in its own table, else anywhere, else lists the table's keys."""
+    """Names the known key nearest to an unknown one, in another table or in its own; if none is near, lists the table's keys."""
     word, table = str(place[-1]), _table(place)
     elsewhere = {name: key for key in ("slab", "drive", "start", "run") for name in _TABLES[key].model_fields}
     if word in elsewhere and not kinds:
@@ -93,7 +93,7 @@ def _suggestion(place: list[str | int], kinds: list[str], fields: dict[str, Fiel
 
 
 def _wanted(fault: ErrorDetails, place: list[str | int], fields: dict[str, FieldInfo]) -> str:
-    """What is allowed at a place, for faults that do not say so themselves."""
+    """What is allowed at `place`, for faults whose own message does not say it."""
     name = str(place[-1])
     if fault["type"] == "literal_error":
         return f"must be {fault['ctx']['expected']}"
@@ -106,7 +106,7 @@ def _wanted(fault: ErrorDetails, place: list[str | int], fields: dict[str, Field
 
 
 def _allowed(hint: Any) -> Iterator[Range | str]:
-    """What the schema states of a key, in the metadata of its type or of its parts."""
+    """What the schema allows for a key, from the metadata of its type or of the type's parts."""
     for item in getattr(hint, "metadata", getattr(hint, "__metadata__", ())):
         stated = getattr(item, "func", item)
         if isinstance(stated, Range | str):

@@ -1,4 +1,4 @@
-"""Numbers of a scene file: finite, in a stated range, integers welcome, booleans and text not."""
+"""Numbers of a scene file: finite and in a stated range. Integers are allowed; booleans and text are not."""
 
 import math
 import numbers

@@ -1,7 +1,7 @@
 """`key=value` overrides of a scene's raw tables, before validation.
 
-Setting one key does what the user means: `slab.log10_r` replaces `r` (or `thickness`), `slab.epsilon` replaces nothing else,
-`upper.x` on a scene with one [slab] first gives the two slabs a table each, and a new `kind` starts its table afresh.
+`slab.log10_r` also removes `r` and `thickness`, which state the same quantity. `upper.x` on a scene with one [slab] first gives
+each slab a table of its own. A new `kind` of face or viscosity first empties its table.
 """
 
 import copy
@@ -20,7 +20,7 @@ _FRESH_TABLES = {"face", "viscosity"}
 
 
 def apply_overrides(data: dict[str, Any], overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
-    """`data` with every override set, in order, `kind`s first. Raises SceneError on text that is no `key=value`."""
+    """`data` with every override set, in order, but every `kind` first. Raises SceneError on text that is not `key=value`."""
     if isinstance(overrides, Mapping):
         pairs = [(_key(str(key)), copy.deepcopy(value)) for key, value in overrides.items()]
     else:

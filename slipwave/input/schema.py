@@ -1,6 +1,6 @@
 """Every key of a scene file with its type and range (README: the table of scene keys). Shape only: `assemble` joins the keys.
 
-A text beside a type says what is allowed, as a `Range` does beside a number; `complain` reads both.
+A text in an annotation says what is allowed, as a `Range` does for a number; `complain` reads both.
 """
 
 from itertools import pairwise
@@ -29,7 +29,7 @@ from slipwave.input.number import (
 
 
 def _printable(text: str) -> str:
-    """`text`, without anything that could steer a terminal or that a file could not hold."""
+    """`text`, if it has no characters that could control a terminal or that a file could not hold."""
     if not text.isprintable():
         raise PydanticCustomError("printable", "cannot be printed")
     return text
@@ -66,7 +66,7 @@ class GripTable(Table):
 
 
 class MachineTable(Table):
-    """A grip with a mass on the slab's face (relative to epsilon r). In scenes with units Pa/m, Pa s/m and kg/m2 instead."""
+    """A grip with a mass on the slab's face (relative to epsilon r). Scenes with units give Pa/m, Pa s/m and kg/m2 instead."""
 
     kind: Literal["machine"]
     stiffness: Machine
@@ -98,7 +98,7 @@ class StandardLinearTable(Table):
 
 def _kind(default: str) -> Discriminator:
     def tag(value: Any) -> Any:
-        """The word that says which table this is."""
+        """The `kind` of a table."""
         return value.get("kind", default) if isinstance(value, dict) else getattr(value, "kind", default)
 
     return Discriminator(tag)
@@ -149,7 +149,7 @@ _RAMPS = "a velocity or a list of [time, velocity]"
 
 
 def _ramps(value: Any) -> Any:
-    """One velocity as [[0, V]]; a list of [time, velocity] with rising times and a positive first velocity, checked."""
+    """The ramps, checked: one velocity V becomes [[0, V]]; in a list times must rise and the first velocity be positive."""
     if not isinstance(value, list):
         return [(0.0, VELOCITY(value))]
     if not 1 <= len(value) <= MAX_RAMPS or not all(isinstance(pair, list) and len(pair) == 2 for pair in value):
@@ -181,7 +181,7 @@ class RunTable(Table):
 
 
 class SceneTable(Table):
-    """A whole scene file; [interface] is checked against its law's own parameters (`validate.interface_table`)."""
+    """A whole scene file; [interface] is checked against its law's own parameters (`validate`)."""
 
     name: Text | None = None
     title: Text | None = None

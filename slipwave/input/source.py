@@ -1,4 +1,4 @@
-"""Where a scene's text comes from: the gallery, a TOML file, or a dictionary. Data only; nothing is executed."""
+"""The source of a scene: the gallery, a TOML file, or a dictionary. Data only; nothing is executed."""
 
 import copy
 import re
@@ -11,11 +11,11 @@ from slipwave.errors import SceneError
 from slipwave.input.wording import nearest, one_line, shorten
 
 LARGEST_FILE = 1_000_000
-"""Bytes; a longer file is noise, not a scene."""
+"""Bytes; a longer file is not a scene."""
 
 _KEY_PART = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*"""
 _DEEP_KEY = re.compile(rf"(?<![\w-]){_KEY_PART}(?:\.[ \t]*{_KEY_PART}){{20}}")
-"""A dotted key of more than 20 parts (a scene's have four at most): its parser takes a time that grows with their square."""
+"""A dotted key of more than 20 parts: tomllib needs a time that grows with their square. Keys of a scene have at most four."""
 
 _GALLERY = Path(__file__).resolve().parent.parent / "gallery"
 
@@ -46,14 +46,14 @@ def load(source: str | Path | Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Tables of a TOML text. Raises ValueError if it is none, RecursionError if it is nested too deeply to be part of a scene."""
+    """Tables of a TOML text. Raises ValueError if the text is not TOML, RecursionError if it is nested too deeply for a scene."""
     if _DEEP_KEY.search(text):
         raise RecursionError
     return tomllib.loads(text)
 
 
 def _parse(path: Path) -> dict[str, Any]:
-    """The tables of a TOML file; every way in which it can be unreadable becomes a SceneError."""
+    """The tables of a TOML file. Raises SceneError if it cannot be read, whatever the reason."""
     text = _read_text(path)
     try:
         return parse_toml(text)
@@ -72,7 +72,7 @@ def _read_text(path: Path) -> str:
             content = stream.read(LARGEST_FILE + 1)
     except SceneError:
         raise
-    except (OSError, ValueError) as error:  # a path may also hold a character that no path can
+    except (OSError, ValueError) as error:  # ValueError: the path holds a character that paths must not have
         reason = getattr(error, "strerror", None) or error
         raise SceneError(f"SCENE = {label}: cannot be read: {reason}") from None
     if len(content) > LARGEST_FILE:

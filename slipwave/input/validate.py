@@ -1,4 +1,4 @@
-"""Raw tables -> validated tables; the first fault becomes a SceneError of one line."""
+"""Turns raw tables into validated tables; the first fault becomes a SceneError of one line."""
 
 from typing import Annotated, Any, NamedTuple, TypeVar
 
@@ -53,7 +53,7 @@ def _checked(model: type[Checked], data: dict[str, Any], above: tuple[str, ...])
     try:
         return model.model_validate(data)
     except ValidationError as failure:
-        # an unknown key explains the missing one it was meant to be, so it is told first
+        # a misspelt key is unknown, and the right one is missing: the unknown key is reported, because it explains both
         faults = sorted(
             failure.errors(include_url=False), key=lambda fault: fault["type"] not in ("extra_forbidden", "invalid_key")
         )

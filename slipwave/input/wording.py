@@ -1,4 +1,4 @@
-"""One-line wording of complaints about input: values cut short, control characters shown, the nearest known word named."""
+"""Parts of one-line messages about input: shortened values, visible control characters, the nearest known word."""
 
 import difflib
 import reprlib
@@ -14,12 +14,12 @@ _LONGEST_VALUE = 200
 
 
 def shorten(value: Any) -> str:
-    """`value` as a short piece of one line; never fails, whatever it is."""
+    """`value` as a short text without line breaks; never fails."""
     try:
         text = _brief.repr(value)
     except (ValueError, RecursionError):  # integers beyond Python's limit of printable digits
         text = f"<{type(value).__name__} too large to print>"
-    return _cut(one_line(text), _LONGEST_VALUE)  # a control character takes up to ten places
+    return _cut(one_line(text), _LONGEST_VALUE)  # one control character becomes up to ten characters
 
 
 def one_line(text: str) -> str:
@@ -28,7 +28,7 @@ def one_line(text: str) -> str:
 
 
 def key_text(parts: Iterable[str | int]) -> str:
-    """Dotted key, cut short in the middle if it is monstrous."""
+    """Dotted key; a very long one is shortened in the middle."""
     return _cut(one_line(".".join(str(part) for part in parts)), _LONGEST_KEY)
 
 
@@ -37,7 +37,7 @@ def _cut(text: str, longest: int) -> str:
 
 
 def nearest(word: str, known: Iterable[str], cutoff: float = 0.5) -> str | None:
-    """The known word most like `word`, or None if none is like it."""
+    """The known word most similar to `word`, or None if none is similar enough."""
     found = difflib.get_close_matches(word[:_LONGEST_KEY].lower(), list(known), n=1, cutoff=cutoff)
     return found[0] if found else None
 

@@ -1,4 +1,4 @@
-"""Observers: reduce a run to events, period, drops and extrema while it streams by, piece by piece."""
+"""Observers reduce a run to events, period, drops and extrema during the run, piece by piece."""
 
 from slipwave.observe.events import EventObserver, Events
 from slipwave.observe.follow import Final, final_state, follow

@@ -1,9 +1,9 @@
-"""Checkpoints: a run killed at any moment goes on from the last one and ends with the same bits as if nothing had happened.
+"""Checkpoints: a run killed at any moment continues from the last one and gives bit-identical results.
 
-Saved are the solver and, by labels, whatever else has a `state()` (`slipwave.observe.solver.Resumable`): observers, records of
-fields. The file is .npz, whole or absent, and carries the scene's digest (without `until`, so a run may be prolonged), the
-model, its settings, a digest of the solver rooms' sources and one of its own contents: a checkpoint of anything else, or a
-damaged one, is refused, never misread.
+A checkpoint holds the solver and, by labels, everything else that has a `state()` (`slipwave.observe.solver.Resumable`), such as
+observers and records of fields. The .npz file is written whole or not at all. It also holds the scene's digest (without `until`,
+so a run may be prolonged), the model, its settings, a digest of the solver packages' sources and one of its own contents. A
+checkpoint of another run, or a damaged one, is refused.
 """
 
 import dataclasses
@@ -40,10 +40,10 @@ def save(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None =
 
 
 def load(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None) -> None:
-    """Bring `solver` and `observers` to where the run in `path` stood.
+    """Bring `solver` and `observers` to the state that was saved in `path`.
 
     Raises SceneError, one line naming the file, if it is not a checkpoint, damaged or inconsistent, or if it belongs to another
-    scene, model, setting, version of the solvers or set of observers. What was given is then of no further use.
+    scene, model, setting, version of the solvers or set of observers. `solver` and `observers` must not be used after that.
     """
     facts, arrays = _read(path)
     wanted = json.loads(json.dumps(_facts(solver) | {"observers": sorted(observers or {})}))
@@ -62,7 +62,7 @@ def load(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None =
 
 
 def saved_time(path: Path) -> float:
-    """Where the run in `path` stood (transits). Raises SceneError if it is not a checkpoint."""
+    """Time of the run saved in `path` (transits). Raises SceneError if it is not a checkpoint."""
     return float(_read(path)[0]["time"])
 
 
@@ -82,31 +82,31 @@ class Checkpoints:
         return self._due if self._due < self._until else math.inf
 
     def act(self) -> None:
-        """As `Mark`; a run that is over leaves no checkpoint: nothing goes on from there."""
+        """As `Mark`; saves nothing at the end of the run."""
         if self._solver.time < self._until - 1e-9:
             save(self._path, self._solver, self._observers)
         self._schedule()
 
     def resume(self) -> None:
-        """Bring the run to where it stood in `path`; SceneError as `load` has it, and if that is later than `until`."""
+        """Bring the run to the state saved in `path`. Raises SceneError as `load` does, and if that run has reached `until`."""
         load(self._path, self._solver, self._observers)
         if self._solver.time >= self._until - 1e-9:
             raise SceneError(f"until = {self._until:g}: checkpoint {str(self._path)!r} is already at t = {self._solver.time:g}")
         self._schedule()
 
     def _schedule(self) -> None:
-        """The next whole multiple of `every`."""
+        """Make the next whole multiple of `every` due."""
         self._due = self._every * (math.floor(self._solver.time / self._every + 1e-9) + 1)
 
 
 @cache
 def _sources() -> str:
-    """Digest of the solvers as this process found them."""
+    """Digest of the solvers' sources, read once per process."""
     return source_digest()
 
 
 def _facts(solver: Solver) -> dict[str, Any]:
-    """What a checkpoint and the run that goes on from it must have in common; the first that differs is told."""
+    """What a checkpoint and the run that continues from it must have in common; the first difference is reported."""
     return {
         "format": FORMAT,
         "scene": dataclasses.replace(solver.scene, until=0.0).digest,
@@ -117,7 +117,7 @@ def _facts(solver: Solver) -> dict[str, Any]:
 
 
 def _difference(key: str, found: Any, wanted: Any) -> str:
-    """One line on what sets the run in the file apart from this one."""
+    """One line on how the run in the file differs from this one."""
     if key == "sources":
         return f"was written by another version of the solvers ({_short(found)}; this one is {wanted!r}): start the run afresh"
     if key == "settings" and isinstance(found, dict):
@@ -133,7 +133,7 @@ def _short(value: Any) -> str:
 
 
 def _digest(facts: Mapping[str, Any], arrays: _Arrays) -> str:
-    """Hash of all that a checkpoint says."""
+    """Hash of everything in a checkpoint."""
     digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
     for name, array in sorted(arrays.items()):
         digest.update(f"{name} {array.dtype.str} {array.shape}".encode())
@@ -142,7 +142,7 @@ def _digest(facts: Mapping[str, Any], arrays: _Arrays) -> str:
 
 
 def _read(path: Path) -> tuple[dict[str, Any], _Arrays]:
-    """(facts, arrays) of a file that says of itself what its contents are; SceneError if it cannot be read or they are not."""
+    """(facts, arrays) of a file. Raises SceneError if it cannot be read or if its contents do not match its own digest."""
     unreadable = f"checkpoint {str(path)!r} cannot be read"
     try:
         with np.load(path, allow_pickle=False) as file:
@@ -157,13 +157,13 @@ def _read(path: Path) -> tuple[dict[str, Any], _Arrays]:
         raise
     except OSError as error:
         raise SceneError(f"{unreadable}: {(error.strerror or 'it is not a checkpoint, or damaged').lower()}") from None
-    except Exception:  # a damaged zip, header or text fails in a dozen ways, all of which mean this
+    except Exception:  # a damaged zip, header or text raises errors of many kinds
         raise SceneError(f"{unreadable}: it is not a checkpoint, or damaged") from None
     return facts, arrays
 
 
 def _require_layout(found: _Arrays, own: _Arrays) -> None:
-    """The same names and kinds of arrays as `own`; tables may differ in one of their axes, along which they grow."""
+    """Raises ValueError unless `found` has the names and kinds of arrays of `own`. Tables may differ in the axis that grows."""
     if found.keys() != own.keys():
         raise ValueError(f"holds {', '.join(sorted(found)) or 'nothing'}; this run needs {', '.join(sorted(own))}")
     for name, array in own.items():

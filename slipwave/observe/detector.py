@@ -1,6 +1,6 @@
-"""The compiled walk over the pieces: swings of the elastic stress with the extrema and the date that belong to each.
+"""The compiled loop over the pieces: swings of the elastic stress, each with its extrema and its date.
 
-Turning points are roots of y's derivative in the polynomial of a piece; between two pieces the slope may change sign without one.
+Turning points are roots of y' within the polynomial of a piece. Between two pieces the slope may also change sign without a root.
 """
 
 import math
@@ -15,12 +15,12 @@ from slipwave.observe.pieces import Array, Basis, Pieces
 from slipwave.observe.rise import RISING, SLOTS, begin_rise, date_rise, follow_rise, room_for_rise
 from slipwave.observe.swings import BEGIN, COLUMNS, DATE, DIRECTION, END, RECORDS, thin
 
-_FLAT = 1e-14  # relative; a change of y within a piece that is rounding
+_FLAT = 1e-14  # relative; a smaller change of y within a piece is rounding
 
 
 class DetectorMemory(NamedTuple):
-    """The running swing; what `rise` remembers of it, and the pieces it keeps; y at the end of the latest piece (shape (1,), NaN
-    before the first)."""
+    """The running swing; the memory of `rise` and the pieces that it keeps; y at the end of the latest piece (shape (1,), NaN
+    before the first piece)."""
 
     running: Array
     rise: Array
@@ -29,7 +29,7 @@ class DetectorMemory(NamedTuple):
 
 
 def empty_memory(nodes: int) -> DetectorMemory:
-    """Memory before the first piece, of pieces with that many `nodes`."""
+    """Memory before the first piece, for pieces with `nodes` nodes each."""
     return DetectorMemory(np.zeros(COLUMNS), np.zeros(SLOTS), room_for_rise(nodes), np.full(1, np.nan))
 
 
@@ -37,8 +37,8 @@ def empty_memory(nodes: int) -> DetectorMemory:
 def scan(
     law: Law, pieces: Pieces, first: int, basis: Basis, floor: float, memory: DetectorMemory, swings: Array, count: int
 ) -> tuple[int, int]:
-    """Walk over the pieces from `first` on and add completed swings; returns (next piece, swings). It stops early where `swings`
-    has no room for what another piece may bring."""
+    """Read the pieces from number `first` on and append completed swings; returns (next piece, number of swings). It stops early
+    if `swings` has no room for all swings that one more piece may complete."""
     n = basis.nodes.size
     scratch = np.empty((2, n))
     for k in range(first, pieces.time.size):
@@ -81,7 +81,7 @@ def _split(
     swings: Array,
     count: int,
 ) -> tuple[float, int]:
-    """Complete the swings that end in piece k; returns (point where the running one begins, swings)."""
+    """Complete the swings that end in piece k; returns (point where the running one begins, number of swings)."""
     y, slopes = pieces.y[k], scratch[0]
     if y.max() - y.min() <= _FLAT * abs(y[0]):
         if memory.running[DIRECTION] * (y[y.size - 1] - memory.last[0]) < 0.0:
@@ -105,7 +105,7 @@ def _split(
 def _turn(
     pieces: Pieces, k: int, basis: Basis, point: float, floor: float, memory: DetectorMemory, swings: Array, count: int
 ) -> int:
-    """The running swing ends at `point` of piece k and the next one begins; returns how many completed ones are left."""
+    """End the running swing at `point` of piece k and begin the next one; returns how many completed swings are left."""
     running = memory.running
     running[END] = evaluate(basis, pieces.y[k], point)
     _date(basis, memory)
@@ -118,14 +118,14 @@ def _turn(
 
 @njit
 def _date(basis: Basis, memory: DetectorMemory) -> None:
-    """The date of the running swing, if it is a fall in which v has just risen."""
+    """Set the date of the running swing, if it is a fall and v has just risen to a new maximum."""
     if memory.running[DIRECTION] < 0.0 and memory.rise[RISING] > 0.0:
         memory.running[DATE] = date_rise(basis, memory.rise, memory.kept)
 
 
 @njit
 def _begin(pieces: Pieces, k: int, basis: Basis, point: float, direction: float, memory: DetectorMemory) -> None:
-    """A swing in `direction` (1 up, -1 down) begins at `point` of piece k."""
+    """Begin a swing in `direction` (1 up, -1 down) at `point` of piece k."""
     running = memory.running
     running[DIRECTION] = direction
     running[BEGIN] = running[END] = evaluate(basis, pieces.y[k], point)
@@ -140,7 +140,7 @@ def _begin(pieces: Pieces, k: int, basis: Basis, point: float, direction: float,
 def _take(
     law: Law, pieces: Pieces, k: int, basis: Basis, scratch: Array, begin: float, end: float, memory: DetectorMemory
 ) -> None:
-    """Raise the running swing's records by the part [begin, end] of piece k and, in a fall, follow the rise of v."""
+    """Update the running swing's records with the part [begin, end] of piece k and, in a fall, follow the rise of v."""
     running, z = memory.running, pieces.z[k]
     highest = running[RECORDS]
     if begin == 0.0 and end == basis.nodes[basis.nodes.size - 1] and highest > -math.inf:

@@ -1,15 +1,15 @@
-"""Slip events and cycles of a run, found while it streams by, from the dense polynomials of the pieces.
+"""Slip events and cycles of a run, found during the run from the polynomials of the pieces.
 
 A slip event is a fall of the elastic stress y whose prominence is at least 10 % of that of the largest fall in the judged window.
-Prominence is that of persistence (`swings`): a fall goes on through rises that are smaller than those 10 %, and is ended by one
-that is not. Nothing else enters: no round trip, no drive, no event before. The event is dated by its steepest rise of v (`rise`).
-The same motion read on another clock, with y in another unit, has the same events.
+Prominence is defined by persistence (`swings`): a fall continues through rises smaller than those 10 % and ends at the first
+larger one. Nothing else enters: no round trip, no drive, no earlier event. The event is dated by its steepest rise of v (`rise`).
+The same motion on another clock, with y in another unit, has the same events.
 
-There are no events below a floor, for rounding and the tolerance of a solver are no motion: the friction stress that changes the
-rate by 1e-9 of itself (where sliding is steady at the start), plus 1e-13 of the steady stress, some 500 roundings.
+Falls below a floor are no events, because rounding and the tolerance of a solver are not motion. The floor is the friction stress
+that changes the rate by 1e-9 of itself (at the steady sliding of the start), plus 1e-13 of the steady stress, some 500 roundings.
 
-Kept are the swings that may yet count in some window that lasts to the end of the run, each with the extrema of the rate and of
-the friction stress in it: memory O(events).
+The observer keeps every swing that may still count in some window that lasts to the end of the run, with the extrema of the rate
+and of the friction stress in it: memory O(events).
 """
 
 from typing import NamedTuple
@@ -29,11 +29,11 @@ _FIRST_ROOM = 256
 
 
 class Events(NamedTuple):
-    """One row per complete cycle, from one slip event to the next, arrays of shape (cycles,): the event's date and the time to
-    the next one (transits); stress drops in units of the normal stress; v_max, v_min in V*.
+    """Complete cycles, each from one slip event to the next; arrays of shape (cycles,): the event's date and the time to the next
+    one (transits); stress drops in units of the normal stress; v_max, v_min in V*.
 
-    Extrema are taken from the maximum of the elastic stress before the event to that before the next. A cycle is complete if the
-    run saw its first fall begin and the fall of the event that ends it come to an end."""
+    Extrema are those between the maximum of the elastic stress before the event and the one before the next event. A cycle is
+    complete if the run includes the beginning of its first fall and the end of the fall of the next event."""
 
     time: Array
     period: Array
@@ -44,7 +44,7 @@ class Events(NamedTuple):
 
 
 class EventObserver:
-    """Feeds on pieces; answers for any window that lasts to the latest piece."""
+    """Reads pieces; gives the events of any window that lasts to the latest piece."""
 
     def __init__(self, scene: Scene, nodes: Array) -> None:
         self._law = scene.law
@@ -68,7 +68,7 @@ class EventObserver:
             self._swings = np.concatenate((self._swings, np.empty_like(self._swings)))
 
     def _make_room(self, more: int) -> None:
-        """Room for a rise that lasts for all of the next `more` pieces."""
+        """Make room for a rise that lasts through all of the next `more` pieces."""
         used, room = int(self._memory.rise[KEPT]), len(self._memory.kept)
         if used + more > room and room < MOST_ROOM:
             self._memory = self._memory._replace(kept=room_for_rise(self._basis.nodes.size, self._memory.kept[:used], more))
@@ -105,13 +105,13 @@ class EventObserver:
         return Events(dates[:-1], np.diff(dates), records[:, 2] + records[:, 3], highest - lowest, v_max, v_min)
 
     def state(self) -> dict[str, Array]:
-        """Everything remembered, as arrays, for a checkpoint."""
+        """The whole memory, as arrays, for a checkpoint."""
         running, rise, kept, last = self._memory
         memory = np.concatenate((running, rise, last))
         return {"memory": memory, "rise": kept[: int(rise[KEPT])].copy(), "swings": self._swings[: self._count].copy()}
 
     def restore(self, state: dict[str, Array]) -> None:
-        """Go on from what `state` returned."""
+        """Continue from what `state` returned."""
         running, rise, _, last = self._memory
         running[:], rise[:], last[:] = np.split(state["memory"], [running.size, running.size + rise.size])
         self._memory = self._memory._replace(kept=room_for_rise(self._basis.nodes.size, state["rise"]))

@@ -23,7 +23,7 @@ def evaluate(basis: Basis, values: Array, point: float) -> float:
 
 @njit
 def find_root(basis: Basis, values: Array, level: float, left: float, right: float) -> float:
-    """Point of [left, right] where the polynomial takes `level`, its ends lying on either side (Illinois false position)."""
+    """Point of [left, right] where the polynomial equals `level`, which lies between its end values (Illinois false position)."""
     low = evaluate(basis, values, left) - level
     high = evaluate(basis, values, right) - level
     point = right
@@ -68,8 +68,8 @@ def _peak(basis: Basis, values: Array, slopes: Array, sign: float, at: int) -> f
 
 @njit
 def _trusted(peak: float, values: Array, sign: float) -> float:
-    """`peak`, unless it overshoots the nodes so far that a front must lie between them (a polynomial rings there, and in ln v by
-    decades): then the nodes' own. A sine whose period is the piece's length overshoots by less."""
+    """`peak`, or the largest nodal value if `peak` exceeds that by more than a smooth signal can: then the polynomial oscillates
+    at a steep front (in ln v by decades). The limit is above the overshoot of a sine whose period is the piece's length."""
     top, bottom = sign * values[0], sign * values[0]
     for j in range(1, values.size):
         top, bottom = max(top, sign * values[j]), min(bottom, sign * values[j])
@@ -87,10 +87,10 @@ def last_slope(basis: Basis, values: Array) -> float:
 
 @njit
 def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int) -> None:
-    """memory[slot], memory[slot + 1] <- their maximum with max and -min of the piece.
+    """memory[slot] <- the larger of itself and the piece's maximum; memory[slot + 1] likewise with -minimum.
 
-    Nodes first; the polynomial is searched only around an extreme node that comes near the record and, if it is the last one,
-    is past its peak: a peak between two pieces' nodes lies in exactly one of them.
+    Nodes are compared first. The polynomial is searched only around an extreme node whose value comes near the record. If that is
+    the last node, it must also be past the peak, so that a peak near the end of a piece is found in exactly one piece.
     """
     n = values.size
     highest, lowest = 0, 0
@@ -111,7 +111,7 @@ def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot
 
 @njit
 def raise_record_within(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int, begin: float, end: float) -> None:
-    """As `raise_record`, by the part [begin, end] of the piece only."""
+    """As `raise_record`, for the part [begin, end] of the piece only."""
     memory[slot] = max(memory[slot], _peak_within(basis, values, slopes, 1.0, begin, end))
     memory[slot + 1] = max(memory[slot + 1], _peak_within(basis, values, slopes, -1.0, begin, end))
 

@@ -1,4 +1,4 @@
-"""March any solver to the end of a run, feeding the observers as it goes and stopping at the marks."""
+"""March any solver to the end of a run, pass its pieces to the observers, and stop at the marks."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -26,7 +26,7 @@ class Final:
 
 
 class Observer(Protocol):
-    """Anything that feeds on pieces."""
+    """Anything that reads the pieces of a run."""
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces, in order."""
@@ -37,10 +37,10 @@ class Mark(Protocol):
 
     @property
     def due(self) -> float:
-        """When next (transits); infinite if never again."""
+        """The next time (transits); infinite if there is none."""
 
     def act(self) -> None:
-        """Do it: the solver stands at the end of the first of its pieces at or beyond `due`, or at the end of the run."""
+        """Do it. The solver is at the end of its first piece that ends at or beyond `due`, or at the end of the run."""
 
 
 def follow(
@@ -50,10 +50,10 @@ def follow(
     progress: Callable[[float], None] | None = None,
     marks: Sequence[Mark] = (),
 ) -> Final:
-    """March `solver` to `until` (transits); returns the interface's state there, from the last piece's polynomial. At the `marks`
-    on the way, in their order, all observers have seen what came before.
+    """March `solver` to `until` (transits); returns the interface's state there, from the last piece's polynomial. When a mark is
+    due, all observers have seen all earlier pieces; marks due together act in their order.
 
-    Raises NumericsError with the time, the model and the scene's digest when the numbers stop being finite or a solve did not
+    Raises NumericsError with the time, the model and the scene's digest if the numbers stop being finite or a solve does not
     converge; the observers have then seen the pieces before that.
     """
     pieces: Pieces | None = None
@@ -106,12 +106,12 @@ def _require_solved(solver: Solver, pieces: Pieces) -> None:
 
 
 def _failed_at(solver: Solver, pieces: Pieces) -> float:
-    """Time of the first failed solve, as far as the solver knows it; else the beginning of `pieces`."""
+    """Time of the first failed solve if the solver knows it, else the beginning of `pieces`."""
     return float(pieces.time[0]) if math.isnan(solver.failed_at) else solver.failed_at
 
 
 def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:
-    """The interface at `until` (transits), which lies within `pieces`, the solver's latest, from the polynomial there."""
+    """The interface at `until` (transits), evaluated from the solver's latest `pieces`, which must contain that time."""
     k = max(0, int((pieces.time < until - 1e-9).sum()) - 1)
     point = min(1.0, (until - pieces.time[k]) / pieces.length[k])
     row = interpolation_matrix(lagrange_basis(solver.nodes), np.array([point]))[0]

@@ -1,7 +1,7 @@
-"""How long a run will take, known before it is over: its work is counted, not timed, and what would take days is refused.
+"""Predicts how long a run will take, and refuses runs that would take days. The work is counted, not timed.
 
-A solver says what a piece costs (`seconds_per_piece`, on the machine it was measured on: right within a factor of a few) and, if
-its steps are fixed, how long its pieces are (`transits_per_piece`). Where steps adapt, the pieces of the run so far are counted.
+A solver states the cost of a piece (`seconds_per_piece`, measured on one machine and right within a factor of a few) and, if its
+steps are fixed, the length of its pieces (`transits_per_piece`). If its steps adapt, the pieces of the run so far are counted.
 """
 
 import math
@@ -11,18 +11,18 @@ from slipwave.observe.pieces import Pieces
 from slipwave.observe.solver import Solver
 
 DAY = 86400.0
-_ENOUGH = 20_000  # pieces, some 0.1 s, after which their number per transit is taken for the rest
+_ENOUGH = 20_000  # pieces, some 0.1 s; from then on their number per transit is extrapolated to the rest of the run
 
 
 def require_time(solver: Solver, until: float, most: float = DAY) -> None:
-    """Raises SceneError if `solver`, whose steps are fixed, needs more than `most` seconds to come to `until` (transits)."""
+    """Raises SceneError if `solver` has fixed steps and needs more than `most` seconds to reach `until` (transits)."""
     length = solver.transits_per_piece
     if not math.isnan(length):
         _require(solver, until, (until - solver.time) / length if length > 0.0 else math.inf, most)
 
 
 class Foresight:
-    """Observer of a run to `until` (transits) that raises SceneError once it is clear that it takes more than `most` seconds."""
+    """Observer of a run to `until` (transits); raises SceneError as soon as it predicts more than `most` seconds for the run."""
 
     def __init__(self, solver: Solver, until: float, most: float = DAY) -> None:
         self._solver, self._until, self._most = solver, until, most
@@ -43,13 +43,14 @@ def _require(solver: Solver, until: float, pieces: float, most: float) -> None:
     seconds = pieces * solver.seconds_per_piece
     if seconds > most:
         raise SceneError(
-            f"model {solver.model}: {until:g} transits would take some {told(seconds)} ({pieces * (solver.nodes.size - 1):.2g} "
-            f"samples of the interface): run fewer transits, or take fewer cells or a larger cfl; --yes runs them all the same"
+            f"model {solver.model}: {until:g} transits would take about {_in_words(seconds)} "
+            f"({pieces * (solver.nodes.size - 1):.2g} samples of the interface): "
+            f"run fewer transits, or use fewer cells or a larger cfl; --yes runs them anyway"
         )
 
 
-def told(seconds: float) -> str:
-    """A long time in words."""
+def _in_words(seconds: float) -> str:
+    """A long time in years or days, as text."""
     if not seconds < 1e4 * 365 * DAY:
         return "more than ten thousand years"
     return f"{seconds / (365 * DAY):.2g} years" if seconds > 365 * DAY else f"{seconds / DAY:.3g} days"

@@ -1,4 +1,4 @@
-"""Keeps the interface's motion over a window of a run and evaluates it anywhere there; memory grows with the window."""
+"""Keeps the interface's motion over a window of a run and evaluates it at any time there; memory grows with the window."""
 
 from collections.abc import Sequence
 
@@ -26,7 +26,7 @@ class HistoryObserver:
             self._kept.append(Pieces(*(values[touching] for values in pieces)))
 
     def forget(self, before: float) -> None:
-        """The window begins at `before` from now on."""
+        """Let the window begin at `before` (transits) from now on."""
         self._start = before
         self._kept = [part for part in self._kept if part.time[-1] + part.length[-1] >= before]
 
@@ -65,7 +65,7 @@ class HistoryObserver:
         return {"pieces": np.column_stack(self._pieces())}
 
     def restore(self, state: dict[str, Array]) -> None:
-        """Go on from what `state` returned."""
+        """Continue from what `state` returned."""
         time, length, *values = np.split(state["pieces"], [1, 2, *(2 + np.arange(1, 4) * self._basis.nodes.size)], axis=1)
         self._kept = [Pieces(time[:, 0], length[:, 0], *values)] if time.size else []
 

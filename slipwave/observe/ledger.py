@@ -16,6 +16,6 @@ class Energy:
 
     @property
     def residual(self) -> float:
-        """What does not close, relative to the largest entry."""
+        """Input minus all other entries, relative to the largest entry; 0 if the energy balance is exact."""
         largest = max(abs(self.input), abs(self.friction), abs(self.stored), 1e-300)
         return (self.input - self.friction - self.radiated - self.viscous - self.stored) / largest

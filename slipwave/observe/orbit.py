@@ -1,11 +1,11 @@
-"""What is said of a motion that repeats, by whatever way it was found."""
+"""The quantities of a motion that repeats, whichever method found it."""
 
 from dataclasses import dataclass, fields
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A value and its error; of a settled run, half the spread of the last cycles about it."""
+    """A value and its error; for a settled run the error is half of (max - min) over the last cycles."""
 
     value: float
     error: float
@@ -13,7 +13,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Orbit:
-    """What a run is judged by (MODEL.md section 6): period in transits, drops in units of the normal stress, rates in V*."""
+    """The outputs of a run (MODEL.md section 6): period in transits, drops in units of the normal stress, rates in V*."""
 
     period: Estimate
     stress_drop: Estimate

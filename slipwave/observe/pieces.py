@@ -1,7 +1,7 @@
-"""What every solver emits: consecutive polynomial pieces of the interface's motion, on the transit clock.
+"""The output of every solver: consecutive polynomial pieces of the interface's motion, on the transit clock.
 
 Piece k covers (time[k], time[k] + length[k]] and holds values at time[k] + nodes * length[k]. Observers see nothing else of a
-solver, so one event detector serves collocation (Radau nodes) and grids (groups of equispaced steps) alike.
+solver, so one event detector works for collocation (Radau nodes) and for grids (groups of equispaced steps).
 """
 
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""Taking a solver's state back from a checkpoint: all of it, or none of it and one line saying what is wrong."""
+"""Restores a solver's state from a checkpoint: either all of it, or nothing and one line that says what is wrong."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -11,7 +11,7 @@ from slipwave.observe.pieces import Array
 
 
 def whole_numbers(state: Mapping[str, NDArray[Any]], name: str, least: tuple[int, ...]) -> list[int]:
-    """The counts kept in `state[name]`, one per entry of `least`, each a whole number from that on; SceneError if not."""
+    """The counts in `state[name]`, one per entry of `least`. Raises SceneError unless each is a whole number >= that entry."""
     counts = state.get(name)
     if counts is None or counts.shape != (len(least),) or counts.dtype.kind not in "if":
         raise SceneError(f"{name} is missing or does not hold {len(least)} numbers")
@@ -22,8 +22,8 @@ def whole_numbers(state: Mapping[str, NDArray[Any]], name: str, least: tuple[int
 
 
 def tables(state: Mapping[str, NDArray[Any]], shapes: Mapping[str, tuple[int, ...]], model: str) -> dict[str, Array]:
-    """Copies of the arrays of `state` named in `shapes`, once all of them are known to be finite and of their shape, in which -1
-    stands for any length; SceneError otherwise."""
+    """Copies of the arrays of `state` named in `shapes`. Raises SceneError unless all of them are finite and have their shape, in
+    which -1 stands for any length."""
     found = {}
     for name, shape in shapes.items():
         array = state.get(name, np.empty(0, dtype=bool))
@@ -37,7 +37,7 @@ def tables(state: Mapping[str, NDArray[Any]], shapes: Mapping[str, tuple[int, ..
 
 
 def take_back(own: Mapping[str, Array], state: Mapping[str, NDArray[Any]], model: str) -> None:
-    """own[name][...] = state[name] for every name, once all of them are known to fit and to be finite; SceneError otherwise."""
+    """own[name][...] = state[name] for every name. Raises SceneError, and sets none, unless all of them fit and are finite."""
     found = tables(state, {name: array.shape for name, array in own.items()}, model)
     for name, array in own.items():
         array[...] = found[name]

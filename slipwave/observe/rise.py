@@ -1,9 +1,9 @@
-"""The date of a slip event: where v, on its way to its largest value in the fall of the elastic stress, passes half of it; the
-beginning of the fall if v is above that all the way.
+"""The date of a slip event: the time at which v, rising to its maximum in the fall of the elastic stress, passes half of that
+maximum. If v is above this level in the whole rise, the date is the beginning of the fall.
 
-That is next to where v rises most steeply. The place of the largest dv/dt itself is a root of a second derivative, and a
-polynomial that gives v to 1e-9 gives that place to 1e-6 at best; the passage of a level is known as well as v is, and so are
-periods. The level moves up with the largest rate so far; the pieces from its latest passage on are kept until it is known.
+This time is close to that of the steepest rise of v. The maximum of dv/dt itself is a root of a second derivative: a polynomial
+that gives v to 1e-9 gives that time to 1e-6 at best. The passage of a level is as accurate as v, and so are periods. The level
+grows with the largest rate so far; the pieces from its latest passage on are kept until the maximum is known.
 """
 
 import math
@@ -16,17 +16,17 @@ from slipwave.friction.law import Law
 from slipwave.observe.extrema import evaluate, find_root
 from slipwave.observe.pieces import Array, Basis
 
-# slots of the memory of a rise: start of the fall (transits), level of z, whether v was rising to a new height in the latest
-# piece, first and last (exclusive) of the pieces that are kept
+# slots of the memory of a rise: start of the fall (transits), level of z, whether v reached a new maximum in the latest piece,
+# first and last (exclusive) of the pieces that are kept
 START, LEVEL, RISING, FRONT, KEPT = 0, 1, 2, 3, 4
 SLOTS = 5
 _TIME, _LENGTH, _LOWEST = 0, 1, 2  # columns of a piece that is kept, before its values of z
 HEAD = 3
-_FIRST_ROOM, MOST_ROOM = 256, 1 << 16  # pieces; a rise that takes more from half to full height is dated to one of them
+_FIRST_ROOM, MOST_ROOM = 256, 1 << 16  # pieces; of a longer rise from half to full height only every other piece is kept
 
 
 def room_for_rise(nodes: int, kept: Array | None = None, more: int = _FIRST_ROOM) -> Array:
-    """Room for `more` pieces besides those `kept` so far, with that many `nodes` each; bounded."""
+    """Room for `more` pieces of `nodes` nodes each, besides those `kept` so far; at most MOST_ROOM."""
     kept = np.empty((0, HEAD + nodes)) if kept is None else kept
     room = np.zeros((min(2 * (len(kept) + more), MOST_ROOM), HEAD + nodes))
     room[: len(kept)] = kept
@@ -35,7 +35,7 @@ def room_for_rise(nodes: int, kept: Array | None = None, more: int = _FIRST_ROOM
 
 @njit
 def begin_rise(memory: Array, time: float) -> None:
-    """A fall of the elastic stress begins at `time` (transits)."""
+    """Begin a fall of the elastic stress at `time` (transits)."""
     memory[START] = time
     memory[LEVEL] = -math.inf
     memory[RISING] = memory[FRONT] = memory[KEPT] = 0.0
@@ -43,7 +43,7 @@ def begin_rise(memory: Array, time: float) -> None:
 
 @njit
 def follow_rise(law: Law, time: float, length: float, z: Array, highest: float, raised: bool, memory: Array, kept: Array) -> None:
-    """One more piece of the running fall; `highest` is the largest z in the fall, `raised` tells whether this piece has it."""
+    """Add a piece of the running fall. `highest` is the largest z in the fall; `raised` is true if it lies in this piece."""
     last = _keep(time, length, z, memory, kept)
     memory[RISING] = 1.0 if raised else 0.0
     if raised:
@@ -56,7 +56,7 @@ def follow_rise(law: Law, time: float, length: float, z: Array, highest: float, 
 
 @njit
 def date_rise(basis: Basis, memory: Array, kept: Array) -> float:
-    """Where z passed the level for the last time before the highest node of the latest piece, within the fall (transits)."""
+    """Time (transits), within the fall, at which z last passed the level before the highest node of the latest piece."""
     n = basis.nodes.size
     last = int(memory[KEPT]) - 1
     node = _highest(kept[last])
@@ -70,8 +70,8 @@ def date_rise(basis: Basis, memory: Array, kept: Array) -> float:
 
 @njit
 def _passage(basis: Basis, piece: Array, level: float, node: int) -> float:
-    """Point of a kept piece where z passed `level` upwards for the last time before `node` (or before the next piece, in a jump
-    at its end); -1 if z was above all the time."""
+    """Point of a kept piece at which z last passed `level` upwards before `node`; 1 if it did in a jump at the end of the piece,
+    -1 if z was above `level` all the time."""
     z = piece[HEAD:]
     if node == z.size and z[node - 1] < level:
         return 1.0
@@ -84,7 +84,7 @@ def _passage(basis: Basis, piece: Array, level: float, node: int) -> float:
 
 @njit
 def _keep(time: float, length: float, z: Array, memory: Array, kept: Array) -> int:
-    """Append a piece and return its place; if there is no room, every other one goes."""
+    """Append a piece and return its place. If there is no room, drop the pieces before the front, or else every other piece."""
     front, end = int(memory[FRONT]), int(memory[KEPT])
     if end == kept.shape[0]:
         step = 1 if front > 0 else 2

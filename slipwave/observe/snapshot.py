@@ -1,4 +1,4 @@
-"""What a full-wave solver shows of its fields at one moment; every family offers `snapshot() -> Snapshot`."""
+"""The fields of a full-wave solver at one time; every family offers `snapshot() -> Snapshot`."""
 
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
@@ -10,8 +10,8 @@ from slipwave.observe.solver import Solver
 
 @dataclass(frozen=True)
 class SlabSnapshot:
-    """One slab: `depth` (m,) as a fraction of its one-way travel time, 0 at the interface and 1 at the outer face; `velocity`
-    (m,) in V*, positive in the upper slab's direction of drive; shear `stress` (m,) in units of the normal stress."""
+    """The fields of a slab: `depth` (m,) as a fraction of its one-way travel time, 0 at the interface and 1 at the outer face;
+    `velocity` (m,) in V*, positive in the upper slab's direction of drive; shear `stress` (m,) in units of the normal stress."""
 
     depth: Array
     velocity: Array
@@ -33,7 +33,7 @@ class FieldSolver(Solver, Protocol):
 
     @property
     def cells(self) -> int:
-        """Cells asked for, per slab."""
+        """The requested cells per slab."""
 
     @property
     def step(self) -> float:
@@ -46,7 +46,7 @@ class FieldSolver(Solver, Protocol):
         """The fields now."""
 
     def keep_frames(self) -> None:
-        """From now on `frames` has the fields of every step, as far as the solver's pieces are long."""
+        """From now on `frames` returns the fields of every step, if the solver's pieces are that short."""
 
     def frames(self) -> list[Snapshot]:
-        """The fields at the ends of the last advance's steps, where kept; at least those now."""
+        """The fields at the ends of the last advance's steps, if they are kept; at least those at the present time."""

@@ -1,4 +1,4 @@
-"""What every model offers, reduced or full wave: it marches, and its state can be taken out and put back."""
+"""The interface of every solver, reduced or full wave: it marches, and its state can be saved and restored."""
 
 from typing import Any, Protocol, TypeAlias
 
@@ -11,18 +11,18 @@ State: TypeAlias = dict[str, Array]
 
 
 class Resumable(Protocol):
-    """Something whose memory goes into a checkpoint and comes back from it: solvers and observers."""
+    """Something whose memory can be saved in a checkpoint and restored from it: solvers and observers."""
 
     def state(self) -> State:
         """Everything that changes during a run, as copies."""
 
     def restore(self, state: State) -> None:
-        """Go on from `state`, to the bit as if nothing had happened; SceneError if it does not fit."""
+        """Continue from `state`, with bit-identical results. Raises SceneError if it does not fit."""
 
 
 class Solver(Resumable, Protocol):
-    """A model of one scene. `advance` moves on by a chunk of its own choosing (never past the first step end at or beyond
-    `until`) and returns the pieces it covered; the motion does not depend on where chunks end."""
+    """A model of one scene. `advance` marches over a chunk of steps, whose number it chooses itself, and returns their pieces. It
+    stops at the latest at the first end of a step at or beyond `until`. The motion does not depend on where chunks end."""
 
     @property
     def scene(self) -> Scene:
@@ -34,7 +34,7 @@ class Solver(Resumable, Protocol):
 
     @property
     def settings(self) -> dict[str, Any]:
-        """All that shapes its numbers besides the scene and the model's name; goes into a checkpoint as JSON."""
+        """Everything besides the scene and the model's name that affects its numbers; saved in a checkpoint as JSON."""
 
     @property
     def nodes(self) -> Array:
@@ -54,14 +54,14 @@ class Solver(Resumable, Protocol):
 
     @property
     def seconds_per_piece(self) -> float:
-        """About what a piece costs."""
+        """Approximate cost of a piece."""
 
     @property
     def transits_per_piece(self) -> float:
         """Length of its pieces; NaN where steps adapt."""
 
     def advance(self, until: float) -> Pieces:
-        """March towards `until` (transits) and return the pieces covered; raises NumericsError where it cannot."""
+        """March towards `until` (transits) and return the new pieces. Raises NumericsError if it cannot."""
 
     def energy(self) -> Energy | None:
         """Ledger since t = 0, for models that keep one."""

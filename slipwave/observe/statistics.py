@@ -10,7 +10,7 @@ from slipwave.observe.pieces import Array
 
 @dataclass(frozen=True)
 class Spread:
-    """Mean and standard deviation over cycles; NaN when there is none."""
+    """Mean and standard deviation over cycles; NaN if there are no cycles."""
 
     mean: float
     std: float

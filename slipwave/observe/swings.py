@@ -1,8 +1,8 @@
-"""The elastic stress as a sequence of swings, rises and falls by turns, and the removal of those that are too small to count.
+"""The elastic stress as a sequence of swings (alternating rises and falls), and the removal of swings too small to count.
 
-A swing whose two neighbours are at least as large is removed by joining the three into one: the pairing of turning points by
-persistence, known from the counting of load cycles as rainflow. Removing everything below a threshold this way gives the same
-swings whatever the order, and whether it is done at once or by thresholds that grow; so it can be done while a run streams by.
+A swing whose two neighbours are at least as large is removed by joining the three into one. This is the pairing of turning points
+by persistence, known from the counting of load cycles as rainflow. The result for a threshold does not depend on the order of the
+removals, nor on whether smaller thresholds came first. Therefore swings can be removed during a run.
 """
 
 import math
@@ -16,7 +16,7 @@ COLUMNS = RECORDS + 4
 
 SHARE = 0.1
 """A fall counts from this share of the largest fall in the judged window on."""
-_SEARCHED = 0.5  # falls are thinned back to the last one that is at least this share of the new one: a little less than allowed
+_SEARCHED = 0.5  # `thin` goes back to the last fall that is at least this share of the new one; it might go back further
 
 
 @njit
@@ -40,7 +40,7 @@ def join_last(swings: Array, first: int, count: int, threshold: float) -> int:
 
 @njit
 def _join(left: Array, middle: Array, right: Array) -> None:
-    """left <- the three as one. Of two falls the one that reaches the higher rate gives the date."""
+    """left <- the three joined. The date is that of the fall that reaches the higher rate."""
     if right[RECORDS] > left[RECORDS]:
         left[DATE] = right[DATE]
     left[END] = right[END]
@@ -50,7 +50,7 @@ def _join(left: Array, middle: Array, right: Array) -> None:
 
 @njit
 def simplify(swings: Array, first: int, count: int, threshold: float) -> int:
-    """Remove from swings[first:count], in place, what is below `threshold`; returns how many swings are left in all."""
+    """Remove swings below `threshold` from swings[first:count], in place; returns how many swings are left in all."""
     kept = first
     for i in range(first, count):
         if kept < i:
@@ -62,7 +62,7 @@ def simplify(swings: Array, first: int, count: int, threshold: float) -> int:
 
 @njit
 def largest_fall(swings: Array, first: int, threshold: float) -> float:
-    """The largest fall from swings[first] on that goes on through rises below `threshold` only."""
+    """The largest fall from swings[first] on that continues only through rises below `threshold`."""
     best, top, bottom = 0.0, -math.inf, -math.inf
     for i in range(first, swings.shape[0]):
         for y in (swings[i, BEGIN], swings[i, END]):
@@ -75,10 +75,10 @@ def largest_fall(swings: Array, first: int, threshold: float) -> float:
 
 @njit
 def thin(swings: Array, count: int, floor: float) -> int:
-    """After a swing was completed, remove what no window that ends later can count; returns how many swings are left.
+    """After a swing is complete, remove swings that cannot count in any window that ends later; returns how many are left.
 
-    A swing below SHARE of a later fall is in no window without that fall. One that has no such fall after it yet may still count
-    in a window that begins late, and is kept.
+    Every window that contains a swing also contains the falls after it, so a swing below SHARE of a later fall never counts. A
+    swing without such a later fall may still count in a window that begins late, and is kept.
     """
     count = join_last(swings, 0, count, floor)
     last = swings[count - 1]

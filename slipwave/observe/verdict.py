@@ -1,19 +1,19 @@
-"""What may be said of a run: a verdict on the cycles of its second half, from their figures alone.
+"""The verdict on a run, from the figures of the cycles in its second half alone.
 
-    driven      V is not constant there, or zero: what happens is the drive's doing
-    steady      v ends within 1e-6 of V, and there is no event, or v stays within 1e-6 of itself in all cycles
+    driven      V is not constant there, or it is zero: the drive causes the motion
+    steady      v ends within 1e-6 of V, and either there is no event or v_max and v_min of all cycles agree within 1e-6
     too short   fewer than 3 complete cycles, or fewer than 8 that neither repeat nor converge
-    periodic    in the later half of the cycles, three at least, the figures of every n-th agree within 1e-3 (largest minus
-                smallest, over the mean), n the least from 1 to 8
+    periodic    in the later half of the cycles (at least three), the figures of every n-th agree within 1e-3 (largest minus
+                smallest, over the mean); n is the smallest such number from 1 to 8
     decaying,   the logarithm of the prominence falls or grows from each third of the events to the next, the second time at
-    growing     least half as fast as the first: exponentially. It must change by ln 2 in all, or the motion be small (v_max/v_min
-                below 1.2), so that nothing but an exponential is left
-    settling    cycles change, but towards a limit: from one to the next at most half as much at the end as at the beginning, or
-                all figures in one direction
+    growing     least half as fast as the first, that is, exponentially. It must change by ln 2 in all, or the motion must be so
+                small (v_max/v_min below 1.2) that it can only be exponential
+    settling    cycles change, but towards a limit: the change from one to the next at the end is at most half of that at the
+                beginning, or all figures change in one direction
     irregular   none of these in 8 cycles or more
 
-Figures are period, stress drop, elastic stress drop, v_max and v_min. A torus is `irregular` here: cycles alone do not tell it
-from chaos.
+Figures are period, stress drop, elastic stress drop, v_max and v_min. A torus is `irregular` here, because cycles alone cannot
+distinguish it from chaos.
 """
 
 from typing import Literal, NamedTuple, TypeAlias
@@ -36,10 +36,10 @@ _SLIDES = 1e-6
 
 
 class Verdict(NamedTuple):
-    """`multiplicity`: events in a period, if periodic. `change`: by how much the last cycle differs from the one before (largest
-    relative difference of a figure; of the prominence from the first to the last event, if decaying or growing); NaN if there are
-    too few. `cycles` in the second half; `needed`: transits after which it would have enough of them, if too short (NaN if no
-    cycle tells)."""
+    """`cycles`: complete cycles in the second half. `multiplicity`: events in a period, if periodic. `change`: largest relative
+    difference of a figure between the last two cycles, or of the prominence between the first and the last event if decaying or
+    growing; NaN if there are too few. `needed`: length in transits with which a run too short would have enough cycles, else
+    NaN."""
 
     kind: Kind
     cycles: int
@@ -49,13 +49,13 @@ class Verdict(NamedTuple):
 
     @property
     def repeats(self) -> bool:
-        """Whether means over the cycles stand for the motion; those of a transient do not."""
+        """Whether means over the cycles represent the motion; those of a transient do not."""
         return self.kind in REPEATING
 
 
 def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: bool, until: float) -> Verdict:
     """The verdict on a run to `until` (transits) whose second half has these `cycles` and these events' `prominence`;
-    `drive_rests` tells whether V is constant there and not zero, `slides` whether v ends at V."""
+    `drive_rests` is true if V is constant there and not zero, `slides` if v ends at V."""
     count, figures = cycles.time.size, np.array(cycles[1:]).T
     if not drive_rests:
         return Verdict("driven", count)
@@ -83,7 +83,7 @@ def slides_at(rate: float, velocity: float) -> bool:
 
 
 def _multiplicity(figures: Array) -> int | None:
-    """The least n for which every n-th cycle is the same, seen twice at least."""
+    """The smallest n for which every n-th cycle is the same, over at least two periods; None if there is none."""
     for n in range(1, min(_MOST_EVENTS, len(figures) // 2) + 1):
         spreads = [np.ptp(figures[k::n], axis=0) / np.abs(figures[k::n].mean(axis=0)) for k in range(n)]
         if np.max(spreads) <= REPEATS:
@@ -92,7 +92,7 @@ def _multiplicity(figures: Array) -> int | None:
 
 
 def _trend(prominence: Array, ratio: float) -> float:
-    """Rate at which the logarithm of the prominence changes along the window, if it does so exponentially; else 0."""
+    """Change of the logarithm of the prominence over the last third of the window, if it is exponential; else 0."""
     first, second, third = (float(part.mean()) for part in np.array_split(np.log(prominence), 3))
     early, late = second - first, third - second
     steadily = early * late > 0.0 and abs(late) >= 0.5 * abs(early)
@@ -100,7 +100,7 @@ def _trend(prominence: Array, ratio: float) -> float:
 
 
 def _converges(figures: Array) -> bool:
-    """Whether steps from cycle to cycle shrink to half, or all figures go one way."""
+    """Whether the changes from cycle to cycle shrink to half, or all figures change in one direction."""
     steps = np.abs(np.diff(figures, axis=0) / figures[1:]).max(axis=1)
     half = len(steps) // 2
     one_way = [bool(np.all(np.diff(column) > 0.0) or np.all(np.diff(column) < 0.0)) for column in figures.T]
@@ -108,5 +108,6 @@ def _converges(figures: Array) -> bool:
 
 
 def _needed(cycles: Events, until: float, wanted: int) -> float:
-    """Length of a run whose second half has `wanted` complete cycles and one to spare, by the longest cycle so far."""
+    """Length of a run (transits) whose second half has `wanted` complete cycles and a spare one, from the longest cycle so
+    far."""
     return max(2.0 * (wanted + 2) * float(cycles.period.max()), 1.5 * until) if cycles.time.size else 2.0 * until

@@ -1,4 +1,4 @@
-"""Which falls of the elastic stress are the slip events of a window."""
+"""Selects the falls of the elastic stress that are the slip events of a window."""
 
 from typing import NamedTuple
 
@@ -10,8 +10,8 @@ from slipwave.observe.swings import BEGIN, DATE, DIRECTION, END, SHARE, largest_
 
 
 class Judged(NamedTuple):
-    """The `swings` of a run without those too small for the window, the rows of the window's `events` among them, and the
-    `prominence` of each (normal stress); `over` tells whether the last event's fall has been ended by a rise that counts."""
+    """The `swings` of a run without those too small for the window, the rows of the window's `events` in them, and the
+    `prominence` of each event (normal stress). `over` is true if a rise that counts has ended the last event's fall."""
 
     swings: Array
     events: NDArray[np.intp]
@@ -20,10 +20,10 @@ class Judged(NamedTuple):
 
 
 def judge(swings: Array, floor: float, after: float) -> Judged:
-    """The events from `after` (transits) on among the `swings` of a run: falls of at least SHARE of the largest, and `floor`.
+    """The events from `after` (transits) on among the `swings` of a run: falls of at least SHARE of the largest one, and `floor`.
 
-    A fall may be the larger the larger the rises are that it goes through; the largest is the largest of all that go through
-    rises below SHARE of themselves.
+    The size of a fall depends on how large a rise it may continue through. The largest fall is the largest of all falls that
+    continue only through rises below SHARE of their own size.
     """
     threshold = _threshold(swings, floor, after)
     swings = swings.copy()

@@ -46,7 +46,7 @@ def _ramps(drive, time):  # type: ignore[no-untyped-def]
 def _interpolated(times, velocities, time):  # type: ignore[no-untyped-def]
     if time >= times[-1]:
         return velocities[-1]
-    low, count = 0, times.size - 1  # the stretches among which that of `time` is searched
+    low, count = 0, times.size - 1  # first and number of the stretches that may contain `time`
     while count > 1:
         half = count // 2
         low += half if times[low + half] <= time else 0
@@ -64,7 +64,7 @@ class Drive:
 
     @property
     def is_constant(self) -> bool:
-        """True when V never changes, so that solvers may skip everything that depends on it."""
+        """True if V never changes, so that solvers may skip everything that depends on changes of V."""
         return len(set(self.velocities)) == 1
 
     @property
@@ -74,7 +74,7 @@ class Drive:
 
     @cached_property
     def compiled(self) -> Constant | Ramps:
-        """V as compiled code takes it: a constant costs nothing there."""
+        """V in the form for compiled code, where a constant costs nothing."""
         if self.is_constant:
             return Constant(float(self.velocities[0]))
         return Ramps(np.array(self.times, dtype=float), np.array(self.velocities, dtype=float))

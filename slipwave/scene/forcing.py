@@ -1,7 +1,7 @@
-"""What every compiled march needs of a scene, whatever its slabs: the clock, steady sliding, and what disturbs it.
+"""What every compiled march needs from a scene, for all kinds of slabs: the clock, steady sliding, and its disturbance.
 
-The drive goes beside it (`Drive.compiled`): a tuple that holds arrays is counted in and out wherever it is handed on, which
-costs a leapfrog a fifth of its speed.
+The drive is passed separately (`Drive.compiled`): numba counts references of a tuple that holds arrays at every call, which would
+cost the leapfrog a fifth of its speed.
 """
 
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""A scene: everything about a run except how it is computed. Frozen, dimensionless; read from TOML by `scene.read`."""
+"""A scene: everything about a run except how it is computed. Frozen, dimensionless; `slipwave.read` reads one from TOML."""
 
 import hashlib
 from dataclasses import dataclass, field
@@ -14,7 +14,7 @@ from slipwave.scene.units import Units
 
 @dataclass(frozen=True)
 class Scene:
-    """Two slabs, the interface's law, the drive, the start and what is wanted.
+    """Two slabs, the interface's law, the drive, the start, the length of the run and what to record.
 
     Units: length L, velocity V*, stress sigma, friction clock L/V*. "transit" is the round trip of the upper slab; `until` is in
     transits. `units` holds L, V* and sigma when the scene was given in SI.
@@ -52,8 +52,8 @@ class Scene:
 
     @property
     def stiffness(self) -> float:
-        """Quasi-static stiffness of both slabs in series, per transit: elastic stress y' = stiffness (V - v), t~ clock;
-        epsilon for alike plain slabs (41). A grip's spring counts; a bare reflection coefficient has none."""
+        """Quasi-static stiffness of both slabs in series, per transit: elastic stress y' = stiffness (V - v), t~ clock; equal to
+        epsilon for alike plain slabs (41). It includes the spring of a grip; a bare reflection coefficient has no spring."""
         return self.transit / (self.upper.compliance + self.lower.compliance)
 
     @cached_property
@@ -68,7 +68,7 @@ class Scene:
 
     @cached_property
     def forcing(self) -> Forcing:
-        """The scene's numbers as compiled marches take them."""
+        """The scene's numbers in the form for compiled marches."""
         return Forcing(self.transit, self.stiffness, self.steady_stress, self.velocity, self.start.nudge_size)
 
     @cached_property

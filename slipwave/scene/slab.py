@@ -15,7 +15,7 @@ from slipwave.scene.termination import Termination
 
 
 class Face(Protocol):
-    """A kind of outer face: data that knows what it amounts to."""
+    """A kind of outer face: data that can be expressed as a `Termination`."""
 
     def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
         """Its numbers (time in L/V*) on a slab of `epsilon` and `round_trip`, whose outermost layer has impedance `outermost`."""
@@ -34,8 +34,8 @@ class RigidFace:
 class GripFace:
     """A spring and a dashpot in parallel between drive and outer face (MODEL.md section 3).
 
-    `stiffness` K is relative to the slab's epsilon/round_trip, `impedance` Z_g to its epsilon; Z_g = 1 swallows every wave and
-    keeps the load. If either is infinite the face cannot move against the drive.
+    `stiffness` K is relative to the slab's epsilon/round_trip, `impedance` Z_g to its epsilon. Z_g = 1 absorbs every wave and
+    keeps the load. If one of them is infinite, the face moves with the drive.
     """
 
     stiffness: float
@@ -61,7 +61,7 @@ class MachineFace:
 
 @dataclass(frozen=True)
 class ReflectingFace:
-    """A bare reflection coefficient R in [-1, 1] between drive and slab: R = 1 is rigid, R = 0 swallows waves *and* load."""
+    """A bare reflection coefficient R in [-1, 1] between drive and slab: R = 1 is rigid, R = 0 absorbs waves *and* load."""
 
     coefficient: float
 
@@ -110,7 +110,7 @@ class Layer:
 
 @dataclass(frozen=True)
 class Slab:
-    """A slab of impedance `epsilon` and round trip `round_trip` (15), homogeneous and elastic unless told otherwise."""
+    """A slab of impedance `epsilon` and round trip `round_trip` (15), homogeneous and elastic by default."""
 
     epsilon: float
     round_trip: float
@@ -119,7 +119,7 @@ class Slab:
     layers: tuple[Layer, ...] = (Layer(1.0, 1.0),)
 
     def __post_init__(self) -> None:
-        if self.termination.is_rigid:  # by whatever name: two slabs held alike are alike
+        if self.termination.is_rigid:  # of any kind: slabs that differ only in the kind of a rigid face are alike
             object.__setattr__(self, "face", RigidFace())
 
     @property
@@ -129,13 +129,13 @@ class Slab:
 
     @property
     def interface_impedance(self) -> float:
-        """Impedance of the layer at the interface: what a fast change of velocity meets."""
+        """Impedance of the layer at the interface, which resists fast changes of velocity."""
         return self.epsilon * self.layers[0].impedance
 
     @property
     def compliance(self) -> float:
-        """Quasi-static displacement per stress: layers, sum of round_trip fraction / (2 impedance), a standard linear solid
-        relaxed, and the spring at the outer face."""
+        """Quasi-static displacement per stress: the sum of round_trip fraction / (2 impedance) over the layers (a standard linear
+        solid is relaxed), plus that of the spring at the outer face."""
         softer = 1.0 + (self.viscosity.ratio if isinstance(self.viscosity, StandardLinearViscosity) else 0.0)
         layers = softer * sum(layer.fraction * self.round_trip / (2.0 * self.epsilon * layer.impedance) for layer in self.layers)
         spring = self.termination.spring

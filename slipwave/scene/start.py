@@ -1,7 +1,7 @@
 """How a run starts. Every start builds on steady sliding at the drive's initial velocity.
 
-nudge  smooth: d psi/dt~ gains size * exp(-(t~ - 6)^2), t~ in transits of the upper slab. Keeps every scheme at its full order.
-jump   psi(0) = psi_ss + size with no wave in the slabs: breaks compatibility; the jump returns for ever (MODEL.md section 7).
+nudge  smooth: d psi/dt~ gains size * exp(-(t~ - 6)^2), t~ in transits of the upper slab. Every scheme keeps its full order.
+jump   psi(0) = psi_ss + size with no wave in the slabs: breaks compatibility; the jump's echoes never end (MODEL.md section 7).
 orbit  on the model's own periodic orbit, at the date of a slip event.
 """
 
@@ -28,7 +28,7 @@ class StartKind(StrEnum):
 
 @dataclass(frozen=True)
 class Start:
-    """Kind and size (of psi's disturbance; unused by `orbit` except to leave steady sliding before the orbit is found)."""
+    """Kind, and size of the disturbance of psi (`orbit` uses it only to leave steady sliding before the orbit is found)."""
 
     kind: StartKind = StartKind.NUDGE
     size: float = 0.5

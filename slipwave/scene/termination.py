@@ -1,12 +1,12 @@
-"""What holds a slab's outer face, as numbers: the one form in which every model reads a face (MODEL.md section 3).
+"""An outer face of any kind as numbers, the only form in which models read it (MODEL.md section 3).
 
-A spring and a dashpot act side by side from the drive on a mass, which moves with the face. In deviations from steady sliding and
-in the slab's own direction of drive, with V the drive's velocity, w the face's and sigma the slab's stress there,
+A spring and a dashpot in parallel connect the drive to a mass, which moves with the face. In deviations from steady sliding and
+in the slab's own direction of drive, with the drive's velocity V, the face's velocity w and the slab's stress sigma there,
 
     mass w' = load + dashpot (V - w) - sigma,     load' = spring (V - w).
 
 An infinite spring or dashpot is a rigid face, w = V. Where there is no spring, the stress of steady sliding acts on the face as a
-dead load: it never changes, whatever the face does.
+dead load, which never changes.
 """
 
 import math
@@ -17,10 +17,10 @@ from slipwave.errors import SceneError
 
 @dataclass(frozen=True)
 class Termination:
-    """`dashpot` in units of stress/V*, `spring` in stress/V* per unit of time, `mass` in stress/V* times a unit of time, stress
-    that of the normal stress. The unit of time is L/V*, or one transit after `in_transits`.
+    """`dashpot` in units of stress/V*, `spring` in stress/V* per unit of time, `mass` in stress/V* times a unit of time, where
+    stress is the normal stress. The unit of time is L/V*, or one transit after `in_transits`.
 
-    Raises SceneError for a negative number, one that is none, and an infinite mass.
+    Raises SceneError for a negative number, for NaN, and for an infinite mass.
     """
 
     spring: float
