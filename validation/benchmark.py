@@ -1,8 +1,8 @@
-"""`make bench`: what one run costs beside another, as ratios that a busy or a slow machine hardly changes.
+"""`make bench`: ratios of run times. A busy or a slow machine hardly changes them.
 
 python -m validation.benchmark reports/bench       # measures, writes reports/bench/DATE.json, prints a table against the last one
 
-Both runs of a ratio take turns; a ratio is the median over the rounds, with the quartiles beside it. Nothing is judged.
+The two runs of a ratio alternate. A ratio is the median over the rounds, with its quartiles. Nothing is judged.
 """
 
 import dataclasses
@@ -32,13 +32,13 @@ from validation.work_precision import Setting, march_of
 
 ROUNDS = 9
 GRIDS = {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}
-"""Cells at which a transit costs some 0.1 ms or, in the method of lines, 0.3 ms."""
+"""Cells at which a transit takes about 0.1 ms (leapfrog) or 0.3 ms (method of lines)."""
 
 Work = Callable[[], Callable[[], object]]
 
 
 class Race(NamedTuple):
-    """Two works (see `in_turn`) and the name of the ratio of their times, first over second."""
+    """Two pieces of work (see `in_turn`) and the name of the ratio of their times, first over second."""
 
     name: str
     first: Work
@@ -46,12 +46,12 @@ class Race(NamedTuple):
 
 
 def _run(setting: Setting, scene: Scene, transits: float) -> Work:
-    """A march from one transit after its start, when all that it needs is loaded."""
+    """A march that is timed from one transit after its start, when the compiled code is loaded."""
     return partial(march_of, setting, scene, transits, 1.0)
 
 
 def _started(*words: str) -> Work:
-    """A Python process of its own, from start to end."""
+    """A separate Python process, from start to end."""
     return lambda: partial(subprocess.run, [sys.executable, *words], check=True, capture_output=True)
 
 
@@ -84,14 +84,14 @@ def _faced(scene: Scene, face: Face) -> Scene:
 
 
 def measure(race: Race, rounds: int = ROUNDS) -> dict[str, float]:
-    """Median and quartiles of the ratio over `rounds`, after one that does not count."""
+    """Median and quartiles of the ratio over `rounds`, after one warm-up round."""
     times = in_turn({"first": race.first, "second": race.second}, rounds + 1)[1:]
-    low, median, high = np.quantile([one["first"] / one["second"] for one in times], (0.25, 0.5, 0.75))
+    low, median, high = np.quantile([pair["first"] / pair["second"] for pair in times], (0.25, 0.5, 0.75))
     return {"median": float(median), "low": float(low), "high": float(high)}
 
 
 def last(folder: Path) -> dict[str, Any]:
-    """The record written last in `folder`; empty if there is none that can be read."""
+    """The newest readable record in `folder`; empty if there is none."""
     for path in sorted(folder.glob("*.json"), reverse=True):
         with suppress(OSError, ValueError, TypeError, KeyError):
             record = json.loads(path.read_text(encoding="utf-8"))

@@ -49,7 +49,7 @@ def main(arguments: list[str] | None = None) -> int:
         return _tell(error, INTERRUPTED)
     except (KeyboardInterrupt, typer.Abort):
         return _tell("interrupted", INTERRUPTED)
-    except (BrokenPipeError, SystemExit):  # whoever read our output has seen enough (typer's word for it is the second)
+    except (BrokenPipeError, SystemExit):  # the reader has closed the pipe (typer raises SystemExit for that)
         _abandon_stdout()
         return 0
     except Exception as error:
@@ -59,7 +59,7 @@ def main(arguments: list[str] | None = None) -> int:
         if explain is None:
             raise
         return _tell(explain(), INPUT_WRONG)
-    if status == INTERRUPTED:  # typer takes the KeyboardInterrupt of a command for itself
+    if status == INTERRUPTED:  # typer catches the KeyboardInterrupt of a command
         return _tell("interrupted", INTERRUPTED)
     return status if isinstance(status, int) else 0
 
@@ -80,7 +80,7 @@ def spread(words: list[str]) -> list[str]:
 
 
 def _prepare_streams() -> None:
-    """Let output go nowhere where a stream is closed, and spell out what the terminal's encoding lacks."""
+    """Discard output to a closed stream, and escape characters that the terminal's encoding lacks."""
     sys.stdout = sys.stdout or io.StringIO()
     sys.stderr = sys.stderr or io.StringIO()
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -88,13 +88,13 @@ def _prepare_streams() -> None:
 
 
 def _abandon_stdout() -> None:
-    """Send what Python still holds back, and would try to write at its end, nowhere."""
+    """Discard buffered output, which Python would otherwise try to write when it exits."""
     with suppress(OSError), open(os.devnull, "wb") as nowhere:
         os.dup2(nowhere.fileno(), sys.stdout.fileno())
 
 
 def _tell(message: object, status: int) -> int:
-    """One line on stderr, without what could steer a terminal."""
+    """Print one line on stderr, without control characters of a terminal."""
     line = " ".join(str(message).split())
     print("slipwave: " + "".join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in line), file=sys.stderr)
     try:

@@ -11,20 +11,20 @@ from typing import Any
 from slipwave.errors import Interrupted, NumericsError, SceneError
 
 
-def attempt(*deeds: Callable[[], None]) -> list[str]:
-    """Do all of `deeds`, whatever becomes of the others: a line for each that could not write what it should."""
+def attempt(*tasks: Callable[[], None]) -> list[str]:
+    """Run all of `tasks`, even if some fail; returns one line for each that could not write its result."""
     problems = []
-    for deed in deeds:
+    for task in tasks:
         try:
-            deed()
+            task()
         except SceneError as error:
             problems.append(str(error))
     return problems
 
 
 def conclude(failed: str, problems: Sequence[str], stopped: str = "") -> None:
-    """Raise, all in one line, what did not end well: Interrupted if `stopped` says how to go on, NumericsError if `failed` says
-    what failed, SceneError if there are only `problems` of writing."""
+    """Raise one error, in one line, for all that failed: Interrupted if `stopped` says how to go on, NumericsError if `failed`
+    says what failed, SceneError if there are only `problems` of writing."""
     told = "; ".join(filter(None, [failed, stopped, *problems]))
     if stopped:
         raise Interrupted(told)
@@ -35,11 +35,11 @@ def conclude(failed: str, problems: Sequence[str], stopped: str = "") -> None:
 
 
 def printed(show: Callable[[], None]) -> None:
-    """Let `show` print and see that it reached stdout. Raises SceneError if stdout takes no more (a full disk behind it)."""
+    """Call `show` and check that its output reached stdout. Raises SceneError if stdout cannot be written (a full disk)."""
     try:
         show()
         sys.stdout.flush()
-    except BrokenPipeError:  # whoever read it has seen enough
+    except BrokenPipeError:  # the reader has closed the pipe
         return
     except OSError as error:
         raise SceneError(f"the result cannot be written to stdout: {_reason(error)}") from None

@@ -1,7 +1,7 @@
 """Run time against error: one model at several settings, each timed on the same stretch of the same scene.
 
-Every point is a whole run from the start, march and event detection, after a warm-up that loads the compiled code; the processor
-time is the least of a few repetitions. Errors are relative, of the mean over the run's last cycles, against figures handed in.
+Every point is a whole run (march and event detection) after a warm-up that loads the compiled code. The processor time is the
+least of a few repetitions. Errors are those of the mean over the run's last cycles, relative to given values.
 """
 
 import math
@@ -32,7 +32,7 @@ class Setting:
 
     @property
     def words(self) -> str:
-        """The options as a reader would say them, in the report's markup."""
+        """The options in words, in the report's markup."""
         words = [f"{self.cells} cells"] if self.cells else []
         words += [f"CFL {self.cfl:g}"] if self.cfl else []
         words += [f"tolerance 10^{{{math.log10(self.tolerance):.2g}}}"] if self.tolerance else []
@@ -78,7 +78,7 @@ def solver_of(setting: Setting, scene: Scene) -> Solver:
 
 
 def march_of(setting: Setting, scene: Scene, transits: float, begin: float = 0.0) -> "partial[Final]":
-    """The march of so many transits, with its event detection, by a solver that was built and led to `begin`: what is timed."""
+    """The work that is timed: `transits` of march and event detection, by a solver that has been marched to `begin`."""
     solver = solver_of(setting, scene)
     if begin:
         follow(solver, begin)
@@ -87,5 +87,5 @@ def march_of(setting: Setting, scene: Scene, transits: float, begin: float = 0.0
 
 def warm_up(setting: Setting, scene: Scene) -> None:
     """Load or compile what `setting` needs, before a clock starts."""
-    with suppress(NumericsError):  # a run that fails tells it itself
+    with suppress(NumericsError):  # a run that fails reports it itself
         watch(solver_of(setting, scene), min(_WARM_UP, scene.until))

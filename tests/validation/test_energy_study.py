@@ -62,7 +62,7 @@ def test_the_answer_tells_shares_and_orders():
     orders = {"dg:1": fit(CELLS, 1.0 * CELLS**-3.0), "dg:2": fit(CELLS, 1.0 * CELLS**-5.0)}
     told = energy._answer(shown(), np.array([-4e-15, 1e-15]), orders)
     assert told.startswith(
-        "At least 99 % goes into friction: over two cycles grips swallow 0.8 % of the work and viscosity 0.25 %."
+        "At least 99 % goes into friction: over two cycles grips absorb 0.8 % of the work and viscosity 0.25 %."
     )
     assert told.endswith(
         "The books of the leapfrog close to 4 · 10^{−15}, those of the other families at orders 3.0 to 5.0 in the cell."

@@ -68,7 +68,7 @@ def test_an_error_that_falls_with_theta_must_more_than_halve_beside_it(last, out
 def test_the_answer_follows_the_numbers(onsets):
     cycles = [CycleErrors(0.2, 7.0, {"kelvin-voigt": -0.034}), CycleErrors(0.1, 7.0, {"kelvin-voigt": -0.028})]
     told = _answer(onsets, cycles, False)
-    assert "gives its error to 2 · 10^{−4} of itself" in told
+    assert "to 2 · 10^{−4} of that error" in told
     assert told.endswith(
         "For the cycle, no: the period of the paper’s ODE is 2.8 to 3.4 % off at the r tried, down to θ = 0.100."
     )

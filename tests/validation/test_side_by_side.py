@@ -150,7 +150,7 @@ def test_ctrl_c_ends_all_processes_and_the_report_resumes(fake, tmp_path, end):
         *told, last = said[1].splitlines()
         assert [line.split()[0] for line in told] in ([], ["quick"])  # stored, but perhaps not yet told
         kept = tmp_path / "out" / "data"
-        assert last == f"slipwave: interrupted; what was done is kept in {kept}, and the same command goes on from there"
+        assert last == f"slipwave: interrupted; finished studies are kept in {kept}, and the same command goes on from there"
     assert not (tmp_path / "out" / "index.html").exists()
     (fake.folder / "freed").touch()
     again = subprocess.run(words, capture_output=True, text=True, check=True)

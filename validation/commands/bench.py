@@ -16,8 +16,8 @@ _REFERENCE_TOLERANCE = 1e-11
 def bench(source: SceneName, until: Until = None, settings: Settings = None, yes: Yes = False, json: Json = False) -> None:
     """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance.
 
-    A model that cannot do the scene (quasistatic runs away) is a row of the table; a failed solve, or a failed reference, is told
-    once more at the end.
+    A model that cannot do the scene (quasistatic runs away) still has a row in the table. A failed solve or a failed reference is
+    reported again at the end.
     """
     from slipwave.errors import SceneError
     from validation.output import conclude, print_json

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def compare(
     source: SceneName,
     models: Annotated[
-        str, typer.Option(metavar="M1,M2,...", help="the models, the first being the reference unless delay is there")
+        str, typer.Option(metavar="M1,M2,...", help="the models; the reference is delay if it is among them, else the first")
     ],
     until: Until = None,
     settings: Settings = None,
@@ -111,8 +111,8 @@ def _print(rows: list[dict[str, Any]], reference: str, out: Path) -> None:
 
 
 def _draw(out: Path, runs: "list[Run]", cycles: "list[Cycle | None]") -> None:
-    """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model; a transient has no cycle,
-    only a word in the legend."""
+    """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model; a transient has no cycle
+    and appears in the legend only."""
     from matplotlib.figure import Figure
 
     from slipwave.files import whole_or_absent

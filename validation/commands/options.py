@@ -27,7 +27,9 @@ Settings: TypeAlias = Annotated[
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="print JSON instead of a table")]
 Cells: TypeAlias = Annotated[int | None, typer.Option(help="full wave: cells per slab")]
-_STEPS = dict.fromkeys(f"{family.step} ({', '.join(one.name for one in GRIDS if one.step == family.step)})" for family in GRIDS)
+_STEPS = dict.fromkeys(
+    f"{family.step} ({', '.join(other.name for other in GRIDS if other.step == family.step)})" for family in GRIDS
+)
 Cfl: TypeAlias = Annotated[
     float | None,
     typer.Option(help=f"full wave: time step, above 0 to 1, in units of {' or '.join(_STEPS)}"),
@@ -35,7 +37,8 @@ Cfl: TypeAlias = Annotated[
 Tolerance: TypeAlias = Annotated[
     float | None,
     typer.Option(
-        "--tol", help="relative error asked for; a full wave chooses cells and step for it and estimates what it reached"
+        "--tol",
+        help="requested relative error; a full wave chooses cells and step for it and estimates the error that it reached",
     ),
 ]
 Yes: TypeAlias = Annotated[bool, typer.Option("--yes", help="run it even if it is expected to take more than a day")]
@@ -43,7 +46,7 @@ Out: TypeAlias = Annotated[Path | None, typer.Option(help="file to write")]
 
 
 def most_seconds(yes: bool) -> float:
-    """How long a run may be expected to take."""
+    """Longest expected run time that is accepted."""
     import math
 
     from slipwave.observe.foresight import DAY

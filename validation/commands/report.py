@@ -27,5 +27,5 @@ def report(
         raise
     except KeyboardInterrupt:
         raise Interrupted(
-            f"interrupted; what was done is kept in {out / 'data'}, and the same command goes on from there"
+            f"interrupted; finished studies are kept in {out / 'data'}, and the same command goes on from there"
         ) from None

@@ -44,7 +44,7 @@ def run(
     ] = None,
     checkpoint: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="save the run here on its way, and go on from FILE if it exists"),
+        typer.Option(metavar="FILE", help="save checkpoints here during the run, and go on from FILE if it exists"),
     ] = None,
     every: Annotated[
         float | None, typer.Option("--checkpoint-every", metavar="TRANSITS", help="time between checkpoints (default 1000)")
@@ -79,9 +79,9 @@ def run(
 
 
 def _announce(built: "Built") -> None:
-    """What was chosen for the user, on stderr."""
+    """Report on stderr what was chosen for the user."""
     if built.choice is not None:
-        typer.echo(f"{built.solver.model}: {_told(built.choice)}", err=True)
+        typer.echo(f"{built.solver.model}: {_grid_words(built.choice)}", err=True)
     if built.why:
         typer.echo(f"model auto: {built.solver.model} ({built.why})", err=True)
 
@@ -97,7 +97,7 @@ def _march(solver: "Solver", records: "Records", most: float) -> "tuple[Run, boo
 
 
 def _doubts(solver: "Solver", tol: float | None) -> list[str]:
-    """What the reader must know of the result before it is there."""
+    """Warnings about the result that are known before the run."""
     from validation.registry.families import one_port_of
     from validation.run.determinacy import amplified_rounding
 
@@ -114,19 +114,19 @@ def _write(
     out: Path | None,
     fields: Path | None,
 ) -> list[str]:
-    """Print the result and write what was asked for; a line for each that could not be written."""
+    """Print the result and write the requested files; returns one line for each that could not be written."""
     from fullwave.fields.files import write_field
     from validation.output import attempt, printed
     from validation.run.recording import write_run
 
     record = records.fields if done.final is not None else None
-    deeds = [lambda: printed(lambda: _show(done, choice, json, notes))]  # first: what follows may meet a full disk
+    tasks = [lambda: printed(lambda: _show(done, choice, json, notes))]  # first: writing the files may find a full disk
     if fields is not None and record is not None:
-        deeds.append(lambda: write_field(fields, record.field))
+        tasks.append(lambda: write_field(fields, record.field))
     if out is not None:
         within = record if "fields" in done.solver.scene.record else None
-        deeds.append(lambda: write_run(out, done, records.history, within.field if within is not None else None))
-    return attempt(*deeds)
+        tasks.append(lambda: write_run(out, done, records.history, within.field if within is not None else None))
+    return attempt(*tasks)
 
 
 def _show(done: "Run", choice: "Choice | None", json: bool, notes: list[str]) -> None:
@@ -168,7 +168,7 @@ def grid_of(choice: "Choice | None") -> dict[str, Any] | None:
     return {name: getattr(choice, name) for name in ("cells", "step", "quantity", "error_estimate")} if choice else None
 
 
-def _told(choice: "Choice") -> str:
+def _grid_words(choice: "Choice") -> str:
     return f"{choice.cells} cells, steps of {choice.step:.4g}, estimated error of {choice.quantity} {choice.error_estimate:.1e}"
 
 
@@ -186,8 +186,8 @@ def _print(done: "Run", choice: "Choice | None", notes: list[str]) -> None:
 
     for line in describe(done.solver.scene):
         print(line)
-    if choice is not None:  # one by default tried no others
-        print(f"{'grid chosen for the tolerance' if choice.tried else 'default grid'}: {_told(choice)}")
+    if choice is not None:  # the default grid tried no others
+        print(f"{'grid chosen for the tolerance' if choice.tried else 'default grid'}: {_grid_words(choice)}")
     for note in notes:
         print(f"note: {note}")
     print(f"model {done.solver.model}, {done.until:g} transits: {told_events(done.starts, done.verdict)}")

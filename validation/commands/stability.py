@@ -54,16 +54,17 @@ def result_of(scene: "Scene", found: "Stability") -> dict[str, Any]:
 
 
 def notes_of(scene: "Scene", found: "Stability") -> list[str]:
-    """What the figures do not say by themselves: which V on a ramp, why there is no verdict on a neutral root."""
+    """Remarks on the numbers: which V was taken on a ramp, why there is no verdict on a neutral root."""
     notes = []
     if not scene.drive.is_constant:
         notes.append(
-            f"the drive changes: this is steady sliding at V = {found.velocity:g}, that at t = 0; set drive.velocity to any other"
+            f"the drive changes: this is steady sliding at V = {found.velocity:g}, the one at t = 0; set drive.velocity for "
+            "others"
         )
     if found.stable is None:
         notes.append(
-            f"neutral within rounding: the leading root's real part {found.leading_roots[0].real:.2g} cannot be told from 0; no "
-            "other root grows"
+            f"neutral within rounding: the leading root's real part {found.leading_roots[0].real:.2g} cannot be distinguished "
+            "from 0; no other root grows"
         )
     return notes
 
@@ -86,7 +87,7 @@ def _print(scene: "Scene", found: "Stability") -> None:
         ["critical frequency omega_c [V*/L]", figures(found.omega_c, 12), ""],
         ["critical round trip log10 r_c", figures(found.log10_r_c, 12), f"scene {figures(math.log10(scene.transit), 10)}"],
         ["critical epsilon", figures(found.epsilon_c, 12), f"scene {figures(scene.upper.epsilon, 10)}"],
-        ["pile of fast roots, Re s [V*/L]", figures(found.essential_abscissa, 10), ""],
+        ["limit of the fast roots, Re s [V*/L]", figures(found.essential_abscissa, 10), ""],
     ]
     print_table(["", "critical", "here"], rows)
     print()

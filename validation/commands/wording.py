@@ -11,7 +11,7 @@ from slipwave.scene import Scene
 from slipwave.scene.slab import Slab
 from validation.output import figures
 
-_COUNTED = (*REPEATING, "settling", "too short")  # the swings of any other motion are no cycles of stick-slip
+_COUNTED = (*REPEATING, "settling", "too short")  # any other motion has swings, but no cycles of stick-slip
 
 
 def describe(scene: Scene) -> list[str]:
@@ -57,14 +57,14 @@ def statistics_rows(found: RunStatistics, scene: Scene) -> tuple[list[str], list
 
 
 def told_events(count: int | None, verdict: Verdict | None) -> str:
-    """How many slip events a run had and what it is, in one line."""
+    """The number of slip events of a run and its verdict, in one line."""
     if count is None or verdict is None:
         return "events were not watched (run.record is empty)"
     return f"{count} slip event{'s' if count != 1 else ''}; {told_verdict(verdict)}"
 
 
 def told_verdict(verdict: Verdict) -> str:
-    """What the second half of a run is, with the reason."""
+    """The verdict on the second half of a run, with the reason."""
     change, needed = f"{abs(verdict.change):.2g}", f"{float(f'{verdict.needed:.2g}'):g}"
     reasons = {
         "steady": "v is V within 1e-6",
@@ -82,7 +82,7 @@ def told_verdict(verdict: Verdict) -> str:
 
 
 def without_errors(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """One line for each verdict that leaves models without period and errors: a transient has none."""
+    """One line for each verdict without period and errors (a transient has none), with its models."""
     models: dict[str, list[str]] = {}
     for row in rows:
         if row["verdict"] not in (None, *REPEATING) and row["model"] not in models.setdefault(row["verdict"], []):

@@ -1,1 +1,1 @@
-"""What is measured of a run: cycles, settled orbits, ripples, orders of convergence."""
+"""Measurements on runs: cycles, settled orbits, ripples, orders of convergence."""

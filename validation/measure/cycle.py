@@ -1,4 +1,4 @@
-"""One cycle of the interface's motion: of a settled orbit, or the last complete one, kept while a run streams by."""
+"""One cycle of the interface's motion: of a settled orbit, or the last complete one of a run."""
 
 from typing import NamedTuple
 
@@ -7,7 +7,7 @@ from slipwave.observe import EventObserver, HistoryObserver, Pieces, Solver, fol
 from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array
 
-_FIRST_MOST = 16  # chunks of pieces that are kept without asking whether they are still needed
+_FIRST_MOST = 16  # chunks of pieces that are kept before the first check whether they are still needed
 
 
 class Cycle(NamedTuple):
@@ -31,16 +31,16 @@ def cut(law: Law, samples: Array, date: float, period: float, before: float = 0.
 
 
 def watch(solver: Solver, until: float) -> EventObserver:
-    """March `solver` to `until` (transits); the observer holds the slip events on the way. Raises NumericsError as `follow`."""
+    """March `solver` to `until` (transits); the observer returned holds the slip events. Raises NumericsError as `follow`."""
     observer = EventObserver(solver.scene, solver.nodes)
     follow(solver, until, [observer])
     return observer
 
 
 class CycleObserver:
-    """Keeps the cycle that was completed last and the one now running: memory O(cycle).
+    """Keeps the last complete cycle and the present one: memory O(cycle).
 
-    Hand it to `follow`; it detects events itself, with the detector that every run uses.
+    Pass it to `follow`. It detects events itself, with the detector that every run uses.
     """
 
     def __init__(self, solver: Solver) -> None:
@@ -57,7 +57,7 @@ class CycleObserver:
             self._forget()
 
     def _forget(self) -> None:
-        """Drop what lies before the last complete cycle; the latest event may not be over, so that is the third last date."""
+        """Drop all before the last complete cycle, which begins at the third last date: the latest event may not be over."""
         dates = self._watch.dates()
         if dates.size >= 3:
             self._history.forget(float(dates[-3]))

@@ -1,8 +1,9 @@
 """On which grids the full-wave families show their orders: one table, for the tests and for the report.
 
-Interface outputs of elements converge up to twice as fast as declared and are at rounding after few grids. Two scenes keep enough
-grids between the first ones that resolve the waves and rounding: both at V = 2000 V*, where a cycle lasts some four transits, so
-that a short run holds many. The rougher one is for the declared orders from five on, the gentler one for the others.
+Interface outputs of elements converge up to twice as fast as declared and are at rounding after few grids. Two scenes are chosen
+that leave enough grids between the first one that resolves the waves and rounding. Both have V = 2000 V*, where a cycle lasts
+some four transits and a short run holds many. The rougher scene is for declared orders from five on, the gentler one for the
+others.
 """
 
 from dataclasses import dataclass
@@ -18,8 +19,8 @@ class Course:
     """What every grid of a ladder runs: the paper's material at V = 2000 V* from the smooth start, for `until` transits.
 
     The final state is that of the last `window` transits. `floor` is the relative error below which the reference is not trusted,
-    `density` the number of grids per doubling of the cells, `slack` by how much the order of a single output may be fitted too
-    low: on many grids 0.05 (0.03 was seen), on few ones 0.75 (0.55 was seen; with 1 an order less would pass)."""
+    `density` the number of grids per doubling of the cells, `slack` how far the fitted order of a single output may lie below
+    the promised one: 0.05 on many grids (0.03 was measured), 0.75 on few (0.55 was measured; 1 would let an order less pass)."""
 
     log10_r: float
     until: float
@@ -48,7 +49,7 @@ _ROUGH_FROM = 5.0  # declared order
 class GridLadder:
     """A family, the order `declared` in every output at the interface, the least order `promised` (elements: the declared one).
 
-    Grids: `first` is the coarsest, `most` the most cells a slab worth trying; `finest` bounds the smallest relative errors."""
+    Grids: `first` is the coarsest, `most` the most cells per slab to be tried; `finest` bounds the smallest relative errors."""
 
     model: str
     declared: float
@@ -60,7 +61,7 @@ class GridLadder:
     cfl: float | None = None
 
     def levels(self) -> list[int]:
-        """Cells a slab from `first` to `most`, the course's `density` per doubling as far as whole numbers go."""
+        """Cells per slab from `first` to `most`: `density` grids per doubling, or one cell more where that is less dense."""
         cells = [self.first]
         while (finer := max(cells[-1] + 1, round(2 ** (1 / self.course.density) * cells[-1]))) <= self.most:
             cells.append(finer)
@@ -76,4 +77,4 @@ def _ladder(family: FullWave, number: int, rungs: Rungs) -> GridLadder:
 
 _ALL = [_ladder(family, number, rungs) for family in FAMILIES for number, rungs in family.ladder.items()]
 LADDERS = {ladder.model: ladder for ladder in _ALL}
-"""By the model's name on the command line. Leapfrog runs at CFL 0.5, where it is no rewriting of the delay system."""
+"""By the model's name on the command line. Leapfrog runs at CFL 0.5; at CFL 1 it is the delay system itself."""

@@ -1,8 +1,8 @@
 """Order of convergence fitted to errors on a ladder of grids, with a confidence interval and stated exclusions.
 
 With four or five levels the interval measures scatter, not bias: a clean second-order scheme gives 2.001 +- 0.0005. A verdict
-(`shortfall`) therefore asks for the declared order within the interval or a small tolerance of the fitted one, and for an
-interval narrow enough to tell.
+(`shortfall`) therefore has two conditions: the declared order lies in the interval or within a small tolerance of
+the fitted one, and the interval is narrow enough to decide.
 """
 
 import math
@@ -67,11 +67,12 @@ def fit(cells: Array, errors: Array, scale: float = 1.0) -> Fit:
 
 
 def fit_dense(cells: Array, errors: Array, start: int = 0, floor: float = 0.0) -> Fit:
-    """As `fit` for a ladder of many close grids whose errors scatter, so that local orders say little.
+    """As `fit`, for a ladder of many close grids. Their errors scatter, so that local orders mean little.
 
-    Levels count from number `start` to the last before the first error at or below `floor` (or rounding). Of these the coarsest
-    are left out, as long as six remain, while a parabola through the logarithms is curved for certain (95 %): its bend would hide
-    in the interval of a straight line, or falsify a narrow one. Raises ValueError with fewer than four usable levels.
+    The levels used begin with number `start` and end before the first error at or below `floor` (or rounding). The coarsest of
+    them are dropped, as long as six remain, while a parabola through the logarithms is significantly curved (95 %). A straight
+    line through them would hide the curvature in its interval, or be wrong by more than its interval. Raises ValueError with
+    fewer than four usable levels.
     """
     errors = np.asarray(errors, dtype=float)
     spent = np.nonzero(~(errors[start:] > max(floor, _ROUND_OFF)))[0]
@@ -111,8 +112,8 @@ def _regress(x: Array, y: Array, finest: float, used: slice) -> Fit:
 
 def shortfall(result: Fit, declared: float, tolerance: float = 0.1, at_least: bool = False, widest: float = _WIDEST) -> str:
     """Why `result` does not support the `declared` order; empty if it does: the interval is no wider than `widest`, and the
-    declared order lies in it or within `tolerance` of the fitted one. With `at_least` a higher order is no fault, and an interval
-    of any width that lies above the declared order (its ends moved out by `tolerance` if that is more) proves it."""
+    declared order lies in it or within `tolerance` of the fitted one. With `at_least` a higher order passes too, and so does an
+    interval of any width that lies above the declared order (an interval narrower than `tolerance` counts as that wide)."""
     if at_least and result.order - max(tolerance, result.half_width) >= declared:
         return ""
     if result.half_width > widest:

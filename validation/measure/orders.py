@@ -1,12 +1,12 @@
 """Observed orders of the full-wave families: climb a ladder of grids, fit every output's error. For the tests and the report.
 
-Errors are relative and root mean squares: of an output over all complete cycles after a quarter of the run (the same on every
-grid), of the final state over 256 moments of the last transits (ln v, psi and mu, each to its range there). A single number would
-change sign on its way to zero; a mean square does not.
+Errors are relative root mean squares. For an output the mean is over all complete cycles after the first quarter of the run (the
+same on every grid), for the final state over 256 moments of the last transits (ln v, psi and mu, each relative to its range
+there). A single error may change sign as it goes to zero; a mean square cannot.
 
 A fixed rule selects the grids of a fit. The first is the coarsest from which on all errors are below 3^-order, that is, at least
 three times finer than a grid whose error is 100 %. The last is the last one whose error is above the reference's own. Of these,
-`validation.measure.order_fit.fit_dense` drops coarse ones that still bend.
+`validation.measure.order_fit.fit_dense` drops coarse ones where the errors do not follow a power law yet.
 
 All outputs together must show the promised order within a confidence interval. A single output scatters more; its fitted order
 may lie below the promised one by no more than the course's `slack`.
@@ -26,20 +26,20 @@ from validation.measure.order_fit import Fit, fit_dense
 from validation.run.timing import timed
 
 OUTPUTS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}"}
-"""What is taken of every cycle, and its symbol."""
+"""The outputs of every cycle, and their symbols."""
 
 QUANTITIES = {**OUTPUTS, "state": "state"}
-"""What an order is asked of: the outputs, and the final state."""
+"""The quantities whose order is fitted: the outputs and the final state."""
 
 _MOMENTS = 256
-_FIRST_QUARTER = 0.25  # of the run: its events grow, and one of a tenth of the largest counts on one grid and not on another
-_ALMOST = 0.05  # a narrow interval may miss the promised order by this much: the bend that is left over
+_FIRST_QUARTER = 0.25  # of the run: events still grow there, and one of a tenth of the largest counts on some grids only
+_ALMOST = 0.05  # a narrow interval may miss the promised order by this much: the curvature that is left
 _KNOWN = 0.5  # how far below the promised order the interval of all outputs may begin
 _RESOLVED = 3.0
 _WORTH_REPEATING = 0.01  # seconds
 
 Measured: TypeAlias = dict[str, Array]
-"""By quantity: one entry per complete cycle; for the state (256, 3): ln v or the law's unknown, psi, mu."""
+"""By quantity: one entry per complete cycle; for the state (256, 3): z, psi, mu."""
 Maker: TypeAlias = Callable[..., Solver]
 """As `validation.registry.build.build`."""
 
@@ -75,7 +75,7 @@ def _mean_square(values: Array) -> float:
 
 @dataclass(frozen=True)
 class Climb:
-    """A ladder climbed: cells, processor seconds, and errors by quantity, one entry per grid."""
+    """What a climb measured: cells, processor seconds, and errors by quantity, one entry per grid."""
 
     ladder: GridLadder
     cells: Array
@@ -84,13 +84,13 @@ class Climb:
 
     @property
     def resolved(self) -> int:
-        """Number of the first level that counts."""
+        """Number of the first level that is used."""
         worst = np.max(list(self.errors.values()), axis=0)
         coarse = np.nonzero(~(worst < _RESOLVED**-self.ladder.declared))[0]
         return int(coarse[-1]) + 1 if coarse.size else 0
 
     def fit(self, name: str) -> Fit:
-        """The order of one quantity; ValueError where fewer than four levels count."""
+        """The order of one quantity; ValueError where fewer than four levels can be used."""
         return fit_dense(self.cells, self.errors[name], self.resolved, self.ladder.course.floor)
 
     def fit_together(self) -> Fit:
@@ -106,8 +106,8 @@ class Climb:
         return min(orders), max(orders)
 
     def shortfall(self) -> list[str]:
-        """What speaks against the promised order, quantity by quantity; empty if nothing does. Schemes of order 2 must not be
-        better either. The finest error of every quantity has to lie below the ladder's bound."""
+        """The reasons against the promised order, one per quantity; empty if there are none. Schemes of order 2 must not be
+        better either. The finest error of every quantity must lie below the ladder's bound."""
         fits = {name: self.fit(name) for name in self.errors}
         complaints = {name: self._misses(one, 0.0, self.ladder.course.slack) for name, one in fits.items()}
         together = self.fit_together()
@@ -138,7 +138,7 @@ class Climb:
 
 
 def climb(ladder: GridLadder, reference: Measured, build: Maker) -> Climb:
-    """Run every grid of the `ladder` up to the first whose state is at the floor; grids too coarse to be marched are left out."""
+    """Run every grid of the `ladder` up to the first whose state is at the floor; grids too coarse to run are left out."""
     rows = []
     for cells in ladder.levels():
         try:

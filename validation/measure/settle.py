@@ -1,8 +1,8 @@
 """Settle a model on its periodic orbit by running it until its cycles stop changing, and say how well that worked.
 
-A run converges at the rate of the orbit's largest Floquet multiplier and then stays at the solver's own jitter. The value given
-is the mean over the last few cycles, the error half of (largest - smallest) among them: an estimate of what is left of the
-transient, not of the solver's discretisation error.
+A run converges at the rate of the orbit's largest Floquet multiplier and then stays at the solver's own jitter. The value is
+the mean over the last few cycles, the error half of (largest - smallest) among them. It estimates what is left of the transient,
+not the solver's discretisation error.
 """
 
 from collections.abc import Callable
@@ -27,8 +27,8 @@ _STEADY = 1e-3  # v_max/v_min - 1 below which a run has returned to steady slidi
 
 @dataclass(frozen=True)
 class Settled:
-    """A model on its orbit, or as near as it came: `unrest` is the largest relative spread of the last cycles; `settled` tells
-    whether it is below the tolerance or at the jitter of the solver; processor time of the march, in seconds."""
+    """A model on its orbit, or as near as it came: `unrest` is the largest relative spread of the last cycles; `settled` is
+    true if it is below the tolerance or at the jitter of the solver; processor time of the march, in seconds."""
 
     orbit: Orbit
     solver: Solver
@@ -45,14 +45,14 @@ class Settled:
 
 
 class NoCycle(ArithmeticError):
-    """The run made too few slip events to speak of an orbit, or came back to steady sliding."""
+    """The run made too few slip events for an orbit, or came back to steady sliding."""
 
 
 def settle(
     solver: Solver, tolerance: float = 1e-9, most: float = MOST_TRANSITS, progress: Callable[[float], None] | None = None
 ) -> Settled:
     """March `solver` (from its start) until `WINDOW` cycles in a row agree to `tolerance`, relative, in period, drops and rates,
-    or agree no better than some stretches ago (the solver's own jitter), or `most` transits are over.
+    or no longer come closer from stretch to stretch (the solver's own jitter), or `most` transits are over.
 
     Raises NoCycle if fewer than WINDOW cycles were completed or if the run came back to steady sliding, NumericsError where the
     solver fails.
@@ -75,7 +75,7 @@ def _march_until_settled(
     while solver.time < most and not _finished(history, tolerance):
         period = float(events.period[-1]) if events.period.size else _FIRST_STRETCH / WINDOW
         follow(solver, min(most, solver.time + WINDOW * period), [observer, foresight], progress)
-        events = observer.events(0.5 * solver.time)  # by the falls of now: those of the start may have been larger
+        events = observer.events(0.5 * solver.time)  # judged by the present falls: those of the start may have been larger
         if events.time.size >= WINDOW:
             _require_motion(solver, events)
             history.append(unrest(events))
@@ -115,7 +115,8 @@ def estimate(events: Events) -> Orbit:
 
 
 def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> Cycle:
-    """Go on for two cycles and return one of them, from `before` transits ahead of its event to `after` transits past its end."""
+    """March two more cycles and return one of them, from `before` transits ahead of its event to `after` transits past its
+    end."""
     solver, period = settled.solver, settled.orbit.period.value
     begin = solver.time
     history = HistoryObserver(solver.scene.law, solver.nodes)

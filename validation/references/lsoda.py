@@ -1,7 +1,7 @@
-"""What one would write without this package: the paper's Kelvin-Voigt system in ten lines of Python, left to scipy's LSODA.
+"""The paper's Kelvin-Voigt system as one would write it without this package: ten lines of Python, integrated by scipy's LSODA.
 
-Something to race against and to agree with. It shares no code with the solvers: not the law, not the integrator, not the event
-detection.
+It is a rival in run time and an independent witness of the numbers. It shares no code with the solvers: neither the law nor the
+integrator nor the event detection.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Reference numbers that come with the project: values by programs that share nothing with this one, and the paper's own."""
+"""Reference numbers of the project: values from programs that share nothing with this one, and those of the paper."""
 
 import json
 from decimal import Decimal
@@ -15,7 +15,7 @@ def reference() -> dict[str, Any]:
 
 
 def reference_orbit(model: str, log10_r: float) -> dict[str, float]:
-    """Known figures of a model's orbit in the paper's material at V = 100: any of period, stress_drop, elastic_stress_drop,
+    """Known values of a model's orbit in the paper's material at V = 100: any of period, stress_drop, elastic_stress_drop,
     v_max, v_min (empty if nothing is known); transit clock."""
     orbits: list[dict[str, float]] = reference()["orbits"].get(model, [])
     found = [orbit for orbit in orbits if orbit["log10_r"] == log10_r]

@@ -1,4 +1,5 @@
-"""Every model by its command-line name: who computes it, what it takes, which scenes it honours. `build` makes the solver.
+"""Every model by its command-line name: which family computes it, which options it takes, which scenes it honours. `build` makes
+the solver.
 
 A family whose module is not part of this installation is not listed.
 """
@@ -110,7 +111,7 @@ def build_all(
 
 
 def _takes(family: Family, option: str, given: dict[str, float]) -> bool:
-    """Whether this one of several models is handed the option: asked-for cells leave nothing for a tolerance to choose."""
+    """Whether this one of several models is given the option. With cells given, a grid has no use for a tolerance."""
     return option in family.options and not (option == "tolerance" and "cells" in given and "cells" in family.options)
 
 

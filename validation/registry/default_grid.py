@@ -1,4 +1,4 @@
-"""The error of a full wave on its default grid, which nobody chose: estimated after the run and told with its result."""
+"""The error of a full wave on its default grid: estimated after the run and reported with its result."""
 
 from typing import TYPE_CHECKING
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from fullwave.adapt import Choice
 
 TOO_COARSE = 1e-2
-"""Estimated error above which the reader is told to choose a grid."""
+"""Estimated error above which the user is advised to choose a grid."""
 
 _COARSER = 1.5
 
@@ -31,19 +31,19 @@ def judged(solver: Solver, cfl: float | None = None) -> "Choice | None":
 
 
 def note_on(choice: "Choice") -> list[str]:
-    """What the reader must know of a default grid; nothing if it is good enough."""
+    """A warning about a default grid that is too coarse; empty if it is good enough."""
     if choice.error_estimate <= TOO_COARSE:
         return []
-    told = (
+    error = (
         f"{choice.error_estimate:.1e}" if choice.error_estimate < float("inf") else "unknown, a coarser grid finds other cycles"
     )
     return [
-        f"the default grid of {choice.cells} cells is too coarse for this scene: estimated error {told}; give --tol or --cells"
+        f"the default grid of {choice.cells} cells is too coarse for this scene: estimated error {error}; give --tol or --cells"
     ]
 
 
 def _coarser(scene: Scene, model: str, cells: int, cfl: float | None) -> FieldSolver:
-    """Two thirds of the cells, or as few more as the family can make of the scene."""
+    """A solver with two thirds of the cells, or with the fewest more that the family accepts for the scene."""
     for fewer in range(max(1, int(cells / _COARSER)), cells):
         try:
             return build_full_wave(model, scene, fewer, cfl)

@@ -50,7 +50,7 @@ def family_of(model: str) -> Family | None:
 
 
 def one_port_of(model: str) -> str:
-    """The model whose impedance the slabs show under `model`: the exact one under all that are exact."""
+    """The model whose slab impedance `model` uses: the exact one for every model that is exact."""
     family = family_of(model)
     exact = model == "auto" or (family is not None and family.exact is not Exact.NEVER)
     return DELAY.name if exact else model
@@ -63,7 +63,7 @@ def grid_of(model: str) -> tuple[FullWave, int]:
 
 
 def make(family: Family, scene: "Scene", request: Request) -> Built:
-    """A solver of the member of `family` that is asked for; SceneError for an option out of range or a scene it cannot do."""
+    """A solver of the requested member of `family`; SceneError for an option out of range or a scene it cannot do."""
     if family in GRIDS:
         return _on_a_grid(family, scene, request)
     if family is DELAY:
@@ -75,7 +75,7 @@ def make(family: Family, scene: "Scene", request: Request) -> Built:
 
 
 def _on_a_grid(family: Family, scene: "Scene", request: Request) -> Built:
-    """A full wave on the grid asked for, or on one fine enough for the tolerance."""
+    """A full wave on the requested grid, or on one that is fine enough for the tolerance."""
     number = () if request.number is None else (request.number,)
 
     def member(scene: "Scene", **options: Any) -> Any:

@@ -1,6 +1,7 @@
 """The start `orbit`: the model is marched until it has settled on its own periodic orbit, and the clock is set to zero there.
 
-This finds stable orbits only; where cycles go on changing (a torus, chaos, steady sliding) the run is refused with the reason.
+This finds stable orbits only. If the cycles keep changing (a torus, chaos) or end (steady sliding), the run is refused with the
+reason.
 """
 
 import dataclasses

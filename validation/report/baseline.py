@@ -45,7 +45,7 @@ def compare(stored: Stored, folder: Path = FOLDER) -> list[Change] | None:
 
 def moved(stored: Stored, quick: bool) -> list[Change]:
     """Numbers that left their baseline: moved beyond the tolerance or, in a full report, gone. A quick one leaves numbers out,
-    and a new number has nothing to be held against."""
+    and a new number has nothing to be compared with."""
     changes = compare(stored) or []
     return [change for change in changes if change.before is not None and not (quick and change.now is None)]
 

@@ -1,4 +1,4 @@
-"""Obtains the studies' results, side by side on the cores there are, and hands them to the page."""
+"""Runs the studies, several at a time, and passes their results to the page."""
 
 import sys
 import time
@@ -44,7 +44,7 @@ def build_report(out: Path, quick: bool, only: list[str] | None, processes: int 
     with progress("report", sum(seconds.values())) as report:
 
         def tell(name: str, share: float) -> None:
-            """The study `name` has come this far."""
+            """Report how far the study `name` is."""
             spent[name] = share * seconds[name]
             report(sum(spent.values()))
 
@@ -67,7 +67,8 @@ def _task(study: Study, folder: Path, quick: bool) -> Task:
 def _run(
     studies: list[Study], tasks: dict[str, Task], processes: int, tell: Callable[[str, float], None]
 ) -> Iterator[store.Stored]:
-    """Results as they come: the longest studies first, several at a time; those that time, alone when all others are done."""
+    """Results as studies end. The longest studies begin first, several at a time; those that measure run time run alone at the
+    end."""
     longest_first = sorted(studies, key=lambda study: -_seconds(study, tasks[study.NAME].quick))
     timed = [tasks[study.NAME] for study in longest_first if getattr(study, "TIMED", False)]
     shared = [task for study in longest_first if (task := tasks[study.NAME]) not in timed]

@@ -59,7 +59,7 @@ def matrix(studies: Sequence[Stored]) -> list[dict[str, Any]]:
 
 
 def _light(verdicts: list[Verdict]) -> dict[str, Any] | None:
-    """The traffic light of one cell: the worst outcome, with a title that tells what it rests on."""
+    """The symbol of one cell: the worst outcome, with a title that lists its verdicts."""
     if not verdicts:
         return None
     worst = next(outcome for outcome in _WORST if any(v.outcome is outcome for v in verdicts))
@@ -75,7 +75,7 @@ def tally(studies: Sequence[Stored]) -> dict[str, int]:
 
 
 def _changes(studies: Sequence[Stored], quick: bool) -> dict[str, Any]:
-    """What moved since the baseline; it is a full report's, so a number that a quick one leaves out is no change."""
+    """What moved since the baseline of a full report. A number that a quick report leaves out is no change."""
     compared = {study.name: baseline.compare(study) for study in studies}
     return {
         "compared": [name for name, changes in compared.items() if changes is not None],

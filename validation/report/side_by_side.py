@@ -1,7 +1,7 @@
-"""Work that several processes share, one task at a time each, and that one Ctrl-C ends altogether.
+"""Tasks shared out to several processes, each of which does one at a time. One Ctrl-C ends all of them.
 
-The processes are new ones (spawn), each the leader of a group of its own with all that it starts. They never hear a Ctrl-C; the
-process that waits for them does, and ends their groups. A process whose parent was killed ends itself.
+The processes are spawned. Each leads a process group of its own, to which everything that it starts belongs. They ignore Ctrl-C;
+the process that waits for them receives it and ends their groups. A process whose parent was killed ends itself.
 """
 
 import os
@@ -19,17 +19,17 @@ Task = TypeVar("Task")
 Answer = TypeVar("Answer")
 Tell = Callable[[float], None]
 
-_LOOK = 0.2  # seconds between two looks at what the processes tell
+_LOOK = 0.2  # seconds between two checks for news from the processes
 _news: "Queue[tuple[int, float]] | None" = None
 
 
 def share_out(
     work: Callable[[Task, Tell], Answer], tasks: Sequence[Task], processes: int, progress: Callable[[Task, float], None]
 ) -> Iterator[tuple[Task, Answer | None]]:
-    """(task, work(task, tell)) as they come; the answer is None for tasks that were under way or waiting when a process died.
+    """(task, work(task, tell)) as tasks end; the answer is None for tasks that were running or waiting when a process died.
 
-    `work` is a function of a module, tasks and answers can be pickled; what `work` tells (a share of the task, 0 to 1) reaches
-    `progress`. Tasks are begun in the order given.
+    `work` is a function of a module; tasks and answers can be pickled. What `work` passes to `tell` (a share of the task, 0 to 1)
+    reaches `progress`. Tasks are begun in the order given.
     """
     context = get_context("spawn")
     news: Queue[tuple[int, float]] = context.Queue()
@@ -52,7 +52,7 @@ def share_out(
 
 def _perform(work: Callable[[Task, Tell], Answer], number: int, task: Task) -> Answer:
     def tell(share: float) -> None:
-        """Put the news where the parent looks."""
+        """Send the share to the parent."""
         if _news is not None:
             _news.put((number, share))
 
@@ -64,9 +64,9 @@ def _begin(news: "Queue[tuple[int, float]]") -> None:
     global _news
     _news = news
     os.setsid()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # forget one that came before
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # drop a Ctrl-C that came before
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # what a study starts may be sent one
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # for processes that a study starts
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
@@ -87,7 +87,8 @@ def _end_group(leader: int | None) -> None:
 
 @contextmanager
 def _deaf() -> Iterator[None]:
-    """What is started in this block begins deaf to Ctrl-C; one that comes meanwhile is heard here when the block ends."""
+    """Processes started in this block begin without hearing Ctrl-C. One that comes meanwhile is raised here when the block
+    ends."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

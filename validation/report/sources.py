@@ -17,7 +17,7 @@ _ROOM = Path(validation.__file__).parent
 _GALLERY = _ROOM.parent / "slipwave" / "gallery"
 _REGISTRY = Path(families.__file__)
 _SOLVERS = [ROOT.joinpath(*family.module.split(".")).with_suffix(".py") for family in families.FAMILIES]
-"""Files of what the registry imports by name: its facts name them, no import does."""
+"""Files that the registry imports by name: only its facts mention them, no import statement does."""
 
 _READ = (".py", ".toml", ".json")
 

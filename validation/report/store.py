@@ -95,7 +95,7 @@ def save(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds
 
 
 def _is_running(process: str) -> bool:
-    """Whether the process that wrote a part is still there; this one begins anew."""
+    """Whether another process that wrote a part still runs; what this process left is written again."""
     try:
         os.kill(int(process), 0)
     except (ProcessLookupError, ValueError):

@@ -5,8 +5,9 @@ moves a smooth start comes late (its peak at t = 6) and leaves, carried back to 
 
     N = size int_0^inf e^(-sigma t - (t - 6)^2) dt = size (sqrt(pi)/2) e^-36 w(i (sigma/2 - 6)),
 
-w the Faddeeva function; a jump leaves its size. Rounding of psi is there from t = 0 on. Their ratio is the relative uncertainty
-of the amplitude with which steady sliding is left; over sigma it is that of the time at which it is.
+w the Faddeeva function; a jump leaves its size. Rounding of psi acts from t = 0 on. The ratio of the two is the relative
+uncertainty of the amplitude with which the run leaves steady sliding. Divided by sigma, it is the uncertainty of the time at
+which it does.
 """
 
 import math
@@ -18,7 +19,7 @@ from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, StartKind
 
 TOLERANCE = 1e-9
-"""What a model that is asked for no tolerance is expected to reach."""
+"""Relative error expected of a model without a requested tolerance."""
 
 
 _NO_ECHO = 20.0
@@ -48,8 +49,8 @@ class Amplified:
 
 
 def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float | None = None) -> Amplified | None:
-    """How far rounding, amplified, reaches into a run of `scene` to `until` (transits); None if below `tolerance`. `model` is
-    one with the one-port of what runs."""
+    """What amplified rounding does to a run of `scene` to `until` (transits); None if it stays below `tolerance`. `model` is
+    one with the one-port of the model that runs."""
     from reduced.stability import characteristic, follow_root, friction_slopes, leading_roots
 
     wanted = TOLERANCE if tolerance is None else tolerance

@@ -1,4 +1,4 @@
-"""The interface's history of a run, put on the disk as it comes: memory holds one chunk of it however long the run is."""
+"""The interface's history of a run, written to disk during the run: memory holds one chunk of it, however long the run is."""
 
 import os
 import shutil
@@ -15,15 +15,15 @@ from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array, Pieces
 
 _COLUMNS = 5
-_BLOCK = 50_000  # samples that are in memory at a time when they are read back: 2 MB
+_BLOCK = 50_000  # samples that are read back at a time: 2 MB
 _EARLY = 0.01  # share of the run after which its size is known well enough to compare it with the disk
 
 
 class HistoryFile:
     """Appends every sample to the file `path`, rows of five doubles.
 
-    A checkpoint holds how many there were and their checksum; a run that goes on drops what came later. A disk that takes no more
-    does not end the run: `problem` says so, and what comes after is not recorded. Raises SceneError, early in a run of `until`
+    A checkpoint holds how many there were and their checksum; a run that goes on drops later ones. A full disk does not end the
+    run: `problem` says so, and later samples are not recorded. Raises SceneError, early in a run of `until`
     transits, if all of it (here and once more in the file for the user) will not fit on the disk.
     """
 
@@ -50,7 +50,7 @@ class HistoryFile:
         return {"samples": np.array([self._samples, self._checksum], dtype=np.int64)}
 
     def restore(self, state: dict[str, Array]) -> None:
-        """Go on behind the samples that `state` counts. Raises SceneError if the file does not hold them."""
+        """Go on after the samples that `state` counts. Raises SceneError if the file does not hold them."""
         samples, checksum = (int(number) for number in state["samples"])
         try:
             self._file = self.path.open("r+b")
@@ -74,7 +74,7 @@ class HistoryFile:
             yield named_columns(self._law, block.T)
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         if self._file is not None:
             self._file.close()
 
@@ -104,9 +104,9 @@ class HistoryFile:
             self._file = self.path.open("w+b")
         return self._file
 
-    def _attempt(self, deed: Callable[[], None]) -> bool:
+    def _attempt(self, action: Callable[[], None]) -> bool:
         try:
-            deed()
+            action()
         except OSError as error:
             self.problem = f"{self._label} cannot be written: {(error.strerror or str(error)).lower()}"
         return not self.problem

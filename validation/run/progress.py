@@ -65,7 +65,7 @@ class _Meter:
 
 @contextmanager
 def progress(label: str, total: float) -> Iterator[Report]:
-    """A function to be told how much of `total` is done; whatever it showed is gone when the block ends."""
+    """A function that takes how much of `total` is done. What it showed is removed when the block ends."""
     meter = _Meter(label, total)
     try:
         yield meter

@@ -1,5 +1,5 @@
-"""A run as a netCDF file: events if they were watched, the interface's history if the scene records it, and where it all came
-from; and the fields of a full-wave run's last transits.
+"""A run as a netCDF file: events if they were watched, the interface's history if the scene records it, and its
+provenance; and the fields of a full-wave run's last transits.
 """
 
 import math
@@ -60,7 +60,7 @@ class Records:
 
     @property
     def observers(self) -> list[Observer]:
-        """What feeds on the run besides `watch`."""
+        """The observers of the run besides `watch`."""
         return [self.history] if self.history is not None else []
 
     @property
@@ -73,8 +73,8 @@ class Records:
 def records_of(
     solver: Solver, until: float, out: Path | None, fields: Path | None, checkpoint: Path | None, every: float | None
 ) -> Iterator[Records]:
-    """What a run of `solver` keeps in `out`, `fields` and, every `every` transits, in `checkpoint`, from which it goes on if that
-    exists. Raises SceneError for fields of a model that has none and for a checkpoint of another run."""
+    """What a run of `solver` keeps in `out`, `fields` and, every `every` transits, in `checkpoint`. It goes on from `checkpoint`
+    if that exists. Raises SceneError for fields of a model that has none and for a checkpoint of another run."""
     with history_for(solver, until, out, checkpoint) as history:
         watch, kept = EventObserver(solver.scene, solver.nodes), fields_for(solver, until, fields, out)
         parts = {"events": watch if solver.scene.record else None, "interface": history, "fields": kept}
@@ -102,8 +102,8 @@ def fields_for(solver: Solver, until: float, fields: Path | None, out: Path | No
 def history_for(solver: Solver, until: float, out: Path | None, checkpoint: Path | None) -> Iterator[HistoryFile | None]:
     """The observer of the interface's history, if the run is written to `out` and the scene's `record` asks for it.
 
-    Its samples wait in a hidden file beside `out` that goes with the block; with checkpoints in a file beside them that stays,
-    for runs that go on.
+    Its samples are kept in a hidden file beside `out`, which is removed with the block. With checkpoints they are kept in a file
+    beside those, which stays for runs that go on.
     """
     if out is None or "interface" not in solver.scene.record:
         yield None
@@ -119,7 +119,7 @@ def history_for(solver: Solver, until: float, out: Path | None, checkpoint: Path
 
 
 def write_run(path: Path, done: Run, history: HistoryFile | None, field: "Field | None" = None) -> None:
-    """Write `done` to `path`, which is whole or absent; `complete` is 0 if the run ended before its time. A `field` becomes the
+    """Write `done` to `path`, which is whole or absent; `complete` is 0 if the run ended early. A `field` becomes the
     file's group "fields".
 
     Raises SceneError if the file, or the history before, could not be written.
@@ -152,7 +152,7 @@ def write_run(path: Path, done: Run, history: HistoryFile | None, field: "Field 
 
 
 def _events_of(done: Run) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Variables on the cycles of a run, none if nobody watched for events, and attributes: what is known of its events.
+    """Variables on the cycles of a run, none if events were not watched, and attributes: what is known of its events.
 
     `multiplicity` is there only if the run is periodic: a netCDF attribute cannot be empty.
     """

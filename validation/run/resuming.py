@@ -1,4 +1,4 @@
-"""Runs that leave checkpoints on their way and go on from the last one when they are started again."""
+"""Runs that write checkpoints, and go on from the last one when they are started again."""
 
 import math
 from collections.abc import Mapping
@@ -37,7 +37,7 @@ def checkpoints_of(
 
 
 def way_on(path: Path | None) -> str:
-    """How an interrupted run can be taken up again, for a message; `path` is where it was to keep checkpoints."""
+    """How an interrupted run can be continued, for a message; `path` is where it was to keep checkpoints."""
     if path is None:
         return "no checkpoint was kept: --checkpoint FILE.npz keeps one to go on from"
     if path.exists():

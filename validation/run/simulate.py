@@ -28,7 +28,7 @@ from validation.run.progress import progress
 @dataclass(frozen=True)
 class Run:
     """What came out of a run of `solver` to `until` (transits). `starts` counts slip events, `verdict` tells what the second half
-    is; both are None if nobody watched. `statistics` are of the second half's cycles, of none if they do not repeat. `wall_s` is
+    is; both are None without a watch. `statistics` are of the second half's cycles, of none if they do not repeat. `wall_s` is
     in seconds; `failed` is empty, or says what, where and when the numerics failed: the rest is then what was known by that time.
     """
 
@@ -62,8 +62,8 @@ def simulate(
 ) -> Run:
     """March `solver` to `until` (transits) with progress on stderr; statistics are those of the run's second half.
 
-    `watch` is given where it has seen the beginning of the run. A scene that records nothing is not watched for events. A
-    NumericsError of the solver does not escape: it is kept in `failed`, beside what was computed before. Raises RunInterrupted
+    `watch` is passed in if it has already seen the beginning of the run. A scene that records nothing is not watched for events.
+    A NumericsError of the solver does not escape: it is kept in `failed`, beside what was computed before. Raises RunInterrupted
     with the same if the user stops it, and SceneError if the run would take more than `most_seconds`
     (`slipwave.observe.foresight`).
     """
@@ -98,7 +98,7 @@ def second_half(solver: Solver, until: float) -> float:
 
 
 def _judge(watch: EventObserver, scene: Scene, half: float, final: Final | None) -> Verdict:
-    """What the second half of a run, from `half` (transits) on, is."""
+    """The verdict on the second half of a run, which begins at `half` (transits)."""
     end = 2.0 * half
     slides = final is not None and slides_at(math.exp(final.ln_v), scene.drive.at(end))
     return judge_motion(watch.events(half), watch.judge(half).prominence, scene.drive.rests_from(half), slides, end)

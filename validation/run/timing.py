@@ -1,5 +1,5 @@
-"""Processor time, by one rule for all: that of this process and of those it started and waited for, so that others on the machine
-delay the answer and hardly change it; and how many may be at work."""
+"""Processor time: that of this process and of those it started and waited for. Other work on the machine delays the answer and
+hardly changes it. Also the number of cores."""
 
 import os
 import resource

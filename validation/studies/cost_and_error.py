@@ -50,13 +50,14 @@ def run(budget: Budget) -> StudyResult:
         tables=(_table(points), _final_states(), _race_table(ours, rivals)),
         verdicts=(_right(ours), _agreement(rivals)),
         notes=(
-            "Processor times on the machine named above, compiled code warm, least of several runs; a run is "
-            f"{TRANSITS:.0f} transits, march and event detection. A reduced model’s error stops falling where the model itself "
-            "is wrong: tightening its tolerance buys nothing beyond.",
+            "Processor times on the machine named above, with compiled code loaded; the least of several runs. A run is "
+            f"{TRANSITS:.0f} transits of march and event detection. The error of a reduced model does not fall below that of its "
+            "equations, however tight the tolerance.",
         ),
         omissions=(
             Omission(
-                "Quasi-static and quasi-dynamic models.", "The one runs away, the other slides steadily: no period to compare."
+                "Quasi-static and quasi-dynamic models.",
+                "The first runs away, the second slides steadily: there is no period to compare.",
             ),
         ),
     )
@@ -79,8 +80,8 @@ def _answer(points: list[Point]) -> str:
     best = {name: min(some, key=lambda p: abs(p.period_error)) for name, some in of.items()}
     return (
         f"For {TRANSITS:.0f} transits, with the error of the period in brackets, the exact delay system takes "
-        f"{told(quick['delay'])} to {told(best['delay'])}, the full wave {told(quick['fd'])} to {told(best['fd'])}; at the least "
-        f"{told(quick['kelvin-voigt'])} with the paper’s ODE, {told(quick['block8'])} with a block."
+        f"{told(quick['delay'])} to {told(best['delay'])}, the full wave {told(quick['fd'])} to {told(best['fd'])}; the fastest "
+        f"runs take {told(quick['kelvin-voigt'])} with the paper’s ODE and {told(quick['block8'])} with a block."
     )
 
 
@@ -105,7 +106,7 @@ def _final_states() -> Table:
             rows.append((f"ψ({known['time']})", tolerance, 1e3 * seconds, psi, abs(psi - known["psi"])))
     heading = "state | tolerance .0e | run [ms] .1f | value .12g | error [absolute] .0e"
     caption = (
-        "The delay system on the yardstick scene, a jump of ψ = ln φ by 0.05: time and error of the state after 400, 2000 and "
+        "The delay system on the reference scene, a jump of ψ = ln φ by 0.05: time and error of the state after 400, 2000 and "
         "6000 transits, against values on which three resolutions of another program agree to 10^{-10}."
     )
     return table("final-states", caption, heading, rows)
@@ -128,14 +129,15 @@ def _race_table(ours: list[Point], rivals: list[PlainRun]) -> Table:
     heading = "program | setting | run [ms] .1f | T [transits] .12g | error [relative] .0e"
     caption = (
         f"The Kelvin–Voigt system over {TRANSITS:.0f} transits: this package against `scipy.integrate.solve_ivp` (LSODA) with "
-        f"the right-hand side in Python, both timed in this run. Errors of T against {known:.10g} of other programs. T to "
-        f"{plain(_RACE_ERROR, '.0e')}: {_race_factor(ours, rivals)}."
+        f"the right-hand side in Python, both timed in this run. Errors of T are against {known:.10g}, known from other "
+        f"programs. This package, for T to {plain(_RACE_ERROR, '.0e')}: {_race_factor(ours, rivals)}."
     )
     return table("race", caption, heading, rows)
 
 
 def _race_factor(ours: list[Point], rivals: list[PlainRun]) -> str:
-    """How many times faster we are at the period to `_RACE_ERROR`: told, not judged, since clocks on a busy machine are."""
+    """How many times faster this package is at T to `_RACE_ERROR`. It is reported, not judged: run times vary on a busy
+    machine."""
     known = reference_orbit("kelvin-voigt", _LOG10_R)["period"]
     able = [rival for rival in rivals if abs(rival.period / known - 1.0) <= _RACE_ERROR]
     best = cheapest(ours, _RACE_ERROR)
@@ -145,7 +147,7 @@ def _race_factor(ours: list[Point], rivals: list[PlainRun]) -> str:
 
 
 def _agreement(rivals: list[PlainRun]) -> Verdict:
-    """The rival at its least tolerance."""
+    """The rival at its smallest tolerance."""
     known = reference_orbit("kelvin-voigt", _LOG10_R)["period"]
     best = min(rivals, key=lambda rival: rival.tolerance)
     return bounded(
@@ -159,7 +161,7 @@ def _agreement(rivals: list[PlainRun]) -> Verdict:
 
 
 def _right(ours: list[Point]) -> Verdict:
-    """Our own run at the least tolerance, in the race's setting."""
+    """Our own run at the smallest tolerance, in the race's setting."""
     best = min(ours, key=lambda point: point.setting.tolerance or 1.0)
     return bounded(
         "The Kelvin–Voigt run of the race has the period of other programs",

@@ -1,4 +1,4 @@
-"""How wrong a reduction is, known in advance: error laws of the onset as r omega_c -> 0, and what they say of the cycle."""
+"""Predicted errors of the reductions: laws for the onset as r omega_c -> 0, and whether they hold for the cycle."""
 
 import dataclasses
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
 NAME = "error-laws"
-QUESTION = "Can one know beforehand how wrong a reduction will be?"
+QUESTION = "Can the error of a reduction be predicted?"
 SCENES = ("paper",)
 SECONDS = (5.0, 12.0)
 
@@ -88,9 +88,9 @@ def _answer(onsets: Onsets, cycles: list[CycleErrors], falls: bool) -> str:
     off = max(abs(one.ratio(_paper() + 2) - 1.0) for model, one in onsets.items() if model != "quasidynamic")
     errors = [100.0 * abs(one.errors["kelvin-voigt"]) for one in cycles]
     return (
-        "For the onset of stick-slip, yes: the first term that a reduction’s impedance misses gives its error to "
-        f"{plain(off, '.0e')} of itself at a quarter of the paper’s ε. For the cycle, {'yes' if falls else 'no'}: the period of "
-        f"the paper’s ODE is {min(errors):.1f} to {max(errors):.1f} % off at the r tried, down to θ = {cycles[-1].theta:.3f}."
+        "For the onset of stick-slip, yes: the first term that a reduction’s impedance lacks predicts the error of r_{{c}}, to "
+        f"{plain(off, '.0e')} of that error at a quarter of the paper’s ε. For the cycle, {'yes' if falls else 'no'}: the period "
+        f"of the paper’s ODE is {min(errors):.1f} to {max(errors):.1f} % off at the r tried, down to θ = {cycles[-1].theta:.3f}."
     )
 
 
@@ -164,7 +164,7 @@ def _onset_verdicts(onsets: Onsets) -> tuple[Verdict, ...]:
             Evidence.ASYMPTOTIC,
             abs(one.ratio(finer) - 1.0),
             _next_term(model, float(one.theta[finer])),
-            f"measured over law, how far from 1, at θ = {one.theta[finer]:.3f}: the next term",
+            f"shown: measured over law at θ = {one.theta[finer]:.3f}; its distance from 1 is the next term",
             f"{one.ratio(finer):.5f}",
         )
         for model, one in onsets.items()
@@ -172,7 +172,7 @@ def _onset_verdicts(onsets: Onsets) -> tuple[Verdict, ...]:
 
 
 def _next_term(model: str, theta: float) -> float:
-    """What the law may leave out: 3e-5 to 2e-4 was measured at theta^2 = 1e-3, and 0.03 for the one law that is odd in theta."""
+    """Allowed for the next term: 3e-5 to 2e-4 was measured at theta^2 = 1e-3, and 0.03 for the one law that is odd in theta."""
     return 2.0 * theta if model == "quasidynamic" else 0.5 * theta**2
 
 
@@ -185,14 +185,14 @@ def _cycle_verdict(cycles: list[CycleErrors]) -> Verdict:
         f"error falls with θ from {first.theta:.3f} to {last.theta:.3f}",
         f"{plain(first.errors['kelvin-voigt'], '.1e')} → {plain(last.errors['kelvin-voigt'], '.1e')}",
         judge(shrink < 0.5 * last.theta / first.theta, Outcome.FINDING),
-        f"v_{{max}} r stays near {last.swiftness:.1f}: the expansion in r is not one in a small number during an event",
+        f"v_{{max}} r stays near {last.swiftness:.1f}: during an event the expansion in r has no small parameter",
     )
 
 
 _WHY = (
-    "Why the period keeps its error: the stress drop is set by friction and grows slowly, an event slips at about "
-    "v_{max} ~ Δμ/ε, and r_{c} ~ ε/(b − a), so v_{max} r ~ Δμ/(b − a) whatever ε. A quasi-dynamic pair is missing below: its "
-    "error is tens of per cent, and at the paper’s ε it returns to steady sliding."
+    "Why the error of the period does not fall: friction sets the stress drop, which grows slowly; an event slips at about "
+    "v_{max} ~ Δμ/ε; and r_{c} ~ ε/(b − a). So v_{max} r ~ Δμ/(b − a) for every ε. The quasi-dynamic model is not shown for "
+    "the cycle: its error is tens of per cent, and at the paper’s ε it returns to steady sliding."
 )
 _CAPTION = (
     "Relative error over θ = r ω_{c}: of the critical r with the laws as lines, left; of the period 2 % beyond the onset, right. "

@@ -62,7 +62,7 @@ def _answer(fits: dict[str, dict[float, Fit]]) -> str:
     jump = [fits[_JUMP][cfl].order for cfl in CFLS]
     return (
         f"{'Yes' if min(smooth + jump) > 0.5 else 'No'}: from the smooth start at orders {min(smooth):.2f} to {max(smooth):.2f} "
-        "in every figure of the orbit and in the final state; from a jump, which comes back with every transit, at orders "
+        "in every quantity of the orbit and in the final state; from a jump, which returns every transit, at orders "
         f"{min(jump):.2f} to {max(jump):.2f}."
     )
 
@@ -128,21 +128,21 @@ def _verdicts(fits: dict[str, dict[float, Fit]]) -> list[Verdict]:
 
 
 def _extrapolated(errors: Array, cells: int, cfl: float) -> Verdict:
-    """`errors` of the period up to the finest grid, of `cells`. What is left is of order 4: of the finest error (N/cells)^2."""
+    """`errors` of the period, the last one on `cells`. Extrapolation leaves an error of order 4: (N/cells)^2 of the last one."""
     coarse, fine = errors[-2:]
     left = abs(float(extrapolated(coarse, fine, 2.0)))
     return bounded(
-        "Extrapolated to no cell size, the full wave’s period is the delay system’s",
+        "Extrapolated to zero cell size, the period of the full wave is that of the delay system",
         Evidence.SELF if cfl == 1.0 else Evidence.WITNESS,
         left,
         (_NEXT_ORDER[cfl] / cells) ** 2 * abs(float(fine)) + _SETTLED,
-        f"at CFL {cfl}; the finest grid alone: {plain(abs(float(fine)), '.0e')}",
+        f"at CFL {cfl}; without extrapolation, on the finest grid: {plain(abs(float(fine)), '.0e')}",
     )
 
 
 _CAPTION = (
     "Errors of the leapfrog against the delay system, by cells per slab, at three Courant numbers. First five: relative error "
-    "of the settled orbit’s figures; last two: error of the state ψ = ln φ after 400 transits. Thin lines: fits. Triangles: "
+    "of quantities of the settled orbit; last two: error of the state ψ = ln φ after 400 transits. Thin lines: fits. Triangles: "
     "slope 2, slope 1 for the jump."
 )
 

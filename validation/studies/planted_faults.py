@@ -16,10 +16,10 @@ FILES = (RECORD,)
 
 
 def run(budget: Budget) -> StudyResult:
-    """Show what `make faults` recorded last; planting them anew takes an hour and is not part of a report."""
+    """Show what `make faults` recorded last; planting them again takes an hour and is not part of a report."""
     if not RECORD.is_file():
         return StudyResult(
-            "Not asked in this report.", omissions=(Omission("The planted faults.", "No record of them is here."),)
+            "Not answered in this report.", omissions=(Omission("The planted faults.", "No record of them is here."),)
         )
     faults: list[dict[str, Any]] = json.loads(RECORD.read_text(encoding="utf-8"))["faults"]
     survivors = [fault["name"] for fault in faults if not fault["caught"]]
@@ -28,7 +28,7 @@ def run(budget: Budget) -> StudyResult:
         answer=f"{len(faults) - len(survivors)} of {len(faults)} planted faults are caught.",
         tables=(_table(faults),),
         verdicts=tuple(_verdict(room, [fault for fault in faults if fault["room"] == room]) for room in rooms),
-        notes=("`make faults` plants them anew, one at a time, in a copy of the checkout.",),
+        notes=("`make faults` plants them again, one at a time, in a copy of the checkout.",),
     )
 
 
@@ -38,7 +38,7 @@ def _table(faults: list[dict[str, Any]]) -> Table:
         for fault in faults
     )
     caption = (
-        "Every planted fault, the test that noticed it, and the time which that took (test and compilation, on a busy machine)."
+        "Every planted fault, the test that noticed it, and the time that this took (test and compilation, on a busy machine)."
     )
     survivors = (number for number, fault in enumerate(faults) if not fault["caught"])
     heading = "file | what is changed | what it would do to a user | caught by | time [s] .0f"

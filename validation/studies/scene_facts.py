@@ -36,7 +36,7 @@ def run(budget: Budget) -> StudyResult:
         verdicts=_verdicts(paper, scenes[1]),
         notes=(
             "Two clocks are in use. The *friction clock* counts time in L/V*, the *transit clock* t~ = t/r in round trips of a "
-            "wave through one slab. Periods are in transits unless told otherwise; stress is in units of σ, so that stress and "
+            "wave through one slab. Periods are in transits unless stated otherwise; stress is in units of σ, so that stress and "
             "friction coefficient are one number; rates are in units of V*.",
         ),
         numbers={

@@ -44,14 +44,14 @@ class Event:
 
 
 def run(budget: Budget) -> StudyResult:
-    """Record one event, draw it, and hold its waves against straight characteristics."""
+    """Record one event, draw it, and compare its waves with straight characteristics."""
     event = _record(16 if budget.quick else 24)
     budget.report(0.8)
     off = characteristics(event.field)
     largest = float(event.slip_rate.max())
     return StudyResult(
-        answer=f"The interface slips at up to {largest:,.0f} V*, stays beyond 10 V for {_lasting(event):.1f} transits and is "
-        f"slower than V {_stop(event):.2f} transits after its fastest, when the wave it sent out has come back.",
+        answer=f"The interface slips at up to {largest:,.0f} V*, stays above 10 V for {_lasting(event):.1f} transits and "
+        f"falls below V {_stop(event):.2f} transits after its fastest moment, when the wave that it sent out has come back.",
         figures=(Figure("event", _CAPTION, lambda: _draw(event)),),
         tables=(_arrivals(event),),
         verdicts=(_straight(off, event.cells), _driven_face(event), _stopped(event)),
@@ -98,13 +98,13 @@ def characteristics(field: Field) -> float:
 
 
 def _straight(off: float, cells: int) -> Verdict:
-    """`off`: as `characteristics` tells it."""
+    """`off`: the value of `characteristics`."""
     return bounded(
         "Waves cross the slabs on straight characteristics, unchanged",
         Evidence.EXACT,
         off,
         _CURVED,
-        f"`{_MODEL}`, {cells} cells a slab: outgoing wave at each depth against the interface’s, earlier by the travel time; "
+        f"`{_MODEL}`, {cells} cells a slab: outgoing wave at each depth against that of the interface one travel time before; "
         "largest difference over its range",
     )
 
@@ -122,13 +122,13 @@ def _stopped(event: Event) -> Verdict:
         Evidence.EXACT,
         abs(stop - 1.0),
         _LATE,
-        "v falls below V that long after its fastest moment; shown: transits, and how far from one",
+        "shown: transits from the fastest moment until v falls below V; judged: how far they are from one",
         f"{stop:.3f}",
     )
 
 
 def _lasting(event: Event) -> float:
-    """Transits for which the slip rate is beyond 10 V."""
+    """Transits for which the slip rate is above 10 V."""
     fast = event.field.time[event.slip_rate > 10.0 * event.field.scene.velocity]
     return float(np.ptp(fast))
 
@@ -176,11 +176,11 @@ def _draw(event: Event) -> "Drawing":
 _CAPTION = (
     "One slip event of the paper’s scene in the (time, depth) plane, by discontinuous Galerkin. Above: velocity of both slabs, "
     "colours linear within ±V and logarithmic beyond. Below: shear stress over the normal stress. The interface is the line in "
-    "the middle; velocity jumps across it by the slip rate, stress does not. Left: slip speeds up from transit to transit, "
-    "under what is left of the standing wave of the event before. About time 0 the interface lets go and stress collapses; the "
-    "disturbance leans outwards, since it needs half a transit from the interface to the outer face, which is held to its drive "
-    "and sends it back with its velocity reversed. Within a transit of the fastest slip the returning wave has taken the load "
-    "away and slip all but stops. The interface now holds its face as firmly as the drive holds the other, so the wave runs to "
-    "and fro between the two, hardly weaker each time: the chequered right half, one transit from colour to like colour, and "
-    "the ripples of the slow phase in the first study’s figure."
+    "the middle; velocity jumps across it by the slip rate, stress does not. Left: slip speeds up from transit to transit; "
+    "what is left of the previous event’s standing wave lies over it. About time 0 the interface lets go and stress collapses; "
+    "the disturbance leans outwards, since it needs half a transit from the interface to the outer face. That face follows its "
+    "drive and reflects the disturbance with its velocity reversed. Within a transit of the fastest slip the returning wave has "
+    "removed the load, and slip almost stops. The interface now holds its face as firmly as the drive holds the other, so the "
+    "wave runs to and fro between the two and hardly weakens. This makes the chequered pattern on the right, which repeats after "
+    "one transit, and the ripples of the slow phase in the first study’s figure."
 )

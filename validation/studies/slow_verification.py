@@ -21,7 +21,7 @@ _CHECKOUT = Path(__file__).parents[2]
 _IS_CHECKOUT = (_CHECKOUT / "pyproject.toml").is_file() and (_CHECKOUT / "tests").is_dir()
 FILES = (_CHECKOUT / "tests", _CHECKOUT / "slipwave" / "gallery") if _IS_CHECKOUT else ()
 
-_TESTED = (0, 1)  # how pytest ends if tests were found and run, all well or not
+_TESTED = (0, 1)  # exit statuses of pytest after running tests: all passed, some failed
 
 
 class Tested(NamedTuple):
@@ -42,7 +42,7 @@ def run(budget: Budget) -> StudyResult:
     """Run them in a process of their own (full report only)."""
     if budget.quick or not _IS_CHECKOUT:
         why = "In the full report only." if _IS_CHECKOUT else "The tests are not installed with the package; a checkout has them."
-        return StudyResult("Not asked in this report.", omissions=(Omission("The verification tests marked as slow.", why),))
+        return StudyResult("Not answered in this report.", omissions=(Omission("The verification tests marked as slow.", why),))
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "tests.xml"
         ended = subprocess.run(_command(record), cwd=_CHECKOUT, capture_output=True, text=True, check=False)
@@ -55,7 +55,7 @@ def run(budget: Budget) -> StudyResult:
 def summarised(tests: list[Tested]) -> StudyResult:
     """Table of the tests and one verdict per file."""
     faults = sum(bool(test.fault) for test in tests)
-    caption = "Every test that is marked as slow, with all its cases; its own docstring says what it holds the models to."
+    caption = "Every test that is marked as slow, with all its cases; its docstring says what it requires of the models."
     rows = (_row(file, name, list(cases)) for (file, name), cases in groupby(tests, lambda test: (test.file, test.function)))
     return StudyResult(
         answer=f"{len(tests) - faults} of {len(tests)} pass.",

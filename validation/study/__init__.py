@@ -4,8 +4,8 @@
     QUESTION  one sentence
     SCENES    gallery names of the scenes it runs; their contents are part of the key under which its result is stored
     FILES     optional: files and folders of the checkout that it reads; part of that key too
-    SECONDS   (quick, full) rough wall time: the longest studies begin first; for the time left
-    TIMED     optional: True if run times are its subject; such studies run alone, after all others
+    SECONDS   (quick, full) rough wall time, for the order (the longest begin first) and the time left
+    TIMED     optional: True if it measures run times; such studies run alone, after all others
     run(budget) -> StudyResult
 
 Texts may hold the small markup of `validation.study.text`: x_{sub}, 10^{-9}, *emphasis*, `code`.
@@ -35,7 +35,7 @@ class Outcome(StrEnum):
 
 
 class Evidence(StrEnum):
-    """Five kinds of evidence, never mixed: what a claim was held against."""
+    """Five kinds of evidence, never mixed: what a claim was compared with."""
 
     EXACT = "exact"
     SELF = "self-convergence"
@@ -97,7 +97,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Verdict:
-    """One claim held against one kind of evidence: what was expected, what came out, and how it fared.
+    """One claim and one kind of evidence: what was expected, what came out, and how it fared.
 
     `size` and `limit`: what was measured and what is allowed, for claims that bound a size (`validation.study.bounds`).
     """

@@ -1,4 +1,5 @@
-"""Verdicts that bound a size: an error, a residual, a difference. One rule for all studies, which also tells how tight it is."""
+"""Verdicts that bound a size: an error, a residual, a difference. One rule for all studies; it also reports how tight the bound
+is."""
 
 import math
 from collections.abc import Iterable
@@ -7,7 +8,7 @@ from validation.study import Evidence, Outcome, Verdict, judge
 from validation.study.text import plain
 
 ROOMY, ROUNDING = 30.0, 1e-10
-"""A limit further above what is measured than this many times lets faults pass; below `ROUNDING` machines may differ by more."""
+"""A limit of more than this many times the measured size lets faults pass. Below `ROUNDING` machines may differ by more."""
 
 
 def bounded(
@@ -19,7 +20,7 @@ def bounded(
     ours: str = "",
     otherwise: Outcome = Outcome.FAIL,
 ) -> Verdict:
-    """PASS if `size` (>= 0) lies below `limit`, else `otherwise`; NaN does not pass. `ours` may tell more than the size."""
+    """PASS if `size` (>= 0) lies below `limit`, else `otherwise`; NaN does not pass. `ours` may say more than the size."""
     outcome = judge(size < limit, otherwise)
     known = size if math.isfinite(size) else None
     return Verdict(claim, evidence, f"below {plain(limit, '.2g')}", ours or plain(size, ".1e"), outcome, remark, known, limit)

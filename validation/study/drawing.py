@@ -1,4 +1,4 @@
-"""One look for every figure: readable on paper, told apart in grey by line style and marker as well as by colour."""
+"""One look for every figure: readable on paper; line style and marker distinguish the lines in grey, as colour does."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -52,7 +52,7 @@ def pen(model: str) -> Pen:
 
 
 def grid_pens(models: Iterable[str]) -> dict[str, Pen]:
-    """Pens of several full waves in one figure: colour and marker are the family's, dashes tell its members apart."""
+    """Pens of several full waves in one figure: colour and marker are the family's, dashes distinguish its members."""
     pens: dict[str, Pen] = {}
     for model in models:
         name, _, number = model.partition(":")

@@ -1,4 +1,4 @@
-"""The paper's claims that runs and closed forms can settle; those about whole branches wait for continuation."""
+"""The paper's claims that runs and closed forms can settle; those about whole branches need continuation."""
 
 from validation.studies.claims.figures import irregular, returns
 from validation.studies.claims.runs import LARGE_NUDGE, Branch, Ripples, beside, measure_ripples, run_deep, settle_branch
@@ -42,10 +42,10 @@ def _two_orbits(branch: Branch) -> str:
     same = abs(other / usual - 1.0) < _SAME
     at = f"At log_{{10}} r = {largest:g}".replace("-", "−")
     if same:
-        return f"{at} a nudge of {LARGE_NUDGE:g} finds the orbit that the scene’s own start finds."
+        return f"{at} a nudge of {LARGE_NUDGE:g} leads to the same orbit as the scene’s own start."
     return (
-        f"{at} runs of the delay system settle on two orbits: from the scene’s own start T = {usual:.4f} transits, from a nudge "
-        f"of {LARGE_NUDGE:g} T = {other:.4f}. The verdicts above are about the first."
+        f"{at} the delay system has two stable orbits: runs from the scene’s own start settle at T = {usual:.4f} transits, runs "
+        f"from a nudge of {LARGE_NUDGE:g} at T = {other:.4f}. The verdicts above are about the first."
     )
 
 
@@ -54,8 +54,8 @@ def _answer(verdicts: tuple[Verdict, ...]) -> str:
     held = sum(verdict.outcome is Outcome.PASS for verdict in verdicts)
     waiting = sum(omission.what.startswith("P") and "beyond" not in omission.what for omission in _OMISSIONS)
     return (
-        f"Of {len(verdicts)} checks {held} hold and {len(findings)} qualify a claim; {waiting} claims about branches wait for "
-        "continuation."
+        f"Of {len(verdicts)} checks {held} hold and {len(findings)} qualify a claim; {waiting} claims about branches are open, "
+        "since they need continuation."
     )
 
 
@@ -69,22 +69,25 @@ def _numbers(branch: Branch, ripples: dict[str, Ripples]) -> dict[str, Number]:
 _SAME = 1e-4  # relative difference of periods of one orbit
 
 _RETURNS = (
-    "Return maps at log_{10} r = −2.3: each cycle’s period and stress drop over those of the cycle before. A periodic orbit "
+    "Return maps at log_{10} r = −2.3: each cycle’s period and stress drop against those of the previous cycle. A periodic orbit "
     "would be a few points."
 )
 _CAPTION = (
-    "Stress at log_{10} r = −2.3 over some cycles (the paper’s Fig 9): the delay system keeps its drops, with ripples that are "
-    "no longer sinusoidal and change shape from cycle to cycle; the paper’s ODE is irregular. μ in units of σ, time in "
-    "transits."
+    "Stress at log_{10} r = −2.3 over some cycles (the paper’s Fig 9): the stress drops of the delay system vary little, but "
+    "its ripples are no longer sinusoidal and change shape from cycle to cycle; the paper’s ODE is irregular. μ in units of σ, "
+    "time in transits."
 )
 
 _OMISSIONS = (
     Omission(
         "P8, mildly subcritical Hopf point (Fig 6).",
-        "Needs the unstable branch: continuation of periodic orbits is not here yet.",
+        "Needs the unstable branch, that is, continuation of periodic orbits, which does not exist yet.",
     ),
     Omission("P9, period doublings and torus of the ODE (Fig 6b).", "Needs continuation with multipliers."),
-    Omission("P10, unstable primary orbit with T = 79.09 (Fig 7).", "Needs Newton on the orbit; a run cannot stay on it."),
+    Omission(
+        "P10, unstable primary orbit with T = 79.09 (Fig 7).",
+        "Needs Newton’s method for the orbit, since a run leaves an unstable one.",
+    ),
     Omission("P14, bifurcations of the delay system.", "Needs continuation of the delay system."),
     Omission(
         "P7 and P11 beyond log_{10} r = −2.66.",

@@ -1,12 +1,12 @@
 """Verdicts on P12, the period as the time of loading, and P13, irregular motion at log10 r = -2.3.
 
-P12. As y' = eps (V - v) on the transit clock, y rises in a cycle by eps (V t_rise - s_rise), which is the elastic drop. Hence
+P12. As y' = eps (V - v) on the transit clock, y rises in a cycle by eps (V t_rise - s_rise), which is the elastic drop. So
 
     T = drop/(eps V) + t_fall + s_rise/V,
 
-exactly: the period is longer than the drop takes to load at v = 0 by the time in which y falls, and by the slip while it rises.
-The drop over eps V T can never exceed 1. "T ~ drop/(eps V)" can mean that T is proportional to the drop, as the paper says, or
-that the two are about equal; either can be tested.
+exactly. The period exceeds the time that loading the drop takes at v = 0. The excess is the time in which y falls, and the slip
+while y rises, over V. The drop over eps V T can never exceed 1. "T ~ drop/(eps V)" can mean that T is proportional to the drop,
+as the paper says, or that the two are about equal. Both readings are tested.
 """
 
 import numpy as np
@@ -22,7 +22,8 @@ _PROPORTIONAL = 0.1
 _NEARLY = 0.1
 _CONSTANT = 0.05  # spread of drops that is called nearly constant
 _CONTRAST = {"period": 1.5, "stress_drop": 1.5, "v_max": 5.0}
-"""How many times the delay system's spread the ODE's must be; 3.8, 2.3 and 27 were measured in 6000 transits (chance enters)."""
+"""Least ratios of the ODE's spread to the delay system's; 3.8, 2.3 and 27 were measured in 6000 transits (they vary by
+chance)."""
 _IRREGULAR = 0.3  # of `recurrence`; 0.6 to 0.9 were measured
 
 
@@ -34,14 +35,14 @@ def load(branch: Branch, deep: dict[str, Deep], ripples: dict[str, Ripples]) -> 
 def _identity(ripples: dict[str, Ripples]) -> Verdict:
     parts = {model: one.loading for model, one in ripples.items()}
     off = max(abs((one.drop + one.falling + one.slipped) / one.period - 1.0) for one in parts.values())
-    told = parts["delay"]
+    delay = parts["delay"]
     return bounded(
-        "P12 The period is Δy/(εV), plus the time in which y falls, plus the slip while it rises, over V",
+        "P12 The period is Δy/(εV) + (time in which y falls) + (slip while y rises)/V",
         Evidence.EXACT,
         off,
         _CLOSES,
-        f"relative, both systems at r = 10^{{-2.68}}; delay system: {told.period:.2f} = {told.drop:.2f} + {told.falling:.2f} + "
-        f"{told.slipped:.2f} transits",
+        f"relative, both systems at r = 10^{{-2.68}}; delay system: {delay.period:.2f} = {delay.drop:.2f} + {delay.falling:.2f} "
+        f"+ {delay.slipped:.2f} transits",
     )
 
 
@@ -55,7 +56,7 @@ def _proportional(branch: Branch) -> Verdict:
         f"T ∝ Δy^{{1 ± {_PROPORTIONAL:g}}}",
         f"T ∝ Δy^{{{power:.2f}}}",
         judge(abs(power - 1.0) <= _PROPORTIONAL, Outcome.FINDING),
-        f"delay system; Δy/(εV) is {100 * shares[0]:.0f} % of T at the least r and {100 * shares[-1]:.0f} % at the largest, "
+        f"delay system; Δy/(εV) is {100 * shares[0]:.0f} % of T at the smallest r and {100 * shares[-1]:.0f} % at the largest, "
         f"{where(branch)}",
     )
 
@@ -71,8 +72,8 @@ def _nearly_equal(deep: Deep) -> Verdict:
         f"Δy/(εVT) from {1.0 - _NEARLY:.2f} to {most:.3f}",
         f"{share:.3f}",
         judge(1.0 - _NEARLY < share < most, Outcome.FINDING),
-        f"delay system, means over {deep.events.period.size} cycles at log_{{10}} r = −{-DEEP:g}; one transit is the least that "
-        "an event can take",
+        f"delay system, means over {deep.events.period.size} cycles at log_{{10}} r = −{-DEEP:g}; an event takes at least "
+        "one transit",
     )
 
 
@@ -83,7 +84,7 @@ def _rate() -> float:
 
 
 def irregular(deep: dict[str, Deep]) -> tuple[Verdict, ...]:
-    """P13: the ODE's cycles neither repeat nor keep their size; the delay system's vary little beside them."""
+    """P13: the ODE's cycles neither repeat nor keep their size; the delay system's vary little in comparison."""
     return _aperiodic(deep["kelvin-voigt"]), _constant(deep["delay"]), _contrast(deep)
 
 
@@ -100,8 +101,8 @@ def _aperiodic(ode: Deep) -> Verdict:
         f"above {_IRREGULAR:g}",
         ", ".join(f"{value:.2f}" for value in found.values()),
         judge(min(found.values()) > _IRREGULAR, Outcome.FINDING),
-        f"how far {ode.events.period.size} cycles are from repeating after up to 12, in T, Δμ and ln v_{{max}}: 0 for a periodic "
-        "orbit, 1 for a sequence without memory",
+        f"distance of {ode.events.period.size} cycles from repeating after up to 12 cycles, in T, Δμ and ln v_{{max}}: 0 for a "
+        "periodic orbit, 1 for a sequence without memory",
     )
 
 

@@ -27,7 +27,7 @@ LOG10_R = {
 MODELS = ("delay", "kelvin-voigt", "block8", "block12")
 DEEP = -2.3
 LARGE_NUDGE = 2.0
-_RESTLESS = 1e-6  # an orbit that still moves by more, relative, is not compared
+_RESTLESS = 1e-6  # an orbit whose cycles still differ by more, relative, is not compared
 _SHOWN = (1000.0, 1420.0)
 _LONGEST = 12  # cycles of a periodic orbit that `recurrence` knows
 
@@ -36,7 +36,7 @@ Branch: TypeAlias = dict[float, dict[str, Orbit]]
 
 
 class Deep(NamedTuple):
-    """A long run at log10 r = -2.3: its cycles after the start has worn off, and time and stress over a stretch of it."""
+    """A long run at log10 r = -2.3: its cycles after the transient, and time and stress over a stretch of it."""
 
     events: Events
     time: Array

@@ -72,7 +72,7 @@ def _ripples(ripples: dict[str, Ripples]) -> tuple[Verdict, ...]:
     ode, delay = ripples["kelvin-voigt"].period, ripples["delay"].period
     claim = "P5 Period of the fast ripples: π/√6 transits in the ODE, exactly one in the delay system"
     off = max(abs(ode / FAST_PERIOD_KELVIN_VOIGT - 1.0), abs(delay - 1.0))
-    slip = "the text’s “frequency about 28 % too high” is a slip: the period is 28 % too long, the frequency 22 % too low"
+    slip = "the text’s “frequency about 28 % too high” is a mistake: the period is 28 % too long, the frequency 22 % too low"
     return (
         bounded(
             claim,
@@ -125,7 +125,7 @@ def _order_of_periods(branch: Branch) -> Verdict:
         f"at {sum(held)} of {len(held)} r",
         judge(all(held), Outcome.FINDING),
         "where runs of all four models settle: from just beyond the onset to where the exact orbit loses stability. The paper "
-        "says so of the whole primary branch",
+        "claims it for the whole primary branch",
     )
 
 

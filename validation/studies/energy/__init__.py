@@ -18,7 +18,7 @@ SECONDS = (8.0, 9.0)
 
 
 def run(budget: Budget) -> StudyResult:
-    """Close the books of every family, then follow the entries over two cycles."""
+    """Measure the residual of every family's ledger, then follow the entries over two cycles."""
     residuals = {}
     for count, ladder in enumerate(LADDERS):
         residuals[ladder.model] = np.array([residual_of(ladder.model, cells, "rigid faces") for cells in ladder.cells])
@@ -48,19 +48,19 @@ def _answer(shown: dict[str, History], fd: Array, orders: dict[str, Fit]) -> str
     friction = 100.0 * min(one.share("friction") for one in shown.values())
     slopes = [found.order for found in orders.values()]
     return (
-        f"At least {friction:.0f} % goes into friction: over two cycles grips swallow {lost['grips']:.2g} % of the work and "
+        f"At least {friction:.0f} % goes into friction: over two cycles grips absorb {lost['grips']:.2g} % of the work and "
         f"viscosity {lost['viscous']:.2g} %. The books of the leapfrog close to {plain(float(np.abs(fd).max()), '.0e')}, those "
         f"of the other families at orders {min(slopes):.1f} to {max(slopes):.1f} in the cell."
     )
 
 
 _ENTRIES = (
-    "The ledger over two cycles of the settled orbit, counted from an arbitrary moment of the slow phase, in units of σL: above, "
-    "work of the drive, heat of friction and the change of what the slabs store; below, what grips radiate and viscosity turns "
-    "into heat, on their own scale. Between events the drive loads the slabs; an event spends the store on friction within two "
-    "transits."
+    "The ledger over two cycles of the settled orbit, counted from an arbitrary moment of the slow phase, in units of σL. Above: "
+    "work of the drive, heat of friction and change of the energy stored in the slabs. Below, on another scale: energy radiated "
+    "through grips and heat of viscosity. Between events the drive loads the slabs; within two transits an event turns the "
+    "stored energy into heat of friction."
 )
 _CLOSURE = (
-    f"What does not close in the ledger after {UNTIL:.0f} transits of the paper’s scene, relative to the largest entry, over "
+    f"Residual of the ledger after {UNTIL:.0f} transits of the paper’s scene, relative to the largest entry, over "
     "cells per slab. The leapfrog conserves a discrete energy and stays at rounding."
 )

@@ -1,4 +1,4 @@
-"""What the energy ledgers of the full wave leave open on each grid, and their entries over two cycles."""
+"""Residuals of the full wave's energy ledgers on each grid, and their entries over two cycles."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ ENTRIES = ("input", "friction", "stored", "radiated", "viscous")
 """Entries of the ledger, in the order in which they are shown."""
 
 UNTIL = 200.0
-"""Transits after which the books are closed."""
+"""Transits after which the residual is taken."""
 
 _ROUNDING = 10.0
 """Residuals below 100 machine epsilons times this are rounding."""
@@ -27,7 +27,7 @@ _ROUNDING = 10.0
 class EnergyLadder:
     """A model, the order at which its ledger closes unless it conserves energy, and its grids.
 
-    What is lost is the square of the jumps at upwind interfaces. Families of continuous fields jump at the slabs' ends only, by
+    The loss is the square of the jumps at upwind interfaces. Continuous fields jump at the slabs' ends only, by
     the error of the fields: order 2 in `sbp:2` and `fem:1`, and in `fem:2` too (order P for even P). `dg:P` jumps by h^(P + 1) at
     each of 1/h faces: order 2 P + 1.
     """
@@ -59,7 +59,7 @@ BOUNDARIES: dict[str, tuple[str, tuple[str, ...]]] = {
     "grips": ("grip", ()),
     "viscous": ("viscous", ()),
 }
-"""What takes the energy: gallery name of the scene and changes to it."""
+"""By what takes the energy: gallery name of the scene, and changes to it."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def _solver(model: str, cells: int, name: str) -> FieldSolver:
 
 
 def residual_of(model: str, cells: int, name: str) -> float:
-    """What does not close after `UNTIL` transits, relative to the largest entry."""
+    """Residual of the ledger after `UNTIL` transits, relative to the largest entry."""
     solver = _solver(model, cells, name)
     follow(solver, UNTIL)
     return solver.energy().residual

@@ -1,4 +1,4 @@
-"""Tables of the energy ledger: shares of the work, and what does not close."""
+"""Tables of the energy ledger: shares of the work, and residuals."""
 
 import numpy as np
 
@@ -19,24 +19,25 @@ def shares_table(shown: dict[str, History]) -> Table:
     ]
     caption = (
         "Where the drive’s work of two cycles goes, on the settled orbit, by `dg:7`: the paper’s scene; slabs held by grips that "
-        "reflect half of every wave; Kelvin–Voigt slabs. What is stored comes back to where it was, up to the sampling of time."
+        "reflect half of every wave; Kelvin–Voigt slabs. The stored energy returns to its first value, up to the sampling in "
+        "time."
     )
     return table("shares", caption, " | ".join(heading), rows)
 
 
 def residual_table(residuals: dict[str, Array], orders: dict[str, Fit]) -> Table:
-    """What does not close on each grid, and its order."""
+    """The residual on each grid, and its order."""
     rows: list[tuple[Cell, ...]] = []
     for ladder in LADDERS:
-        some = [plain(float(value), ".0e") for value in np.abs(residuals[ladder.model])]
+        sizes = [plain(float(value), ".0e") for value in np.abs(residuals[ladder.model])]
         grids = ", ".join(map(str, ladder.cells))
         order = told(orders[ladder.model]) if ladder.model in orders else None
-        rows.append((ladder.model, grids, ", ".join(some), ladder.derived, order))
+        rows.append((ladder.model, grids, ", ".join(sizes), ladder.derived, order))
     caption = (
-        f"What does not close after {UNTIL:.0f} transits of the paper’s scene, relative to the largest entry, on each grid, and "
-        "its fitted order with the 95 % interval. Upwind interfaces lose the square of their jumps. Continuous fields jump at "
-        "the slabs’ ends alone, by the error of the fields (order 2 in `sbp:2` and `fem:1`; order P for even P in `fem:P`): "
-        "derived is twice that. `dg:P` jumps by h^{P+1} at each of 1/h faces: derived is 2P + 1."
+        f"Residual of the ledger after {UNTIL:.0f} transits of the paper’s scene, relative to the largest entry, on each grid, "
+        "and its fitted order with the 95 % interval. Upwind interfaces lose the square of their jumps. Continuous fields jump "
+        "at the slabs’ ends alone, by the error of the fields (order 2 in `sbp:2` and `fem:1`; order P for even P in `fem:P`): "
+        "the derived order is twice that. `dg:P` jumps by h^{P+1} at each of 1/h faces: the derived order is 2P + 1."
     )
     return table("residuals", caption, "family | cells | residual | derived .2g | order", rows)
 

@@ -9,7 +9,7 @@ from validation.study import Evidence, Verdict, judge
 from validation.study.bounds import bounded
 
 _CLOSED = {"rigid faces": 1e-13, "grips": 1e-13, "viscous": 2e-12}  # 4e-15, 5e-15 and 1.4e-13 were measured
-_ALLOWANCE = 0.1  # what bends on the coarsest grids
+_ALLOWANCE = 0.1  # the coarsest grids do not follow the power law yet
 
 
 def conserves(residual: Array) -> Verdict:
@@ -23,7 +23,7 @@ def order_verdict(ladder: EnergyLadder, found: Fit) -> Verdict:
     assert ladder.derived is not None
     short = shortfall(found, ladder.derived, _ALLOWANCE)
     return Verdict(
-        "Ledgers of the other families lose the square of their jumps, at its order",
+        "Energy losses of the other families have the order of their squared jumps",
         Evidence.EXACT,
         f"{ladder.derived:g}",
         told(found),

@@ -1,4 +1,4 @@
-"""Which code the exact system and the full-wave families have in common, read from what their modules import."""
+"""The code that the exact system and the full-wave families share, read from what their modules import."""
 
 from collections.abc import Collection
 from itertools import combinations
@@ -13,7 +13,7 @@ COMPARED = tuple(family.name for family in FAMILIES if family.exact is not Exact
 
 
 def modules_of(family: str) -> frozenset[str]:
-    """Modules of the house that a family's solver is made of, as `fullwave.lines.march`."""
+    """Modules of this package that a family's solver is made of, as `fullwave.lines.march`."""
     module = next(one.module for one in FAMILIES if one.name == family)
     start = ROOT.joinpath(*module.split(".")).with_suffix(".py")
     files = (path.relative_to(ROOT).with_suffix("") for path in import_closure([start], packages=False))
@@ -34,8 +34,8 @@ def code_table() -> Table:
         for common in [shared(one, other)]
     )
     caption = (
-        "Modules of the solvers that two families have in common, read from their imports; `slipwave` (the scene, friction, the "
-        "interface condition, the event detection) is common to all. What is common cannot be caught by comparing the two."
+        "Modules of the solvers that two families share, read from their imports; all share `slipwave` (the scene, friction, the "
+        "interface condition, the event detection). Comparing two families cannot reveal a mistake in what they share."
     )
     return table("code", caption, "pair | modules .0f | in common", rows)
 
@@ -46,8 +46,8 @@ def code_note() -> str:
     leapfrog = shared("fd", "sbp")
     exact = max(len(shared("delay", family)) for family in COMPARED[1:])
     return (
-        f"`sbp`, `fem` and `dg` have {len(alike)} modules in common, {_march_in(alike)}: beside each other they are witnesses of "
-        f"their operators in space alone. The leapfrog has {len(leapfrog)} modules in common with them, {_march_in(leapfrog)}. "
+        f"`sbp`, `fem` and `dg` have {len(alike)} modules in common, {_march_in(alike)}: they are witnesses of each other’s "
+        f"operators in space only. The leapfrog has {len(leapfrog)} modules in common with them, {_march_in(leapfrog)}. "
         f"The delay system, which every error is measured against, has no grid and {exact or 'no'} solver modules in common "
         "with any of them."
     )

@@ -53,7 +53,7 @@ def _answer(runs: Runs) -> str:
 def _note(runs: Runs) -> str:
     times = {model: one.milliseconds for model in ("delay", "modal:1", "modal:8") if (one := runs[model][-2.68])}
     told = ", ".join(f"{milliseconds:.0f} ms with `{model}`" for model, milliseconds in times.items())
-    return f"1000 transits at log_{{10}} r = −2.68 take {told}: steps follow the slip event, not the number of states."
+    return f"1000 transits at log_{{10}} r = −2.68 take {told}: steps follow slip events, not the number of states."
 
 
 _CAPTION = (

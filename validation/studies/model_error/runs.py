@@ -20,7 +20,7 @@ MOST = 9000.0
 """Transits after which an orbit must have come to rest."""
 
 RESTLESS = 1e-6
-"""An orbit that still moves by more, relative, is not compared."""
+"""An orbit whose cycles still differ by more, relative, is not compared."""
 
 
 class ModelRun(NamedTuple):

@@ -20,8 +20,8 @@ def error_table(runs: Runs) -> Table:
     each = [f"T, {log10_r:.2f} [relative] .1e | Δμ [relative] .1e | run [ms] .0f".replace("-", "−") for log10_r in SHOWN]
     caption = (
         "Errors of period T and stress drop Δμ against the delay system at log_{10} r = −2.69, −2.68 and −2.66, and the time of "
-        "1000 transits at tolerance 10^{-10}, march and event detection. States: ψ, elastic stress, rate if there is mass, two a "
-        "mode; the delay system’s state is a function. A dash: no orbit that came to rest."
+        "1000 transits at tolerance 10^{-10}, march and event detection. States: ψ, elastic stress, rate if there is mass, two "
+        "per mode; the delay system’s state is a function. A dash: no settled orbit."
     )
     return table("models", caption, " | ".join(["model | states .0f", *each]), rows, (0,))
 
@@ -42,5 +42,5 @@ def omissions(runs: Runs) -> tuple[Omission, ...]:
         left_out.append(Omission("Quasi-dynamic model.", "It slides steadily at every r shown; its onset lies above."))
     left_out.append(Omission("Quasi-static model.", "It has no limit cycle."))
     if lost:
-        left_out.append(Omission("Points where a run had not come to rest.", f"After {MOST:.0f} transits: {', '.join(lost)}."))
+        left_out.append(Omission("Points where a run had not settled.", f"After {MOST:.0f} transits: {', '.join(lost)}."))
     return tuple(left_out)

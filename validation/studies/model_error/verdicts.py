@@ -48,7 +48,7 @@ def _paper(runs: Runs) -> Verdict:
         f"{100 * _PRINTED:.1f} %",
         f"{100 * ours:.2f} %",
         judge(abs(ours - _PRINTED) < _HALF_DIGITS),
-        "70.73 against 73.5 transits as printed, log_{10} r = −2.68; half of the last digits printed allowed",
+        "printed: 70.73 against 73.5 transits, log_{10} r = −2.68; half of the last printed digits is allowed",
     )
 
 
@@ -58,20 +58,20 @@ def _modes(runs: Runs) -> Verdict:
     largest = [[float(np.nanmax(errors[model][1 + which])) for model in _LADDER] for which in (0, 1)]
     falls = all(later < sooner for some in largest for sooner, later in pairwise(some))
     return Verdict(
-        "Every doubling of the number of modes lessens the largest error over the range of r",
+        "Every doubling of the number of modes reduces the largest error over the range of r",
         Evidence.WITNESS,
         "falling",
         ", ".join(plain(value, ".0e") for value in largest[0]),
         judge(falls),
-        "period shown, drop asked too; 1, 2, 4, 8 modes. At a single r it need not fall: errors change sign along r",
+        "period (shown) and drop; 1, 2, 4, 8 modes. At a single r the error need not fall, since it changes sign along r",
     )
 
 
 def fitted_modes(model: str) -> Verdict:
     """The modes of a reduction of alike slabs against the poles and residues of a rational fit of their exact impedance.
 
-    The fit (AAA, Nakatsukasa, Sete and Trefethen 2018) knows nothing of modes: it is given Z(s)/epsilon on a line to the right of
-    the imaginary axis.
+    The fit (AAA, Nakatsukasa, Sete and Trefethen 2018) does not know of modes. Its input is Z(s)/epsilon on a line to the right
+    of the imaginary axis.
     """
     from scipy import interpolate
 
@@ -88,7 +88,7 @@ def fitted_modes(model: str) -> Verdict:
         Evidence.EXACT,
         float(off),
         _FITTED,
-        f"poles (per transit) and residues of AAA against spring and modes of `{model}`, which takes them as known",
+        f"poles (per transit) and residues of AAA against spring and modes of `{model}`, which knows them in closed form",
     )
 
 

@@ -21,7 +21,7 @@ SCENES = ("paper",)
 SECONDS = (5.0, 6.0)
 
 MODELS = ("delay", "fd", "modal:8", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
-_OUTLINE = 0.1  # periods further off than this are not of the same cycle
+_OUTLINE = 0.1  # a model whose period is further off does not have the same cycle
 _OURS = 2e-10  # what tolerance 1e-10 leaves in our own orbits; 6e-11 was measured
 _WAVE = 5e-4  # leapfrog with these cells; 2e-4 was measured
 
@@ -92,16 +92,18 @@ def _against_reference(runs: dict[str, CycleRun]) -> list[Verdict]:
 
 
 def _beside(model: str, ours: dict[str, float], known: dict[str, float]) -> Verdict:
-    """Every figure may differ by half of the last digit that is known, and by what our own orbit may be off."""
+    """Every value may differ by half of the last known digit and by the error of our own orbit."""
     off = {name: abs(ours[name] / value - 1.0) for name, value in known.items()}
     allowed = {name: half_digit(value) / abs(value) + _OURS for name, value in known.items()}
     worst = max(known, key=lambda name: off[name] / allowed[name])
     return bounded(
-        "The exact orbit as computed by other programs" if model == "delay" else "Reduced models’ orbits likewise",
+        "The exact orbit as computed by other programs"
+        if model == "delay"
+        else "Reduced models’ orbits as computed by other programs",
         Evidence.WITNESS,
         off[worst],
         allowed[worst],
-        f"`{model}`: {', '.join(map(QUANTITIES.__getitem__, known))}; shown: {QUANTITIES[worst]}, next to the digits known",
+        f"`{model}`: {', '.join(map(QUANTITIES.__getitem__, known))}; shown: {QUANTITIES[worst]}, the worst beside its digits",
         f"{ours[worst]:.10g}, off by {plain(off[worst], '.0e')}",
     )
 
@@ -113,7 +115,7 @@ def _full_wave(runs: dict[str, CycleRun]) -> Verdict:
         Evidence.WITNESS,
         off,
         _WAVE,
-        f"leapfrog with {CELLS} cells at CFL {CFL}; how the difference vanishes is the next study’s question",
+        f"leapfrog with {CELLS} cells at CFL {CFL}; the next study shows how the difference vanishes",
     )
 
 
@@ -148,7 +150,7 @@ def _numbers(runs: dict[str, CycleRun]) -> dict[str, Number]:
 _OVERLAY = (
     "One stick-slip cycle of the paper’s scene, every model on its own settled orbit and aligned at its slip event (v has risen "
     "to half its largest value). Left: the whole cycle; right: a piece of the slow phase, where the echo of the slip event runs "
-    "to and fro and ripples stress and rate with period one transit (1.28 in the Kelvin–Voigt ODE, none in the blocks). μ: "
-    "interface stress in units of σ; v: slip rate in units of V*; time in transits of the wave."
+    "to and fro, so that stress and rate ripple with a period of one transit (1.28 in the Kelvin–Voigt ODE, none in the blocks). "
+    "μ: interface stress in units of σ; v: slip rate in units of V*; time in transits of the wave."
 )
 _PANELS = "Stress μ over the same cycle, model by model, each over the delay system (grey), with the error of its period."

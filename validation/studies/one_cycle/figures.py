@@ -76,7 +76,7 @@ def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> "Figure"
 
 
 def _signed(error: float) -> str:
-    """A relative error as a reader likes it: per cent down to 0.1 %, then a power of ten."""
+    """A relative error in words: per cent down to 0.1 %, then a power of ten."""
     if abs(error) >= 1e-3:
         return f"${100 * error:+.1f}$ %"
     mantissa, _, exponent = f"{error:+.0e}".partition("e")

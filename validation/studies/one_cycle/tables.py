@@ -20,7 +20,7 @@ def drops(runs: dict[str, CycleRun]) -> Table:
     heading = f"model | T [transits] .9g | {off} | Δμ [σ] .7f | {off} | Δy [σ] .7f | {off}"
     caption = (
         "The settled orbit at log_{10} r = −2.68, V = 100. T: time from one slip event to the next on the transit clock; Δμ: "
-        "largest less smallest stress; Δy: the same of the elastic stress, y′ = ε (V − v). Errors are relative, against the "
+        "largest minus smallest stress; Δy: the same for the elastic stress, y′ = ε (V − v). Errors are relative, against the "
         "delay system."
     )
     return table("drops", caption, heading, (_row(runs, model, names) for model in runs), (0,))
@@ -51,5 +51,5 @@ def beside_reference(runs: dict[str, CycleRun]) -> Table:
         for quantity, known in reference_orbit(model, LOG10_R).items():
             ours = one.orbit.values()[quantity]
             rows.append((model, QUANTITIES[quantity], known, ours, ours / known - 1.0))
-    caption = "Beside reference values of other programs (first note below); T in transits."
+    caption = "Comparison with values of other programs (first note below); T in transits."
     return table("reference", caption, "model | quantity | reference .10g | ours .10g | difference [relative] .0e", rows)

@@ -55,8 +55,9 @@ def run(budget: Budget) -> StudyResult:
         tables=(wave_table(pairs), bare_table(leaks, bare, held, ends)),
         verdicts=(agreement(pairs, budget.quick), dies(leaks, ends, bare[0].period), keeps(leaks, held), locks(slow, edge)),
         notes=(
-            "A held interface returns each wave whole, the outer face returns R of it: a load behind a bare coefficient falls to "
-            "R of itself every transit, to 1/e in 1/(1 − R) transits. Stick-slip needs it to last for several periods.",
+            "A locked interface returns each wave whole, the outer face returns the share R of it. Behind a bare coefficient the "
+            "load therefore falls by the factor R every transit, to 1/e in about 1/(1 − R) transits. Stick-slip needs a load "
+            "that lasts for a period.",
         ),
         numbers={f"grip {k:g}, Z_{{g}}/ε = 1: T": Number(orbits[k][len(grid) // 2].period, 1e-7) for k in STIFFNESSES},
     )
@@ -80,9 +81,9 @@ def _answer(leaks: tuple[float, ...], ends: list[str], held: list[Point]) -> str
 
 _GRIP = (
     "Period and stress drop over the impedance of grips of two stiffnesses K (in ε a transit), log_{10} r = −2.6. Z_{g} = ε "
-    "swallows every wave. Lines: delay system, settled (a gap: no cycle). Circles: full wave (discontinuous "
-    f"Galerkin), crosses: delay system, both in the last complete cycle before {UNTIL:.0f} transits, not settled where it is "
-    "long."
+    "absorbs every wave. Lines: delay system, settled (a gap: no cycle). Circles: full wave (discontinuous "
+    f"Galerkin), crosses: delay system, both in the last complete cycle before {UNTIL:.0f} transits, which is not settled "
+    "where cycles are long."
 )
 _BARE = (
     "Period, stress drop and largest rate over 1 − R, log_{10} r = −2.66: bare coefficients, which leak the load, and grips of "

@@ -36,7 +36,7 @@ def dies(leaks: tuple[float, ...], ends: list[str], period: float) -> Verdict:
     return Verdict(
         "Behind bare coefficients stick-slip lasts only while the load outlives the cycle",
         Evidence.ASYMPTOTIC,
-        f"dies at (1 − R) T between 1/{_OUTLIVES:g} and {_OUTLIVES:g}",
+        f"ends at (1 − R) T between 1/{_OUTLIVES:g} and {_OUTLIVES:g}",
         f"{lives:.2f}",
         judge(1.0 / _OUTLIVES < lives < _OUTLIVES),
         f"1 − R between {alive:g} and {dead:g}, T = {period:.1f} transits with almost no leak; delay system",
@@ -65,5 +65,6 @@ def locks(slow: dict[float, str], edge: float) -> Verdict:
         f"beyond 1 − R = {edge:.4f}",
         ", ".join(f"{leak:g}: {end}" for leak, end in slow.items()),
         judge(not wrong),
-        "(ε/2)(1 + R)/(1 − R) = (b − a)/V there. From a nudge of 0.01; a large one locks the interface somewhat sooner",
+        "(ε/2)(1 + R)/(1 − R) = (b − a)/V there. Start: a nudge of 0.01; a large one locks the interface at a somewhat smaller 1 "
+        "− R",
     )

@@ -1,4 +1,4 @@
-"""What it takes to upset the full wave: steps past the limit, stiff friction, extreme scenes, noise at the grid scale."""
+"""Attacks on the full wave: steps past the limit, stiff friction, extreme scenes, noise at the grid scale."""
 
 from collections.abc import Callable, Iterable
 
@@ -9,7 +9,7 @@ from validation.studies.stability_attacks.verdicts import Found
 from validation.study import Budget, Number, StudyResult
 
 NAME = "stability-attacks"
-QUESTION = "Can the full wave be upset, and does it say so?"
+QUESTION = "Can extreme inputs make the full-wave solvers fail without a message?"
 SCENES = ("paper", "unlike")
 SECONDS = (8.0, 32.0)
 
@@ -41,8 +41,8 @@ def run(budget: Budget) -> StudyResult:
             verdicts.noise_verdict(found.noise, found.transits),
         ),
         notes=(
-            "Users cannot pass the limit: cfl beyond 1 is refused before a run begins. The first two tables set their steps "
-            "inside the solvers.",
+            "Users cannot pass the limit: cfl beyond 1 is refused before a run begins. The runs of the first two tables "
+            "set their steps inside the solvers.",
         ),
         numbers={f"limit of {model}": Number(some[-1], verdicts.SHARP) for model, some in found.limits.items()},
     )
@@ -72,7 +72,7 @@ def _measure(budget: Budget) -> Found:
 
 
 class _Progress:
-    """Tells the share of `total` parts that are done."""
+    """Reports the share of `total` parts that are done."""
 
     def __init__(self, report: Callable[[float], None], total: int) -> None:
         self._report, self._total, self._done = report, total, 0

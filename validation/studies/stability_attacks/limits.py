@@ -1,8 +1,8 @@
-"""Step limits as they are found: noise at the grid scale in slabs that slide steadily, marched beyond the declared limit.
+"""Measured step limits: slabs that slide steadily, with noise at the grid scale, are marched beyond the declared limit.
 
-Friction depends on the rate alone (b = 0), so that steady sliding is stable and whatever grows is the scheme's. Its stiffness is
-a/v beside the impedance Z that the slabs show each other: 0 leaves the interface free, 1 swallows waves, infinity locks it. The
-relaxation of psi, which is stepped explicitly and limits the step where r v is large, is tried apart.
+Friction depends on the rate alone (b = 0), so that steady sliding is stable and all growth comes from the scheme. Its stiffness
+is a/v over Z, the impedance of the interface: 0 leaves the interface free, 1 absorbs waves, infinity locks it. The relaxation of
+psi is stepped explicitly and limits the step where r v is large; it is tested separately.
 """
 
 import math
@@ -51,7 +51,7 @@ _SHARPNESS = 1.01
 
 
 def with_step(model: str, scene: Scene, share: float) -> Solver:
-    """The solver at `share` of its declared step limit, which may lie beyond 1; users are refused that."""
+    """The solver at `share` of its declared step limit, which may lie beyond 1; users cannot ask for that."""
     cells = CELLS[model]
     if model == "fd":
         from fullwave.finite_difference import Leapfrog

@@ -1,4 +1,4 @@
-"""The runs behind the study of attacks: each returns what came out, and lets no error of the numerics escape."""
+"""The runs behind the study of attacks: each returns its outcome and catches errors of the numerics."""
 
 import math
 from dataclasses import dataclass
@@ -59,7 +59,7 @@ ATTACKS = {
     "jump": Attack("jump of 5 in ψ at t = 0", "paper", ("start.kind=jump", "start.size=5"), (1e-4, 5e-2)),
     "jump back": Attack("jump of −5 in ψ at t = 0", "paper", ("start.kind=jump", "start.size=-5"), (1e-2, 5e-2)),
 }
-"""Scenes at the ends of what makes sense."""
+"""The most extreme scenes that still make sense."""
 
 _MOMENTS = (6.0, 8.0, 12.0, 20.0, 40.0)
 _FEWEST_CYCLES = 2
@@ -67,8 +67,8 @@ _FEWEST_CYCLES = 2
 
 @dataclass(frozen=True)
 class AttackOutcome:
-    """Largest error of psi up to t = 40; `late` as `_late_error` tells it; the message of a run that stopped (empty if none
-    did). Only a run that stops is excused from being right: failed solves that were counted on the way are no excuse."""
+    """Largest error of psi up to t = 40; `late` as `_late_error` gives it; the message of a run that stopped (empty if none
+    did). Only a run that stops need not be right: failed solves that it counted are no excuse."""
 
     error: float
     late: float = 0.0
@@ -93,7 +93,7 @@ class _Course(NamedTuple):
 
 
 def attack(name: str, late: bool = False) -> dict[str, AttackOutcome]:
-    """What every family makes of attack `name` in 40 transits, or until its late time."""
+    """The outcome of attack `name` for every family, in 40 transits or until its late time."""
     scene, finer = _scene(name), ATTACKS[name].finer
     until = ATTACKS[name].late if late else _MOMENTS[-1]
     exact = _course(build("delay", scene, tolerance=1e-10), until)

@@ -19,11 +19,12 @@ def limit_table(decades: tuple[int, ...], limits: dict[str, list[float]], reach:
     heading = " | ".join(["family | cells [a slab] .0f | c Δt / cell [at cfl 1] .4f", *stiffness, "Δt r V [state] .2f"])
     caption = (
         "Largest stable step over the declared one (cfl 1), by bisection to 1 per cent, against a/v in units of Z, the impedance "
-        "that the slabs show each other: below it noise at the grid scale does not grow a hundredfold in 400 steps. Friction is "
-        "F = a ln v, sliding steady, so that what grows is the scheme’s; at 10^{0} the interface swallows waves, which leaves "
-        "discontinuous elements room. The last column is another limit, apart from waves and stiffness: ψ relaxes r V times in a "
-        "transit and is stepped explicitly by all but the leapfrog; the longest stable step times that rate, to 1 per cent. "
-        "Solvers keep it in steady sliding and end with a message where an event exceeds it."
+        "of the interface. With a stable step, noise at the grid scale does not grow a hundredfold in 400 steps. Friction is "
+        "F = a ln v and sliding is steady, so that all growth comes from the scheme; at 10^{0} the interface absorbs waves, "
+        "which allows discontinuous elements longer steps. The last column is a limit that does not depend on waves or "
+        "stiffness: ψ relaxes r V times in a transit, and all but the leapfrog step it explicitly; shown is the longest stable "
+        "step times that rate, to 1 per cent. Solvers respect it in steady sliding and end with a message where an event exceeds "
+        "it."
     )
     return table("limits", caption, heading, rows)
 
@@ -56,7 +57,7 @@ def attack_table(found: dict[str, dict[str, AttackOutcome]], late: bool) -> Tabl
         for name, some in found.items()
     ]
     ending = (
-        "; behind the semicolon, at the end of the run, the error of ψ or, if that is less, the largest relative error of mean "
+        "; after the semicolon, at the end of the run, the error of ψ or, if that is less, the largest relative error of mean "
         "period, stress drop and v_{max} of the cycles in the second half"
         if late
         else ""
@@ -64,7 +65,7 @@ def attack_table(found: dict[str, dict[str, AttackOutcome]], late: bool) -> Tabl
     cells = ", ".join(f"{model} {size}" for model, size in CELLS.items())
     caption = (
         "Largest difference of ψ from the delay system’s at 6, 8, 12, 20 and 40 transits of the upper slab"
-        f"{ending}. Smooth start of the paper’s scene unless told otherwise. *message*: the run was refused or ended with the "
+        f"{ending}. Smooth start of the paper’s scene unless stated otherwise. *message*: the run was refused or ended with the "
         "words in a table below. Cells of the faster slab: "
         f"{cells}."
     )
@@ -83,12 +84,13 @@ def message_table(found: dict[str, dict[str, AttackOutcome]]) -> tuple[Table, ..
 
 
 def advice_table(advice: dict[str, Advice]) -> Table:
-    """Runs that asked for more cells, and what came of giving them."""
+    """Runs that asked for more cells, and their outcome with more cells."""
     rows = ((model, one.stopped or "–", one.message or "–", one.cells, plain(one.error, ".0e")) for model, one in advice.items())
     heading = "family | stops at [cells] | message | goes through at [cells] .0f | largest error of ψ"
     caption = (
-        "V = 10^{5} V* for 400 transits: ψ relaxes 200 times in a transit and more in events, so that coarse grids step too "
-        "long. Cells are doubled for as long as the run ends with a message; then ψ is held against the delay system’s."
+        "V = 10^{5} V* for 400 transits: ψ relaxes 200 times in a transit and more in events, so that the steps of "
+        "coarse grids are too long. Cells are doubled as long as the run ends with a message; then ψ is compared with the delay "
+        "system’s."
     )
     return table("advice", caption, heading, rows)
 

@@ -10,13 +10,13 @@ from validation.study.bounds import bounded
 from validation.study.text import plain
 
 SHARP = 0.04
-"""How far a step limit may lie from the declared one, which is a hundredth less than the spectrum's and is found to 1 per cent;
+"""How far a step limit may lie from the declared one, which is 1 per cent below the spectrum's. Limits are found to 1 per cent;
 0.018 was measured."""
 
 _CURED = {"sbp:2": 5e-3, "fem:1": 5e-3, "fd": 1e-5}  # error of psi on the grid that was asked for: 3e-4, 3e-4, 8e-7 and at most
-_CURED_OTHERS = 2e-6  # 8e-8 were measured
+_CURED_OTHERS = 2e-6  # 8e-8 was measured
 _CALM, _GROWN = 20.0, 100.0  # 5.8 and 1e3 were measured
-_REACHED = 0.01  # how sharply the state's limit is found; 0.002 were measured
+_REACHED = 0.01  # how sharply the state's limit is found; 0.002 was measured
 _SWINGS = 3e-4  # of the leapfrog's energy, which is taken at two times half a step apart; 3e-5 was measured
 _REACH = {4: 2.785, 8: 6.394}
 """How far Runge-Kutta methods are stable on the negative real axis, by their order."""
@@ -63,7 +63,7 @@ def limit_verdict(found: Found) -> Verdict:
         f"{min(returning):.2f} to {max(returning):.2f}",
         judge(all(abs(value - 1.0) <= SHARP for value in returning) and min(value for value, _ in every) >= 1.0 - SHARP),
         f"largest stable step over the declared one, {len(found.limits)} families, a/v from 10^{{{found.decades[0]}}} to "
-        f"10^{{8}} times Z; where friction swallows the waves (a/v = Z) up to {max(value for value, _ in every):.2f}",
+        f"10^{{8}} times Z; where friction absorbs the waves (a/v = Z) up to {max(value for value, _ in every):.2f}",
     )
 
 
@@ -72,7 +72,7 @@ def medium_verdict(media: dict[str, dict[str, tuple[float, float]]]) -> Verdict:
     below = max(pair[0] for some in media.values() for pair in some.values())
     above = min(pair[1] for some in media.values() for pair in some.values())
     return Verdict(
-        "Noise stays at 0.99 of the limit and grows at 1.05, whatever slabs and faces",
+        "Noise stays at 0.99 of the limit and grows at 1.05, for all slabs and faces",
         Evidence.EXACT,
         f"below {_CALM:g}, above {_GROWN:g}",
         f"at most {below:.1f}, " + (f"at least {plain(above, '.0e')}" if math.isfinite(above) else "all beyond any number"),
@@ -86,7 +86,7 @@ def state_verdict(reach: dict[str, float]) -> Verdict:
     ratios = [value / wanted for model, value in reach.items() if math.isfinite(wanted := _reach_of(model))]
     unlimited = all(math.isinf(value) for model, value in reach.items() if math.isinf(_reach_of(model)))
     return Verdict(
-        "A fast state limits the step by itself, at the real reach of the time stepping",
+        "Fast relaxation of ψ limits the step at the real stability limit of the time stepping",
         Evidence.EXACT,
         f"1, ± {100 * _REACHED:.0f} %",
         f"{min(ratios):.3f} to {max(ratios):.3f}",
@@ -101,7 +101,7 @@ def _reach_of(model: str) -> float:
 
 
 def stop_verdict(stopped: dict[str, bool]) -> Verdict:
-    """Whether steps too long are told."""
+    """Whether steps that are too long end with a message."""
     silent = [model for model, one in stopped.items() if not one]
     return Verdict(
         "A step past the limit ends the run with a message",
@@ -121,7 +121,7 @@ def attack_verdict(name: str, some: dict[str, AttackOutcome], beyond: bool) -> V
     late = max((outcome.late for outcome in some.values() if not outcome.message), default=0.0)
     ours = f"ψ to {plain(max(errors), '.0e')}" + (f", late {plain(late, '.0e')}" if beyond else "") if errors else "messages"
     return Verdict(
-        "Extreme scenes end right or with a message, never wrong in silence",
+        "Extreme scenes end right or with a message, never silently wrong",
         Evidence.WITNESS,
         f"ψ to {plain(right, '.0e')}" + (f", late {plain(right_late, '.0e')}" if beyond else "") + ", or a message",
         ours,
@@ -140,7 +140,7 @@ def advice_verdict(advice: dict[str, Advice]) -> Verdict:
         advice[worst].error,
         allowed[worst],
         f"ψ, V = 10^{{5}} V*, 400 transits; {sum(one.stopped > 0 for one in advice.values())} of {len(advice)} families asked; "
-        f"shown: `{worst}`, next to its limit",
+        f"shown: `{worst}`, the closest to its limit",
     )
 
 
@@ -154,5 +154,5 @@ def noise_verdict(noise: dict[str, float], transits: float) -> Verdict:
         f"1 ± {plain(_SWINGS, '.0e')}; less than 1",
         f"{noise['fd']:.6g}; {others[worst]:.3g}",
         judge(abs(noise["fd"] - 1.0) < _SWINGS and all(ratio < 1.0 for ratio in others.values())),
-        f"energy after {transits:,.0f} transits over that in the first ten: `fd`; of {len(others)} others most in `{worst}`",
+        f"energy after {transits:,.0f} transits over that in the first ten: `fd`; largest of {len(others)} others: `{worst}`",
     )

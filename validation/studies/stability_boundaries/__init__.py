@@ -74,8 +74,9 @@ def _remarks() -> tuple[str, ...]:
         "Slabs held through a bare reflection coefficient have no spring. With R = 0.5 on both faces the paper’s pair has "
         f"{bare.unstable_roots} growing root, real ({plain(bare.leading_roots[0].real, '.5g')} V*/L): it leaves steady "
         "sliding without oscillating, at any r. With the gallery’s R = 0.999 the load leaks slowly enough for an ordinary onset.",
-        "Two unlike slabs behind rigid faces have modes in which both swing almost freely and alike, so that friction feels next "
-        "to nothing: if the ratio of round trips is irrational their damping has no lower bound (`unlike-irrational`: 0).",
+        "Two unlike slabs behind rigid faces have modes in which both swing almost freely and in step, so that the "
+        "interface hardly slips. If the ratio of round trips is irrational, the damping of these modes has no lower bound "
+        "(`unlike-irrational`: 0).",
     )
 
 
@@ -89,7 +90,7 @@ def _numbers(onsets: dict[str, tuple[float, float]], curves: Curves, found: dict
 
 _HOW = (
     "One equation for every scene and model: friction impedance plus slab impedance is zero, H(s) + Z(s) = 0. Growing roots are "
-    "counted by the argument principle on a contour that provably holds all of them (a passive slab cannot make one where "
+    "counted by the argument principle on a contour that provably encloses all of them (a passive slab cannot make one where "
     "Re H > 0), then found by Newton’s method."
 )
 _FIG_2 = (
@@ -102,10 +103,10 @@ _FIG_3 = (
     "√8/ω_{c} and √24/ω_{c} the ODE has no boundary. The paper’s Fig 3."
 )
 _FIG_Z = (
-    "Impedance of the slab pair, what the interface feels: modulus over ε and phase of Z(s) on s = 0.2 + iω per transit, left; "
+    "Impedance of the slab pair at the interface: modulus over ε and phase of Z(s) on s = 0.2 + iω per transit, left; "
     "relative error of every reduction against the exact Z, right."
 )
 _FIG_S = (
     "Roots s of steady sliding at log_{10} r = −2.68: the growing slow pair (conjugates left out), in which all models agree, "
-    "and the reverberations, at 2π, 4π ... per transit in the exact system. Dashed: where its fast roots pile up."
+    "and the reverberations, at 2π, 4π ... per transit in the exact system. Dashed: where its fast roots accumulate."
 )

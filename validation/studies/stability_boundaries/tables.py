@@ -44,6 +44,6 @@ def scene_table(found: dict[str, Stability]) -> Table:
     caption = (
         "Exact stability of other arrangements. In brackets: number of growing roots, certified by the argument principle. "
         "r_{c}: the upper slab’s round trip, both scaled together. Fast roots: where the real parts of the infinitely many "
-        "fast roots pile up."
+        "fast roots accumulate."
     )
     return table("scenes", caption, heading, rows)

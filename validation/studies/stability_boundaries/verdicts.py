@@ -60,7 +60,7 @@ def _gaps(paper: Scene, slopes: FrictionSlopes, epsilon: float, velocity: float)
 
 
 def fig_2(curves: Curves) -> tuple[Verdict, ...]:
-    """What the paper reads off its Fig 2."""
+    """What the paper concludes from its Fig 2."""
     slow, fast = float(np.abs(curves.error[curves.velocity <= 1e3]).max()), abs(float(curves.error[-1]))
     return error_of_27("Fig 2:", slow, fast)
 
@@ -74,7 +74,7 @@ def error_of_27(prefix: str, slow: float, fast: float) -> tuple[Verdict, Verdict
             Evidence.PAPER,
             slow,
             _VERY_SMALL,
-            "read as: below a tenth of what it is said to be at V = 10^{4}",
+            "read as: below a tenth of the error that is claimed for V = 10^{4}",
             otherwise=Outcome.FINDING,
         ),
         Verdict(
@@ -130,7 +130,7 @@ def _beside(paper: Scene, model: str, curve: Boundary) -> tuple[int, int]:
 
 
 def taylor(paper: Scene) -> Verdict:
-    """The truncation that nobody should try again."""
+    """The next truncation, which has growing roots of its own."""
     pole = max(taylor_poles(), key=lambda value: (value.real, value.imag))
     known = cmath.sqrt(complex(-40.0, math.sqrt(320.0)))  # 1 + s^2/24 + s^4/1920 = 0
     stable_scene = with_parameter(paper, "log10_r", -3.5)

@@ -42,10 +42,11 @@ def run(budget: Budget) -> StudyResult:
         tables=(_table(runs), cost_table(timed)),
         verdicts=(*_agreements(runs), *_families(runs), *_leapfrog(runs), *cost_verdicts(timed)),
         notes=(
-            "Neither scene’s cycles have come to rest at 600 transits: the last complete one is compared as it is, at the same "
-            "moment of every model’s run.",
-            "The full wave marches two slabs where the alike pair needs one, the longer of the commensurate pair with twice the "
-            "cells: three times the work. A clock on a busy machine is no proof: a ratio that is not reached is a finding.",
+            "Neither scene has settled at 600 transits. The last complete cycle is compared as it is, at the same time of every "
+            "model’s run.",
+            "The full wave marches two slabs where the alike pair needs one, and the longer slab of the commensurate pair has "
+            "twice the cells: three times the work. Run times on a busy machine prove nothing, so a ratio that is not reached is "
+            "a finding.",
         ),
         numbers={f"{name}: ψ({UNTIL:.0f})": Number(some[0].figures["psi"], 1e-10) for name, some in runs.items()},
         omissions=(Omission("Simplified models of unlike slabs.", "This study asks whether the two exact descriptions agree."),),
@@ -63,8 +64,9 @@ def _answer(runs: dict[str, list[PairRun]], timed: Costs) -> str:
     return (
         f"{'They do' if worst < _PROMISED else 'No'}: after {UNTIL:.0f} transits ψ of the delay network and of discontinuous "
         "Galerkin differ by "
-        f"{plain(worst, '.0e')} at most. Unlike slabs cost the delay system {delay['commensurate'] / delay['alike']:.1f} times "
-        f"the alike ones’ time per transit, {delay['irrational'] / delay['alike']:.1f} times where echoes never fall together."
+        f"{plain(worst, '.0e')} at most. A transit of unlike slabs takes the delay system "
+        f"{delay['commensurate'] / delay['alike']:.1f} times "
+        f"as long as one of alike slabs, {delay['irrational'] / delay['alike']:.1f} times where echoes never coincide."
     )
 
 

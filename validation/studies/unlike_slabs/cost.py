@@ -66,7 +66,7 @@ def cost_table(found: Costs) -> Table:
     caption = (
         "Processor time of one transit of the upper slab, march and event detection, fastest of several runs taken in turn. r is "
         "10^{−2.68} for the alike pair, 0.0026 and 0.0029 for the unlike ones, so that the slip events of all three reach about "
-        "the same rate (3300 to 3600 V* in 600 transits): a fiercer orbit needs smaller steps whatever the slabs."
+        "the same rate (3300 to 3600 V* in 600 transits): faster events need smaller steps, alike slabs or not."
     )
     return table("cost", caption, heading, rows)
 
@@ -90,7 +90,7 @@ def cost_verdicts(found: Costs) -> list[Verdict]:
                     Evidence.SELF,
                     f"{limit:g} times at most"
                     if model == "delay"
-                    else f"{_CELLS_RATIO:g} times, as the cells are, within a tenth",
+                    else f"{_CELLS_RATIO:g} times, the ratio of the cells, within a tenth",
                     f"{ratio:.1f} times",
                     judge(ratio <= limit, Outcome.FINDING),
                     f"`{model.partition(',')[0]}`, {_words(model)}, {pair} round trips"
