@@ -1,4 +1,4 @@
-"""The slab with a grid: leapfrog and summation-by-parts differences, finite elements, discontinuous Galerkin.
+"""Models with a grid: leapfrog and summation-by-parts differences, finite elements, discontinuous Galerkin.
 
-Imports only `scene`, never `reduced`: it is an independent witness.
+Imports only `slipwave`, never `reduced`, so that it is an independent witness.
 """

@@ -1,15 +1,16 @@
-"""A full wave to a requested tolerance: degree, cells and step chosen by comparing grids, with an a-posteriori error estimate.
+"""Chooses degree, cells and step of a full wave for a requested tolerance, by an error estimate from successive grids.
 
-The scene is run from its own start until 400 transits after the last knot of its drive (or all it asks for) on grids whose cells
-grow by the factor 3/2. d, the largest relative difference between two successive grids of any complete cycle's period or stress
-drop, gains a factor g from one refinement to the next; the finer grid's error is estimated as the rest of that geometric series,
-d / (g - 1), but never as less than d. Grids are refined until the estimate is below the tolerance, or until the gain shows that
-too many would be needed. Where no cycle closes, ln v and psi at the end of the probe stand in.
+The scene is run from its own start until 400 transits after the last knot of its drive (or to its end, if that is earlier) on
+grids whose cells increase by factors of 3/2. Let d be the largest relative difference, between two successive grids, of any
+complete cycle's period or stress drop, and g the factor by which d falls from one refinement to the next. The error of the finer
+grid is estimated as the rest of the geometric series, d / (g - 1), but never as less than d. Grids are refined until the estimate
+is below the tolerance, or until g shows that too many cells would be needed. If no cycle is complete, ln v and psi at the end of
+the probe are compared instead.
 
-The estimate holds for the length of the probe. A chaotic run loses it at the rate at which its neighbours part; a start with a
-jump (order 1 in every scheme) costs many cells and is refused when they are out of reach. The kinks of a ramped drive leave no
-more than order 2 and fall at another place within the steps of each grid, so that one small difference may be luck: there the
-estimate is never less than the difference before, lowered by that order's gain.
+The estimate holds for the length of the probe. In a chaotic run it becomes invalid at the rate at which nearby motions diverge. A
+start with a jump is of order 1 in every scheme, needs many cells, and is refused if these are too many. With a ramped drive the
+convergence is only of second order and irregular, because kinks fall at different places within the steps of each grid: one small
+difference proves nothing. The estimate is then at least the previous difference divided by 1.5^2.
 """
 
 import math
@@ -31,19 +32,19 @@ from slipwave.scene import Scene
 
 MOST_TRIED_CELLS = 400
 PROBE = 400.0
-"""Transits of a probe once the drive has come to rest, unless the scene asks for less."""
+"""Transits of a probe after the last knot of the drive, unless the scene ends earlier."""
 
 _RATIO = 1.5
-_LEAST_GAIN = 0.25  # of one refinement beyond 1: rounding makes differences stagnate without the error being large
-_MOST_OUTLOOK = math.log(1e6)  # of the growth in cells that a trend is extended to
-_KINKED_GAIN = _RATIO**2  # what a refinement gains at order 2
-_SETTLED = 24  # cells from which the gain is trusted to go on
+_LEAST_GAIN = 0.25  # smallest g - 1 used: rounding makes differences stagnate although the error is small
+_MOST_OUTLOOK = math.log(1e6)  # largest logarithm of the growth in cells to which a trend is extrapolated
+_KINKED_GAIN = _RATIO**2  # gain of a refinement at order 2
+_SETTLED = 24  # cells from which the gain is assumed to continue
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What was chosen and how good it is: `quantity` judged ("cycles" or "final state"), the relative `error_estimate` in it, and
-    the grids tried as (cells, estimate there)."""
+    """The chosen grid and its accuracy: the `quantity` compared ("cycles" or "final state"), its relative `error_estimate`, and
+    the grids tried as (cells, estimate)."""
 
     cells: int
     step: float
@@ -54,7 +55,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class _Found:
-    """What a probe saw: periods and stress drops of its cycles, in order, else ln v and psi at its end."""
+    """The result of a probe: periods and stress drops of its cycles, in order, else ln v and psi at its end."""
 
     quantity: str
     values: Array
@@ -63,8 +64,8 @@ class _Found:
 def to_tolerance(
     scene: Scene, tolerance: float, kind: Callable[..., MethodOfLines] = DiscontinuousGalerkin, **options: Any
 ) -> tuple[MethodOfLines, Choice]:
-    """A solver of `scene`, at its start, whose error in period and stress drop is estimated below `tolerance` (relative), and
-    the `Choice` made. `kind` and `options` fix the family (by default discontinuous Galerkin of a degree chosen by `tolerance`).
+    """A solver of `scene`, at its start, whose estimated relative error in period and stress drop is below `tolerance`, and the
+    `Choice` made. `kind` and `options` fix the family (by default discontinuous Galerkin of a degree chosen by `tolerance`).
 
     Raises SceneError for a tolerance outside [1e-12, 0.1], NumericsError if 400 cells are not enough.
     """
@@ -93,7 +94,7 @@ def to_tolerance(
         before, cells = now, math.ceil(_RATIO * cells)
     outlook = ""
     if needed > MOST_TRIED_CELLS:
-        outlook = f"; its trend asks for some {float(f'{needed:.1g}'):,.0f} cells, {MOST_TRIED_CELLS} are the most tried"
+        outlook = f"; by its trend it needs about {float(f'{needed:.1g}'):,.0f} cells, but at most {MOST_TRIED_CELLS} are tried"
     raise NumericsError(
         f"{solver.model}: tolerance {tolerance:g} not reached with {tried[-1][0]} cells: estimated error {tried[-1][1]:.2g}"
         f"{outlook} (scene {scene.name!r})"
@@ -101,18 +102,17 @@ def to_tolerance(
 
 
 def judge_grid(cells: int, fine: FieldSolver, coarse: FieldSolver) -> Choice:
-    """What a grid of `cells` that nobody asked for is worth, from fresh solvers on it and on one with two thirds of its cells.
+    """The accuracy of a default grid of `cells`, from fresh solvers on it and on a grid with two thirds of its cells.
 
-    Their difference in a probe is more than the error of the finer, from order 2 on.
-
-    The estimate is infinite where the two do not find the same cycles.
+    From order 2 on, the difference of their probes is larger than the error of the finer one. The estimate is infinite if the two
+    do not find the same cycles.
     """
     before, now = _probe(coarse), _probe(fine)
     return Choice(cells, fine.step, now.quantity if now else "final state", _difference(before, now), ())
 
 
 def _needed(cells: int, factor: float, gain: float) -> float:
-    """Cells that would bring the error down by `factor` if every refinement went on gaining `gain`; 0 if that cannot be told."""
+    """Cells that would reduce the error by `factor` if every refinement continued to gain `gain`; 0 if it cannot be estimated."""
     if not 1.0 < gain < math.inf or not math.isfinite(factor):
         return 0.0
     return cells * math.exp(min(_MOST_OUTLOOK, math.log(factor) * math.log(_RATIO) / math.log(gain)))
@@ -132,7 +132,7 @@ def _fewest(scene: Scene, kind: Callable[..., MethodOfLines], options: dict[str,
 
 
 def _probed_until(scene: Scene) -> float:
-    """End of a probe (transits): an error made on the way to the drive's last knot, or after it, is seen."""
+    """End of a probe (transits), after the drive's last knot, so that errors made before and after it are included."""
     return min(PROBE + (scene.drive.times[-1] if _kinked(scene) else 0.0), scene.until)
 
 
@@ -142,7 +142,7 @@ def _kinked(scene: Scene) -> bool:
 
 
 def _probe(solver: FieldSolver) -> _Found | None:
-    """None if the grid was too coarse to march."""
+    """The result of a probe with `solver`; None if the grid was too coarse to march."""
     events = EventObserver(solver.scene, solver.nodes)
     require_time(solver, _probed_until(solver.scene))
     try:

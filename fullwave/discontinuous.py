@@ -1,11 +1,11 @@
-"""Discontinuous Galerkin elements of any degree in characteristic (upwind) form: the accuracy champion.
+"""Discontinuous Galerkin elements of any degree in characteristic (upwind) form: the most accurate full wave.
 
-Each slab is cut into `cells` elements. In each, w and s are polynomials of degree P, held at the Gauss-Lobatto nodes, which serve
-as the quadrature too (collocation: the mass matrix is diagonal, and the step 1.8 (P = 7) to 2.7 (P = 1) times as long as with
-exact mass). Neighbours talk through upwind states only (`fullwave.lines.system`). Layers begin and end on elements, so impedance
-jumps cost no order.
-Hesthaven and Warburton, Nodal Discontinuous Galerkin Methods (2008), ch. 3; Kopriva and Gassner, J. Sci. Comput. 44 (2010), for
-the collocation. The interface's outputs are of up to order 2 P + 1; energy never grows, since upwind states dissipate.
+Each slab is divided into `cells` elements. In each, w and s are polynomials of degree P, stored at the Gauss-Lobatto nodes, which
+are also the quadrature points (collocation). The mass matrix is then diagonal, and the step is 1.8 (P = 7) to 2.7 (P = 1) times
+as long as with exact mass. Neighbours are coupled only through upwind states (`fullwave.lines.system`). Layers begin and end on
+elements, so impedance jumps cost no order. Hesthaven and Warburton, Nodal Discontinuous Galerkin Methods (2008), ch. 3; Kopriva
+and Gassner, J. Sci. Comput. 44 (2010), for the collocation. The interface's outputs are of up to order 2 P + 1. Energy never
+grows, because upwind states dissipate.
 """
 
 from functools import cache, partial
@@ -28,10 +28,10 @@ _ABREAST = LANES // 2  # elements that share a panel: their w, then their s
 
 
 class Elements(NamedTuple):
-    """Nodes per element, derivative matrix on [-1, 1] (flat), and 2/h per column (width,), 0 in the columns that pad.
+    """Nodes per element, derivative matrix on [-1, 1] (flat), and 2/h per column (width,), 0 in padding columns.
 
-    Four elements' w and the same four's s lie side by side in a panel of eight; slot of w at node i of element m:
-    width i + 8 (m // 4) + m % 4, of s: 4 more."""
+    The w of four elements and then the s of the same four form a panel of eight. The slot of w at node i of element m is
+    width i + 8 (m // 4) + m % 4; that of s is 4 more."""
 
     nodes: int
     derivative: Array
@@ -82,7 +82,7 @@ def courant_limit(degree: int) -> float:
 class DiscontinuousGalerkin(MethodOfLines):
     """`scene` by elements of `degree` (1 to 24), `cells` per slab; `cfl` is the share (0, 1] of the longest stable step.
 
-    The time integration is of order 8 (of order 4 for degree 1), so that it does not cap the elements.
+    The time integration is of order 8 (of order 4 for degree 1), so that it does not limit the order of the elements.
     Raises SceneError naming the option and its allowed range.
     """
 

@@ -1,7 +1,7 @@
-"""The facts of every full wave, cheapest first. Adding a discretisation means writing its file and adding its line here.
+"""The facts of every full wave, cheapest first. To add a discretisation, write its file and add its entry here.
 
-A full wave is made by a class called as (scene, number, cells=, cfl=), without a number where its name has none. Orders hold from
-a smooth start; a jump costs all but the first in every grid.
+The class of a full wave is called as (scene, number, cells=, cfl=), without a number if its name has none. Orders hold for a
+smooth start; with a jump every grid is of order 1 only.
 """
 
 import math
@@ -13,8 +13,8 @@ from slipwave.family import ANYTHING, Exact, Family, Pen
 
 
 class Rungs(NamedTuple):
-    """The grids on which a member shows its order: the coarsest, the most cells a slab worth trying; a bound of the finest
-    errors; the least order promised, if that is not the declared one; the Courant number, if not the family's own."""
+    """The grids on which a member shows its order: the `first` (coarsest) and the `most` cells per slab worth trying; a bound of
+    the `finest` errors; the least order `promised`, if not the declared one; the Courant number, if not that of the family."""
 
     first: int
     most: int
@@ -25,31 +25,31 @@ class Rungs(NamedTuple):
 
 class AttackCells(NamedTuple):
     """Cells for attacks on a member: a `coarse` grid that makes long marches cheap (step limits do not depend on it), and a
-    `fine` one for runs that are held against the delay system."""
+    `fine` one for runs that are compared with the delay system."""
 
     coarse: int
     fine: int
 
 
 def degree_for(tolerance: float) -> int:
-    """Degree of elements that is cheapest around `tolerance`, as raced on the paper's scene at log10 r = -2.68, -2.6 and -2.3:
-    5 at 1e-4, one more per two digits."""
+    """Degree of elements that is cheapest near `tolerance`, measured on the paper's scene at log10 r = -2.68, -2.6 and -2.3: 5 at
+    1e-4, one more for every two digits."""
     return max(3, math.floor(3.5 - 0.5 * math.log10(tolerance)))
 
 
 @dataclass(frozen=True)
 class FullWave(Family):
-    """A family on a grid; functions take the number after the colon (0 where there is none).
+    """A family on a grid; functions take the number after the colon (0 if there is none).
 
-    `order_bulk` is the order of the fields inside a slab, `order_interface` that of every output at the interface (elements:
-    at least); `points` are the nodes that a cell adds. `implicit_state`: friction's state limits no step. `conserves`: the
-    ledger closes to rounding, else the scheme dissipates at its order. `cells` and `cfl` are taken if none are asked for;
-    `cfl`, at most 1, counts in units of `step`. `attacks` and `ladder` are by number: members that the studies try."""
+    `order_bulk` is the order of the fields inside a slab, `order_interface` that of every output at the interface (for elements a
+    lower bound); `points` is the number of nodes per cell. `implicit_state`: friction's state does not limit the step.
+    `conserves`: the ledger closes to rounding, otherwise the scheme dissipates at its order. `cells` and `cfl` are defaults;
+    `cfl`, at most 1, is in units of `step`. `attacks` and `ladder`, by number, are the members that the studies try."""
 
     honours: frozenset[str] = ANYTHING
     exact: Exact = Exact.ON_FINE_GRIDS
     options: tuple[str, ...] = ("cells", "cfl", "tolerance")
-    tolerances: tuple[float, float] = (1e-12, 0.1)  # the last two digits of an estimate from grids cannot be told from rounding
+    tolerances: tuple[float, float] = (1e-12, 0.1)  # below, rounding hides the differences between grids
     order_bulk: Callable[[int], int] = lambda p: 2
     order_interface: Callable[[int], int] = lambda p: 2
     points: Callable[[int], int] = lambda p: 1
@@ -63,15 +63,15 @@ class FullWave(Family):
 
     @property
     def usual(self) -> int:
-        """The number taken where none is asked for; 0 where names have none."""
+        """The default number; 0 if names have none."""
         return self.default or 0
 
     def order_in_time(self, number: int) -> int:
-        """Order of the Runge-Kutta method that does not cap the scheme.
+        """Order of the Runge-Kutta method that does not limit the order of the scheme.
 
-        Elements of order P + 1 give the interface's outputs at up to order 2 P + 1, and with order 4 in time the differences of
-        order 4 lose a factor of five: only schemes of order 2 are left to the classical method (half as dear again with the
-        other)."""
+        Second-order schemes use the classical method of order 4; the order-8 method would cost them 50 % more. All others use
+        order 8: elements of order P + 1 give the interface's outputs at up to order 2 P + 1, and differences of order 4 would
+        lose a factor of five in accuracy with order 4 in time."""
         return 4 if self.order_interface(number) <= 2 else 8
 
 
@@ -160,5 +160,5 @@ FAMILIES: tuple[FullWave, ...] = (
 
 
 def facts_of(name: str) -> FullWave:
-    """The family called `name`, the word before the colon; KeyError if there is none."""
+    """The family called `name`, the word before the colon. Raises KeyError if there is none."""
     return {family.name: family for family in FAMILIES}[name]

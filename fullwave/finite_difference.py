@@ -1,11 +1,13 @@
 """Staggered leapfrog finite differences: the simplest full wave.
 
-Bulk: velocities at nodes and half times, stresses in cells and at whole times, central differences in both (`leapfrog.media`).
-Interface: the half cell's momentum balance is Z v + F(v, psi) = R, the scalar condition of every solver (`leapfrog.friction`).
+Bulk: velocities at nodes and half times, stresses in cells and at whole times, central differences in space and time
+(`leapfrog.media`). Interface: the half cell's momentum balance is Z v + F(v, psi) = R, the scalar condition of every solver
+(`leapfrog.friction`).
 
-At cfl = 1 waves travel through a uniform slab without error, and what remains is the delay system (35) discretised by the
-midpoint rule: its agreement with that system is no independent evidence; below cfl = 1 it is. A slab, or a layer, whose cells do
-not divide it runs a little below the others. Conserved is the energy K(u at n + 1/2) + P(sigma at n, n + 1) (`leapfrog.ledger`).
+At cfl = 1 waves travel through a uniform slab without error, so the scheme is the delay system (35) discretised by the midpoint
+rule. Agreement with that system is therefore independent evidence only below cfl = 1. A slab or layer that the common cell does
+not divide has a slightly smaller Courant number. The scheme conserves the energy K(u at n + 1/2) + P(sigma at n, n + 1)
+(`leapfrog.ledger`).
 """
 
 import math
@@ -30,17 +32,17 @@ from slipwave.observe.snapshot import Snapshot
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
 
-_CELL_BYTES = 150.0  # measured: 50 in an elastic slab, 130 in a Kelvin-Voigt one, their building included
-_CELL_WORK = 20.0  # products that a cell's step takes as long as: 1 ns in an elastic slab, 10 in a Kelvin-Voigt one
+_CELL_BYTES = 150.0  # measured, including the building of the grid: 50 in an elastic slab, 130 in a Kelvin-Voigt one
+_CELL_WORK = 20.0  # products in the time of one step of a cell: 1 ns in an elastic slab, 10 in a Kelvin-Voigt one
 _STEP_SECONDS, _CELL_SECONDS = 1e-7, 2e-9  # of the interface, and of a cell: 0.6 ns in an elastic slab, 10 in a Kelvin-Voigt one
 _MUTABLE = ("velocity", "stress", "relaxing", "lost")
 
 
 class Leapfrog:
-    """Marches `scene` with `cells` per slab at Courant number `cfl` in (0, 1]; a `Solver` (slipwave.observe.follow).
+    """Marches `scene` with `cells` per slab at Courant number `cfl` in (0, 1]; a `FieldSolver` (slipwave.observe.snapshot).
 
-    `cells` counts the slab with the shorter round trip; the other has as many as keep its Courant number at or just below `cfl`.
-    Honours every scene. Raises SceneError naming cells or cfl and the allowed range.
+    `cells` is the number in the slab with the shorter round trip; the other slab has as many as keep its Courant number at or
+    just below `cfl`. Honours every scene. Raises SceneError naming cells or cfl and the allowed range.
     """
 
     model = LEAPFROG.name
@@ -73,7 +75,7 @@ class Leapfrog:
 
     @property
     def seconds_per_piece(self) -> float:
-        """About what a piece costs."""
+        """Approximate cost of a piece."""
         return STEPS_PER_PIECE * (_STEP_SECONDS + _CELL_SECONDS * self.total_cells)
 
     @property
@@ -83,7 +85,7 @@ class Leapfrog:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """All that shapes its numbers besides the scene."""
+        """Everything besides the scene that affects its numbers."""
         widths = [grid.width.size for grid in self._grids]
         return {"cells": self.cells, "slabs": widths, "cfl": self.cfl, "step": self.step}
 
@@ -98,7 +100,7 @@ class Leapfrog:
         return self._fill(pieces_until(max(self._sample, 0), self.step, until, STEPS_PER_PIECE, most))
 
     def _fill(self, pieces: Pieces) -> Pieces:
-        """March through `pieces`; through none, the sample at t = 0 is taken if it was not yet."""
+        """March through `pieces` and fill them. If there are none, only take the sample at t = 0, unless it was taken before."""
         scene, upper = self.scene, self._sides[0]
         physics = (scene.law, self.step, scene.forcing, scene.drive.compiled)
         failures, failed = march(*physics, upper, self._lower, self._memory, self._sample, pieces)
@@ -116,15 +118,15 @@ class Leapfrog:
         """Velocity and stress at the nodes at `time`, second order."""
         from fullwave.leapfrog.snapshot import snapshot_of
 
-        if self._sample < 0:  # the velocity of the interface at t = 0 is only known with the sample taken there
+        if self._sample < 0:  # the interface's velocity at t = 0 is only known once the sample there is taken
             self._fill(empty_pieces(0, self.nodes.size))
         return snapshot_of(self.scene, self.time, self._memory, self._sides, self._grids)
 
     def keep_frames(self) -> None:
-        """As `FieldSolver`: nothing to do, four steps of a leapfrog are short."""
+        """As `FieldSolver`; does nothing, because four steps of a leapfrog are short."""
 
     def frames(self) -> list[Snapshot]:
-        """As `FieldSolver`: the fields now."""
+        """As `FieldSolver`: the fields at the present time."""
         return [self.snapshot()]
 
     def state(self) -> State:

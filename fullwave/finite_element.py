@@ -1,14 +1,14 @@
-"""Finite elements assembled by scikit-fem: velocity and stress both continuous and of degree P, faces held weakly.
+"""Finite elements assembled by scikit-fem: velocity and stress both continuous and of degree P, weak conditions at the faces.
 
 Galerkin for the pair w_t = s_x, s_t = w_x in one layer, with the characteristic states w* at its ends:
 
     M w' = Q s + (w* - w)_ends,    M s' = Q w +- (w* - w)_ends,    Q_ij = integral of phi_i phi_j',   Q + Q^T = ends only,
 
-so the energy w.M w + s.M s changes through the ends only, as in every family. Elements P1 and P2 are scikit-fem's, the others
-Lagrange polynomials on Gauss-Lobatto nodes (`gll_element`). mass = "lumped" takes M in those nodes (diagonal; spectral elements,
-Komatitsch and Vilotte, Bull. Seismol. Soc. Am. 88, 1998; P1 is then sbp:2 in other words), "consistent" integrates it exactly and
-solves a banded system in every stage (P1: order 4 inside). A layer is one mesh; two layers meet through upwind states. Energy
-never grows, since the ends' penalties dissipate.
+so the energy w.M w + s.M s changes through the ends only, as in every family. Elements P1 and P2 are scikit-fem's, the others are
+Lagrange polynomials on Gauss-Lobatto nodes (`gll_element`). mass = "lumped" computes M by quadrature in those nodes: M is
+diagonal (spectral elements, Komatitsch and Vilotte, Bull. Seismol. Soc. Am. 88, 1998), and P1 is the same scheme as sbp:2.
+"consistent" integrates M exactly and solves a banded system in every stage (P1: order 4 inside). A layer is one mesh; two layers
+are coupled through upwind states. Energy never grows, because the penalties at the ends dissipate.
 """
 
 from functools import cache, partial
@@ -39,7 +39,7 @@ _SAMPLE_NODES = 56  # of the longest line from which a step limit is computed; L
 
 class Assembled(NamedTuple):
     """Rows of M^-1 Q (lumped) or Q (consistent) over all nodes, compressed; Cholesky factor of M in lower banded form, shape
-    (bandwidth + 1, nodes), or (0, 0). Slot of w at node i: i; of s: `half` + i."""
+    (bandwidth + 1, nodes), or (0, 0). The slot of w at node i is i, that of s is `half` + i."""
 
     pointer: NDArray[np.int64]
     column: NDArray[np.int64]
@@ -64,7 +64,7 @@ def _slope(u: Any, v: Any, _: Any) -> Any:
 
 
 def assemble_layer(cells: int, degree: int, mass: str) -> tuple[Array, Any, Any]:
-    """Depths of the nodes (n,), M and Q (sparse, n by n) of a layer of length 1, nodes in order of depth."""
+    """Depths of the nodes (n,), M and Q (sparse, n by n) of a layer of length 1; nodes are sorted by depth."""
     mesh = skfem.MeshLine(np.linspace(0.0, 1.0, cells + 1))
     points, weights = gauss_lobatto(degree)
     in_nodes = (0.5 * (points + 1.0)[None, :], 0.5 * weights)
@@ -76,7 +76,7 @@ def assemble_layer(cells: int, degree: int, mass: str) -> tuple[Array, Any, Any]
 
 
 def mesh_grid(sections: list[Section], degree: int, mass: str) -> BlockGrid:
-    """Every section as one block."""
+    """The grid with every section as one block."""
     layers = [assemble_layer(section.cells, degree, mass) for section in sections]
     first = np.cumsum([0] + [depth.size for depth, _, _ in layers])
     half = padded_half(int(first[-1]))
@@ -138,7 +138,7 @@ def _finish(operator, rates, at):  # type: ignore[no-untyped-def]
 
 
 def sample_cells(degree: int, cells: int) -> int:
-    """Cells of the line that stands for a layer of `cells`: beyond these the limit changes by less than the margin."""
+    """Cells of the line that represents a layer of `cells`: with more, the limit changes by less than the margin."""
     return min(cells, max(6, _SAMPLE_NODES // degree))
 
 
@@ -153,7 +153,7 @@ def courant_limit(degree: int, mass: str, cells: int) -> float:
 
 class FiniteElement(MethodOfLines):
     """`scene` by elements of `degree` (1 to 16), `cells` per slab, `mass` "lumped" or "consistent"; `cfl` is the share (0, 1] of
-    the longest stable step. Raises SceneError naming the option and its allowed range, or the viscosity it cannot honour.
+    the longest stable step. Raises SceneError naming the option and its allowed range, or the viscosity that it does not honour.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What a user may ask of a grid: whole numbers in a range, a Courant number in (0, 1]."""
+"""Checks of a user's options for a grid: whole numbers in a range, a Courant number in (0, 1]."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ def require_whole(name: str, value: int, least: int, most: int) -> None:
 
 
 def require_cfl(cfl: float) -> None:
-    """Raises SceneError unless `cfl` is a number in (0, 1], and not so small that its steps are lost in rounding."""
+    """Raises SceneError unless `cfl` is a number in (0, 1] and at least LEAST_CFL; smaller steps would be lost in rounding."""
     if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.integer | np.floating) or not 0.0 < cfl <= 1.0:
         raise SceneError(f"cfl = {cfl!r}: must lie in (0, 1]")
     if cfl < LEAST_CFL:

@@ -1,14 +1,13 @@
 """Finite differences with the summation-by-parts property: order 2, 4 or 6 inside, characteristic penalties at the ends.
 
-D = H^-1 Q with Q + Q^T = diag(-1, 0, ..., 0, 1), so that the discrete energy, of norm H, changes through the ends only. Inside,
-D is the central difference of order 2m; near each end 2m + 1 rows (one for order 2) have order 2m - 1, one less, which the
-solution does not feel: it is of order 2m up to the ends. A diagonal H would be simpler but costs orders 4 and 6 one and two of
-their orders in the fields (measured 3.2 and 4.1); media are uniform within a block, so nothing here asks for one.
-Strand, J. Comput. Phys. 110 (1994); penalties in characteristic variables: Kozdon, Dunham and Nordstrom, J. Sci. Comput. 50
-(2012).
+D = H^-1 Q with Q + Q^T = diag(-1, 0, ..., 0, 1), so that the discrete energy, of norm H, changes through the ends only. Inside, D
+is the central difference of order 2m. Near each end 2m + 1 rows (one for order 2) have order 2m - 1, but the solution is of order
+2m up to the ends. A diagonal H would be simpler, but would reduce orders 4 and 6 by one and two in the fields (measured 3.2 and
+4.1). It is not needed, because media are uniform within a block. Strand, J. Comput. Phys. 110 (1994); penalties in characteristic
+variables: Kozdon, Dunham and Nordstrom, J. Sci. Comput. 50 (2012).
 
-The end rows are solved for, not copied from a table (`closure`). A layer is one block; two layers meet through upwind states, as
-slab and interface do. Energy never grows, since penalties dissipate.
+The end rows are computed, not copied from a table (`closure`). A layer is one block; two layers are coupled through upwind
+states, as are slab and interface. Energy never grows, because the penalties dissipate.
 """
 
 from functools import cache, partial
@@ -28,12 +27,12 @@ from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 
-_SAMPLE_CELLS = 56  # of the longest line from which a step limit is computed: twice as many lower it by two thousandths
+_SAMPLE_CELLS = 56  # of the longest line from which a step limit is computed; twice as many cells lower it by 0.2 per cent
 
 
 class Differences(NamedTuple):
-    """`first` (blocks + 1,) node at which each block begins, `scale` 1/h per block, central coefficients (3,), end rows (rows,
-    columns) of D at h = 1. Slot of w at node i: i; of s: `half` + i."""
+    """`first` (blocks + 1,): node at which each block begins; `scale` 1/h per block; central coefficients (3,); end rows (rows,
+    columns) of D at h = 1. The slot of w at node i is i, that of s is `half` + i."""
 
     first: NDArray[np.int64]
     scale: Array
@@ -43,7 +42,7 @@ class Differences(NamedTuple):
 
 
 def difference_matrix(order: int, cells: int) -> tuple[Array, Any]:
-    """(D, H) on [0, 1] with `cells` cells: (nodes, nodes), D full, H sparse. For tests and step limits."""
+    """(D, H) on [0, 1] with `cells` cells, both (nodes, nodes), D full and H sparse. For tests and step limits."""
     _, closure = boundary_closure(order)
     central = central_coefficients(order)
     nodes, (rows, columns) = cells + 1, closure.shape
@@ -57,19 +56,19 @@ def difference_matrix(order: int, cells: int) -> tuple[Array, Any]:
 
 
 def difference_norm(order: int, cells: int) -> Any:
-    """H at h = 1: sparse (nodes, nodes), the identity but for a block at each end."""
+    """H at h = 1: sparse (nodes, nodes), the identity except for a block at each end."""
     norm, _ = boundary_closure(order)
     inside = scipy.sparse.eye_array(cells + 1 - 2 * norm.shape[0])
     return scipy.sparse.block_diag((norm, inside, norm[::-1, ::-1]), format="csr")
 
 
 def fewest_cells(order: int) -> int:
-    """Cells that keep the two ends' rows apart."""
+    """Fewest cells with which the rows of both ends do not overlap."""
     return 2 * closure_rows(order) + order // 2 - 1
 
 
 def difference_grid(sections: list[Section], order: int) -> BlockGrid:
-    """Every section as one block."""
+    """The grid with every section as one block."""
     norm, closure = boundary_closure(order)
     first = np.cumsum([0] + [section.cells + 1 for section in sections])
     half = padded_half(int(first[-1]))

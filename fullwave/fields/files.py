@@ -1,7 +1,7 @@
 """Field records as files: netCDF through xarray; VTU (a space-time sheet) and XDMF (a series of profiles) through meshio.
 
 Position is the depth as a fraction of the travel time, counted upwards from the interface: positive in the upper slab, negative
-in the lower. Every file is whole or absent.
+in the lower. Every file is written whole or not at all.
 """
 
 from collections.abc import Callable
@@ -30,8 +30,8 @@ def write_field(path: Path, field: Field) -> None:
 
 
 def profile(field: Field) -> tuple[Array, Array, Array]:
-    """(position (n,), velocity (k, n), stress (k, n)) through both slabs from the lower's outer face to the upper's; alike slabs
-    are completed by reflection. The interface appears twice, once per slab."""
+    """(position (n,), velocity (k, n), stress (k, n)) through both slabs, from the lower outer face to the upper one; the lower
+    of alike slabs is the reflected upper one. The interface appears twice, once per slab."""
     upper = field.upper
     depth, velocity, stress = (
         (upper.depth, -upper.velocity, upper.stress)
@@ -49,7 +49,7 @@ def profile(field: Field) -> tuple[Array, Array, Array]:
 def sheet(field: Field) -> "meshio.Mesh":
     """The space-time sheet: quadrilaterals over (time in transits, position), with velocity and stress at the points.
 
-    Cells of no height (the interface, element boundaries) are left out, so the slip there stays a sharp cut.
+    Cells of zero height (at the interface and at element boundaries) are left out, so slip appears as a sharp cut.
     """
     import meshio
 
@@ -73,7 +73,7 @@ def _write_sheet(path: Path, field: Field) -> None:
 
 
 def _write_series(path: Path, field: Field) -> None:
-    """One self-contained XML file, so that whole or absent holds for it."""
+    """Write one XML file that contains all data, so that it is whole or absent."""
     import meshio
 
     position, velocity, stress = profile(field)

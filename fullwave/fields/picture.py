@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def picture(field: Field, title: str = "") -> "Figure":
-    """Two panels over the same time: velocity (colour linear within V, logarithmic beyond) and shear stress."""
+    """Two panels over the same time: velocity (colour scale linear up to V, logarithmic beyond) and shear stress."""
     from matplotlib.colors import SymLogNorm
     from matplotlib.figure import Figure
 

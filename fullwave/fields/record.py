@@ -1,7 +1,7 @@
-"""Space-time record of one window of a full-wave run: velocity and shear stress in the slabs, sampled at step ends.
+"""Space-time record of one window of a full-wave run: velocity and shear stress in the slabs, sampled at the ends of steps.
 
-Any family whose solver offers `snapshot()` (see `slipwave.observe.snapshot`) can be recorded. Memory holds the window and no
-more. For alike slabs one slab is kept: the other is its mirror image, with the velocity's sign changed.
+Any solver with `snapshot()` (see `slipwave.observe.snapshot`) can be recorded. Only the window is kept in memory. For alike slabs
+one slab is kept; the other is its mirror image, with the sign of the velocity changed.
 """
 
 import math
@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     import xarray
 
 INTERVAL = 1.0 / 32.0
-"""Transits between two samples unless asked otherwise: sixteen to a wave's way across a slab."""
+"""Default time between two samples, in transits: sixteen samples while a wave crosses a slab."""
 
 
 @dataclass(frozen=True)
 class SlabField:
-    """One slab: `depth` (m,) as a fraction of its travel time, `velocity` (k, m) in V*, `stress` (k, m) in normal stresses."""
+    """The record of a slab: `depth` (m,) in its travel time, `velocity` (k, m) in V*, `stress` (k, m) in normal stresses."""
 
     depth: Array
     velocity: Array
@@ -39,7 +39,7 @@ class SlabField:
 
 @dataclass(frozen=True)
 class Field:
-    """Record of a window: `time` (k,) in transits, the slabs (`lower` is None for alike ones), and where it came from."""
+    """Record of a window: `time` (k,) in transits, the slabs (`lower` is None for alike ones), and the scene and model."""
 
     scene: Scene
     model: str
@@ -53,7 +53,7 @@ class Field:
         return {"upper": self.upper} | ({"lower": self.lower} if self.lower is not None else {})
 
     def dataset(self) -> "xarray.Dataset":
-        """As a Dataset with names, units and coordinates."""
+        """The record as a Dataset with names, units and coordinates."""
         import xarray
 
         variables: dict[str, object] = {}
@@ -88,8 +88,8 @@ class Field:
 
 class FieldRecord:
     """Marks of a run: keeps the fields of `solver` from `start` to `end`, every `interval` (transits; rounded up to the solver's
-    steps). The record goes on to the end of the solver's piece, so its last sample may lie beyond `end` by less than one piece (a
-    few steps). A run that goes on from a checkpoint keeps what lies in its window.
+    steps). The record ends with a piece of the solver, so its last sample may lie beyond `end` by less than one piece (a few
+    steps). A run that continues from a checkpoint keeps the samples in its window.
 
     Raises SceneError if the window is empty.
     """
@@ -114,7 +114,7 @@ class FieldRecord:
             self._solver.keep_frames()
             self._shots.append(self._solver.snapshot())
             return
-        for frame in self._solver.frames():  # the last, which the next sample is counted from, is always one
+        for frame in self._solver.frames():  # always keeps the last one, from which the next sample is counted
             if min(self._shots[-1].time + self._interval, self._solver.time) - 1e-9 < frame.time:
                 self._shots.append(frame)
 
@@ -126,7 +126,7 @@ class FieldRecord:
         return assemble(self._solver.scene, self._solver.model, self._shots)
 
     def state(self) -> State:
-        """As `Resumable`: a row per sample, of its time, then velocity and stress of the upper slab and of the lower."""
+        """As `Resumable`: a row per sample with its time, then velocity and stress of the upper and of the lower slab."""
         width = 1 + sum(values.size for values in _values(self._solver.snapshot()))
         rows = [np.concatenate([[shot.time], *_values(shot)]) for shot in self._shots]
         return {"samples": np.array(rows).reshape(len(rows), width)}
@@ -172,7 +172,7 @@ def record_field(
 
 
 def assemble(scene: Scene, model: str, shots: Sequence[Snapshot]) -> Field:
-    """Snapshots of one run as a record."""
+    """The record made of the snapshots of one run."""
     time = np.array([shot.time for shot in shots])
     lower = None if scene.alike else _stack([shot.lower for shot in shots])
     return Field(scene, model, time, _stack([shot.upper for shot in shots]), lower)

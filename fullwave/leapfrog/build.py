@@ -1,4 +1,4 @@
-"""From a scene to what the kernel marches."""
+"""Turns a scene into the structures that the kernel marches."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscos
 
 
 def steady_side(scene: Scene, slab: Slab, grid: LeapfrogGrid) -> Side:
-    """One slab in steady sliding at the scene's initial velocity."""
+    """A slab in steady sliding at the scene's initial velocity."""
     face = compiled_face(slab.termination.in_transits(scene.transit), grid.step, scene.steady_stress)
     velocity = 0.5 * scene.velocity
     medium: Medium

@@ -1,19 +1,19 @@
 """Outer faces of a slab on the leapfrog's grid (MODEL.md section 3), all as one row of the grid's momentum balance.
 
 The half cell at the face has the grid impedance Z = eps dx/dt; its velocity w at a whole time is the mean of the two half steps
-around it. With T the traction of the outside world on the face, pull the stress in the last cell, and damping c the viscous
-coupling to the node below (velocity u; 0 in an elastic slab),
+around it. With the traction T on the face from outside, the stress `pull` in the last cell, and the viscous coupling c (damping)
+to the node below (velocity u; c = 0 in an elastic slab),
 
     Z (w - w_old) = T - pull - c (w - u)        so     w = alpha u + beta.
 
 rigid   w is the drive's velocity.
-grip    T = load + Z_g (V - w), load' = K (V - w): the spring is taken at the mean of its two half steps, which adds K dt/2 to
-        Z_g, conserves its energy and needs no smaller step however stiff it is. With K = 0 the load is the stress of steady
-        sliding for ever.
+grip    T = load + Z_g (V - w), load' = K (V - w): the load is the mean of its two half steps. This adds K dt/2 to Z_g, conserves
+        the spring's energy and needs no smaller step, however stiff the spring is. With K = 0 the load is always the stress of
+        steady sliding.
 
 A mass on the face belongs to the half cell: it is part of Z (`grid.LeapfrogGrid`).
-Stresses are deviations from the stress of steady sliding, units of the normal stress; velocities in V*; `mean` is the drive at
-the whole time, `following` at the next half step; time in transits.
+Stresses are deviations from the stress of steady sliding, in units of the normal stress; velocities are in V*; `mean` is the
+drive at the whole time, `following` the drive at the next half step; time is in transits.
 """
 
 from typing import NamedTuple
@@ -32,8 +32,8 @@ class Rigid(NamedTuple):
 
 
 class Grip(NamedTuple):
-    """Dashpot `impedance` Z_g, `half_spring` K dt/2, the spring's load in steady sliding, and `memory` (2,): its deviation from
-    that at the half step, and the sum of the powers swallowed."""
+    """Dashpot `impedance` Z_g, `half_spring` K dt/2, the spring's load in steady sliding, and `memory` (2,): the load's deviation
+    from that at the half step, and the sum of the powers absorbed."""
 
     impedance: float
     half_spring: float
@@ -45,13 +45,13 @@ class Grip(NamedTuple):
 def settle(
     face: Rigid | Grip, inertia: float, old: float, pull: float, damping: float, mean: float, following: float
 ) -> tuple[float, float]:
-    """(alpha, beta) of the face's row for grid impedance `inertia` and the velocity `old` half a step ago."""
+    """(alpha, beta) of the face's row for the grid impedance `inertia` and the velocity `old` half a step before."""
     raise NotImplementedError(type(face))
 
 
 @by_class(inline=True)
 def push(face: Rigid | Grip, traction: float, velocity: float, mean: float) -> float:
-    """Power of the drive by the deviation `traction`; a grip's spring moves on to the next half step."""
+    """Power of the drive from the deviation `traction`; also advances a grip's spring to the next half step."""
     raise NotImplementedError(type(face))
 
 

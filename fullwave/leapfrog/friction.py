@@ -1,12 +1,12 @@
-"""Friction over one step: the interface condition with the state taken at the same time by the implicit midpoint rule.
+"""Friction over one step: the interface condition together with the state, by the implicit midpoint rule.
 
     F(z, psi) + Z v(z) = R,      psi - psi_old = (dt/2) (r G(z, psi) + nudge)
 
-with psi the state at the whole time, psi_old half a step before, dt in transits. Both equations together are solved by Newton
-from extrapolated values (two iterations as a rule). Where that fails, psi is bracketed and for each psi the first equation is
-solved by `slipwave.friction.interface.solve_interface`, which cannot fail. No part of this limits the step, however large a/v;
-a step so long that the pair has more than one solution (b dt r v/2 > (a + Z v)(1 + r dt/(2 phi)) for the ageing law) is
-reported as not converged.
+with the state psi at the whole time, psi_old half a step before, and dt in transits. Newton solves both equations together from
+extrapolated values (usually two iterations). If that fails, psi is bracketed, and for each psi the first equation is solved by
+`slipwave.friction.interface.solve_interface`, which cannot fail. None of this limits the step, however large a/v is. If the step
+is so long that the pair has more than one solution (b dt r v/2 > (a + Z v)(1 + r dt/(2 phi)) for the ageing law), it is reported
+as not converged.
 """
 
 import math
@@ -25,7 +25,7 @@ _BRACKETINGS = 200
 def solve_friction(
     law: Law, impedance: float, incoming: float, old: float, half: float, push: float, z: float, psi: float
 ) -> tuple[float, float, float, bool]:
-    """(z, psi, v, converged) at the end of half a step from psi = `old`; `half` = r dt/2, `push` = nudge dt/2."""
+    """(z, psi, v, converged) at the whole time, half a step after psi = `old`; `half` = r dt/2, `push` = nudge dt/2."""
     for _ in range(_NEWTON_ITERATIONS):
         v, v_z, friction, friction_z, friction_psi, rate, rate_z, rate_psi = respond(law, z, psi)
         balance = friction + impedance * v - incoming
@@ -50,7 +50,7 @@ def solve_friction(
 def _mismatch(
     law: Law, impedance: float, incoming: float, old: float, half: float, push: float, z: float, psi: float
 ) -> tuple[float, float, bool]:
-    """(evolution's residual, z, solved) at a trial psi, friction solved for z."""
+    """(residual of the state equation, z, solved) at a trial psi, with z from the interface condition."""
     z, iterations = solve_interface(law, impedance, incoming, psi, z)
     return psi - old - half * respond(law, z, psi)[5] - push, z, iterations > 0
 
@@ -59,7 +59,7 @@ def _mismatch(
 def _bracketed(
     law: Law, impedance: float, incoming: float, old: float, half: float, push: float, z: float
 ) -> tuple[float, float, float, bool]:
-    """The safe way: bisection of the residual, which goes from -inf to +inf with psi; fails where its slope is not positive."""
+    """Bisection of the residual, which goes from -inf to +inf with psi; fails if its slope at the root is not positive."""
     if not math.isfinite(z):
         z = 0.0
     reach = 1.0

@@ -1,7 +1,7 @@
-"""Where the leapfrog's nodes lie: each layer of each slab gets its own whole number of cells, so that no travel time is rounded.
+"""The leapfrog's grid: each layer of each slab has its own whole number of cells, so that no travel time is rounded.
 
-The step is common: cfl times the cell of the slab with the shorter round trip. A layer takes as many cells as keep its own
-Courant number at or just below cfl; boundaries between layers are nodes, which carry half a cell of either side.
+The step is common: cfl times the cell of the slab with the shorter round trip. A layer has as many cells as keep its own Courant
+number at or just below cfl. Boundaries between layers are nodes, which carry half a cell of either side.
 """
 
 from dataclasses import dataclass
@@ -18,8 +18,8 @@ MOST_CELLS = 10_000_000
 
 @dataclass(frozen=True)
 class LeapfrogGrid:
-    """Cells of one slab from the interface outwards: `width` (n,) as travel time in transits, `impedance` (n,); the step; and the
-    `burden` on the last node, the mass on the slab's outer face (stress/V* times a transit)."""
+    """Cells of a slab from the interface outwards: `width` (n,) as travel time in transits, `impedance` (n,); the step; and the
+    `burden` on the last node, which is the mass on the slab's outer face (stress/V* times a transit)."""
 
     width: Array
     impedance: Array
@@ -60,7 +60,7 @@ def common_step(scene: Scene, cells: int, cfl: float) -> float:
 
 
 def slab_grid(slab: Slab, transit: float, step: float, cfl: float, cells: int) -> LeapfrogGrid:
-    """Grid of `slab`, a transit being `transit` L/V*. Raises SceneError naming cells if a layer is thinner than a cell."""
+    """Grid of `slab`; a transit is `transit` L/V*. Raises SceneError naming cells if a layer is thinner than a cell."""
     widths, impedances = [], []
     for number, layer in enumerate(slab.layers):
         travel = 0.5 * slab.round_trip / transit * layer.fraction

@@ -1,7 +1,8 @@
 """The marching kernel: slab - interface - slab, sample by sample.
 
-One step from the whole time t_n to t_n+1: stresses by the velocities at n + 1/2, the interface's friction solve at t_n+1,
-velocities on to n + 3/2. A sample (z, psi, mu, y) is taken at each whole time; four steps make a piece. Nothing is allocated.
+A step from the whole time t_n to t_n+1 has three parts: stresses advance with the velocities at n + 1/2, friction is solved at
+t_n+1, velocities advance to n + 3/2. A sample (z, psi, mu, y) is taken at each whole time; four steps make a piece. Nothing is
+allocated.
 """
 
 from fullwave.leapfrog.friction import solve_friction
@@ -35,8 +36,8 @@ psi is not carried further than this beyond its mean, so that the run stays near
 def take_step(
     law: Law, dt: float, forcing: Forcing, drive: Constant | Ramps, upper: Side, lower: Side | Mirror, memory: Array, n: int
 ) -> bool:
-    """Bring the run to sample `n` (time n dt, in transits); False if the friction solve did not converge or the step was
-    too long to follow the state."""
+    """March to sample `n` (time n dt, in transits). Returns False if the friction solve did not converge or the step was too long
+    to follow the state."""
     previous = memory[DRIVE]
     following = velocity_at(drive, (n + 0.5) * dt)
     mean = 0.25 * (previous + following)
@@ -73,7 +74,7 @@ def take_step(
 
 @inlined
 def _extrapolated(memory: Array, slot: int) -> float:
-    """The quartic through the last five samples, one step on."""
+    """The quartic through the last five samples, extrapolated by one step."""
     outer, inner = memory[slot] - memory[slot + 3], memory[slot + 1] - memory[slot + 2]
     return float(5.0 * outer - 10.0 * inner + memory[slot + 4])
 
@@ -97,9 +98,9 @@ def march(
     first: int,
     pieces: Pieces,
 ) -> tuple[int, int]:
-    """Fill `pieces` with the steps after sample `first` (-1: none taken yet, so begin with sample 0); returns how many of them
-    failed (`take_step`), and the sample of the first that did (-1 if none). Neighbouring pieces both get the sample that they
-    share."""
+    """Fill `pieces` with the steps after sample `first` (-1: no sample was taken yet, so begin with sample 0). Returns how many
+    of these steps failed (`take_step`), and the sample of the first failed one (-1 if none). Neighbouring pieces both hold the
+    sample that they share."""
     failures, failed = 0, -1
     start = max(first, 0)
     if first >= 0:

@@ -1,8 +1,8 @@
-"""The energy that the leapfrog conserves, and what has left it (per unit area, units sigma L, since t = 0).
+"""The energy that the leapfrog conserves, and the energy that has left it (per unit area, in units of sigma L, since t = 0).
 
 With u at n + 1/2 and sigma at n the scheme conserves  sum m u^2/2 + sum dx sigma^n sigma^(n+1)/(2 eps)  exactly, so the ledger
-closes to rounding: the kernel only adds up the powers of drive, friction, dashpots and viscosity; what is stored is summed here
-when asked for. Stresses are held less that of steady sliding, which therefore appears apart, without cancellation.
+closes to rounding. The kernel only adds up the powers of drive, friction, dashpots and viscosity; the stored energy is computed
+here on request. Stresses are stored as deviations from steady sliding, whose stress enters separately, without cancellation.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ from slipwave.scene import Scene
 
 
 def energy_of(scene: Scene, memory: Array, sides: list[tuple[Side, LeapfrogGrid]]) -> Energy:
-    """Ledger of `sides` (the one side of alike slabs counted twice)."""
+    """Ledger of `sides`; the only side of alike slabs counts twice."""
     sums = [side_energy(side, grid, scene.steady_stress, 0.5 * scene.velocity) for side, grid in sides]
     copies = 2 if scene.alike else 1
     stored, radiated, viscous = (copies * sum(column) for column in zip(*sums, strict=True))
@@ -34,7 +34,7 @@ def energy_of(scene: Scene, memory: Array, sides: list[tuple[Side, LeapfrogGrid]
 
 
 def side_energy(side: Side, grid: LeapfrogGrid, steady_stress: float, velocity: float) -> tuple[float, float, float]:
-    """(change of what is stored, radiated, lost to viscosity) of one slab, in units of sigma L / transit."""
+    """(change of stored energy, radiated energy, energy lost to viscosity) of a slab, in units of sigma L / transit."""
     medium, face = side
     stretch = np.diff(medium.velocity)
     kinetic = 0.5 * float(grid.mass @ ((medium.velocity - velocity) * (medium.velocity + velocity)))

@@ -1,16 +1,16 @@
-"""One slab on its staggered grid: what the kernel asks of it, and the elastic slabs (`viscous` has the others).
+"""A slab on its staggered grid: the functions that the kernel calls, for elastic slabs (`viscous` has the others).
 
-Depth is measured as travel time (transits of the upper slab) from the interface, so that waves run at speed 1, and `u` is the
-velocity in the slab's own direction of drive (u = w_1 above, u = -w_2 below): both slabs then obey
+Depth is travel time (transits of the upper slab) from the interface, so that waves have speed 1, and `u` is the velocity in the
+slab's own direction of drive (u = w_1 above, u = -w_2 below). Both slabs then obey
 
     eps u_t = sigma_s,   sigma_t = eps u_s,   u_1 + u_2 = v at the interface   (MODEL.md section 3),
 
-with u at the n + 1 nodes at half times and sigma (less the stress of steady sliding) in the n cells at whole times; the end nodes
-carry half a cell. Virieux (1986) describes the scheme in the plane; order 2, stable for dt <= dx.
+with u at the n + 1 nodes at half times and sigma (deviation from steady sliding) in the n cells at whole times; the end nodes
+carry half a cell. Virieux (1986) describes the scheme in two dimensions; it is of order 2 and stable for dt <= dx.
 
-    load        Z and S of  Z u + mu = S  at the interface, u the mean over the step: its half cell's momentum balance
-    accelerate  velocities on to the next half step, once u is known; returns the power of the outer face
-    strain      stresses on to the next whole step
+    load        Z and S of  Z u + mu = S  at the interface, from its half cell's momentum balance; u is the mean over the step
+    accelerate  advance velocities to the next half step, once u is known; returns the power of the outer face
+    strain      advance stresses to the next whole step
 """
 
 from typing import Any, NamedTuple, TypeAlias
@@ -63,20 +63,20 @@ def load(medium: Medium, face: Rigid | Grip, mean: float, following: float) -> t
 
 @by_class()
 def accelerate(medium: Medium, face: Rigid | Grip, rate: float, mean: float, following: float) -> float:
-    """Velocities on by one step, u = `rate` at the interface; power of the drive, less what the steady stress does."""
+    """Advance velocities by one step, with u = `rate` at the interface; returns the drive's power without the steady stress."""
     raise NotImplementedError(type(medium))
 
 
 @by_class()
 def strain(medium: Medium) -> None:
-    """Stresses on by one step."""
+    """Advance stresses by one step."""
     raise NotImplementedError(type(medium))
 
 
 @load.register(Uniform)
 @load.register(Layered)
 def load_elastic(medium: Medium, face: Rigid | Grip, mean: float, following: float) -> tuple[float, float]:
-    """The half cell's own momentum only."""
+    """Only the momentum of the half cell."""
     return medium.inertia, medium.stress[0] + medium.inertia * medium.velocity[0]
 
 
@@ -95,7 +95,7 @@ def _accelerate_uniform(medium, face, rate, mean, following):  # type: ignore[no
 
 @accelerate.register(Layered)
 def accelerate_layered(medium: Medium, face: Rigid | Grip, rate: float, mean: float, following: float) -> float:
-    """As the uniform slab, with a mass of its own for each node."""
+    """As the uniform slab, with a different mass for each node."""
     velocity, stress, mobility = medium.velocity, medium.stress, medium.mobility
     n = stress.size
     velocity[0] = 2.0 * rate - velocity[0]
@@ -116,7 +116,7 @@ def _strain_uniform(medium):  # type: ignore[no-untyped-def]
 
 @strain.register(Layered)
 def strain_layered(medium: Medium) -> None:
-    """As the uniform slab, with a stiffness of its own for each cell."""
+    """As the uniform slab, with a different stiffness for each cell."""
     velocity, stress, stiffness = medium.velocity, medium.stress, medium.stiffness
     for j in range(stress.size):
         stress[j] += stiffness[j] * (velocity[j + 1] - velocity[j])

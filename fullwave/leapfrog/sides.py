@@ -18,38 +18,38 @@ class Side(NamedTuple):
 
 
 class Mirror(NamedTuple):
-    """The lower slab of an alike pair: it does what the upper does, and is not marched."""
+    """The lower slab of an alike pair: it moves as the upper slab does, and is not marched."""
 
     unused: float = 0.0
 
 
 @by_class(inline=True)
 def meet(lower: Side | Mirror, impedance: float, incoming: float, mean: float, following: float) -> tuple[float, float]:
-    """(Z, S) of both slabs together, given the upper's."""
+    """(Z, S) of both slabs together, given those of the upper slab."""
     raise NotImplementedError(type(lower))
 
 
 @by_class(inline=True)
 def part(lower: Side | Mirror, impedance: float, incoming: float, stress: float, v: float) -> float:
-    """The upper slab's interface velocity when the slip rate is v."""
+    """The upper slab's velocity at the interface for the slip rate v."""
     raise NotImplementedError(type(lower))
 
 
 @by_class(inline=True)
 def follow_on(lower: Side | Mirror, rate: float, power: float, mean: float, following: float) -> float:
-    """Move the lower slab; power of both faces together."""
+    """Advance the lower slab's velocities; returns the power of both faces together."""
     raise NotImplementedError(type(lower))
 
 
 @by_class(inline=True)
 def slip_rate(lower: Side | Mirror, own: float) -> float:
-    """v at the half step, given the upper slab's interface velocity."""
+    """v at the half step, given the upper slab's velocity at the interface."""
     raise NotImplementedError(type(lower))
 
 
 @by_class(inline=True)
 def strain_lower(lower: Side | Mirror) -> None:
-    """Stresses of the lower slab."""
+    """Advance the lower slab's stresses."""
     raise NotImplementedError(type(lower))
 
 

@@ -1,4 +1,4 @@
-"""Fields of the leapfrog at one time and place: velocities are held half a step late and stresses half a cell off the nodes."""
+"""Fields of the leapfrog at common times and places; it stores velocities half a step later and stresses half a cell away."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from slipwave.scene import Scene
 
 
 def snapshot_of(scene: Scene, time: float, memory: Array, sides: list[Side], grids: list[LeapfrogGrid]) -> Snapshot:
-    """Velocity and stress at the nodes at the whole time `time`, second order in the cell."""
+    """Velocity and stress at the nodes at the whole time `time`, of second order in the cell."""
     stress, rate = float(memory[STRESS]) - scene.steady_stress, float(memory[RATE])
     drive = 0.5 * scene.drive.at(time)
     found = [_slab(sides[0], grids[0], stress, rate, drive)]
@@ -25,7 +25,7 @@ def snapshot_of(scene: Scene, time: float, memory: Array, sides: list[Side], gri
 
 
 def _slab(side: Side, grid: LeapfrogGrid, interface_stress: float, rate: float, drive: float) -> SlabSnapshot:
-    """Deviation of the stress from that of steady sliding; velocity in the slab's own direction."""
+    """Fields of a slab: the deviation of the stress from steady sliding, and the velocity in the slab's own direction."""
     velocity, stress = _at_whole_time(side, grid, interface_stress, rate)
     if isinstance(side.face, Rigid):
         velocity[-1] = drive
@@ -39,7 +39,7 @@ def _slab(side: Side, grid: LeapfrogGrid, interface_stress: float, rate: float, 
 
 
 def _at_whole_time(side: Side, grid: LeapfrogGrid, interface_stress: float, rate: float) -> tuple[Array, Array]:
-    """Velocities at the nodes (but the outermost) and total stresses in the cells."""
+    """Velocities at the nodes (except the outermost) and total stresses in the cells."""
     medium = side.medium
     velocity = medium.velocity.copy()
     velocity[0] = rate

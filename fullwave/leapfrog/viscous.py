@@ -1,14 +1,14 @@
 """Dissipative slabs on the leapfrog's grid.
 
-standard linear  sigma = sigma_r + q; the Maxwell branch q' = eps_1 u_s - q/time, eps_1 = eps ratio/(1 + ratio), is stepped by the
-                 trapezoid cell by cell: no equation is coupled and the step limit stays dt <= dx.
-Kelvin-Voigt     sigma = sigma_e + eps time u_s. The viscous part is taken at the mean of two half steps (Crank and Nicolson), a
-                 tridiagonal system eliminated from the outer face to the interface, where it arrives as one (Z, S) like any
-                 other: no step limit of its own (an explicit one would need dt < dx^2/(2 time)), and each step loses
-                 exactly sum c (du)^2 dt.
+standard linear  sigma = sigma_r + q; the Maxwell branch q' = eps_1 u_s - q/time, eps_1 = eps ratio/(1 + ratio), follows the
+                 trapezoidal rule cell by cell: equations are not coupled, and the step limit stays dt <= dx.
+Kelvin-Voigt     sigma = sigma_e + eps time u_s. The viscous part is the mean of two half steps (Crank and Nicolson), a
+                 tridiagonal system. It is eliminated from the outer face to the interface, where it gives (Z, S) as for other
+                 slabs. It has no step limit of its own (an explicit scheme would need dt < dx^2/(2 time)), and each step
+                 dissipates exactly sum c (du)^2 dt.
 
-Both keep order 2. Times in transits of the upper slab; stresses less that of steady sliding, which the spring that never relaxes
-bears.
+Both are of order 2. Times are in transits of the upper slab. Stresses are deviations from that of steady sliding, which the
+spring that never relaxes carries.
 """
 
 from typing import NamedTuple
@@ -22,8 +22,8 @@ from slipwave.observe.pieces import Array
 
 
 class StandardLinear(NamedTuple):
-    """Layered's fields; the branch's stress `relaxing` q (n,), its eps_1 dt/dx (n,), dt/(2 time), the weights
-    dx/(eps_1 time) of its losses (n,), and `lost` (1,), the sum of the powers lost."""
+    """The fields of Layered; the branch's stress `relaxing` q (n,), its eps_1 dt/dx (n,), dt/(2 time), the weights
+    dx/(eps_1 time) of its losses (n,), and `lost` (1,), the sum of the dissipated powers."""
 
     velocity: Array
     stress: Array
@@ -39,8 +39,8 @@ class StandardLinear(NamedTuple):
 
 
 class KelvinVoigt(NamedTuple):
-    """Layered's fields; grid impedances of all nodes (n + 1,), damping c = eps time/dx (n,), the elimination's alpha and 1/pivot
-    (n + 1,), its `beta` (n + 1,) and `lost` (1,)."""
+    """Velocity, stress and stiffness as in Layered; grid impedances of all nodes (n + 1,), damping c = eps time/dx (n,), the
+    elimination's alpha and 1/pivot (n + 1,), its `beta` (n + 1,), and `lost` (1,) as in StandardLinear."""
 
     velocity: Array
     stress: Array
@@ -73,7 +73,7 @@ def standard_linear_medium(grid: LeapfrogGrid, velocity: float, time: float, rat
 
 
 def kelvin_voigt_medium(grid: LeapfrogGrid, velocity: float, time: float, face: Rigid | Grip) -> KelvinVoigt:
-    """A slab that moves steadily at `velocity`, with its elimination prepared; viscous `time` in transits."""
+    """A slab that moves steadily at `velocity`, with prepared elimination; viscous `time` in transits."""
     n, inertia = grid.width.size, grid.inertia
     damping = grid.impedance * time / grid.width
     alpha, pivot = np.zeros(n + 1), np.zeros(n + 1)

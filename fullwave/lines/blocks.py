@@ -1,4 +1,4 @@
-"""A scene cut into blocks: the data from which every method-of-lines family builds its `System`."""
+"""A scene divided into blocks: the data from which every method-of-lines family builds its `System`."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -17,8 +17,8 @@ from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscos
 
 
 class Section(NamedTuple):
-    """One layer of one slab: slab 0 (upper) or 1 (lower), depth of its near end and thickness (transits of the upper slab),
-    impedance eps, cells, the fewest cells that the family can make of a section, and the cells per slab that were asked for."""
+    """A layer of a slab: slab 0 (upper) or 1 (lower), depth of its near end and thickness (transits of the upper slab),
+    impedance eps, cells, the fewest cells that the family allows in a section, and the requested cells per slab."""
 
     slab: int
     start: float
@@ -30,7 +30,7 @@ class Section(NamedTuple):
 
 
 class Block(NamedTuple):
-    """A piece of a section with its own operator: slots of w and s at its nodes (n,), their depths (n,), the norm (diagonal (n,)
+    """A part of a section with its own operator: slots of w and s at its nodes (n,), their depths (n,), the norm (diagonal (n,)
     or scipy sparse (n, n), in transits), 1/h at the near and the far end."""
 
     section: Section
@@ -43,8 +43,8 @@ class Block(NamedTuple):
 
 @dataclass(frozen=True)
 class BlockGrid:
-    """What a family supplies: its compiled operator, the number of slots (a multiple of panels.LANES) and the blocks, from the
-    interface outwards, slab by slab."""
+    """The grid that a family supplies: its compiled operator, the number of slots (a multiple of panels.LANES), and the blocks
+    from the interface outwards, slab by slab."""
 
     operator: Operator
     size: int
@@ -57,8 +57,9 @@ def marched_slabs(scene: Scene) -> tuple[Slab, ...]:
 
 
 def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:
-    """The layers of the slabs that are marched. `cells` counts the slab with the shorter round trip; the other has as many as
-    keep its cells no longer, and no layer has less than `fewest`. Raises SceneError naming cells and the allowed range."""
+    """The layers of the slabs that are marched. `cells` is the number in the slab with the shorter round trip; the other slab has
+    so many that its cells are not longer, and every layer has at least `fewest`. Raises SceneError naming cells and the allowed
+    range."""
     require_whole("cells", cells, fewest, MOST_CELLS)
     slabs = marched_slabs(scene)
     shortest = min(slab.round_trip for slab in slabs)
@@ -75,7 +76,7 @@ def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:
 
 
 def padded_half(nodes: int) -> int:
-    """Slots of w, and as many of s, in which `nodes` nodes fit, so that both together fill whole panels."""
+    """Number of slots of w, and also of s, for `nodes` nodes, such that both together fill whole panels."""
     return -(-2 * nodes // LANES) * LANES // 2
 
 
@@ -104,7 +105,7 @@ def assemble(scene: Scene, grid: BlockGrid) -> System:
 
 
 def state_size(system: System) -> int:
-    """Values that are integrated: grid, scalars, in viscous slabs a memory stress per slot, and the velocities of heavy faces."""
+    """Number of integrated values: grid, scalars, in viscous slabs a memory stress per slot, velocities of heavy faces."""
     size, heavy = system.interface.size, system.interface.heavy
     return heavy + LANES if heavy else size + SCALARS + size * isinstance(system.medium, Viscous)
 
@@ -141,8 +142,8 @@ def _tops(scene: Scene, chains: list[list[Block]], facts: Array) -> Array:
 def energy_weight(grid: BlockGrid) -> Array:
     """eps h per slot of the grid (size,): its product with half of w^2 or s^2, summed, is energy over one transit.
 
-    A norm that is no diagonal gives its row sums, which integrate to the order of the scheme but need not be positive: good
-    enough for the heat's ledger; what is stored is summed with the norm itself (`readout`)."""
+    A norm that is not diagonal is replaced by its row sums. These integrate to the order of the scheme but may be negative, which
+    is sufficient for the ledger of heat; stored energy is summed with the norm itself (`readout`)."""
     weight = np.zeros(grid.size)
     for block in grid.blocks:
         norm = block.norm if isinstance(block.norm, np.ndarray) else np.asarray(block.norm.sum(axis=1)).ravel()

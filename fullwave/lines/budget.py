@@ -1,4 +1,4 @@
-"""What a grid may cost: memory, counted before any of it is taken, and work between two moments at which a run can be stopped."""
+"""Limits on the cost of a grid: its memory, counted before it is allocated, and the work between two points of interruption."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -21,14 +21,14 @@ nanosecond of the measured families, 0.2 to 0.8 s."""
 PRODUCTS_PER_SECOND = 2e9
 """Of the marches (1.3 to 4e9 measured): what a run takes is told from it, roughly."""
 
-_FEW_CELLS = 2000  # 20 kB each at most: not worth a count
+_FEW_CELLS = 2000  # 20 kB each at most, so memory is not counted
 _PROBE_CELLS = 16
-_BLOCK_BYTES = 1200  # Python's own for one block, its joints included (measured 1.1 to 1.2 kB)
-_ASSEMBLY = 4.0  # copies of a sparse operator that are alive while it is assembled (measured 3.8 for fem:16)
+_BLOCK_BYTES = 1200  # of Python objects for one block, including its joints (measured 1.1 to 1.2 kB)
+_ASSEMBLY = 4.0  # copies of a sparse operator in memory during its assembly (measured 3.8 for fem:16)
 
 
 def steps_at_once(work: float) -> int:
-    """Steps of `work` products each in one go of compiled code; at least one."""
+    """Steps of `work` products each in one call of compiled code; at least one."""
     return max(1, int(MOST_WORK / max(work, 1.0)))
 
 
@@ -40,7 +40,7 @@ def march_work(values: int, order: int, method: RungeKutta, viscous: bool) -> fl
 
 @contextmanager
 def enough_memory(cells: int) -> Iterator[None]:
-    """Raises SceneError naming cells where the machine itself has less memory than is asked for."""
+    """Raises SceneError naming cells if the machine has less memory than is needed."""
     try:
         yield
     except MemoryError:
@@ -50,7 +50,7 @@ def enough_memory(cells: int) -> Iterator[None]:
 def require_memory(sections: list[Section], build: Callable[[list[Section]], BlockGrid], stages: int, viscous: bool) -> None:
     """Raises SceneError naming cells, and the most that fit, if the march of `sections` would take more than MOST_BYTES.
 
-    The count is exact for the stages and what the blocks hold, and within a third of what was measured for the rest."""
+    The count is exact for the stages and the arrays of the blocks, and within a third of measured values for the rest."""
     total = sum(section.cells for section in sections)
     if total <= _FEW_CELLS:
         return
@@ -71,14 +71,14 @@ def require_bytes(cells: int, needed: float) -> None:
 
 
 def _bytes(grid: BlockGrid, stages: int, viscous: bool) -> float:
-    """What a march of `grid` takes: `stages` and two copies of its state, the blocks and the operator."""
+    """Memory of a march of `grid`: `stages` and two copies of its state, the blocks and the operator."""
     copies = (stages + 2.0) * (2.0 if viscous else 1.0) + (6.0 if viscous else 0.0)
     blocks = sum(_BLOCK_BYTES + sum(_held(part) for part in block) for block in grid.blocks)
     return 8.0 * copies * grid.size + blocks * (2.0 if viscous else 1.0) + _ASSEMBLY * sum(_held(part) for part in grid.operator)
 
 
 def _held(part: Any) -> float:
-    """Bytes of an array, of a sparse matrix, or of nothing of the kind."""
+    """Bytes of an array or of a sparse matrix; 0 for anything else."""
     if isinstance(part, np.ndarray):
         return float(part.nbytes)
     if hasattr(part, "indptr"):

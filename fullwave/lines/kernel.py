@@ -1,4 +1,4 @@
-"""The compiled loop of the method-of-lines march: Runge-Kutta steps of one length, a sample of the interface at each end."""
+"""The compiled loop of the method-of-lines march: equal Runge-Kutta steps, with a sample of the interface after each."""
 
 from fullwave.lines.motion import rates_of
 from fullwave.lines.runge_kutta import RungeKutta, combine
@@ -30,11 +30,11 @@ def march(
     pieces: Pieces,
     frames: Array,
 ) -> tuple[int, int, float]:
-    """Take steps `begin` to `end` (excluded) of those that fill `pieces`, which begin at step number `first`; the one behind the
-    last piece is its closing sample alone. `unknowns` (3, stages) holds z of the last three steps' stages, latest first: a
-    parabola through them starts each friction solve, which saves two of four iterations. `frames`, if it has rows, takes the
-    state at the beginning of every step. Returns (failed solves, step n of the first or -1, fastest state relaxation per
-    transit)."""
+    """March steps `begin` to `end` (excluded) of those that fill `pieces`, which begin at step number `first`. The step after the
+    last piece is evaluated only to record the last sample. `unknowns` (3, stages) holds z of the last three steps' stages, latest
+    first: a parabola through them starts each friction solve, which saves two of four iterations. `frames`, if it has rows,
+    receives the state at the beginning of every step. Returns (failed solves, step n of the first one or -1, fastest relaxation
+    of the state per transit)."""
     operator, medium, interface = system.operator, system.medium, system.interface
     forcing, drive = system.forcing, system.drive
     slots, facts, tops, arrivals = system.slots, system.facts, system.tops, system.arrivals
@@ -62,7 +62,7 @@ def march(
                     j = n - STEPS_PER_PIECE * k
                     unknown[k, j], psis[k, j], stress[k, j], elastic[k, j] = sample
                 if n == STEPS_PER_PIECE * count:
-                    return failures, failed, fastest  # whoever goes on repeats, and counts, this solve
+                    return failures, failed, fastest  # the next call evaluates this step again and counts its failures
             if iterations == 0:
                 failures += 1
                 failed = n if failed < 0 else failed

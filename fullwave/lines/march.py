@@ -32,12 +32,12 @@ def method_for(family: FullWave, number: int) -> RungeKutta:
 
 
 class MethodOfLines:
-    """Marches `scene`, its `sections` gridded by `build`, as the member of `family` with `number`; a `Solver`
-    (slipwave.observe.follow).
+    """Marches `scene` as the member of `family` with `number`; `build` makes the grid of its `sections`. A `FieldSolver`
+    (slipwave.observe.snapshot).
 
-    `limit` is the longest stable step (transits) of elastic waves; `step` is the share `cfl` of it, or of what outer faces,
-    viscosity and friction's state allow if that is less. Raises SceneError naming cfl and its allowed range, or cells too many
-    for the memory (`budget`).
+    `limit` is the longest stable step (transits) of elastic waves. `step` is the share `cfl` of the smallest limit: this one or
+    that of outer faces, viscosity or friction's state. Raises SceneError naming cfl and its allowed range, or cells if the memory
+    is too small (`budget`).
     """
 
     mass: str | None = None
@@ -77,13 +77,13 @@ class MethodOfLines:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """All that shapes its numbers besides the scene and the model's name."""
+        """Everything besides the scene and the model's name that affects its numbers."""
         cells = [section.cells for section in self.sections]
         return {"cells": cells, "mass": self.mass, "cfl": self.cfl, "step": self.step}
 
     @property
     def cells(self) -> int:
-        """Cells asked for, per slab."""
+        """The requested cells per slab."""
         return self.sections[0].asked
 
     @property
@@ -93,7 +93,7 @@ class MethodOfLines:
 
     @property
     def seconds_per_piece(self) -> float:
-        """About what a piece costs."""
+        """Approximate cost of a piece."""
         return STEPS_PER_PIECE * self._work / PRODUCTS_PER_SECOND
 
     @property
@@ -118,7 +118,7 @@ class MethodOfLines:
         return pieces
 
     def _fill(self, pieces: Pieces, steps: int) -> float:
-        """March the `steps` of `pieces`, as many at once as leave the run open to an interrupt; fastest relaxation met."""
+        """March the `steps` of `pieces`, in parts so that the run can be interrupted; returns the state's fastest relaxation."""
         fastest = 0.0
         for begin in range(0, steps + 1, self._stride):
             failures, failed, relaxation = march(
@@ -142,7 +142,7 @@ class MethodOfLines:
         return fastest
 
     def energy(self) -> Energy:
-        """Ledger since t = 0, in units of sigma L; integrated with the motion, so it closes at the order of the scheme."""
+        """Ledger since t = 0, in units of sigma L. It is integrated with the motion, so it closes at the order of the scheme."""
         scalars = self._state[self.grid.size :]
         stored = stored_energy(self.grid, self.system, self._state)
         supplied, friction, radiated, viscous = (float(scalars[slot]) for slot in (INPUT, FRICTION, RADIATED, VISCOUS))
@@ -153,7 +153,7 @@ class MethodOfLines:
         return self._shown(self.time, self._state)
 
     def keep_frames(self) -> None:
-        """As `FieldSolver`: steps of high order are long, pieces of eight of them too long for a picture of waves."""
+        """As `FieldSolver`: high-order steps are long, so pieces of eight steps are too long for a picture of waves."""
         self._keeps_frames = True
 
     def frames(self) -> list[Snapshot]:
@@ -166,7 +166,7 @@ class MethodOfLines:
 
     def impose(self, slab: int, velocity: Shape, stress: Shape) -> None:
         """Set the fields of slab 0 (upper) or 1 (lower): functions of depth (transits of the upper slab, array in, array out).
-        `velocity` in V* in the slab's own direction of drive, `stress` in units of the normal stress, both in full."""
+        `velocity` in V* in the slab's own direction of drive, `stress` in units of the normal stress; both are total values."""
         impose_fields(self.grid, self.system, self._state, slab, velocity, stress)
 
     def state(self) -> State:

@@ -1,7 +1,7 @@
-"""The equations of motion without friction, as a matrix: the plain reference of `fullwave.lines.motion`, and the source of
-the step limit where viscosity has a say in the spectrum.
+"""The equations of motion without friction, as a matrix: a simple reference for `fullwave.lines.motion`, and the basis of the
+step limit of scenes with viscosity or a mass on a face.
 
-The interface is either locked (v = 0: unlike slabs are welded, alike ones stand still there) or free (mu constant): every
+The interface is either locked (v = 0: unlike slabs are welded, alike slabs do not move there) or free (mu constant): every
 friction law lies between these two.
 """
 
@@ -33,7 +33,7 @@ from slipwave.observe.pieces import Array
 
 @njit
 def _columns(operator: Operator, states: Array, at_apply: Array, at_finish: Array) -> None:
-    """Row k of `at_apply`: D applied to row k of `states`; of `at_finish`: row k once completed (M^-1 of a consistent mass)."""
+    """Row k of `at_apply` <- `apply` to row k of `states`; row k of `at_finish` <- `finish` of it (M^-1 of a consistent mass)."""
     for k in range(states.shape[0]):
         apply(operator, states[k], at_apply[k], 0)
         at_finish[k] = states[k]
@@ -41,8 +41,8 @@ def _columns(operator: Operator, states: Array, at_apply: Array, at_finish: Arra
 
 
 def motion_matrix(system: System, locked: bool) -> Array:
-    """d q/dt~ = A q for q = (grid, scalars, memory stresses, heavy faces) in deviations from steady sliding; friction, drive,
-    state and ledger apart (their rows and columns are zero). Shape (n, n)."""
+    """A (n, n) of d q/dt~ = A q for q = (grid, scalars, memory stresses, heavy faces) in deviations from steady sliding, without
+    friction, drive, state and ledger (their rows and columns are zero)."""
     size = system.interface.size
     viscous = system.medium if isinstance(system.medium, Viscous) else None
     total = state_size(system)
@@ -81,7 +81,7 @@ def motion_matrix(system: System, locked: bool) -> Array:
 
 
 def _jumps(system: System, state: Array, arriving: Array, locked: bool) -> Array:
-    """w* - w at every trace, as linear forms, from the characteristics that arrive there."""
+    """w* - w at every trace, as linear forms in the state, from the characteristics that arrive there."""
     slots, facts, interface = system.slots, system.facts, system.interface
     velocity, stiffened = state[slots[VELOCITY]], facts[STIFFENED][:, None]
     star = np.zeros_like(velocity)

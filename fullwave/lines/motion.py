@@ -1,4 +1,4 @@
-"""Time derivative of a `System`: the one right-hand side that every Runge-Kutta stage of every family evaluates.
+"""Time derivative of a `System`: the right-hand side that every Runge-Kutta stage of every family evaluates.
 
 `rates` is flat: a stage's values begin at index `at`. `arrivals` is scratch.
 """
@@ -60,7 +60,7 @@ def _meet_joints(joints: int, slots: NDArray[np.int64], facts: Array, state: Arr
 def _meet_interface(
     interface: Interface, forcing: Forcing, slots: NDArray[np.int64], facts: Array, state: Array, z: float, arrivals: Array
 ) -> tuple[float, float, float, int]:
-    """Friction solve at the interface: (z, v, mu, iterations); w* - w of each slab."""
+    """Friction solve at the interface: returns (z, v, mu, iterations) and sets w* - w of each slab."""
     first = 2 * interface.joints
     free = forcing.velocity
     for k in range(first, first + interface.sides):
@@ -89,8 +89,8 @@ def _meet_tops(
     at: int,
     arrivals: Array,
 ) -> None:
-    """w* - w at the outer faces, driven at half of `drive` each; rates of the springs' loads, of heavy faces' velocities, of the
-    input and of the radiation."""
+    """Sets w* - w at the outer faces, each driven at half of `drive`, and the rates of the springs' loads, of heavy faces'
+    velocities, of the input and of the radiation."""
     first, load = 2 * interface.joints + interface.sides, interface.size + GRIP
     steady = 0.5 * forcing.velocity
     change = 0.5 * drive - steady
@@ -119,7 +119,7 @@ def _meet_tops(
 
 @inlined
 def _evolve(interface: Interface, forcing: Forcing, time: float, z: float, psi: float) -> tuple[float, float]:
-    """(d psi/dt~, relaxation rate of psi), per transit, the nudge of a smooth start included."""
+    """(d psi/dt~, relaxation rate of psi), per transit, including the nudge."""
     answer = respond(interface.law, z, psi)
     return forcing.transit * answer[5] + nudge_rate(forcing.nudge, time), forcing.transit * abs(answer[7])
 

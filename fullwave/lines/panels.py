@@ -1,10 +1,10 @@
-"""Weighted sums of rows, eight columns abreast: the one loop in which every full-wave run spends its time.
+"""Weighted sums of rows, eight columns at a time: the loop in which method-of-lines runs spend most of their time.
 
     out[at + c] = base[at + c] + sum_j weight[first + j] rows[start + j stride + c],     c = 0..7
 
-numba's compiler does not turn such a short inner loop into vector instructions by itself (measured: four times slower), so the
-loop is written here in LLVM's own terms, with vectors of eight doubles that LLVM fits to the machine it finds. All arrays are
-one-dimensional, contiguous float64; indices are not checked. `tests/fullwave/test_panels.py` holds the plain loops.
+numba does not compile such a short inner loop to vector instructions (measured: four times slower). Therefore the loop is written
+here in LLVM instructions, with vectors of eight doubles that LLVM adapts to the machine. All arrays are one-dimensional,
+contiguous float64; indices are not checked. `tests/fullwave/test_panels.py` has the plain loops.
 """
 
 from typing import Any
@@ -70,7 +70,7 @@ def add_rows(
 def differentiate_rows(
     typing: Any, weight: Any, first: Any, count: Any, rows: Any, start: Any, stride: Any, scale: Any, lane: Any, out: Any, at: Any
 ) -> Any:
-    """out[at:at + 8] = scale[lane:lane + 8] * the same sum with its halves exchanged (D w to the stress, D s to the velocity)."""
+    """out[at:at + 8] = scale[lane:lane + 8] * the same sum with exchanged halves (D w to the stress, D s to the velocity)."""
 
     def _generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         kinds = signature.args

@@ -1,4 +1,4 @@
-"""What is read off the grid of a method-of-lines march: stored energy, fields, and fields put in from outside."""
+"""Stored energy and fields on the grid of a method-of-lines march, and how to set the fields."""
 
 from collections.abc import Callable
 from typing import Any, TypeAlias
@@ -16,7 +16,7 @@ Shape: TypeAlias = Callable[[Array], Array]
 
 
 def stored_energy(grid: BlockGrid, system: System, state: Array) -> float:
-    """Change since steady sliding of the energy of all slabs and of what holds them, in units of sigma L."""
+    """Change since steady sliding of the energy of all slabs and of their terminations, in units of sigma L."""
     interface = system.interface
     total = sum(_block_energy(block, system, state) for block in grid.blocks)
     for side in range(interface.sides):
@@ -32,7 +32,7 @@ def stored_energy(grid: BlockGrid, system: System, state: Array) -> float:
 
 
 def _block_energy(block: Block, system: System, state: Array) -> float:
-    """Half of eps (w.H w + s.H s), less the steady part; a Zener solid splits s into its relaxed and its memory spring."""
+    """Half of eps (w.H w + s.H s), without the steady part; in a Zener solid s is the sum of a relaxed and a memory spring."""
     steady = system.forcing.steady_stress / block.section.impedance
     velocity, stress = state[block.velocity], state[block.stress]
     parts = [(velocity, 0.5 * system.forcing.velocity, 1.0)]
@@ -53,7 +53,7 @@ def _excess(norm: Any, change: Array, mean: float) -> float:
 
 
 def snapshot_of(grid: BlockGrid, system: System, time: float, state: Array) -> Snapshot:
-    """Fields of both slabs at `time`; one marched slab stands for both."""
+    """Fields of both slabs at `time`; if one slab is marched, it gives both."""
     shots = [_slab_fields(grid, system, state, slab) for slab in range(system.interface.sides)]
     lower = shots[1] if len(shots) == 2 else SlabSnapshot(shots[0].depth, -shots[0].velocity, shots[0].stress)
     return Snapshot(time, shots[0], lower)
@@ -71,7 +71,7 @@ def _slab_fields(grid: BlockGrid, system: System, state: Array, slab: int) -> Sl
 
 
 def _total_stress(block: Block, system: System, state: Array) -> Array:
-    """s plus, in a Kelvin-Voigt slab, tau times the strain rate (second differences of nodal values: for pictures)."""
+    """s plus, in a Kelvin-Voigt slab, tau times the strain rate (from second-order differences, accurate enough for pictures)."""
     medium = system.medium
     stress: Array = state[block.stress]
     if isinstance(medium, Viscous) and medium.retardation[block.stress[0]] > 0.0:
@@ -81,7 +81,7 @@ def _total_stress(block: Block, system: System, state: Array) -> Array:
 
 
 def impose_fields(grid: BlockGrid, system: System, state: Array, slab: int, velocity: Shape, stress: Shape) -> None:
-    """Set the fields of marched slab 0 (upper) or 1 in `state`: functions of depth, as `March.impose` has them."""
+    """Set the fields of marched slab 0 (upper) or 1 in `state`: functions of depth, as in `MethodOfLines.impose`."""
     for block in grid.blocks:
         if block.section.slab == slab:
             state[block.velocity] = velocity(block.depth) - 0.5 * system.forcing.velocity

@@ -1,10 +1,10 @@
-"""Explicit Runge-Kutta methods as data, and the one compiled sum they all need.
+"""Explicit Runge-Kutta methods as data, and the compiled sum that all of them use.
 
 CLASSICAL        order 4, 4 stages. Stable on the imaginary axis up to 2.83, on the negative real axis up to 2.785.
 method_of(8)     order 8, 12 stages: the propagating formula of DOP853 (Hairer, Norsett, Wanner, Solving Ordinary Differential
                  Equations I, 2nd ed., section II.10). Imaginary axis up to 5.960, real axis up to 6.394. Of the order-8 methods
-                 tried it spends the fewest stages on a transit of a wave (the 11 stages of Cooper and Verner, 1972, reach 3.0 on
-                 the imaginary axis).
+                 tried it needs the fewest stages per transit (the 11 stages of Cooper and Verner, 1972, reach 3.0 on the
+                 imaginary axis).
 """
 
 from functools import cache
@@ -18,8 +18,8 @@ from slipwave.observe.pieces import Array
 
 
 class RungeKutta(NamedTuple):
-    """Butcher's array, flat: row s of `weight` (stages + 1 rows of `stages` numbers) holds stage s's weights, the last row the
-    final ones. `abscissae` (stages,) are in units of the step."""
+    """Butcher's array, flat: row s of `weight` (stages + 1 rows of `stages` numbers) holds the weights of stage s, the last row
+    the final weights. `abscissae` (stages,) are in units of the step."""
 
     order: int
     stages: int
@@ -58,6 +58,6 @@ def method_of(order: int) -> RungeKutta:
     """The method of order 4 or 8."""
     if order == CLASSICAL.order:
         return CLASSICAL
-    from scipy.integrate import DOP853  # a tenth of a second to load
+    from scipy.integrate import DOP853  # takes a tenth of a second to load
 
     return _packed(8, DOP853.A, DOP853.B)

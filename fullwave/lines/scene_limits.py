@@ -1,4 +1,4 @@
-"""Step limits that come from the scene rather than from the scheme alone: outer faces, viscosity, the frictional state."""
+"""Step limits that depend on the scene and not only on the scheme: outer faces, viscosity, the frictional state."""
 
 from collections.abc import Callable
 from typing import TypeAlias
@@ -20,7 +20,7 @@ _SAMPLE_NODES = 28  # per section of the sample whose spectrum is computed
 
 
 def relaxation_limit(system: System, method: RungeKutta) -> float:
-    """Longest step at which massless faces' springs and, in steady sliding, the frictional state relax stably (transits)."""
+    """Longest step (transits) for stable relaxation of the springs at massless faces and, in steady sliding, of the state."""
     law, forcing = system.interface.law, system.forcing
     psi = steady_state(law, forcing.velocity)
     ageing = forcing.transit * abs(respond(law, unknown_of(law, forcing.velocity), psi)[7])
@@ -29,15 +29,16 @@ def relaxation_limit(system: System, method: RungeKutta) -> float:
 
 
 def spectral_limit(scene: Scene, build: Builder, sections: list[Section], method: RungeKutta) -> float:
-    """Longest stable step (transits) of `scene` in cells of the given lengths, from the spectra of slabs cut short to sections of
-    a few cells each, with the interface locked and free; `MARGIN` is for what is cut off (0.3 per cent was measured)."""
+    """Longest stable step (transits) of `scene` with the cells of `sections`. The spectra are computed for shortened slabs (a few
+    cells per section), with the interface locked (v = 0) and free (constant stress). `MARGIN` covers the shortening, which
+    changed the limit by 0.3 per cent (measured)."""
     system = assemble(scene, build([_cut_short(section, build) for section in sections]))
     spectra = [np.linalg.eigvals(motion_matrix(system, locked)).astype(complex) for locked in (True, False)]
     return MARGIN * longest_step(np.concatenate(spectra), method)
 
 
 def _cut_short(section: Section, build: Builder) -> Section:
-    """The same cells, but no more of them than hold about `_SAMPLE_NODES` nodes."""
+    """The same section with fewer cells of the same length, so that it has about `_SAMPLE_NODES` nodes."""
     whole = build([section])
     nodes = sum(block.depth.size for block in whole.blocks)
     cells = min(section.cells, max(section.fewest, -(-_SAMPLE_NODES * section.cells // nodes)))

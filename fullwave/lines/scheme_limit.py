@@ -1,10 +1,10 @@
-"""The longest stable step of a scheme, from its own spectrum: nothing tabulated, nothing guessed.
+"""The longest stable step of a scheme, computed from its spectrum.
 
 In a homogeneous elastic slab the characteristics s + w and s - w travel independently, so a slab unfolds into one line along
-which u_t = -u_x. Its discrete spectrum (all phases of what enters the line against what leaves it, and nothing entering) times
-the step must lie where the Runge-Kutta method does not amplify. The friction solve adds nothing: it passes back at most what
-arrives. That the spectrum is enough, for matrices that are not normal, is measured: noise on the whole grid stays at 0.99 of the
-limit and grows beyond it (tests/verification/test_noise.py).
+which u_t = -u_x. Its discrete spectrum is computed without inflow, and with the outflow returning at all phases. The spectrum
+times the step must lie where the Runge-Kutta method does not amplify. The friction solve does not reduce the limit, because it
+reflects at most what arrives. The matrices are not normal; a measurement shows that the spectrum is still sufficient: noise on
+the whole grid does not grow at 0.99 of the limit, and grows beyond the limit (tests/verification/test_noise.py).
 """
 
 from functools import cache
@@ -20,15 +20,15 @@ Complex = NDArray[np.complex128]
 MARGIN = 0.99
 """Share of the computed limit that is used where the line is cut short for the computation."""
 
-_GROWTH = 1e-11  # amplification of one step that is still called rounding
-_KEPT_OFF = 1e-6  # share of the limit found that is given up, or that rounding would be real growth in 1e6 transits
+_GROWTH = 1e-11  # largest amplification in one step that counts as rounding
+_KEPT_OFF = 1e-6  # relative distance kept from the limit; without it that rounding would be real growth in 1e6 transits
 _PHASES = 24
 _BISECTIONS = 40
 
 
 def line_spectrum(derivative: Array, lift: Array) -> Complex:
-    """Eigenvalues of u_t = -D u + lift (inflow - u_0), inflow = phase * u_end, over phases on the unit circle and 0. `derivative`
-    (n, n) and `lift` (n,) belong to a line of length 1."""
+    """Eigenvalues of u_t = -D u + lift (inflow - u_0) with inflow = phase * u_end, for phases on the unit circle and for 0.
+    `derivative` D (n, n) and `lift` (n,) belong to a line of length 1."""
     base = -derivative.astype(complex)
     base[:, 0] -= lift
     spectra = [np.linalg.eigvals(base)]
@@ -40,7 +40,7 @@ def line_spectrum(derivative: Array, lift: Array) -> Complex:
 
 
 def longest_step(spectrum: Complex, method: RungeKutta) -> float:
-    """Largest step below which no eigenvalue (per unit of the same clock) is amplified."""
+    """Largest step below which no eigenvalue is amplified; step and eigenvalues on the same clock."""
     amplification = Polynomial(stability_polynomial(method))
 
     def _stable(step: float) -> bool:

@@ -1,30 +1,31 @@
-"""The semi-discrete equations of motion, written once for every family that is marched by the method of lines.
+"""The semi-discrete equations of motion, the same for every family that is marched by the method of lines.
 
-A slab is cut into blocks. Depth is travel time x (transits of the upper slab) from the interface, velocity w and scaled stress
-s = sigma/eps are deviations from steady sliding, each in the slab's own direction of drive, so that in either slab
+A slab is divided into blocks. Depth is travel time x (transits of the upper slab) from the interface. Velocity w and scaled
+stress s = sigma/eps are deviations from steady sliding, each in the slab's own direction of drive, so that in both slabs
 
     w_t = s_x,    s_t = w_x    (d'Alembert's pair),       v = w_upper + w_lower at the interface.
 
-A block answers with a summation-by-parts operator D = H^-1 Q, Q + Q^T = diag(-1, 0, .., 0, 1) (`apply`: discontinuous Galerkin,
-finite difference or finite element), and is held at both ends only through the characteristic states w* of its faces:
+A block has a summation-by-parts operator D = H^-1 Q, Q + Q^T = diag(-1, 0, .., 0, 1) (`apply`: discontinuous Galerkin, finite
+difference or finite element). It is coupled at both ends only through the characteristic states w* of its faces:
 
     w_t = D s + sum_ends l (w* - w),     s_t = D w +- l (w* - w)     (+ at the end away from the interface).
 
-l = H^-1 e, e the unit vector of the end: 1/h_0 at the end node where h_0 stands alone in H (a diagonal norm, or the differences'
-restricted full one); a consistent mass spreads it over the block (`finish`). With s* = s +- (w* - w), the stress that belongs to
-w*, the energy eps (w.H w + s.H s)/2 then changes by
+l = H^-1 e with the unit vector e of the end. It is 1/h_0 at the end node if h_0 is the only entry of its row in H (a diagonal
+norm, or the restricted full norm of the differences); a consistent mass distributes it over the block (`finish`). With the stress
+s* = s +- (w* - w) that belongs to w*, the energy eps (w.H w + s.H s)/2 then changes by
 
     sum_ends +- eps s* w* - eps (w - w*)^2,
 
-the power of what is outside less what upwinding takes: nothing grows, and no friction stiffness enters the step limit.
-Three kinds of face, all solved for w* from the characteristic o = s -+ w that arrives at them (MODEL.md section 3):
-    joint      between two blocks: stress and velocity continuous;
-    interface  one scalar friction solve (scene.interface) for both slabs;
-    top        rigid, spring or dashpot: w* = A V + B (y_g - o); a mass on the face keeps w* as a state of its own.
+the power from outside minus the dissipation by upwinding. So nothing grows by itself, and the stiffness of friction does not
+enter the step limit. There are three kinds of ends, all solved for w* from the characteristic o = s -+ w that arrives (MODEL.md
+section 3):
+    joint      between two blocks: stress and velocity are continuous;
+    interface  one scalar friction solve (`slipwave.friction.interface`) for both slabs;
+    top        rigid, spring or dashpot: w* = A V + B (y_g - o); with a mass on the face, w* is a state of its own.
 
 Viscosity. Standard linear: a memory stress m per node, s_t = D w + ... - rate m, m_t = fraction (D w + ...) - rate m.
-Kelvin-Voigt: s is the elastic part and s + tau s_t the stress; the ends' impedances gain the factor 1 + tau l, which solves for
-w* and the end's own strain rate together.
+Kelvin-Voigt: s is the elastic part and s + tau s_t the stress; the impedance at an end gets the factor 1 + tau l, which accounts
+for the dependence of the end's strain rate on w*.
 """
 
 from typing import Any, NamedTuple, TypeAlias
@@ -44,8 +45,8 @@ Operator: TypeAlias = Any
 Medium: TypeAlias = Any
 """What viscosity adds: an instance of `viscosity.Elastic` or `viscosity.Viscous`."""
 
-# scalars carried behind the grid values, integrated by the same Runge-Kutta method (GRIP: one load per slab); SCALARS of them,
-# a multiple of panels.LANES
+# scalars after the grid values, integrated by the same Runge-Kutta method (GRIP: one load per slab); their number SCALARS is a
+# multiple of panels.LANES
 PSI, ELASTIC, GRIP, INPUT, FRICTION, RADIATED, VISCOUS, SCALARS = 0, 1, 2, 4, 5, 6, 7, 8
 
 # rows of `System.slots` and `System.facts`, one column per trace (an end of a block): first the joints' ends in pairs (near the
@@ -55,16 +56,16 @@ VELOCITY, STRESS = 0, 1
 LIFT, SIGN, STIFFENED, IMPEDANCE = 0, 1, 2, 3
 
 # rows of `System.tops`, one column per slab: A and B of w* = A V + B (y_g - o); spring over impedance (per transit); dashpot Z_g
-# in units of stress/V*; 1 where the steady load hangs on the face itself (no spring); mass in units of stress/V* times a transit
+# in units of stress/V*; 1 if the steady load acts on the face itself (no spring); mass in units of stress/V* times a transit
 DRIVEN, YIELDING, SPRING, DASHPOT, DEAD, MASS = 0, 1, 2, 3, 4, 5
 
-# rows of `System.arrivals` (scratch), one column per trace: the characteristic that arrives over eps, and w* - w
+# rows of `System.arrivals` (scratch), one column per trace: the arriving characteristic, over eps, and w* - w
 ARRIVING, JUMP = 0, 1
 
 
 class Interface(NamedTuple):
-    """Law, Z, copies (2 when one slab stands for both); joints, marched slabs and slots of the grid; `heavy`: the slot, behind
-    all others, of w* at the first slab's face, one per slab; 0 where no face has a mass."""
+    """Law, Z, copies (2 if only one slab is marched); joints, marched slabs and slots of the grid; `heavy`: the slot, after all
+    others, of w* at the first slab's face (one slot per slab); 0 if no face has a mass."""
 
     law: Law
     impedance: float
@@ -76,8 +77,8 @@ class Interface(NamedTuple):
 
 
 class System(NamedTuple):
-    """Everything the compiled march needs to know. Arrays reach the inner functions as arguments of their own: taken out of a
-    tuple there, each would be counted in and out at every call, which was measured to cost more than the arithmetic."""
+    """All data of the compiled march. Inner functions receive arrays as separate arguments: if they took them from the tuple,
+    numba would count references at every call, which was measured to cost more than the arithmetic."""
 
     operator: Operator
     medium: Medium
@@ -98,4 +99,4 @@ def apply(operator: Operator, state: Array, rates: Array, at: int) -> None:
 
 @by_class()
 def finish(operator: Operator, rates: Array, at: int) -> None:
-    """Complete the rates once the faces' terms are in: nothing is left to do unless a mass matrix is to be solved."""
+    """Complete the rates after the faces' terms were added: solves with a consistent mass matrix, otherwise does nothing."""

@@ -1,4 +1,4 @@
-"""What viscosity adds to the equations of motion (`fullwave.lines.system`); in elastic slabs, nothing."""
+"""The terms that viscosity adds to the equations of motion (`fullwave.lines.system`); in elastic slabs there are none."""
 
 from typing import NamedTuple
 
@@ -11,7 +11,7 @@ from slipwave.observe.pieces import Array
 
 
 class Elastic(NamedTuple):
-    """No viscosity anywhere: nothing of it is compiled in."""
+    """No viscosity: none of its terms are compiled."""
 
     nothing: float = 0.0
 
@@ -43,7 +43,7 @@ def retard(medium: Elastic | Viscous, operator: Operator, size: int, state: Arra
 
 @by_class()
 def dissipate(medium: Elastic | Viscous, size: int, state: Array, rates: Array, at: int) -> float:
-    """Rates of the memory stresses (standard linear), and the power turned into heat in the marched slabs, over one transit."""
+    """Sets the rates of the memory stresses (standard linear); returns the dissipated power in the marched slabs, per transit."""
     raise NotImplementedError(type(medium))
 
 

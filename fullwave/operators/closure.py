@@ -1,15 +1,15 @@
-"""The end rows of summation-by-parts differences, from their accuracy conditions.
+"""The end rows of summation-by-parts differences, computed from their accuracy conditions.
 
-They are not copied from a table but solved for: H and Q together from the conditions Q p = H p' for all polynomials p of degree
-2m - 1 or less, linear in both, so that D = H^-1 Q is of order 2m - 1 in the end rows and the solution keeps the order 2m of the
-interior. For that the norm of the 2m + 1 end nodes must be a full matrix; that of the end node itself stands alone (Strand's
-restricted full norm), so that a penalty acts on one node. The conditions leave three entries free for order 4 and four for order
-6; they make the residual Q p - H p' of degree 2m least (sum of squares), which determines them. Order 2 needs one row: the
-trapezoidal rule. Strand, J. Comput. Phys. 110 (1994); Carpenter, Nordstrom and Gottlieb, J. Comput. Phys. 148 (1999).
+H and Q are solved for together, not copied from a table. The conditions are Q p = H p' for all polynomials p of degree 2m - 1 or
+less, linear in both. D = H^-1 Q is then of order 2m - 1 in the end rows, and the solution keeps the order 2m of the interior.
+This requires a full norm matrix for the 2m + 1 end nodes. The end node itself is coupled to no other in H (Strand's restricted
+full norm), so that a penalty acts on one node. The conditions leave three entries free for order 4 and four for order 6; these
+are chosen to minimise the residual Q p - H p' of degree 2m (sum of squares). Order 2 needs one row: the trapezoidal rule. Strand,
+J. Comput. Phys. 110 (1994); Carpenter, Nordstrom and Gottlieb, J. Comput. Phys. 148 (1999).
 
-The conditions depend on each other (rank 18 of 20, 39 of 42), hence least squares; the singular values that count lie above 3e-4
-of the largest, the others are rounding. H is positive definite and rounding moves its entries by some 1e-11 at order 6, whereas Q
-stays skew and the conditions hold to rounding (tests/fullwave/test_closure.py, against rational arithmetic).
+The conditions depend on each other (rank 18 of 20, 39 of 42), so they are solved by least squares. The true singular values lie
+above 3e-4 of the largest; the others are rounding. H is positive definite; rounding changes its entries by some 1e-11 at order 6,
+but Q stays skew and the conditions hold to rounding (tests/fullwave/test_closure.py, against rational arithmetic).
 """
 
 from functools import cache
@@ -42,7 +42,7 @@ def central_coefficients(order: int) -> Array:
 
 
 def closure_rows(order: int) -> int:
-    """Nodes at each end whose rows differ from the interior's."""
+    """Number of nodes at each end whose rows differ from those of the interior."""
     return 1 if order == 2 else order + 1
 
 
@@ -74,7 +74,7 @@ def _unknowns(rows: int) -> _Unknowns:
 
 
 def _known_part(order: int, rows: int) -> Array:
-    """The part of Q that couples the end rows to the interior: its skew symmetry fixes it."""
+    """The part of Q that couples the end rows to the interior; it follows from skew symmetry."""
     central = central_coefficients(order)
     part = np.zeros((rows, order // 2))
     for i in range(rows):
@@ -87,7 +87,7 @@ def _known_part(order: int, rows: int) -> Array:
 def _condition(order: int, unknowns: _Unknowns, degree: int) -> tuple[Array, Array]:
     """The linear system, one row per end node, that makes D exact for a polynomial of `degree`; columns: entries of H, then of Q.
 
-    Legendre's polynomials over the nodes concerned: powers of x ask the same, twenty times more sensitive to rounding."""
+    It uses Legendre polynomials over these nodes; powers of x would be equivalent but twenty times more sensitive to rounding."""
     rows = closure_rows(order)
     points = np.arange(rows + order // 2, dtype=float)
     polynomial = Legendre.basis(degree, domain=[points[0], points[-1]])

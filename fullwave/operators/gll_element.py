@@ -1,7 +1,7 @@
-"""A scikit-fem element of ours: the Lagrange polynomials on Gauss-Lobatto nodes of an interval, any degree.
+"""An additional scikit-fem element: the Lagrange polynomials on the Gauss-Lobatto nodes of an interval, of any degree.
 
-scikit-fem's own interval elements stop at cubic Lagrange and hierarchical ones, whose mass matrix cannot be lumped. Nodes at the
-Gauss-Lobatto points make the lumped matrix (quadrature in the same points) positive at every degree: the spectral element.
+scikit-fem has only cubic Lagrange and hierarchical interval elements, whose mass matrix cannot be lumped. With nodes at the
+Gauss-Lobatto points the lumped matrix (quadrature in the same points) is positive at every degree: the spectral element.
 """
 
 import numpy as np

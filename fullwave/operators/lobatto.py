@@ -1,4 +1,4 @@
-"""Gauss-Lobatto nodes and weights: where discontinuous and continuous elements hold their values."""
+"""Gauss-Lobatto nodes and weights, at which discontinuous and continuous elements store their values."""
 
 import numpy as np
 from numpy.polynomial import Legendre
@@ -7,8 +7,8 @@ from slipwave.observe.pieces import Array
 
 
 def gauss_lobatto(degree: int) -> tuple[Array, Array]:
-    """Nodes and weights (degree + 1,) of the Gauss-Lobatto rule on [-1, 1], exact to degree 2 degree - 1; between the ends lie
-    the roots of Jacobi's P^(1,1) of degree - 1."""
+    """Nodes and weights (degree + 1,) of the Gauss-Lobatto rule on [-1, 1], exact up to degree 2 degree - 1. The inner nodes are
+    the roots of the Jacobi polynomial P^(1,1) of degree - 1."""
     from scipy.special import roots_jacobi  # not needed by the other families
 
     nodes = np.array([-1.0, 1.0])

@@ -128,8 +128,7 @@ class Delay(DelayMarch):
         return kept, verdict
 
     def _refine(self, verdict: int) -> None:
-        """Take more steps per transit: evaluate the polynomials of the incoming waves (now or at the beginning) at the new
-        nodes."""
+        """Take more steps per transit; the polynomials of the incoming waves (now or at the beginning) give the new nodes."""
         old, incoming, now = (self._mesh, self._memory.incoming, self._memory.now) if self._emit else self._beginning
         new = transit_mesh(_next_count(self._mesh.count), self._cuts)
         if new.count > MAX_STEPS:

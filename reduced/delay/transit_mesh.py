@@ -30,8 +30,7 @@ class TransitMesh:
         return int(self.lengths.size)
 
     def resample(self, values: Array, nodes: Array, finer: "TransitMesh") -> Array:
-        """Values (finer.steps, s), at the nodes of the mesh `finer`, of a piecewise polynomial with nodal `values` (steps, s)
-        here."""
+        """Values (finer.steps, s) at the nodes of `finer` of the piecewise polynomial with nodal `values` (steps, s)."""
         at = finer.starts[:, None] + nodes * finer.lengths[:, None]
         step = np.clip(np.searchsorted(self.starts, at - 1e-9, side="left") - 1, 0, self.steps - 1)
         local = np.clip((at - self.starts[step]) / self.lengths[step], 0.0, 1.0)

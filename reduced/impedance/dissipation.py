@@ -50,8 +50,7 @@ def _zeros(model: Reduction) -> NDArray[np.complex128]:
 
 
 def _state_space(model: Reduction) -> tuple[Real, Real, Real]:
-    """(A, B, C) of modes and relaxations; a mode's two states are those of an oscillator, scaled by its frequency to equal
-    size."""
+    """(A, B, C) of modes and relaxations; a mode's states are those of an oscillator, scaled by its frequency to equal size."""
     pairs, singles = len(model.frequencies), len(model.relaxations)
     n = 2 * pairs + singles
     a, b, c = np.zeros((n, n)), np.zeros(n), np.zeros(n)

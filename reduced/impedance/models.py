@@ -81,8 +81,7 @@ def check_passivity(scene: Scene, model: str = "delay", highest: float = 200.0) 
 
 
 def _unstable_poles(scene: Scene, model: str) -> tuple[complex, ...]:
-    """Poles (1/transit) that a passive one-port cannot have. The exact one has none, because it is a chain of passive
-    sections."""
+    """Poles (1/transit) that a passive one-port cannot have. The exact one, a chain of passive sections, has none."""
     if is_exact(model):
         return ()
     if model == "taylor":

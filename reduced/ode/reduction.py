@@ -56,8 +56,7 @@ class Reduction:
 
     @property
     def runs_away(self) -> bool:
-        """Nothing limits v if steady sliding is unstable: no limit cycle (quasi-static slip has neither inertia nor
-        radiation)."""
+        """Nothing limits v after a loss of stability: no limit cycle (quasi-static slip has neither inertia nor radiation)."""
         return self.is_algebraic and self.damping == 0.0 and not self.frequencies and not self.relaxations
 
 

@@ -71,8 +71,7 @@ def neumann(nodes: Nodes, integral: Array, work: Array, sweeps: int) -> None:
 
 @inlined
 def eliminate(nodes: Nodes, integral: Array, work: Array, system: Array) -> None:
-    """change <- (1 - A diag(slope))^-1 change by Gaussian elimination without pivoting: a resolved step is diagonally
-    dominant."""
+    """change <- (1 - A diag(slope))^-1 change by Gaussian elimination; the diagonal dominates for any resolved step."""
     s = len(nodes)
     for k in range(s):
         factor = work[SLOPE, k]

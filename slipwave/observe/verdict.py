@@ -108,6 +108,5 @@ def _converges(figures: Array) -> bool:
 
 
 def _needed(cycles: Events, until: float, wanted: int) -> float:
-    """Length of a run (transits) whose second half has `wanted` complete cycles and a spare one, from the longest cycle so
-    far."""
+    """Length of a run whose second half has `wanted` complete cycles and one to spare, from the longest cycle so far."""
     return max(2.0 * (wanted + 2) * float(cycles.period.max()), 1.5 * until) if cycles.time.size else 2.0 * until

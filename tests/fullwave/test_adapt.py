@@ -63,7 +63,7 @@ def test_a_jump_out_of_reach_is_a_numerical_failure(monkeypatch):
 def test_a_jump_is_given_up_as_soon_as_its_trend_is_seen():
     """Order 1: a factor of 1e6 in the error would take a million times the cells, so few are tried."""
     jump = dataclasses.replace(SCENES["alike"], start=Start(StartKind.JUMP, 0.5), until=60.0)
-    with pytest.raises(NumericsError, match=r"trend asks for some [\d,]+ cells, 400 are the most tried") as refusal:
+    with pytest.raises(NumericsError, match=r"by its trend it needs about [\d,]+ cells, but at most 400 are tried") as refusal:
         to_tolerance(jump, 1e-11)
     assert int(str(refusal.value).split(" cells:")[0].split()[-1]) < 60
 
