@@ -69,7 +69,7 @@ def test_restore_refuses_another_solver():
         (DiscontinuousGalerkin, {"cfl": True}, r"cfl = True: must lie in \(0, 1\]"),
         (FiniteElement, {"mass": "heavy"}, "mass = 'heavy': must be one of lumped, consistent"),
         (FiniteElement, {"degree": 2.0}, "degree = 2.0: must be a whole number"),
-        (SummationByParts, {"order": 3}, "order = 3: must be 2, 4 or 6"),
+        (SummationByParts, {"order": 3}, "order = 3: must be one of 2, 4, 6"),
         (SummationByParts, {"order": 6, "cells": 9}, "cells = 9: must be a whole number from 16"),
     ],
 )
