@@ -134,3 +134,11 @@ def test_make_hands_the_status_on(tmp_path):
         ["make", "--no-print-directory", "--dry-run", "report", "QUICK=1"], cwd=ROOT, capture_output=True, text=True, check=True
     )
     assert rule.stdout.splitlines()[-1] == ".venv/bin/slipwave report --quick"
+
+
+def test_the_cheap_version_is_what_quick_asks_for(fake, kept, tmp_path):
+    budgets = []
+    fake.add("first", lambda budget: budgets.append(budget.quick) or StudyResult(""))
+    for folder, words in (("full", []), ("quick", ["--quick"])):
+        assert main(["report", "--out", str(tmp_path / folder), *words]) == 0
+    assert budgets == [False, True]
