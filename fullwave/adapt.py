@@ -54,7 +54,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class _Found:
+class _Outcome:
     """The result of a probe: periods and stress drops of its cycles, in order, else ln v and psi at its end."""
 
     quantity: str
@@ -141,7 +141,7 @@ def _kinked(scene: Scene) -> bool:
     return not scene.drive.is_constant and scene.drive.times[-1] > 0.0
 
 
-def _probe(solver: FieldSolver) -> _Found | None:
+def _probe(solver: FieldSolver) -> _Outcome | None:
     """The result of a probe with `solver`; None if the grid was too coarse to march."""
     events = EventObserver(solver.scene, solver.nodes)
     require_time(solver, _probed_until(solver.scene))
@@ -149,13 +149,13 @@ def _probe(solver: FieldSolver) -> _Found | None:
         final = follow(solver, _probed_until(solver.scene), [events])
     except NumericsError:
         return None
-    found = events.events()
-    if found.period.size:
-        return _Found("cycles", np.concatenate((found.period, found.stress_drop)))
-    return _Found("final state", np.array([final.ln_v, final.psi]))
+    cycles = events.events()
+    if cycles.period.size:
+        return _Outcome("cycles", np.concatenate((cycles.period, cycles.stress_drop)))
+    return _Outcome("final state", np.array([final.ln_v, final.psi]))
 
 
-def _difference(before: _Found | None, now: _Found | None) -> float:
+def _difference(before: _Outcome | None, now: _Outcome | None) -> float:
     """Largest relative difference of two probes, infinite unless both found the same cycles."""
     if before is None or now is None or before.quantity != now.quantity or before.values.size != now.values.size:
         return math.inf

@@ -141,9 +141,9 @@ class Leapfrog:
         self._sample, self.failures = sample, failures
 
     def _arrays(self) -> dict[str, Array]:
-        found: dict[str, Any] = {}
+        arrays: dict[str, Any] = {}
         for label, side in zip(("upper", "lower"), self._sides, strict=False):
-            found |= {f"{label}.{name}": getattr(side.medium, name) for name in _MUTABLE if hasattr(side.medium, name)}
+            arrays |= {f"{label}.{name}": getattr(side.medium, name) for name in _MUTABLE if hasattr(side.medium, name)}
             if isinstance(side.face, Grip):
-                found[f"{label}.face"] = side.face.memory
-        return found
+                arrays[f"{label}.face"] = side.face.memory
+        return arrays

@@ -17,10 +17,10 @@ def snapshot_of(scene: Scene, time: float, memory: Array, sides: list[Side], gri
     """Velocity and stress at the nodes at the whole time `time`, of second order in the cell."""
     stress, rate = float(memory[STRESS]) - scene.steady_stress, float(memory[RATE])
     drive = 0.5 * scene.drive.at(time)
-    found = [_slab(sides[0], grids[0], stress, rate, drive)]
+    shots = [_slab(sides[0], grids[0], stress, rate, drive)]
     if not scene.alike:
-        found.append(_slab(sides[1], grids[1], stress, rate_of(scene.law, float(memory[Z])) - rate, drive))
-    upper, lower = (SlabSnapshot(shot.depth, shot.velocity, shot.stress + scene.steady_stress) for shot in (found[0], found[-1]))
+        shots.append(_slab(sides[1], grids[1], stress, rate_of(scene.law, float(memory[Z])) - rate, drive))
+    upper, lower = (SlabSnapshot(shot.depth, shot.velocity, shot.stress + scene.steady_stress) for shot in (shots[0], shots[-1]))
     return Snapshot(time, upper, SlabSnapshot(lower.depth, -lower.velocity, lower.stress))
 
 

@@ -81,22 +81,22 @@ class Delay(DelayMarch):
             if verdict != DONE and not self._waiting.time.size:  # return known pieces first: refining may raise an error
                 self._refine(verdict)
         count = max(1, int(np.searchsorted(self._waiting.time, until - 1e-9)))
-        shown, self._waiting = (Pieces(*(array[part] for array in self._waiting)) for part in (slice(count), slice(count, None)))
-        return shown
+        first, self._waiting = (Pieces(*(array[part] for array in self._waiting)) for part in (slice(count), slice(count, None)))
+        return first
 
     def state(self) -> State:
         """As `Solver`: the memory at a whole transit (`counts`: requested steps per transit, failures, iterations, and those
         steps at the beginning; `now`: time, psi, y; `incoming`, `guess`), the pieces `waiting` to be returned, and the beginning
         to which a march without `emit` goes back."""
         mesh, incoming, now = self._beginning
-        found = {
+        state = {
             "counts": np.array([self._mesh.count, self.failures, self.iterations, mesh.count], dtype=float),
             "incoming": self._memory.incoming.copy(),
             "guess": self._memory.guess.copy(),
             "now": self._memory.now.copy(),
             "waiting": np.column_stack(self._waiting),
         }
-        return found if self._emit else found | {"beginning.incoming": incoming.copy(), "beginning.now": now.copy()}
+        return state if self._emit else state | {"beginning.incoming": incoming.copy(), "beginning.now": now.copy()}
 
     def restore(self, state: State) -> None:
         """As `Solver`."""
@@ -110,13 +110,13 @@ class Delay(DelayMarch):
         }
         if not self._emit:
             shapes |= {"beginning.incoming": (beginning.steps, self._stages), "beginning.now": (3,)}
-        found = tables(state, shapes, self.model)
+        saved = tables(state, shapes, self.model)
         self._mesh, self.failures, self.iterations = mesh, failures, iterations
-        self._memory = AlikeMemory(found["incoming"], mesh.lengths, found["guess"], found["now"])
-        time, length, *values = np.split(found["waiting"], [1, 2, *(2 + self._stages * k for k in range(1, 4))], axis=1)
+        self._memory = AlikeMemory(saved["incoming"], mesh.lengths, saved["guess"], saved["now"])
+        time, length, *values = np.split(saved["waiting"], [1, 2, *(2 + self._stages * k for k in range(1, 4))], axis=1)
         self._waiting = Pieces(time.ravel(), length.ravel(), *(table.copy() for table in values))
         if not self._emit:
-            self._beginning = (beginning, found["beginning.incoming"], found["beginning.now"])
+            self._beginning = (beginning, saved["beginning.incoming"], saved["beginning.now"])
 
     def _march(self, transits: int, pieces: Pieces) -> tuple[int, int]:
         """March `transits` transits; returns (transits kept, verdict)."""

@@ -151,10 +151,10 @@ class DelayBreaks(DelayNetwork):
         halvings, points, failures, iterations = whole_numbers(state, "counts", (0,) * 4)
         steps = min(state["past"].shape[0] if "past" in state else 0, _RING)
         shapes = {"past": (steps, 2), "waves": (self._lines.travel.size, 2, steps, self._stages), "arrivals": (-1, 1)}
-        found = tables(state, shapes | self._present(), self.model)
+        saved = tables(state, shapes | self._present(), self.model)
         self._halvings, self.break_points, self.failures, self.iterations = halvings, points, failures, iterations
-        self._filled, self._arrivals = steps, found["arrivals"].ravel().tolist()
-        self._start_times[:steps], self._lengths[:steps] = found["past"].T
-        self._memory.waves[:, :, :steps] = found["waves"]
-        present = {name: found[name] for name in self._present()}
+        self._filled, self._arrivals = steps, saved["arrivals"].ravel().tolist()
+        self._start_times[:steps], self._lengths[:steps] = saved["past"].T
+        self._memory.waves[:, :, :steps] = saved["waves"]
+        present = {name: saved[name] for name in self._present()}
         self._memory = self._memory._replace(cursor=np.array([steps % _RING]), **present)

@@ -55,7 +55,7 @@ class DelayMarch:
             return self._left_too_fast(steps)
         time, psi = self._memory.now[[TIME, PSI]]
         return NumericsError(
-            f"delay: the step at t = {time:.6g} transits cannot be resolved with {steps:.0f} steps a transit "
+            f"delay: the step at t = {time:.6g} transits cannot be resolved with {steps:.0f} steps per transit "
             f"(psi = {psi:.6g}, scene {self.scene.name!r}, digest {self.scene.digest})"
         )
 
@@ -64,9 +64,9 @@ class DelayMarch:
         growth, (time, psi) = self._growth(), self._memory.now[[TIME, PSI]]
         return NumericsError(
             f"delay: at t = {time:.6g} transits (psi = {psi:.6g}) the motion is unstable: disturbances grow at "
-            f"{growth:.4g} per transit, by e^{growth / steps:.3g} in one of {steps:.0f} steps a transit, the most there are, and "
-            f"a step follows at most e^{self._steepest:.3g}; longer ones damp the growth and stay on a motion that cannot "
-            f"last. Use thinner slabs, or fd with {math.ceil(growth)} cells or more "
+            f"{growth:.4g} per transit, by e^{growth / steps:.3g} in one of {steps:.0f} steps per transit, the largest number; "
+            f"a step can follow at most e^{self._steepest:.3g}. Longer steps would damp this growth and follow a motion that "
+            f"cannot last. Use thinner slabs, or fd with {math.ceil(growth)} cells or more "
             f"(scene {self.scene.name!r}, digest {self.scene.digest})"
         )
 

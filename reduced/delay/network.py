@@ -92,10 +92,10 @@ class DelayNetwork(DelayMarch):
         network = self._compile(self._longest * 0.5 ** min(halvings, MOST_HALVINGS))
         layers, ring = network.impedance.size, int(network.back.max()) + 1
         shapes = {"origin": (1,), "waves": (layers, 2, ring, self._stages), **self._present()}
-        found = tables(state, shapes, self.model)
+        saved = tables(state, shapes, self.model)
         self._halvings, self._done, self.failures, self.iterations = halvings, done, failures, iterations
-        self._origin, self._network = float(found["origin"][0]), network
-        self._memory = NetworkMemory(found["waves"], found["tops"], found["guess"], found["now"], np.array([cursor % ring]))
+        self._origin, self._network = float(saved["origin"][0]), network
+        self._memory = NetworkMemory(saved["waves"], saved["tops"], saved["guess"], saved["now"], np.array([cursor % ring]))
 
     def _present(self) -> dict[str, tuple[int, ...]]:
         """Shapes of the arrays that describe the present, in a state."""
@@ -170,12 +170,12 @@ class DelayNetwork(DelayMarch):
 
 def tops_for(lines: Lines, length: float, stages: int) -> tuple[Array, Array]:
     """`compliance` and `inertia` of the outer faces in a step of `length` (`Network`), (slabs, s, s) each."""
-    rule, one = radau(stages), np.eye(stages)
+    rule, identity = radau(stages), np.eye(stages)
     inertia = np.array([top.mass / length * rule.inverse for top in lines.tops])
     compliance = np.zeros_like(inertia)
     for slab, top in enumerate(lines.tops):
         if not top.is_rigid:
-            resistance = (top.dashpot + lines.impedance[lines.last[slab]]) * one
+            resistance = (top.dashpot + lines.impedance[lines.last[slab]]) * identity
             compliance[slab] = np.linalg.inv(inertia[slab] + resistance + length * top.spring * rule.integral)
     return compliance, inertia
 

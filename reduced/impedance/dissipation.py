@@ -45,8 +45,8 @@ def _zeros(model: Reduction) -> NDArray[np.complex128]:
     pencil[:n, :n], pencil[n : 2 * n, n : 2 * n] = a, -a.T
     pencil[:n, -1], pencil[n : 2 * n, -1] = b, -c
     pencil[-1, :n], pencil[-1, n : 2 * n], pencil[-1, -1] = c, b, 2.0 * model.damping
-    found = np.asarray(eigvals(pencil, weight), dtype=np.complex128)
-    return found[np.isfinite(found)]
+    zeros = np.asarray(eigvals(pencil, weight), dtype=np.complex128)
+    return zeros[np.isfinite(zeros)]
 
 
 def _state_space(model: Reduction) -> tuple[Real, Real, Real]:

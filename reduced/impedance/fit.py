@@ -35,7 +35,7 @@ def fit_scene(scene: Scene, name: str, count: int, spring: float) -> Reduction:
     Raises SceneError if count is 0, or if the best passive fit stays too far from the exact impedance.
     """
     if count == 0:
-        raise SceneError(f"model = {name!r}: a fit needs at least one oscillator; quasidynamic is the one without")
+        raise SceneError(f"model = {name!r}: a fit needs at least one oscillator; the model without one is quasidynamic")
     longest = max(scene.upper.round_trip, scene.lower.round_trip) / scene.transit
     axis = np.concatenate([np.geomspace(1e-3, 0.3, 60), np.linspace(0.3, 2.0 * np.pi * (count + 0.5), 30 * count + 40)])
     s = 1j * axis / longest
@@ -99,10 +99,10 @@ def _passive(name: str, s: Complex, target: Complex, spring: float, pairs: Compl
         if real.min() >= 0.0 and lost.min() >= 0.0:
             return fit
         dips = np.flatnonzero((real < 0.0) & (real <= np.roll(real, 1)) & (real <= np.roll(real, -1)))
-        found = _columns(np.asarray(1j * between[lost < 0.0], dtype=np.complex128), pairs, reals).real
-        held = np.vstack([held, response[dips], found])
+        missed = _columns(np.asarray(1j * between[lost < 0.0], dtype=np.complex128), pairs, reals).real
+        held = np.vstack([held, response[dips], missed])
     worst = between[np.argmin(lost)] if lost.min() < real.min() else dense[np.argmin(real)]
-    raise SceneError(f"model = {name!r}: the fit stays active at {worst:.3g} radians per transit; try another N")
+    raise SceneError(f"model = {name!r}: the fit is not passive at {worst:.3g} radians per transit; try another N")
 
 
 def _watch(s: Complex, pairs: Complex) -> NDArray[np.float64]:

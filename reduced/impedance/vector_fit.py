@@ -40,8 +40,8 @@ def relocate(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: R
     rows = np.column_stack([basis, np.ones_like(s), s, -values[:, None] * basis]) * weight[:, None]
     matrix = _stack(rows)
     scale = np.linalg.norm(matrix, axis=0)
-    found = np.linalg.lstsq(matrix / scale, _stack(np.asarray(values * weight)), rcond=None)[0] / scale
-    new = np.linalg.eigvals(_companion(pairs, reals, found[basis.shape[1] + 2 :]))
+    coefficients = np.linalg.lstsq(matrix / scale, _stack(np.asarray(values * weight)), rcond=None)[0] / scale
+    new = np.linalg.eigvals(_companion(pairs, reals, coefficients[basis.shape[1] + 2 :]))
     return split_poles(-np.abs(new.real) + 1j * new.imag)
 
 

@@ -131,10 +131,10 @@ class ReducedModel:
         level, failures, iterations = whole_numbers(state, "counts", (0, 0, 0))
         own = {"modes": self._memory.modes, "guess": self._memory.guess, "now": self._memory.now}
         shapes = {name: array.shape for name, array in own.items()}
-        found = tables(state, {"stretch": (1,), **shapes}, self.model)
-        self._take_tables(float(found["stretch"][0]))
+        saved = tables(state, {"stretch": (1,), **shapes}, self.model)
+        self._take_tables(float(saved["stretch"][0]))
         self.failures, self.iterations = failures, iterations
-        self._memory = ReducedMemory(found["modes"], found["guess"], found["now"], np.array([min(level, _LEVELS - 1)]))
+        self._memory = ReducedMemory(saved["modes"], saved["guess"], saved["now"], np.array([min(level, _LEVELS - 1)]))
 
     def _take_stretch(self, begin: float, before: float | None) -> None:
         """Begin a stretch between knots at `begin` (transits), with steps about as long as `before`."""

@@ -46,8 +46,8 @@ def boundary(
     for start in _seeds(plane, seeds):
         if all(_distance(curve, start) > 2.0 * step for curve in curves):
             curves.append(_trace(plane, start, step))
-    found = [(plane.values(curve[:, 1:]), np.exp(curve[:, 0])) for curve in curves]
-    return [Boundary(over, values[:, 0], values[:, 1], omega) for values, omega in found]
+    points = [(plane.values(curve[:, 1:]), np.exp(curve[:, 0])) for curve in curves]
+    return [Boundary(over, values[:, 0], values[:, 1], omega) for values, omega in points]
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class _Plane:
 
 def _seeds(plane: _Plane, lines: int) -> list[Real]:
     """Points on the boundary: on lines across the rectangle, between samples with different counts of unstable roots."""
-    found = []
+    points = []
     samples = np.linspace(0.0, 1.0, 41)
     for axis in (0, 1):
         for fixed in (np.arange(lines) + 0.5) / lines:
@@ -106,8 +106,8 @@ def _seeds(plane: _Plane, lines: int) -> list[Real]:
             for i in np.flatnonzero(np.diff(counts)):
                 point = _seed_between(plane, at[i], at[i + 1])
                 if point is not None:
-                    found.append(point)
-    return found
+                    points.append(point)
+    return points
 
 
 def _count(problem: Characteristic) -> int:

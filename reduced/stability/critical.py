@@ -170,14 +170,14 @@ def critical_velocity(scene: Scene, model: str = "delay", decades: float = 6.0, 
 
     here = math.log10(scene.velocity)
     start = margin(here)
-    found = []
+    critical = []
     for direction in (1.0, -1.0):
         last, last_margin = here, start
         for k in range(1, round(decades * per_decade) + 1):
             exponent = here + direction * k / per_decade
             value = margin(exponent)
             if math.isfinite(value) and math.isfinite(last_margin) and (value > 0.0) != (last_margin > 0.0):
-                found.append(brentq(margin, min(last, exponent), max(last, exponent), rtol=1e-14))
+                critical.append(brentq(margin, min(last, exponent), max(last, exponent), rtol=1e-14))
                 break
             last, last_margin = exponent, value
-    return 10.0 ** min(found, key=lambda x: abs(x - here)) if found else math.nan
+    return 10.0 ** min(critical, key=lambda x: abs(x - here)) if critical else math.nan

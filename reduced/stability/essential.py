@@ -45,8 +45,8 @@ def fast_balance(scene: Scene, slabs: tuple[Slab, ...], echoes: list[Echo]) -> E
     remaining = list(echoes)
     ports = []
     for slab in slabs:
-        mine, remaining = remaining[: len(slab.layers)], remaining[len(slab.layers) :]
-        ports.append(_fast_ratio(slab, mine))
+        own, remaining = remaining[: len(slab.layers)], remaining[len(slab.layers) :]
+        ports.append(_fast_ratio(slab, own))
     if len(ports) == 1:
         p, q = 2.0 * ports[0][0], ports[0][1]
     else:
@@ -76,8 +76,8 @@ def _idle(slabs: tuple[Slab, ...], echoes: list[Echo]) -> NDArray[np.bool_]:
         return np.zeros(echoes[0].shape, dtype=bool)
     split = len(slabs[0].layers)
     small = []
-    for slab, mine in zip(slabs, (echoes[:split], echoes[split:]), strict=True):
-        p, q = _fast_ratio(slab, mine)
+    for slab, own in zip(slabs, (echoes[:split], echoes[split:]), strict=True):
+        p, q = _fast_ratio(slab, own)
         small.append(np.abs(q) < 1e-7 * np.abs(p) * slab.epsilon)
     return np.logical_and(*small)
 

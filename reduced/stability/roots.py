@@ -93,12 +93,12 @@ def zeros_in(
         return np.empty(0, dtype=np.complex128)
     if expected <= _FEW:
         re, im = np.linspace(low.real, high.real, 7), np.linspace(low.imag, high.imag, 9)
-        found = _distinct(polish(function, (re[:, None] + 1j * im[None, :]).ravel()))
-        inside = found[(low.real < found.real) & (found.real < high.real) & (low.imag < found.imag) & (found.imag < high.imag)]
+        zeros = _distinct(polish(function, (re[:, None] + 1j * im[None, :]).ravel()))
+        inside = zeros[(low.real < zeros.real) & (zeros.real < high.real) & (low.imag < zeros.imag) & (zeros.imag < high.imag)]
         if inside.size == expected:
             return inside
     if depth > _DEEPEST:
-        raise NumericsError(f"stability: {expected} roots near s = {0.5 * (low + high):.6g} cannot be told apart")
+        raise NumericsError(f"stability: {expected} roots near s = {0.5 * (low + high):.6g} are too close to be distinguished")
     halves = _halves(function, low, high, expected, anchors)
     return np.concatenate([zeros_in(function, *half, count, anchors, depth + 1) for half, count in halves])
 
@@ -120,13 +120,13 @@ def _halves(
         except NumericsError:
             continue
         return [(first, count), (second, expected - count)]
-    raise NumericsError(f"stability: roots crowd near s = {0.5 * (low + high):.6g}")
+    raise NumericsError(f"stability: too many roots near s = {0.5 * (low + high):.6g}")
 
 
-def _distinct(found: Complex) -> Complex:
-    """The finite zeros in `found`, each once."""
+def _distinct(zeros: Complex) -> Complex:
+    """The finite ones of `zeros`, each once."""
     kept: list[complex] = []
-    for zero in found[np.isfinite(found)]:
+    for zero in zeros[np.isfinite(zeros)]:
         if all(abs(zero - other) > 1e-8 * abs(zero) for other in kept):
             kept.append(complex(zero))
     return np.array(kept, dtype=np.complex128)

@@ -68,7 +68,7 @@ def _counted(problem: Characteristic, left: float, top: float) -> tuple[complex,
             return corner, count_zeros(problem.jet, rectangle(corner, _mirrored(problem, corner)), problem.anchors)
         except NumericsError:
             left, top = 0.983 * left, 0.983 * top
-    raise NumericsError(f"stability: roots crowd at Re s = {-left:.6g}")
+    raise NumericsError(f"stability: too many roots near Re s = {-left:.6g}")
 
 
 def _rectangle(problem: Characteristic, most: int) -> tuple[complex, int]:

@@ -65,7 +65,7 @@ def _slabs(tables: schema.SceneTable, units: Units | None) -> tuple[Slab, Slab]:
         raise SceneError("slab: missing; must be [slab] (both alike) or both [upper] and [lower]")
     if tables.upper is None or tables.lower is None:
         absent, present = ("upper", "lower") if tables.upper is None else ("lower", "upper")
-        raise SceneError(f"{absent}: missing; [{present}] needs it beside it (or [slab] for both)")
+        raise SceneError(f"{absent}: missing; [{present}] needs [{absent}] too (or use [slab] for both)")
     return _slab("upper", tables.upper, units), _slab("lower", tables.lower, units)
 
 

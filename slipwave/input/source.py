@@ -85,8 +85,8 @@ def _read_text(path: Path) -> str:
 
 def _why_not_a_file(path: Path, label: str) -> str:
     if path.exists():
-        what = "a folder" if path.is_dir() else "no regular file"
-        return f"SCENE = {label}: must be a TOML file or a gallery name; this is {what}"
+        kind = "a folder" if path.is_dir() else "not a regular file"
+        return f"SCENE = {label}: must be a TOML file or a gallery name; this is {kind}"
     if path.suffix or len(path.parts) > 1:
         return f"SCENE = {label}: no such file"
     guess = nearest(str(path), gallery_names())

@@ -53,9 +53,9 @@ def load(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None =
     watching = {f"observer/{label}/": observer for label, observer in (observers or {}).items()}
     try:
         for prefix, part in ({"solver/": solver} | watching).items():
-            found = _under(arrays, prefix)
-            _require_layout(found, part.state())
-            part.restore(found)
+            saved = _under(arrays, prefix)
+            _require_layout(saved, part.state())
+            part.restore(saved)
     except (SceneError, ValueError, LookupError, TypeError, OverflowError) as error:
         reason = str(error).removeprefix("checkpoint: ")
         raise SceneError(f"checkpoint {str(path)!r}: inconsistent: {reason}") from None
@@ -116,15 +116,15 @@ def _facts(solver: Solver) -> dict[str, Any]:
     }
 
 
-def _difference(key: str, found: Any, wanted: Any) -> str:
+def _difference(key: str, saved: Any, wanted: Any) -> str:
     """One line on how the run in the file differs from this one."""
     if key == "sources":
-        return f"was written by another version of the solvers ({_short(found)}; this one is {wanted!r}): start the run afresh"
-    if key == "settings" and isinstance(found, dict):
-        apart = [name for name in wanted if found.get(name) != wanted[name]] or sorted(found.keys() - wanted.keys())
-        listed = ", ".join(f"{name} is {_short(found.get(name))}, not {_short(wanted.get(name))}" for name in apart)
+        return f"was written by another version of the solvers ({_short(saved)}; this one is {wanted!r}): start the run again"
+    if key == "settings" and isinstance(saved, dict):
+        differing = [name for name in wanted if saved.get(name) != wanted[name]] or sorted(saved.keys() - wanted.keys())
+        listed = ", ".join(f"{name} is {_short(saved.get(name))}, not {_short(wanted.get(name))}" for name in differing)
         return f"settings differ from this run's: {listed}"
-    return f"{key} is {_short(found)}; this run needs {_short(wanted)}"
+    return f"{key} is {_short(saved)}; this run needs {_short(wanted)}"
 
 
 def _short(value: Any) -> str:
@@ -150,7 +150,7 @@ def _read(path: Path) -> tuple[dict[str, Any], _Arrays]:
         facts = json.loads(str(arrays.pop("facts")))
         contents = facts.pop("contents", None)
         if facts["format"] == FORMAT and contents != _digest(facts, arrays):
-            raise SceneError(f"{unreadable}: its contents are not what was written")
+            raise SceneError(f"{unreadable}: its contents have changed since it was written")
         if facts["format"] != FORMAT:
             raise SceneError(f"{unreadable}: format is {_short(facts['format'])}; this version reads {FORMAT}")
     except SceneError:
@@ -162,12 +162,12 @@ def _read(path: Path) -> tuple[dict[str, Any], _Arrays]:
     return facts, arrays
 
 
-def _require_layout(found: _Arrays, own: _Arrays) -> None:
-    """Raises ValueError unless `found` has the names and kinds of arrays of `own`. Tables may differ in the axis that grows."""
-    if found.keys() != own.keys():
-        raise ValueError(f"holds {', '.join(sorted(found)) or 'nothing'}; this run needs {', '.join(sorted(own))}")
+def _require_layout(saved: _Arrays, own: _Arrays) -> None:
+    """Raises ValueError unless `saved` has the names and kinds of arrays of `own`. Tables may differ in the axis that grows."""
+    if saved.keys() != own.keys():
+        raise ValueError(f"holds {', '.join(sorted(saved)) or 'nothing'}; this run needs {', '.join(sorted(own))}")
     for name, array in own.items():
-        other = found[name]
+        other = saved[name]
         alike = array.dtype == other.dtype and array.ndim == other.ndim
         changed = sum(a != b for a, b in zip(array.shape, other.shape, strict=False))
         if not alike or changed > (array.ndim > 1):

@@ -81,13 +81,13 @@ def test_where_a_sign_changes_is_exact() -> None:
 def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = LOSSY["grip below"]
     with pytest.raises(
-        SceneError, match=r"model = 'fitted:0': a fit needs at least one oscillator; quasidynamic is the one without"
+        SceneError, match=r"model = 'fitted:0': a fit needs at least one oscillator; the model without one is quasidynamic"
     ):
         reduction_of(LOSSY["grip"], "fitted:0")
     fit.fit_scene.cache_clear()
     monkeypatch.setattr(fit, "_ROUNDS", 1)
     with pytest.raises(
-        SceneError, match=r"model = 'fitted:16': the fit stays active at \d+\.?\d* radians per transit; try another N"
+        SceneError, match=r"model = 'fitted:16': the fit is not passive at \d+\.?\d* radians per transit; try another N"
     ):
         reduction_of(scene, "fitted:16")
     monkeypatch.undo()

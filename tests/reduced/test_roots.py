@@ -35,6 +35,6 @@ def test_a_double_zero_is_given_up_after_forty_halvings(monkeypatch):
         return halves(*arguments)
 
     monkeypatch.setattr(roots, "_halves", counted)
-    with pytest.raises(NumericsError, match=r"2 roots near s = 0.3\+0.19999\dj cannot be told apart"):
+    with pytest.raises(NumericsError, match=r"2 roots near s = 0.3\+0.19999\dj are too close to be distinguished"):
         roots.zeros_in(polynomial(0.3 + 0.2j, 0.3 + 0.2j), -1.0 - 1.0j, 2.0 + 1.5j, 2)
     assert len(cuts) == 41

@@ -135,8 +135,8 @@ def test_missing_tables(key: str) -> None:
 def test_slabs_are_given_once_for_both_or_once_for_each() -> None:
     neither = changed(changed(FULL, "upper", ...), "lower", ...)
     assert "slab: missing; must be [slab] (both alike) or both [upper] and [lower]" in complaint(neither)
-    assert "lower: missing; [upper] needs it beside it" in complaint(changed(FULL, "lower", ...))
-    assert "upper: missing; [lower] needs it beside it" in complaint(changed(FULL, "upper", ...))
+    assert "lower: missing; [upper] needs [lower] too" in complaint(changed(FULL, "lower", ...))
+    assert "upper: missing; [lower] needs [upper] too" in complaint(changed(FULL, "upper", ...))
 
 
 @pytest.mark.parametrize(
