@@ -115,7 +115,7 @@ class Leapfrog:
         return energy_of(self.scene, self._memory, list(zip(self._sides, self._grids, strict=True)))
 
     def snapshot(self) -> Snapshot:
-        """Velocity and stress at the nodes at `time`, second order."""
+        """Velocity and stress at the nodes at `time`, of second order."""
         from fullwave.leapfrog.snapshot import snapshot_of
 
         if self._sample < 0:  # the interface's velocity at t = 0 is only known once the sample there is taken

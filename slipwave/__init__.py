@@ -1,4 +1,4 @@
-"""What is simulated: friction laws, slabs, drive, start and observers. Knows no solver and imports none of the other rooms."""
+"""What is simulated: friction laws, slabs, drive, start and observers. Imports no solver and none of the other packages."""
 
 from slipwave.input import read
 

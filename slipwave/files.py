@@ -8,7 +8,7 @@ from pathlib import Path
 from slipwave.errors import SceneError
 
 _LONGEST_STEM = 40
-_PROBE = 1 << 20  # bytes: a disk without so much room is full
+_PROBE = 1 << 20  # bytes; a disk with less room counts as full
 
 
 def part_of(path: Path, suffix: str) -> Path:

@@ -51,7 +51,7 @@ def inside(path: Path) -> bool:
 
 @cache
 def program(path: Path) -> str:
-    """The syntax tree of a Python file as text, without docstrings, comments and line numbers; as this process first read it."""
+    """The syntax tree of a Python file as text, without docstrings, comments and line numbers; read once per process."""
     tree = ast.parse(path.read_bytes())
     for node in ast.walk(tree):
         if isinstance(node, _DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:

@@ -1,1 +1,1 @@
-"""Fields of a full wave over depth and time: recorded, written, drawn."""
+"""Fields of a full wave over depth and time: how they are recorded, written and drawn."""

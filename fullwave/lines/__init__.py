@@ -1,1 +1,1 @@
-"""The method of lines: semi-discrete equations of motion, written once for SBP, elements and DG, and their march."""
+"""The method of lines: the semi-discrete equations of motion that SBP, elements and DG share, and their march."""

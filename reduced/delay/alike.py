@@ -70,7 +70,7 @@ class Delay(DelayMarch):
         return float(self._waiting.time[0] if self._waiting.time.size else self._memory.now[TIME])
 
     def advance(self, until: float) -> Pieces:
-        """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
+        """March to the first end of a step at or beyond `until`, but at most one chunk; see `Solver`."""
         while not self._waiting.time.size:
             most = (_CHUNK if self._emit else _LONG_CHUNK) // self.steps
             transits = min(max(1, math.ceil(until - self._memory.now[TIME] - 1e-9)), max(1, most))
@@ -137,7 +137,7 @@ class Delay(DelayMarch):
         self._memory = self._remember(old.resample(incoming, self.nodes, new), now)
 
     def _remember(self, incoming: Array, now: Array) -> AlikeMemory:
-        """Memory at a whole transit with guesses from frozen psi."""
+        """Memory at a whole transit, with guesses for constant psi."""
         guess = np.full((2, self._stages), now[PSI])
         start = unknown_of(self.scene.law, self.scene.velocity)
         self.failures += first_guess(self.scene.law, 0.5 * self.scene.upper.epsilon, incoming[0], now[PSI], start, guess[UNKNOWN])

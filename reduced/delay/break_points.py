@@ -53,7 +53,7 @@ class DelayBreaks(DelayNetwork):
         self.break_points = 0
 
     def advance(self, until: float) -> Pieces:
-        """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
+        """March to the first end of a step at or beyond `until`, but at most one chunk; see `Solver`."""
         pieces = empty_pieces(_PIECES, self._stages)
         k = 0
         while k < _PIECES and self.time < until - 1e-9:

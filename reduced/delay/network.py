@@ -19,7 +19,7 @@ from slipwave.scene import Scene
 
 NODES = 8
 MAX_STEPS = 4096
-MOST_HALVINGS = 64  # more than MAX_STEPS allow of any step
+MOST_HALVINGS = 64  # more than MAX_STEPS allows
 _FEWEST = 3.0
 _CHUNK = 2048
 
@@ -62,7 +62,7 @@ class DelayNetwork(DelayMarch):
         return 1.0 / self._length
 
     def advance(self, until: float) -> Pieces:
-        """March to the first step end at or beyond `until`, at most one chunk; see `Solver`."""
+        """March to the first end of a step at or beyond `until`, but at most one chunk; see `Solver`."""
         while True:
             count = min(_CHUNK, max(1, math.ceil((until - self.time) / self._length - 1e-6)))
             pieces = empty_pieces(count, self._stages)

@@ -59,7 +59,7 @@ class NetworkMemory(NamedTuple):
 
 @njit
 def arrive(nodes: Nodes, network: Network, waves: Array, layer: int, direction: int, cursor: int, arrived: Array) -> None:
-    """Nodal values of a wave at the end of its layer: the one launched a travel time ago."""
+    """Nodal values of the wave that arrives at the end of its layer: it was launched one travel time before."""
     s = len(nodes)
     ring = waves.shape[2]
     for j in range(s):

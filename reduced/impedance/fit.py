@@ -32,7 +32,7 @@ _ROUNDS = 8
 def fit_scene(scene: Scene, name: str, count: int, spring: float) -> Reduction:
     """Passive reduction with about `count` oscillators, fitted on 0 < omega < 2 pi (count + 1/2) per longer round trip.
 
-    Raises SceneError if count is 0, or if the best passive fit stays too far from the exact impedance.
+    Raises SceneError if count is 0, or if the best passive fit is too far from the exact impedance.
     """
     if count == 0:
         raise SceneError(f"model = {name!r}: a fit needs at least one oscillator; the model without one is quasidynamic")

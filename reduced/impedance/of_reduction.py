@@ -24,7 +24,7 @@ def reduction_ratio(model: Reduction, epsilon: float, transit: float, s: Jet) ->
 
 
 def _terms(model: Reduction, t: Jet) -> list[Ratio]:
-    """(numerator, denominator) of every term of Z/epsilon but mass and damping; t = s * transit."""
+    """(numerator, denominator) of every term of Z/epsilon except mass and damping; t = s * transit."""
     tame = 1.0 / (1.0 + t * 1e-3)
     terms = [(model.spring * tame, t * tame)] if model.spring else []
     for omega, residue, decay, offset in zip(model.frequencies, model.residues, model.decays, model.offsets, strict=True):

@@ -85,7 +85,7 @@ class ReducedModel:
         return None
 
     def advance(self, until: float) -> Pieces:
-        """March past `until` by at most one step, at most one chunk; see `Solver`."""
+        """March to `until`, or at most one step beyond, but at most one chunk; see `Solver`."""
         pieces = empty_pieces(_CHUNK, self.nodes.size)
         if self.time > self._stop - SAME:
             self._take_stretch(self._stop, float(self._tables.length[self._memory.level[0]]))
@@ -144,7 +144,7 @@ class ReducedModel:
         memory.now[TIME] = begin
 
     def _take_tables(self, begin: float) -> None:
-        """Tables of the steps from `begin` to the next knot of the drive."""
+        """Take the tables for the steps from `begin` (transits) to the next knot of the drive."""
         knots = (knot for knot in self.scene.drive.knots if knot > begin + SAME)
         self._stretch, self._stop = begin, min(knots, default=math.inf)
         distance, stages = self._stop - begin, self.nodes.size

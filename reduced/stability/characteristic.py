@@ -38,7 +38,7 @@ class Characteristic:
         return n * p + d * q
 
     def imbalance(self, s: object) -> Complex:
-        """D over the sizes of its two terms: 0 at a root, of modulus <= 1, smooth in every parameter."""
+        """D over the sum of the sizes of its two terms: 0 at a root, of modulus <= 1, smooth in every parameter."""
         variable = Jet.variable(s)
         p, q = self.one_port(variable)
         n, d = self.slopes.ratio(variable)

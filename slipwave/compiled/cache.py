@@ -68,7 +68,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
             packed = path.read_bytes() if path else None
         except FileNotFoundError:
             return None
-        except (OSError, RuntimeError) as error:  # RuntimeError: there is no home
+        except (OSError, RuntimeError) as error:  # RuntimeError: there is no home folder
             return _tell(f"cannot be read ({error})")
         return self._unpacked(path, packed, sig, target_context) if path and packed is not None else None
 

@@ -23,7 +23,7 @@ class ByClass(Protocol[Arguments, Answer]):
     """A function with a version for each class of its first argument, as `functools.singledispatch` makes it."""
 
     def __call__(self, *arguments: Arguments.args, **options: Arguments.kwargs) -> Answer:
-        """What the version for the first argument's class returns."""
+        """Call the version for the first argument's class."""
 
     def register(self, kind: type) -> Callable[[Version], Version]:
         """Decorator of the version for the class `kind`."""

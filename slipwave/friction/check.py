@@ -18,8 +18,8 @@ _ANSWERS = ("v", "v_z", "F", "F_z", "F_psi", "G", "G_z", "G_psi")
 def check_law(name: str, law: Any, parameters: tuple[float, ...] = _PARAMETERS) -> None:
     """Compare v_z, F_z, F_psi, G_z, G_psi with central differences and G(v, psi_ss(v)) with 0 over a grid of rates and states.
 
-    `law` is a `Registered`; it is tried with the parameter class's own defaults, else with `parameters` (a_star, a, b).
-    Raises SceneError naming the law, the wrong function and both values, or what the law's code raised.
+    `law` is a `Registered`; it is checked with the parameter class's own defaults, else with `parameters` (a_star, a, b).
+    Raises SceneError naming the law, the wrong function and both values, or the error that the law's code raised.
     """
     sample = _sample(name, law, parameters)
     try:

@@ -28,7 +28,7 @@ _DEFAULT_SIZES = {"nudge": 0.5, "jump": 0.05, "orbit": 0.5}
 
 
 def assemble(checked: Validated, name: str) -> Scene:
-    """The scene of `checked`, called `name` unless its file says otherwise. Raises SceneError on keys that do not go together."""
+    """The scene of `checked`, called `name` if its file gives no name. Raises SceneError for keys that do not fit together."""
     tables = checked.tables
     units = _units(checked.units)
     upper, lower = _slabs(tables, units)
@@ -121,12 +121,12 @@ def _named(units: Units, *keys: str) -> dict[str, float]:
     return {f"interface.{key}": getattr(units, key) for key in keys}
 
 
-def _in_range(what: str, result: float, allowed: Range, sources: dict[str, float]) -> float:
+def _in_range(quantity: str, result: float, allowed: Range, sources: dict[str, float]) -> float:
     """`result`, derived from the keys `sources`. The SceneError for a result outside `allowed` names all of them, because any of
     them may be the wrong one."""
     if not allowed.low <= result <= allowed.high:
         given = ", ".join(f"{key} = {value:g}" for key, value in sources.items())
-        raise SceneError(f"{given}: give {what} = {result:.9g}, which must be {allowed}")
+        raise SceneError(f"{given}: result in {quantity} = {result:.9g}, which must be {allowed}")
     return result
 
 
@@ -140,7 +140,7 @@ def _face(key: str, table: Any, units: Units | None, epsilon: float, round_trip:
 
 
 def _relative(key: str, value: float, scale: float) -> float:
-    """`value` over `scale`; SceneError naming `key` if that is out of range."""
+    """`value` over `scale`. Raises SceneError naming `key` if that is out of range."""
     result = value / scale
     if not NON_NEGATIVE.low <= result <= NON_NEGATIVE.high:
         relative = "" if result == value else f" is {result:.9g} relative to the slab, which"

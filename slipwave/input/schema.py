@@ -167,7 +167,7 @@ class DriveTable(Table):
 
 
 class StartTable(Table):
-    """How the run starts; `size` is psi's disturbance."""
+    """How the run starts; `size` is the disturbance of psi."""
 
     kind: Literal["nudge", "jump", "orbit"] = "nudge"
     size: Size | None = None

@@ -29,7 +29,7 @@ _Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 
 def save(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None) -> None:
-    """Write the run as it stands to `path`. Raises SceneError if the file cannot be written."""
+    """Write the present state of the run to `path`. Raises SceneError if the file cannot be written."""
     arrays = {f"solver/{name}": array for name, array in solver.state().items()}
     for label, observer in (observers or {}).items():
         arrays |= {f"observer/{label}/{name}": array for name, array in observer.state().items()}

@@ -33,7 +33,7 @@ class Observer(Protocol):
 
 
 class Mark(Protocol):
-    """Something to be done at certain times of a run."""
+    """An action at certain times of a run."""
 
     @property
     def due(self) -> float:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 @dataclass(frozen=True)
 class Energy:
     """Energies since t = 0: work done by the drive, dissipated in friction, radiated through the outer faces, dissipated by
-    viscosity, and the change of what is stored in the slabs (kinetic, elastic, grips)."""
+    viscosity, and the change of the stored energy (kinetic and elastic, of the slabs and their outer faces)."""
 
     input: float
     friction: float

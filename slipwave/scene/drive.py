@@ -69,7 +69,7 @@ class Drive:
 
     @property
     def knots(self) -> tuple[float, ...]:
-        """Times (transits) at which V may bend; none where it is constant."""
+        """Times (transits) at which V may have a kink; none if V is constant."""
         return () if self.is_constant else self.times
 
     @cached_property

@@ -32,7 +32,7 @@ class Scene:
 
     @property
     def alike(self) -> bool:
-        """True when both slabs are the same, so that one of them is enough (the motion is antisymmetric)."""
+        """True if both slabs are the same, so that one of them is sufficient (the motion is antisymmetric)."""
         return self.upper == self.lower
 
     @property

@@ -1,6 +1,6 @@
-"""One elastic slab as data: what it is made of and what holds its outer face.
+"""A slab as data: its material, its layers and its outer face.
 
-The interface sees only its one-port (MODEL.md section 3).
+At the interface only its one-port matters (MODEL.md section 3).
 
 Impedances are in units of (normal stress)/V*, times in L/V*. `round_trip` is the travel time from the
 interface to the outer face and back.

@@ -46,6 +46,6 @@ class Start:
 
 @inlined
 def nudge_rate(size: float, time: float) -> float:
-    """What the nudge adds to d psi/dt~ at `time` (transits)."""
+    """The contribution of the nudge to d psi/dt~ at `time` (transits)."""
     late = time - NUDGE_CENTRE
     return size * math.exp(-late * late) if size != 0.0 and abs(late) < NUDGE_REACH else 0.0

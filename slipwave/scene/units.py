@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Units:
-    """What one unit of length, velocity and stress is, in m, m/s and Pa."""
+    """The size of one unit of length, velocity and stress, in m, m/s and Pa."""
 
     memory_length: float
     reference_velocity: float
@@ -19,7 +19,7 @@ class Units:
 
     @property
     def face(self) -> dict[str, float]:
-        """What one unit of an outer face's stiffness [Pa/m], impedance [Pa s/m] and mass [kg/m2] is."""
+        """The size of one unit of an outer face's stiffness [Pa/m], impedance [Pa s/m] and mass [kg/m2]."""
         impedance = self.normal_stress / self.reference_velocity
         return {"stiffness": impedance / self.time, "impedance": impedance, "mass": impedance * self.time}
 
