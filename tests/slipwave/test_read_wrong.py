@@ -200,7 +200,7 @@ ROUND_TRIP_KEYS = {
 def test_a_derived_number_out_of_range_names_all_it_came_from(key: str, value: float, result: str, sources: set[str]) -> None:
     message = complaint(changed(SI, key, value))
     assert f"{key} = {value:g}" in message
-    assert f"give {result}" in message
+    assert f"result in {result}" in message
     assert set(re.findall(r"[a-z]+\.[a-z_]+", message)) == sources
 
 
