@@ -28,15 +28,15 @@ report: $(STAMP)
 wheel: $(STAMP)
 	$(BIN)/python -m tests.wheel $(if $(QUICK),--quick-report)
 
-# ratios of run times, beside those of the last time; judges nothing
+# ratios of run times and those of the last time; judges nothing
 bench: $(STAMP)
 	$(BIN)/python -m validation.benchmark reports/bench
 
-# make faults PART=4 plants one in four of the faults; which ones, the commit decides
+# make faults PART=4 plants one in four of the faults; the commit decides which
 faults: $(STAMP)
 	$(BIN)/python -m tests.faults $(if $(PART),--part $(PART))
 
-# a random sample of small changes; first, which functions each test runs
+# a random sample of small changes; the first step records which functions each test runs
 mutants: $(STAMP)
 	mkdir -p reports/reach
 	REACH=reports/reach $(BIN)/pytest -p tests.faults.reach -m "not slow" -n 2

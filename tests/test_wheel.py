@@ -1,4 +1,4 @@
-"""The installed package: complete, and indifferent to what lies in the folder in which somebody works."""
+"""The installed package: complete, and independent of the files in the working folder."""
 
 import subprocess
 

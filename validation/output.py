@@ -25,13 +25,13 @@ def attempt(*tasks: Callable[[], None]) -> list[str]:
 def conclude(failed: str, problems: Sequence[str], stopped: str = "") -> None:
     """Raise one error, in one line, for all that failed: Interrupted if `stopped` says how to go on, NumericsError if `failed`
     says what failed, SceneError if there are only `problems` of writing."""
-    told = "; ".join(filter(None, [failed, stopped, *problems]))
+    message = "; ".join(filter(None, [failed, stopped, *problems]))
     if stopped:
-        raise Interrupted(told)
+        raise Interrupted(message)
     if failed:
-        raise NumericsError(told)
+        raise NumericsError(message)
     if problems:
-        raise SceneError(told)
+        raise SceneError(message)
 
 
 def printed(show: Callable[[], None]) -> None:

@@ -1,4 +1,4 @@
-"""The programme of planted faults itself: anchors hold, the original stays as it is, and what nobody notices is a survivor."""
+"""The programme of planted faults: anchors hold, the original stays as it is, and a fault that no test notices survives."""
 
 import ast
 import json

@@ -1,4 +1,4 @@
-"""A checkpoint belongs to one scene: every fact of the physics is told apart, its length and its name are not."""
+"""A checkpoint belongs to one scene: every fact of the physics makes a difference, its length and its name do not."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""The leapfrog against a plain program, against itself in other clothes, and at its limits."""
+"""The leapfrog against a plain program, against itself in equivalent forms, and at its limits."""
 
 import dataclasses
 import math

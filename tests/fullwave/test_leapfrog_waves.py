@@ -1,4 +1,4 @@
-"""Exact waves in one slab on its own: pulses at every kind of outer face and layer, damped standing waves, no growth for ever."""
+"""Exact waves in a single slab: pulses at every kind of outer face and layer, damped standing waves, no growth in long runs."""
 
 import cmath
 import dataclasses

@@ -1,4 +1,4 @@
-"""What a file of the house imports, and digests that see the program and not its explanation."""
+"""What a file of the house imports, and digests that cover the program and not its comments."""
 
 from pathlib import Path
 

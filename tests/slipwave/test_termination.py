@@ -1,4 +1,4 @@
-"""What every kind of outer face amounts to in numbers, by hand; units, clocks, limits and refusals."""
+"""Every kind of outer face as numbers, by hand; units, clocks, limits and refusals."""
 
 import math
 

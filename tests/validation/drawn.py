@@ -1,4 +1,4 @@
-"""What a figure shows, told in lines: one for each of its axes, and one for every line, patch, collection and text in them."""
+"""What a figure shows, as lines of text: one for each of its axes, and one for every line, patch, collection and text in them."""
 
 from collections.abc import Iterator
 from typing import Any

@@ -1,4 +1,4 @@
-"""What studies show, held against the committed lines of `tests/validation/shown/NAME.txt` (`shown` tells them).
+"""What studies show, held against the committed lines of `tests/validation/shown/NAME.txt` (made by `shown`).
 
 Words must be equal and numbers close: BLAS and processor move errors of 1e-12 and what is fitted to them.
 """

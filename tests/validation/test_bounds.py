@@ -1,4 +1,4 @@
-"""Verdicts that bound a size, and what a study may say beside a red light."""
+"""Verdicts that bound a size, and what a study may say when one fails."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A run taken up from a checkpoint equals the uninterrupted one to the bit: every model, and every march of the delay system."""
+"""A run resumed from a checkpoint equals the uninterrupted one to the bit: every model, and every march of the delay system."""
 
 from pathlib import Path
 

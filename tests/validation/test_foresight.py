@@ -1,4 +1,4 @@
-"""A run that would take more than a day is refused before it begins, or as soon as its steps tell; costs are given, not timed."""
+"""A run of more than a day is refused before it begins, or as soon as its steps show it; costs are given, not timed."""
 
 import json
 from pathlib import Path

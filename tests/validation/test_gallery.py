@@ -1,4 +1,4 @@
-"""What the titles of the gallery's scenes say is so."""
+"""The titles of the gallery's scenes are true."""
 
 import math
 

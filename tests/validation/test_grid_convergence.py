@@ -1,4 +1,4 @@
-"""The study of orders: what it shows in the quick report, and that a scheme short of its order turns the light red."""
+"""The study of orders: what it shows in the quick report, and that a scheme short of its order fails its verdict."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""Models by name: what each honours, what it refuses and whom it names instead, what `auto` takes."""
+"""Models by name: what each honours, what it refuses and which models it names instead, what `auto` takes."""
 
 import dataclasses
 import math

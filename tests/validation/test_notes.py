@@ -1,4 +1,4 @@
-"""What a run says of itself: rounding that decides it, a default grid that is too coarse for it; silence where all is well."""
+"""Notes on a run: rounding decides it, or the default grid is too coarse for it; no note where all is well."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Names and paths that could steer a terminal, that no text holds, or that stdout cannot spell; files that are no files."""
+"""Names and paths with control characters, without a text form, or outside the encoding of stdout; paths to no plain file."""
 
 import json
 import os

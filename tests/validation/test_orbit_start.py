@@ -1,4 +1,4 @@
-"""A run that starts on its orbit: everything it tells is on the clock that is 0 there, fields and ledger included."""
+"""A run that starts on its orbit: all that it reports is on the clock that is 0 there, fields and ledger included."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""`slipwave run --checkpoint`: a killed run goes on to the same bits; what does not belong is refused in one line."""
+"""`slipwave run --checkpoint`: a killed run goes on with bit-identical results; a wrong file is refused in one line."""
 
 import json
 import signal

@@ -1,4 +1,4 @@
-"""The plain program that the Kelvin-Voigt system is raced against: its equations and period, beside numbers of others."""
+"""The plain program that the Kelvin-Voigt system is raced against: its equations and its period, compared with other programs."""
 
 import math
 

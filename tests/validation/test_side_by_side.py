@@ -1,4 +1,4 @@
-"""Studies that run side by side: really together, those that time alone and last, and all ended by one Ctrl-C."""
+"""Studies that run side by side: they really overlap, those that measure time run alone and last, one Ctrl-C ends all."""
 
 import fcntl
 import os

@@ -1,4 +1,4 @@
-"""The attacks' runs: steps past the limit stop, errors are told from messages, advice is followed, noise stays."""
+"""The attacks' runs: steps past the limit stop, errors and messages are distinguished, advice is followed, noise stays."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The registered studies: their shape, their verdicts, and that a wrong number turns a light red."""
+"""The registered studies: their shape, their verdicts, and that a wrong number makes a verdict fail."""
 
 import dataclasses
 

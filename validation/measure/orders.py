@@ -109,7 +109,7 @@ class Climb:
         """The reasons against the promised order, one per quantity; empty if there are none. Schemes of order 2 must not be
         better either. The finest error of every quantity must lie below the ladder's bound."""
         fits = {name: self.fit(name) for name in self.errors}
-        complaints = {name: self._misses(one, 0.0, self.ladder.course.slack) for name, one in fits.items()}
+        complaints = {name: self._misses(found, 0.0, self.ladder.course.slack) for name, found in fits.items()}
         together = self.fit_together()
         complaints["together"] = self._misses(together, together.half_width, _ALMOST) or self._unknown(together)
         return [f"{name}: {complaint}" for name, complaint in complaints.items() if complaint]

@@ -71,17 +71,17 @@ def _settings(quick: bool) -> list[Setting]:
 
 
 def _answer(points: list[Point]) -> str:
-    def told(point: Point) -> str:
+    def words(point: Point) -> str:
         """Run time and error of one point in words."""
         return f"{1e3 * point.seconds:.0f} ms ({plain(abs(point.period_error), '.0e')})"
 
     of = {name: [p for p in points if p.setting.model == name] for name in ("delay", "fd", "kelvin-voigt", "block8")}
-    quick = {name: min(some, key=lambda p: p.seconds) for name, some in of.items()}
-    best = {name: min(some, key=lambda p: abs(p.period_error)) for name, some in of.items()}
+    quick = {name: min(group, key=lambda p: p.seconds) for name, group in of.items()}
+    best = {name: min(group, key=lambda p: abs(p.period_error)) for name, group in of.items()}
     return (
         f"For {TRANSITS:.0f} transits, with the error of the period in brackets, the exact delay system takes "
-        f"{told(quick['delay'])} to {told(best['delay'])}, the full wave {told(quick['fd'])} to {told(best['fd'])}; the fastest "
-        f"runs take {told(quick['kelvin-voigt'])} with the paper’s ODE and {told(quick['block8'])} with a block."
+        f"{words(quick['delay'])} to {words(best['delay'])}, the full wave {words(quick['fd'])} to {words(best['fd'])}; the "
+        f"fastest runs take {words(quick['kelvin-voigt'])} with the paper’s ODE and {words(quick['block8'])} with a block."
     )
 
 

@@ -78,15 +78,15 @@ def run(budget: Budget) -> StudyResult:
         tables=(_onset_table(onsets), _cycle_table(cycles)),
         verdicts=(*onset_verdicts, cycle_verdict),
         notes=(_WHY,),
-        numbers={f"error of r_c, {model}": Number(float(one.error[_paper()]), 1e-6) for model, one in onsets.items()}
+        numbers={f"error of r_c, {model}": Number(float(onset.error[_paper()]), 1e-6) for model, onset in onsets.items()}
         | {f"error of T at ε/2, {model}": Number(_half(cycles)[model], 1e-3) for model in ("kelvin-voigt", "block12", "block8")},
     )
 
 
 def _answer(onsets: Onsets, cycles: list[CycleErrors], falls: bool) -> str:
     """`falls`: whether the error of the cycle falls with r, as that of the onset does."""
-    off = max(abs(one.ratio(_paper() + 2) - 1.0) for model, one in onsets.items() if model != "quasidynamic")
-    errors = [100.0 * abs(one.errors["kelvin-voigt"]) for one in cycles]
+    off = max(abs(onset.ratio(_paper() + 2) - 1.0) for model, onset in onsets.items() if model != "quasidynamic")
+    errors = [100.0 * abs(cycle.errors["kelvin-voigt"]) for cycle in cycles]
     return (
         "For the onset of stick-slip, yes: the first term that a reduction’s impedance lacks predicts the error of r_{{c}}, to "
         f"{plain(off, '.0e')} of that error at a quarter of the paper’s ε. For the cycle, {'yes' if falls else 'no'}: the period "
@@ -136,8 +136,14 @@ def _onset_table(onsets: Onsets) -> Table:
     here, finer = _paper(), _paper() + 2
     theta = next(iter(onsets.values())).theta
     rows = (
-        (f"`{model}`", _TEXT.get(model, "θ^{4} Σ_{k>N} 2/(2πk)^{4}"), float(one.error[here]), one.ratio(here), one.ratio(finer))
-        for model, one in onsets.items()
+        (
+            f"`{model}`",
+            _TEXT.get(model, "θ^{4} Σ_{k>N} 2/(2πk)^{4}"),
+            float(onset.error[here]),
+            onset.ratio(here),
+            onset.ratio(finer),
+        )
+        for model, onset in onsets.items()
     )
     caption = (
         f"Relative error of the critical r, at the paper’s ε (θ = r_{{c}} ω_{{c}} = {theta[here]:.4f} radians per transit), the "
@@ -147,7 +153,7 @@ def _onset_table(onsets: Onsets) -> Table:
 
 
 def _cycle_table(cycles: list[CycleErrors]) -> Table:
-    rows = ((one.theta, one.swiftness, *(one.errors[model] for model in _CYCLING)) for one in cycles)
+    rows = ((cycle.theta, cycle.swiftness, *(cycle.errors[model] for model in _CYCLING)) for cycle in cycles)
     caption = (
         "Relative error of the period against the delay system, 2 % beyond the exact onset, while ε and with it r fall at fixed "
         "V. v_{max} r: how often friction’s state renews itself, at the fastest slip, during one transit of a wave."
@@ -162,12 +168,12 @@ def _onset_verdicts(onsets: Onsets) -> tuple[Verdict, ...]:
         bounded(
             f"{model}: error of r_{{c}} follows {_TEXT.get(model, 'its θ^{4} law')}",
             Evidence.ASYMPTOTIC,
-            abs(one.ratio(finer) - 1.0),
-            _next_term(model, float(one.theta[finer])),
-            f"shown: measured over law at θ = {one.theta[finer]:.3f}; its distance from 1 is the next term",
-            f"{one.ratio(finer):.5f}",
+            abs(onset.ratio(finer) - 1.0),
+            _next_term(model, float(onset.theta[finer])),
+            f"shown: measured over law at θ = {onset.theta[finer]:.3f}; its distance from 1 is the next term",
+            f"{onset.ratio(finer):.5f}",
         )
-        for model, one in onsets.items()
+        for model, onset in onsets.items()
     )
 
 
@@ -204,15 +210,15 @@ def fall(onsets: Onsets, cycles: list[CycleErrors]) -> "Drawing":
     """Log-log errors: onset, left, and period of the cycle, right, over theta = r omega_c."""
     figure = canvas(WIDTH, 3.9)
     left, right = figure.subplots(1, 2, sharey=True)
-    for model, one in onsets.items():
+    for model, onset in onsets.items():
         style = pen(model)
-        line = np.abs([one.law.at(float(theta)) for theta in one.theta])
-        left.loglog(one.theta, line, color=style.color, linewidth=0.8)
-        left.loglog(one.theta, np.abs(one.error), style.marker, color=style.color, markersize=4.5, label=style.label)
-    theta = [one.theta for one in cycles]
+        line = np.abs([onset.law.at(float(theta)) for theta in onset.theta])
+        left.loglog(onset.theta, line, color=style.color, linewidth=0.8)
+        left.loglog(onset.theta, np.abs(onset.error), style.marker, color=style.color, markersize=4.5, label=style.label)
+    theta = [cycle.theta for cycle in cycles]
     for model in cycles[0].errors:
         style = pen(model)
-        errors = np.abs([one.errors[model] for one in cycles])
+        errors = np.abs([cycle.errors[model] for cycle in cycles])
         right.loglog(theta, errors, style.marker, color=style.color, linestyle=style.dashes, linewidth=1.0, markersize=5)
     left.set(ylim=(1e-12, 2.0), title="onset: critical $r$")
     right.set(title="cycle: period", xlim=left.get_xlim())

@@ -92,8 +92,8 @@ def _orders(fits: dict[str, dict[float, Fit]]) -> Table:
     for name in fits:
         row: list[Cell] = [_ORBIT.get(name, name)]
         for cfl in CFLS:
-            one = fits[name][cfl]
-            row += [f"{one.order:.4f} ± {one.half_width:.4f}", one.finest]
+            fitted = fits[name][cfl]
+            row += [f"{fitted.order:.4f} ± {fitted.half_width:.4f}", fitted.finest]
         rows.append(row)
     heading = " | ".join(["error in", *(f"order [CFL {cfl}] | finest two .3f" for cfl in CFLS)])
     caption = (
@@ -119,8 +119,8 @@ def _verdicts(fits: dict[str, dict[float, Fit]]) -> list[Verdict]:
     ):
         for cfl in CFLS:
             chosen = [fits[name][cfl] for name in names]
-            span = f"{min(one.order for one in chosen):.2f} to {max(one.order for one in chosen):.2f}"
-            holds = not any(shortfall(one, declared) for one in chosen)
+            span = f"{min(fitted.order for fitted in chosen):.2f} to {max(fitted.order for fitted in chosen):.2f}"
+            holds = not any(shortfall(fitted, declared) for fitted in chosen)
             evidence = Evidence.SELF if cfl == 1.0 else Evidence.WITNESS
             ours = span if len(chosen) > 1 else f"{chosen[0].order:.3f}"
             verdicts.append(Verdict(claim, evidence, f"{declared:.0f} at CFL {cfl}", ours, judge(holds)))
@@ -181,9 +181,9 @@ def ladders(cells: Array, errors: Mapping[str, Mapping[float, Array]], fits: Map
 def _panel(axes: "Axes", cells: Array, errors: Mapping[float, Array], fits: Mapping[float, Fit]) -> None:
     for cfl, values in errors.items():
         color, marker, fill = _LOOKS[cfl]
-        one = fits[cfl]
-        used = cells[one.used]
-        axes.loglog(used, one.constant * used**-one.order, color=color, linewidth=0.9)
+        fitted = fits[cfl]
+        used = cells[fitted.used]
+        axes.loglog(used, fitted.constant * used**-fitted.order, color=color, linewidth=0.9)
         axes.loglog(cells, np.abs(values), linestyle="none", marker=marker, color=color, markerfacecolor=fill)
     axes.margins(0.12)
     axes.set_xticks(cells, [str(n) for n in cells])

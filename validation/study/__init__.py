@@ -46,7 +46,7 @@ class Evidence(StrEnum):
 
 @dataclass(frozen=True)
 class Budget:
-    """How much a study may spend. `quick` asks for the cheap version; `report(share)` tells how far it is, 0 to 1."""
+    """How much a study may spend. `quick` asks for the cheap version; `report(share)` takes how far it is, 0 to 1."""
 
     quick: bool = False
     report: Callable[[float], None] = field(default=lambda share: None, compare=False)
@@ -148,7 +148,7 @@ class StudyResult:
 
     @property
     def conclusion(self) -> str:
-        """The answer, or which claims fail: no study answers yes beside a red light."""
+        """The answer, or which claims fail: no study answers yes if a verdict fails."""
         failed = [verdict.claim for verdict in self.verdicts if verdict.outcome is Outcome.FAIL]
         if not failed:
             return self.answer

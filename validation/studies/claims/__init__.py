@@ -63,7 +63,7 @@ def _numbers(branch: Branch, ripples: dict[str, Ripples]) -> dict[str, Number]:
     numbers = {
         f"{model} T at {r}": Number(orbit.period.value, 1e-7) for r, orbits in branch.items() for model, orbit in orbits.items()
     }
-    return numbers | {f"{model} ripple period": Number(one.period, 1e-3) for model, one in ripples.items()}
+    return numbers | {f"{model} ripple period": Number(measured.period, 1e-3) for model, measured in ripples.items()}
 
 
 _SAME = 1e-4  # relative difference of periods of one orbit

@@ -33,8 +33,8 @@ def load(branch: Branch, deep: dict[str, Deep], ripples: dict[str, Ripples]) -> 
 
 
 def _identity(ripples: dict[str, Ripples]) -> Verdict:
-    parts = {model: one.loading for model, one in ripples.items()}
-    off = max(abs((one.drop + one.falling + one.slipped) / one.period - 1.0) for one in parts.values())
+    parts = {model: ripple.loading for model, ripple in ripples.items()}
+    off = max(abs((part.drop + part.falling + part.slipped) / part.period - 1.0) for part in parts.values())
     delay = parts["delay"]
     return bounded(
         "P12 The period is Δy/(εV) + (time in which y falls) + (slip while y rises)/V",
@@ -47,7 +47,9 @@ def _identity(ripples: dict[str, Ripples]) -> Verdict:
 
 
 def _proportional(branch: Branch) -> Verdict:
-    periods, drops = np.array([[one["delay"].period.value, one["delay"].elastic_stress_drop.value] for one in branch.values()]).T
+    periods, drops = np.array(
+        [[orbits["delay"].period.value, orbits["delay"].elastic_stress_drop.value] for orbits in branch.values()]
+    ).T
     power = float(np.polyfit(np.log(drops), np.log(periods), 1)[0])
     shares = drops / _rate() / periods
     return Verdict(
@@ -122,7 +124,7 @@ def _contrast(deep: dict[str, Deep]) -> Verdict:
         name: spread(getattr(deep["kelvin-voigt"].events, name)) / spread(getattr(deep["delay"].events, name))
         for name in _CONTRAST
     }
-    largest = {model: float(one.events.v_max.max()) for model, one in deep.items()}
+    largest = {model: float(run.events.v_max.max()) for model, run in deep.items()}
     return Verdict(
         "P13 At r = 10^{-2.3} the ODE’s drops, periods and events vary more than the delay system’s",
         Evidence.PAPER,

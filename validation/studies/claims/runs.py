@@ -65,7 +65,7 @@ def settle_branch(quick: bool, report: Callable[[float], None]) -> Branch:
     branch: Branch = {}
     for count, log10_r in enumerate(LOG10_R[quick]):
         found = {model: _settled(model, {"slab.log10_r": log10_r}) for model in MODELS}
-        orbits = {model: one.orbit for model, one in found.items() if one.unrest < _RESTLESS}
+        orbits = {model: settled.orbit for model, settled in found.items() if settled.unrest < _RESTLESS}
         if len(orbits) == len(MODELS):
             branch[log10_r] = orbits
         report((count + 1) / len(LOG10_R[quick]))

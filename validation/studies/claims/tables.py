@@ -39,8 +39,8 @@ def onset_table() -> Table:
 def deep_table(deep: dict[str, Deep]) -> Table:
     """Statistics of the irregular runs."""
     rows: list[tuple[Cell, ...]] = []
-    for model, one in deep.items():
-        e = one.events
+    for model, run in deep.items():
+        e = run.events
         stated = [f(column) for column in (e.period, e.stress_drop, np.log10(e.v_max)) for f in (np.mean, spread, recurrence)]
         rows.append((model, float(e.time.size), *map(float, stated), float(e.v_max.max())))
     stated_of = [

@@ -136,14 +136,14 @@ def _gaps(branch: Branch) -> Verdict:
     }
     exceed = all(min(gap) > 0.0 for gap in gaps.values())
     grows = {symbol: all(later > sooner for sooner, later in pairwise(gap)) for symbol, gap in gaps.items()}
-    told = "; ".join(f"{symbol} {', '.join(f'{100 * value:.1f}' for value in gap)} %" for symbol, gap in gaps.items())
+    listed = "; ".join(f"{symbol} {', '.join(f'{100 * value:.1f}' for value in gap)} %" for symbol, gap in gaps.items())
     return Verdict(
         f"P11 Stress drops of the delay system exceed the ODE’s, by a relative gap that grows with r, {where(branch)}",
         Evidence.PAPER,
         "larger, gap grows",
         ("larger" if exceed else "not larger") + "".join(f"; {symbol} {_growth(yes)}" for symbol, yes in grows.items()),
         judge(exceed and all(grows.values()), Outcome.FINDING),
-        f"relative gaps along r: {told}",
+        f"relative gaps along r: {listed}",
     )
 
 

@@ -44,8 +44,8 @@ def run(budget: Budget) -> StudyResult:
 
 
 def _answer(shown: dict[str, History], fd: Array, orders: dict[str, Fit]) -> str:
-    lost = {name: 100.0 * (one.share("radiated") + one.share("viscous")) for name, one in shown.items()}
-    friction = 100.0 * min(one.share("friction") for one in shown.values())
+    lost = {name: 100.0 * (history.share("radiated") + history.share("viscous")) for name, history in shown.items()}
+    friction = 100.0 * min(history.share("friction") for history in shown.values())
     slopes = [found.order for found in orders.values()]
     return (
         f"At least {friction:.0f} % goes into friction: over two cycles grips absorb {lost['grips']:.2g} % of the work and "

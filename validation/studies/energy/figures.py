@@ -26,11 +26,11 @@ def histories(shown: Mapping[str, History]) -> "Figure":
     """A column per scene: large entries above, small ones below."""
     figure = canvas(WIDTH, 4.8)
     grid = figure.subplots(2, len(shown), sharex="col", sharey="row", gridspec_kw={"height_ratios": (2.0, 1.0)})
-    for column, (name, one) in zip(grid.T, shown.items(), strict=True):
+    for column, (name, history) in zip(grid.T, shown.items(), strict=True):
         for axes, entries in zip(column, (ENTRIES[:3], ENTRIES[3:]), strict=True):
             for entry in entries:
                 color, dashes = _PENS[entry]
-                axes.plot(one.time, one.entries[entry], color=color, linestyle=dashes, label=entry)
+                axes.plot(history.time, history.entries[entry], color=color, linestyle=dashes, label=entry)
         column[0].set_title(name)
         column[1].set_xlabel("time (transits)")
     for axes in grid[:, 0]:

@@ -15,7 +15,8 @@ def shares_table(shown: dict[str, History]) -> Table:
     shares = ENTRIES[1:]
     heading = ["scene", "T [transits] .3f", "input [σL] .5g", *(f"{entry} [% of input] .4g" for entry in shares)]
     rows: list[tuple[Cell, ...]] = [
-        (name, one.period, one.total("input"), *(100.0 * one.share(entry) for entry in shares)) for name, one in shown.items()
+        (name, history.period, history.total("input"), *(100.0 * history.share(entry) for entry in shares))
+        for name, history in shown.items()
     ]
     caption = (
         "Where the drive’s work of two cycles goes, on the settled orbit, by `dg:7`: the paper’s scene; slabs held by grips that "

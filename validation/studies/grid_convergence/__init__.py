@@ -58,9 +58,9 @@ def run(budget: Budget) -> StudyResult:
         answer=_answer(climbs, promises, curves),
         figures=(Figure("families", _CAPTION, lambda: convergence_and_cost(curves)),),
         tables=(orders_table(climbs), finest_table(climbs), code_table()),
-        verdicts=(*(_order_verdict(one) for one in climbs), *(_promise(*one) for one in promises.items())),
+        verdicts=(*(_order_verdict(climbed) for climbed in climbs), *(_promise(*item) for item in promises.items())),
         notes=(code_note(), *_NOTES),
-        numbers={f"{one.ladder.model} order": Number(one.fit_together().order, 5e-2) for one in climbs},
+        numbers={f"{climbed.ladder.model} order": Number(climbed.fit_together().order, 5e-2) for climbed in climbs},
     )
 
 
@@ -88,7 +88,7 @@ def _promises() -> dict[str, float]:
 
 def _answer(climbs: list[Climb], promises: dict[str, float], curves: Curves) -> str:
     off = ", ".join(f"{_NAMED[model]} to {plain(error, '.0e')}" for model, error in promises.items())
-    short = sum(bool(one.shortfall()) for one in climbs)
+    short = sum(bool(climbed.shortfall()) for climbed in climbs)
     orders = "every family tried reaches its order" if not short else f"{short} of {len(climbs)} families miss their order"
     agree = all(error < _PROMISED[model][1] for model, error in promises.items())
     return f"{'They do' if agree else 'Not all'}: in period and stress drop {off}; {orders}. {_cost(curves)}"
@@ -106,18 +106,18 @@ def _cost(curves: Curves) -> str:
 _NAMED = {"sbp:6": "summation by parts", "fem:7": "finite elements", "dg:7": "discontinuous Galerkin"}
 
 
-def _order_verdict(one: Climb) -> Verdict:
-    short, (low, high) = one.shortfall(), one.span
+def _order_verdict(climbed: Climb) -> Verdict:
+    short, (low, high) = climbed.shortfall(), climbed.span
     symbols = {**OUTPUTS, "state": "the state", "together": "all together"}
     names = ", ".join(symbols[complaint.split(":")[0]] for complaint in short)
-    two = one.ladder.declared == 2.0
+    two = climbed.ladder.declared == 2.0
     return Verdict(
         "Every full-wave family reaches its order in every output, from the smooth start",
         Evidence.WITNESS,
-        f"{one.ladder.promised if not two else 2:g}" + ("" if two else " or more"),
-        f"{one.fit_together().rounded}, outputs {low:.2f} to {high:.2f}",
+        f"{climbed.ladder.promised if not two else 2:g}" + ("" if two else " or more"),
+        f"{climbed.fit_together().rounded}, outputs {low:.2f} to {high:.2f}",
         judge(not short),
-        f"`{one.ladder.model}`" + (f": short in {names}" if short else _REMARKS.get(one.ladder.model, "")),
+        f"`{climbed.ladder.model}`" + (f": short in {names}" if short else _REMARKS.get(climbed.ladder.model, "")),
     )
 
 

@@ -14,7 +14,7 @@ COMPARED = tuple(family.name for family in FAMILIES if family.exact is not Exact
 
 def modules_of(family: str) -> frozenset[str]:
     """Modules of this package that a family's solver is made of, as `fullwave.lines.march`."""
-    module = next(one.module for one in FAMILIES if one.name == family)
+    module = next(facts.module for facts in FAMILIES if facts.name == family)
     start = ROOT.joinpath(*module.split(".")).with_suffix(".py")
     files = (path.relative_to(ROOT).with_suffix("") for path in import_closure([start], packages=False))
     return frozenset(".".join(path.parts).removesuffix(".__init__") for path in files)

@@ -8,11 +8,11 @@ from validation.study import Cell, Table, table
 def orders_table(climbs: list[Climb]) -> Table:
     """One row per family: every quantity's order with its interval."""
     rows = []
-    for one in climbs:
-        together = one.fit_together()
-        grids = f"{one.cells[one.resolved]:.0f}\u2060–\u2060{one.cells[-1]:.0f}"
-        orders = (one.fit(name).rounded for name in QUANTITIES)
-        rows.append((one.ladder.model, _scene(one), grids, f"{one.ladder.declared:g}", *orders, together.rounded))
+    for climb in climbs:
+        together = climb.fit_together()
+        grids = f"{climb.cells[climb.resolved]:.0f}\u2060–\u2060{climb.cells[-1]:.0f}"
+        orders = (climb.fit(name).rounded for name in QUANTITIES)
+        rows.append((climb.ladder.model, _scene(climb), grids, f"{climb.ladder.declared:g}", *orders, together.rounded))
     orders_in = [f"order in {symbol}" if name != "state" else "in the state" for name, symbol in QUANTITIES.items()]
     heading = " | ".join(["family | scene | cells | declared", *orders_in, "all together"])
     caption = (
@@ -28,10 +28,10 @@ def orders_table(climbs: list[Climb]) -> Table:
 def finest_table(climbs: list[Climb]) -> Table:
     """One row per family: errors and run time of the finest grid on which the period's error is above the reference's own."""
     rows: list[tuple[Cell, ...]] = []
-    for one in climbs:
-        last = one.fit_together().used.stop - 1
-        found = (float(one.errors[name][last]) for name in QUANTITIES)
-        rows.append((one.ladder.model, _scene(one), float(one.cells[last]), 1e3 * float(one.seconds[last]), *found))
+    for climb in climbs:
+        last = climb.fit_together().used.stop - 1
+        found = (float(climb.errors[name][last]) for name in QUANTITIES)
+        rows.append((climb.ladder.model, _scene(climb), float(climb.cells[last]), 1e3 * float(climb.seconds[last]), *found))
     errors_of = [f"error of {symbol} [relative] .0e" for symbol in QUANTITIES.values()]
     heading = " | ".join(["family | scene | cells [a slab] .0f | run [ms] .0f", *errors_of])
     caption = (
@@ -41,5 +41,5 @@ def finest_table(climbs: list[Climb]) -> Table:
     return table("finest", caption, heading, rows)
 
 
-def _scene(one: Climb) -> str:
-    return "r" if one.ladder.course is ROUGH else "s"
+def _scene(climb: Climb) -> str:
+    return "r" if climb.ladder.course is ROUGH else "s"

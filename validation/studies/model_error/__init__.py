@@ -51,9 +51,9 @@ def _answer(runs: Runs) -> str:
 
 
 def _note(runs: Runs) -> str:
-    times = {model: one.milliseconds for model in ("delay", "modal:1", "modal:8") if (one := runs[model][-2.68])}
-    told = ", ".join(f"{milliseconds:.0f} ms with `{model}`" for model, milliseconds in times.items())
-    return f"1000 transits at log_{{10}} r = −2.68 take {told}: steps follow slip events, not the number of states."
+    times = {model: orbit.milliseconds for model in ("delay", "modal:1", "modal:8") if (orbit := runs[model][-2.68])}
+    listed = ", ".join(f"{milliseconds:.0f} ms with `{model}`" for model, milliseconds in times.items())
+    return f"1000 transits at log_{{10}} r = −2.68 take {listed}: steps follow slip events, not the number of states."
 
 
 _CAPTION = (

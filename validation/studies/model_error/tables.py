@@ -13,9 +13,9 @@ def error_table(runs: Runs) -> Table:
     for model in ("delay", *MODELS, "fitted:4"):
         cells: list[Cell] = [model, None if model == "delay" else states(model)]
         for log10_r in SHOWN:
-            one = runs[model][log10_r]
+            orbit = runs[model][log10_r]
             cells += [None if model == "delay" else error(runs, model, log10_r, name) for name in ("period", "drop")]
-            cells += [one.milliseconds if one else None]
+            cells += [orbit.milliseconds if orbit else None]
         rows.append(cells)
     each = [f"T, {log10_r:.2f} [relative] .1e | Δμ [relative] .1e | run [ms] .0f".replace("-", "−") for log10_r in SHOWN]
     caption = (
@@ -30,7 +30,9 @@ def omissions(runs: Runs) -> tuple[Omission, ...]:
     """Models and points without an orbit to compare."""
     beyond = [log10_r for log10_r in _BEYOND if orbit_of("delay", log10_r) is None]
     told = ", ".join(f"{log10_r:g}".replace("-", "−") for log10_r in beyond)
-    lost = [f"`{model}` at {x:g}".replace("-", "−") for model in ("delay", *MODELS) for x, one in runs[model].items() if not one]
+    lost = [
+        f"`{model}` at {x:g}".replace("-", "−") for model in ("delay", *MODELS) for x, orbit in runs[model].items() if not orbit
+    ]
     left_out = [
         Omission(
             f"r beyond log_{{10}} r = {SHOWN[-1]:g}.".replace("-", "−"),

@@ -56,7 +56,7 @@ def _modes(runs: Runs) -> Verdict:
     """The largest error over the range of r, for 1, 2, 4 and 8 modes."""
     errors = curves(runs)
     largest = [[float(np.nanmax(errors[model][1 + which])) for model in _LADDER] for which in (0, 1)]
-    falls = all(later < sooner for some in largest for sooner, later in pairwise(some))
+    falls = all(later < sooner for series in largest for sooner, later in pairwise(series))
     return Verdict(
         "Every doubling of the number of modes reduces the largest error over the range of r",
         Evidence.WITNESS,

@@ -32,8 +32,8 @@ def run(budget: Budget) -> StudyResult:
     for count, model in enumerate(MODELS):
         runs[model] = run_model(model)
         budget.report((count + 1) / len(MODELS))
-    cycles = {model: one.cycle for model, one in runs.items()}
-    errors = {model: error(one, runs["delay"], "period") for model, one in runs.items()}
+    cycles = {model: own.cycle for model, own in runs.items()}
+    errors = {model: error(own, runs["delay"], "period") for model, own in runs.items()}
     escape = _quasistatic()
     return StudyResult(
         answer=_answer(runs),
@@ -71,14 +71,14 @@ def _slides_steadily(model: str) -> bool:
     return False
 
 
-def _percent(one: CycleRun, exact: CycleRun, quantity: str = "period") -> str:
-    return f"{100 * error(one, exact, quantity):+.1f} %".replace("-", "−")
+def _percent(own: CycleRun, exact: CycleRun, quantity: str = "period") -> str:
+    return f"{100 * error(own, exact, quantity):+.1f} %".replace("-", "−")
 
 
 def _answer(runs: dict[str, CycleRun]) -> str:
     exact = runs["delay"]
     modes = [plain(abs(error(runs[name], exact, "period")), ".0e") for name in ("modal:1", "modal:2")]
-    outline = max(abs(error(one, exact, "period")) for one in runs.values()) < _OUTLINE
+    outline = max(abs(error(own, exact, "period")) for own in runs.values()) < _OUTLINE
     return (
         f"{'In outline' if outline else 'No'}, with the period off by {_percent(runs['kelvin-voigt'], exact)} in the paper’s "
         f"ODE, by {_percent(runs['block8'], exact)} and {_percent(runs['block12'], exact)} in the blocks; by {modes[0]} with "
@@ -142,8 +142,8 @@ def _steady() -> Verdict:
 def _numbers(runs: dict[str, CycleRun]) -> dict[str, Number]:
     return {
         f"{model} {name}": Number(value, 1e-8 if model != "fd" else 1e-7)
-        for model, one in runs.items()
-        for name, value in one.orbit.values().items()
+        for model, own in runs.items()
+        for name, value in own.orbit.values().items()
     }
 
 

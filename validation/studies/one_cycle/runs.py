@@ -25,9 +25,9 @@ class CycleRun(NamedTuple):
         return self.settled.orbit
 
 
-def error(one: CycleRun, exact: CycleRun, quantity: str) -> float:
+def error(own: CycleRun, exact: CycleRun, quantity: str) -> float:
     """Relative error of `quantity` (a field of Orbit)."""
-    return one.orbit.values()[quantity] / exact.orbit.values()[quantity] - 1.0
+    return own.orbit.values()[quantity] / exact.orbit.values()[quantity] - 1.0
 
 
 def run_model(model: str) -> CycleRun:

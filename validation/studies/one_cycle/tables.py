@@ -34,8 +34,8 @@ def rates(runs: dict[str, CycleRun]) -> Table:
         "cycles run .0f | unrest .0e | failed solves .0f"
     )
     rows = (
-        (*_row(runs, model, names), one.settled.cycles, one.settled.unrest, one.settled.solver.failures)
-        for model, one in runs.items()
+        (*_row(runs, model, names), own.settled.cycles, own.settled.unrest, own.settled.solver.failures)
+        for model, own in runs.items()
     )
     caption = (
         "Largest and smallest slip rate v over the cycle, from the dense polynomials. *Unrest* is the largest relative spread "
@@ -47,9 +47,9 @@ def rates(runs: dict[str, CycleRun]) -> Table:
 def beside_reference(runs: dict[str, CycleRun]) -> Table:
     """Ours beside values of other programs."""
     rows = []
-    for model, one in runs.items():
+    for model, own in runs.items():
         for quantity, known in reference_orbit(model, LOG10_R).items():
-            ours = one.orbit.values()[quantity]
+            ours = own.orbit.values()[quantity]
             rows.append((model, QUANTITIES[quantity], known, ours, ours / known - 1.0))
     caption = "Comparison with values of other programs (first note below); T in transits."
     return table("reference", caption, "model | quantity | reference .10g | ours .10g | difference [relative] .0e", rows)

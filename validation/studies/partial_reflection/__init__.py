@@ -43,7 +43,9 @@ def run(budget: Budget) -> StudyResult:
     leaks = _leaks(budget.quick)
     bare = [orbit_of(bare_scene(leak)) for leak in leaks]
     held = [orbit_of(grip_scene(HELD, 2.0 / leak - 1.0, LOG10_R_BARE)) for leak in leaks]
-    ends = [end_of(bare_scene(leak)) if math.isnan(one.period) else "stick-slip" for leak, one in zip(leaks, bare, strict=True)]
+    ends = [
+        end_of(bare_scene(leak)) if math.isnan(point.period) else "stick-slip" for leak, point in zip(leaks, bare, strict=True)
+    ]
     edge = locking_leak()
     slow = {leak: end_of(bare_scene(leak, nudge=0.01)) for leak in _SLOW_LEAKS}
     return StudyResult(
@@ -72,7 +74,7 @@ def _leaks(quick: bool) -> tuple[float, ...]:
 
 def _answer(leaks: tuple[float, ...], ends: list[str], held: list[Point]) -> str:
     alive, dead = last_alive(leaks, ends)
-    kept = sum(not math.isnan(one.period) for one in held)
+    kept = sum(not math.isnan(point.period) for point in held)
     return (
         f"Grips keep the cycle at {kept} of {len(held)} reflections tried, down to R = {1.0 - max(leaks):g}; bare coefficients, "
         f"which leak the load, end it between 1 − R = {plain(alive, '.0e')} and {plain(dead, '.0e')}."

@@ -20,10 +20,10 @@ def over_grip(grid: Array, orbits: Mapping[float, Sequence[Any]], pairs: Sequenc
         for axes, which in zip(panels, (0, 1), strict=True):
             label = f"delay system, $K = {stiffness:g}$"
             axes.semilogx(grid, [point[which] for point in points], color=color, linestyle=dashes, marker=".", label=label)
-            some = [pair for pair in pairs if pair.stiffness == stiffness]
-            at = [p.impedance for p in some]
-            axes.plot(at, [p.exact[which] for p in some], "+", color=color, markersize=8)
-            axes.plot(at, [p.wave[which] for p in some], "o", color="#d55e00", markerfacecolor="none")
+            chosen = [pair for pair in pairs if pair.stiffness == stiffness]
+            at = [p.impedance for p in chosen]
+            axes.plot(at, [p.exact[which] for p in chosen], "+", color=color, markersize=8)
+            axes.plot(at, [p.wave[which] for p in chosen], "o", color="#d55e00", markerfacecolor="none")
     panels[1].lines[-1].set_label("full wave")
     for axes, name in zip(panels, ("period $T$ (transits)", r"stress drop $\Delta\mu$"), strict=True):
         axes.set_ylim(bottom=0.0)

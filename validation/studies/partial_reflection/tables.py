@@ -22,7 +22,7 @@ def wave_table(pairs: list[Pair]) -> Table:
 
 def bare_table(leaks: tuple[float, ...], bare: list[Point], held: list[Point], ends: list[str]) -> Table:
     """Bare coefficients beside grips of the same reflection."""
-    rows = ((q, end, *one, 2.0 / q - 1.0, *grip) for q, end, one, grip in zip(leaks, ends, bare, held, strict=True))
+    rows = ((q, end, *point, 2.0 / q - 1.0, *grip) for q, end, point, grip in zip(leaks, ends, bare, held, strict=True))
     figures = "T [transits] .6g | Δμ [σ] .5f | v_{max} [V*] .0f"
     heading = f"1 − R .0e | bare: ends as | {figures} | grip: Z_{{g}}/ε .5g | {figures}"
     caption = (

@@ -45,7 +45,7 @@ def dies(leaks: tuple[float, ...], ends: list[str], period: float) -> Verdict:
 
 def keeps(leaks: tuple[float, ...], held: list[Point]) -> Verdict:
     """Whether grips of the same reflection keep it."""
-    lost = [leak for leak, one in zip(leaks, held, strict=True) if math.isnan(one.period)]
+    lost = [leak for leak, point in zip(leaks, held, strict=True) if math.isnan(point.period)]
     return Verdict(
         "Grips of the same reflection keep the stick-slip that bare coefficients lose",
         Evidence.WITNESS,

@@ -36,7 +36,7 @@ def run(budget: Budget) -> StudyResult:
             verdicts.medium_verdict(found.media),
             verdicts.state_verdict(found.reach),
             verdicts.stop_verdict(found.stopped),
-            *(verdicts.attack_verdict(name, some, found.late) for name, some in found.attacks.items()),
+            *(verdicts.attack_verdict(name, outcomes, found.late) for name, outcomes in found.attacks.items()),
             verdicts.advice_verdict(found.advice),
             verdicts.noise_verdict(found.noise, found.transits),
         ),
@@ -44,7 +44,7 @@ def run(budget: Budget) -> StudyResult:
             "Users cannot pass the limit: cfl beyond 1 is refused before a run begins. The runs of the first two tables "
             "set their steps inside the solvers.",
         ),
-        numbers={f"limit of {model}": Number(some[-1], verdicts.SHARP) for model, some in found.limits.items()},
+        numbers={f"limit of {model}": Number(shares[-1], verdicts.SHARP) for model, shares in found.limits.items()},
     )
 
 

@@ -12,8 +12,8 @@ from validation.study.text import plain
 def limit_table(decades: tuple[int, ...], limits: dict[str, list[float]], reach: dict[str, float]) -> Table:
     """Step limits against stiffness, and the state's own limit."""
     rows = (
-        (model, COARSE[model], step_per_cell(model), *some, reach[model] if math.isfinite(reach[model]) else "none")
-        for model, some in limits.items()
+        (model, COARSE[model], step_per_cell(model), *shares, reach[model] if math.isfinite(reach[model]) else "none")
+        for model, shares in limits.items()
     )
     stiffness = [f"10^{{{decade}}} .2f" for decade in decades]
     heading = " | ".join(["family | cells [a slab] .0f | c Δt / cell [at cfl 1] .4f", *stiffness, "Δt r V [state] .2f"])
@@ -32,8 +32,8 @@ def limit_table(decades: tuple[int, ...], limits: dict[str, list[float]], reach:
 def medium_table(found: dict[str, dict[str, tuple[float, float]]]) -> Table:
     """Noise just below and just above the limit."""
     rows = (
-        (medium, *(f"{_size(below)}, {_size(above)}" for below, above in (some[model] for model in CELLS)))
-        for medium, some in found.items()
+        (medium, *(f"{_size(below)}, {_size(above)}" for below, above in (by_family[model] for model in CELLS)))
+        for medium, by_family in found.items()
     )
     caption = (
         "Largest field, over the size of the noise put in, after 400 steps at 0.99 of the limit, then after 2000 steps at 1.05 "
@@ -52,9 +52,9 @@ def attack_table(found: dict[str, dict[str, AttackOutcome]], late: bool) -> Tabl
         (
             ATTACKS[name].title + (f", cells × {ATTACKS[name].finer}" if ATTACKS[name].finer > 1 else ""),
             ATTACKS[name].late if late else 40.0,
-            *(some[model].wording for model in CELLS),
+            *(by_family[model].wording for model in CELLS),
         )
-        for name, some in found.items()
+        for name, by_family in found.items()
     ]
     ending = (
         "; after the semicolon, at the end of the run, the error of ψ or, if that is less, the largest relative error of mean "
@@ -76,8 +76,8 @@ def message_table(found: dict[str, dict[str, AttackOutcome]]) -> tuple[Table, ..
     """What the attacks that ended with a message said; no table if none did."""
     rows = [
         (ATTACKS[name].title, model, outcome.message)
-        for name, some in found.items()
-        for model, outcome in some.items()
+        for name, by_family in found.items()
+        for model, outcome in by_family.items()
         if outcome.message
     ]
     return (table("messages", "What the runs that stopped said.", "attack | family | message", rows),) if rows else ()
@@ -85,7 +85,10 @@ def message_table(found: dict[str, dict[str, AttackOutcome]]) -> tuple[Table, ..
 
 def advice_table(advice: dict[str, Advice]) -> Table:
     """Runs that asked for more cells, and their outcome with more cells."""
-    rows = ((model, one.stopped or "–", one.message or "–", one.cells, plain(one.error, ".0e")) for model, one in advice.items())
+    rows = (
+        (model, advised.stopped or "–", advised.message or "–", advised.cells, plain(advised.error, ".0e"))
+        for model, advised in advice.items()
+    )
     heading = "family | stops at [cells] | message | goes through at [cells] .0f | largest error of ψ"
     caption = (
         "V = 10^{5} V* for 400 transits: ψ relaxes 200 times in a transit and more in events, so that the steps of "

@@ -39,22 +39,24 @@ class Found(NamedTuple):
 
 def answer(found: Found) -> str:
     """One sentence with the figures that matter."""
-    stiff = [value for some in found.limits.values() for value, decade in zip(some, found.decades, strict=True) if decade > 0]
-    outcomes = [outcome for some in found.attacks.values() for outcome in some.values()]
+    stiff = [value for shares in found.limits.values() for value, decade in zip(shares, found.decades, strict=True) if decade > 0]
+    outcomes = [outcome for by_family in found.attacks.values() for outcome in by_family.values()]
     silent = sum(
-        outcome.silently_wrong(*ATTACKS[name].right) for name, some in found.attacks.items() for outcome in some.values()
+        outcome.silently_wrong(*ATTACKS[name].right)
+        for name, by_family in found.attacks.items()
+        for outcome in by_family.values()
     )
-    told = sum(bool(outcome.message) for outcome in outcomes)
+    stopped = sum(bool(outcome.message) for outcome in outcomes)
     return (
         f"The step limit lies at {min(stiff):.2f} to {max(stiff):.2f} of the declared one however stiff friction is; of "
-        f"{len(outcomes)} attacks {len(outcomes) - told - silent} end right, {told} with a message, {silent} silently wrong; "
-        f"at most {max(found.noise.values()):.6g} of the energy of noise in a locked slab is left."
+        f"{len(outcomes)} attacks {len(outcomes) - stopped - silent} end right, {stopped} with a message, {silent} silently "
+        f"wrong; at most {max(found.noise.values()):.6g} of the energy of noise in a locked slab is left."
     )
 
 
 def limit_verdict(found: Found) -> Verdict:
     """Whether the limit stays where stiffness moves."""
-    every = [(value, decade) for some in found.limits.values() for value, decade in zip(some, found.decades, strict=True)]
+    every = [(value, decade) for shares in found.limits.values() for value, decade in zip(shares, found.decades, strict=True)]
     returning = [value for value, decade in every if decade != 0]
     return Verdict(
         "The step limit does not move with the stiffness of friction",
@@ -69,8 +71,8 @@ def limit_verdict(found: Found) -> Verdict:
 
 def medium_verdict(media: dict[str, dict[str, tuple[float, float]]]) -> Verdict:
     """Whether the limit parts calm from growth in every medium."""
-    below = max(pair[0] for some in media.values() for pair in some.values())
-    above = min(pair[1] for some in media.values() for pair in some.values())
+    below = max(pair[0] for by_family in media.values() for pair in by_family.values())
+    above = min(pair[1] for by_family in media.values() for pair in by_family.values())
     return Verdict(
         "Noise stays at 0.99 of the limit and grows at 1.05, for all slabs and faces",
         Evidence.EXACT,
@@ -102,7 +104,7 @@ def _reach_of(model: str) -> float:
 
 def stop_verdict(stopped: dict[str, bool]) -> Verdict:
     """Whether steps that are too long end with a message."""
-    silent = [model for model, one in stopped.items() if not one]
+    silent = [model for model, stops in stopped.items() if not stops]
     return Verdict(
         "A step past the limit ends the run with a message",
         Evidence.EXACT,
@@ -113,12 +115,12 @@ def stop_verdict(stopped: dict[str, bool]) -> Verdict:
     )
 
 
-def attack_verdict(name: str, some: dict[str, AttackOutcome], beyond: bool) -> Verdict:
+def attack_verdict(name: str, by_family: dict[str, AttackOutcome], beyond: bool) -> Verdict:
     """Whether an attack ended right or with a message in every family."""
     right, right_late = ATTACKS[name].right
-    silent = [model for model, outcome in some.items() if outcome.silently_wrong(right, right_late)]
-    errors = [outcome.error for outcome in some.values() if not outcome.message]
-    late = max((outcome.late for outcome in some.values() if not outcome.message), default=0.0)
+    silent = [model for model, outcome in by_family.items() if outcome.silently_wrong(right, right_late)]
+    errors = [outcome.error for outcome in by_family.values() if not outcome.message]
+    late = max((outcome.late for outcome in by_family.values() if not outcome.message), default=0.0)
     ours = f"ψ to {plain(max(errors), '.0e')}" + (f", late {plain(late, '.0e')}" if beyond else "") if errors else "messages"
     return Verdict(
         "Extreme scenes end right or with a message, never silently wrong",
@@ -139,8 +141,8 @@ def advice_verdict(advice: dict[str, Advice]) -> Verdict:
         Evidence.WITNESS,
         advice[worst].error,
         allowed[worst],
-        f"ψ, V = 10^{{5}} V*, 400 transits; {sum(one.stopped > 0 for one in advice.values())} of {len(advice)} families asked; "
-        f"shown: `{worst}`, the closest to its limit",
+        f"ψ, V = 10^{{5}} V*, 400 transits; {sum(advised.stopped > 0 for advised in advice.values())} of {len(advice)} families "
+        f"asked; shown: `{worst}`, the closest to its limit",
     )
 
 

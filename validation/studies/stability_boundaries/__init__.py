@@ -83,7 +83,7 @@ def _remarks() -> tuple[str, ...]:
 def _numbers(onsets: dict[str, tuple[float, float]], curves: Curves, found: dict[str, Stability]) -> dict[str, Number]:
     return (
         {f"log10 r_c, {model}": Number(math.log10(r), 1e-11) for model, (r, _) in onsets.items()}
-        | {f"log10 r_c, scene {name}": Number(one.log10_r_c, 1e-9) for name, one in found.items()}
+        | {f"log10 r_c, scene {name}": Number(stability.log10_r_c, 1e-9) for name, stability in found.items()}
         | {"error of (27) at V = 1e4": Number(float(curves.error[-1]), 1e-9)}
     )
 

@@ -96,9 +96,9 @@ def spectra(found: Mapping[str, Stability], transit: float) -> "Figure":
     """Leading roots of several models in the upper half of the complex plane, per transit."""
     figure = canvas(WIDTH, 3.2)
     axes = figure.add_subplot()
-    for size, (model, one) in zip((7.0, 7.0, 10.0, 9.0, 12.0), found.items(), strict=True):
+    for size, (model, stability) in zip((7.0, 7.0, 10.0, 9.0, 12.0), found.items(), strict=True):
         style = pen(model)
-        roots = np.array([root for root in one.leading_roots if root.imag > 0.0]) * transit
+        roots = np.array([root for root in stability.leading_roots if root.imag > 0.0]) * transit
         face = style.color if model == "delay" else "none"
         axes.plot(
             roots.real, roots.imag, style.marker, color=style.color, markerfacecolor=face, markersize=size, label=style.label

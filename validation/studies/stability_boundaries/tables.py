@@ -32,11 +32,13 @@ def model_table(onsets: dict[str, tuple[float, float]]) -> Table:
 def scene_table(found: dict[str, Stability]) -> Table:
     """Exact stability of one scene per row."""
     rows = []
-    for name, one in found.items():
-        lead = one.leading_roots[0]
+    for name, stability in found.items():
+        lead = stability.leading_roots[0]
         root = f"{plain(lead.real, '.5g')} ± {plain(abs(lead.imag), '.6g')} i" if lead.imag else plain(lead.real, ".5g")
-        state = "stable" if one.stable else f"unstable ({one.unstable_roots})"
-        rows.append((f"`{name}`", state, one.omega_c, one.log10_r_c, one.epsilon_c, root, one.essential_abscissa))
+        state = "stable" if stability.stable else f"unstable ({stability.unstable_roots})"
+        rows.append(
+            (f"`{name}`", state, stability.omega_c, stability.log10_r_c, stability.epsilon_c, root, stability.essential_abscissa)
+        )
     heading = (
         "scene | steady sliding | ω_{c} [V*/L] .6f | log_{10} r_{c} .8f | ε_{c} .6e | leading root [V*/L] | "
         "fast roots [Re, V*/L] .5g"

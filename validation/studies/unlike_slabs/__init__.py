@@ -35,7 +35,7 @@ def run(budget: Budget) -> StudyResult:
             runs[name].append(march(scene, model, cells, cfl))
         budget.report(0.45 * (count + 1))
     timed = costs(repeats=5 if budget.quick else 9)
-    shown = {name: (some[0].curves, some[1].curves) for name, some in runs.items()}
+    shown = {name: (pair_runs[0].curves, pair_runs[1].curves) for name, pair_runs in runs.items()}
     return StudyResult(
         answer=_answer(runs, timed),
         figures=(Figure("cycles", _CAPTION, lambda: last_cycles(shown)),),
@@ -48,7 +48,7 @@ def run(budget: Budget) -> StudyResult:
             "twice the cells: three times the work. Run times on a busy machine prove nothing, so a ratio that is not reached is "
             "a finding.",
         ),
-        numbers={f"{name}: ψ({UNTIL:.0f})": Number(some[0].figures["psi"], 1e-10) for name, some in runs.items()},
+        numbers={f"{name}: ψ({UNTIL:.0f})": Number(pair_runs[0].figures["psi"], 1e-10) for name, pair_runs in runs.items()},
         omissions=(Omission("Simplified models of unlike slabs.", "This study asks whether the two exact descriptions agree."),),
     )
 
@@ -60,7 +60,7 @@ def _grids(quick: bool) -> tuple[tuple[str, int, float | None], ...]:
 
 
 def _answer(runs: dict[str, list[PairRun]], timed: Costs) -> str:
-    worst, delay = max(abs(some[1].differs(some[0])["psi"]) for some in runs.values()), timed["delay"]
+    worst, delay = max(abs(pair_runs[1].differs(pair_runs[0])["psi"]) for pair_runs in runs.values()), timed["delay"]
     return (
         f"{'They do' if worst < _PROMISED else 'No'}: after {UNTIL:.0f} transits ψ of the delay network and of discontinuous "
         "Galerkin differ by "
@@ -72,12 +72,12 @@ def _answer(runs: dict[str, list[PairRun]], timed: Costs) -> str:
 
 def _table(runs: dict[str, list[PairRun]]) -> Table:
     rows = []
-    for name, some in runs.items():
-        for one in some:
-            exact = one is some[0]
-            off = one.differs(some[0])
+    for name, pair_runs in runs.items():
+        for pair_run in pair_runs:
+            exact = pair_run is pair_runs[0]
+            off = pair_run.differs(pair_runs[0])
             differences = [None if exact else off[key] for key in off]
-            rows.append((_PAIRS[name], one.model, one.cells, one.figures["psi"], *differences))
+            rows.append((_PAIRS[name], pair_run.model, pair_run.cells, pair_run.figures["psi"], *differences))
     symbols = {"ψ": "absolute", "T": "relative", "Δμ": "relative", "v_{max}": "relative"}
     differences_in = [f"difference in {symbol} [{unit}] .0e" for symbol, unit in symbols.items()]
     heading = " | ".join([f"ratio | model | cells [a slab] .0f | ψ({UNTIL:.0f}) .12g", *differences_in])
@@ -93,19 +93,19 @@ def _agreements(runs: dict[str, list[PairRun]]) -> list[Verdict]:
     return [
         _verdict(
             "Unlike slabs: delay network and discontinuous Galerkin agree",
-            abs(some[1].differs(some[0])["psi"]),
+            abs(pair_runs[1].differs(pair_runs[0])["psi"]),
             _PROMISED,
             f"ψ({UNTIL:.0f}), round trips {_PAIRS[name]} : 1",
         )
-        for name, some in runs.items()
+        for name, pair_runs in runs.items()
     ]
 
 
 def _families(runs: dict[str, list[PairRun]]) -> list[Verdict]:
     verdicts = []
-    for name, some in runs.items():
-        states = [one.figures["psi"] for one in some if one.model in _HIGH]
-        limit = _AMONG * (_AMONG_CELLS / next(one.cells or 1 for one in some if one.model == "sbp:6")) ** 3
+    for name, pair_runs in runs.items():
+        states = [pair_run.figures["psi"] for pair_run in pair_runs if pair_run.model in _HIGH]
+        limit = _AMONG * (_AMONG_CELLS / next(pair_run.cells or 1 for pair_run in pair_runs if pair_run.model == "sbp:6")) ** 3
         remark = f"{', '.join(f'`{model}`' for model in _HIGH)}; ψ({UNTIL:.0f}), round trips {_PAIRS[name]} : 1"
         verdicts.append(_verdict("Unlike slabs: full-wave families agree", max(states) - min(states), limit, remark))
     return verdicts
@@ -118,8 +118,8 @@ def _verdict(claim: str, off: float, limit: float, remark: str) -> Verdict:
 def _leapfrog(runs: dict[str, list[PairRun]]) -> list[Verdict]:
     """Half the cells, four times the error."""
     verdicts = []
-    for name, some in runs.items():
-        coarse, fine = (abs(one.differs(some[0])["psi"]) for one in some if one.model == "fd")
+    for name, pair_runs in runs.items():
+        coarse, fine = (abs(pair_run.differs(pair_runs[0])["psi"]) for pair_run in pair_runs if pair_run.model == "fd")
         verdicts.append(
             Verdict(
                 "Unlike slabs: leapfrog’s error falls with the square of the cell",

@@ -47,11 +47,11 @@ def costs(repeats: int) -> Costs:
     found: Costs = {}
     for row, (until, options) in _MODELS.items():
         setting = Setting(row.partition(",")[0], **options)
-        runs = {name: partial(march_of, setting, one, until) for name, one in scene.items()}
-        for one in scene.values():
-            warm_up(setting, one)
+        runs = {name: partial(march_of, setting, pair, until) for name, pair in scene.items()}
+        for pair in scene.values():
+            warm_up(setting, pair)
         rounds = in_turn(runs, repeats)
-        found[row] = {name: 1e6 * min(some[name] for some in rounds) / until for name in scene}
+        found[row] = {name: 1e6 * min(times[name] for times in rounds) / until for name in scene}
     return found
 
 

@@ -22,11 +22,11 @@ def last_cycles(shown: Mapping[str, tuple[Curves, Curves]]) -> "Figure":
     for column, (name, (exact, wave)) in zip(grid.T, shown.items(), strict=True):
         time, *lines = exact.cycle()
         shown_at, *points = wave.cycle()
-        some = _spread(shown_at, points[0])
+        places = _spread(shown_at, points[0])
         for axes, line, marks in zip(column, lines[::-1], points[::-1], strict=True):
             axes.plot(time, line, color="#111111", linewidth=1.2, label="delay system")
             axes.plot(
-                shown_at[some], marks[some], "o", color="#d55e00", markersize=3.6, markerfacecolor="none", label="full wave"
+                shown_at[places], marks[places], "o", color="#d55e00", markersize=3.6, markerfacecolor="none", label="full wave"
             )
         column[0].set_title(_TITLES[name])
         column[1].set(yscale="log", xlabel="time since the slip event (transits)")
