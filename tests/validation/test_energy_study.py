@@ -65,7 +65,8 @@ def test_the_answer_tells_shares_and_orders():
         "At least 99 % goes into friction: over two cycles grips absorb 0.8 % of the work and viscosity 0.25 %."
     )
     assert told.endswith(
-        "The books of the leapfrog close to 4 · 10^{−15}, those of the other families at orders 3.0 to 5.0 in the cell."
+        "The ledger of the leapfrog closes to 4 · 10^{−15}; the residuals of the other families fall at orders 3.0 to 5.0 in "
+        "the cell."
     )
     assert energy._answer(shown(0.5), np.zeros(2), orders).startswith("At least 50 %")
 

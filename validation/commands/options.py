@@ -46,7 +46,7 @@ Out: TypeAlias = Annotated[Path | None, typer.Option(help="file to write")]
 
 
 def most_seconds(yes: bool) -> float:
-    """Longest expected run time that is accepted."""
+    """Longest expected run time that is accepted, in seconds."""
     import math
 
     from slipwave.observe.foresight import DAY

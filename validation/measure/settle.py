@@ -115,8 +115,7 @@ def estimate(events: Events) -> Orbit:
 
 
 def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> Cycle:
-    """March two more cycles and return one of them, from `before` transits ahead of its event to `after` transits past its
-    end."""
+    """March two more cycles and return one, from `before` transits ahead of its event to `after` transits past its end."""
     solver, period = settled.solver, settled.orbit.period.value
     begin = solver.time
     history = HistoryObserver(solver.scene.law, solver.nodes)

@@ -130,7 +130,7 @@ def _race_table(ours: list[Point], rivals: list[PlainRun]) -> Table:
     caption = (
         f"The Kelvin–Voigt system over {TRANSITS:.0f} transits: this package against `scipy.integrate.solve_ivp` (LSODA) with "
         f"the right-hand side in Python, both timed in this run. Errors of T are against {known:.10g}, known from other "
-        f"programs. This package, for T to {plain(_RACE_ERROR, '.0e')}: {_race_factor(ours, rivals)}."
+        f"programs. T to {plain(_RACE_ERROR, '.0e')}: {_race_factor(ours, rivals)}."
     )
     return table("race", caption, heading, rows)
 
@@ -143,7 +143,7 @@ def _race_factor(ours: list[Point], rivals: list[PlainRun]) -> str:
     best = cheapest(ours, _RACE_ERROR)
     if not able or not best:
         return "not reached by both"
-    return f"{min(rival.seconds for rival in able) / best.seconds:.0f} times faster here"
+    return f"this package is {min(rival.seconds for rival in able) / best.seconds:.0f} times faster"
 
 
 def _agreement(rivals: list[PlainRun]) -> Verdict:

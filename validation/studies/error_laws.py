@@ -88,7 +88,7 @@ def _answer(onsets: Onsets, cycles: list[CycleErrors], falls: bool) -> str:
     off = max(abs(onset.ratio(_paper() + 2) - 1.0) for model, onset in onsets.items() if model != "quasidynamic")
     errors = [100.0 * abs(cycle.errors["kelvin-voigt"]) for cycle in cycles]
     return (
-        "For the onset of stick-slip, yes: the first term that a reduction’s impedance lacks predicts the error of r_{{c}}, to "
+        "For the onset of stick-slip, yes: the first term that a reduction’s impedance lacks predicts the error of r_{c}, to "
         f"{plain(off, '.0e')} of that error at a quarter of the paper’s ε. For the cycle, {'yes' if falls else 'no'}: the period "
         f"of the paper’s ODE is {min(errors):.1f} to {max(errors):.1f} % off at the r tried, down to θ = {cycles[-1].theta:.3f}."
     )

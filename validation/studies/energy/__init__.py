@@ -49,8 +49,8 @@ def _answer(shown: dict[str, History], fd: Array, orders: dict[str, Fit]) -> str
     slopes = [found.order for found in orders.values()]
     return (
         f"At least {friction:.0f} % goes into friction: over two cycles grips absorb {lost['grips']:.2g} % of the work and "
-        f"viscosity {lost['viscous']:.2g} %. The books of the leapfrog close to {plain(float(np.abs(fd).max()), '.0e')}, those "
-        f"of the other families at orders {min(slopes):.1f} to {max(slopes):.1f} in the cell."
+        f"viscosity {lost['viscous']:.2g} %. The ledger of the leapfrog closes to {plain(float(np.abs(fd).max()), '.0e')}; "
+        f"the residuals of the other families fall at orders {min(slopes):.1f} to {max(slopes):.1f} in the cell."
     )
 
 

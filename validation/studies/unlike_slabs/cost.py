@@ -64,7 +64,7 @@ def cost_table(found: Costs) -> Table:
         rows.append((model.partition(",")[0], _words(model), alike, *others))
     heading = "model | setting | alike [μs] .1f | 2 : 1 [μs] .1f | ratio .2f | √2 : 1 [μs] .1f | ratio .2f"
     caption = (
-        "Processor time of one transit of the upper slab, march and event detection, fastest of several runs taken in turn. r is "
+        "Processor time of one transit of the upper slab, march and event detection, fastest of several alternating runs. r is "
         "10^{−2.68} for the alike pair, 0.0026 and 0.0029 for the unlike ones, so that the slip events of all three reach about "
         "the same rate (3300 to 3600 V* in 600 transits): faster events need smaller steps, alike slabs or not."
     )
