@@ -1,4 +1,4 @@
-"""`slipwave compare`: several models on one scene, laid over each other."""
+"""`slipwave compare`: several models on one scene, in one figure and one table."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -26,7 +26,7 @@ def compare(
     yes: Yes = False,
     json: Json = False,
 ) -> None:
-    """Lay models over each other for one cycle; print periods and stress drops with their errors."""
+    """Draw one cycle of each model in one figure; print periods and stress drops with their errors."""
     from slipwave.observe.foresight import require_time
     from validation.measure.cycle import CycleObserver
     from validation.output import attempt, conclude, print_json, printed, require_writable

@@ -181,7 +181,7 @@ def _energy(done: "Run") -> dict[str, float] | None:
 
 
 def _print(done: "Run", choice: "Choice | None", notes: list[str]) -> None:
-    from validation.commands.wording import describe, statistics_rows, told_events
+    from validation.commands.wording import describe, events_in_words, statistics_rows
     from validation.output import figures, print_table
 
     for line in describe(done.solver.scene):
@@ -190,7 +190,7 @@ def _print(done: "Run", choice: "Choice | None", notes: list[str]) -> None:
         print(f"{'grid chosen for the tolerance' if choice.tried else 'default grid'}: {_grid_words(choice)}")
     for note in notes:
         print(f"note: {note}")
-    print(f"model {done.solver.model}, {done.until:g} transits: {told_events(done.starts, done.verdict)}")
+    print(f"model {done.solver.model}, {done.until:g} transits: {events_in_words(done.starts, done.verdict)}")
     if done.verdict and done.verdict.repeats:
         print()
         print_table(*statistics_rows(done.statistics, done.solver.scene))

@@ -56,14 +56,14 @@ def statistics_rows(found: RunStatistics, scene: Scene) -> tuple[list[str], list
     return (heading, rows) if scene.units else (heading[:-1], [row[:-1] for row in rows])
 
 
-def told_events(count: int | None, verdict: Verdict | None) -> str:
+def events_in_words(count: int | None, verdict: Verdict | None) -> str:
     """The number of slip events of a run and its verdict, in one line."""
     if count is None or verdict is None:
         return "events were not watched (run.record is empty)"
-    return f"{count} slip event{'s' if count != 1 else ''}; {told_verdict(verdict)}"
+    return f"{count} slip event{'s' if count != 1 else ''}; {verdict_in_words(verdict)}"
 
 
-def told_verdict(verdict: Verdict) -> str:
+def verdict_in_words(verdict: Verdict) -> str:
     """The verdict on the second half of a run, with the reason."""
     change, needed = f"{abs(verdict.change):.2g}", f"{float(f'{verdict.needed:.2g}'):g}"
     reasons = {

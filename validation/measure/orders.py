@@ -115,7 +115,7 @@ class Climb:
         return [f"{name}: {complaint}" for name, complaint in complaints.items() if complaint]
 
     def _misses(self, found: Fit, half_width: float, slack: float) -> str:
-        """Whether the order, give or take `half_width`, misses the promised one by more than `slack`, or the errors are large."""
+        """Whether the order within +- `half_width` misses the promised one by more than `slack`, or the errors are large."""
         allowed = max(half_width, slack)
         if found.order + allowed < self._promised or (self._exact and found.order - allowed > self._promised):
             return f"promised {self._promised:g}, observed {found}"

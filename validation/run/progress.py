@@ -27,7 +27,7 @@ class _Meter:
 
     def __init__(self, label: str, total: float) -> None:
         self._label, self._total = label, total
-        self._began = self._told = time.monotonic()
+        self._began = self._printed = time.monotonic()
         self._first: tuple[float, float] | None = None
         self._bar: Progress | None = None
         self._task: TaskID | None = None
@@ -39,8 +39,8 @@ class _Meter:
             return
         if sys.stderr.isatty():
             self._draw(done)
-        elif now - self._told >= _LINE_INTERVAL:
-            self._told = now
+        elif now - self._printed >= _LINE_INTERVAL:
+            self._printed = now
             left = (now - self._first[0]) * (self._total - done) / max(done - self._first[1], 1e-9)
             news = f", {left:.0f} s left" if done > self._first[1] else ""
             print(f"{self._label}: {done / self._total:.0%}{news}", file=sys.stderr, flush=True)

@@ -27,7 +27,7 @@ from validation.run.progress import progress
 
 @dataclass(frozen=True)
 class Run:
-    """What came out of a run of `solver` to `until` (transits). `starts` counts slip events, `verdict` is on the second half;
+    """The result of a run of `solver` to `until` (transits). `starts` counts slip events, `verdict` is on the second half;
     both are None without a watch. `statistics` are of the second half's cycles, of none if they do not repeat. `wall_s` is in
     seconds; `failed` is empty, or says what, where and when the numerics failed: the rest is then what was known by that time.
     """

@@ -34,7 +34,13 @@ def run(budget: Budget) -> StudyResult:
 
 def _table(faults: list[dict[str, Any]]) -> Table:
     rows = (
-        (fault["where"].partition("::")[0], fault["what"], fault["user"], _told(fault.get("caught_by")), float(fault["seconds"]))
+        (
+            fault["where"].partition("::")[0],
+            fault["what"],
+            fault["user"],
+            _test_in_words(fault.get("caught_by")),
+            float(fault["seconds"]),
+        )
         for fault in faults
     )
     caption = (
@@ -45,7 +51,7 @@ def _table(faults: list[dict[str, Any]]) -> Table:
     return table("faults", caption, heading, rows, survivors)
 
 
-def _told(test: str | None) -> str:
+def _test_in_words(test: str | None) -> str:
     """A test's name as the sentence that it is, and its file."""
     if not test:
         return "nothing"

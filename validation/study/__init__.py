@@ -97,7 +97,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Verdict:
-    """One claim and one kind of evidence: what was expected, what came out, and how it fared.
+    """One claim and one kind of evidence: what was expected, what was found, and the outcome.
 
     `size` and `limit`: what was measured and what is allowed, for claims that bound a size (`validation.study.bounds`).
     """

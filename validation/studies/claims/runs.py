@@ -1,4 +1,4 @@
-"""The runs that the claims are held against: orbits along the stable branch, long runs deep inside it, ripples."""
+"""The runs that the claims are compared with: orbits along the stable branch, long runs deep inside it, ripples."""
 
 from collections.abc import Callable
 from typing import NamedTuple, TypeAlias
@@ -32,7 +32,7 @@ _SHOWN = (1000.0, 1420.0)
 _LONGEST = 12  # cycles of a periodic orbit that `recurrence` knows
 
 Branch: TypeAlias = dict[float, dict[str, Orbit]]
-"""By log10 r, where all models have come to rest: their orbits."""
+"""By log10 r, where all models have settled: their orbits."""
 
 
 class Deep(NamedTuple):
@@ -61,7 +61,7 @@ class Ripples(NamedTuple):
 
 
 def settle_branch(quick: bool, report: Callable[[float], None]) -> Branch:
-    """Every model's orbit, from the scene's own nudge, at every log10 r at which all of them come to rest."""
+    """Every model's orbit, from the scene's own nudge, at every log10 r at which all of them settle."""
     branch: Branch = {}
     for count, log10_r in enumerate(LOG10_R[quick]):
         found = {model: _settled(model, {"slab.log10_r": log10_r}) for model in MODELS}

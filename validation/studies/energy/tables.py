@@ -5,7 +5,7 @@ import numpy as np
 from slipwave.observe.pieces import Array
 from validation.measure.order_fit import Fit
 from validation.studies.energy.runs import BOUNDARIES, ENTRIES, HIGH, LADDERS, UNTIL, History
-from validation.studies.energy.verdicts import told
+from validation.studies.energy.verdicts import with_interval
 from validation.study import Cell, Table, table
 from validation.study.text import plain
 
@@ -32,7 +32,7 @@ def residual_table(residuals: dict[str, Array], orders: dict[str, Fit]) -> Table
     for ladder in LADDERS:
         sizes = [plain(float(value), ".0e") for value in np.abs(residuals[ladder.model])]
         grids = ", ".join(map(str, ladder.cells))
-        order = told(orders[ladder.model]) if ladder.model in orders else None
+        order = with_interval(orders[ladder.model]) if ladder.model in orders else None
         rows.append((ladder.model, grids, ", ".join(sizes), ladder.derived, order))
     caption = (
         f"Residual of the ledger after {UNTIL:.0f} transits of the paper’s scene, relative to the largest entry, on each grid, "

@@ -26,13 +26,13 @@ def order_verdict(ladder: EnergyLadder, found: Fit) -> Verdict:
         "Energy losses of the other families have the order of their squared jumps",
         Evidence.EXACT,
         f"{ladder.derived:g}",
-        told(found),
+        with_interval(found),
         judge(not short),
         f"`{ladder.model}`",
     )
 
 
-def told(found: Fit) -> str:
+def with_interval(found: Fit) -> str:
     """An order with its 95 % interval."""
     return f"{found.order:.2f} ± {found.half_width:.2f}"
 

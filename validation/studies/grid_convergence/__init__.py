@@ -97,10 +97,10 @@ def _answer(climbs: list[Climb], promises: dict[str, float], curves: Curves) -> 
 def _cost(curves: Curves) -> str:
     """Run times for one error of the state, where it is reached."""
     times = {model: float(seconds[error < _ENOUGH].min(initial=np.inf)) for model, (_, seconds, error) in curves.items()}
-    told = ", ".join(
+    listed = ", ".join(
         f"{1e3 * times[model]:.0f} ms with `{model}`" for model in ("fd", *_NAMED) if np.isfinite(times.get(model, np.inf))
     )
-    return f"An error of the state below {plain(_ENOUGH, '.0e')} costs {told}."
+    return f"An error of the state below {plain(_ENOUGH, '.0e')} costs {listed}."
 
 
 _NAMED = {"sbp:6": "summation by parts", "fem:7": "finite elements", "dg:7": "discontinuous Galerkin"}

@@ -43,10 +43,10 @@ def _tolerance(model: str) -> float:
 
 
 def _answer(runs: Runs) -> str:
-    told = {model: plain(abs(error(runs, model, -2.68, "period")), ".0e") for model in ("kelvin-voigt", *TARGETS, "modal:8")}
+    errors = {model: plain(abs(error(runs, model, -2.68, "period")), ".0e") for model in ("kelvin-voigt", *TARGETS, "modal:8")}
     return (
-        f"At log_{{10}} r = −2.68 the paper’s ODE misses the period by {told['kelvin-voigt']}, one exact mode of the slabs "
-        f"(one state more) by {told['modal:1']}, two by {told['modal:2']}, eight by {told['modal:8']}."
+        f"At log_{{10}} r = −2.68 the paper’s ODE misses the period by {errors['kelvin-voigt']}, one exact mode of the slabs "
+        f"(one state more) by {errors['modal:1']}, two by {errors['modal:2']}, eight by {errors['modal:8']}."
     )
 
 

@@ -17,7 +17,7 @@ SHOWN = (-2.69, -2.68, -2.66)
 """log10 r of the table."""
 
 MOST = 9000.0
-"""Transits after which an orbit must have come to rest."""
+"""Transits after which an orbit must have settled."""
 
 RESTLESS = 1e-6
 """An orbit whose cycles still differ by more, relative, is not compared."""
@@ -41,7 +41,7 @@ def scene_at(log10_r: float) -> Scene:
 
 
 def orbit_of(model: str, log10_r: float) -> ModelRun | None:
-    """The settled orbit, None if there is none or it has not come to rest."""
+    """The settled orbit, None if there is none or it has not settled."""
     try:
         found = settle(build(model, scene_at(log10_r), tolerance=1e-10), tolerance=1e-9, most=MOST)
     except NoCycle:

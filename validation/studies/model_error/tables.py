@@ -29,7 +29,7 @@ def error_table(runs: Runs) -> Table:
 def omissions(runs: Runs) -> tuple[Omission, ...]:
     """Models and points without an orbit to compare."""
     beyond = [log10_r for log10_r in _BEYOND if orbit_of("delay", log10_r) is None]
-    told = ", ".join(f"{log10_r:g}".replace("-", "−") for log10_r in beyond)
+    listed = ", ".join(f"{log10_r:g}".replace("-", "−") for log10_r in beyond)
     lost = [
         f"`{model}` at {x:g}".replace("-", "−") for model in ("delay", *MODELS) for x, orbit in runs[model].items() if not orbit
     ]
@@ -37,7 +37,7 @@ def omissions(runs: Runs) -> tuple[Omission, ...]:
         Omission(
             f"r beyond log_{{10}} r = {SHOWN[-1]:g}.".replace("-", "−"),
             f"The delay system’s cycles keep changing by more than {plain(RESTLESS, '.0e')} after {MOST:.0f} transits at "
-            f"{told}: no period to compare.",
+            f"{listed}: no period to compare.",
         ),
     ]
     if not any(runs["quasidynamic"].values()):

@@ -16,7 +16,7 @@ from validation.studies.stability_attacks.limits import CELLS as COARSE
 from validation.study.text import plain
 
 CELLS = {model: cells.fine for model, cells in ATTACKED.items()}
-"""Cells of the faster slab for runs that are held against the delay system."""
+"""Cells of the faster slab for runs that are compared with the delay system."""
 
 
 class Attack(NamedTuple):

@@ -42,7 +42,7 @@ def pairs() -> dict[str, Scene]:
 
 
 def costs(repeats: int) -> Costs:
-    """Least of `repeats` runs of every model on every pair, the pairs taken in turn."""
+    """Least of `repeats` runs of every model on every pair; the pairs alternate."""
     scene = pairs()
     found: Costs = {}
     for row, (until, options) in _MODELS.items():
