@@ -19,4 +19,4 @@ def require_cfl(cfl: float) -> None:
     if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.integer | np.floating) or not 0.0 < cfl <= 1.0:
         raise SceneError(f"cfl = {cfl!r}: must lie in (0, 1]")
     if cfl < LEAST_CFL:
-        raise SceneError(f"cfl = {cfl!r}: must be at least {LEAST_CFL:g}; no march of shorter steps comes to an end")
+        raise SceneError(f"cfl = {cfl!r}: must be at least {LEAST_CFL:g}; with shorter steps no run would end")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 NOTHING = frozenset[str]()
 ANYTHING = frozenset(FEATURES)
-"""Features that a family honours: none, so that it is for two alike homogeneous elastic slabs behind rigid faces; or all."""
+"""Features that a family honours: none (it computes only two alike homogeneous elastic slabs with rigid faces), or all."""
 
 
 class Exact(StrEnum):

@@ -20,10 +20,10 @@ FEATURES = {
 
 def features_of(scene: "Scene") -> frozenset[str]:
     """The features of `scene` (keys of FEATURES)."""
-    found = {feature for slab in (scene.upper, scene.lower) for feature in _slab_features(slab)}
+    features = {feature for slab in (scene.upper, scene.lower) for feature in _slab_features(slab)}
     if not scene.alike:
-        found.add("unlike")
-    return frozenset(found)
+        features.add("unlike")
+    return frozenset(features)
 
 
 def _slab_features(slab: "Slab") -> set[str]:

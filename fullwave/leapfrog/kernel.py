@@ -16,10 +16,10 @@ from slipwave.scene.forcing import Forcing
 from slipwave.scene.start import nudge_rate
 
 STEPS_PER_PIECE = 4
-"""Steps in one piece: a quartic, so that events and extrema are read to fifth order in the step of a scheme of order two."""
+"""Steps in one piece: a quartic, so that reading events and extrema has an error of order 5, in a scheme of order 2."""
 
 MOST_PIECES = 1024
-"""Pieces in one chunk: memory stays at some 200 kB and the cost of leaving compiled code is spread over 4096 steps."""
+"""Pieces in one chunk: they take some 200 kB, and the cost of leaving compiled code is shared by 4096 steps."""
 
 # slots of the interface's memory
 STATE, STRESS, ELASTIC, DRIVE, INPUT, FRICTION = 0, 1, 2, 3, 4, 5
@@ -28,8 +28,8 @@ RATE = 16  # the upper slab's interface velocity at the last sample
 MEMORY = 17
 
 COARSEST_HALF_STEP = 1.0
-"""Change of psi over half a step beyond which the midpoint rule no longer follows it: the step counts as failed, and
-psi is not carried further than this beyond its mean, so that the run stays near the quasi-steady state instead of ringing."""
+"""Largest change of psi over half a step that the midpoint rule can follow. A step with a larger change counts as failed, and the
+change is limited to this, so that the run stays near the quasi-steady state and does not oscillate."""
 
 
 @inlined

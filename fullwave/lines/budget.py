@@ -11,15 +11,15 @@ from fullwave.lines.runge_kutta import RungeKutta
 from slipwave.errors import SceneError
 
 MOST_BYTES = 4e9
-"""Memory that a solver may take: half of that of a small machine, so that a wrong number of cells is told from a large one before
-the machine swaps. A grid of this size takes seconds for each of its steps: no run of interest lies beyond."""
+"""Memory that a solver may use: half of that of a small machine, so that a wrong number of cells is refused before the machine
+swaps. On a grid of this size every step takes seconds, so no useful run needs more."""
 
 MOST_WORK = 4e8
-"""Products of a weight and a value in one go of compiled code, which neither reports nor can be interrupted: at the 0.5 to 2 per
-nanosecond of the measured families, 0.2 to 0.8 s."""
+"""Products of a weight and a value in one call of compiled code, which neither reports progress nor can be interrupted: 0.2 to
+0.8 s at the measured 0.5 to 2 products per nanosecond."""
 
 PRODUCTS_PER_SECOND = 2e9
-"""Of the marches (1.3 to 4e9 measured): what a run takes is told from it, roughly."""
+"""Speed of the marches (1.3 to 4e9 measured), for a rough prediction of the time of a run."""
 
 _FEW_CELLS = 2000  # 20 kB each at most, so memory is not counted
 _PROBE_CELLS = 16

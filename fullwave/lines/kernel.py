@@ -11,8 +11,8 @@ STEPS_PER_PIECE = 8
 """Steps in one piece: its nine samples make a polynomial of degree 8, so observers never limit a scheme of order 8 or less."""
 
 MOST_PIECES = 512
-"""Pieces in one chunk, fewer on big grids (`budget.MOST_WORK`): memory stays at some 200 kB and the cost of leaving compiled code
-is spread over 4096 steps."""
+"""Pieces in one chunk, fewer on big grids (`budget.MOST_WORK`): they take some 200 kB, and the cost of leaving compiled code is
+shared by 4096 steps."""
 
 
 @njit

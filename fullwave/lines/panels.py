@@ -15,7 +15,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 
 LANES = 8
-"""Columns abreast; flat arrays that are summed panel by panel have a multiple of this size."""
+"""Columns of a panel; the size of flat arrays that are summed panel by panel is a multiple of it."""
 
 _VECTOR = ir.VectorType(ir.DoubleType(), LANES)
 _LANE_NUMBERS = ir.VectorType(ir.IntType(32), LANES)

@@ -18,7 +18,7 @@ from slipwave.observe.pieces import Array
 
 Complex = NDArray[np.complex128]
 MARGIN = 0.99
-"""Share of the computed limit that is used where the line is cut short for the computation."""
+"""Share of the computed limit that is used if the line is shortened for the computation."""
 
 _GROWTH = 1e-11  # largest amplification in one step that counts as rounding
 _KEPT_OFF = 1e-6  # relative distance kept from the limit; without it that rounding would be real growth in 1e6 transits

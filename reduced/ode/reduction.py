@@ -74,7 +74,7 @@ TABULATED: dict[str, Callable[[], Reduction]] = {
     # (11), (14), (41): (1/s)(1 + s^2/8)/(1 + s^2/24) = 1/s + 2 s/(s^2 + 24)
     "kelvin-voigt": lambda: Reduction("kelvin-voigt", frequencies=(math.sqrt(24.0),), residues=(2.0,)),
 }
-"""Reductions of the alike pair in closed form; modal:N comes beside them."""
+"""Reductions of the alike pair in closed form, except modal:N (`_modal`)."""
 
 
 def reduction(name: str) -> Reduction:

@@ -9,7 +9,7 @@ from numpy.polynomial import legendre
 from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
 
 Nodes: TypeAlias = tuple[float, ...]
-"""Nodes as a tuple: compiled code then knows their number."""
+"""Nodes as a tuple, from which compiled code knows their number."""
 
 
 _ROUNDING = 1e-13  # rounding error of the stability function as computed here

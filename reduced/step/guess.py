@@ -10,7 +10,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene.start import nudge_rate
 
 DONE, NOT_SOLVED, NOT_SMOOTH, TOO_STEEP = range(4)
-"""What becomes of a step."""
+"""Verdicts on a step."""
 
 
 @njit

@@ -41,7 +41,7 @@ _DIGEST_BYTES = hashlib.sha256().digest_size
 _VERSIONS = f"{sys.version} {np.__version__} {numba.__version__} {llvmlite.__version__}"
 
 Choices: TypeAlias = Callable[[], Iterable[tuple[type, Callable[..., Any]]]]
-"""What a compiled call may become, by the class it is chosen for."""
+"""The functions that a compiled call may become, each with the class it is chosen for."""
 
 _choices: list[tuple[Path, Choices]] = []
 _is_told = False
@@ -207,6 +207,6 @@ def _tell(trouble: str) -> None:
     if not _is_told:
         _is_told = True
         where = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-        line = f"slipwave: the cache of compiled code in {where} {trouble}; compiling anew, which may take half a minute"
+        line = f"slipwave: the cache of compiled code in {where} {trouble}; compiling again, which may take half a minute"
         with contextlib.suppress(OSError, ValueError):
             print(" ".join(line.split()), file=sys.stderr)

@@ -75,8 +75,8 @@ class EventObserver:
 
     def dates(self, after: float = -np.inf) -> Array:
         """Dates (transits) of the slip events from `after` on, in the window from there to now; shape (events,)."""
-        found = self.judge(after)
-        return np.asarray(found.swings[found.events, DATE])
+        judged = self.judge(after)
+        return np.asarray(judged.swings[judged.events, DATE])
 
     @property
     def count(self) -> int:
@@ -91,13 +91,13 @@ class EventObserver:
 
     def events(self, after: float = -np.inf) -> Events:
         """Complete cycles that begin at or after `after` (transits), in the window from there to now."""
-        found = self.judge(after)
-        events = found.events[1:] if found.events.size and found.events[0] == 0 else found.events
-        events = events if found.over else events[:-1]
+        judged = self.judge(after)
+        events = judged.events[1:] if judged.events.size and judged.events[0] == 0 else judged.events
+        events = events if judged.over else events[:-1]
         if events.size < 2:
             return Events(*np.empty((6, 0)))
-        dates, begins = found.swings[events, DATE], events[:-1]
-        inner = found.swings[: events[-1]]
+        dates, begins = judged.swings[events, DATE], events[:-1]
+        inner = judged.swings[: events[-1]]
         highest = np.maximum.reduceat(inner[:, [BEGIN, END]].max(axis=1), begins)
         lowest = np.minimum.reduceat(inner[:, [BEGIN, END]].min(axis=1), begins)
         records = np.maximum.reduceat(inner[:, RECORDS:], begins, axis=0)

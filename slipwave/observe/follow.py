@@ -13,7 +13,7 @@ from slipwave.observe.pieces import Pieces, interpolation_matrix, lagrange_basis
 from slipwave.observe.solver import Solver
 
 _SAME = 1e-9
-"""Transits within which two times are one."""
+"""Transits; two times that differ by less are equal."""
 
 
 @dataclass(frozen=True)

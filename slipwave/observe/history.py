@@ -72,6 +72,6 @@ class HistoryObserver:
 
 def named_columns(law: Law, samples: Sequence[Array] | Array) -> dict[str, Array]:
     """Samples by name, with the slip rate (V*) in place of the rate unknown."""
-    time, unknown, psi, stress, elastic = samples
-    rate = np.array([rate_of(law, z) for z in unknown], dtype=float)
-    return {"time": time, "slip_rate": rate, "psi": psi, "stress": stress, "elastic_stress": elastic}
+    time, z, psi, mu, y = samples
+    rate = np.array([rate_of(law, value) for value in z], dtype=float)
+    return {"time": time, "slip_rate": rate, "psi": psi, "stress": mu, "elastic_stress": y}

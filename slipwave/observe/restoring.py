@@ -24,7 +24,7 @@ def whole_numbers(state: Mapping[str, NDArray[Any]], name: str, least: tuple[int
 def tables(state: Mapping[str, NDArray[Any]], shapes: Mapping[str, tuple[int, ...]], model: str) -> dict[str, Array]:
     """Copies of the arrays of `state` named in `shapes`. Raises SceneError unless all of them are finite and have their shape, in
     which -1 stands for any length."""
-    found = {}
+    saved = {}
     for name, shape in shapes.items():
         array = state.get(name, np.empty(0, dtype=bool))
         fits = len(shape) == array.ndim and all(wanted in (-1, size) for wanted, size in zip(shape, array.shape, strict=True))
@@ -32,12 +32,12 @@ def tables(state: Mapping[str, NDArray[Any]], shapes: Mapping[str, tuple[int, ..
             raise SceneError(f"checkpoint: {name} does not fit this scene with model {model}")
         if not np.isfinite(array).all():
             raise SceneError(f"checkpoint: {name} holds numbers that are not finite")
-        found[name] = array.copy()
-    return found
+        saved[name] = array.copy()
+    return saved
 
 
 def take_back(own: Mapping[str, Array], state: Mapping[str, NDArray[Any]], model: str) -> None:
     """own[name][...] = state[name] for every name. Raises SceneError, and sets none, unless all of them fit and are finite."""
-    found = tables(state, {name: array.shape for name, array in own.items()}, model)
+    saved = tables(state, {name: array.shape for name, array in own.items()}, model)
     for name, array in own.items():
-        array[...] = found[name]
+        array[...] = saved[name]

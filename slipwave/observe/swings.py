@@ -15,7 +15,7 @@ DIRECTION, BEGIN, END, DATE, RECORDS = 0, 1, 2, 3, 4
 COLUMNS = RECORDS + 4
 
 SHARE = 0.1
-"""A fall counts from this share of the largest fall in the judged window on."""
+"""Smallest fall that counts, as a share of the largest fall in the judged window."""
 _SEARCHED = 0.5  # `thin` goes back to the last fall that is at least this share of the new one; it might go back further
 
 

@@ -26,7 +26,7 @@ from slipwave.observe.pieces import Array
 Kind: TypeAlias = Literal["steady", "decaying", "growing", "settling", "periodic", "irregular", "driven", "too short"]
 
 REPEATING: tuple[Kind, ...] = ("periodic", "irregular")
-"""Verdicts on motions that means over cycles stand for."""
+"""Verdicts on motions that means over cycles represent."""
 
 FEWEST, ENOUGH = 3, 8
 REPEATS = 1e-3

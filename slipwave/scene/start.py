@@ -15,7 +15,7 @@ NUDGE_CENTRE = 6.0
 """Transits at which the nudge peaks; at t~ = 0 it is size * e^-36."""
 
 NUDGE_REACH = 7.0
-"""Outside NUDGE_CENTRE +- this many transits the nudge is below size * 6e-22, which is taken for nothing."""
+"""Outside NUDGE_CENTRE +- this many transits the nudge is below size * 6e-22 and is set to 0."""
 
 
 class StartKind(StrEnum):
