@@ -22,11 +22,11 @@ def test_json_of_the_paper_scene(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 TABLES = """\
-                                            critical           here
-critical frequency omega_c [V*/L]      63.3360980646
-critical round trip log10 r_c         -2.69954971585    scene -2.68
-critical epsilon                   2.92929031601e-05  scene 2.8e-05
-pile of fast roots, Re s [V*/L]         -38.42073953
+                                               critical           here
+critical frequency omega_c [V*/L]         63.3360980646
+critical round trip log10 r_c            -2.69954971585    scene -2.68
+critical epsilon                      2.92929031601e-05  scene 2.8e-05
+limit of the fast roots, Re s [V*/L]       -38.42073953
 
 leading roots s [V*/L], conjugates left out  cycles per transit
 0.88277908 +61.91753 i                                0.0205889
@@ -109,7 +109,7 @@ def test_a_ramp_says_which_velocity_is_analysed(capsys: pytest.CaptureFixture[st
     same = answer(capsys, "paper", "--set", "drive.velocity=1000")
     assert found["velocity"] == same["velocity"] == 1000.0
     assert found["leading_roots"] == same["leading_roots"]
-    assert ["V = 1000, that at t = 0" in note for note in found["notes"]] == [True]
+    assert ["V = 1000, the one at t = 0" in note for note in found["notes"]] == [True]
     assert same["notes"] == []
     assert main(["stability", "paper", "--set", ramp]) == 0
     assert "note: the drive changes: this is steady sliding at V = 1000" in capsys.readouterr().out
