@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.measure.order_fit import fit, shortfall
+from validation.measure.order_fit import fit, fit_dense, shortfall
 
 CELLS = np.array([16, 32, 64, 128, 256])
 
@@ -36,8 +36,15 @@ def test_coarse_levels_that_do_not_follow_yet_are_left_out():
 
 
 def test_levels_at_rounding_are_left_out():
+    """Below 100 machine epsilons, 2.2e-14, and not before."""
     errors = np.array([1e-10, 1e-11, 1e-12, 1e-13, 3e-15])
     assert fit(10.0 ** np.arange(1, 6), errors).used == slice(0, 4)
+    assert fit(10.0 ** np.arange(1, 6), np.maximum(errors, 3e-14)).used.stop == 5
     assert fit(10.0 ** np.arange(1, 6), 1e3 * errors, scale=1e3).used == slice(0, 4)
     with pytest.raises(ValueError, match="2 usable levels"):
         fit(CELLS, np.array([1e-3, 1e-4, 0.0, 1e-9, 1e-9]))
+
+
+def test_a_dense_ladder_of_an_exact_power_has_its_order_at_the_finest_pair_too():
+    found = fit_dense(np.arange(20, 40), 3.0 * np.arange(20, 40) ** -4.0)
+    assert (found.order, found.finest) == pytest.approx((4.0, 4.0), abs=1e-9)
