@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from leapfrog_scenes import SCENES
 
-from fullwave.adapt import _Found, _probed_until, degree_for, to_tolerance
+from fullwave.adapt import _Outcome, _probed_until, degree_for, to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import NumericsError, SceneError
@@ -91,7 +91,7 @@ def test_estimate_of_a_slow_series_is_more_than_its_last_difference(monkeypatch)
         def __init__(self, scene, cells):
             self.cells = cells
 
-    monkeypatch.setattr("fullwave.adapt._probe", lambda solver: _Found("cycles", np.array([1.0 + 1.0 / solver.cells])))
+    monkeypatch.setattr("fullwave.adapt._probe", lambda solver: _Outcome("cycles", np.array([1.0 + 1.0 / solver.cells])))
     _, choice = to_tolerance(SCENES["alike"], 0.02, Slow)
     assert choice.error_estimate == pytest.approx(1.0 / choice.cells, rel=0.15)
     assert choice.error_estimate <= 0.02
