@@ -112,7 +112,7 @@ def _failed_at(solver: Solver, pieces: Pieces) -> float:
 
 def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:
     """The interface at `until` (transits), evaluated from the solver's latest `pieces`, which must contain that time."""
-    k = max(0, int((pieces.time < until - 1e-9).sum()) - 1)
+    k = max(0, int((pieces.time < until - _SAME).sum()) - 1)
     point = min(1.0, (until - pieces.time[k]) / pieces.length[k])
     row = interpolation_matrix(lagrange_basis(solver.nodes), np.array([point]))[0]
     v = rate_of(solver.scene.law, float(row @ pieces.z[k]))
