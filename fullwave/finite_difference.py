@@ -50,13 +50,14 @@ class Leapfrog:
     def __init__(self, scene: Scene, cells: int = LEAPFROG.cells, cfl: float = LEAPFROG.cfl) -> None:
         require_whole("cells", cells, 2, MOST_CELLS)
         require_cfl(cfl)
-        with enough_memory(cells):
-            self._set_up(scene, int(cells), float(cfl))
-
-    def _set_up(self, scene: Scene, cells: int, cfl: float) -> None:
-        self.scene, self.cells, self.cfl = scene, cells, cfl
+        self.scene, self.cells, self.cfl = scene, int(cells), float(cfl)
         self.nodes = sample_nodes(STEPS_PER_PIECE)
         self.failures, self.failed_at = 0, math.nan
+        with enough_memory(self.cells):
+            self._set_up()
+
+    def _set_up(self) -> None:
+        scene, cells, cfl = self.scene, self.cells, self.cfl
         self.step = common_step(scene, cells, cfl)
         slabs = [scene.upper] if scene.alike else [scene.upper, scene.lower]
         travels = [slab.round_trip / scene.transit for slab in slabs]

@@ -1,11 +1,17 @@
 """Checks of a user's options for a grid: whole numbers in a range, a Courant number in (0, 1]."""
 
+import math
+
 import numpy as np
 
 from slipwave.errors import SceneError
 
 MOST_CELLS = 1_000_000
 LEAST_CFL = 1e-9
+
+
+class AnyShare(float):
+    """A `cfl` that may exceed 1, so that steps beyond the limit can be studied. No option of a user becomes one."""
 
 
 def require_whole(name: str, value: int, least: int, most: int) -> None:
@@ -15,8 +21,10 @@ def require_whole(name: str, value: int, least: int, most: int) -> None:
 
 
 def require_cfl(cfl: float) -> None:
-    """Raises SceneError unless `cfl` is a number in (0, 1] and at least LEAST_CFL; smaller steps would be lost in rounding."""
-    if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.integer | np.floating) or not 0.0 < cfl <= 1.0:
+    """Raises SceneError unless `cfl` is a number in (0, 1], or an `AnyShare`, and at least LEAST_CFL; smaller steps would be lost
+    in rounding."""
+    most = math.inf if isinstance(cfl, AnyShare) else 1.0
+    if isinstance(cfl, bool) or not isinstance(cfl, int | float | np.integer | np.floating) or not 0.0 < cfl <= most:
         raise SceneError(f"cfl = {cfl!r}: must lie in (0, 1]")
     if cfl < LEAST_CFL:
         raise SceneError(f"cfl = {cfl!r}: must be at least {LEAST_CFL:g}; with shorter steps no run would end")

@@ -113,14 +113,14 @@ def test_steps_that_become_too_long_after_a_restart_are_refined_as_without_it(em
     assert_same_bits(resumed.state(), straight.state())
 
 
-def test_a_march_to_its_end_begins_again_where_it_was_set() -> None:
+def test_a_march_to_its_end_begins_again_where_it_was_set(monkeypatch: pytest.MonkeyPatch) -> None:
     """State at t = 100 of a march that shows everything, put into one that shows its end only and must refine: it would begin at
     t = 0 again, in steady sliding."""
+    monkeypatch.setattr("reduced.delay.alike.end_resolution", lambda tolerance: 1e-9)
     exact, end = (Delay(refining(True).scene, emit=emit, tolerance=1e-10) for emit in (True, False))
     follow(exact, 100.0)
     given, steps = exact.state(), exact.steps
     beginning = {"beginning.incoming": given["incoming"], "beginning.now": given["now"]}
     end.restore(given | beginning | {"counts": np.append(given["counts"][:3], given["counts"][0])})
-    end._resolution = 1e-9
     assert follow(end, 160.0).psi == pytest.approx(follow(exact, 160.0).psi, abs=1e-8)
     assert end.steps > steps

@@ -27,8 +27,10 @@ def parted(r: float, model: str, at: float) -> float:
     scene = slipwave.read("paper", [f"slab.r={r}"])
     left = []
     for rounding in (0.0, 2.0**-52):
-        solver: Any = build(model, scene, tolerance=1e-11)
-        solver._memory.now[1] *= 1.0 + rounding
+        solver = build(model, scene, tolerance=1e-11)
+        state = solver.state()
+        state["now"][1] *= 1.0 + rounding
+        solver.restore(state)
         left.append(follow(solver, at).psi - scene.steady_psi)
     return abs(left[1] - left[0]) / max(map(abs, left))
 

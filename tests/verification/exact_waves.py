@@ -47,10 +47,15 @@ def send(solver, shape, direction, slab=0, impedance=EPSILON):
     solver.impose(slab, lambda x: 0.5 + shape(x), lambda x: -direction * impedance * shape(x))
 
 
+def tiling(make, scene, time):
+    """The solver that `make` builds for `scene`, with steps shortened so that whole pieces tile `time`."""
+    usual = make(scene)
+    pieces = np.ceil(time / (STEPS_PER_PIECE * usual.step) - 1e-9)
+    return make(scene, cfl=usual.cfl * time / (STEPS_PER_PIECE * pieces * usual.step))
+
+
 def step_to(solver, time):
-    """March to exactly `time`, with steps shortened so that whole pieces tile it."""
-    pieces = np.ceil(time / (STEPS_PER_PIECE * solver.step) - 1e-9)
-    solver.step = time / (STEPS_PER_PIECE * pieces)
+    """March to exactly `time`, which whole pieces tile."""
     while solver.time < time - 1e-9:
         solver.advance(time)
 
@@ -81,8 +86,9 @@ def reflected_at_interface(arriving, direct):
     return arriving - 2.0 * w
 
 
-def reflection_error(solver, direct, height, time=0.5):
+def reflection_error(make, direct, height, time=0.5):
     """L2 error of both fields after a pulse of `height` has met the interface and come back."""
+    solver = tiling(make, rate_scene(direct), time)
     send(solver, lambda x: height * pulse(x), -1)
     step_to(solver, time)
     x, w, s, norm = fields(solver)
@@ -91,9 +97,10 @@ def reflection_error(solver, direct, height, time=0.5):
     return np.sqrt(squared(norm, w + 0.5 * exact, s - 0.5 * exact))
 
 
-def standing_error(solver, waves=3, time=1.3):
+def standing_error(make, waves=3, time=1.3):
     """L2 error of both fields of the standing wave w = cos(k t) sin(k x), s = sin(k t) cos(k x), the interface locked: root mean
     square over the pieces from t = 0.8 to `time`, since errors of the wave's phase and of its shape take turns."""
+    solver = tiling(make, rate_scene(LOCKED), 0.8)
     k = 2.0 * np.pi * waves
     solver.impose(0, lambda x: 0.5 + np.sin(k * x), lambda x: 0.0 * x)
     step_to(solver, 0.8)

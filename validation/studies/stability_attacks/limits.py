@@ -8,17 +8,19 @@ psi is stepped explicitly and limits the step where r v is large; it is tested s
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 import slipwave
+from fullwave.options import AnyShare
 from slipwave.errors import NumericsError
-from slipwave.observe import Solver, follow
+from slipwave.observe import follow
+from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
 from slipwave.scene.start import Start, StartKind
-from validation.registry.build import build
+from validation.registry.build import build_full_wave
 from validation.registry.families import GRIDS
 
 ATTACKED = {family.called(number): cells for family in GRIDS for number, cells in family.attacks.items()}
@@ -50,23 +52,14 @@ _LOW, _HIGH = 0.8, 1.5
 _SHARPNESS = 1.01
 
 
-def with_step(model: str, scene: Scene, share: float) -> Solver:
+def with_step(model: str, scene: Scene, share: float) -> FieldSolver:
     """The solver at `share` of its declared step limit, which may lie beyond 1; users cannot ask for that."""
-    cells = CELLS[model]
-    if model == "fd":
-        from fullwave.finite_difference import Leapfrog
-
-        leapfrog = Leapfrog(scene, cells)
-        leapfrog._set_up(scene, cells, share)
-        return leapfrog
-    solver = cast(Any, build(model, scene, cells=cells, cfl=1.0))
-    solver.step *= share
-    return cast(Solver, solver)
+    return build_full_wave(model, scene, CELLS[model], AnyShare(share))
 
 
 def step_per_cell(model: str) -> float:
     """c dt over the length of a cell at cfl 1."""
-    return float(cast(Any, with_step(model, rubbing(0.0), 1.0)).step * 2.0 * CELLS[model])
+    return with_step(model, rubbing(0.0), 1.0).step * 2.0 * CELLS[model]
 
 
 def rubbing(decade: float, medium: str = "alike slabs") -> Scene:
@@ -87,7 +80,7 @@ def ageing(relaxation: float) -> Scene:
 
 def growth(model: str, scene: Scene, share: float, steps: int = _STEPS) -> float:
     """Largest field after `steps` at `share` of the limit, over the noise's amplitude; infinite if the run broke down."""
-    solver = cast(Any, with_step(model, scene, share))
+    solver = with_step(model, scene, share)
     noise = 1e-3 * scene.velocity
     _disturb(solver, noise)
     try:
@@ -135,16 +128,16 @@ def state_reach(model: str) -> float:
     """Largest stable step times the relaxation rate of psi, to 1 per cent; infinite if psi sets no limit."""
     scene = ageing(1e4)
     share = _largest(lambda share: _calms_down(model, scene, share))
-    return math.inf if model == "fd" else share * float(cast(Any, with_step(model, scene, 1.0)).step) * 1e4
+    return math.inf if model == "fd" else share * with_step(model, scene, 1.0).step * 1e4
 
 
 def _calms_down(model: str, scene: Scene, share: float) -> bool:
-    solver = cast(Any, with_step(model, scene, share))
+    solver = with_step(model, scene, share)
     try:
         follow(solver, _STEPS * solver.step)
     except NumericsError:
         return False
-    return bool(solver.failures == 0)
+    return solver.failures == 0
 
 
 def _largest(stable: Callable[[float], bool]) -> float:
