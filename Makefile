@@ -39,5 +39,5 @@ faults: $(STAMP)
 # a random sample of small changes; the first step records which functions each test runs
 mutants: $(STAMP)
 	mkdir -p reports/reach
-	REACH=reports/reach $(BIN)/pytest -p tests.faults.reach -m "not slow" -n 2
+	REACH=reports/reach $(BIN)/python -m pytest -p tests.faults.reach -m "not slow" -n 2
 	$(BIN)/python -m tests.faults.mutants --reach reports/reach

@@ -15,7 +15,7 @@ settings.load_profile("repeatable")
 
 def pytest_addoption(parser):
     """The option that writes what studies show; see docs/planted-faults.md."""
-    parser.addoption("--record-shown", action="store_true", help="write anew what studies show (tests/validation/shown)")
+    parser.addoption("--record-shown", action="store_true", help="write anew what studies show, and the settings")
 
 
 @pytest.fixture(autouse=True)

@@ -1,8 +1,8 @@
 """A random sample of small changes: how many does the test suite notice?  `make mutants`, or `python -m tests.faults.mutants`.
 
 Every place of the four rooms where an operator below applies is equally likely; the sample depends on the seed only. Strings are
-left alone. Tests that run the changed function (`reach` says which) are tried, some seconds of them first and then the others;
-with `--whole` the whole suite for those that survive.
+left alone. Tests that run the changed function (`reach` says which) and those beside them are tried, some seconds of them first
+and then the others; with `--whole` the whole suite for those that survive.
 """
 
 import argparse
@@ -16,10 +16,11 @@ import sys
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-from slipwave.sources import import_closure
+from slipwave.sources import imported_names
 from tests.faults.planting import FOLDER, ROOMS, ROOT
 from tests.faults.programme import CHECK_SECONDS, SUITE_SECONDS, Record, Store, run_all
 from tests.faults.trial import WHOLE_SUITE, Copy
@@ -28,6 +29,7 @@ RESULT = ROOT / "reports" / "mutants.json"
 EQUIVALENT = FOLDER / "equivalent.toml"
 _FIRST_SECONDS, _ALL_SECONDS = 20.0, 180.0
 _FIRST_TESTS, _ALL_TESTS = 60, 400
+_READ_EVERY_FILE = ("tests/test_settings.py",)
 _SWAPS: dict[type, tuple[type, ...]] = {
     ast.Lt: (ast.LtE, ast.GtE),
     ast.LtE: (ast.Lt, ast.Gt),
@@ -161,23 +163,40 @@ class Reach:
         self._tests = {test: facts for test, facts in noted.items() if test in still_there}
 
     def tests_for(self, mutant: Mutant) -> tuple[list[str], list[str]]:
-        """Tests that run the mutant's function, the most specific first: some seconds of them, and those of some minutes more.
-
-        A function that no test runs in Python is compiled, or runs at import: then tests that run a function of its file, or of a
-        file that imports it.
-        """
-        found = [test for test, facts in self._tests.items() if f"{mutant.file}::{mutant.function}" in facts["functions"]]
-        if not found:
-            users = self._users(mutant.file)
-            found = [
-                test for test, facts in self._tests.items() if any(f.partition("::")[0] in users for f in facts["functions"])
-            ]
+        """Tests near the mutant, the nearest and most specific first: some seconds of them, and those of some minutes more."""
         room = Path(mutant.file).parts[0]
-        found.sort(
-            key=lambda test: (f"tests/{room}/" not in test, len(self._tests[test]["functions"]), self._tests[test]["seconds"])
+        found = self._distances(mutant)
+        chosen = sorted(
+            found,
+            key=lambda test: (
+                found[test],
+                f"tests/{room}/" not in test,
+                len(self._tests[test]["functions"]),
+                self._tests[test]["seconds"],
+            ),
         )
-        first = self._within(found, _FIRST_SECONDS, _FIRST_TESTS)
-        return first, self._within([test for test in found if test not in first], _ALL_SECONDS, _ALL_TESTS)
+        first = self._within(chosen, _FIRST_SECONDS, _FIRST_TESTS)
+        return first, self._within([test for test in chosen if test not in first], _ALL_SECONDS, _ALL_TESTS)
+
+    def _distances(self, mutant: Mutant) -> dict[str, int]:
+        """0 for tests that run the mutant's function, and those that read every file; 1 for those beside them, which may share a
+        result with them.
+
+        A function that no test runs in Python is compiled, or runs at import: then 1 for tests that run a function of its file,
+        and one more for each import between them and it.
+        """
+        place = f"{mutant.file}::{mutant.function}"
+        found = {test: 0 for test, facts in self._tests.items() if place in facts["functions"]}
+        if found:
+            beside = {test.partition("::")[0] for test in found}
+            found |= {test: 1 for test in self._tests if test not in found and test.partition("::")[0] in beside}
+        else:
+            far = _imports_between(mutant.file)
+            for test, facts in self._tests.items():
+                steps = [far[file] for name in facts["functions"] if (file := name.partition("::")[0]) in far]
+                if steps:
+                    found[test] = 1 + min(steps)
+        return found | {test: 0 for test in self._tests if test.partition("::")[0] in _READ_EVERY_FILE}
 
     def _within(self, tests: list[str], seconds: float, count: int) -> list[str]:
         """At most `count` of `tests`, in their order, that take less than `seconds` together."""
@@ -188,13 +207,29 @@ class Reach:
                 seconds -= self._tests[test]["seconds"]
         return chosen
 
-    def _users(self, file: str) -> set[str]:
-        """The files that import `file`, nearest first: its own, or those with it in their closure if it leaves no trace."""
-        own = {file}
-        if any(f.startswith(f"{file}::") for facts in self._tests.values() for f in facts["functions"]):
-            return own
-        rooms = (path for room in ROOMS[:3] for path in (ROOT / room).rglob("*.py"))
-        return {p.relative_to(ROOT).as_posix() for p in rooms if ROOT / file in import_closure([p], packages=False)}
+
+def _imports_between(file: str, root: Path = ROOT) -> dict[str, int]:
+    """The files that import `file`, with the number of imports on the way to it; itself at 0."""
+    steps = {file: 0}
+    reached = [file]
+    for one in reached:
+        for user in _users(root)[one] - steps.keys():
+            steps[user] = steps[one] + 1
+            reached.append(user)
+    return steps
+
+
+@cache
+def _users(root: Path) -> dict[str, set[str]]:
+    """The files that import a file of the four rooms by its name."""
+    files = [path for room in ROOMS for path in (root / room).rglob("*.py")]
+    users: dict[str, set[str]] = {path.relative_to(root).as_posix(): set() for path in files}
+    modules = {name.removesuffix(".py").removesuffix("/__init__").replace("/", "."): name for name in users}
+    for path in files:
+        for name in imported_names(path):
+            if name in modules:
+                users[modules[name]].add(path.relative_to(root).as_posix())
+    return users
 
 
 def try_mutant(mutant: Mutant, copy: Copy, reach: Reach, whole: bool) -> Record:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.faults.mutants import Mutant, Reach, is_equivalent, mutants_of, wilson
+from tests.faults.mutants import Mutant, Reach, _imports_between, is_equivalent, mutants_of, wilson
 from tests.faults.planting import ROOMS, ROOT, AnchorError, Fault, read_faults
 from tests.faults.programme import Store, key_of, try_fault
 from tests.faults.trial import Copy
@@ -171,3 +171,40 @@ def test_the_tests_nearest_to_a_mutant_come_first_and_long_ones_later(tmp_path: 
     nearest, others = Reach(tmp_path, set(ids)).tests_for(Mutant("slipwave/f.py", "f", 0, 1, "1", "2"))
     assert [name.rpartition("/")[2] for name in nearest] == ["near", "wide"]
     assert [name.rpartition("/")[2] for name in others] == ["long"]
+
+
+def reach_of(folder: Path, functions: dict[str, list[str]]) -> Reach:
+    noted = {test: {"seconds": 1.0, "functions": names} for test, names in functions.items()}
+    (folder / "1.json").write_text(json.dumps(noted))
+    return Reach(folder, set(functions))
+
+
+def test_compiled_code_meets_the_tests_of_what_imports_it(tmp_path: Path) -> None:
+    """One test runs another function of its file in Python; the kernels that are compiled with it are run by the others."""
+    tests = {
+        "tests/fullwave/test_far.py::far": ["fullwave/discontinuous.py::DiscontinuousGalerkin.__init__"],
+        "tests/fullwave/test_own.py::own": ["fullwave/lines/viscosity.py::total_stress"],
+        "tests/fullwave/test_near.py::near": ["fullwave/lines/motion.py::rates"],
+        "tests/reduced/test_other.py::other": ["reduced/delay/march.py::DelayMarch.solve"],
+        "tests/test_settings.py::test_settings_are_as_recorded": [],
+    }
+    nearest, others = reach_of(tmp_path, tests).tests_for(
+        Mutant("fullwave/lines/viscosity.py", "_viscous_retard", 0, 1, "1", "2")
+    )
+    assert [name.rpartition("::")[2] for name in nearest] == ["test_settings_are_as_recorded", "own", "near", "far"]
+    assert others == []
+
+
+def test_tests_beside_those_that_run_a_function_come_after_them(tmp_path: Path) -> None:
+    """They may use what a fixture of theirs computed once."""
+    tests = {"tests/a.py::shares": [], "tests/a.py::runs": ["slipwave/f.py::f"], "tests/b.py::none": ["slipwave/f.py::g"]}
+    nearest, _ = reach_of(tmp_path, tests).tests_for(Mutant("slipwave/f.py", "f", 0, 1, "1", "2"))
+    assert nearest == ["tests/a.py::runs", "tests/a.py::shares"]
+
+
+def test_imports_are_counted_on_the_shortest_way() -> None:
+    steps = _imports_between("fullwave/lines/viscosity.py")
+    assert steps["fullwave/lines/viscosity.py"] == 0
+    assert steps["fullwave/lines/motion.py"] == 1
+    assert steps["fullwave/discontinuous.py"] > 1
+    assert "reduced/ode/kernel.py" not in steps

@@ -3,7 +3,7 @@
 import pytest
 from fake_studies import Fake
 from records import FOLDER, assert_as_recorded
-from shown import settings, shown
+from shown import shown
 
 
 @pytest.fixture
@@ -15,10 +15,10 @@ def fake(monkeypatch, tmp_path):
 
 @pytest.fixture
 def as_recorded(request):
-    """Hold all that a study shows, and its settings, against the record; `--record-shown` writes the record first."""
+    """Hold all that a study shows against the record; `--record-shown` writes the record first."""
 
     def check(name, result):
-        lines = [*shown(result), *settings(name)]
+        lines = shown(result)
         if request.config.getoption("record_shown"):
             (FOLDER / f"{name}.txt").write_text("\n".join([*lines, ""]), encoding="utf-8")
         assert_as_recorded(name, lines)

@@ -14,7 +14,7 @@ import numpy as np
 FOLDER = Path(__file__).parent / "shown"
 RELATIVE, ABSOLUTE = 1e-5, 1e-9
 _TOLD = 8
-_PROMISES = ("expected", "setting")
+_PROMISES = "expected"
 _FITTED, _LOG_LIMITS, _ROUGH = 0.02, 0.2, 0.45
 """Allowed of a fitted order and its interval (absolute), of the ends of a logarithmic axis and of chaotic motion (relative):
 rounding moved them by 0.01, 0.06 and 0.3 from one processor to another."""
@@ -59,7 +59,7 @@ def _close(one: str, other: str) -> bool:
 
 
 def _allowed(line: str) -> tuple[float, float]:
-    """Relative and absolute; a number that the baseline remembers brings its own, promises and settings allow nothing."""
+    """Relative and absolute; a number that the baseline remembers brings its own, promises allow nothing."""
     told = line.strip()
     if told.startswith(_PROMISES):
         return RELATIVE, 0.0

@@ -31,7 +31,6 @@ def test_every_study_has_its_record():
         ("at −2.68", "at 2.68"),
         ("expected: below 0.1; 3e-11", "expected: below 0.1; 6e-11"),
         ("expected: below 3 · 10^{−11}", "expected: below 6 · 10^{−11}"),
-        ("setting energy LIMIT = 1e-13", "setting energy LIMIT = 2e-13"),
         ("y nan", "y 1"),
         ("order 4.01 ± 0.01", "order 4.04 ± 0.01"),
         ('number "order": 4.01 within 0.02', 'number "order": 4.11 within 0.02'),

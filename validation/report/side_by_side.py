@@ -47,7 +47,7 @@ def share_out(
     finally:
         for child in active_children():
             _end_group(child.pid)
-        pool.shutdown(wait=False, cancel_futures=True)
+        pool.shutdown()
 
 
 def _perform(work: Callable[[Task, Tell], Answer], number: int, task: Task) -> Answer:
