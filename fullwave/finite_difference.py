@@ -59,11 +59,10 @@ class Leapfrog:
     def _set_up(self) -> None:
         scene, cells, cfl = self.scene, self.cells, self.cfl
         self.step = common_step(scene, cells, cfl)
-        slabs = [scene.upper] if scene.alike else [scene.upper, scene.lower]
-        travels = [slab.round_trip / scene.transit for slab in slabs]
+        travels = [slab.round_trip / scene.transit for slab in scene.slabs]
         require_bytes(cells, _CELL_BYTES * cfl * 0.5 * sum(travels) / self.step)
-        self._grids = [slab_grid(slab, scene.transit, self.step, cfl, cells) for slab in slabs]
-        self._sides = [steady_side(scene, slab, grid) for slab, grid in zip(slabs, self._grids, strict=True)]
+        self._grids = [slab_grid(slab, scene.transit, self.step, cfl, cells) for slab in scene.slabs]
+        self._sides = [steady_side(scene, slab, grid) for slab, grid in zip(scene.slabs, self._grids, strict=True)]
         self._lower: Side | Mirror = Mirror() if scene.alike else self._sides[1]
         self._memory = steady_memory(scene)
         self._sample = -1

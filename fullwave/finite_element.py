@@ -167,7 +167,7 @@ class FiniteElement(MethodOfLines):
         require_whole("degree", degree, ELEMENTS.numbers[0], ELEMENTS.numbers[-1])
         if mass not in MASSES:
             raise SceneError(f"mass = {mass!r}: must be one of {', '.join(MASSES)}")
-        if mass == "consistent" and any(isinstance(s.viscosity, KelvinVoigtViscosity) for s in (scene.upper, scene.lower)):
+        if mass == "consistent" and any(isinstance(s.viscosity, KelvinVoigtViscosity) for s in scene.slabs):
             raise SceneError(
                 'mass = "consistent": cannot honour Kelvin-Voigt viscosity; fem with mass = "lumped", dg and sbp can'
             )

@@ -20,7 +20,7 @@ FEATURES = {
 
 def features_of(scene: "Scene") -> frozenset[str]:
     """The features of `scene` (keys of FEATURES)."""
-    features = {feature for slab in (scene.upper, scene.lower) for feature in _slab_features(slab)}
+    features = {feature for slab in scene.slabs for feature in _slab_features(slab)}
     if not scene.alike:
         features.add("unlike")
     return frozenset(features)

@@ -15,7 +15,7 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.observe import Final, follow
 from slipwave.observe.follow import Observer
-from slipwave.observe.pieces import Array
+from slipwave.observe.pieces import SAME, Array
 from slipwave.observe.restoring import tables
 from slipwave.observe.snapshot import FieldSolver, SlabSnapshot, Snapshot
 from slipwave.observe.solver import State
@@ -106,7 +106,7 @@ class FieldRecord:
         if not self._shots:
             return self._start
         last = self._shots[-1].time
-        return min(last + self._interval, self._end) if last < self._end - 1e-9 else math.inf
+        return min(last + self._interval, self._end) if last < self._end - SAME else math.inf
 
     def act(self) -> None:
         """As `Mark`."""
@@ -115,7 +115,7 @@ class FieldRecord:
             self._shots.append(self._solver.snapshot())
             return
         for frame in self._solver.frames():  # always keeps the last one, from which the next sample is counted
-            if min(self._shots[-1].time + self._interval, self._solver.time) - 1e-9 < frame.time:
+            if min(self._shots[-1].time + self._interval, self._solver.time) - SAME < frame.time:
                 self._shots.append(frame)
 
     @property
@@ -136,7 +136,7 @@ class FieldRecord:
         now = self._solver.snapshot()
         sizes = [values.size for values in _values(now)]
         rows = tables(state, {"samples": (-1, 1 + sum(sizes))}, self._solver.model)["samples"]
-        self._shots = [_shot(row, sizes, now) for row in rows[rows[:, 0] >= self._start - 1e-9]]
+        self._shots = [_shot(row, sizes, now) for row in rows[rows[:, 0] >= self._start - SAME]]
         if self._shots:
             self._solver.keep_frames()
 

@@ -39,7 +39,7 @@ def reduce_scene(scene: Scene, name: str) -> Reduction:
 
 def relaxed_spring(scene: Scene) -> float:
     """Quasi-static stiffness of the pair over the upper slab's epsilon, per transit; a standard linear solid is relaxed."""
-    if any(slab.termination.has_dead_load for slab in (scene.upper, scene.lower)):
+    if any(slab.termination.has_dead_load for slab in scene.slabs):
         return 0.0
     return scene.stiffness / scene.upper.epsilon
 

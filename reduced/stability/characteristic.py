@@ -74,10 +74,12 @@ class Characteristic:
     @property
     def leftmost(self) -> float:
         """Re s (< 0) left of which D may not be analytic: the relaxation of a viscous slab; -inf if both are elastic."""
-        return max(-_fastest_relaxation(self.scene.upper), -_fastest_relaxation(self.scene.lower))
+        return max(-retardation_rate(self.scene.upper), -retardation_rate(self.scene.lower))
 
 
-def _fastest_relaxation(slab: Slab) -> float:
+def retardation_rate(slab: Slab) -> float:
+    """The rate, in 1/(L/V*), at which strain follows a constant stress: its negative is a zero of the modulus; infinite in an
+    elastic slab."""
     match slab.viscosity:
         case KelvinVoigtViscosity(time):
             return 1.0 / time
@@ -90,7 +92,7 @@ def _rates(slab: Slab) -> list[complex]:
     held = slab.termination
     rates = [] if held.is_rigid else [complex(root) for root in np.roots([held.mass, held.dashpot, held.spring])]
     if slab.viscosity:
-        rates.append(-_fastest_relaxation(slab))
+        rates.append(-retardation_rate(slab))
     if isinstance(slab.viscosity, StandardLinearViscosity):
         rates.append(-1.0 / slab.viscosity.time)
     return rates

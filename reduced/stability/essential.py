@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.commensurate import common_divisor
+from reduced.stability.characteristic import retardation_rate
 from reduced.stability.friction import friction_slopes
 from slipwave.scene import Scene
 from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
@@ -29,8 +30,8 @@ def essential_abscissa(scene: Scene) -> float:
     Incommensurate travel times give the supremum over all phases of the echoes: exact for up to two of them, and in general over
     all combinations of signs. Kelvin-Voigt solids transmit no fast waves; their roots accumulate at -1/time instead.
     """
-    slabs = (scene.upper,) if scene.alike else (scene.upper, scene.lower)
-    accumulation = max(-_relaxation(slab) for slab in slabs)
+    slabs = scene.slabs
+    accumulation = max(-retardation_rate(slab) for slab in slabs)
     if any(isinstance(slab.viscosity, KelvinVoigtViscosity) for slab in slabs):
         return accumulation
     times = [layer.fraction * slab.round_trip for slab in slabs for layer in slab.layers]
@@ -88,15 +89,6 @@ def _attenuation(slab: Slab, fraction: float) -> float:
         loss = slab.viscosity.ratio / (1.0 + slab.viscosity.ratio)
         return math.exp(-0.5 * slab.round_trip * fraction * loss / slab.viscosity.time)
     return 1.0
-
-
-def _relaxation(slab: Slab) -> float:
-    match slab.viscosity:
-        case KelvinVoigtViscosity(time):
-            return 1.0 / time
-        case StandardLinearViscosity(time, ratio):
-            return 1.0 / (time * (1.0 + ratio))
-    return math.inf
 
 
 def _common_grid(times: list[float]) -> tuple[float, list[int]] | None:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from slipwave.errors import SceneError
 from slipwave.files import whole_or_absent
+from slipwave.observe.pieces import SAME
 from slipwave.observe.solver import Resumable, Solver
 from slipwave.sources import source_digest
 
@@ -83,14 +84,14 @@ class Checkpoints:
 
     def act(self) -> None:
         """As `Mark`; saves nothing at the end of the run."""
-        if self._solver.time < self._until - 1e-9:
+        if self._solver.time < self._until - SAME:
             save(self._path, self._solver, self._observers)
         self._schedule()
 
     def resume(self) -> None:
         """Bring the run to the state saved in `path`. Raises SceneError as `load` does, and if that run has reached `until`."""
         load(self._path, self._solver, self._observers)
-        if self._solver.time >= self._until - 1e-9:
+        if self._solver.time >= self._until - SAME:
             raise SceneError(f"until = {self._until:g}: checkpoint {str(self._path)!r} is already at t = {self._solver.time:g}")
         self._schedule()
 

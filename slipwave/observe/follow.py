@@ -9,11 +9,8 @@ import numpy as np
 
 from slipwave.errors import NumericsError
 from slipwave.friction import rate_of
-from slipwave.observe.pieces import Pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.pieces import SAME, Pieces, lagrange_basis, values_at
 from slipwave.observe.solver import Solver
-
-_SAME = 1e-9
-"""Transits; two times that differ by less are equal."""
 
 
 @dataclass(frozen=True)
@@ -58,9 +55,9 @@ def follow(
     """
     pieces: Pieces | None = None
     _act(solver, marks)
-    while solver.time < until - _SAME:
+    while solver.time < until - SAME:
         stop = min([until, *(mark.due for mark in marks)])
-        pieces = solver.advance(max(stop, solver.time + 2.0 * _SAME))
+        pieces = solver.advance(max(stop, solver.time + 2.0 * SAME))
         _require_finite(solver, pieces)
         for observer in observers:
             observer.scan(_before_failure(solver, pieces))
@@ -75,7 +72,7 @@ def follow(
 
 def _act(solver: Solver, marks: Sequence[Mark]) -> None:
     for mark in marks:
-        if mark.due <= solver.time + _SAME:
+        if mark.due <= solver.time + SAME:
             mark.act()
 
 
@@ -112,8 +109,6 @@ def _failed_at(solver: Solver, pieces: Pieces) -> float:
 
 def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:
     """The interface at `until` (transits), evaluated from the solver's latest `pieces`, which must contain that time."""
-    k = max(0, int((pieces.time < until - _SAME).sum()) - 1)
-    point = min(1.0, (until - pieces.time[k]) / pieces.length[k])
-    row = interpolation_matrix(lagrange_basis(solver.nodes), np.array([point]))[0]
-    v = rate_of(solver.scene.law, float(row @ pieces.z[k]))
-    return Final(math.log(v) if v > 0 else math.nan, float(row @ pieces.psi[k]), float(row @ pieces.mu[k]))
+    z, psi, mu, _ = (float(value[0]) for value in values_at(pieces, lagrange_basis(solver.nodes), np.array([until])))
+    v = rate_of(solver.scene.law, z)
+    return Final(math.log(v) if v > 0 else math.nan, psi, mu)

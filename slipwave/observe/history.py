@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from slipwave.friction import Law, rate_of
-from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis, values_at
 
 
 class HistoryObserver:
@@ -45,10 +45,7 @@ class HistoryObserver:
 
     def at(self, times: Array) -> Array:
         """Samples at `times` (transits) within the window, from the pieces' polynomials."""
-        pieces = self._pieces()
-        which = np.clip(np.searchsorted(pieces.time, times, side="right") - 1, 0, None)
-        rows = interpolation_matrix(self._basis, (times - pieces.time[which]) / pieces.length[which])
-        return np.stack([times, *((rows * values[which]).sum(axis=1) for values in pieces[2:])])
+        return np.stack([times, *values_at(self._pieces(), self._basis, times)])
 
     def columns(self) -> dict[str, Array]:
         """time (transits), slip_rate (V*), psi, stress, elastic_stress at the nodes: arrays of equal length."""

@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+SAME = 1e-9
+"""Transits; two times that differ by less are equal."""
+
 
 class Pieces(NamedTuple):
     """m pieces with n values each: time, length (m,); the others (m, n). A quantity of degree n - 1 is represented exactly.
@@ -50,6 +53,14 @@ def lagrange_basis(nodes: Array) -> Basis:
     np.fill_diagonal(derivative, 0.0)
     np.fill_diagonal(derivative, -derivative.sum(axis=1))
     return Basis(nodes, weights, derivative)
+
+
+def values_at(pieces: Pieces, basis: Basis, times: Array) -> list[Array]:
+    """z, psi, mu and y at `times` (transits), which `pieces` contain; where two pieces meet, as the earlier one ends."""
+    which = np.clip(np.searchsorted(pieces.time, times - SAME) - 1, 0, None)
+    points = np.minimum(1.0, (times - pieces.time[which]) / pieces.length[which])
+    rows = interpolation_matrix(basis, points)
+    return [(rows * values[which]).sum(axis=1) for values in pieces[2:]]
 
 
 def interpolation_matrix(basis: Basis, points: Array) -> Array:

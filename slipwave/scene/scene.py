@@ -36,6 +36,11 @@ class Scene:
         return self.upper == self.lower
 
     @property
+    def slabs(self) -> tuple[Slab, ...]:
+        """The slabs that have to be computed: one for an alike pair, else the upper and the lower one."""
+        return (self.upper,) if self.alike else (self.upper, self.lower)
+
+    @property
     def velocity(self) -> float:
         """V at t = 0, total, in V*: the rate of the steady sliding that every start builds on."""
         return self.drive.initial

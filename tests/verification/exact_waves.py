@@ -12,6 +12,7 @@ import scipy.sparse
 import slipwave
 from fullwave.lines.march import STEPS_PER_PIECE
 from slipwave.friction.ageing import Ageing
+from slipwave.observe.pieces import SAME
 from slipwave.scene.drive import steady_drive
 from slipwave.scene.slab import Slab
 from slipwave.scene.start import Start
@@ -56,7 +57,7 @@ def tiling(make, scene, time):
 
 def step_to(solver, time):
     """March to exactly `time`, which whole pieces tile."""
-    while solver.time < time - 1e-9:
+    while solver.time < time - SAME:
         solver.advance(time)
 
 

@@ -1,6 +1,5 @@
 """Arguments and options that several commands share."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
@@ -42,7 +41,6 @@ Tolerance: TypeAlias = Annotated[
     ),
 ]
 Yes: TypeAlias = Annotated[bool, typer.Option("--yes", help="run it even if it is expected to take more than a day")]
-Out: TypeAlias = Annotated[Path | None, typer.Option(help="file to write")]
 
 
 def most_seconds(yes: bool) -> float:

@@ -176,7 +176,7 @@ def _energy(done: "Run") -> dict[str, float] | None:
     if done.energy is None:
         return None
     ledger = {name: getattr(done.energy, name) for name in ("input", "friction", "radiated", "stored", "residual")}
-    viscous = any(slab.viscosity for slab in (done.solver.scene.upper, done.solver.scene.lower))
+    viscous = any(slab.viscosity for slab in done.solver.scene.slabs)
     return ledger | ({"viscous": done.energy.viscous} if viscous else {})
 
 

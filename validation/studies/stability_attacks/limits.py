@@ -102,7 +102,7 @@ def _disturb(solver: Any, noise: float) -> None:
                 state[name] += noise * draw(state[name].size)
         solver.restore(state)
         return
-    for slab, one in enumerate((scene.upper,) if scene.alike else (scene.upper, scene.lower)):
+    for slab, one in enumerate(scene.slabs):
         solver.impose(
             slab,
             lambda x: 0.5 * scene.velocity + noise * draw(x.size),
