@@ -105,6 +105,8 @@ def _changeable(node: ast.AST, function: str) -> Iterator[tuple[Any, str]]:
         if field in ("annotation", "returns", "decorator_list") or isinstance(node, ast.JoinedStr):
             continue
         for child in value if isinstance(value, list) else [value]:
+            if isinstance(child, ast.keyword) and child.arg == "strict":
+                continue  # of zip: a guard that no right program meets
             if isinstance(child, ast.FunctionDef | ast.ClassDef):
                 yield from _changeable(child, f"{function}.{child.name}".lstrip("."))
             elif isinstance(child, ast.AST):
@@ -135,7 +137,7 @@ def _changes(node: ast.AST) -> Iterator[ast.AST]:
         case ast.Call(keywords=[_, *_]):
             for number in range(len(node.keywords)):
                 if node.keywords[number].arg == "strict":
-                    continue  # of zip: a guard that no right program meets
+                    continue
                 yield _with(node, keywords=[k for i, k in enumerate(node.keywords) if i != number])
 
 

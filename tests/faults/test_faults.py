@@ -140,6 +140,12 @@ def test_mutants_are_the_usual_single_changes() -> None:
     assert {mutant.function for mutant in mutants_of("slipwave/f.py", MUTATED)} == {"f"}
 
 
+def test_the_guard_of_zip_is_left_alone() -> None:
+    """It only stops wrong programs."""
+    text = "def f(x, y):\n    return list(zip(x, y, strict=True))\n"
+    assert [mutant.new for mutant in mutants_of("slipwave/f.py", text)] == ["return None"]
+
+
 @pytest.mark.parametrize(
     ("listed", "is_one"),
     [
