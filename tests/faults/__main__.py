@@ -4,9 +4,10 @@ import argparse
 import json
 import sys
 from functools import partial
+from pathlib import Path
 
 from tests.faults.planting import ROOT, read_faults
-from tests.faults.programme import Store, part_of, run_all, try_fault
+from tests.faults.programme import Record, Store, part_of, run_all, try_fault
 
 RESULT = ROOT / "reports" / "faults.json"
 BASELINE = ROOT / "reports" / "baseline" / "faults.json"
@@ -19,7 +20,7 @@ def main() -> int:
     parser.add_argument("--part", type=int, metavar="N", help="one N-th of them; which one, the commit decides")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="tried at a time (default: 2)")
     parser.add_argument("--named", action="store_true", help="run the named checks only, never the whole suite")
-    parser.add_argument("--record", action="store_true", help="write the table that the report shows, after a run of all")
+    parser.add_argument("--record", action="store_true", help="put what was tried into the table that the report shows")
     options = parser.parse_args()
     faults = read_faults()
     unknown = set(options.names) - {fault.name for fault in faults}
@@ -37,9 +38,16 @@ def main() -> int:
         + "".join(f"\nsurvives: {s}" for s in survivors)
     )
     if options.record:
-        records = [{name: value for name, value in record.items() if name != "key"} for record in records]
-        BASELINE.write_text(json.dumps({"faults": records}, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        recorded(records, BASELINE)
     return 3 if survivors else 0
+
+
+def recorded(records: list[Record], table: Path) -> None:
+    """Put `records` into the `table`, in the order of the faults; those of faults that are planted no more are removed."""
+    known = {record["name"]: record for record in json.loads(table.read_text(encoding="utf-8"))["faults"]}
+    known |= {record["name"]: {key: value for key, value in record.items() if key != "key"} for record in records}
+    rows = [known[fault.name] for fault in read_faults() if fault.name in known]
+    table.write_text(json.dumps({"faults": rows}, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
