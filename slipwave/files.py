@@ -16,6 +16,11 @@ def part_of(path: Path, suffix: str) -> Path:
     return path.with_name(f".{path.stem[:_LONGEST_STEM]}-{os.getpid()}{suffix}")
 
 
+def reason_of(error: Exception) -> str:
+    """What the system says against a file, without the file's name."""
+    return str(getattr(error, "strerror", None) or error).lower()
+
+
 @contextmanager
 def whole_or_absent(path: Path) -> Iterator[Path]:
     """Context with a temporary file beside `path` to write to. If the block succeeds, the file is flushed to disk and replaces
@@ -35,7 +40,7 @@ def whole_or_absent(path: Path) -> Iterator[Path]:
         reason = error if isinstance(error, OSError) else _refusal(temporary)
         if reason is None:
             raise
-        raise SceneError(f"{str(path)!r} cannot be written: {(reason.strerror or str(reason)).lower()}") from None
+        raise SceneError(f"{str(path)!r} cannot be written: {reason_of(reason)}") from None
     finally:
         temporary.unlink(missing_ok=True)
 

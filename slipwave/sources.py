@@ -16,9 +16,9 @@ _ROOMS = (*SOLVER_ROOMS, "validation")
 _DOCUMENTED = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 
 
-def source_digest(rooms: Iterable[str] = SOLVER_ROOMS) -> str:
-    """Digest of every Python source file in `rooms`."""
-    return digest_of(path for room in rooms for path in sorted((ROOT / room).rglob("*.py")))
+def source_digest() -> str:
+    """Digest of every Python source file of the solvers."""
+    return digest_of(path for room in SOLVER_ROOMS for path in sorted((ROOT / room).rglob("*.py")))
 
 
 def digest_of(paths: Iterable[Path]) -> str:

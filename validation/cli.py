@@ -14,6 +14,7 @@ from typing import Any
 import typer
 
 from slipwave.errors import Interrupted, NumericsError, SceneError
+from slipwave.files import reason_of
 from validation.commands import bench, compare, report, run, scenes, stability
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
@@ -54,7 +55,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     except Exception as error:
         if isinstance(error, OSError) and error.errno and error.filename is None:  # no file: a stream
-            return _tell(f"the result cannot be written to stdout: {str(error.strerror).lower()}", INPUT_WRONG)
+            return _tell(f"the result cannot be written to stdout: {reason_of(error)}", INPUT_WRONG)
         explain: Callable[[], str] | None = getattr(error, "format_message", None)  # typer's own complaints have one
         if explain is None:
             raise

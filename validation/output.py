@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from slipwave.errors import Interrupted, NumericsError, SceneError
+from slipwave.files import reason_of
 
 
 def attempt(*tasks: Callable[[], None]) -> list[str]:
@@ -42,7 +43,7 @@ def printed(show: Callable[[], None]) -> None:
     except BrokenPipeError:  # the reader has closed the pipe
         return
     except OSError as error:
-        raise SceneError(f"the result cannot be written to stdout: {_reason(error)}") from None
+        raise SceneError(f"the result cannot be written to stdout: {reason_of(error)}") from None
 
 
 def print_json(result: Any) -> None:
@@ -71,14 +72,14 @@ def figures(value: float | None, digits: int = 9) -> str:
     return "-" if value is None or math.isnan(value) else f"{value:.{digits}g}"
 
 
-def require_folder(folder: Path, option: str = "--out") -> None:
+def require_folder(folder: Path) -> None:
     """Make sure, before anything is computed, that `folder` exists (its last part is made) and can be written."""
     try:
         folder.mkdir(exist_ok=True)
     except (OSError, ValueError) as error:
-        raise SceneError(f"{option} = {str(folder)!r}: cannot be used: {_reason(error)}") from None
+        raise SceneError(f"--out = {str(folder)!r}: cannot be used: {reason_of(error)}") from None
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise SceneError(f"{option} = {str(folder)!r}: this folder cannot be written")
+        raise SceneError(f"--out = {str(folder)!r}: this folder cannot be written")
 
 
 def require_writable(path: Path, suffixes: tuple[str, ...], option: str = "--out") -> None:
@@ -86,7 +87,7 @@ def require_writable(path: Path, suffixes: tuple[str, ...], option: str = "--out
     try:
         problem = _problem(path, suffixes)
     except (OSError, ValueError) as error:
-        problem = _reason(error)
+        problem = reason_of(error)
     if problem:
         raise SceneError(f"{option} = {str(path)!r}: {problem}")
 
@@ -105,7 +106,3 @@ def _problem(path: Path, suffixes: tuple[str, ...]) -> str:
     if not os.access(path.parent, os.W_OK | os.X_OK):
         return f"the folder {str(path.parent)!r} cannot be written"
     return ""
-
-
-def _reason(error: Exception) -> str:
-    return str(getattr(error, "strerror", None) or error).lower()

@@ -3,8 +3,6 @@
 from reduced.impedance.jet import Complex, Jet
 from reduced.impedance.models import (
     Passivity,
-    admittance,
-    admittance_slope,
     check_passivity,
     impedance,
     is_exact,
@@ -19,8 +17,6 @@ __all__ = [
     "Jet",
     "Passivity",
     "Ratio",
-    "admittance",
-    "admittance_slope",
     "check_passivity",
     "impedance",
     "is_exact",

@@ -15,6 +15,7 @@ from slipwave.errors import SceneError
 from slipwave.scene import Scene
 
 _POLE_TOLERANCE = 1e-9
+_HIGHEST = 200.0  # radians per transit
 
 
 def is_exact(model: str) -> bool:
@@ -44,18 +45,6 @@ def impedance(scene: Scene, s_friction_clock: object, model: str = "delay") -> C
     return q.value / p.value
 
 
-def admittance(scene: Scene, s_friction_clock: object, model: str = "delay") -> Complex:
-    """Y(s) = 1/Z(s) of the slab pair."""
-    p, q = ratio_of(scene, model)(Jet.variable(s_friction_clock))
-    return p.value / q.value
-
-
-def admittance_slope(scene: Scene, s_friction_clock: object, model: str = "delay") -> Complex:
-    """dY/ds, analytic (forward differentiation of the chain of sections)."""
-    p, q = ratio_of(scene, model)(Jet.variable(s_friction_clock))
-    return (p / q).slope
-
-
 @dataclass(frozen=True)
 class Passivity:
     """Result of the check: `worst` is the smallest Re Z/|Z|, found at `where` (1/transit); `unstable_poles` in 1/transit."""
@@ -66,11 +55,11 @@ class Passivity:
     unstable_poles: tuple[complex, ...]
 
 
-def check_passivity(scene: Scene, model: str = "delay", highest: float = 200.0) -> Passivity:
-    """Checks that Z is positive real: Re Z >= 0 on the imaginary axis up to `highest` (radians per transit) and in the right half
+def check_passivity(scene: Scene, model: str = "delay") -> Passivity:
+    """Checks that Z is positive real: Re Z >= 0 on the imaginary axis up to 200 radians per transit and in the right half
     plane, poles in the closed left half plane, and positive residues of poles on the axis. A reduction is also checked wherever
     its Re Z may change its sign (`dissipation`)."""
-    axis = np.concatenate([np.geomspace(1e-4, 1.0, 200), np.linspace(1.0, highest, 4001)])
+    axis = np.concatenate([np.geomspace(1e-4, 1.0, 200), np.linspace(1.0, _HIGHEST, 4001)])
     s = np.concatenate([shift + 1j * axis for shift in (0.0, 1e-3, 0.1, 1.0, 10.0, 100.0)])
     if not (is_exact(model) or model == "taylor"):
         s = np.append(s, 1j * np.maximum(telling_frequencies(reduction_of(scene, model)), 1e-6))

@@ -16,6 +16,7 @@ from reduced.impedance.jet import Complex
 Real = NDArray[np.float64]
 _REAL_POLE = 1e-9
 _AT_REST = 1e-6
+_ROUNDS = 12
 
 
 def split_poles(poles: Complex) -> tuple[Complex, Real]:
@@ -59,9 +60,9 @@ def _companion(pairs: Complex, reals: Real, sigma: Real) -> Real:
     return matrix - np.outer(drive, sigma)
 
 
-def fit_poles(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: Real, rounds: int = 12) -> tuple[Complex, Real]:
-    """Poles after at most `rounds` relocations from the given start; it stops as soon as they no longer move."""
-    for _ in range(rounds):
+def fit_poles(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: Real) -> tuple[Complex, Real]:
+    """Poles after a few relocations from the given start; it stops as soon as they no longer move."""
+    for _ in range(_ROUNDS):
         before = np.sort_complex(np.concatenate([pairs, reals]))
         pairs, reals = relocate(s, values, weight, pairs, reals)
         after = np.sort_complex(np.concatenate([pairs, reals]))

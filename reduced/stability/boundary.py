@@ -8,13 +8,15 @@ from numpy.typing import NDArray
 
 from reduced.parameters import with_parameter
 from reduced.stability.characteristic import Characteristic, characteristic
-from reduced.stability.crossing import crossing
+from reduced.stability.crossing import central_differences, crossing
 from reduced.stability.spectrum import unstable_count
 from slipwave.errors import NumericsError
 from slipwave.scene import Scene
 
 Real = NDArray[np.float64]
-_DIFFERENCE = 1e-6
+_LINES = 4  # per parameter, on which boundaries are searched
+_STEP = 0.02  # of the rectangle's side
+_ROUNDS = 12
 
 
 @dataclass(frozen=True)
@@ -28,24 +30,18 @@ class Boundary:
 
 
 def boundary(
-    scene: Scene,
-    model: str,
-    over: tuple[str, str],
-    ranges: tuple[tuple[float, float], tuple[float, float]],
-    seeds: int = 4,
-    step: float = 0.02,
+    scene: Scene, model: str, over: tuple[str, str], ranges: tuple[tuple[float, float], tuple[float, float]]
 ) -> list[Boundary]:
     """The stability boundaries of `scene` under `model` found in the rectangle `ranges` of the parameters `over`.
 
     Names are those of `reduced.parameters`. A curve is found where the certified number of unstable roots changes along one of
-    `seeds` lines per parameter. It is followed both ways in steps of `step` (of the rectangle's side) until it leaves the
-    rectangle or closes.
+    a few lines per parameter. It is followed both ways until it leaves the rectangle or closes.
     """
     plane = _Plane(scene, model, over, np.array(ranges, dtype=float))
     curves: list[Real] = []
-    for start in _seeds(plane, seeds):
-        if all(_distance(curve, start) > 2.0 * step for curve in curves):
-            curves.append(_trace(plane, start, step))
+    for start in _seeds(plane):
+        if all(_distance(curve, start) > 2.0 * _STEP for curve in curves):
+            curves.append(_trace(plane, start))
     points = [(plane.values(curve[:, 1:]), np.exp(curve[:, 0])) for curve in curves]
     return [Boundary(over, values[:, 0], values[:, 1], omega) for values, omega in points]
 
@@ -74,15 +70,10 @@ class _Plane:
         value = complex(self.problem(x[1:]).imbalance(1j * math.exp(x[0])))
         return np.array([value.real, value.imag])
 
-    def jacobian(self, x: Real) -> Real:
-        """Central differences of the residual."""
-        shifts = _DIFFERENCE * np.eye(3)
-        return np.column_stack([(self.residual(x + d) - self.residual(x - d)) / (2.0 * _DIFFERENCE) for d in shifts])
-
-    def corrected(self, x: Real, tangent: Real, rounds: int = 12) -> Real | None:
+    def corrected(self, x: Real, tangent: Real) -> Real | None:
         """Newton orthogonal to `tangent`; None if it does not converge."""
-        for _ in range(rounds):
-            matrix = np.vstack([self.jacobian(x), tangent])
+        for _ in range(_ROUNDS):
+            matrix = np.vstack([central_differences(self.residual, x), tangent])
             try:
                 change = np.linalg.solve(matrix, np.append(-self.residual(x), 0.0))
             except np.linalg.LinAlgError:
@@ -95,12 +86,12 @@ class _Plane:
         return None
 
 
-def _seeds(plane: _Plane, lines: int) -> list[Real]:
+def _seeds(plane: _Plane) -> list[Real]:
     """Points on the boundary: on lines across the rectangle, between samples with different counts of unstable roots."""
     points = []
     samples = np.linspace(0.0, 1.0, 41)
     for axis in (0, 1):
-        for fixed in (np.arange(lines) + 0.5) / lines:
+        for fixed in (np.arange(_LINES) + 0.5) / _LINES:
             at = [np.insert(np.array([fixed]), axis, moving) for moving in samples]
             counts = [_count(plane.problem(u)) for u in at]
             for i in np.flatnonzero(np.diff(counts)):
@@ -125,22 +116,22 @@ def _seed_between(plane: _Plane, low: Real, high: Real) -> Real | None:
     return np.concatenate([[math.log(omega)], low + share * (high - low)]) if -0.01 <= share <= 1.01 else None
 
 
-def _trace(plane: _Plane, start: Real, step: float) -> Real:
+def _trace(plane: _Plane, start: Real) -> Real:
     """The curve through `start`, followed both ways; one row (ln omega, u_1, u_2) per point."""
-    forward = _march(plane, start, step, 1.0)
-    if len(forward) > 3 and np.linalg.norm(forward[-1] - start) < 1.5 * step:
+    forward = _march(plane, start, 1.0)
+    if len(forward) > 3 and np.linalg.norm(forward[-1] - start) < 1.5 * _STEP:
         return np.array(forward)
-    return np.array(_march(plane, start, step, -1.0)[:0:-1] + forward)
+    return np.array(_march(plane, start, -1.0)[:0:-1] + forward)
 
 
-def _march(plane: _Plane, start: Real, step: float, direction: float) -> list[Real]:
-    points, size = [start], step
-    tangent = direction * _tangent(plane.jacobian(start), None)
+def _march(plane: _Plane, start: Real, direction: float) -> list[Real]:
+    points, size = [start], _STEP
+    tangent = direction * _tangent(central_differences(plane.residual, start), None)
     while len(points) < 4000:
         trial = plane.corrected(points[-1] + size * tangent, tangent)
         if trial is None or np.linalg.norm(trial - points[-1]) > 3.0 * size:
             size *= 0.5
-            if size < 1e-6 * step:
+            if size < 1e-6 * _STEP:
                 break
             continue
         points.append(trial)
@@ -148,8 +139,8 @@ def _march(plane: _Plane, start: Real, step: float, direction: float) -> list[Re
             break
         if len(points) > 10 and np.linalg.norm(trial - start) < 0.75 * size:
             break
-        tangent = _tangent(plane.jacobian(trial), tangent)
-        size = min(step, 1.5 * size)
+        tangent = _tangent(central_differences(plane.residual, trial), tangent)
+        size = min(_STEP, 1.5 * size)
     return points
 
 

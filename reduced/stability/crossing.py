@@ -31,6 +31,12 @@ def crossing(problem_at: Callable[[float], Characteristic], start: float) -> tup
     return best[1], best[2]
 
 
+def central_differences(residual: Callable[[Real], Real], x: Real) -> Real:
+    """The Jacobian of `residual` at x."""
+    shifts = _DIFFERENCE * np.eye(x.size)
+    return np.column_stack([(residual(x + d) - residual(x - d)) / (2.0 * _DIFFERENCE) for d in shifts])
+
+
 def _newton(problem_at: Callable[[float], Characteristic], start: float, omega: float) -> tuple[float, float]:
     def residual(x: Real) -> Real:
         """(Re, Im) of the imbalance at x = (exponent, ln omega)."""
@@ -39,10 +45,8 @@ def _newton(problem_at: Callable[[float], Characteristic], start: float, omega: 
 
     x = np.array([start, math.log(omega)])
     for _ in range(30):
-        shifts = _DIFFERENCE * np.eye(2)
-        matrix = np.column_stack([(residual(x + d) - residual(x - d)) / (2.0 * _DIFFERENCE) for d in shifts])
         try:
-            change = np.linalg.solve(matrix, -residual(x))
+            change = np.linalg.solve(central_differences(residual, x), -residual(x))
         except np.linalg.LinAlgError:
             break
         x = x + change * min(1.0, 0.5 / max(float(np.linalg.norm(change)), 1e-300))

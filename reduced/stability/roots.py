@@ -67,12 +67,12 @@ def _first_bad(points: Complex, rate: NDArray[np.float64]) -> complex:
     return complex(points[int(np.argmin(np.isfinite(rate)))])
 
 
-def polish(function: Function, starts: Complex, rounds: int = _NEWTON_ROUNDS) -> Complex:
+def polish(function: Function, starts: Complex) -> Complex:
     """Newton's method from all starts; nan where it does not converge to rounding."""
     s = np.array(starts, dtype=np.complex128)
     step = np.full(s.shape, np.inf, dtype=np.complex128)
     with np.errstate(all="ignore"):
-        for _ in range(rounds):
+        for _ in range(_NEWTON_ROUNDS):
             jet = function(s)
             step = jet.value / jet.slope
             s = s - step

@@ -49,7 +49,7 @@ class Circle(_Plane):
 def test_a_closed_boundary_is_followed_once_round(radius, monkeypatch):
     """From one end to the other there is less than a step to go, or less than that is followed twice."""
     monkeypatch.setattr(Circle, "radius", radius)
-    curve = _trace(Circle(paper(), "delay", ("log10_r", "log10_epsilon"), np.eye(2)), np.array([0.0, 0.5 + radius, 0.5]), 0.02)
+    curve = _trace(Circle(paper(), "delay", ("log10_r", "log10_epsilon"), np.eye(2)), np.array([0.0, 0.5 + radius, 0.5]))
     _, x, y = (curve - np.array([0.0, 0.5, 0.5])).T
     angle = np.unwrap(np.arctan2(y, x))
     assert np.hypot(x, y) == pytest.approx(radius, rel=1e-10)

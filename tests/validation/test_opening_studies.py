@@ -60,7 +60,7 @@ def test_what_ends_the_simplest_models(monkeypatch):
     assert one_cycle._runaway("v grows").outcome is Outcome.PASS
     assert one_cycle._runaway("").outcome is Outcome.FAIL
     for steady, outcome in ((True, Outcome.PASS), (False, Outcome.FAIL)):
-        monkeypatch.setattr(one_cycle, "_slides_steadily", lambda model, steady=steady: steady)
+        monkeypatch.setattr(one_cycle, "_slides_steadily", lambda steady=steady: steady)
         assert one_cycle._steady().outcome is outcome
 
 

@@ -8,17 +8,17 @@ WINDOW = (25.0, 55.0)
 """Transits after the event's date in which the interface creeps and the stress ripples about its slow rise."""
 
 
-def ripple_period(cycle: Cycle, window: tuple[float, float] = WINDOW) -> float:
-    """Mean time (transits) between maxima of mu within `window`, the maxima placed by parabolas through three samples.
+def ripple_period(cycle: Cycle) -> float:
+    """Mean time (transits) between maxima of mu within WINDOW, the maxima placed by parabolas through three samples.
 
     Raises ValueError if there are fewer than three maxima.
     """
-    inside = (cycle.time >= window[0]) & (cycle.time <= window[1])
+    inside = (cycle.time >= WINDOW[0]) & (cycle.time <= WINDOW[1])
     time, stress = cycle.time[inside], cycle.stress[inside]
     ripple = stress - np.polynomial.Polynomial.fit(time, stress, 3)(time)
     peak = np.flatnonzero((ripple[1:-1] > ripple[:-2]) & (ripple[1:-1] >= ripple[2:]) & (ripple[1:-1] > 0.3 * ripple.max())) + 1
     if peak.size < 3:
-        raise ValueError(f"{peak.size} ripples between {window[0]} and {window[1]} transits")
+        raise ValueError(f"{peak.size} ripples between {WINDOW[0]} and {WINDOW[1]} transits")
     places = np.array([_vertex(time[k - 1 : k + 2], ripple[k - 1 : k + 2]) for k in peak])
     return float((places[-1] - places[0]) / (places.size - 1))
 

@@ -61,8 +61,7 @@ def settle(
     seconds, (events, history) = timed(lambda: _march_until_settled(solver, observer, tolerance, most, progress))
     if events.time.size < WINDOW:
         raise NoCycle(f"{solver.model}: {observer.count} slip events in {solver.time:.0f} transits, too few to speak of an orbit")
-    settled = history[-1] < tolerance or (_stalled(history) and history[-1] < 1e-5)
-    return Settled(estimate(events), solver, observer, observer.count - 1, history[-1], settled, seconds)
+    return Settled(estimate(events), solver, observer, observer.count - 1, history[-1], _finished(history, tolerance), seconds)
 
 
 def _march_until_settled(

@@ -8,11 +8,11 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-import validation
+from slipwave.sources import ROOT
 from validation.report.store import Stored
 from validation.study import Number
 
-FOLDER = Path(validation.__file__).resolve().parent.parent / "reports" / "baseline"
+FOLDER = ROOT / "reports" / "baseline"
 
 
 @dataclass(frozen=True)
@@ -26,15 +26,17 @@ class Change:
     tolerance: float
 
 
-def compare(stored: Stored, folder: Path = FOLDER) -> list[Change] | None:
-    """What changed in a study since the baseline; None if it has none. A study that failed has nothing to compare."""
+def compare(stored: Stored, quick: bool, folder: Path = FOLDER) -> list[Change] | None:
+    """What changed in a study since the baseline of a full report; None if it has none, or if the study failed. A number that a
+    quick report leaves out is no change."""
     path = folder / f"{stored.name}.json"
     if stored.result is None or not path.exists():
         return None
     before = {name: Number(**entry) for name, entry in json.loads(path.read_text(encoding="utf-8")).items()}
     now = stored.result.numbers
     changes = [Change(stored.name, name, None, n.value, n.tolerance) for name, n in now.items() if name not in before]
-    changes += [Change(stored.name, name, n.value, None, n.tolerance) for name, n in before.items() if name not in now]
+    if not quick:
+        changes += [Change(stored.name, name, n.value, None, n.tolerance) for name, n in before.items() if name not in now]
     changes += [
         Change(stored.name, name, before[name].value, n.value, n.tolerance)
         for name, n in now.items()
@@ -44,10 +46,8 @@ def compare(stored: Stored, folder: Path = FOLDER) -> list[Change] | None:
 
 
 def moved(stored: Stored, quick: bool) -> list[Change]:
-    """Numbers that left their baseline: moved beyond the tolerance or, in a full report, gone. A quick one leaves numbers out,
-    and a new number has nothing to be compared with."""
-    changes = compare(stored) or []
-    return [change for change in changes if change.before is not None and not (quick and change.now is None)]
+    """Numbers that left their baseline; a new number has nothing to be compared with."""
+    return [change for change in compare(stored, quick) or [] if change.before is not None]
 
 
 def take(out: Path, folder: Path = FOLDER) -> list[Path]:

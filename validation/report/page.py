@@ -75,12 +75,12 @@ def tally(studies: Sequence[Stored]) -> dict[str, int]:
 
 
 def _changes(studies: Sequence[Stored], quick: bool) -> dict[str, Any]:
-    """What moved since the baseline of a full report. A number that a quick report leaves out is no change."""
-    compared = {study.name: baseline.compare(study) for study in studies}
+    """What moved since the baseline."""
+    compared = {study.name: baseline.compare(study, quick) for study in studies}
     return {
         "compared": [name for name, changes in compared.items() if changes is not None],
         "numbers": sum(len(study.result.numbers) for study in studies if study.result and compared[study.name] is not None),
-        "list": [change for changes in compared.values() for change in changes or () if not (quick and change.now is None)],
+        "list": [change for changes in compared.values() for change in changes or ()],
     }
 
 

@@ -6,11 +6,8 @@ from importlib import metadata
 from pathlib import Path
 
 import slipwave
-import validation
-from slipwave.sources import source_digest
+from slipwave.sources import ROOT, source_digest
 from validation.run.timing import cores
-
-_ROOT = Path(validation.__file__).resolve().parent.parent
 
 
 def provenance() -> dict[str, str]:
@@ -41,7 +38,7 @@ def commit() -> str:
 
 
 def _git(*words: str) -> str:
-    done = subprocess.run(["git", "-C", str(_ROOT), *words], capture_output=True, text=True, check=True, timeout=10)
+    done = subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True, check=True, timeout=10)
     return done.stdout.strip()
 
 

@@ -10,6 +10,7 @@ from typing import BinaryIO
 import numpy as np
 
 from slipwave.errors import SceneError
+from slipwave.files import reason_of
 from slipwave.friction import Law
 from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array, Pieces
@@ -55,7 +56,7 @@ class HistoryFile:
         try:
             self._file = self.path.open("r+b")
         except OSError as error:
-            raise SceneError(f"{self._label} is gone: {str(error.strerror).lower()}") from None
+            raise SceneError(f"{self._label} is gone: {reason_of(error)}") from None
         self._samples, self._checksum = samples, 0
         if self._file.seek(0, os.SEEK_END) >= self._bytes:
             for block in self._blocks():
@@ -108,7 +109,7 @@ class HistoryFile:
         try:
             action()
         except OSError as error:
-            self.problem = f"{self._label} cannot be written: {(error.strerror or str(error)).lower()}"
+            self.problem = f"{self._label} cannot be written: {reason_of(error)}"
         return not self.problem
 
     def _blocks(self) -> Iterator[Array]:

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from slipwave.sources import ROOT
 from validation.study import Budget, Evidence, Omission, StudyResult, Table, Verdict, judge, table
 
 NAME = "planted-faults"
@@ -11,7 +12,7 @@ QUESTION = "Does the test suite notice when the program is wrong?"
 SCENES: tuple[str, ...] = ()
 SECONDS = (0.1, 0.1)
 
-RECORD = Path(__file__).parents[2] / "reports" / "baseline" / "faults.json"
+RECORD = ROOT / "reports" / "baseline" / "faults.json"
 FILES = (RECORD,)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
 
+from slipwave.sources import ROOT
 from validation.run.timing import cores
 from validation.study import Budget, Cell, Evidence, Omission, StudyResult, Verdict, judge, table
 
@@ -17,9 +18,8 @@ QUESTION = "Do the verification tests pass that are too slow for every commit?"
 SCENES: tuple[str, ...] = ()
 SECONDS = (0.1, 250.0)
 
-_CHECKOUT = Path(__file__).parents[2]
-_IS_CHECKOUT = (_CHECKOUT / "pyproject.toml").is_file() and (_CHECKOUT / "tests").is_dir()
-FILES = (_CHECKOUT / "tests", _CHECKOUT / "slipwave" / "gallery") if _IS_CHECKOUT else ()
+_IS_CHECKOUT = (ROOT / "pyproject.toml").is_file() and (ROOT / "tests").is_dir()
+FILES = (ROOT / "tests", ROOT / "slipwave" / "gallery") if _IS_CHECKOUT else ()
 
 _TESTED = (0, 1)  # exit statuses of pytest after running tests: all passed, some failed
 
@@ -45,7 +45,7 @@ def run(budget: Budget) -> StudyResult:
         return StudyResult("Not answered in this report.", omissions=(Omission("The verification tests marked as slow.", why),))
     with tempfile.TemporaryDirectory() as folder:
         record = Path(folder) / "tests.xml"
-        ended = subprocess.run(_command(record), cwd=_CHECKOUT, capture_output=True, text=True, check=False)
+        ended = subprocess.run(_command(record), cwd=ROOT, capture_output=True, text=True, check=False)
         if ended.returncode not in _TESTED or not record.exists():
             raise RuntimeError(f"the tests did not run: {(ended.stdout + ended.stderr).strip()[-300:]}")
         tests = sorted(read_record(record))  # side by side they end in any order
@@ -83,19 +83,8 @@ def _verdict(file: str, tests: list[Tested]) -> Verdict:
 
 def _command(record: Path) -> list[str]:
     shared = ["-n", str(cores()), "--dist", "worksteal"]  # the other studies end long before these tests
-    return [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "-m",
-        "slow",
-        *shared,
-        "-p",
-        "no:cacheprovider",
-        f"--junitxml={record}",
-        "tests",
-    ]
+    chosen = ["-q", "-m", "slow", "-p", "no:cacheprovider"]
+    return [sys.executable, "-m", "pytest", *chosen, *shared, f"--junitxml={record}", "tests"]
 
 
 def read_record(path: Path) -> Iterator[Tested]:

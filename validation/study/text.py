@@ -12,7 +12,7 @@ _MARKS = (
     (re.compile(r"`([^`]*)`"), r"<code>\1</code>"),
     (re.compile(r"(?<![A-Za-z0-9])\*([^*\s](?:[^*]*[^*\s])?)\*(?![A-Za-z0-9])"), r"<em>\1</em>"),
 )
-_POWER = re.compile(r"^(.*)e([+-])0*(\d+)$")
+_POWER = re.compile(r"^(.*)e([+−])0*(\d+)$")
 
 
 def markup(text: str) -> str:
@@ -29,13 +29,15 @@ def number(value: float, spec: str = ".7g") -> str:
         return "–"
     if math.isinf(value):
         return "∞" if value > 0 else "−∞"
-    text = format(value, spec)
+    mantissa, exponent = _split(value, spec)
+    return f"{mantissa}&#8239;·&#8239;10<sup>{exponent}</sup>" if exponent else mantissa
+
+
+def _split(value: float, spec: str) -> tuple[str, str]:
+    """Mantissa and power of ten (empty if there is none) with true minus signs."""
+    text = format(value, spec).replace("-", "−")
     power = _POWER.match(text)
-    if power is None:
-        return text.replace("-", "−")
-    mantissa, sign, exponent = power.groups()
-    sign = "−" if sign == "-" else ""
-    return f"{mantissa.replace('-', '−')}&#8239;·&#8239;10<sup>{sign}{exponent}</sup>"
+    return (power[1], power[2].replace("+", "") + power[3]) if power else (text, "")
 
 
 def cell(value: Cell, spec: str) -> str:
@@ -58,8 +60,5 @@ def plain(value: float, spec: str = ".3g") -> str:
     """`value` in the small markup, for use inside sentences: 1.2 · 10^{-9}."""
     if not math.isfinite(value):
         return number(value)
-    power = _POWER.match(format(value, spec))
-    if power is None:
-        return format(value, spec).replace("-", "−")
-    mantissa, sign, exponent = power.groups()
-    return f"{mantissa.replace('-', '−')} · 10^{{{'−' if sign == '-' else ''}{exponent}}}"
+    mantissa, exponent = _split(value, spec)
+    return f"{mantissa} · 10^{{{exponent}}}" if exponent else mantissa

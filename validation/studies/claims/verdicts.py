@@ -92,8 +92,8 @@ def _ripples(ripples: dict[str, Ripples]) -> tuple[Verdict, ...]:
     )
 
 
-def _error(branch: Branch, model: str, name: str, log10_r: float = -2.68) -> float:
-    return abs(branch[log10_r][model].values()[name] / branch[log10_r]["delay"].values()[name] - 1.0)
+def _error(branch: Branch, model: str, name: str) -> float:
+    return abs(branch[-2.68][model].values()[name] / branch[-2.68]["delay"].values()[name] - 1.0)
 
 
 def _branch_claims(branch: Branch) -> tuple[Verdict, ...]:

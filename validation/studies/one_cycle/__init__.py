@@ -63,16 +63,16 @@ def _quasistatic() -> str:
     return ""
 
 
-def _slides_steadily(model: str) -> bool:
+def _slides_steadily() -> bool:
     try:
-        settle(build(model, slipwave.read("paper")), most=12000.0)
+        settle(build("quasidynamic", slipwave.read("paper")), most=12000.0)
     except NoCycle:
         return True
     return False
 
 
-def _percent(own: CycleRun, exact: CycleRun, quantity: str = "period") -> str:
-    return f"{100 * error(own, exact, quantity):+.1f} %".replace("-", "−")
+def _percent(own: CycleRun, exact: CycleRun) -> str:
+    return f"{100 * error(own, exact, 'period'):+.1f} %".replace("-", "−")
 
 
 def _answer(runs: dict[str, CycleRun]) -> str:
@@ -127,7 +127,7 @@ def _runaway(escape: str) -> Verdict:
 def _steady() -> Verdict:
     scene = slipwave.read("paper")
     r_c = onset_of(scene.law, scene.upper.epsilon, scene.velocity).r_quasidynamic
-    steady = _slides_steadily("quasidynamic")
+    steady = _slides_steadily()
     return Verdict(
         "The quasi-dynamic model slides steadily where the wave sticks and slips",
         Evidence.EXACT,

@@ -35,7 +35,7 @@ def run(budget: Budget) -> StudyResult:
             runs[name].append(march(scene, model, cells, cfl))
         budget.report(0.45 * (count + 1))
     timed = costs(repeats=5 if budget.quick else 9)
-    shown = {name: (pair_runs[0].curves, pair_runs[1].curves) for name, pair_runs in runs.items()}
+    shown = {name: (pair_runs[0].cycle, pair_runs[1].cycle) for name, pair_runs in runs.items()}
     return StudyResult(
         answer=_answer(runs, timed),
         figures=(Figure("cycles", _CAPTION, lambda: last_cycles(shown)),),
@@ -75,8 +75,7 @@ def _table(runs: dict[str, list[PairRun]]) -> Table:
     for name, pair_runs in runs.items():
         for pair_run in pair_runs:
             exact = pair_run is pair_runs[0]
-            off = pair_run.differs(pair_runs[0])
-            differences = [None if exact else off[key] for key in off]
+            differences = [None if exact else value for value in pair_run.differs(pair_runs[0]).values()]
             rows.append((_PAIRS[name], pair_run.model, pair_run.cells, pair_run.figures["psi"], *differences))
     symbols = {"ψ": "absolute", "T": "relative", "Δμ": "relative", "v_{max}": "relative"}
     differences_in = [f"difference in {symbol} [{unit}] .0e" for symbol, unit in symbols.items()]
@@ -91,8 +90,9 @@ def _table(runs: dict[str, list[PairRun]]) -> Table:
 
 def _agreements(runs: dict[str, list[PairRun]]) -> list[Verdict]:
     return [
-        _verdict(
+        bounded(
             "Unlike slabs: delay network and discontinuous Galerkin agree",
+            Evidence.WITNESS,
             abs(pair_runs[1].differs(pair_runs[0])["psi"]),
             _PROMISED,
             f"ψ({UNTIL:.0f}), round trips {_PAIRS[name]} : 1",
@@ -107,12 +107,9 @@ def _families(runs: dict[str, list[PairRun]]) -> list[Verdict]:
         states = [pair_run.figures["psi"] for pair_run in pair_runs if pair_run.model in _HIGH]
         limit = _AMONG * (_AMONG_CELLS / next(pair_run.cells or 1 for pair_run in pair_runs if pair_run.model == "sbp:6")) ** 3
         remark = f"{', '.join(f'`{model}`' for model in _HIGH)}; ψ({UNTIL:.0f}), round trips {_PAIRS[name]} : 1"
-        verdicts.append(_verdict("Unlike slabs: full-wave families agree", max(states) - min(states), limit, remark))
+        off = max(states) - min(states)
+        verdicts.append(bounded("Unlike slabs: full-wave families agree", Evidence.WITNESS, off, limit, remark))
     return verdicts
-
-
-def _verdict(claim: str, off: float, limit: float, remark: str) -> Verdict:
-    return bounded(claim, Evidence.WITNESS, off, limit, remark)
 
 
 def _leapfrog(runs: dict[str, list[PairRun]]) -> list[Verdict]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from slipwave.observe.pieces import Array
-from validation.studies.unlike_slabs.runs import Curves
+from validation.measure.cycle import Cycle
 from validation.study.drawing import WIDTH, canvas
 
 if TYPE_CHECKING:
@@ -15,20 +15,17 @@ if TYPE_CHECKING:
 _TITLES = {"unlike": "round trips 2 : 1", "unlike-irrational": r"round trips $\sqrt{2}$ : 1"}
 
 
-def last_cycles(shown: Mapping[str, tuple[Curves, Curves]]) -> "Figure":
+def last_cycles(shown: Mapping[str, tuple[Cycle, Cycle]]) -> "Figure":
     """Columns: scenes; rows: stress and rate. Each entry holds (delay, full wave)."""
     figure = canvas(WIDTH, 4.8)
     grid = figure.subplots(2, len(shown), sharex="col", sharey="row", squeeze=False)
-    for column, (name, (exact, wave)) in zip(grid.T, shown.items(), strict=True):
-        time, *lines = exact.cycle()
-        shown_at, *points = wave.cycle()
-        places = _spread(shown_at, points[0])
-        for axes, line, marks in zip(column, lines[::-1], points[::-1], strict=True):
-            axes.plot(time, line, color="#111111", linewidth=1.2, label="delay system")
-            axes.plot(
-                shown_at[places], marks[places], "o", color="#d55e00", markersize=3.6, markerfacecolor="none", label="full wave"
-            )
-        column[0].set_title(_TITLES[name])
+    for column, (pair, (exact, wave)) in zip(grid.T, shown.items(), strict=True):
+        places = _spread(wave.time, wave.slip_rate)
+        look = {"color": "#d55e00", "markersize": 3.6, "markerfacecolor": "none", "label": "full wave"}
+        for axes, name in zip(column, ("stress", "slip_rate"), strict=True):
+            axes.plot(exact.time, getattr(exact, name), color="#111111", linewidth=1.2, label="delay system")
+            axes.plot(wave.time[places], getattr(wave, name)[places], "o", **look)
+        column[0].set_title(_TITLES[pair])
         column[1].set(yscale="log", xlabel="time since the slip event (transits)")
     grid[0, 0].set_ylabel(r"stress $\mu$")
     grid[1, 0].set_ylabel(r"slip rate $v/V^*$")

@@ -1,12 +1,10 @@
-"""A pair of unlike slabs marched by one model: its figures, and the curves of its last cycle."""
+"""A pair of unlike slabs marched by one model: its figures, and its last cycle."""
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from slipwave.observe import EventObserver, HistoryObserver, follow
-from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from validation.measure.cycle import Cycle, cut
 from validation.registry.build import build
 
 UNTIL = 600.0
@@ -15,30 +13,14 @@ _BEFORE, _AFTER = 3.0, 2.0
 
 
 @dataclass(frozen=True)
-class Curves:
-    """Date and period of the last complete cycle, then time (transits), ln v and stress over the end of a run."""
-
-    start: float
-    period: float
-    time: Array
-    ln_rate: Array
-    stress: Array
-
-    def cycle(self) -> tuple[Array, Array, Array]:
-        """Time since the event, v, stress, over the cycle and a little on both sides."""
-        time = self.time - self.start
-        keep = (time > -_BEFORE) & (time < self.period + _AFTER)
-        return time[keep], np.exp(self.ln_rate[keep]), self.stress[keep]
-
-
-@dataclass(frozen=True)
 class PairRun:
-    """A model's grid, psi at UNTIL, period, drop and largest rate of the last complete cycle, and its curves."""
+    """A model's grid; psi at UNTIL, and period, drop and largest rate of the last complete cycle; that cycle and a little on both
+    sides."""
 
     model: str
     cells: int | None
     figures: dict[str, float]
-    curves: Curves
+    cycle: Cycle
 
     def differs(self, exact: "PairRun") -> dict[str, float]:
         """Difference in psi (absolute) and in the cycle's figures (relative)."""
@@ -55,6 +37,6 @@ def march(scene: Scene, model: str, cells: int | None = None, cfl: float | None 
     final = follow(solver, UNTIL, [observer, history])
     events = observer.events()
     last = {name: float(getattr(events, name)[-1]) for name in ("period", "stress_drop", "v_max")}
-    time, ln_rate, _, stress, _ = history.samples(per_piece=6 if model == "delay" else 1)
-    curves = Curves(float(events.time[-1]), float(events.period[-1]), time, ln_rate, stress)
-    return PairRun(model, cells, {"psi": final.psi, **last}, curves)
+    samples = history.samples(per_piece=6 if model == "delay" else 1)
+    cycle = cut(scene.law, samples, float(events.time[-1]), last["period"], _BEFORE, _AFTER)
+    return PairRun(model, cells, {"psi": final.psi, **last}, cycle)
