@@ -48,11 +48,13 @@ def _grid(axes: Axes) -> str:
 
 
 def _ticks(axis: Axis) -> str:
-    """Those that were set by hand, and whether there are small ones."""
+    """Those that were set by hand, whether there are small ones, and whether they have numbers."""
     places, words = axis.get_major_locator(), axis.get_major_formatter()
     told = f", ticks {_list(places.locs)}" if isinstance(places, FixedLocator) else ""
     told += f" called {_list(words.seq)}" if isinstance(words, FixedFormatter) else ""
-    return told + (", no small ticks" if isinstance(axis.get_minor_locator(), NullLocator) else ", small ticks")
+    told += ", no small ticks" if isinstance(axis.get_minor_locator(), NullLocator) else ", small ticks"
+    side = "labelbottom" if axis.axis_name == "x" else "labelleft"
+    return told + ("" if axis.get_tick_params()[side] else ", no numbers")
 
 
 def _artist(artist: Artist, axes: Axes) -> Iterator[str]:

@@ -16,11 +16,15 @@ from validation.study.drawing import styled
 
 
 def quick(name: str) -> StudyResult:
-    """A study's quick run by a clock of its own: the n-th reading is n^2 ms, so that run times are the same on every machine."""
+    """A study's quick run by a clock of its own: the n-th reading is n^2 ms, so that run times are the same on every machine.
+    The shares of its work that it reports on the way rise to 1 at most."""
+    shares: list[float] = []
     with pytest.MonkeyPatch.context() as patch:
         readings = itertools.count()
         patch.setattr(timing, "_spent", lambda: 1e-3 * next(readings) ** 2)
-        return load(name).run(Budget(quick=True))
+        result = load(name).run(Budget(quick=True, report=shares.append))
+    assert all(before < after for before, after in itertools.pairwise([0.0, *shares, 1.0 + 1e-9])), shares
+    return result
 
 
 def shown(result: StudyResult) -> list[str]:

@@ -1,14 +1,19 @@
 """`make bench` on works of known cost: medians of ratios, a record that the next one is compared with."""
 
 import json
+from dataclasses import replace
 from functools import partial
 
 import pytest
 
+import slipwave
+from slipwave.scene.slab import GripFace, ReflectingFace
 from validation import benchmark
 from validation.benchmark import Race, last, main, measure, races
 from validation.run import timing
 from validation.run.timing import in_turn, timed
+from validation.studies.unlike_slabs.cost import pairs
+from validation.work_precision import Setting, march_of
 
 
 @pytest.fixture
@@ -85,3 +90,48 @@ def test_the_races_are_told_apart_and_run():
     for name in ("fd: grip over rigid face", "slipwave --help over bare Python"):
         ratio = measure(named[name], rounds=1)
         assert 0.0 < ratio["low"] == ratio["median"] == ratio["high"]
+
+
+def march(work):
+    """Setting, scene, transits and where timing begins."""
+    assert work.func is march_of
+    return work.args
+
+
+def test_both_sides_of_a_ratio_differ_only_in_what_it_is_named_after():
+    """Grid, scene and length of every march, and that timing begins after one transit on both sides."""
+    named = {race.name: race for race in races()}
+    paper = slipwave.read("paper")
+    for model, cells in {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}.items():
+        once = (Setting(model, cells=cells), paper, 20.0, 1.0)
+        unlike = replace(paper, lower=replace(paper.lower, epsilon=1.001 * paper.lower.epsilon))
+        faced = [replace(paper.upper, face=face) for face in (GripFace(100.0, 10.0), ReflectingFace(0.999))]
+        wanted = {
+            "twice the transits": (once[0], paper, 40.0, 1.0),
+            "four times the cells": (Setting(model, cells=4 * cells), paper, 20.0, 1.0),
+            "unlike slabs over alike": (once[0], unlike, 20.0, 1.0),
+            "grip over rigid face": (once[0], replace(paper, upper=faced[0], lower=faced[0]), 20.0, 1.0),
+            "reflection over rigid face": (once[0], replace(paper, upper=faced[1], lower=faced[1]), 20.0, 1.0),
+        }
+        for name, first in wanted.items():
+            race = named[f"{model}: {name}"]
+            assert (march(race.first), march(race.second)) == (first, once)
+        race = named[f"{model}: time of the delay system"]
+        assert (march(race.first), march(race.second)) == (once, (Setting("delay", tolerance=1e-9), paper, 20.0, 1.0))
+    for name, scene in pairs().items():
+        if name != "alike":
+            race = named[f"delay: {name} round trips over alike"]
+            exact = Setting("delay", tolerance=1e-9)
+            assert (march(race.first), march(race.second)) == ((exact, scene, 200.0, 1.0), (exact, pairs()["alike"], 200.0, 1.0))
+
+
+def test_the_plain_program_runs_as_long_and_as_exactly_as_the_model_it_races():
+    race = {race.name: race for race in races()}["scipy's LSODA over kelvin-voigt"]
+    assert race.first().args == (slipwave.read("paper"), 300.0, 1e-8)
+    assert march(race.second) == (Setting("kelvin-voigt", tolerance=1e-8), slipwave.read("paper"), 300.0, 1.0)
+
+
+def test_the_table_tells_median_quartiles_and_change():
+    now = {"a": {"median": 1.5, "low": 1.25, "high": 1.75}, "b": {"median": 3.0, "low": 2.0, "high": 4.0}}
+    rows = [*benchmark._rows(now, {"a": {"median": 2.0}})]
+    assert rows == [["a", "1.50", "1.25 to 1.75", "2.00", "-25%"], ["b", "3.00", "2.00 to 4.00", "-", "-"]]

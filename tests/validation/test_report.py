@@ -199,3 +199,14 @@ def test_progress_reaches_the_study(fake, tmp_path):
     fake.add("first", run)
     make_report(tmp_path, quick=True)
     assert seen == [True]
+
+
+@pytest.mark.parametrize(("quick", "order"), [(True, ["c", "a", "b", "timed"]), (False, ["b", "a", "c", "timed"])])
+def test_the_longest_study_begins_first_and_those_that_time_last(fake, tmp_path, quick, order):
+    """By what they say of the quick and of the full report."""
+    seconds = {"a": (2.0, 2.0), "b": (1.0, 3.0), "c": (3.0, 1.0), "timed": (9.0, 9.0)}
+    for name, both in seconds.items():
+        study = fake.add(name)
+        study.SECONDS, study.TIMED = both, name == "timed"
+    make_report(tmp_path, quick=quick)
+    assert fake.runs == order

@@ -97,7 +97,11 @@ def with_points(figure):
     figure.axes[0].scatter([1.0], [2.0])
 
 
-@pytest.mark.parametrize("change", [wider, farther, renamed, straight, with_bars, with_points])
+def without_numbers(figure):
+    figure.axes[0].tick_params(labelleft=False)
+
+
+@pytest.mark.parametrize("change", [wider, farther, renamed, straight, with_bars, with_points, without_numbers])
 def test_a_changed_figure_is_seen(change):
     changed = plain()
     change(changed)

@@ -1,0 +1,57 @@
+"""All that the commands print, held line by line against the record `printed.txt`: columns, digits, units, errors, remarks.
+
+Words must be equal and numbers close (`records`). Every reading of the clock is 0.25 s after the last one.
+"""
+
+import itertools
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from records import differences
+
+from validation.cli import main
+
+RECORD = Path(__file__).with_name("printed.txt")
+FAST = ("--set", "drive.velocity=2000", "--until", "200")
+"""Cycles of four transits, which repeat after 100."""
+COMMANDS = (
+    ("run", "paper", "--model", "kelvin-voigt", *FAST),
+    ("run", "paper-si", "--model", "delay", "--set", "drive.velocity=2000", "slab.thickness=0.0335", "--until", "200"),
+    ("run", "viscous", "--model", "dg:3", "--cells", "4", "--set", "drive.velocity=2000", "--until", "60"),
+    ("run", "layered", "--model", "fd", "--tol", "1e-2", "--until", "2"),
+    ("run", "unlike", "--model", "block8", "--set", "run.record=[]", "--until", "20"),
+    ("run", "paper", "--model", "quasidynamic", "--set", "slab.r=0.1", "--until", "10"),
+    ("run", "paper", "--model", "kelvin-voigt", *FAST, "--json"),
+    ("compare", "paper", "--models", "fd,delay,kelvin-voigt,quasidynamic", "--cells", "24", *FAST),
+    ("stability", "paper"),
+    ("stability", "grip", "--model", "fitted:4"),
+    ("stability", "ramp"),
+    ("stability", "unlike", "--json"),
+)
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    readings = itertools.count()
+    monkeypatch.setattr("validation.run.simulate.time.perf_counter", lambda: 0.25 * next(readings))
+
+
+def printed(capsys: pytest.CaptureFixture[str], folder: Path) -> Iterator[str]:
+    for words in COMMANDS:
+        places = ("--out", str(folder / "compare.pdf")) if words[0] == "compare" else ()
+        assert main([*words, *places]) == 0
+        out, err = capsys.readouterr()
+        yield "$ " + " ".join(words)
+        yield from (line.replace(str(folder), "FOLDER").rstrip() for line in out.splitlines())
+        yield from (f"stderr: {line}" for line in err.splitlines())
+
+
+def test_commands_print_what_is_on_record(
+    clock: None, capsys: pytest.CaptureFixture[str], tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    lines = [*printed(capsys, tmp_path)]
+    if request.config.getoption("record_shown"):
+        RECORD.write_text("\n".join([*lines, ""]), encoding="utf-8")
+    differ = differences(RECORD.read_text(encoding="utf-8").splitlines(), lines)
+    assert not differ, "\n".join([*differ, "meant? pytest --record-shown"])
