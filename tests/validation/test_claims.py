@@ -13,8 +13,8 @@ from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT
 from validation.studies import claims
 from validation.studies.claims import load as claims_load
 from validation.studies.claims import verdicts as claims_verdicts
-from validation.studies.claims.figures import irregular, returns
 from validation.studies.claims.runs import MODELS, Deep, Loading, Ripples, loading_of, recurrence, where
+from validation.studies.claims.shown import irregular, returns
 from validation.study import Evidence, Outcome, Verdict
 
 FIGURES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")

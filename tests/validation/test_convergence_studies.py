@@ -10,8 +10,7 @@ from validation.measure.order_fit import fit
 from validation.measure.orders import QUANTITIES, Climb
 from validation.studies import grid_convergence, leapfrog_convergence
 from validation.studies.grid_convergence.code import code_note, code_table, shared
-from validation.studies.grid_convergence.figures import convergence_and_cost
-from validation.studies.grid_convergence.tables import finest_table, orders_table
+from validation.studies.grid_convergence.shown import convergence_and_cost, finest_table, orders_table
 from validation.studies.leapfrog_convergence import ladders
 from validation.study import Budget, Evidence, Outcome
 

@@ -5,8 +5,8 @@ import pytest
 
 from validation.measure.order_fit import fit
 from validation.studies import energy
-from validation.studies.energy.figures import closure, histories
 from validation.studies.energy.runs import LADDERS, History, history_of, order_of, residual_of
+from validation.studies.energy.shown import closure, histories
 from validation.studies.energy.verdicts import closes, conserves, order_verdict
 from validation.study import Outcome
 

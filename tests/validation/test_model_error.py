@@ -8,8 +8,8 @@ from shown import quick
 from reduced.impedance import reduction_of
 from validation.studies import load
 from validation.studies.model_error import verdicts
-from validation.studies.model_error.figures import errors_over_r
 from validation.studies.model_error.runs import ModelRun, error, states
+from validation.studies.model_error.shown import errors_over_r
 from validation.studies.model_error.verdicts import target
 from validation.study import Outcome
 from validation.study.bounds import too_roomy

@@ -11,8 +11,8 @@ from validation.measure.cycle import Cycle
 from validation.measure.settle import Settled
 from validation.references.published import reference_orbit
 from validation.studies import one_cycle, scene_facts
-from validation.studies.one_cycle.figures import overlay, panels
 from validation.studies.one_cycle.runs import CycleRun
+from validation.studies.one_cycle.shown import overlay, panels
 from validation.study import Outcome
 
 FIGURES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")

@@ -5,8 +5,8 @@ import pytest
 from shown import quick
 
 from validation.studies import load
-from validation.studies.partial_reflection.figures import bare_and_grip, over_grip
 from validation.studies.partial_reflection.runs import Pair, Point, locking_leak
+from validation.studies.partial_reflection.shown import bare_and_grip, over_grip
 from validation.studies.partial_reflection.verdicts import agreement, dies, keeps, locks
 from validation.study import Outcome
 from validation.study.bounds import too_roomy

@@ -39,7 +39,7 @@ EVERYWHERE = [
     "fullwave/leapfrog/kernel.py",
     "validation/measure/settle.py",
     "validation/references/published.json",
-    "validation/studies/claims/figures.py",
+    "validation/studies/claims/shown.py",
     "validation/studies/claims/__init__.py",
     "slipwave/friction/__init__.py",
 ]

@@ -10,8 +10,8 @@ from reduced import closed_forms
 from reduced.stability import Boundary, friction_slopes
 from validation.studies import stability_boundaries as study
 from validation.studies.stability_boundaries import verdicts
-from validation.studies.stability_boundaries.figures import critical_curves, impedances, planes, spectra
 from validation.studies.stability_boundaries.measured import Curves
+from validation.studies.stability_boundaries.shown import critical_curves, impedances, planes, spectra
 from validation.study import Outcome
 
 PAPER = slipwave.read("paper")

@@ -7,8 +7,8 @@ from shown import quick
 from validation.measure.cycle import Cycle
 from validation.studies import load
 from validation.studies.unlike_slabs.cost import cost_verdicts
-from validation.studies.unlike_slabs.figures import last_cycles
 from validation.studies.unlike_slabs.runs import PairRun
+from validation.studies.unlike_slabs.shown import last_cycles
 from validation.study import Outcome
 from validation.study.bounds import too_roomy
 

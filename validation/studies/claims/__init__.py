@@ -1,8 +1,7 @@
 """The paper's claims that runs and closed forms can settle; those about whole branches need continuation."""
 
-from validation.studies.claims.figures import irregular, returns
 from validation.studies.claims.runs import LARGE_NUDGE, Branch, Ripples, beside, measure_ripples, run_deep, settle_branch
-from validation.studies.claims.tables import branch_table, deep_table, onset_table
+from validation.studies.claims.shown import branch_table, deep_table, irregular, onset_table, returns
 from validation.studies.claims.verdicts import all_verdicts
 from validation.study import Budget, Figure, Number, Omission, Outcome, StudyResult, Verdict
 

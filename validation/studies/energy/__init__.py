@@ -4,9 +4,8 @@ import numpy as np
 
 from slipwave.observe.pieces import Array
 from validation.measure.order_fit import Fit
-from validation.studies.energy.figures import closure, histories
 from validation.studies.energy.runs import BOUNDARIES, HIGH, LADDERS, UNTIL, History, history_of, order_of, residual_of
-from validation.studies.energy.tables import high_table, residual_table, shares_table
+from validation.studies.energy.shown import closure, high_table, histories, residual_table, shares_table
 from validation.studies.energy.verdicts import closes, conserves, order_verdict
 from validation.study import Budget, Figure, Number, StudyResult
 from validation.study.text import plain

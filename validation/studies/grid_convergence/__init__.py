@@ -12,8 +12,7 @@ from validation.measure.orders import OUTPUTS, Climb, Measured, climb, errors, m
 from validation.registry.build import build
 from validation.registry.families import grid_of
 from validation.studies.grid_convergence.code import code_note, code_table
-from validation.studies.grid_convergence.figures import convergence_and_cost
-from validation.studies.grid_convergence.tables import finest_table, orders_table
+from validation.studies.grid_convergence.shown import convergence_and_cost, finest_table, orders_table
 from validation.study import Budget, Evidence, Figure, Number, StudyResult, Verdict, judge
 from validation.study.bounds import bounded
 from validation.study.text import plain

@@ -1,8 +1,7 @@
 """Every reduction's orbit against the delay system's, as the waves gain in weight (r grows)."""
 
-from validation.studies.model_error.figures import errors_over_r
 from validation.studies.model_error.runs import MODELS, SHOWN, Runs, curves, error, orbit_of, scene_at
-from validation.studies.model_error.tables import error_table, omissions
+from validation.studies.model_error.shown import error_table, errors_over_r, omissions
 from validation.studies.model_error.verdicts import TARGETS, all_verdicts
 from validation.study import Budget, Figure, Number, StudyResult
 from validation.study.text import plain

@@ -8,9 +8,8 @@ from validation.measure.settle import NoCycle, settle
 from validation.references.onset import onset_of
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.build import build
-from validation.studies.one_cycle.figures import overlay, panels
 from validation.studies.one_cycle.runs import CELLS, CFL, LOG10_R, QUANTITIES, CycleRun, error, run_model
-from validation.studies.one_cycle.tables import beside_reference, drops, rates
+from validation.studies.one_cycle.shown import beside_reference, drops, overlay, panels, rates
 from validation.study import Budget, Evidence, Figure, Number, Omission, StudyResult, Verdict, judge
 from validation.study.bounds import bounded
 from validation.study.text import plain

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from validation.studies.partial_reflection.figures import bare_and_grip, over_grip
 from validation.studies.partial_reflection.runs import (
     HELD,
     LOG10_R,
@@ -18,7 +17,7 @@ from validation.studies.partial_reflection.runs import (
     orbit_of,
     pair_of,
 )
-from validation.studies.partial_reflection.tables import bare_table, wave_table
+from validation.studies.partial_reflection.shown import bare_and_grip, bare_table, over_grip, wave_table
 from validation.studies.partial_reflection.verdicts import agreement, dies, keeps, last_alive, locks
 from validation.study import Budget, Figure, Number, StudyResult
 from validation.study.text import plain

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 
-from validation.studies.stability_attacks import tables, verdicts
+from validation.studies.stability_attacks import shown, verdicts
 from validation.studies.stability_attacks.limits import MEDIA, around_the_limit, limit_at, state_reach, stops_beyond
 from validation.studies.stability_attacks.runs import ATTACKS, CELLS, advised, attack, locked_noise
 from validation.studies.stability_attacks.verdicts import Found
@@ -24,12 +24,12 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answer=verdicts.answer(found),
         tables=(
-            tables.limit_table(found.decades, found.limits, found.reach),
-            tables.medium_table(found.media),
-            tables.attack_table(found.attacks, found.late),
-            *tables.message_table(found.attacks),
-            tables.advice_table(found.advice),
-            tables.noise_table(found.noise, found.transits),
+            shown.limit_table(found.decades, found.limits, found.reach),
+            shown.medium_table(found.media),
+            shown.attack_table(found.attacks, found.late),
+            *shown.message_table(found.attacks),
+            shown.advice_table(found.advice),
+            shown.noise_table(found.noise, found.transits),
         ),
         verdicts=(
             verdicts.limit_verdict(found),

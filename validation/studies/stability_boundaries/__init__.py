@@ -13,9 +13,16 @@ from reduced.stability import (
     friction_slopes,
     with_parameter,
 )
-from validation.studies.stability_boundaries.figures import critical_curves, impedances, planes, spectra
 from validation.studies.stability_boundaries.measured import TRACED, Curves, critical_over_velocity
-from validation.studies.stability_boundaries.tables import model_table, scene_table, velocity_table
+from validation.studies.stability_boundaries.shown import (
+    critical_curves,
+    impedances,
+    model_table,
+    planes,
+    scene_table,
+    spectra,
+    velocity_table,
+)
 from validation.studies.stability_boundaries.verdicts import closed_form_verdicts, fig_2, fig_3, taylor
 from validation.study import Budget, Figure, Number, StudyResult
 from validation.study.text import plain

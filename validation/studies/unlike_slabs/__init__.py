@@ -2,8 +2,8 @@
 
 import slipwave
 from validation.studies.unlike_slabs.cost import Costs, cost_table, cost_verdicts, costs
-from validation.studies.unlike_slabs.figures import last_cycles
 from validation.studies.unlike_slabs.runs import UNTIL, PairRun, march
+from validation.studies.unlike_slabs.shown import last_cycles
 from validation.study import Budget, Evidence, Figure, Number, Omission, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
 from validation.study.text import plain
