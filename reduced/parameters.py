@@ -11,23 +11,30 @@ from slipwave.scene.drive import steady_drive
 from slipwave.scene.slab import Slab
 
 
+def scaled(scene: Scene, round_trip: float = 1.0, epsilon: float = 1.0, velocity: float | None = None) -> Scene:
+    """The scene with both round trips and both epsilons multiplied, and driven steadily at `velocity` (V*) if that is given."""
+    drive = scene.drive if velocity is None else steady_drive(velocity)
+    return _both(
+        dataclasses.replace(scene, drive=drive),
+        lambda slab: dataclasses.replace(slab, round_trip=slab.round_trip * round_trip, epsilon=slab.epsilon * epsilon),
+    )
+
+
 def _both(scene: Scene, change: Callable[[Slab], Slab]) -> Scene:
     return dataclasses.replace(scene, upper=change(scene.upper), lower=change(scene.lower))
 
 
 def _round_trip(scene: Scene, value: float) -> Scene:
     """Sets the upper slab's round trip; the ratio of both round trips stays."""
-    factor = value / scene.upper.round_trip
-    return _both(scene, lambda slab: dataclasses.replace(slab, round_trip=slab.round_trip * factor))
+    return scaled(scene, round_trip=value / scene.upper.round_trip)
 
 
 def _epsilon(scene: Scene, value: float) -> Scene:
-    factor = value / scene.upper.epsilon
-    return _both(scene, lambda slab: dataclasses.replace(slab, epsilon=slab.epsilon * factor))
+    return scaled(scene, epsilon=value / scene.upper.epsilon)
 
 
 def _velocity(scene: Scene, value: float) -> Scene:
-    return dataclasses.replace(scene, drive=steady_drive(value))
+    return scaled(scene, velocity=value)
 
 
 def _law(name: str) -> Callable[[Scene, float], Scene]:

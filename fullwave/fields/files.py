@@ -22,7 +22,11 @@ if TYPE_CHECKING:
 
 def write_field(path: Path, field: Field) -> None:
     """Write `field` as .nc, .vtu or .xdmf. Raises SceneError for any other name or if the file cannot be written."""
-    writers: dict[str, Callable[[Path, Field], None]] = {".nc": _write_netcdf, ".vtu": _write_sheet, ".xdmf": _write_series}
+    writers: dict[str, Callable[[Path, Field], None]] = {
+        ".nc": lambda path, field: field.dataset().to_netcdf(path, engine="netcdf4"),
+        ".vtu": lambda path, field: sheet(field).write(path, file_format="vtu"),
+        ".xdmf": _write_series,
+    }
     if path.suffix not in writers:
         raise SceneError(f"fields = {str(path)!r}: the name must end in {', '.join(writers)}")
     with whole_or_absent(path) as temporary:
@@ -39,11 +43,7 @@ def profile(field: Field) -> tuple[Array, Array, Array]:
         else (field.lower.depth, field.lower.velocity, field.lower.stress)
     )
     position = np.concatenate((-depth[::-1], upper.depth))
-    return (
-        position,
-        np.hstack((velocity[:, ::-1], upper.velocity)),
-        np.hstack((stress[:, ::-1], upper.stress)),
-    )
+    return position, np.hstack((velocity[:, ::-1], upper.velocity)), np.hstack((stress[:, ::-1], upper.stress))
 
 
 def sheet(field: Field) -> "meshio.Mesh":
@@ -62,14 +62,6 @@ def sheet(field: Field) -> "meshio.Mesh":
     corner = (np.arange(moments - 1)[:, None] * places + thick).ravel()
     quads = np.column_stack((corner, corner + places, corner + places + 1, corner + 1))
     return meshio.Mesh(points, [("quad", quads)], point_data={"velocity": velocity.ravel(), "stress": stress.ravel()})
-
-
-def _write_netcdf(path: Path, field: Field) -> None:
-    field.dataset().to_netcdf(path, engine="netcdf4")
-
-
-def _write_sheet(path: Path, field: Field) -> None:
-    sheet(field).write(path, file_format="vtu")
 
 
 def _write_series(path: Path, field: Field) -> None:

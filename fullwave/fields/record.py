@@ -5,9 +5,9 @@ one slab is kept; the other is its mirror image, with the sign of the velocity c
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -69,16 +69,12 @@ class Field:
         return xarray.Dataset(variables, coordinates, self._facts())
 
     def _facts(self) -> dict[str, str | float]:
-        try:
-            release = version("slipwave")
-        except PackageNotFoundError:
-            release = "unknown"
         facts: dict[str, str | float] = {
             "title": f"fields of scene {self.scene.name} by model {self.model}",
             "scene": self.scene.name,
             "scene_digest": self.scene.digest,
             "model": self.model,
-            "slipwave_version": release,
+            "slipwave_version": version("slipwave"),
             "transit_in_friction_time": self.scene.transit,
         }
         if self.lower is None:
@@ -153,12 +149,7 @@ def _shot(row: Array, sizes: Sequence[int], like: Snapshot) -> Snapshot:
 
 
 def record_field(
-    solver: FieldSolver,
-    start: float,
-    end: float,
-    interval: float = INTERVAL,
-    observers: Sequence[Observer] = (),
-    progress: Callable[[float], None] | None = None,
+    solver: FieldSolver, start: float, end: float, interval: float = INTERVAL, observers: Sequence[Observer] = ()
 ) -> tuple[Field, Final]:
     """March to `end` and keep the fields of a window (`FieldRecord`). Returns the record and the interface's state at `end`.
 
@@ -167,7 +158,7 @@ def record_field(
     if not solver.time <= start:
         raise SceneError(f"window = [{start:g}, {end:g}]: must be later than t = {solver.time:g}")
     record = FieldRecord(solver, start, end, interval)
-    final = follow(solver, end, observers, progress, [record])
+    final = follow(solver, end, observers, marks=[record])
     return record.field, final
 
 

@@ -1,10 +1,10 @@
 """Stability of steady sliding, from the impedance alone: spectrum, critical values and boundaries, for every scene and model."""
 
-from reduced.parameters import PARAMETERS, with_parameter
+from reduced.parameters import PARAMETERS, scaled, with_parameter
 from reduced.stability.analyse import Stability, analyse
 from reduced.stability.boundary import Boundary, boundary
 from reduced.stability.characteristic import Characteristic, characteristic
-from reduced.stability.critical import critical_epsilon, critical_round_trip, critical_velocity, scaled
+from reduced.stability.critical import critical_epsilon, critical_round_trip, critical_velocity
 from reduced.stability.error_laws import ErrorLaw, error_law
 from reduced.stability.essential import essential_abscissa
 from reduced.stability.friction import FrictionSlopes, friction_slopes

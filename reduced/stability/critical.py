@@ -9,7 +9,6 @@ one scalar equation in theta; for lossless slabs omega = omega_c (20), (38). The
 the first crossing is bracketed by counting unstable roots.
 """
 
-import dataclasses
 import math
 from collections.abc import Callable
 
@@ -17,30 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.impedance import Jet, is_exact, ratio_of
+from reduced.parameters import scaled
 from reduced.stability.characteristic import characteristic
 from reduced.stability.crossing import crossing
 from reduced.stability.friction import FrictionSlopes, friction_slopes
 from reduced.stability.spectrum import leading_roots, unstable_count
 from slipwave.errors import NumericsError
 from slipwave.scene import Scene
-from slipwave.scene.drive import steady_drive
 
 _THETA = np.unique(np.concatenate([np.geomspace(1e-9, 1.0, 1200), np.linspace(1.0, 60.0, 6000)]))
 _FIRST_OCTAVE, _LAST_OCTAVE = -20, 10
-
-
-def scaled(scene: Scene, round_trip: float = 1.0, epsilon: float = 1.0, velocity: float | None = None) -> Scene:
-    """The scene with both round trips and both epsilons multiplied, and driven steadily at `velocity` (V*) if that is given."""
-    change = {
-        name: dataclasses.replace(
-            getattr(scene, name),
-            round_trip=getattr(scene, name).round_trip * round_trip,
-            epsilon=getattr(scene, name).epsilon * epsilon,
-        )
-        for name in ("upper", "lower")
-    }
-    drive = scene.drive if velocity is None else steady_drive(velocity)
-    return dataclasses.replace(scene, **change, drive=drive)
 
 
 def critical_round_trip(scene: Scene, model: str = "delay") -> tuple[float, float]:
@@ -109,18 +94,21 @@ def _by_counting(scene: Scene, model: str) -> tuple[float, float]:
     low = next((float(k - 1) for k in exponents if unstable(k)), math.nan)
     if math.isnan(low) or low < _FIRST_OCTAVE:
         return math.nan, math.nan
-    high = low + 1.0
-    while high - low > 1e-4:
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if unstable(middle) else (middle, high)
+    low, high = _halved(unstable, low, low + 1.0, 1e-4)
     try:
         return _refine(at, model, 0.5 * (low + high), scene.transit)
     except NumericsError:  # Newton's method fails at a shallow crossing, where counting still works
-        while high - low > 1e-12 * max(1.0, abs(low)):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if unstable(middle) else (middle, high)
+        _, high = _halved(unstable, low, high, 1e-12 * max(1.0, abs(low)))
         growing = leading_roots(characteristic(at(high), model), 1)
         return scene.transit * 2.0**high, abs(float(growing[0].imag))
+
+
+def _halved(unstable: Callable[[float], bool], low: float, high: float, width: float) -> tuple[float, float]:
+    """The bracket of a change to `unstable`, halved until it is no wider than `width`."""
+    while high - low > width:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if unstable(middle) else (middle, high)
+    return low, high
 
 
 def _refine(at: Callable[[float], Scene], model: str, start: float, transit: float) -> tuple[float, float]:

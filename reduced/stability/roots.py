@@ -4,7 +4,6 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reduced.impedance import Complex, Jet
 from slipwave.errors import NumericsError
@@ -48,9 +47,8 @@ def count_zeros(function: Function, corners: Complex, anchors: tuple[complex, ..
             turn = np.angle(jet.value[1:] / jet.value[:-1])
             rate = np.abs(jet.slope / jet.value)
         if not np.all(np.isfinite(rate)):
-            raise NumericsError(
-                f"stability: the characteristic function is 0 or not finite on the contour at s = {_first_bad(points, rate)}"
-            )
+            bad = complex(points[int(np.argmin(np.isfinite(rate)))])
+            raise NumericsError(f"stability: the characteristic function is 0 or not finite on the contour at s = {bad}")
         pieces = np.abs(np.diff(points))
         long = (np.maximum(rate[1:], rate[:-1]) * pieces > _STEP) | (np.abs(turn) > np.pi / 3.0)
         for anchor in anchors:
@@ -61,10 +59,6 @@ def count_zeros(function: Function, corners: Complex, anchors: tuple[complex, ..
             raise NumericsError(f"stability: a root lies on the contour near s = {points[int(np.argmax(rate))]:.6g}")
         middles = 0.5 * (points[:-1] + points[1:])[long]
         points = np.insert(points, np.flatnonzero(long) + 1, middles)
-
-
-def _first_bad(points: Complex, rate: NDArray[np.float64]) -> complex:
-    return complex(points[int(np.argmin(np.isfinite(rate)))])
 
 
 def polish(function: Function, starts: Complex) -> Complex:

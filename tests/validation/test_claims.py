@@ -231,11 +231,11 @@ def test_another_start_may_find_another_orbit(monkeypatch, other, words):
 
 def test_figures_show_cycles_and_returns():
     one = deep()
-    first, second = irregular({model: (one.time, np.arange(5.0)) for model in ("delay", "kelvin-voigt")}).axes
+    first, second = irregular({model: one._replace(stress=np.arange(5.0)) for model in ("delay", "kelvin-voigt")}).axes
     assert [axes.get_ylabel() for axes in (first, second)] == [r"$\mu$"] * 2
     assert second.get_xlabel() == "time (transits)"
     assert list(first.get_lines()[0].get_ydata()) == [0.0, 1.0, 2.0, 3.0, 4.0]
-    period, drop = returns({"delay": (one.events.period, one.events.stress_drop)}).axes
+    period, drop = returns({"delay": one}).axes
     assert [axes.get_xlabel() for axes in (period, drop)] == ["$T$ (transits) of one cycle", r"$\Delta\mu$ of one cycle"]
     assert {axes.get_ylabel() for axes in (period, drop)} == {"of the next"}
     assert np.array_equal(drop.get_lines()[0].get_xdata(), one.events.stress_drop[:-1])

@@ -10,7 +10,8 @@ import pytest
 from fake_studies import result
 
 from validation.cli import NUMERICS_FAILED, main
-from validation.report import baseline, make_report
+from validation.report import baseline
+from validation.report.build import make_report
 from validation.report.red import RedReport
 from validation.study import Evidence, Number, Outcome, StudyResult, Verdict
 

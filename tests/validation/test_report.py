@@ -11,7 +11,7 @@ import pytest
 from fake_studies import draw, result
 
 from slipwave.errors import SceneError
-from validation.report import make_report, store
+from validation.report.build import make_report, store
 from validation.report.red import RedReport
 from validation.study import Budget, Figure, StudyResult
 

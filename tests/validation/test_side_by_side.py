@@ -10,7 +10,7 @@ from functools import partial
 
 import pytest
 
-from validation.report import make_report
+from validation.report.build import make_report
 from validation.report.red import RedReport
 
 TOGETHER = """

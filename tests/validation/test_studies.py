@@ -7,7 +7,7 @@ from shown import quick
 
 import slipwave
 from slipwave.input.source import gallery_names
-from validation.report import make_report, store
+from validation.report.build import make_report, store
 from validation.studies import STUDIES, load
 from validation.studies import one_cycle as one_cycle_study
 from validation.studies.one_cycle.runs import run_model

@@ -40,7 +40,7 @@ def bench(source: SceneName, until: Until = None, settings: Settings = None, yes
                 stopped = f"after {done} of {len(trials)} runs"
                 break
             report(done + 1)
-    name = f"{reference.solver.model}"
+    name = reference.solver.model
     if json:
         print_json({"scene": scene.name, "until": scene.until, "reference": name, "models": rows})
     else:
@@ -73,17 +73,12 @@ def _timed(scene: "Scene", family: "Family", setting: dict[str, Any], most: floa
 
 
 def _row(run: "Run", setting: dict[str, Any], reference: "Run") -> dict[str, Any]:
-    ours, theirs = run.statistics, reference.statistics
-    errors = {name: abs(getattr(ours, name).mean / getattr(theirs, name).mean - 1.0) for name in ("period", "stress_drop")}
-    if run.failed:
-        errors = dict.fromkeys(errors, float("nan"))
-    verdict = {"verdict": run.verdict.kind if run.verdict else None}
     row = {
         "model": run.solver.model,
         "setting": setting,
-        **verdict,
+        "verdict": run.kind,
         "wall_s": run.wall_s,
-        "error": errors,
+        "error": {name: abs(error) for name, error in run.errors(reference).items()},
         "failures": run.solver.failures,
     }
     return row | ({"failed": run.failed} if run.failed else {})
@@ -108,6 +103,5 @@ def _print(rows: list[dict[str, Any]], reference: str, until: float) -> None:
     print(f"\n{until:g} transits; relative errors of the second half's mean against {reference} (tight)")
     for line in without_errors(rows):
         print(line)
-    failures = {row["model"]: row["failed"] for row in rows if "failed" in row}
-    for reason in failures.values():
+    for reason in {row["model"]: row["failed"] for row in rows if "failed" in row}.values():
         print(f"failed: {reason}")

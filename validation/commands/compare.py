@@ -63,22 +63,19 @@ def _row(run: "Run", reference: "Run") -> dict[str, Any]:
     """One model's answer and its relative errors against the reference's."""
     from dataclasses import asdict
 
-    ours, theirs = run.statistics, reference.statistics
-    drops = {name: asdict(getattr(ours, name)) for name in ("period", "stress_drop", "elastic_stress_drop")}
-    errors = {name: getattr(ours, name).mean / getattr(theirs, name).mean - 1.0 for name in ("period", "stress_drop")}
-    if run.failed:
-        errors = dict.fromkeys(errors, float("nan"))
-    verdict = {"verdict": run.verdict.kind if run.verdict else None}
+    ours = run.statistics
     row = {
         "model": run.solver.model,
         "events": run.starts,
-        **verdict,
-        **drops,
+        "verdict": run.kind,
+        **{name: asdict(getattr(ours, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
         "v_max": ours.v_max,
         "v_min": ours.v_min,
-        "error": errors,
+        "error": run.errors(reference),
+        "failures": run.solver.failures,
+        "wall_s": run.wall_s,
     }
-    return row | {"failures": run.solver.failures, "wall_s": run.wall_s} | ({"failed": run.failed} if run.failed else {})
+    return row | ({"failed": run.failed} if run.failed else {})
 
 
 def _print(rows: list[dict[str, Any]], reference: str, out: Path) -> None:
@@ -121,7 +118,7 @@ def _draw(out: Path, runs: "list[Run]", cycles: "list[Cycle | None]") -> None:
     above, below = sheet.subplots(2, 1, sharex=True)
     below.set_yscale("log")
     for run, cycle in zip(runs, cycles, strict=True):
-        kind = run.verdict.kind if run.verdict else "events not watched"
+        kind = run.kind or "events not watched"
         if cycle is not None and run.verdict and run.verdict.repeats:
             label = f"{run.solver.model}: {kind}, T = {cycle.period:.6g}"
             above.plot(cycle.time, cycle.stress, linewidth=1.0, label=label)

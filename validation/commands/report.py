@@ -14,7 +14,7 @@ def report(
     """Run the studies whose scene, code or settings changed and write DIR/index.html."""
     from slipwave.errors import Interrupted
     from validation.output import require_folder
-    from validation.report import make_report
+    from validation.report.build import make_report
     from validation.report.red import RedReport
 
     require_folder(out)

@@ -149,7 +149,7 @@ def result_of(done: "Run", choice: "Choice | None" = None) -> dict[str, Any]:
         "model": done.solver.model,
         "until": done.until,
         "events": done.starts,
-        "verdict": done.verdict.kind if done.verdict else None,
+        "verdict": done.kind,
         "multiplicity": done.verdict.multiplicity if done.verdict else None,
         **{name: asdict(getattr(found, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
         "v_max": found.v_max,

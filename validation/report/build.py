@@ -30,8 +30,16 @@ class Task(NamedTuple):
     quick: bool
 
 
-def build_report(out: Path, quick: bool, only: list[str] | None, processes: int | None = None) -> Path:
-    """See `validation.report.make_report`."""
+def make_report(
+    out: Path = Path("reports"), quick: bool = False, only: list[str] | None = None, processes: int | None = None
+) -> Path:
+    """Write out/index.html, computing what is not already stored under out/data; returns the page's path.
+
+    Studies run side by side in `processes` (default: one for each core); those that measure run time (`TIMED`) run alone at the
+    end. A study that fails is shown as failed and the others go on. Once the page is written, RedReport (a NumericsError) is
+    raised if a study or a verdict fails or a number left its baseline. An interrupted report resumes: finished studies are stored
+    whole. Raises SceneError for an unknown name in `only`.
+    """
     asked = choose(only)
     studies = [load(name) for name in choose(None)]
     tasks = {study.NAME: _task(study, out / "data", quick) for study in studies}

@@ -21,6 +21,7 @@ from slipwave.observe import (
 )
 from slipwave.observe.follow import Mark, Observer
 from slipwave.observe.foresight import DAY, Foresight, require_time
+from slipwave.observe.verdict import Kind
 from slipwave.scene import Scene
 from validation.run.progress import progress
 
@@ -42,6 +43,17 @@ class Run:
     energy: Energy | None
     wall_s: float
     failed: str = ""
+
+    @property
+    def kind(self) -> Kind | None:
+        """The verdict's word; None if events were not watched."""
+        return self.verdict.kind if self.verdict else None
+
+    def errors(self, reference: "Run") -> dict[str, float]:
+        """Relative errors of the mean period and stress drop; NaN where a run has none, or failed."""
+        ours, theirs = self.statistics, reference.statistics
+        found = {name: getattr(ours, name).mean / getattr(theirs, name).mean - 1.0 for name in ("period", "stress_drop")}
+        return dict.fromkeys(found, math.nan) if self.failed else found
 
 
 class RunInterrupted(KeyboardInterrupt):

@@ -20,8 +20,8 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answer=_answer(verdicts),
         figures=(
-            Figure("irregular", _CAPTION, lambda: irregular({m: (d.time, d.stress) for m, d in deep.items()})),
-            Figure("returns", _RETURNS, lambda: returns({m: (d.events.period, d.events.stress_drop) for m, d in deep.items()})),
+            Figure("irregular", _CAPTION, lambda: irregular(deep)),
+            Figure("returns", _RETURNS, lambda: returns(deep)),
         ),
         tables=(branch_table(branch), onset_table(), deep_table(deep)),
         verdicts=verdicts,

@@ -1,12 +1,10 @@
 """Tables and pictures for the paper's claims."""
 
 import math
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from slipwave.observe.pieces import Array
 from validation.studies.claims.runs import MODELS, Branch, Deep, onset_at, recurrence, spread
 from validation.study import Cell, Table, table
 from validation.study.drawing import WIDTH, canvas, pen
@@ -62,29 +60,28 @@ def deep_table(deep: dict[str, Deep]) -> Table:
     return table("deep", caption, heading, rows)
 
 
-def irregular(runs: Mapping[str, tuple[Array, Array]]) -> "Figure":
+def irregular(deep: dict[str, Deep]) -> "Figure":
     """Stress over time, one panel per model."""
     figure = canvas(WIDTH, 3.6)
-    grid = figure.subplots(len(runs), 1, sharex=True, sharey=True)
-    for axes, (model, (time, stress)) in zip(grid, runs.items(), strict=True):
+    grid = figure.subplots(len(deep), 1, sharex=True, sharey=True)
+    for axes, (model, run) in zip(grid, deep.items(), strict=True):
         style = pen(model)
-        axes.plot(time, stress, color=style.color, linewidth=0.7)
+        axes.plot(run.time, run.stress, color=style.color, linewidth=0.7)
         axes.set_title(style.label, fontsize=11)
-        axes.set(ylabel=r"$\mu$", xlim=(time[0], time[-1]))
+        axes.set(ylabel=r"$\mu$", xlim=(run.time[0], run.time[-1]))
     grid[-1].set_xlabel("time (transits)")
     return figure
 
 
-def returns(cycles: Mapping[str, tuple[Array, Array]]) -> "Figure":
-    """`cycles`: model -> (periods, stress drops), each over that of the cycle before."""
+def returns(deep: dict[str, Deep]) -> "Figure":
+    """Periods and stress drops, each over that of the cycle before."""
     figure = canvas(WIDTH, 3.6)
     panels = figure.subplots(1, 2)
-    for model, columns in cycles.items():
+    for model, run in deep.items():
         style = pen(model)
-        for axes, values in zip(panels, columns, strict=True):
-            axes.plot(
-                values[:-1], values[1:], style.marker, color=style.color, markersize=3.0, linestyle="none", label=style.label
-            )
+        look = {"color": style.color, "markersize": 3.0, "linestyle": "none", "label": style.label}
+        for axes, values in zip(panels, (run.events.period, run.events.stress_drop), strict=True):
+            axes.plot(values[:-1], values[1:], style.marker, **look)
     for axes, symbol in zip(panels, ("$T$ (transits)", r"$\Delta\mu$"), strict=True):
         axes.set(xlabel=f"{symbol} of one cycle", ylabel="of the next")
         axes.grid(True)

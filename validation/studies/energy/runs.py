@@ -54,12 +54,8 @@ LADDERS = (
 HIGH = {"sbp:4": 48, "sbp:6": 48, "fem:4": 8, "dg:4": 8, "dg:7": 4}
 """Families of high degree and their cells."""
 
-BOUNDARIES: dict[str, tuple[str, tuple[str, ...]]] = {
-    "rigid faces": ("paper", ()),
-    "grips": ("grip", ()),
-    "viscous": ("viscous", ()),
-}
-"""By what takes the energy: gallery name of the scene, and changes to it."""
+BOUNDARIES = {"rigid faces": "paper", "grips": "grip", "viscous": "viscous"}
+"""By what takes the energy: gallery name of the scene."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +76,7 @@ class History:
 
 
 def _solver(model: str, cells: int, name: str) -> FieldSolver:
-    gallery, changes = BOUNDARIES[name]
-    return build_full_wave(model, slipwave.read(gallery, list(changes)), cells=cells)
+    return build_full_wave(model, slipwave.read(BOUNDARIES[name]), cells=cells)
 
 
 def residual_of(model: str, cells: int, name: str) -> float:

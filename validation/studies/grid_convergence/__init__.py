@@ -66,12 +66,8 @@ def run(budget: Budget) -> StudyResult:
 def _curve(ladder: GridLadder, exact: Measured) -> tuple[Array, Array, Array]:
     """(points per slab, seconds, error of the state) on the figure's grids."""
     climbed = climb(replace(ladder, course=_SPARSE), exact, build)
-    return climbed.cells * _points_per_cell(ladder.model), climbed.seconds, climbed.errors["state"]
-
-
-def _points_per_cell(model: str) -> int:
-    family, number = grid_of(model)
-    return family.points(number)
+    family, number = grid_of(ladder.model)
+    return climbed.cells * family.points(number), climbed.seconds, climbed.errors["state"]
 
 
 def _promises() -> dict[str, float]:

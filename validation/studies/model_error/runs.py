@@ -9,7 +9,7 @@ import slipwave
 from reduced.impedance import reduction_of
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.measure.settle import NoCycle, Settled, settle
+from validation.measure.settle import NoCycle, settle
 from validation.registry.build import build
 
 MODELS = ("block12", "block8", "kelvin-voigt", "modal:1", "modal:2", "modal:4", "modal:8")
@@ -46,12 +46,9 @@ def orbit_of(model: str, log10_r: float) -> ModelRun | None:
         found = settle(build(model, scene_at(log10_r), tolerance=1e-10), tolerance=1e-9, most=MOST)
     except NoCycle:
         return None
-    return _run(found) if found.unrest < RESTLESS else None
-
-
-def _run(found: Settled) -> ModelRun:
-    orbit = found.orbit
-    return ModelRun(orbit.period.value, orbit.stress_drop.value, 1e6 * found.seconds / found.transits)
+    if found.unrest >= RESTLESS:
+        return None
+    return ModelRun(found.orbit.period.value, found.orbit.stress_drop.value, 1e6 * found.seconds / found.transits)
 
 
 def error(runs: Runs, model: str, log10_r: float, quantity: str) -> float:
@@ -65,12 +62,8 @@ def error(runs: Runs, model: str, log10_r: float, quantity: str) -> float:
 def curves(runs: Runs) -> dict[str, tuple[Array, Array, Array]]:
     """By model: log10 r, absolute errors of period and drop."""
     grid = np.array(list(runs["delay"]))
-
-    def sizes(model: str, quantity: str) -> Array:
-        """Errors of one figure over the grid."""
-        return np.abs([error(runs, model, x, quantity) for x in grid])
-
-    return {model: (grid, sizes(model, "period"), sizes(model, "drop")) for model in MODELS}
+    sizes = {model: np.abs([[error(runs, model, x, name) for x in grid] for name in ("period", "drop")]) for model in MODELS}
+    return {model: (grid, *both) for model, both in sizes.items()}
 
 
 def states(model: str) -> int:

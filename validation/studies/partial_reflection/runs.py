@@ -43,9 +43,9 @@ class Pair(NamedTuple):
     wave: Point
 
     @property
-    def difference(self) -> float:
-        """Largest relative difference of the three figures."""
-        return max(abs(ours / theirs - 1.0) for ours, theirs in zip(self.wave, self.exact, strict=True))
+    def differences(self) -> list[float]:
+        """Relative differences of the three figures."""
+        return [ours / theirs - 1.0 for ours, theirs in zip(self.wave, self.exact, strict=True)]
 
 
 def grip_scene(stiffness: float, impedance: float, log10_r: float) -> Scene:

@@ -17,10 +17,7 @@ _LOOKS = (("#111111", "-"), ("#0072b2", (0, (5, 1.5))))
 
 def wave_table(pairs: list[Pair]) -> Table:
     """Delay system and full wave, grip by grip."""
-    rows = []
-    for pair in pairs:
-        off = (ours / theirs - 1.0 for ours, theirs in zip(pair.wave, pair.exact, strict=True))
-        rows.append((pair.stiffness, pair.impedance, *pair.exact, *off))
+    rows = ((pair.stiffness, pair.impedance, *pair.exact, *pair.differences) for pair in pairs)
     differences = [f"difference in {name} [relative] .0e" for name in ("T", "Δμ", "v_{max}")]
     columns = "K [ε a transit] .0f | Z_{g}/ε .3g | T [transits] .9g | Δμ [σ] .7f | v_{max} [V*] .7g"
     caption = (

@@ -19,7 +19,7 @@ def last_alive(leaks: tuple[float, ...], ends: list[str]) -> tuple[float, float]
 
 def agreement(pairs: list[Pair], quick: bool) -> Verdict:
     """Delay system and full wave on grips."""
-    off = max(pair.difference for pair in pairs)
+    off = max(abs(off) for pair in pairs for off in pair.differences)
     return bounded(
         "Slabs in grips: delay system and full wave agree",
         Evidence.WITNESS,
