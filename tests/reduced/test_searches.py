@@ -1,0 +1,68 @@
+"""What a search for roots and crossings costs in evaluations of the impedance, which no busy machine can change.
+
+A worse first guess, a contour cut finer than needed or a scan of other points finds the same roots, and is seen nowhere else.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import slipwave
+from reduced.impedance import Jet
+from reduced.stability import (
+    boundary,
+    characteristic,
+    critical_epsilon,
+    critical_round_trip,
+    critical_velocity,
+    leading_roots,
+    unstable_count,
+)
+from slipwave.scene import Scene
+
+ROUNDING = 0.01
+"""Rounding may decide whether one evaluation more is needed."""
+
+SEARCHES: dict[str, Callable[[Scene, str], object]] = {
+    "critical r": critical_round_trip,
+    "critical epsilon": critical_epsilon,
+    "critical V": lambda scene, model: critical_velocity(scene, model, decades=1.0),
+    "leading roots": lambda scene, model: leading_roots(characteristic(scene, model)),
+    "unstable roots": lambda scene, model: unstable_count(characteristic(scene, model)),
+    "boundary": lambda scene, model: boundary(scene, model, ("log10_r", "log10_epsilon"), ((-2.72, -2.68), (-4.56, -4.52))),
+}
+
+
+@pytest.mark.parametrize(
+    ("search", "scene", "model", "evaluations"),
+    [
+        ("critical r", "paper", "delay", 7207),
+        ("critical r", "grip", "delay", 7206),
+        ("critical r", "viscous", "delay", 593932),
+        ("critical epsilon", "paper", "delay", 1),
+        ("critical epsilon", "grip", "fitted:4", 1630),
+        ("critical V", "paper", "kelvin-voigt", 64860),
+        ("leading roots", "paper", "delay", 4979),
+        ("leading roots", "unlike-irrational", "delay", 6566),
+        ("leading roots", "layered", "delay", 5437),
+        ("leading roots", "viscous", "delay", 5569),
+        ("leading roots", "machine", "delay", 7927),
+        ("leading roots", "rock", "delay", 5045),
+        ("leading roots", "paper", "modal:2", 4879),
+        ("unstable roots", "reflection", "delay", 17515),
+        ("boundary", "paper", "kelvin-voigt", 5775570),
+    ],
+)
+def test_evaluations_are_as_many_as_measured(
+    search: str, scene: str, model: str, evaluations: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    variable, points = Jet.variable, [0]
+
+    def counted(s: object) -> Jet:
+        points[0] += np.size(s)
+        return variable(s)
+
+    monkeypatch.setattr(Jet, "variable", staticmethod(counted))
+    SEARCHES[search](slipwave.read(scene), model)
+    assert points[0] == pytest.approx(evaluations, rel=ROUNDING)
