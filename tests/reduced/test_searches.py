@@ -41,7 +41,7 @@ SEARCHES: dict[str, Callable[[Scene, str], object]] = {
         ("critical r", "grip", "delay", 7206),
         ("critical r", "viscous", "delay", 593932),
         ("critical epsilon", "paper", "delay", 1),
-        ("critical epsilon", "grip", "fitted:4", 1630),
+        ("critical epsilon", "grip", "delay", 1010),
         ("critical V", "paper", "kelvin-voigt", 64860),
         ("leading roots", "paper", "delay", 4979),
         ("leading roots", "unlike-irrational", "delay", 6566),
