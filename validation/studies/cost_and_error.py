@@ -1,7 +1,5 @@
 """What each answer costs: run time against error of every model, and two races against plain programs."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 import slipwave
@@ -11,12 +9,9 @@ from validation.references.published import reference, reference_orbit
 from validation.registry.build import build
 from validation.study import Budget, Evidence, Figure, Omission, StudyResult, Table, Verdict, table
 from validation.study.bounds import bounded
-from validation.study.drawing import WIDTH, canvas, pen
+from validation.study.drawing import WIDTH, Drawing, canvas, pen
 from validation.study.text import plain
 from validation.work_precision import Point, Setting, cheapest, time_final, time_run
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Drawing
 
 NAME = "cost-and-error"
 QUESTION = "What does each answer cost?"
@@ -185,7 +180,7 @@ _CAPTION = (
 _FLOOR = 1e-13
 
 
-def work_precision(points: list[Point]) -> "Drawing":
+def work_precision(points: list[Point]) -> Drawing:
     """Work-precision diagram, one line per model: error of the period over run time, both logarithmic."""
     figure = canvas(WIDTH, 4.6)
     axes = figure.add_subplot()

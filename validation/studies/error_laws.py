@@ -1,7 +1,7 @@
 """Predicted errors of the reductions: laws for the onset as r omega_c -> 0, and whether they hold for the cycle."""
 
 import dataclasses
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -13,11 +13,8 @@ from validation.measure.settle import settle
 from validation.registry.build import build
 from validation.study import Budget, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
-from validation.study.drawing import WIDTH, canvas, pen
+from validation.study.drawing import WIDTH, Drawing, canvas, pen
 from validation.study.text import plain
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Drawing
 
 NAME = "error-laws"
 QUESTION = "Can the error of a reduction be predicted?"
@@ -206,7 +203,7 @@ _CAPTION = (
 )
 
 
-def fall(onsets: Onsets, cycles: list[CycleErrors]) -> "Drawing":
+def fall(onsets: Onsets, cycles: list[CycleErrors]) -> Drawing:
     """Log-log errors: onset, left, and period of the cycle, right, over theta = r omega_c."""
     figure = canvas(WIDTH, 3.9)
     left, right = figure.subplots(1, 2, sharey=True)

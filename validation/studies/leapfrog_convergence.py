@@ -1,7 +1,7 @@
 """The leapfrog against the delay system as its cells get smaller: from a smooth start and from a jump."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -14,12 +14,8 @@ from validation.measure.settle import settle
 from validation.registry.build import build
 from validation.study import Budget, Cell, Evidence, Figure, Number, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
-from validation.study.drawing import WIDTH, canvas
+from validation.study.drawing import WIDTH, Axes, Drawing, canvas
 from validation.study.text import plain
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure as Drawing
 
 NAME = "leapfrog-convergence"
 QUESTION = "Does the full wave converge to the delay system, and how fast?"
@@ -159,7 +155,7 @@ _TITLES = {
 _LOOKS = {0.5: ("#d55e00", "s", "white"), 0.9: ("#0072b2", "D", "#0072b2"), 1.0: ("#111111", "o", "#111111")}
 
 
-def ladders(cells: Array, errors: Mapping[str, Mapping[float, Array]], fits: Mapping[str, Mapping[float, Fit]]) -> "Drawing":
+def ladders(cells: Array, errors: Mapping[str, Mapping[float, Array]], fits: Mapping[str, Mapping[float, Fit]]) -> Drawing:
     """Log-log panels of error over cells per slab: one per figure of merit, a line per Courant number, the fits and a slope."""
     figure = canvas(WIDTH, 4.6)
     grid = figure.subplots(2, 4, sharex=True)
@@ -178,7 +174,7 @@ def ladders(cells: Array, errors: Mapping[str, Mapping[float, Array]], fits: Map
     return figure
 
 
-def _panel(axes: "Axes", cells: Array, errors: Mapping[float, Array], fits: Mapping[float, Fit]) -> None:
+def _panel(axes: Axes, cells: Array, errors: Mapping[float, Array], fits: Mapping[float, Fit]) -> None:
     for cfl, values in errors.items():
         color, marker, fill = _LOOKS[cfl]
         fitted = fits[cfl]
@@ -190,7 +186,7 @@ def _panel(axes: "Axes", cells: Array, errors: Mapping[float, Array], fits: Mapp
     axes.minorticks_off()
 
 
-def _triangle(axes: "Axes", slope: float) -> None:
+def _triangle(axes: Axes, slope: float) -> None:
     """A right triangle of the given slope in the lower left corner, its hypotenuse parallel to a line of that order."""
     (x0, x1), (y0, y1) = np.log10(axes.get_xlim()), np.log10(axes.get_ylim())
     left, right = x0 + 0.08 * (x1 - x0), x0 + 0.08 * (x1 - x0) + 0.3

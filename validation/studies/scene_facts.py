@@ -1,18 +1,13 @@
 """What is being simulated: two slabs, one interface, and the few dimensionless groups that matter."""
 
 import math
-from typing import TYPE_CHECKING
 
 import slipwave
 from slipwave.scene import Scene
 from validation.references.onset import Onset, onset_of
 from validation.study import Budget, Cell, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
-from validation.study.drawing import canvas
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure as Drawing
+from validation.study.drawing import Axes, Drawing, canvas
 
 NAME = "scene-facts"
 QUESTION = "What slides, and which numbers govern it?"
@@ -123,7 +118,7 @@ _CAPTION = (
 )
 
 
-def _draw() -> "Drawing":
+def _draw() -> Drawing:
     figure = canvas(height=2.5)
     axes = figure.add_subplot()
     axes.set_axis_off()
@@ -144,5 +139,5 @@ def _draw() -> "Drawing":
     return figure
 
 
-def _arrow(axes: "Axes", start: tuple[float, float], end: tuple[float, float]) -> None:
+def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float]) -> None:
     axes.annotate("", end, start, arrowprops={"arrowstyle": "-|>", "linewidth": 1.2, "color": "#1b1b1a"})

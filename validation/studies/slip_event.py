@@ -1,7 +1,6 @@
 """The waves of one slip event in the (time, depth) plane."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -14,9 +13,7 @@ from validation.measure.cycle import watch
 from validation.registry.build import build_full_wave
 from validation.study import Budget, Evidence, Figure, Number, StudyResult, Table, Verdict, table
 from validation.study.bounds import bounded
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Drawing
+from validation.study.drawing import Drawing
 
 NAME = "slip-event"
 QUESTION = "What do the slabs do during one slip event?"
@@ -164,7 +161,7 @@ def _arrivals(event: Event) -> Table:
     return table("depths", caption, heading, rows)
 
 
-def _draw(event: Event) -> "Drawing":
+def _draw(event: Event) -> Drawing:
     figure = picture(event.field, " ")
     upper, lower, *_ = figure.axes
     lower.set_xlabel("time since the fastest slip (transits)")

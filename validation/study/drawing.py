@@ -2,13 +2,18 @@
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from slipwave.family import Pen
 from validation.registry.families import family_of
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes as Axes
     from matplotlib.figure import Figure
+
+    Drawing: TypeAlias = Figure
+else:  # matplotlib is loaded only when something is drawn
+    Axes = Drawing = Any
 
 STYLE: Any = {
     "font.family": "serif",
@@ -62,7 +67,7 @@ def grid_pens(models: Iterable[str]) -> dict[str, Pen]:
     return pens
 
 
-def canvas(width: float = WIDTH, height: float = 4.0) -> "Figure":
+def canvas(width: float = WIDTH, height: float = 4.0) -> Drawing:
     """An empty figure whose axes arrange themselves; sizes in inches. Draw inside `styled()`, as the report does."""
     from matplotlib.figure import Figure
 
@@ -76,7 +81,7 @@ def styled() -> Any:
     return mpl.rc_context(STYLE)
 
 
-def render(figure: "Figure", stem: Path) -> None:
+def render(figure: Drawing, stem: Path) -> None:
     """Write stem.svg and stem.png; byte for byte the same for the same drawing."""
     figure.savefig(stem.with_name(stem.name + ".svg"), metadata={"Date": None})
     figure.savefig(stem.with_name(stem.name + ".png"), dpi=PNG_DOTS_PER_INCH, metadata={"Software": None})

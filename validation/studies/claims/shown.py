@@ -1,16 +1,12 @@
 """Tables and pictures for the paper's claims."""
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from validation.studies.claims.runs import MODELS, Branch, Deep, onset_at, recurrence, spread
 from validation.study import Cell, Table, table
-from validation.study.drawing import WIDTH, canvas, pen
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from validation.study.drawing import WIDTH, Drawing, canvas, pen
 
 _SPEEDS = (1.0, 10.0, 100.0, 1e3, 1e4)
 
@@ -60,7 +56,7 @@ def deep_table(deep: dict[str, Deep]) -> Table:
     return table("deep", caption, heading, rows)
 
 
-def irregular(deep: dict[str, Deep]) -> "Figure":
+def irregular(deep: dict[str, Deep]) -> Drawing:
     """Stress over time, one panel per model."""
     figure = canvas(WIDTH, 3.6)
     grid = figure.subplots(len(deep), 1, sharex=True, sharey=True)
@@ -73,7 +69,7 @@ def irregular(deep: dict[str, Deep]) -> "Figure":
     return figure
 
 
-def returns(deep: dict[str, Deep]) -> "Figure":
+def returns(deep: dict[str, Deep]) -> Drawing:
     """Periods and stress drops, each over that of the cycle before."""
     figure = canvas(WIDTH, 3.6)
     panels = figure.subplots(1, 2)

@@ -1,7 +1,6 @@
 """Tables and pictures of the ledger: shares of the work, entries over time, how far it fails to close."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,11 +9,8 @@ from validation.measure.order_fit import Fit
 from validation.studies.energy.runs import BOUNDARIES, ENTRIES, HIGH, LADDERS, UNTIL, History
 from validation.studies.energy.verdicts import with_interval
 from validation.study import Cell, Table, table
-from validation.study.drawing import WIDTH, canvas, grid_pens
+from validation.study.drawing import WIDTH, Drawing, canvas, grid_pens
 from validation.study.text import plain
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _PENS = {
     "input": ("#111111", "-"),
@@ -69,7 +65,7 @@ def high_table(high: dict[tuple[str, str], float]) -> Table:
     return table("high", caption, heading, rows)
 
 
-def histories(shown: Mapping[str, History]) -> "Figure":
+def histories(shown: Mapping[str, History]) -> Drawing:
     """A column per scene: large entries above, small ones below."""
     figure = canvas(WIDTH, 4.8)
     grid = figure.subplots(2, len(shown), sharex="col", sharey="row", gridspec_kw={"height_ratios": (2.0, 1.0)})
@@ -87,7 +83,7 @@ def histories(shown: Mapping[str, History]) -> "Figure":
     return figure
 
 
-def closure(curves: Mapping[str, tuple[Array, Array]]) -> "Figure":
+def closure(curves: Mapping[str, tuple[Array, Array]]) -> Drawing:
     """`curves`: family -> (cells per slab, residual)."""
     figure = canvas(WIDTH, 3.6)
     axes = figure.subplots()

@@ -1,7 +1,6 @@
 """Tables of orders and of the finest errors; error over grid points and over run time, one line per full-wave family."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,10 +8,7 @@ from slipwave.observe.pieces import Array
 from validation.measure.grid_ladders import ROUGH
 from validation.measure.orders import QUANTITIES, Climb
 from validation.study import Cell, Table, table
-from validation.study.drawing import WIDTH, canvas, grid_pens
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from validation.study.drawing import WIDTH, Drawing, canvas, grid_pens
 
 _FLOOR = 1e-14
 
@@ -57,7 +53,7 @@ def _scene(climb: Climb) -> str:
     return "r" if climb.ladder.course is ROUGH else "s"
 
 
-def convergence_and_cost(curves: Mapping[str, tuple[Array, Array, Array]]) -> "Figure":
+def convergence_and_cost(curves: Mapping[str, tuple[Array, Array, Array]]) -> Drawing:
     """`curves`: family -> (points per slab, seconds, error)."""
     figure = canvas(WIDTH, 4.3)
     left, right = figure.subplots(1, 2, sharey=True)

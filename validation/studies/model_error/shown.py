@@ -1,16 +1,12 @@
 """The reductions' errors as a table and over r, and what is left out."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from slipwave.observe.pieces import Array
 from validation.studies.model_error.runs import MODELS, MOST, RESTLESS, SHOWN, Runs, error, orbit_of, states
 from validation.study import Cell, Omission, Table, table
-from validation.study.drawing import WIDTH, canvas, pen
+from validation.study.drawing import WIDTH, Drawing, canvas, pen
 from validation.study.text import plain
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _BEYOND = (-2.65, -2.6, -2.5)
 
@@ -56,7 +52,7 @@ def omissions(runs: Runs) -> tuple[Omission, ...]:
     return tuple(left_out)
 
 
-def errors_over_r(curves: Mapping[str, tuple[Array, Array, Array]]) -> "Figure":
+def errors_over_r(curves: Mapping[str, tuple[Array, Array, Array]]) -> Drawing:
     """`curves`: model -> (log10 r, error of the period, error of the drop); NaN leaves a gap."""
     figure = canvas(WIDTH, 4.4)
     panels = figure.subplots(1, 2, sharey=True)

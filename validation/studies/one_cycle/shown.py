@@ -1,7 +1,6 @@
 """Every model's figures and errors as tables; the overlay that opens the report, and one small panel per model."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,11 +8,7 @@ from validation.measure.cycle import Cycle
 from validation.references.published import reference_orbit
 from validation.studies.one_cycle.runs import LOG10_R, QUANTITIES, CycleRun, error
 from validation.study import Cell, Table, table
-from validation.study.drawing import WIDTH, canvas, pen
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
 
 _SHOWN = ("delay", "fd", "modal:1", "kelvin-voigt", "block12")
 _PANELS = ("fd", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
@@ -70,7 +65,7 @@ def beside_reference(runs: dict[str, CycleRun]) -> Table:
     return table("reference", caption, "model | quantity | reference .10g | ours .10g | difference [relative] .0e", rows)
 
 
-def overlay(cycles: Mapping[str, Cycle]) -> "Figure":
+def overlay(cycles: Mapping[str, Cycle]) -> Drawing:
     """Stress and slip rate over the cycle, left, and in the slow phase, right."""
     figure = canvas(WIDTH, 5.2)
     grid = figure.subplots(2, 2, sharex="col", gridspec_kw={"width_ratios": (1.9, 1.0)})
@@ -92,7 +87,7 @@ def overlay(cycles: Mapping[str, Cycle]) -> "Figure":
     return figure
 
 
-def _mark(axes: "Axes", window: tuple[float, float]) -> None:
+def _mark(axes: Axes, window: tuple[float, float]) -> None:
     """Shade the window that the right-hand panel shows."""
     axes.axvspan(*window, color="#efeee8", zorder=0, linewidth=0)
 
@@ -111,7 +106,7 @@ def _zoom(column: np.ndarray, exact: Cycle) -> None:
     column[0].set_title("slow phase, enlarged")
 
 
-def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> "Figure":
+def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> Drawing:
     """One panel per model, its stress over the delay system's; `errors` of the period, relative, beside its name."""
     exact = cycles["delay"]
     figure = canvas(WIDTH, 5.2)

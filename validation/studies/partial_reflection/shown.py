@@ -1,16 +1,13 @@
 """Cycles behind grips and bare coefficients, as tables and over the grip's impedance or the coefficient's leak."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from slipwave.observe.pieces import Array
 from validation.studies.partial_reflection.runs import RESTLESS, UNTIL, Pair, Point
 from validation.study import Table, table
-from validation.study.drawing import WIDTH, canvas
+from validation.study.drawing import WIDTH, Drawing, canvas
 from validation.study.text import plain
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _LOOKS = (("#111111", "-"), ("#0072b2", (0, (5, 1.5))))
 
@@ -39,7 +36,7 @@ def bare_table(leaks: tuple[float, ...], bare: list[Point], held: list[Point], e
     return table("bare", caption, heading, rows)
 
 
-def over_grip(grid: Array, orbits: Mapping[float, Sequence[Any]], pairs: Sequence[Any]) -> "Figure":
+def over_grip(grid: Array, orbits: Mapping[float, Sequence[Any]], pairs: Sequence[Any]) -> Drawing:
     """`orbits`: stiffness -> points (period, drop, v_max) over `grid`; `pairs` hold the full wave's points."""
     figure = canvas(WIDTH, 3.8)
     panels = figure.subplots(1, 2)
@@ -61,7 +58,7 @@ def over_grip(grid: Array, orbits: Mapping[float, Sequence[Any]], pairs: Sequenc
     return figure
 
 
-def bare_and_grip(leaks: Array, bare: Sequence[Any], held: Sequence[Any], edge: float) -> "Figure":
+def bare_and_grip(leaks: Array, bare: Sequence[Any], held: Sequence[Any], edge: float) -> Drawing:
     """Points (period, drop, v_max) over `leaks` = 1 - R; the interface locks beyond `edge`."""
     figure = canvas(WIDTH, 3.4)
     panels = figure.subplots(1, 3)

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,12 +11,8 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.studies.stability_boundaries.measured import TRACED, Curves
 from validation.study import Table, table
-from validation.study.drawing import WIDTH, canvas, pen
+from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
 from validation.study.text import plain
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 _MODELS = ("quasistatic", "quasidynamic", "block12", "block8", "kelvin-voigt", "modal:1", "modal:8")
 _SHIFT = 0.2
@@ -64,7 +59,7 @@ def scene_table(found: dict[str, Stability]) -> Table:
     return table("scenes", caption, heading, rows)
 
 
-def critical_curves(velocity: Array, delay: Array, kelvin_voigt: Array) -> "Figure":
+def critical_curves(velocity: Array, delay: Array, kelvin_voigt: Array) -> Drawing:
     """The paper's Fig 2: r_c over V, and the relative error of the Kelvin-Voigt system's."""
     figure = canvas(WIDTH, 3.1)
     left, right = figure.subplots(1, 2)
@@ -81,7 +76,7 @@ def critical_curves(velocity: Array, delay: Array, kelvin_voigt: Array) -> "Figu
     return figure
 
 
-def planes(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: Scene) -> "Figure":
+def planes(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: Scene) -> Drawing:
     """The paper's Fig 3: both systems' boundaries, traced (marks) and in closed form (lines)."""
     figure = canvas(WIDTH, 4.0)
     axes = figure.add_subplot()
@@ -105,7 +100,7 @@ def planes(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, pap
     return figure
 
 
-def impedances(paper: Scene) -> "Figure":
+def impedances(paper: Scene) -> Drawing:
     """|Z| and phase of every model, and the relative error of each reduction."""
     omega = np.geomspace(0.05, 40.0, 1500)
     s = (_SHIFT + 1j * omega) / paper.transit
@@ -131,12 +126,12 @@ def impedances(paper: Scene) -> "Figure":
     return figure
 
 
-def _line(axes: "Axes", x: Array, y: Array, model: str) -> None:
+def _line(axes: Axes, x: Array, y: Array, model: str) -> None:
     style = pen(model)
     axes.plot(x, y, color=style.color, linestyle=style.dashes, linewidth=style.width)
 
 
-def spectra(found: Mapping[str, Stability], transit: float) -> "Figure":
+def spectra(found: Mapping[str, Stability], transit: float) -> Drawing:
     """Leading roots of several models in the upper half of the complex plane, per transit."""
     figure = canvas(WIDTH, 3.2)
     axes = figure.add_subplot()

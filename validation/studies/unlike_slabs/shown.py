@@ -1,21 +1,17 @@
 """One cycle of two unlike pairs, the delay system under the full wave's points."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from slipwave.observe.pieces import Array
 from validation.measure.cycle import Cycle
-from validation.study.drawing import WIDTH, canvas
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from validation.study.drawing import WIDTH, Drawing, canvas
 
 _TITLES = {"unlike": "round trips 2 : 1", "unlike-irrational": r"round trips $\sqrt{2}$ : 1"}
 
 
-def last_cycles(shown: Mapping[str, tuple[Cycle, Cycle]]) -> "Figure":
+def last_cycles(shown: Mapping[str, tuple[Cycle, Cycle]]) -> Drawing:
     """Columns: scenes; rows: stress and rate. Each entry holds (delay, full wave)."""
     figure = canvas(WIDTH, 4.8)
     grid = figure.subplots(2, len(shown), sharex="col", sharey="row", squeeze=False)
