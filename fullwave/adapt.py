@@ -14,9 +14,9 @@ difference proves nothing. The estimate is then at least the previous difference
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -30,6 +30,8 @@ from slipwave.observe.pieces import Array
 from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
 
+Solved = TypeVar("Solved")
+
 MOST_TRIED_CELLS = 400
 PROBE = 400.0
 """Transits of a probe after the last knot of the drive, unless the scene ends earlier."""
@@ -38,6 +40,7 @@ _RATIO = 1.5
 _LEAST_GAIN = 0.25  # smallest g - 1 used: rounding makes differences stagnate although the error is small
 _MOST_OUTLOOK = math.log(1e6)  # largest logarithm of the growth in cells to which a trend is extrapolated
 _KINKED_GAIN = _RATIO**2  # gain of a refinement at order 2
+_MOST_NEEDED = 40  # cells that every family accepts
 _SETTLED = 24  # cells from which the gain is assumed to continue
 
 
@@ -74,7 +77,8 @@ def to_tolerance(
         raise SceneError(f"tolerance = {tolerance!r}: must lie in [{least:g}, {most:g}]")
     if kind is DiscontinuousGalerkin:
         options = {"degree": degree_for(tolerance)} | options
-    cells = _fewest(scene, kind, options)
+    coarsest = first_accepted(lambda cells: kind(scene, cells=cells, **options), range(2, _MOST_NEEDED))
+    cells = coarsest.cells if coarsest else _MOST_NEEDED
     tried: list[tuple[int, float]] = []
     before, difference, needed = None, math.inf, 0.0
     while max(cells, needed) <= MOST_TRIED_CELLS:
@@ -118,17 +122,15 @@ def _needed(cells: int, factor: float, gain: float) -> float:
     return cells * math.exp(min(_MOST_OUTLOOK, math.log(factor) * math.log(_RATIO) / math.log(gain)))
 
 
-def _fewest(scene: Scene, kind: Callable[..., MethodOfLines], options: dict[str, Any]) -> int:
-    """The smallest number of cells from 2 on that the family accepts."""
-    for cells in range(2, 40):
+def first_accepted(make: Callable[[int], Solved], numbers: Iterable[int]) -> Solved | None:
+    """The solver that `make` builds on the first of some `numbers` of cells that its family accepts; None if it accepts none."""
+    for cells in numbers:
         try:
-            kind(scene, cells=cells, **options)
+            return make(cells)
         except SceneError as refusal:
             if "cells" not in str(refusal):
                 raise
-        else:
-            return cells
-    return 40
+    return None
 
 
 def _probed_until(scene: Scene) -> float:

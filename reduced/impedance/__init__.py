@@ -1,13 +1,7 @@
 """The slab pair as a one-port: its exact impedance, its reductions, and their passivity (MODEL.md section 3)."""
 
 from reduced.impedance.jet import Complex, Jet
-from reduced.impedance.models import (
-    Passivity,
-    check_passivity,
-    impedance,
-    is_exact,
-    ratio_of,
-)
+from reduced.impedance.models import Passivity, check_passivity, impedance, is_exact, ratio_of
 from reduced.impedance.of_reduction import poles_and_residues, taylor_poles
 from reduced.impedance.reduce import reduce_scene, reduction_of
 from reduced.impedance.transmission_line import Ratio, pair_ratio, slab_ratio

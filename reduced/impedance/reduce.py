@@ -88,10 +88,7 @@ def kelvin_voigt(scene: Scene, name: str) -> Reduction:
     )
     slopes = [upper * _slab_slope(x, 1.0) + lower * _slab_slope(x, rho) for x in squares]
     return Reduction(
-        name,
-        frequencies=tuple(math.sqrt(-x) for x in squares),
-        residues=tuple(2.0 / slope for slope in slopes),
-        spring=spring,
+        name, frequencies=tuple(math.sqrt(-x) for x in squares), residues=tuple(2.0 / slope for slope in slopes), spring=spring
     )
 
 

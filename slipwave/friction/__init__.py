@@ -5,21 +5,8 @@ from slipwave.friction.law import LAWS, Law, rate_of, register, respond, steady_
 
 register("ageing", ageing.Ageing, ageing.respond, ageing.steady_state)
 register("slip", slip.Slip, slip.respond, slip.steady_state)
-register(
-    "ageing-regularised",
-    ageing_regularised.AgeingRegularised,
-    ageing_regularised.respond,
-    regularised.steady_state,
-    regularised.rate_of,
-    regularised.unknown_of,
-)
-register(
-    "slip-regularised",
-    slip_regularised.SlipRegularised,
-    slip_regularised.respond,
-    regularised.steady_state,
-    regularised.rate_of,
-    regularised.unknown_of,
-)
+_SHARED = (regularised.steady_state, regularised.rate_of, regularised.unknown_of)
+register("ageing-regularised", ageing_regularised.AgeingRegularised, ageing_regularised.respond, *_SHARED)
+register("slip-regularised", slip_regularised.SlipRegularised, slip_regularised.respond, *_SHARED)
 
 __all__ = ["LAWS", "Law", "rate_of", "register", "respond", "steady_state", "unknown_of"]

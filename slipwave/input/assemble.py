@@ -11,15 +11,7 @@ from slipwave.input.validate import Validated
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
-from slipwave.scene.slab import (
-    FACES,
-    Face,
-    KelvinVoigtViscosity,
-    Layer,
-    Slab,
-    StandardLinearViscosity,
-    Viscosity,
-)
+from slipwave.scene.slab import FACES, Face, KelvinVoigtViscosity, Layer, Slab, StandardLinearViscosity, Viscosity
 from slipwave.scene.start import Start, StartKind
 from slipwave.scene.units import Units
 

@@ -30,8 +30,7 @@ _STEPS = dict.fromkeys(
     f"{family.step} ({', '.join(other.name for other in GRIDS if other.step == family.step)})" for family in GRIDS
 )
 Cfl: TypeAlias = Annotated[
-    float | None,
-    typer.Option(help=f"full wave: time step, above 0 to 1, in units of {' or '.join(_STEPS)}"),
+    float | None, typer.Option(help=f"full wave: time step, above 0 to 1, in units of {' or '.join(_STEPS)}")
 ]
 Tolerance: TypeAlias = Annotated[
     float | None,

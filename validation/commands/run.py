@@ -43,8 +43,7 @@ def run(
         typer.Option(metavar="FILE", help="full wave: write velocity and stress of the last 100 transits, .vtu, .xdmf or .nc"),
     ] = None,
     checkpoint: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="save checkpoints here during the run, and go on from FILE if it exists"),
+        Path | None, typer.Option(metavar="FILE", help="save checkpoints here during the run, and go on from FILE if it exists")
     ] = None,
     every: Annotated[
         float | None, typer.Option("--checkpoint-every", metavar="TRANSITS", help="time between checkpoints (default 1000)")
@@ -106,13 +105,7 @@ def _doubts(solver: "Solver", tol: float | None) -> list[str]:
 
 
 def _write(
-    done: "Run",
-    choice: "Choice | None",
-    notes: list[str],
-    json: bool,
-    records: "Records",
-    out: Path | None,
-    fields: Path | None,
+    done: "Run", choice: "Choice | None", notes: list[str], json: bool, records: "Records", out: Path | None, fields: Path | None
 ) -> list[str]:
     """Print the result and write the requested files; returns one line for each that could not be written."""
     from fullwave.fields.files import write_field

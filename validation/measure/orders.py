@@ -23,10 +23,11 @@ from slipwave.observe import EventObserver, HistoryObserver, Solver, follow
 from slipwave.observe.pieces import Array
 from validation.measure.grid_ladders import Course, GridLadder
 from validation.measure.order_fit import Fit, fit_dense
+from validation.measure.settle import SYMBOLS
 from validation.run.timing import timed
 
-OUTPUTS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}"}
-"""The outputs of every cycle, and their symbols."""
+OUTPUTS = {name: symbol for name, symbol in SYMBOLS.items() if name != "v_min"}
+"""The outputs of every cycle whose order is fitted, and their symbols."""
 
 QUANTITIES = {**OUTPUTS, "state": "state"}
 """The quantities whose order is fitted: the outputs and the final state."""

@@ -17,6 +17,9 @@ from slipwave.observe.pieces import Array
 from validation.measure.cycle import Cycle, cut
 from validation.run.timing import timed
 
+SYMBOLS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}", "v_min": "v_{min}"}
+"""The figures of an orbit, and their symbols."""
+
 WINDOW = 4
 """Cycles over which an orbit is judged."""
 MOST_TRANSITS = 6000.0

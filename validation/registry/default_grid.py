@@ -2,10 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from slipwave.errors import SceneError
 from slipwave.observe import Solver
 from slipwave.observe.snapshot import FieldSolver
-from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
 from validation.registry.build import build_full_wave
 
@@ -23,11 +21,13 @@ def judged(solver: Solver, cfl: float | None = None) -> "Choice | None":
     the orbit, which depends on a march of its own."""
     if not isinstance(solver, FieldSolver) or solver.scene.start.kind is StartKind.ORBIT:
         return None
-    from fullwave.adapt import judge_grid
+    from fullwave.adapt import first_accepted, judge_grid
 
-    coarse = _coarser(solver.scene, solver.model, solver.cells, cfl)
-    fine = build_full_wave(solver.model, solver.scene, solver.cells, cfl)
-    return judge_grid(solver.cells, fine, coarse)
+    model, scene, cells = solver.model, solver.scene, solver.cells
+    fewer = range(max(1, int(cells / _COARSER)), cells)  # two thirds, or the fewest more that the family accepts
+    coarse = first_accepted(lambda number: build_full_wave(model, scene, number, cfl), fewer)
+    fine = build_full_wave(model, scene, cells, cfl)
+    return judge_grid(cells, fine, coarse or build_full_wave(model, scene, cells, cfl))
 
 
 def note_on(choice: "Choice") -> list[str]:
@@ -40,14 +40,3 @@ def note_on(choice: "Choice") -> list[str]:
     return [
         f"the default grid of {choice.cells} cells is too coarse for this scene: estimated error {error}; give --tol or --cells"
     ]
-
-
-def _coarser(scene: Scene, model: str, cells: int, cfl: float | None) -> FieldSolver:
-    """A solver with two thirds of the cells, or with the fewest more that the family accepts for the scene."""
-    for fewer in range(max(1, int(cells / _COARSER)), cells):
-        try:
-            return build_full_wave(model, scene, fewer, cfl)
-        except SceneError as refusal:
-            if "cells" not in str(refusal):
-                raise
-    return build_full_wave(model, scene, cells, cfl)

@@ -10,7 +10,7 @@ from slipwave.observe import follow
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.measure.order_fit import Fit, extrapolated, fit, shortfall
-from validation.measure.settle import settle
+from validation.measure.settle import SYMBOLS, settle
 from validation.registry.build import build
 from validation.study import Budget, Cell, Evidence, Figure, Number, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
@@ -24,7 +24,6 @@ SECONDS = (4.0, 20.0)
 
 CFLS = (0.5, 0.9, 1.0)
 _QUICK, _FULL = (48, 96, 192, 384), (48, 96, 192, 384, 768)
-_ORBIT = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}", "v_min": "v_{min}"}
 _SMOOTH, _JUMP = "ψ(400), smooth start", "ψ(400), jump start"
 _FINAL = 400.0
 _NEXT_ORDER = {0.5: 60.0, 0.9: 60.0, 1.0: 3.0}
@@ -67,10 +66,10 @@ def _measure(cells: tuple[int, ...], budget: Budget) -> Errors:
     smooth, jump = slipwave.read("paper"), slipwave.read("yardstick")
     exact = settle(build("delay", smooth, tolerance=1e-11), tolerance=1e-10).orbit.values()
     finals = {_SMOOTH: (smooth, _psi("delay", smooth)), _JUMP: (jump, _psi("delay", jump))}
-    errors: Errors = {name: {} for name in (*_ORBIT, *finals)}
+    errors: Errors = {name: {} for name in (*SYMBOLS, *finals)}
     for count, cfl in enumerate(CFLS):
         orbits = [settle(build("fd", smooth, cells=n, cfl=cfl), tolerance=1e-10).orbit.values() for n in cells]
-        for name in _ORBIT:
+        for name in SYMBOLS:
             errors[name][cfl] = np.array([orbit[name] / exact[name] - 1.0 for orbit in orbits])
         for name, (start, known) in finals.items():
             errors[name][cfl] = np.array([_psi("fd", start, n, cfl) - known for n in cells])
@@ -86,7 +85,7 @@ def _psi(model: str, start: Scene, cells: int = 0, cfl: float = 0.0) -> float:
 def _orders(fits: dict[str, dict[float, Fit]]) -> Table:
     rows = []
     for name in fits:
-        row: list[Cell] = [_ORBIT.get(name, name)]
+        row: list[Cell] = [SYMBOLS.get(name, name)]
         for cfl in CFLS:
             fitted = fits[name][cfl]
             row += [f"{fitted.order:.4f} ± {fitted.half_width:.4f}", fitted.finest]
@@ -103,7 +102,7 @@ def _orders(fits: dict[str, dict[float, Fit]]) -> Table:
 def _period_table(cells: tuple[int, ...], errors: Errors) -> Table:
     shown = [(name, cfl) for name in ("period", "stress_drop") for cfl in CFLS]
     rows = ((float(n), *(float(errors[name][cfl][k]) for name, cfl in shown)) for k, n in enumerate(cells))
-    heading = " | ".join(["cells [per slab] .0f", *(f"error of {_ORBIT[name]} [CFL {cfl}] .1e" for name, cfl in shown)])
+    heading = " | ".join(["cells [per slab] .0f", *(f"error of {SYMBOLS[name]} [CFL {cfl}] .1e" for name, cfl in shown)])
     return table("errors", "Relative errors of period T and stress drop Δμ against the delay system.", heading, rows)
 
 

@@ -12,13 +12,7 @@ ROOMY, ROUNDING = 30.0, 1e-10
 
 
 def bounded(
-    claim: str,
-    evidence: Evidence,
-    size: float,
-    limit: float,
-    remark: str = "",
-    ours: str = "",
-    otherwise: Outcome = Outcome.FAIL,
+    claim: str, evidence: Evidence, size: float, limit: float, remark: str = "", ours: str = "", otherwise: Outcome = Outcome.FAIL
 ) -> Verdict:
     """PASS if `size` (>= 0) lies below `limit`, else `otherwise`; NaN does not pass. `ours` may say more than the size."""
     outcome = judge(size < limit, otherwise)

@@ -19,10 +19,7 @@ def run(budget: Budget) -> StudyResult:
     verdicts = all_verdicts(branch, deep, ripples)
     return StudyResult(
         answer=_answer(verdicts),
-        figures=(
-            Figure("irregular", _CAPTION, lambda: irregular(deep)),
-            Figure("returns", _RETURNS, lambda: returns(deep)),
-        ),
+        figures=(Figure("irregular", _CAPTION, lambda: irregular(deep)), Figure("returns", _RETURNS, lambda: returns(deep))),
         tables=(branch_table(branch), onset_table(), deep_table(deep)),
         verdicts=verdicts,
         notes=(

@@ -28,10 +28,7 @@ def run(budget: Budget) -> StudyResult:
     curves = {ladder.model: (np.array(ladder.cells), np.abs(residuals[ladder.model])) for ladder in LADDERS}
     return StudyResult(
         answer=_answer(shown, residuals["fd"], orders),
-        figures=(
-            Figure("entries", _ENTRIES, lambda: histories(shown)),
-            Figure("closure", _CLOSURE, lambda: closure(curves)),
-        ),
+        figures=(Figure("entries", _ENTRIES, lambda: histories(shown)), Figure("closure", _CLOSURE, lambda: closure(curves))),
         tables=(shares_table(shown), residual_table(residuals, orders), high_table(high)),
         verdicts=(
             *(conserves(residuals[ladder.model]) for ladder in LADDERS if not ladder.derived),

@@ -42,7 +42,7 @@ def omissions(runs: Runs) -> tuple[Omission, ...]:
             f"r beyond log_{{10}} r = {SHOWN[-1]:g}.".replace("-", "−"),
             f"The delay system’s cycles keep changing by more than {plain(RESTLESS, '.0e')} after {MOST:.0f} transits at "
             f"{listed}: no period to compare.",
-        ),
+        )
     ]
     if not any(runs["quasidynamic"].values()):
         left_out.append(Omission("Quasi-dynamic model.", "It slides steadily at every r shown; its onset lies above."))

@@ -4,11 +4,11 @@ import math
 
 import slipwave
 from slipwave.errors import NumericsError
-from validation.measure.settle import NoCycle, settle
+from validation.measure.settle import SYMBOLS, NoCycle, settle
 from validation.references.onset import onset_of
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.build import build
-from validation.studies.one_cycle.runs import CELLS, CFL, LOG10_R, QUANTITIES, CycleRun, error, run_model
+from validation.studies.one_cycle.runs import CELLS, CFL, LOG10_R, CycleRun, error, run_model
 from validation.studies.one_cycle.shown import beside_reference, drops, overlay, panels, rates
 from validation.study import Budget, Evidence, Figure, Number, Omission, StudyResult, Verdict, judge
 from validation.study.bounds import bounded
@@ -102,13 +102,13 @@ def _beside(model: str, ours: dict[str, float], known: dict[str, float]) -> Verd
         Evidence.WITNESS,
         off[worst],
         allowed[worst],
-        f"`{model}`: {', '.join(map(QUANTITIES.__getitem__, known))}; shown: {QUANTITIES[worst]}, the worst beside its digits",
+        f"`{model}`: {', '.join(map(SYMBOLS.__getitem__, known))}; shown: {SYMBOLS[worst]}, the worst beside its digits",
         f"{ours[worst]:.10g}, off by {plain(off[worst], '.0e')}",
     )
 
 
 def _full_wave(runs: dict[str, CycleRun]) -> Verdict:
-    off = max(abs(error(runs["fd"], runs["delay"], name)) for name in QUANTITIES)
+    off = max(abs(error(runs["fd"], runs["delay"], name)) for name in SYMBOLS)
     return bounded(
         "The full wave runs on the delay system’s orbit",
         Evidence.WITNESS,

@@ -10,7 +10,6 @@ from validation.registry.build import build
 
 LOG10_R = -2.68
 CELLS, CFL = 128, 0.5
-QUANTITIES = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}", "v_min": "v_{min}"}
 
 
 class CycleRun(NamedTuple):

@@ -5,8 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from validation.measure.cycle import Cycle
+from validation.measure.settle import SYMBOLS
 from validation.references.published import reference_orbit
-from validation.studies.one_cycle.runs import LOG10_R, QUANTITIES, CycleRun, error
+from validation.studies.one_cycle.runs import LOG10_R, CycleRun, error
 from validation.study import Cell, Table, table
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
 
@@ -60,7 +61,7 @@ def beside_reference(runs: dict[str, CycleRun]) -> Table:
     for model, own in runs.items():
         for quantity, known in reference_orbit(model, LOG10_R).items():
             ours = own.orbit.values()[quantity]
-            rows.append((model, QUANTITIES[quantity], known, ours, ours / known - 1.0))
+            rows.append((model, SYMBOLS[quantity], known, ours, ours / known - 1.0))
     caption = "Comparison with values of other programs (first note below); T in transits."
     return table("reference", caption, "model | quantity | reference .10g | ours .10g | difference [relative] .0e", rows)
 

@@ -5,14 +5,7 @@ import math
 import numpy as np
 
 import slipwave
-from reduced.stability import (
-    Stability,
-    analyse,
-    boundary,
-    critical_round_trip,
-    friction_slopes,
-    with_parameter,
-)
+from reduced.stability import Stability, analyse, boundary, critical_round_trip, friction_slopes, with_parameter
 from validation.studies.stability_boundaries.measured import TRACED, Curves, critical_over_velocity
 from validation.studies.stability_boundaries.shown import (
     critical_curves,
