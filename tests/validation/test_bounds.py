@@ -3,10 +3,11 @@
 import math
 
 import pytest
+from roomy import too_roomy
 
 from validation.references.published import half_digit
 from validation.study import Evidence, Outcome, StudyResult, Verdict
-from validation.study.bounds import bounded, too_roomy
+from validation.study.bounds import bounded
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 import pytest
+from roomy import too_roomy
 from shown import quick
 
 from reduced.impedance import reduction_of
@@ -12,7 +13,6 @@ from validation.studies.model_error.runs import ModelRun, error, states
 from validation.studies.model_error.shown import errors_over_r
 from validation.studies.model_error.verdicts import target
 from validation.study import Outcome
-from validation.study.bounds import too_roomy
 
 STUDY = load("model-error")
 

@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from roomy import too_roomy
 from shown import quick
 
 from validation.studies import load
@@ -9,7 +10,6 @@ from validation.studies.partial_reflection.runs import Pair, Point, locking_leak
 from validation.studies.partial_reflection.shown import bare_and_grip, over_grip
 from validation.studies.partial_reflection.verdicts import agreement, dies, keeps, locks
 from validation.study import Outcome
-from validation.study.bounds import too_roomy
 
 STUDY = load("partial-reflection")
 

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from roomy import too_roomy
 from shown import quick
 
 from validation.studies import slip_event
 from validation.study import Outcome
-from validation.study.bounds import too_roomy
 from validation.study.drawing import styled
 
 

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from roomy import too_roomy
 from shown import quick
 
 import slipwave
@@ -7,7 +8,6 @@ from reduced import closed_forms
 from validation.studies.stability_boundaries.measured import critical_over_velocity
 from validation.studies.stability_boundaries.verdicts import closed_form_verdicts
 from validation.study import Outcome
-from validation.study.bounds import too_roomy
 
 
 @pytest.fixture(scope="module")

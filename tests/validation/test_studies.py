@@ -3,6 +3,7 @@
 import dataclasses
 
 import pytest
+from roomy import too_roomy
 from shown import quick
 
 import slipwave
@@ -12,7 +13,6 @@ from validation.studies import STUDIES, load
 from validation.studies import one_cycle as one_cycle_study
 from validation.studies.one_cycle.runs import run_model
 from validation.study import Evidence, Outcome, StudyResult
-from validation.study.bounds import too_roomy
 from validation.work_precision import Point, Setting, cheapest, time_run
 
 

@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from roomy import too_roomy
 from shown import quick
 
 from validation.measure.cycle import Cycle
@@ -10,7 +11,6 @@ from validation.studies.unlike_slabs.cost import cost_verdicts
 from validation.studies.unlike_slabs.runs import PairRun
 from validation.studies.unlike_slabs.shown import last_cycles
 from validation.study import Outcome
-from validation.study.bounds import too_roomy
 
 STUDY = load("unlike-slabs")
 

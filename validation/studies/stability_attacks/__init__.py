@@ -1,6 +1,7 @@
 """Attacks on the full wave: steps past the limit, stiff friction, extreme scenes, noise at the grid scale."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Iterator
+from itertools import count
 
 from validation.studies.stability_attacks import shown, verdicts
 from validation.studies.stability_attacks.limits import MEDIA, around_the_limit, limit_at, state_reach, stops_beyond
@@ -51,8 +52,15 @@ def run(budget: Budget) -> StudyResult:
 def _measure(budget: Budget) -> Found:
     decades = _QUICK_DECADES if budget.quick else _FULL_DECADES
     transits = 1e3 if budget.quick else 2e4
-    parts = _Progress(budget.report, 4 * len(CELLS) + len(ATTACKS))
-    limits = {model: [limit_at(model, decade) for decade in decades] for model in parts.over(CELLS)}
+    done, total = count(1), 4 * len(CELLS) + len(ATTACKS)
+
+    def each(names: Iterable[str]) -> Iterator[str]:
+        """The names; the share of all parts that are done is reported after each."""
+        for name in names:
+            yield name
+            budget.report(next(done) / total)
+
+    limits = {model: [limit_at(model, decade) for decade in decades] for model in each(CELLS)}
     media = {
         medium: {model: around_the_limit(model, medium) for model in CELLS}
         for medium in (_QUICK_MEDIA if budget.quick else MEDIA)
@@ -60,26 +68,12 @@ def _measure(budget: Budget) -> Found:
     return Found(
         decades,
         limits,
-        {model: state_reach(model) for model in parts.over(CELLS)},
+        {model: state_reach(model) for model in each(CELLS)},
         media,
-        {model: stops_beyond(model, 1.25) for model in parts.over(CELLS)},
+        {model: stops_beyond(model, 1.25) for model in each(CELLS)},
         not budget.quick,
-        {name: attack(name, not budget.quick) for name in parts.over(ATTACKS)},
+        {name: attack(name, not budget.quick) for name in each(ATTACKS)},
         {model: advised(model) for model in (_ADVISED if budget.quick else CELLS)},
         transits,
-        {model: locked_noise(model, transits) for model in parts.over(CELLS)},
+        {model: locked_noise(model, transits) for model in each(CELLS)},
     )
-
-
-class _Progress:
-    """Reports the share of `total` parts that are done."""
-
-    def __init__(self, report: Callable[[float], None], total: int) -> None:
-        self._report, self._total, self._done = report, total, 0
-
-    def over(self, names: Iterable[str]) -> Iterable[str]:
-        """The names, each counted once it has been dealt with."""
-        for name in names:
-            yield name
-            self._done += 1
-            self._report(self._done / self._total)
