@@ -61,21 +61,19 @@ def _logarithmic(setter: Callable[[Scene, float], Scene]) -> Callable[[Scene, fl
     return lambda scene, value: setter(scene, 10.0**value)
 
 
-PARAMETERS: dict[str, Callable[[Scene, float], Scene]] = {
+_POSITIVE: dict[str, Callable[[Scene, float], Scene]] = {
     "r": _round_trip,
-    "log10_r": _logarithmic(_round_trip),
     "epsilon": _epsilon,
-    "log10_epsilon": _logarithmic(_epsilon),
     "V": _velocity,
-    "log10_V": _logarithmic(_velocity),
+    "grip_impedance": _face("impedance"),
+    "grip_stiffness": _face("stiffness"),
+    "machine_mass": _face("mass"),
+}
+PARAMETERS: dict[str, Callable[[Scene, float], Scene]] = {
+    **_POSITIVE,
+    **{f"log10_{name}": _logarithmic(setter) for name, setter in _POSITIVE.items()},
     "a": _law("a"),
     "b": _law("b"),
-    "grip_impedance": _face("impedance"),
-    "log10_grip_impedance": _logarithmic(_face("impedance")),
-    "grip_stiffness": _face("stiffness"),
-    "log10_grip_stiffness": _logarithmic(_face("stiffness")),
-    "machine_mass": _face("mass"),
-    "log10_machine_mass": _logarithmic(_face("mass")),
     "reflection": _face("coefficient"),
     "ratio_r": _lower("round_trip"),
     "ratio_epsilon": _lower("epsilon"),

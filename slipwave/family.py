@@ -10,7 +10,7 @@ from enum import StrEnum
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from slipwave.features import FEATURES, features_of
+from slipwave.features import FEATURES, features_of, in_words
 
 if TYPE_CHECKING:
     from slipwave.scene import Scene
@@ -89,5 +89,4 @@ class Family:
 
     def refusal(self, scene: "Scene") -> str:
         """Why this family cannot compute `scene`; empty if it can."""
-        missing = features_of(scene) - self.honours
-        return " and ".join(phrase for feature, phrase in FEATURES.items() if feature in missing)
+        return in_words(features_of(scene) - self.honours)

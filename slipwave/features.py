@@ -20,10 +20,13 @@ FEATURES = {
 
 def features_of(scene: "Scene") -> frozenset[str]:
     """The features of `scene` (keys of FEATURES)."""
-    features = {feature for slab in scene.slabs for feature in _slab_features(slab)}
-    if not scene.alike:
-        features.add("unlike")
-    return frozenset(features)
+    unlike = set[str]() if scene.alike else {"unlike"}
+    return frozenset(unlike.union(*map(_slab_features, scene.slabs)))
+
+
+def in_words(features: frozenset[str]) -> str:
+    """Phrases for `features`, joined; empty if there are none."""
+    return " and ".join(phrase for feature, phrase in FEATURES.items() if feature in features)
 
 
 def _slab_features(slab: "Slab") -> set[str]:

@@ -70,9 +70,7 @@ def saved_time(path: Path) -> float:
 class Checkpoints:
     """Marks of a run to `until` (transits): saves `solver` and `observers` to `path` every `every` transits."""
 
-    def __init__(
-        self, solver: Solver, observers: Mapping[str, Resumable], path: Path, until: float, every: float = 1000.0
-    ) -> None:
+    def __init__(self, solver: Solver, observers: Mapping[str, Resumable], path: Path, until: float, every: float) -> None:
         self._solver, self._observers, self._path, self._until, self._every = solver, observers, path, until, every
         self._due = 0.0
         self._schedule()

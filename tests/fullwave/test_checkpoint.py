@@ -80,7 +80,7 @@ def test_a_mark_just_before_the_end(tmp_path, beyond):
     path = tmp_path / "run.npz"
     assert follow(solver, end, marks=[Checkpoints(solver, {}, path, end, 10.0)]) == follow(straight, end)
     with pytest.raises(SceneError, match="already at"):
-        Checkpoints(solver, {}, path, 10.0).resume()
+        Checkpoints(solver, {}, path, 10.0, 10.0).resume()
     Checkpoints(solver, {}, path, end, 10.0).resume()
     assert solver.time < end
 

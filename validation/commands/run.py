@@ -152,13 +152,9 @@ def result_of(done: "Run", choice: "Choice | None" = None) -> dict[str, Any]:
         "failures": done.solver.failures,
         "wall_s": done.wall_s,
     }
-    grid = grid_of(choice)
-    return result | ({"grid": grid} if grid else {}) | ({"failed": done.failed} if done.failed else {})
-
-
-def grid_of(choice: "Choice | None") -> dict[str, Any] | None:
-    """The grid of a full wave that the user did not choose, and its estimated error."""
-    return {name: getattr(choice, name) for name in ("cells", "step", "quantity", "error_estimate")} if choice else None
+    if choice:
+        result["grid"] = {name: getattr(choice, name) for name in ("cells", "step", "quantity", "error_estimate")}
+    return result | ({"failed": done.failed} if done.failed else {})
 
 
 def _grid_words(choice: "Choice") -> str:

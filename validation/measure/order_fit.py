@@ -52,18 +52,12 @@ def fit(cells: Array, errors: Array, scale: float = 1.0) -> Fit:
     whose local order differs by more than 0.15 from the finest one, as long as four levels remain. Raises ValueError with fewer
     than four usable levels.
     """
-    errors = np.asarray(errors, dtype=float)
-    cells = np.asarray(cells, dtype=float)
-    rounded = np.nonzero(~(errors > _ROUND_OFF * scale))[0]
-    end = int(rounded[0]) if rounded.size else errors.size
-    if end < _FEWEST:
-        raise ValueError(f"{end} usable levels; an order needs {_FEWEST}")
-    local = -np.diff(np.log(errors[:end])) / np.diff(np.log(cells[:end]))
+    x, y = _usable(cells, errors, 0, _ROUND_OFF * scale)
+    local = -np.diff(y) / np.diff(x)
     start = 0
-    while end - start > _FEWEST and abs(local[start] - local[-1]) > _ASYMPTOTIC:
+    while y.size - start > _FEWEST and abs(local[start] - local[-1]) > _ASYMPTOTIC:
         start += 1
-    used = slice(start, end)
-    return _regress(np.log(cells[used]), np.log(errors[used]), float(local[-1]), used)
+    return _regress(x, y, start)
 
 
 def fit_dense(cells: Array, errors: Array, start: int = 0, floor: float = 0.0) -> Fit:
@@ -74,16 +68,20 @@ def fit_dense(cells: Array, errors: Array, start: int = 0, floor: float = 0.0) -
     line through them would hide the curvature in its interval, or be wrong by more than its interval. Raises ValueError with
     fewer than four usable levels.
     """
+    x, y = _usable(cells, errors, start, max(floor, _ROUND_OFF))
+    while y.size - start > _FEWEST_DENSE and _curved(x[start:], y[start:]):
+        start += 1
+    return _regress(x, y, start)
+
+
+def _usable(cells: Array, errors: Array, start: int, floor: float) -> tuple[Array, Array]:
+    """Logarithms of cells and errors before the first error, from level `start` on, at or below `floor`."""
     errors = np.asarray(errors, dtype=float)
-    spent = np.nonzero(~(errors[start:] > max(floor, _ROUND_OFF)))[0]
+    spent = np.nonzero(~(errors[start:] > floor))[0]
     end = start + int(spent[0]) if spent.size else errors.size
     if end - start < _FEWEST:
         raise ValueError(f"{end - start} usable levels; an order needs {_FEWEST}")
-    x, y = np.log(np.asarray(cells, dtype=float)[:end]), np.log(errors[:end])
-    while end - start > _FEWEST_DENSE and _curved(x[start:], y[start:]):
-        start += 1
-    finest = -float((y[-1] - y[-2]) / (x[-1] - x[-2]))
-    return _regress(x[start:], y[start:], finest, slice(start, end))
+    return np.log(np.asarray(cells, dtype=float)[:end]), np.log(errors[:end])
 
 
 def _curved(x: Array, y: Array) -> bool:
@@ -97,9 +95,12 @@ def _curved(x: Array, y: Array) -> bool:
     return bool(abs(coefficients[0]) > stdtrit(x.size - 3, 0.975) * np.sqrt(variance))
 
 
-def _regress(x: Array, y: Array, finest: float, used: slice) -> Fit:
+def _regress(x: Array, y: Array, start: int) -> Fit:
+    """The straight line through the logarithms from level `start` on."""
     from scipy.special import stdtrit
 
+    finest, used = -float((y[-1] - y[-2]) / (x[-1] - x[-2])), slice(start, y.size)
+    x, y = x[used], y[used]
     gaps = x - x.mean()
     slope = float(gaps @ y / (gaps @ gaps))
     intercept = float(y.mean() - slope * x.mean())

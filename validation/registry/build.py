@@ -8,7 +8,7 @@ from importlib.util import find_spec
 
 from slipwave.errors import SceneError
 from slipwave.family import Exact, Family
-from slipwave.features import FEATURES, features_of
+from slipwave.features import features_of, in_words
 from slipwave.input.wording import nearest, shorten
 from slipwave.observe import Solver
 from slipwave.observe.snapshot import FieldSolver
@@ -33,9 +33,10 @@ def resolve(model: str, scene: Scene) -> tuple[str, str]:
         return model, ""
     chosen = honouring(scene)
     if not chosen:
-        raise SceneError(f"model = 'auto': no model of this installation can do {_asked(scene)}")
+        raise SceneError(f"model = 'auto': no model of this installation can do {in_words(features_of(scene))}")
     best = next((family for family in chosen if family.exact is not Exact.NEVER), chosen[0])
-    why = "exact for this scene" if best is DELAY else f"the delay system cannot do {_delay_refusal(scene)}"
+    refusal = DELAY.refusal(scene) or "it is not part of this installation"
+    why = "exact for this scene" if best is DELAY else f"the delay system cannot do {refusal}"
     return best.example, why
 
 
@@ -149,12 +150,3 @@ def _require_options(model: str, family: Family, request: Request) -> None:
     least, most = family.tolerances
     if request.tolerance is not None and not least <= request.tolerance <= most:
         raise SceneError(f"tolerance = {request.tolerance:g}: must lie in [{least:g}, {most:g}] for model {model}")
-
-
-def _asked(scene: Scene) -> str:
-    found = features_of(scene)
-    return " and ".join(phrase for feature, phrase in FEATURES.items() if feature in found)
-
-
-def _delay_refusal(scene: Scene) -> str:
-    return DELAY.refusal(scene) or "it is not part of this installation"

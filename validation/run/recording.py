@@ -18,7 +18,6 @@ from slipwave.observe.follow import Mark, Observer
 from slipwave.observe.snapshot import FieldSolver
 from slipwave.observe.solver import Resumable
 from validation.run.history_file import HistoryFile
-from validation.run.resuming import checkpoints_of
 from validation.run.simulate import Run
 
 if TYPE_CHECKING:
@@ -40,6 +39,8 @@ _HISTORY_NOTES = {
     "elastic_stress": ("elastic stress y", "normal stress"),
 }
 
+
+_EVERY = 1000.0  # transits between two checkpoints
 
 FIELD_FILES = (".vtu", ".xdmf", ".nc")
 """Kinds of file that fields are written to."""
@@ -79,7 +80,9 @@ def records_of(
         watch, kept = EventObserver(solver.scene, solver.nodes), fields_for(solver, until, fields, out)
         parts = {"events": watch if solver.scene.record else None, "interface": history, "fields": kept}
         saved: dict[str, Resumable] = {label: part for label, part in parts.items() if part is not None}
-        marks = None if checkpoint is None else checkpoints_of(solver, saved, checkpoint, until, every)
+        marks = None if checkpoint is None else Checkpoints(solver, saved, checkpoint, until, _EVERY if every is None else every)
+        if marks is not None and checkpoint is not None and checkpoint.exists():
+            marks.resume()
         yield Records(watch, history, kept, marks)
 
 

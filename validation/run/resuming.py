@@ -1,16 +1,11 @@
 """Runs that write checkpoints, and go on from the last one when they are started again."""
 
 import math
-from collections.abc import Mapping
 from pathlib import Path
 
 from slipwave.errors import SceneError
-from slipwave.observe import Solver
-from slipwave.observe.checkpoint import Checkpoints, saved_time
-from slipwave.observe.solver import Resumable
+from slipwave.observe.checkpoint import saved_time
 from validation.output import require_writable
-
-_EVERY = 1000.0
 
 
 def require_checkpoint(path: Path | None, every: float | None) -> None:
@@ -21,19 +16,6 @@ def require_checkpoint(path: Path | None, every: float | None) -> None:
         raise SceneError(f"--checkpoint-every = {every:g}: must be a positive number of transits")
     if path is not None:
         require_writable(path, (".npz",), "--checkpoint")
-
-
-def checkpoints_of(
-    solver: Solver, observers: Mapping[str, Resumable], path: Path, until: float, every: float | None
-) -> Checkpoints:
-    """The marks that save a run to `until` (transits); `solver` and `observers` are brought to where it stood if `path` exists.
-
-    Raises SceneError for a file that belongs to another scene, model or setting.
-    """
-    marks = Checkpoints(solver, observers, path, until, _EVERY if every is None else every)
-    if path.exists():
-        marks.resume()
-    return marks
 
 
 def way_on(path: Path | None) -> str:

@@ -35,9 +35,8 @@ def _two_orbits(branch: Branch) -> str:
     """Whether another start finds another orbit at the largest r."""
     largest = max(branch)
     usual, other = branch[largest]["delay"].period.value, beside(largest).period.value
-    same = abs(other / usual - 1.0) < _SAME
     at = f"At log_{{10}} r = {largest:g}".replace("-", "−")
-    if same:
+    if abs(other / usual - 1.0) < _SAME:
         return f"{at} a nudge of {LARGE_NUDGE:g} leads to the same orbit as the scene’s own start."
     return (
         f"{at} the delay system has two stable orbits: runs from the scene’s own start settle at T = {usual:.4f} transits, runs "
