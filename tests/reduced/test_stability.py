@@ -223,6 +223,14 @@ def test_critical_velocity():
     assert math.isnan(critical_velocity(paper()))
 
 
+@pytest.mark.parametrize("away", [0.6, -0.6])
+def test_the_critical_velocity_is_looked_for_within_so_many_decades_of_the_scenes(away):
+    """Which lies 0.6 decades below or above."""
+    scene = paper(closed_forms.delay_r(friction_slopes(PAPER, 3000.0), EPSILON), velocity=3000.0 * 10.0**away)
+    assert critical_velocity(scene, decades=0.75) == pytest.approx(3000.0, rel=1e-9)
+    assert math.isnan(critical_velocity(scene, decades=0.5))
+
+
 def test_a_face_that_swallows_the_load_fails_without_oscillating():
     found = analyse(EVERY["reflection"])
     assert found.unstable_roots == 1

@@ -18,7 +18,7 @@ def as_recorded(request):
     """Hold all that a study shows against the record; `--record-shown` writes the record first."""
 
     def check(name, result):
-        lines = shown(result)
+        lines = shown(name, result)
         if request.config.getoption("record_shown"):
             (FOLDER / f"{name}.txt").write_text("\n".join([*lines, ""]), encoding="utf-8")
         assert_as_recorded(name, lines)

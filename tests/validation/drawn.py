@@ -97,7 +97,8 @@ def _collection(some: Collection) -> str:
     if some.get_array() is None:
         look = " ".join(to_hex(color, keep_alpha=True) for color in (*some.get_facecolor()[:3], *some.get_edgecolor()[:3]))
     else:
-        look = f"map {some.get_cmap().name} from {_pair(some.get_clim())}: {_spread(np.ravel(some.get_array()))}"
+        values = np.ravel(some.get_array())
+        look = f"map {some.get_cmap().name} from {_pair(some.get_clim())}: {_spread(values)}, as {_spread(some.norm(values))}"
     if isinstance(some, QuadMesh):
         return f"{look}, {_points(some.get_coordinates().reshape(-1, 2))}"
     outlines = [path.vertices for path in some.get_paths()]

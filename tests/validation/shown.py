@@ -14,11 +14,14 @@ from validation.studies import load
 from validation.study import Budget, Figure, StudyResult, Table, Verdict
 from validation.study.drawing import styled
 
+REPORTED: dict[str, list[float]] = {}
+"""By name, for the studies that were run."""
+
 
 def quick(name: str) -> StudyResult:
     """A study's quick run by a clock of its own: the n-th reading is n^2 ms, so that run times are the same on every machine.
-    The shares of its work that it reports on the way rise to 1 at most."""
-    shares: list[float] = []
+    `REPORTED` has the shares of its work that it reported on the way, which rise to 1 at most."""
+    shares = REPORTED[name] = list[float]()
     with pytest.MonkeyPatch.context() as patch:
         readings = itertools.count()
         patch.setattr(timing, "_spent", lambda: 1e-3 * next(readings) ** 2)
@@ -27,9 +30,10 @@ def quick(name: str) -> StudyResult:
     return result
 
 
-def shown(result: StudyResult) -> list[str]:
-    """Answer, verdicts, notes, omissions, numbers, tables and figures."""
-    return [line.rstrip() for line in _shown(result)]
+def shown(name: str, result: StudyResult) -> list[str]:
+    """Answer, verdicts, notes, omissions, numbers, tables, figures, and shares of the work that were reported."""
+    reported = ", ".join(number(share) for share in REPORTED.get(name, []))
+    return [line.rstrip() for line in (*_shown(result), f"reported: {reported}")]
 
 
 def _shown(result: StudyResult) -> Iterator[str]:
