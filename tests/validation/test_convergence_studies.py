@@ -8,6 +8,7 @@ import pytest
 from validation.measure.grid_ladders import LADDERS
 from validation.measure.order_fit import fit
 from validation.measure.orders import QUANTITIES, Climb
+from validation.measure.settle import SYMBOLS
 from validation.studies import grid_convergence, leapfrog_convergence
 from validation.studies.grid_convergence.code import code_note, code_table, shared
 from validation.studies.grid_convergence.shown import convergence_and_cost, finest_table, orders_table
@@ -15,7 +16,7 @@ from validation.studies.leapfrog_convergence import ladders
 from validation.study import Budget, Evidence, Outcome
 
 CELLS = np.array([48, 96, 192, 384])
-NAMES = (*leapfrog_convergence._ORBIT, leapfrog_convergence._SMOOTH, leapfrog_convergence._JUMP)
+NAMES = (*SYMBOLS, leapfrog_convergence._SMOOTH, leapfrog_convergence._JUMP)
 
 
 def leapfrog_errors(order=2.0, jump=1.0):
