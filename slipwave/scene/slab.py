@@ -8,7 +8,7 @@ interface to the outer face and back.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias
 
 from slipwave.scene.termination import Termination
@@ -47,14 +47,16 @@ class GripFace:
 
 
 @dataclass(frozen=True)
-class MachineFace(GripFace):
+class MachineFace:
     """A grip with a mass on the slab's face: `mass` is relative to epsilon * round_trip, twice the slab's own mass."""
 
+    stiffness: float
+    impedance: float
     mass: float
 
     def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
         """As `Face`."""
-        return replace(super().termination(epsilon, round_trip, outermost), mass=self.mass * epsilon * round_trip)
+        return Termination(self.stiffness * epsilon / round_trip, self.impedance * epsilon, self.mass * epsilon * round_trip)
 
 
 @dataclass(frozen=True)
