@@ -70,6 +70,11 @@ class Mutant:
         return f"{self.file}:{self.begin}:{self.new}"
 
     @property
+    def what(self) -> str:
+        """The change in one line."""
+        return " ".join(f"{self.old} -> {self.new}".split())
+
+    @property
     def decided_by(self) -> list[str]:
         """The changed file."""
         return [self.file]
@@ -238,8 +243,8 @@ def try_mutant(mutant: Mutant, copy: Copy, reach: Reach, whole: bool) -> Record:
     """The record of one mutant: noticed or not, by which test, and whether by an assertion."""
     text = (copy.tree / mutant.file).read_text(encoding="utf-8")
     line = text.count("\n", 0, mutant.begin) + 1
-    scene = " ".join(f"{mutant.old} -> {mutant.new}".split())
-    record: Record = {"name": mutant.name, "room": mutant.file.partition("/")[0], "where": f"{mutant.file}:{line}", "what": scene}
+    where = f"{mutant.file}:{line}"
+    record: Record = {"name": mutant.name, "room": mutant.file.partition("/")[0], "where": where, "what": mutant.what}
     record["line"] = text.splitlines()[line - 1].strip()
     nearest, others = reach.tests_for(mutant)
     found = None

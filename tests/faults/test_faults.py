@@ -2,16 +2,18 @@
 
 import ast
 import json
+import tomllib
 from pathlib import Path
 
 import pytest
 
-from tests.faults.mutants import Mutant, Reach, _imports_between, is_equivalent, mutants_of, wilson
+from tests.faults.mutants import EQUIVALENT, Mutant, Reach, _imports_between, is_equivalent, mutants_of, wilson
 from tests.faults.planting import ROOMS, ROOT, AnchorError, Fault, read_faults
 from tests.faults.programme import Store, key_of, try_fault
 from tests.faults.trial import Copy
 
 FAULTS = read_faults()
+EQUIVALENTS = tomllib.loads(EQUIVALENT.read_text(encoding="utf-8"))["equivalent"]
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
@@ -159,6 +161,17 @@ def test_the_guard_of_zip_is_left_alone() -> None:
 def test_an_equivalent_mutant_is_known_by_file_change_and_line(listed: dict[str, str], is_one: bool) -> None:
     record = {"where": "f.py:7", "what": "1 -> 2", "line": "TALL = 1"}
     assert is_equivalent(record, [{"file": "f.py", "what": "1 -> 2"} | listed]) == is_one
+
+
+@pytest.mark.parametrize("listed", EQUIVALENTS, ids=lambda one: f"{one['file']}: {one['what']}")
+def test_every_equivalent_is_a_mutant_of_the_program_as_it_is(listed: dict[str, str]) -> None:
+    text = (ROOT / listed["file"]).read_text(encoding="utf-8")
+    lines = text.splitlines()
+    assert any(
+        listed["what"] == mutant.what and listed.get("line", "") in lines[text.count("\n", 0, mutant.begin)]
+        for mutant in mutants_of(listed["file"], text)
+    )
+    assert listed["reason"]
 
 
 def test_wilsons_interval() -> None:
