@@ -1,5 +1,7 @@
 """The events of any sequence of turning points, held against the definition carried out in the plainest way."""
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 from motions import Array, through, watch
@@ -50,16 +52,28 @@ def _walk(kind: str, count: int, random: np.random.Generator) -> list[float]:
 @pytest.mark.parametrize("kind", ["even", "wild", "wilder", "decaying", "growing"])
 @pytest.mark.parametrize("seed", range(4))
 def test_events_are_those_of_the_definition_in_every_window(kind: str, seed: int) -> None:
-    turns = _walk(kind, 150, np.random.default_rng(seed))
-    motion = through(turns, STEP)
-    observer = watch(motion, pieces=149 * 20, chunk=100)
-    times = np.linspace(0.0, motion.until, 149 * 400 + 1)
-    rates = [float(part.max()) for part in np.split(motion.unknown(times[:-1]), 149)]
-    for since in (0, 40, 76, 120, 140):
-        expected = plain_events(turns, rates, since)
-        found = observer.dates(STEP * (since - 0.5))
-        assert list(np.floor(found / STEP + 0.01).astype(int)) == expected
+    for expected, found in _by_definition_and_found(_walk(kind, 150, np.random.default_rng(seed)), (0, 40, 76, 120, 140)):
+        assert found == expected
     assert expected
+
+
+def test_a_run_that_begins_with_a_fall_in_two_parts_has_one_event_there() -> None:
+    """The rise of 0.06 between them is below 10 % of both together, 1.24, but not of any fall after them."""
+    turns = [1.0, 0.0, 0.06, -0.24, 0.2, -0.3, 0.4]
+    ((expected, found),) = _by_definition_and_found(turns, (0,))
+    assert found == expected
+    assert len(found) == 2
+
+
+def _by_definition_and_found(turns: list[float], windows: tuple[int, ...]) -> Iterator[tuple[list[int], list[int]]]:
+    swings = len(turns) - 1
+    motion = through(turns, STEP)
+    observer = watch(motion, pieces=swings * 20, chunk=100)
+    times = np.linspace(0.0, motion.until, swings * 400 + 1)
+    rates = [float(part.max()) for part in np.split(motion.unknown(times[:-1]), swings)]
+    for since in windows:
+        found = observer.dates(STEP * (since - 0.5))
+        yield plain_events(turns, rates, since), list(np.floor(found / STEP + 0.01).astype(int))
 
 
 def test_memory_is_one_of_events_not_of_ripples() -> None:
