@@ -22,6 +22,7 @@ import numpy as np
 
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.families import GALERKIN, degree_for
+from fullwave.lines.exact import EXACT_TOLERANCE
 from fullwave.lines.march import MethodOfLines
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, follow
@@ -37,6 +38,7 @@ PROBE = 400.0
 """Transits of a probe after the last knot of the drive, unless the scene ends earlier."""
 
 _RATIO = 1.5
+_SHARE_OF_TIME = 0.1  # of the tolerance, for the steps of the exact march
 _LEAST_GAIN = 0.25  # smallest g - 1 used: rounding makes differences stagnate although the error is small
 _MOST_OUTLOOK = math.log(1e6)  # largest logarithm of the growth in cells to which a trend is extrapolated
 _KINKED_GAIN = _RATIO**2  # gain of a refinement at order 2
@@ -47,13 +49,14 @@ _SETTLED = 24  # cells from which the gain is assumed to continue
 @dataclass(frozen=True)
 class Choice:
     """The chosen grid and its accuracy: the `quantity` compared ("cycles" or "final state"), its relative `error_estimate`, and
-    the grids tried as (cells, estimate)."""
+    the grids tried as (cells, estimate). `step` is the length of a step, or the longest if it adapts."""
 
     cells: int
     step: float
     quantity: str
     error_estimate: float
     tried: tuple[tuple[int, float], ...]
+    adapts: bool = False
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,8 @@ def to_tolerance(
         raise SceneError(f"tolerance = {tolerance!r}: must lie in [{least:g}, {most:g}]")
     if kind is DiscontinuousGalerkin:
         options = {"degree": degree_for(tolerance)} | options
+    if options.get("time") == "exact":
+        options = {"resolution": min(EXACT_TOLERANCE, _SHARE_OF_TIME * tolerance)} | options
     coarsest = first_accepted(lambda cells: kind(scene, cells=cells, **options), range(2, _MOST_NEEDED))
     cells = coarsest.cells if coarsest else _MOST_NEEDED
     tried: list[tuple[int, float]] = []
@@ -93,7 +98,7 @@ def to_tolerance(
         tried.append((cells, estimate))
         if now is not None and estimate <= tolerance:
             fresh = kind(scene, cells=cells, **options)
-            return fresh, Choice(cells, fresh.step, now.quantity, estimate, tuple(tried))
+            return fresh, Choice(cells, fresh.step, now.quantity, estimate, tuple(tried), _adapts(fresh))
         needed = _needed(cells, estimate / tolerance, gain) if cells >= _SETTLED else 0.0
         before, cells = now, math.ceil(_RATIO * cells)
     outlook = ""
@@ -112,7 +117,11 @@ def judge_grid(cells: int, fine: FieldSolver, coarse: FieldSolver) -> Choice:
     do not find the same cycles.
     """
     before, now = _probe(coarse), _probe(fine)
-    return Choice(cells, fine.step, now.quantity if now else "final state", _difference(before, now), ())
+    return Choice(cells, fine.step, now.quantity if now else "final state", _difference(before, now), (), _adapts(fine))
+
+
+def _adapts(solver: FieldSolver) -> bool:
+    return solver.settings.get("time") == "exact"
 
 
 def _needed(cells: int, factor: float, gain: float) -> float:

@@ -9,13 +9,13 @@ grows, because upwind states dissipate.
 """
 
 from functools import cache, partial
-from typing import NamedTuple
+from typing import NamedTuple, Unpack
 
 import numpy as np
 
 from fullwave.families import GALERKIN
 from fullwave.lines.blocks import Block, BlockGrid, Section, sections_of, shortest_cell
-from fullwave.lines.march import MethodOfLines, method_for
+from fullwave.lines.march import Marching, MethodOfLines, method_for
 from fullwave.lines.panels import LANES, differentiate_rows
 from fullwave.lines.scheme_limit import line_spectrum, longest_step
 from fullwave.lines.system import apply
@@ -82,16 +82,22 @@ def courant_limit(degree: int) -> float:
 class DiscontinuousGalerkin(MethodOfLines):
     """`scene` by elements of `degree` (1 to 24), `cells` per slab; `cfl` is the share (0, 1] of the longest stable step.
 
-    The time integration is of order 8 (of order 4 for degree 1), so that it does not limit the order of the elements.
+    `march` says how it is marched in time (`Marching`); explicit steps are of order 8 (of order 4 for degree 1), so that they do
+    not limit the order of the elements.
     Raises SceneError naming the option and its allowed range.
     """
 
     def __init__(
-        self, scene: Scene, degree: int = GALERKIN.usual, cells: int = GALERKIN.cells, cfl: float = GALERKIN.cfl
+        self,
+        scene: Scene,
+        degree: int = GALERKIN.usual,
+        cells: int = GALERKIN.cells,
+        cfl: float = GALERKIN.cfl,
+        **march: Unpack[Marching],
     ) -> None:
         require_whole("degree", degree, GALERKIN.numbers[0], GALERKIN.numbers[-1])
         self.degree = degree
         sections = sections_of(scene, cells, 1)
         build = partial(element_grid, degree=degree)
         limit = courant_limit(degree) * shortest_cell(sections)
-        super().__init__(scene, GALERKIN, degree, build, sections, limit, cfl)
+        super().__init__(scene, GALERKIN, degree, build, sections, limit, cfl, **march)

@@ -48,7 +48,7 @@ class FullWave(Family):
 
     honours: frozenset[str] = ANYTHING
     exact: Exact = Exact.ON_FINE_GRIDS
-    options: tuple[str, ...] = ("cells", "cfl", "tolerance")
+    options: tuple[str, ...] = ("cells", "cfl", "time", "tolerance")
     tolerances: tuple[float, float] = (1e-12, 0.1)  # below, rounding hides the differences between grids
     order_bulk: Callable[[int], int] = lambda p: 2
     order_interface: Callable[[int], int] = lambda p: 2
@@ -94,6 +94,7 @@ LEAPFROG = FullWave(
     pens={None: Pen("full wave, leapfrog", "#d55e00", (0, (1, 2.2)), "s", 2.0)},
     implicit_state=True,
     conserves=True,
+    options=("cells", "cfl", "tolerance"),
     cells=64,
     cfl=1.0,
     step="dx / c",

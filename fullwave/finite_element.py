@@ -12,7 +12,7 @@ are coupled through upwind states. Energy never grows, because the penalties at 
 """
 
 from functools import cache, partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import scipy.linalg
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from fullwave.families import ELEMENTS
 from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half, sections_of
-from fullwave.lines.march import MethodOfLines, method_for
+from fullwave.lines.march import Marching, MethodOfLines, method_for
 from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
 from fullwave.lines.system import apply, finish
 from fullwave.operators.gll_element import ElementLineGLL
@@ -163,6 +163,7 @@ class FiniteElement(MethodOfLines):
         cells: int = ELEMENTS.cells,
         cfl: float = ELEMENTS.cfl,
         mass: str = "lumped",
+        **march: Unpack[Marching],
     ) -> None:
         require_whole("degree", degree, ELEMENTS.numbers[0], ELEMENTS.numbers[-1])
         if mass not in MASSES:
@@ -175,4 +176,4 @@ class FiniteElement(MethodOfLines):
         sections = sections_of(scene, cells, 1)
         build = partial(mesh_grid, degree=degree, mass=mass)
         limit = min(courant_limit(degree, mass, sample_cells(degree, s.cells)) * s.length / s.cells for s in sections)
-        super().__init__(scene, ELEMENTS, degree, build, sections, limit, cfl)
+        super().__init__(scene, ELEMENTS, degree, build, sections, limit, cfl, **march)

@@ -11,7 +11,7 @@ states, as are slab and interface. Energy never grows, because the penalties dis
 """
 
 from functools import cache, partial
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import scipy.sparse
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from fullwave.families import BY_PARTS
 from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half, sections_of
-from fullwave.lines.march import MethodOfLines, method_for
+from fullwave.lines.march import Marching, MethodOfLines, method_for
 from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
 from fullwave.lines.system import apply
 from fullwave.operators.closure import boundary_closure, central_coefficients, closure_rows
@@ -126,10 +126,17 @@ class SummationByParts(MethodOfLines):
     Raises SceneError naming the option and its allowed range.
     """
 
-    def __init__(self, scene: Scene, order: int = BY_PARTS.usual, cells: int = BY_PARTS.cells, cfl: float = BY_PARTS.cfl) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        order: int = BY_PARTS.usual,
+        cells: int = BY_PARTS.cells,
+        cfl: float = BY_PARTS.cfl,
+        **march: Unpack[Marching],
+    ) -> None:
         if order not in BY_PARTS.numbers:
             raise SceneError(f"order = {order!r}: must be one of {', '.join(map(str, BY_PARTS.numbers))}")
         sections = sections_of(scene, cells, fewest_cells(order))
         build = partial(difference_grid, order=order)
         limit = min(courant_limit(order, min(s.cells, _SAMPLE_CELLS)) * s.length / s.cells for s in sections)
-        super().__init__(scene, BY_PARTS, order, build, sections, limit, cfl)
+        super().__init__(scene, BY_PARTS, order, build, sections, limit, cfl, **march)

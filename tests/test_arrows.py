@@ -18,8 +18,8 @@ BELOW = {
 """What each room may import besides itself: the two that hold models never import each other."""
 
 ORDER = {
-    "slipwave": "errors files sources compiled friction scene features input observe family",
-    "reduced": "families commensurate parameters step delay ode impedance stability closed_forms",
+    "slipwave": "errors files sources compiled friction scene features input observe step family",
+    "reduced": "families commensurate parameters delay ode impedance stability closed_forms",
     "fullwave": "families options sampling operators leapfrog lines fields * adapt",
     "validation": "output run measure references registry study work_precision studies report benchmark commands cli",
 }

@@ -22,7 +22,7 @@ import numpy as np
 import slipwave
 from slipwave.files import whole_or_absent
 from slipwave.scene import Scene
-from slipwave.scene.slab import Face, GripFace, ReflectingFace
+from slipwave.scene.slab import Face, GripFace, KelvinVoigtViscosity, ReflectingFace
 from validation.output import print_table
 from validation.references.lsoda import plain_kelvin_voigt
 from validation.report.provenance import provenance
@@ -68,6 +68,9 @@ def races() -> Iterator[Race]:
         yield Race(f"{model}: grip over rigid face", _run(base, _faced(paper, GripFace(100.0, 10.0)), 20.0), once)
         yield Race(f"{model}: reflection over rigid face", _run(base, _faced(paper, ReflectingFace(0.999)), 20.0), once)
         yield Race(f"{model}: time of the delay system", once, _run(Setting("delay", tolerance=1e-9), paper, 20.0))
+        if model != "fd":
+            yield Race(f"{model}: explicit over exact march", once, _run(dataclasses.replace(base, time="exact"), paper, 20.0))
+    yield from _exact_races(paper, unlike)
     delay, pair = Setting("delay", tolerance=1e-9), pairs()
     for name in ("commensurate", "irrational"):
         yield Race(f"delay: {name} round trips over alike", _run(delay, pair[name], 200.0), _run(delay, pair["alike"], 200.0))
@@ -76,6 +79,21 @@ def races() -> Iterator[Race]:
         "scipy's LSODA over kelvin-voigt", lambda: partial(plain_kelvin_voigt, paper, 300.0, 1e-8), _run(ours, paper, 300.0)
     )
     yield Race("slipwave --help over bare Python", _started("-m", "validation.cli", "--help"), _started("-c", ""))
+
+
+def _exact_races(paper: Scene, unlike: Scene) -> Iterator[Race]:
+    """The exact march on a grid with errors of 1e-9, against the delay system and with what a scene may add."""
+    fine, delay = Setting("dg:8", cells=4, time="exact"), Setting("delay", tolerance=1e-9)
+    viscous = dataclasses.replace(paper.upper, viscosity=KelvinVoigtViscosity(0.05 * paper.upper.round_trip))
+    once = _run(fine, paper, 200.0)
+    yield Race("exact march, dg:8: time of the delay system", once, _run(delay, paper, 200.0))
+    yield Race("exact march, dg:8: unlike slabs over alike", _run(fine, unlike, 200.0), once)
+    yield Race("exact march, dg:8: grip over rigid face", _run(fine, _faced(paper, GripFace(100.0, 10.0)), 200.0), once)
+    yield Race(
+        "exact march, dg:8: Kelvin-Voigt over elastic",
+        _run(fine, dataclasses.replace(paper, upper=viscous, lower=viscous), 200.0),
+        once,
+    )
 
 
 def _faced(scene: Scene, face: Face) -> Scene:

@@ -29,12 +29,14 @@ class Setting:
     tolerance: float | None = None
     cells: int | None = None
     cfl: float | None = None
+    time: str | None = None
 
     @property
     def words(self) -> str:
         """The options in words, in the report's markup."""
         words = [f"{self.cells} cells"] if self.cells else []
         words += [f"CFL {self.cfl:g}"] if self.cfl else []
+        words += [f"{self.time} in time"] if self.time else []
         words += [f"tolerance 10^{{{math.log10(self.tolerance):.2g}}}"] if self.tolerance else []
         return ", ".join(words)
 
@@ -74,7 +76,7 @@ def cheapest(points: Sequence[Point], error: float) -> Point | None:
 
 def solver_of(setting: Setting, scene: Scene) -> Solver:
     """The solver that `setting` asks for, at the start of `scene`."""
-    return build(setting.model, scene, cells=setting.cells, cfl=setting.cfl, tolerance=setting.tolerance)
+    return build(setting.model, scene, setting.cells, setting.cfl, setting.tolerance, setting.time)
 
 
 def march_of(setting: Setting, scene: Scene, transits: float, begin: float = 0.0) -> "partial[Final]":

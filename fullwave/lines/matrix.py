@@ -1,15 +1,15 @@
-"""The equations of motion without friction, as a matrix: a simple reference for `fullwave.lines.motion`, and the basis of the
-step limit of scenes with viscosity or a mass on a face.
-
-The interface is either locked (v = 0: unlike slabs are welded, alike slabs do not move there) or free (mu constant): every
-friction law lies between these two.
+"""The equations of motion without friction, as matrices: what the exact march propagates, a simple reference for
+`fullwave.lines.motion`, and the basis of the step limit of scenes with viscosity or a mass on a face.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from fullwave.lines.blocks import state_size
 from fullwave.lines.system import (
     DASHPOT,
+    DRIVEN,
     GRIP,
     IMPEDANCE,
     LIFT,
@@ -36,27 +36,53 @@ def _columns(operator: Operator, states: Array, at_apply: Array, at_finish: Arra
     """Row k of `at_apply` <- `apply` to row k of `states`; row k of `at_finish` <- `finish` of it (M^-1 of a consistent mass)."""
     for k in range(states.shape[0]):
         apply(operator, states[k], at_apply[k], 0)
-        at_finish[k] = states[k]
+        for i in range(states.shape[1]):
+            at_finish[k, i] = states[k, i]
         finish(operator, at_finish[k], 0)
 
 
+class Motion(NamedTuple):
+    """Linear forms, as rows, in (q, u, c): the state q = (grid, scalars, memory stresses, heavy faces) in deviations from steady
+    sliding, the slip rate u = v - V_0 and the change c = (V - V_0)/2 of the drive of each face.
+
+    `rates` (n, n + 2) gives d q/dt~; rows and columns of psi and of the ledger are zero. `stress` (n + 2,) is mu - mu_ss. Per
+    marched slab: `traction` (sides, n + 2) on the driven end of the termination, minus the steady one; `slip` (sides, n + 2) of
+    the drive ahead of the face."""
+
+    rates: Array
+    stress: Array
+    traction: Array
+    slip: Array
+
+
 def motion_matrix(system: System, locked: bool) -> Array:
-    """A (n, n) of d q/dt~ = A q for q = (grid, scalars, memory stresses, heavy faces) in deviations from steady sliding, without
-    friction, drive, state and ledger (their rows and columns are zero)."""
+    """A (n, n) of d q/dt~ = A q for constant drive and the interface either locked (v = 0: unlike slabs are welded, alike slabs
+    do not move there) or free (mu constant): every friction law lies between these two."""
+    motion = motion_of(system)
+    n = motion.rates.shape[0]
+    rates: Array = motion.rates[:, :n]
+    if not locked:  # the slip rate that leaves the stress as it is
+        rates = rates - np.outer(motion.rates[:, n], motion.stress[:n] / motion.stress[n])
+    return rates
+
+
+def motion_of(system: System) -> Motion:
+    """The equations of motion of `system`."""
     size = system.interface.size
     viscous = system.medium if isinstance(system.medium, Viscous) else None
     total = state_size(system)
     derivative, completion = np.zeros((size, size)), np.zeros((size, size))
     _columns(system.operator, np.eye(size), derivative, completion)
-    state = np.eye(total)  # every row below is a linear form in the state
-    strong = np.zeros((size, total))
+    state = np.eye(total, total + 2)  # every row below is a linear form in (q, u, c)
+    strong = np.zeros((size, total + 2))
     strong[:, :size] = derivative.T
     stress = state[:size].copy()
     if viscous is not None:
         stress += viscous.retardation[:, None] * strong
-    slots, facts = system.slots, system.facts
+    slots, facts, tops = system.slots, system.facts, system.tops
     arriving = stress[slots[STRESS]] - facts[SIGN][:, None] * facts[STIFFENED][:, None] * state[slots[VELOCITY]]
-    jump = _jumps(system, state, arriving, locked)
+    star, at_interface = _star(system, state, arriving)
+    jump = star - state[slots[VELOCITY]]
     rates = strong
     np.add.at(rates, slots[STRESS], (facts[SIGN] * facts[LIFT])[:, None] * jump)
     if viscous is not None:
@@ -64,27 +90,31 @@ def motion_matrix(system: System, locked: bool) -> Array:
         rates[viscous.is_velocity] = (derivative.T @ total_stress)[viscous.is_velocity]
     np.add.at(rates, slots[VELOCITY], facts[LIFT][:, None] * jump)
     rates = completion.T @ rates
-    matrix = np.zeros((total, total))
+    matrix = np.zeros((total, total + 2))
     if viscous is not None:
         memory = state[size + SCALARS : 2 * size + SCALARS]
         matrix[size + SCALARS : 2 * size + SCALARS] = viscous.fraction[:, None] * rates - viscous.rate[:, None] * memory
         rates = rates - viscous.rate[:, None] * memory
     matrix[:size] = rates
     sides, grip = system.interface.sides, size + GRIP
-    tops = slots[VELOCITY, -sides:]
-    matrix[grip : grip + sides] = -system.tops[SPRING][:, None] * (jump[-sides:] + state[tops])
-    for side in np.flatnonzero(system.tops[MASS]):
-        k, own = side - sides, state[system.interface.heavy + side]
-        pull = facts[IMPEDANCE, k] * (state[grip + side] - arriving[k] - facts[STIFFENED, k] * own)
-        matrix[system.interface.heavy + side] = (pull - system.tops[DASHPOT, side] * own) / system.tops[MASS, side]
-    return matrix
+    face = star[-sides:]
+    slip = -face
+    slip[:, -1] += 1.0
+    matrix[grip : grip + sides] = tops[SPRING][:, None] * slip
+    impedance = facts[IMPEDANCE][-sides:, None]
+    traction = impedance * (arriving[-sides:] + facts[STIFFENED][-sides:, None] * face)
+    for side in np.flatnonzero(tops[MASS]):
+        pull = impedance[side] * state[grip + side] + tops[DASHPOT, side] * slip[side]
+        matrix[system.interface.heavy + side] = (pull - traction[side]) / tops[MASS, side]
+        traction[side] = pull
+    return Motion(matrix, at_interface, traction, slip)
 
 
-def _jumps(system: System, state: Array, arriving: Array, locked: bool) -> Array:
-    """w* - w at every trace, as linear forms in the state, from the characteristics that arrive there."""
+def _star(system: System, state: Array, arriving: Array) -> tuple[Array, Array]:
+    """w* at every trace, from the characteristics that arrive there, and mu - mu_ss, as linear forms."""
     slots, facts, interface = system.slots, system.facts, system.interface
-    velocity, stiffened = state[slots[VELOCITY]], facts[STIFFENED][:, None]
-    star = np.zeros_like(velocity)
+    stiffened = facts[STIFFENED][:, None]
+    star = np.zeros((slots.shape[1], state.shape[1]))
     pairs = 2 * interface.joints
     near, far = slice(0, pairs, 2), slice(1, pairs, 2)
     impedance = facts[IMPEDANCE][:, None]
@@ -92,14 +122,14 @@ def _jumps(system: System, state: Array, arriving: Array, locked: bool) -> Array
     common /= impedance[far] * stiffened[far] + impedance[near] * stiffened[near]
     star[near] = star[far] = common
     ends = slice(pairs, pairs + interface.sides)
-    star[ends] = arriving[ends] / stiffened[ends]
-    if locked:
-        free = interface.copies * star[ends].sum(axis=0)
-        star[ends] -= interface.impedance * free / (impedance[ends] * stiffened[ends])
+    free = interface.copies * (arriving[ends] / stiffened[ends]).sum(axis=0)
+    free[-2] -= 1.0
+    stress = interface.impedance * free
+    star[ends] = (arriving[ends] - stress / impedance[ends]) / stiffened[ends]
     tops = slice(pairs + interface.sides, None)
     load = state[interface.size + GRIP : interface.size + GRIP + interface.sides]
     star[tops] = system.tops[YIELDING][:, None] * (load - arriving[tops])
+    star[tops, -1] += system.tops[DRIVEN]
     for side in np.flatnonzero(system.tops[MASS]):
         star[side - interface.sides] = state[interface.heavy + side]
-    jumps: Array = star - velocity
-    return jumps
+    return star, stress

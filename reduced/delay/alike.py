@@ -8,15 +8,15 @@ import numpy as np
 from reduced.delay.alike_kernel import PSI, TIME, AlikeMemory, Matrices, march_delay
 from reduced.delay.march import DelayMarch
 from reduced.delay.transit_mesh import cuts_of, transit_mesh
-from reduced.step.collocation import growth_limit, highest_coefficient, radau
-from reduced.step.guess import DONE, first_guess
-from reduced.step.newton import UNKNOWN
 from slipwave.errors import SceneError
 from slipwave.friction import respond, unknown_of
 from slipwave.observe.pieces import Array, Pieces, empty_pieces
 from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.step.collocation import growth_limit, highest_coefficient, radau
+from slipwave.step.guess import DONE, first_guess
+from slipwave.step.rows import UNKNOWN
 
 MAX_STEPS = 4096
 _CHUNK, _LONG_CHUNK = 4096, 1 << 16

@@ -13,14 +13,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.step.collocation import Nodes
-from reduced.step.guess import DONE, force, hold, judge_step, predict
-from reduced.step.newton import RATE, STATE, UNKNOWN, WORK_ROWS, solve_step
-from slipwave.compiled import inlined, njit, overwrite
+from slipwave.compiled import njit, overwrite
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene.drive import Constant, Ramps, velocity_at
 from slipwave.scene.forcing import Forcing
+from slipwave.step.collocation import Nodes
+from slipwave.step.guess import DONE, force, hold, judge_step, predict
+from slipwave.step.impedance import Diagonal
+from slipwave.step.newton import solve_step
+from slipwave.step.record import emit
+from slipwave.step.rows import DRIVE, RATE, STATE, UNKNOWN, WORK_ROWS
 
 # entries of `now`
 TIME, PSI, ELASTIC = 0, 1, 2
@@ -43,38 +46,6 @@ class Matrices(NamedTuple):
     predict: Array
     predict_state: Array
     tail: Array
-
-
-@inlined
-def emit(
-    nodes: Nodes,
-    epsilon: float,
-    drive: Constant | Ramps,
-    start: float,
-    length: float,
-    integral: Array,
-    incoming: Array,
-    i: int,
-    guess: Array,
-    work: Array,
-    now: Array,
-    pieces: Pieces,
-    k: int,
-) -> None:
-    """Write the step as piece k and advance the elastic stress y' = epsilon (V - v)."""
-    s = len(nodes)
-    pieces.time[k] = start
-    pieces.length[k] = length
-    for j in range(s):
-        pieces.z[k, j] = guess[UNKNOWN, j]
-        pieces.psi[k, j] = guess[STATE, j]
-        pieces.mu[k, j] = incoming[i, j] - 0.5 * epsilon * work[RATE, j]
-        pieces.y[k, j] = now[ELASTIC]
-    for m in range(s):
-        factor = length * epsilon * (velocity_at(drive, start + nodes[m] * length) - work[RATE, m])
-        for j in range(s):
-            pieces.y[k, j] += integral[m, j] * factor
-    now[ELASTIC] = pieces.y[k, s - 1]
 
 
 @njit
@@ -101,6 +72,7 @@ def march_delay(
     steps, lengths = incoming.shape[0], memory.lengths
     work, system = np.zeros((WORK_ROWS, s)), np.empty((s, s))
     saved, saved_guess, saved_now = np.empty_like(incoming), np.empty_like(guess), np.empty_like(now)
+    impedance = Diagonal(0.5 * epsilon)
     iterations, k = 0, pieces.time.size - steps * transits
     for n in range(transits):
         overwrite(saved, incoming)
@@ -111,7 +83,7 @@ def march_delay(
             h = length * transit
             if nudge != 0.0:
                 force(nodes, nudge, start, length, integral, work)
-            used = solve_step(nodes, law, 0.5 * epsilon, h, left, incoming, i, integral, newton_tolerance, guess, work, system)
+            used = solve_step(nodes, law, impedance, h, left, incoming, i, integral, newton_tolerance, guess, work, system)
             iterations += used
             verdict = judge_step(nodes, tail, guess, work, used, resolution, steepest)
             if verdict != DONE:
@@ -120,7 +92,11 @@ def march_delay(
                 overwrite(guess, saved_guess)
                 return n, iterations, verdict
             if k >= 0:
-                emit(nodes, epsilon, drive, start, length, integral, incoming, i, guess, work, now, pieces, k)
+                for j in range(s):
+                    work[DRIVE, j] = velocity_at(drive, start + nodes[j] * length)
+                now[ELASTIC] = emit(
+                    nodes, epsilon, impedance, start, length, integral, incoming, i, guess, work, now[ELASTIC], pieces, k
+                )
             k += 1
             for j in range(s):
                 incoming[i, j] += epsilon * (velocity_at(drive, start + nodes[j] * length + 0.5) - work[RATE, j])

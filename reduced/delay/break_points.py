@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from reduced.delay.alike_kernel import PSI, TIME
 from reduced.delay.network import DelayNetwork, tops_for
 from reduced.delay.transmission_lines import Lines
-from reduced.step.guess import DONE
-from reduced.step.newton import UNKNOWN
 from slipwave.errors import NumericsError
 from slipwave.friction import respond
 from slipwave.observe.pieces import Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.step.guess import DONE
+from slipwave.step.rows import UNKNOWN
 
 _RING = 8192
 _PIECES = 256

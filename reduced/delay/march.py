@@ -4,13 +4,13 @@ import math
 from typing import Any, Protocol
 
 from reduced.delay.alike_kernel import PSI, TIME
-from reduced.step.guess import TOO_STEEP
-from reduced.step.newton import UNKNOWN
 from slipwave.errors import NumericsError
 from slipwave.friction import respond
 from slipwave.observe.ledger import Energy
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from slipwave.step.guess import TOO_STEEP
+from slipwave.step.rows import UNKNOWN
 
 
 class _Memory(Protocol):

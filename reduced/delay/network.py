@@ -9,13 +9,13 @@ from reduced.delay.alike_kernel import ELASTIC, PSI
 from reduced.delay.march import DelayMarch
 from reduced.delay.network_kernel import Integers, Network, NetworkMemory, march_network
 from reduced.delay.transmission_lines import Lines, lines_of
-from reduced.step.collocation import growth_limit, radau
-from reduced.step.guess import first_guess
 from slipwave.friction import unknown_of
 from slipwave.observe.pieces import Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.step.collocation import growth_limit, radau
+from slipwave.step.guess import first_guess
 
 NODES = 8
 MAX_STEPS = 4096

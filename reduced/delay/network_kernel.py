@@ -11,14 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.delay.alike_kernel import ELASTIC, PSI, TIME
-from reduced.step.collocation import Nodes
-from reduced.step.guess import DONE, force, judge_step, predict
-from reduced.step.newton import PREVIOUS, RATE, STATE, UNKNOWN, WORK_ROWS, solve_step
 from slipwave.compiled import njit, overwrite
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene.drive import Constant, Ramps, velocity_at
 from slipwave.scene.forcing import Forcing
+from slipwave.step.collocation import Nodes
+from slipwave.step.guess import DONE, force, judge_step, predict
+from slipwave.step.impedance import Diagonal
+from slipwave.step.newton import solve_step
+from slipwave.step.record import emit
+from slipwave.step.rows import DRIVE, STATE, WORK_ROWS
 
 OUTWARD, INWARD = 0, 1
 LOAD, VELOCITY = 0, 1  # columns of `NetworkMemory.tops`
@@ -159,14 +162,15 @@ def march_network(
     arrived, launched, outer = np.empty((layers, 2, s)), np.empty((layers, 2, s)), np.empty((2, s))
     work, system, incoming, drive = np.zeros((WORK_ROWS, s)), np.empty((s, s)), np.empty((1, s)), np.zeros(s)
     saved_guess, saved_tops = np.empty_like(guess), np.empty_like(tops)
-    impedance, h = network.interface_impedance, length * forcing.transit
+    impedance, h = Diagonal(network.interface_impedance), length * forcing.transit
     iterations = 0
     for n in range(count):
         cursor, start, left = memory.cursor[0], origin + (done + n) * length, now[PSI]
         overwrite(saved_guess, guess)
         overwrite(saved_tops, tops)
         for j in range(s):
-            drive[j] = 0.5 * (velocity_at(velocity, start + nodes[j] * length) - forcing.velocity)
+            work[DRIVE, j] = velocity_at(velocity, start + nodes[j] * length)
+            drive[j] = 0.5 * (work[DRIVE, j] - forcing.velocity)
         for layer in range(layers):
             arrive(nodes, network, waves, layer, OUTWARD, cursor, arrived)
             arrive(nodes, network, waves, layer, INWARD, cursor, arrived)
@@ -177,7 +181,7 @@ def march_network(
             first = network.first[slab]
             for layer in range(network.last[slab] - 1, first - 1, -1):
                 scatter(nodes, network, layer, arrived, launched)
-            share = network.weight * impedance / network.impedance[first]
+            share = network.weight * impedance.value / network.impedance[first]
             for j in range(s):
                 incoming[0, j] += share * arrived[first, INWARD, j]
         if forcing.nudge != 0.0:
@@ -189,7 +193,9 @@ def march_network(
             overwrite(guess, saved_guess)
             overwrite(tops, saved_tops)
             return n, iterations, verdict
-        emit(nodes, forcing, impedance, integral, incoming, drive, guess, work, now, start, length, pieces, n)
+        now[ELASTIC] = emit(
+            nodes, forcing.stiffness, impedance, start, length, integral, incoming, 0, guess, work, now[ELASTIC], pieces, n
+        )
         for slab in range(slabs):
             first = network.first[slab]
             for j in range(s):
@@ -203,37 +209,3 @@ def march_network(
         memory.cursor[0] = cursor + 1 if cursor + 1 < ring else 0
         predict(nodes, predict_rate, predict_state, left, guess, work)
     return count, iterations, DONE
-
-
-@njit
-def emit(
-    nodes: Nodes,
-    forcing: Forcing,
-    impedance: float,
-    integral: Array,
-    incoming: Array,
-    drive: Array,
-    guess: Array,
-    work: Array,
-    now: Array,
-    start: float,
-    length: float,
-    pieces: Pieces,
-    k: int,
-) -> None:
-    """Write the step as piece k and advance the elastic stress y' = stiffness (V - v)."""
-    s = len(nodes)
-    pieces.time[k] = start
-    pieces.length[k] = length
-    for j in range(s):
-        pieces.z[k, j] = guess[UNKNOWN, j]
-        pieces.psi[k, j] = guess[STATE, j]
-        pieces.mu[k, j] = incoming[0, j] - impedance * work[RATE, j]
-        work[PREVIOUS, j] = now[ELASTIC]
-    for m in range(s):
-        factor = length * forcing.stiffness * (forcing.velocity + 2.0 * drive[m] - work[RATE, m])
-        for j in range(s):
-            work[PREVIOUS, j] += integral[m, j] * factor
-    for j in range(s):
-        pieces.y[k, j] = work[PREVIOUS, j]
-    now[ELASTIC] = work[PREVIOUS, s - 1]

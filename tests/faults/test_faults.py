@@ -226,4 +226,4 @@ def test_imports_are_counted_on_the_shortest_way() -> None:
     assert steps["fullwave/lines/viscosity.py"] == 0
     assert steps["fullwave/lines/motion.py"] == 1
     assert steps["fullwave/discontinuous.py"] > 1
-    assert "reduced/ode/kernel.py" not in steps
+    assert "reduced/ode/port.py" not in steps

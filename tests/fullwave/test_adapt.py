@@ -86,7 +86,7 @@ def test_estimate_of_a_slow_series_is_more_than_its_last_difference(monkeypatch)
     """Values 1 + 1/n converge at order 1: the rest of the series is twice its last difference (ratio 3/2)."""
 
     class Slow:
-        model, step = "slow", 1.0
+        model, step, settings = "slow", 1.0, {}
 
         def __init__(self, scene, cells):
             self.cells = cells

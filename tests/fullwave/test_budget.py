@@ -14,6 +14,7 @@ import pytest
 from leapfrog_scenes import PAPER, SCENES
 from march_scenes import FAMILIES
 
+import fullwave.lines.explicit
 import fullwave.lines.march
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
@@ -27,10 +28,11 @@ from tests.compiled_work import count_calls
 
 ENDLESS = """
 import sys
+import fullwave.lines.explicit
 import fullwave.lines.march
 from validation.cli import main
 
-march = fullwave.lines.march.march
+march = fullwave.lines.explicit.march
 
 
 def telling(*arguments):
@@ -38,7 +40,7 @@ def telling(*arguments):
     return march(*arguments)
 
 
-fullwave.lines.march.march = telling
+fullwave.lines.explicit.march = telling
 sys.exit(main(["run", "paper", "--model", "dg:24", "--cells", "10000", "--until", "1e9", "--yes"]))
 """
 SMALL = {**FAMILIES, "fd": partial(Leapfrog, cells=16, cfl=0.9)}
@@ -53,7 +55,7 @@ def outcome(solver, until):
 
 def allow_at_once(steps, monkeypatch):
     """Solvers built from here on leave compiled code after so many steps."""
-    for march in (fullwave.lines.march, fullwave.finite_difference):
+    for march in (fullwave.lines.explicit, fullwave.finite_difference):
         monkeypatch.setattr(march, "steps_at_once", lambda work: steps)
 
 
@@ -112,12 +114,12 @@ def test_a_grid_beyond_the_memory_is_refused_at_once(kind, options, monkeypatch)
     built = []
     set_up = fullwave.lines.march.MethodOfLines._set_up
 
-    def watched(solver, build, sections, limit):
+    def watched(solver, build, sections, *rest):
         def counted(some):
             built.append(sum(section.cells for section in some))
             return build(some)
 
-        set_up(solver, counted, sections, limit)
+        set_up(solver, counted, sections, *rest)
 
     monkeypatch.setattr(fullwave.lines.march.MethodOfLines, "_set_up", watched)
     monkeypatch.setattr(fullwave.lines.march, "assemble", lambda *arguments: pytest.fail("was assembled"))
@@ -192,5 +194,5 @@ def test_interrupt_ends_a_big_run():
 
 
 def test_paper_is_far_below_every_limit():
-    assert DiscontinuousGalerkin(slipwave.read("paper"))._stride > 4096
+    assert DiscontinuousGalerkin(slipwave.read("paper"))._march._stride > 4096
     assert Leapfrog(slipwave.read("paper"))._stride > 4096

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from reduced.delay.alike import Delay
-from reduced.step.collocation import radau
 from slipwave import read
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction import rate_of, respond, unknown_of
 from slipwave.friction.interface import solve_interface
 from slipwave.observe import EventObserver, follow, summarise
+from slipwave.step.collocation import radau
 
 JUMP = {"start.kind": "jump", "start.size": 0.05}
 

@@ -8,10 +8,10 @@ from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.network import DelayNetwork
 from reduced.delay.system import delay_system
-from reduced.step.guess import NOT_SMOOTH
 from slipwave import read
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, follow, summarise
+from slipwave.step.guess import NOT_SMOOTH
 
 ARRANGEMENTS = ("unlike", "unlike-irrational", "grip", "reflection", "layered", "ramp")
 

@@ -6,8 +6,7 @@ from reduction_equations import Equations
 
 import slipwave
 from reduced.impedance import reduction_of
-from reduced.ode.march import ReducedModel
-from reduced.ode.step_tables import LONGEST
+from reduced.ode.march import LONGEST, ReducedModel
 from slipwave.observe import follow
 
 KNOTS = (20.1234567, 21.3456789, 70.77777, 70.87777, 141.42135)
@@ -49,7 +48,7 @@ def test_the_longest_step_divides_the_way_to_the_next_knot_by_a_power_of_two(dis
     scene = slipwave.read("paper", [f"drive.velocity=[[0.0, 100.0], [1.0, 100.0], [{1.0 + distance!r}, 200.0]]", "run.until=400"])
     solver = ReducedModel(scene, reduction_of(scene, "kelvin-voigt"))
     follow(solver, 1.0 + 0.5 * distance)
-    longest = float(solver._tables.length[0])
+    longest = float(solver._stepper._port.length[0])
     halvings = np.log2(distance / longest)
     assert halvings == pytest.approx(round(halvings), abs=1e-9)
     assert min(0.5 * LONGEST, distance) < longest * (1 + 1e-9) <= LONGEST * (1 + 1e-9)

@@ -15,9 +15,9 @@ from fullwave.finite_difference import Leapfrog
 from reduced.delay.system import delay_system
 from reduced.impedance import reduction_of
 from reduced.ode.march import ReducedModel
-from reduced.step.collocation import growth_limit, radau
 from slipwave.errors import NumericsError
 from slipwave.observe import follow
+from slipwave.step.collocation import growth_limit, radau
 
 TINY = ['start.kind="jump"', "start.size=1e-10"]
 """A disturbance a hundred thousand times the rounding of psi, ten times below the resolution of a step."""

@@ -14,7 +14,7 @@ from slipwave.sources import ROOT, SOLVER_ROOMS
 PROGRAM = """
 import sys
 import numpy as np
-from reduced.step.guess import first_guess
+from slipwave.step.guess import first_guess
 from slipwave.friction import LAWS
 law = LAWS[sys.argv[1]].parameters(0.369, 0.0349, 0.0489)
 guess = np.empty(3)

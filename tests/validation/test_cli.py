@@ -115,7 +115,7 @@ def test_a_grid_chosen_for_a_tolerance_is_told_with_its_error(capsys: pytest.Cap
     words = ["run", "paper", "--model", "dg:5", "--tol", "1e-4", "--until", "150"]
     assert main([*words, "--json"]) == 0
     result = json.loads(capsys.readouterr().out)
-    assert set(result) == RUN_KEYS | {"grid"}
+    assert set(result) == RUN_KEYS | {"grid", "time"}
     assert set(result["grid"]) == {"cells", "step", "quantity", "error_estimate"}
     assert result["grid"]["quantity"] == "cycles"
     assert 0.0 < result["grid"]["error_estimate"] <= 1e-4
@@ -227,6 +227,7 @@ class Doomed:
     def __init__(self, inner: Any) -> None:
         self._inner = inner
         self.scene, self.nodes, self.model, self.failures = inner.scene, inner.nodes, "doomed", 0
+        self.settings = inner.settings
         self.seconds_per_piece = self.transits_per_piece = self.failed_at = float("nan")
 
     @property

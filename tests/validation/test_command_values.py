@@ -96,3 +96,26 @@ def test_bench_errors_are_those_of_the_runs_it_timed(capsys: pytest.CaptureFixtu
         assert row["failures"] == 0
     errors = [row["error"]["period"] for row in found["models"] if row["model"] == "fd"]
     assert errors[0] / errors[-1] > 10.0
+
+
+def test_the_march_in_time_is_chosen_and_named(capsys: pytest.CaptureFixture[str]) -> None:
+    found = {}
+    for time in ("exact", "explicit"):
+        assert main(["run", "paper", "--model", "dg:5", "--until", "50", "--time", time, "--json"]) == 0
+        found[time] = json.loads(capsys.readouterr().out)
+        assert found[time]["time"] == time
+    assert found["exact"]["final"]["psi"] == pytest.approx(found["explicit"]["final"]["psi"], abs=1e-8)
+    assert found["exact"]["final"] != found["explicit"]["final"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--model", "dg:5", "--time", "implicit"], "time = 'implicit': must be exact or explicit"),
+        (["--model", "fd", "--time", "exact"], "time = exact: model fd takes no time; models that do: sbp:P, fem:P, dg:P"),
+        (["--model", "dg:5", "--time", "exact", "--cfl", "0.5"], "cfl = 0.5: the exact march has no step limit; leave it out"),
+    ],
+)
+def test_a_march_that_does_not_exist_is_refused(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "paper", "--until", "5", *words]) == 2
+    assert said in capsys.readouterr().err

@@ -36,13 +36,15 @@ CASES = [
     if scene != "unlike" or "unlike" in family.honours
 ]
 CASES += [(model, "machine") for model in ("fd", "dg:7", "fitted:4")]
+CASES += [("dg:7 exact", scene) for scene in ("paper", "ramp", "unlike", "machine")] + [("fem:4 exact", "unlike")]
 CASES += [("delay", scene) for scene in SCENES if scene not in ("paper", "ramp", "unlike")]
 LENGTH = {"break points": 20.0}  # transits of this run, which looks back at each arrival of the jump
 
 
 def solver_of(model: str, name: str) -> Solver:
     gallery, changes = SCENES[name]
-    return build(model, slipwave.read(gallery, changes))
+    model, _, time = model.partition(" ")
+    return build(model, slipwave.read(gallery, changes), time=time or None)
 
 
 def watched(solver: Solver) -> dict[str, EventObserver | HistoryObserver]:
@@ -78,7 +80,10 @@ def test_the_cases_reach_every_march_of_the_delay_system() -> None:
     assert kinds == [Delay, Delay, Delay, DelayNetwork, DelayBreaks, DelayNetwork, DelayNetwork, DelayBreaks]
 
 
-@pytest.mark.parametrize(("model", "name"), [("delay", scene) for scene in SCENES] + [("modal:2", "paper"), ("block8", "ramp")])
+@pytest.mark.parametrize(
+    ("model", "name"),
+    [("delay", scene) for scene in SCENES] + [("modal:2", "paper"), ("block8", "ramp"), ("dg:7 exact", "unlike")],
+)
 def test_a_state_that_does_not_fit_is_refused_and_changes_nothing(model: str, name: str) -> None:
     solver, other = solver_of(model, name), solver_of(model, name)
     follow(solver, 30.2)

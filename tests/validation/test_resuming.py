@@ -21,7 +21,7 @@ SLIPWAVE = [sys.executable, "-m", "validation.cli"]
 
 KILLED = """
 import os, signal, sys
-import fullwave.lines.march
+import fullwave.lines.explicit
 from validation.cli import main
 
 left = int(sys.argv[2])
@@ -38,7 +38,7 @@ def mortal(function):
     return call
 
 
-room = {"march": fullwave.lines.march, "replace": os}[sys.argv[1]]
+room = {"march": fullwave.lines.explicit, "replace": os}[sys.argv[1]]
 setattr(room, sys.argv[1], mortal(getattr(room, sys.argv[1])))
 sys.exit(main(sys.argv[3:]))
 """

@@ -66,13 +66,16 @@ def points():
         Point(Setting(model, tolerance=10.0**-k), 1e-3 * k, 73.0, -(10.0**-k), 0.0)
         for model in ("delay", "kelvin-voigt", "block8")
         for k in (3, 6, 15)
-    ] + [Point(Setting("fd", cells=16, cfl=0.5), 9e-3, 73.0, 2e-5, 0.0)]
+    ] + [
+        Point(Setting("fd", cells=16, cfl=0.5), 9e-3, 73.0, 2e-5, 0.0),
+        Point(Setting("dg:7", cells=2, time="exact"), 8e-3, 73.0, 2e-10, 0.0),
+    ]
 
 
-@pytest.mark.parametrize(("quick", "grids"), [(True, 4), (False, 6)])
-def test_every_model_runs_at_every_setting_once(quick, grids):
+@pytest.mark.parametrize(("quick", "grids", "elements"), [(True, 4, 2), (False, 6, 4)])
+def test_every_model_runs_at_every_setting_once(quick, grids, elements):
     settings = [(setting.model, setting.words) for setting in cost_and_error._settings(quick)]
-    assert len(set(settings)) == len(settings) == 5 + 2 * grids + 6 * 5
+    assert len(set(settings)) == len(settings) == 5 + 2 * grids + 2 * elements + 6 * 5
     assert ("fd", "64 cells, CFL 0.5") in settings
     assert ("delay", "tolerance 10^{-11}") in settings
     assert ("modal:8", "tolerance 10^{-3}") in settings
@@ -82,6 +85,7 @@ def test_the_answer_tells_times_and_errors():
     told = cost_and_error._answer(points())
     assert "delay system takes 3 ms (1 · 10^{−3}) to 15 ms (1 · 10^{−15})" in told
     assert "the full wave 9 ms (2 · 10^{−5}) to 9 ms" in told
+    assert "and 8 ms (2 · 10^{−10}) to 8 ms (2 · 10^{−10}) by elements" in told
     assert told.endswith("the fastest runs take 3 ms (1 · 10^{−3}) with the paper’s ODE and 3 ms (1 · 10^{−3}) with a block.")
 
 
@@ -89,7 +93,7 @@ def test_the_figure_shows_every_run():
     axes = work_precision(points()).axes[0]
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("run time (ms)", "relative error of the period")
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
-    assert len(axes.get_lines()) == 4
+    assert len(axes.get_lines()) == 5
     delay = axes.get_lines()[0]
     assert np.allclose(delay.get_xdata(), [3.0, 6.0, 15.0])
     assert np.allclose(delay.get_ydata(), [1e-3, 1e-6, 1e-13])

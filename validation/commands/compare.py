@@ -5,7 +5,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from validation.commands.options import Cells, Cfl, Json, SceneName, Settings, Tolerance, Until, Yes, most_seconds, read_scene
+from validation.commands.options import (
+    Cells,
+    Cfl,
+    Json,
+    SceneName,
+    Settings,
+    TimeMarch,
+    Tolerance,
+    Until,
+    Yes,
+    most_seconds,
+    read_scene,
+)
 
 if TYPE_CHECKING:
     from validation.measure.cycle import Cycle
@@ -21,6 +33,7 @@ def compare(
     settings: Settings = None,
     cells: Cells = None,
     cfl: Cfl = None,
+    time: TimeMarch = None,
     tol: Tolerance = None,
     out: Annotated[Path, typer.Option(metavar="FILE.png", help="the overlay figure")] = Path("compare.png"),
     yes: Yes = False,
@@ -35,7 +48,7 @@ def compare(
 
     scene = read_scene(source, settings, until)
     require_writable(out, (".png", ".pdf", ".svg"))
-    solvers = build_all(models, scene, cells, cfl, tol)
+    solvers = build_all(models, scene, cells, cfl, tol, time)
     for solver in solvers:
         require_time(solver, scene.until, most_seconds(yes))
     runs, cycles, stopped = [], [], ""

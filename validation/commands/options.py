@@ -32,6 +32,14 @@ _STEPS = dict.fromkeys(
 Cfl: TypeAlias = Annotated[
     float | None, typer.Option(help=f"full wave: time step, above 0 to 1, in units of {' or '.join(_STEPS)}")
 ]
+TimeMarch: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        "--time",
+        metavar="exact|explicit",
+        help="full wave: propagate the slabs exactly in time, in steps that resolve friction, or by explicit steps (default)",
+    ),
+]
 Tolerance: TypeAlias = Annotated[
     float | None,
     typer.Option(

@@ -12,6 +12,7 @@ from validation.commands.options import (
     Model,
     SceneName,
     Settings,
+    TimeMarch,
     Tolerance,
     Until,
     Yes,
@@ -34,6 +35,7 @@ def run(
     settings: Settings = None,
     cells: Cells = None,
     cfl: Cfl = None,
+    time: TimeMarch = None,
     tol: Tolerance = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE.nc", help="write events, and the interface and fields if recorded")
@@ -64,12 +66,12 @@ def run(
     if fields is not None:
         require_writable(fields, FIELD_FILES, "--fields")
     require_checkpoint(checkpoint, every)
-    built = prepare(model, scene, cells, cfl, tol, resumed=checkpoint is not None and checkpoint.exists())
+    built = prepare(model, scene, cells, cfl, tol, time, resumed=checkpoint is not None and checkpoint.exists())
     _announce(built)
     notes = _doubts(built.solver, tol)
     with records_of(built.solver, scene.until, out, fields, checkpoint, every) as records:
         done, stopped = _march(built.solver, records, most_seconds(yes))
-        default = judged(built.solver, cfl) if cells is None and tol is None and not done.failed else None
+        default = judged(built.solver, cfl, time) if cells is None and tol is None and not done.failed else None
         notes += note_on(default) if default else []
         for note in notes:
             typer.echo(f"note: {note}", err=True)
@@ -152,13 +154,16 @@ def result_of(done: "Run", choice: "Choice | None" = None) -> dict[str, Any]:
         "failures": done.solver.failures,
         "wall_s": done.wall_s,
     }
+    if "time" in done.solver.settings:
+        result["time"] = done.solver.settings["time"]
     if choice:
         result["grid"] = {name: getattr(choice, name) for name in ("cells", "step", "quantity", "error_estimate")}
     return result | ({"failed": done.failed} if done.failed else {})
 
 
 def _grid_words(choice: "Choice") -> str:
-    return f"{choice.cells} cells, steps of {choice.step:.4g}, estimated error of {choice.quantity} {choice.error_estimate:.1e}"
+    steps = f"steps of {'at most ' * choice.adapts}{choice.step:.4g}"
+    return f"{choice.cells} cells, {steps}, estimated error of {choice.quantity} {choice.error_estimate:.1e}"
 
 
 def _energy(done: "Run") -> dict[str, float] | None:
@@ -179,7 +184,8 @@ def _print(done: "Run", choice: "Choice | None", notes: list[str]) -> None:
         print(f"{'grid chosen for the tolerance' if choice.tried else 'default grid'}: {_grid_words(choice)}")
     for note in notes:
         print(f"note: {note}")
-    print(f"model {done.solver.model}, {done.until:g} transits: {events_in_words(done.starts, done.verdict)}")
+    march = f" ({done.solver.settings['time']} in time)" if "time" in done.solver.settings else ""
+    print(f"model {done.solver.model}{march}, {done.until:g} transits: {events_in_words(done.starts, done.verdict)}")
     if done.verdict and done.verdict.repeats:
         print()
         print_table(*statistics_rows(done.statistics, done.solver.scene))

@@ -5,6 +5,7 @@ A family whose module is not part of this installation is not listed.
 """
 
 from importlib.util import find_spec
+from typing import Any
 
 from slipwave.errors import SceneError
 from slipwave.family import Exact, Family
@@ -40,14 +41,23 @@ def resolve(model: str, scene: Scene) -> tuple[str, str]:
     return best.example, why
 
 
-def build(model: str, scene: Scene, cells: int | None = None, cfl: float | None = None, tolerance: float | None = None) -> Solver:
+def build(
+    model: str,
+    scene: Scene,
+    cells: int | None = None,
+    cfl: float | None = None,
+    tolerance: float | None = None,
+    time: str | None = None,
+) -> Solver:
     """The solver of `prepare`."""
-    return prepare(model, scene, cells, cfl, tolerance).solver
+    return prepare(model, scene, cells, cfl, tolerance, time).solver
 
 
-def build_full_wave(model: str, scene: Scene, cells: int | None = None, cfl: float | None = None) -> FieldSolver:
+def build_full_wave(
+    model: str, scene: Scene, cells: int | None = None, cfl: float | None = None, time: str | None = None
+) -> FieldSolver:
     """As `build`; SceneError for a model without a grid."""
-    solver = build(model, scene, cells, cfl)
+    solver = build(model, scene, cells, cfl, time=time)
     if not isinstance(solver, FieldSolver):
         raise SceneError(f"model = {model!r}: has no grid; use a full-wave model")
     return solver
@@ -59,10 +69,11 @@ def prepare(
     cells: int | None = None,
     cfl: float | None = None,
     tolerance: float | None = None,
+    time: str | None = None,
     resumed: bool = False,
 ) -> Built:
-    """The solver called `model` for `scene`, and what was chosen for it; `cells` and `cfl` are for full-wave models, `tolerance`
-    for those that take one; a grid's degree may be left out of its name and is then chosen (`dg` for `dg:P`).
+    """The solver called `model` for `scene`, and what was chosen for it; `cells`, `cfl` and `time` are for full-wave models,
+    `tolerance` for those that take one; a grid's degree may be left out of its name and is then chosen (`dg` for `dg:P`).
 
     Raises SceneError for an unknown model (naming the nearest), a number out of range after the colon, an option the model does
     not take, and a scene it cannot do (naming the models that can). A start on the orbit marches the model there first, unless
@@ -70,7 +81,7 @@ def prepare(
     """
     model, why = resolve(model, scene)
     family, number = _parse(model)
-    request = Request(number, cells, cfl, tolerance)
+    request = Request(number, cells, cfl, tolerance, time)
     _require_options(model, family, request)
     if number is None:
         request = request._replace(number=family.chosen(tolerance))
@@ -90,7 +101,12 @@ def prepare(
 
 
 def build_all(
-    models: str, scene: Scene, cells: int | None = None, cfl: float | None = None, tolerance: float | None = None
+    models: str,
+    scene: Scene,
+    cells: int | None = None,
+    cfl: float | None = None,
+    tolerance: float | None = None,
+    time: str | None = None,
 ) -> list[Solver]:
     """The solvers of a comma-separated list of models; each is given the options it takes, and one of them must take each.
 
@@ -101,17 +117,17 @@ def build_all(
     if repeated:
         raise SceneError(f"models = {models!r}: {repeated[0]} is named more than once")
     found = [_parse(name)[0] for name in names]
-    given = Request(None, cells, cfl, tolerance).given(*OPTIONS)
+    given = Request(None, cells, cfl, tolerance, time).given(*OPTIONS)
     for option, value in given.items():
         if not any(option in family.options for family in found):
-            raise SceneError(f"{option} = {value:g}: none of the models {models} takes it")
+            raise SceneError(f"{option} = {value}: none of the models {models} takes it")
     return [
         build(name, scene, **{option: value for option, value in given.items() if _takes(family, option, given)})
         for name, family in zip(names, found, strict=True)
     ]
 
 
-def _takes(family: Family, option: str, given: dict[str, float]) -> bool:
+def _takes(family: Family, option: str, given: dict[str, Any]) -> bool:
     """Whether this one of several models is given the option. With cells given, a grid has no use for a tolerance."""
     return option in family.options and not (option == "tolerance" and "cells" in given and "cells" in family.options)
 
@@ -146,7 +162,9 @@ def _require_options(model: str, family: Family, request: Request) -> None:
         value = getattr(request, name)
         if value is not None and name not in family.options:
             takers = ", ".join(other.pattern for other in families() if name in other.options)
-            raise SceneError(f"{name} = {value:g}: model {model} takes no {name}; models that do: {takers}")
+            raise SceneError(f"{name} = {value}: model {model} takes no {name}; models that do: {takers}")
+    if request.time == "exact" and request.cfl is not None:
+        raise SceneError(f"cfl = {request.cfl:g}: the exact march has no step limit; leave it out, or choose --time explicit")
     least, most = family.tolerances
     if request.tolerance is not None and not least <= request.tolerance <= most:
         raise SceneError(f"tolerance = {request.tolerance:g}: must lie in [{least:g}, {most:g}] for model {model}")

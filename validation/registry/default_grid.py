@@ -16,7 +16,7 @@ TOO_COARSE = 1e-2
 _COARSER = 1.5
 
 
-def judged(solver: Solver, cfl: float | None = None) -> "Choice | None":
+def judged(solver: Solver, cfl: float | None = None, time: str | None = None) -> "Choice | None":
     """The default grid of `solver` with its estimated error, by fresh solvers; None for models without a grid and for a start on
     the orbit, which depends on a march of its own."""
     if not isinstance(solver, FieldSolver) or solver.scene.start.kind is StartKind.ORBIT:
@@ -25,9 +25,9 @@ def judged(solver: Solver, cfl: float | None = None) -> "Choice | None":
 
     model, scene, cells = solver.model, solver.scene, solver.cells
     fewer = range(max(1, int(cells / _COARSER)), cells)  # two thirds, or the fewest more that the family accepts
-    coarse = first_accepted(lambda number: build_full_wave(model, scene, number, cfl), fewer)
-    fine = build_full_wave(model, scene, cells, cfl)
-    return judge_grid(cells, fine, coarse or build_full_wave(model, scene, cells, cfl))
+    coarse = first_accepted(lambda number: build_full_wave(model, scene, number, cfl, time), fewer)
+    fine = build_full_wave(model, scene, cells, cfl, time)
+    return judge_grid(cells, fine, coarse or build_full_wave(model, scene, cells, cfl, time))
 
 
 def note_on(choice: "Choice") -> list[str]:

@@ -30,6 +30,7 @@ class Request(NamedTuple):
     cells: int | None = None
     cfl: float | None = None
     tolerance: float | None = None
+    time: str | None = None
 
     def given(self, *names: str) -> dict[str, Any]:
         """The options among `names` that were set, as keyword arguments."""
@@ -79,13 +80,13 @@ def _on_a_grid(family: Family, scene: "Scene", request: Request) -> Built:
     number = () if request.number is None else (request.number,)
 
     def member(scene: "Scene", **options: Any) -> Any:
-        """The member with its number, on a grid of its own or with `cells` and `cfl`."""
+        """The member with its number, on a grid of its own or with its options."""
         return family.maker()(scene, *number, **options)
 
     if request.tolerance is None:
-        return Built(member(scene, **request.given("cells", "cfl")))
+        return Built(member(scene, **request.given("cells", "cfl", "time")))
     if request.cells is not None:
         raise SceneError(f"tolerance = {request.tolerance:g}: chooses the cells itself; leave out cells = {request.cells}")
     from fullwave.adapt import to_tolerance
 
-    return Built(*to_tolerance(scene, request.tolerance, member, **request.given("cfl")))
+    return Built(*to_tolerance(scene, request.tolerance, member, **request.given("cfl", "time")))

@@ -25,6 +25,9 @@ _ODES = ("kelvin-voigt", "block8", "block12", "modal:1", "modal:2", "modal:8")
 _TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 _RACE_ERROR = 1e-8
 _RIVAL_ERROR = 5e-8  # LSODA at 1e-10; 5e-9 was measured
+_ELEMENTS = "dg:7"
+_MARCHES = ("exact", "explicit")
+_SAME_PERIOD = 2e-10  # relative; 9e-12 was measured
 _OUR_ERROR = 2e-10  # half the last digit known is 7e-11; 1e-11 was measured
 
 
@@ -43,7 +46,7 @@ def run(budget: Budget) -> StudyResult:
         answer=_answer(points),
         figures=(Figure("cost", _CAPTION, lambda: work_precision(points)),),
         tables=(_table(points), _final_states(), _race_table(ours, rivals)),
-        verdicts=(_right(ours), _agreement(rivals)),
+        verdicts=(_right(ours), _agreement(rivals), _marches_agree(points)),
         notes=(
             "Processor times on the machine named above, with compiled code loaded; the least of several runs. A run is "
             f"{TRANSITS:.0f} transits of march and event detection. The error of a reduced model does not fall below that of its "
@@ -62,6 +65,7 @@ def _settings(quick: bool) -> list[Setting]:
     cells = (16, 32, 64, 128) if quick else (16, 32, 64, 128, 256, 512)
     settings = [Setting("delay", tolerance=tolerance) for tolerance in _TOLERANCES]
     settings += [Setting("fd", cells=n, cfl=cfl) for cfl in (1.0, 0.5) for n in cells]
+    settings += [Setting(_ELEMENTS, cells=n, time=march) for march in _MARCHES for n in ((2, 4) if quick else (2, 3, 4, 6))]
     return settings + [Setting(model, tolerance=tolerance) for model in _ODES for tolerance in _TOLERANCES]
 
 
@@ -71,11 +75,13 @@ def _answer(points: list[Point]) -> str:
         return f"{1e3 * point.seconds:.0f} ms ({plain(abs(point.period_error), '.0e')})"
 
     of = {name: [p for p in points if p.setting.model == name] for name in ("delay", "fd", "kelvin-voigt", "block8")}
+    of["dg"] = [p for p in points if p.setting.time == "exact"]
     quick = {name: min(group, key=lambda p: p.seconds) for name, group in of.items()}
     best = {name: min(group, key=lambda p: abs(p.period_error)) for name, group in of.items()}
     return (
         f"For {TRANSITS:.0f} transits, with the error of the period in brackets, the exact delay system takes "
-        f"{words(quick['delay'])} to {words(best['delay'])}, the full wave {words(quick['fd'])} to {words(best['fd'])}; the "
+        f"{words(quick['delay'])} to {words(best['delay'])}, the full wave {words(quick['fd'])} to {words(best['fd'])} by "
+        f"differences and {words(quick['dg'])} to {words(best['dg'])} by elements that are propagated exactly in time; the "
         f"fastest runs take {words(quick['kelvin-voigt'])} with the paper’s ODE and {words(quick['block8'])} with a block."
     )
 
@@ -158,6 +164,19 @@ def _agreement(rivals: list[PlainRun]) -> Verdict:
     )
 
 
+def _marches_agree(points: list[Point]) -> Verdict:
+    """The two marches of one grid share neither step nor friction solve."""
+    period = {(p.setting.cells, p.setting.time): p.period for p in points if p.setting.model == _ELEMENTS}
+    apart = max(abs(period[cells, "exact"] / found - 1.0) for (cells, march), found in period.items() if march == "explicit")
+    return bounded(
+        "The exact and the explicit march of one grid find the same period",
+        Evidence.WITNESS,
+        apart,
+        _SAME_PERIOD,
+        f"largest relative difference of the periods, {_ELEMENTS} on {len(period) // 2} grids",
+    )
+
+
 def _right(ours: list[Point]) -> Verdict:
     """Our own run at the smallest tolerance, in the race's setting."""
     best = min(ours, key=lambda point: point.setting.tolerance or 1.0)
@@ -180,23 +199,28 @@ _CAPTION = (
 _FLOOR = 1e-13
 
 
+def _line(point: Point) -> tuple[str, float | None, str | None]:
+    """Points that are joined by one line."""
+    return point.setting.model, point.setting.cfl, point.setting.time
+
+
 def work_precision(points: list[Point]) -> Drawing:
     """Work-precision diagram, one line per model: error of the period over run time, both logarithmic."""
     figure = canvas(WIDTH, 4.6)
     axes = figure.add_subplot()
-    for name in dict.fromkeys((point.setting.model, point.setting.cfl) for point in points):
-        chosen = [point for point in points if (point.setting.model, point.setting.cfl) == name]
+    for name in dict.fromkeys(_line(point) for point in points):
+        chosen = [point for point in points if _line(point) == name]
         style = pen(name[0])
-        half = name[1] is not None and name[1] < 1.0
+        half = (name[1] is not None and name[1] < 1.0) or name[2] == "explicit"
         axes.loglog(
             [1e3 * point.seconds for point in chosen],
             [max(_FLOOR, abs(point.period_error)) for point in chosen],
             color=style.color,
-            linestyle="-" if name[0] in ("delay", "fd") else style.dashes,
+            linestyle="-" if name[0] in ("delay", "fd", _ELEMENTS) else style.dashes,
             linewidth=1.0,
             marker=style.marker,
             markerfacecolor="white" if half else style.color,
-            label=style.label + (f", CFL {name[1]:g}" if name[1] else ""),
+            label=style.label + (f", CFL {name[1]:g}" if name[1] else "") + (f", {name[2]} in time" if name[2] else ""),
         )
     axes.grid(True)
     axes.set_axisbelow(True)

@@ -1,9 +1,9 @@
-"""Newton's method for one collocation step of the delay system, alike slabs or not: nodal psi and z that satisfy
+"""Newton's method for one collocation step of friction against any linear slab pair: nodal psi and z that satisfy
 
-    F(z, psi) + Z v(z) = S,     psi' = r G(z, psi) + nudge(t),
+    F(z_j, psi_j) + sum_l K_jl v(z_l) = S_j,     psi' = r G(z, psi) + nudge(t),
 
-with the incoming stress S at the step's nodes and the interface's impedance Z. z is eliminated node by node, which leaves a small
-linear system for psi.
+with the incoming stress S at the step's nodes and the slabs' impedance K over the step (`slipwave.step.impedance`). z is
+eliminated node by node, which leaves a small linear system for psi; nodes that K couples strongly are solved for together.
 
 `nodes` is a tuple, so that the compiler knows their number and unrolls the small loops (a factor of 1.7 measured). The parts are
 inlined and take arrays one by one: calls, tuples of arrays and row views cost reference counting (a factor of 1.5 measured).
@@ -11,31 +11,47 @@ inlined and take arrays one by one: calls, tuples of arrays and row views cost r
 
 import math
 
-from reduced.step.collocation import Nodes
 from slipwave.compiled import inlined
 from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array
+from slipwave.step.collocation import Nodes
+from slipwave.step.impedance import TOGETHER, Impedance, couple, influence, own
+from slipwave.step.rows import (
+    BY_Z,
+    CHANGE,
+    FORCED,
+    FRESH,
+    INCREMENT,
+    INVERSE,
+    MISMATCH,
+    PREVIOUS,
+    RATE,
+    RATE_SLOPE,
+    RATIO,
+    SLOPE,
+    STATE,
+    UNKNOWN,
+    WEIGHT,
+    WEIGHT_STATE,
+)
 
 _MAX_NEWTON = 25
 _LARGEST_CHANGE = 2.0
 _WEAK_COUPLING = 0.04
-
-
-# rows of the guess, rows of the scratch
-STATE, UNKNOWN = 0, 1
-RATE, RATE_SLOPE, MISMATCH, RATIO, INCREMENT, SLOPE, WEIGHT, WEIGHT_STATE, CHANGE, PREVIOUS, FRESH, FORCED = range(12)
-WORK_ROWS = 12
+_HARDLY_COUPLED = 1e-4
 
 
 @inlined
-def linearise(nodes: Nodes, law: Law, impedance: float, h: float, incoming: Array, i: int, guess: Array, work: Array) -> float:
+def linearise(
+    nodes: Nodes, law: Law, impedance: Impedance, h: float, incoming: Array, i: int, guess: Array, work: Array
+) -> float:
     """Per node: linearise friction and state at the guess and eliminate z; returns the largest coupling |slope|."""
     s = len(nodes)
     coupling = 0.0
     for j in range(s):
         v, v_z, friction, friction_z, friction_psi, g, g_z, g_psi = respond(law, guess[UNKNOWN, j], guess[STATE, j])
-        inverse = 1.0 / (friction_z + impedance * v_z)
-        mismatch = (friction + impedance * v - incoming[i, j]) * inverse
+        inverse = 1.0 / (friction_z + own(impedance, j) * v_z)
+        mismatch = (friction + own(impedance, j) * v - incoming[i, j]) * inverse
         ratio = friction_psi * inverse
         slope = h * (g_psi - g_z * ratio)
         work[RATE, j] = v
@@ -44,7 +60,9 @@ def linearise(nodes: Nodes, law: Law, impedance: float, h: float, incoming: Arra
         work[RATIO, j] = ratio
         work[INCREMENT, j] = h * (g - g_z * mismatch)
         work[SLOPE, j] = slope
-        work[WEIGHT, j] = 0.5 * (impedance * v_z * inverse + abs(h * g_z))
+        work[INVERSE, j] = inverse
+        work[BY_Z, j] = h * g_z
+        work[WEIGHT, j] = 0.5 * (own(impedance, j) * v_z * inverse + abs(h * g_z))
         work[WEIGHT_STATE, j] = 0.5 * abs(h * g_psi)
         coupling = max(coupling, abs(slope))
     return coupling
@@ -94,8 +112,9 @@ def eliminate(nodes: Nodes, integral: Array, work: Array, system: Array) -> None
 
 
 @inlined
-def correct(nodes: Nodes, guess: Array, work: Array) -> float:
-    """Apply the change to psi, z and v in place; returns an estimate of what the linearisation neglects.
+def correct(nodes: Nodes, guess: Array, left_out: float, work: Array) -> float:
+    """Apply the change to psi, z and v in place; returns an estimate of what the linear system neglects. `left_out` is the
+    largest relative coupling that it leaves out.
 
     v is continued by v'' = v, exact for v = e^z and v = 2 c sinh z, so no exponential is evaluated again.
     """
@@ -112,7 +131,9 @@ def correct(nodes: Nodes, guess: Array, work: Array) -> float:
         odd = by_z * (1.0 + square * (1.0 / 6.0 + square / 120.0))
         work[RATE, j] = work[RATE, j] * even + work[RATE_SLOPE, j] * odd
         neglected = work[WEIGHT, j] * square + work[WEIGHT_STATE, j] * by_psi * by_psi + 1e-2 * square * square * abs(by_z)
-        error = max(error, neglected)
+        neglected += left_out * (abs(by_z) + abs(by_psi))
+        if not neglected <= error:  # NaN stays
+            error = neglected
     return error
 
 
@@ -120,7 +141,7 @@ def correct(nodes: Nodes, guess: Array, work: Array) -> float:
 def solve_step(
     nodes: Nodes,
     law: Law,
-    impedance: float,
+    impedance: Impedance,
     h: float,
     psi: float,
     incoming: Array,
@@ -140,7 +161,8 @@ def solve_step(
     s = len(nodes)
     for iteration in range(1, _MAX_NEWTON + 1):
         coupling = linearise(nodes, law, impedance, h, incoming, i, guess, work)
-        if not math.isfinite(coupling):
+        shared = influence(impedance, nodes, work)
+        if not math.isfinite(coupling + shared):
             return 0
         for j in range(s):
             work[CHANGE, j] = psi - guess[STATE, j] + work[FORCED, j]
@@ -148,11 +170,15 @@ def solve_step(
             factor = work[INCREMENT, k]
             for j in range(s):
                 work[CHANGE, j] += integral[k, j] * factor
-        if coupling < _WEAK_COUPLING:
+        neglected = shared
+        if shared > TOGETHER:
+            neglected = coupling if coupling < _HARDLY_COUPLED else 0.0
+            couple(impedance, nodes, integral, neglected > 0.0, work)
+        elif coupling < _WEAK_COUPLING:
             neumann(nodes, integral, work, 2 if coupling < 0.01 else 3)
         else:
             eliminate(nodes, integral, work, system)
-        error = correct(nodes, guess, work)
+        error = correct(nodes, guess, neglected, work)
         if error < newton_tolerance:
             return iteration
     return 0

@@ -1,13 +1,13 @@
 """Parts of a collocation step of the delay system besides its Newton iteration: the first guess, the nudge, and the verdict on
-the step. See `reduced.step.newton` for the rows of `guess` and `work`."""
+the step. See `slipwave.step.rows` for the rows of `guess` and `work`."""
 
-from reduced.step.collocation import Nodes
-from reduced.step.newton import FORCED, FRESH, PREVIOUS, SLOPE, STATE, UNKNOWN
 from slipwave.compiled import inlined, njit
 from slipwave.friction import Law
 from slipwave.friction.interface import solve_interface
 from slipwave.observe.pieces import Array
 from slipwave.scene.start import nudge_rate
+from slipwave.step.collocation import Nodes
+from slipwave.step.rows import FORCED, FRESH, PREVIOUS, SLOPE, STATE, UNKNOWN
 
 DONE, NOT_SOLVED, NOT_SMOOTH, TOO_STEEP = range(4)
 """Verdicts on a step."""

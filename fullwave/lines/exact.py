@@ -1,0 +1,131 @@
+"""The exact march of a grid: the slabs are propagated without error in time (`propagator`), and steps only resolve friction."""
+
+import math
+
+import numpy as np
+
+from fullwave.lines.budget import PRODUCTS_PER_SECOND
+from fullwave.lines.grid_port import FRICTION, INPUT, RADIATED, VISCOUS
+from fullwave.lines.grid_ports import DRIVE_TERMS, GridPorts
+from fullwave.lines.propagator import halves
+from fullwave.lines.system import System
+from slipwave.errors import NumericsError
+from slipwave.friction import rate_of
+from slipwave.observe.pieces import Array, Pieces
+from slipwave.observe.restoring import tables
+from slipwave.observe.solver import State
+from slipwave.scene import Scene
+from slipwave.step.stepper import Stepper
+
+STAGES = 8
+LONGEST = 1.0
+"""Longest step (transits)."""
+
+EXACT_TOLERANCE = 1e-9
+"""Relative error of the figures of a cycle to which steps resolve friction."""
+
+_FIRST = 0.125
+_STEP_SECONDS = 2e-6
+_FRAME = 1.0 / 32.0  # longest time (transits) between two frames
+
+
+class ExactMarch:
+    """Marches the grid of `system` of `scene` from `values` (state_size,), in the layout of the explicit march."""
+
+    name = "exact"
+    failures, failed_at = 0, math.nan
+    step = LONGEST
+    transits_per_piece = math.nan
+
+    def __init__(self, scene: Scene, system: System, values: Array, model: str, tolerance: float = EXACT_TOLERANCE) -> None:
+        self._scene, self._layout, self._model = scene, values, model
+        self.settings = {"stages": STAGES, "resolution": tolerance}
+        self._ports = GridPorts(scene, system, values.size, STAGES)
+        self._stepper = Stepper(scene, self._ports, STAGES, tolerance, LONGEST, _FIRST)
+        self.nodes = self._stepper.nodes
+        self._frames: list[tuple[float, Array]] = []
+        self._keeps_frames = False
+        self.begin_from(values)
+
+    @property
+    def time(self) -> float:
+        """Transits since the start."""
+        return self._stepper.time
+
+    @property
+    def seconds_per_piece(self) -> float:
+        """Approximate cost of a step."""
+        size = self._ports.values.size
+        return _STEP_SECONDS + size * (size + 3 * STAGES) / PRODUCTS_PER_SECOND
+
+    @property
+    def values(self) -> Array:
+        """The grid's values, in the layout of all that the explicit march integrates."""
+        self._layout[self._ports.slots] = self._ports.values
+        return self._layout
+
+    def begin_from(self, values: Array) -> None:
+        """Take the grid's values in that layout."""
+        self._ports.values[:] = values[self._ports.slots]
+
+    def advance(self, until: float) -> Pieces:
+        """As `Solver`."""
+        before = self._ports.values.copy()
+        pieces = self._stepper.advance(until)
+        if not pieces.time.size:
+            rate = rate_of(self._scene.law, self._stepper.z)
+            raise NumericsError(
+                f"{self._model}: no step is short enough at t = {self.time:.6g} transits, v = {rate:.3g} V*, "
+                f"psi = {self._stepper.psi:.4g} (scene {self._scene.name!r}, digest {self._scene.digest})"
+            )
+        self._frames = self._between(before, pieces) if self._keeps_frames else []
+        return pieces
+
+    def work_done(self) -> tuple[float, float, float, float]:
+        """Work of the drive, heat of friction, radiation and viscous heat since t = 0."""
+        ledger = self._ports.ledger
+        return float(ledger[INPUT]), float(ledger[FRICTION]), float(ledger[RADIATED]), float(ledger[VISCOUS])
+
+    def state(self) -> State:
+        """As `Solver`: what the `Stepper` keeps, with the grid's `values` and the `ledger`."""
+        return self._stepper.state() | {"values": self._ports.values.copy(), "ledger": self._ports.ledger.copy()}
+
+    def restore(self, state: State) -> None:
+        """As `Solver`."""
+        own = {"values": self._ports.values, "ledger": self._ports.ledger}
+        saved = tables(state, {name: array.shape for name, array in own.items()}, self._model)
+        self._stepper.restore(state, self._model)
+        for name, array in own.items():
+            array[...] = saved[name]
+
+    def keep_frames(self) -> None:
+        """From now on `frames` has states inside the steps, which are too long for a picture of waves."""
+        self._keeps_frames = True
+
+    def frames(self) -> list[tuple[float, Array]]:
+        """(time, values) within and at the ends of the last advance's steps, where kept."""
+        return self._frames
+
+    def _between(self, values: Array, pieces: Pieces) -> list[tuple[float, Array]]:
+        """States at times at most `_FRAME` apart: the known slip rate drives steps of finer levels."""
+        frames = []
+        for time, length, z in zip(pieces.time, pieces.length, pieces.z, strict=True):
+            known = self._ports.known(float(length))
+            depth = max(0, math.ceil(math.log2(length / _FRAME) - 1e-9))
+            fine = self._ports.find_map(known, depth)
+            for k, part in enumerate(self._parts(float(time), float(length), z, depth)):
+                values = values + fine.change @ values + fine.forced @ part
+                shown = self._layout.copy()
+                shown[self._ports.slots] = values
+                frames.append((float(time + length * (k + 1) / 2**depth), shown))
+        return frames
+
+    def _parts(self, time: float, length: float, z: Array, depth: int) -> list[Array]:
+        """Coefficients of slip rate and drive on the 2^depth equal parts of a step with z at its nodes."""
+        steady, to_legendre = self._scene.velocity, self._ports.to_legendre
+        rates = np.array([rate_of(self._scene.law, float(one)) for one in z]) - steady
+        drive = np.array([self._scene.drive.at(time + length * float(node)) for node in self.nodes])
+        parts = [np.r_[to_legendre @ rates, to_legendre[:DRIVE_TERMS] @ (0.5 * (drive - steady))]]
+        for _ in range(depth):
+            parts = [half @ part for part in parts for half in halves((STAGES, DRIVE_TERMS))]
+        return parts

@@ -1,0 +1,129 @@
+"""The explicit march of a grid: Runge-Kutta steps of fixed length, samples of the interface at their ends."""
+
+import math
+
+import numpy as np
+
+from fullwave.lines.budget import PRODUCTS_PER_SECOND, enough_memory, steps_at_once
+from fullwave.lines.kernel import MOST_PIECES, STEPS_PER_PIECE, march
+from fullwave.lines.runge_kutta import RungeKutta
+from fullwave.lines.scheme_limit import longest_decay_step
+from fullwave.lines.system import FRICTION, INPUT, RADIATED, VISCOUS, System
+from fullwave.sampling import pieces_until, sample_nodes
+from slipwave.errors import NumericsError
+from slipwave.friction import unknown_of
+from slipwave.observe import Pieces
+from slipwave.observe.pieces import Array
+from slipwave.observe.restoring import take_back, whole_numbers
+from slipwave.observe.solver import State
+from slipwave.scene import Scene
+
+
+class ExplicitMarch:
+    """Marches `system` of `scene` from `values` (state_size,), all that is integrated, in equal steps (transits). `work` is the
+    number of products in a step and `cells` the requested number, for messages."""
+
+    name = "explicit"
+
+    def __init__(
+        self, scene: Scene, system: System, method: RungeKutta, step: float, values: Array, work: float, cells: int, model: str
+    ) -> None:
+        self._scene, self._system, self._method, self.step, self._model = scene, system, method, step, model
+        self.nodes = sample_nodes(STEPS_PER_PIECE)
+        self.values = values
+        self.failures, self.failed_at = 0, math.nan
+        self._taken, self._cells, self._work = 0, cells, work
+        self._unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
+        self._frames, self._keeps_frames = np.empty((0, values.size)), False
+        self._trial = np.zeros(values.size)
+        self._rates = np.zeros(method.stages * values.size)
+        self._stride = steps_at_once(work)
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """What affects its numbers."""
+        return {"step": self.step}
+
+    @property
+    def transits_per_piece(self) -> float:
+        """Length of the pieces that `advance` returns."""
+        return STEPS_PER_PIECE * self.step
+
+    @property
+    def seconds_per_piece(self) -> float:
+        """Approximate cost of a piece."""
+        return STEPS_PER_PIECE * self._work / PRODUCTS_PER_SECOND
+
+    @property
+    def time(self) -> float:
+        """Time reached, in transits."""
+        return self._taken * self.step
+
+    def advance(self, until: float) -> Pieces:
+        """March towards `until` (transits), at most one chunk."""
+        most = min(MOST_PIECES, max(1, self._stride // STEPS_PER_PIECE))
+        pieces = pieces_until(self._taken, self.step, until, STEPS_PER_PIECE, most)
+        steps = STEPS_PER_PIECE * pieces.time.size
+        with enough_memory(self._cells):
+            self._frames = np.empty((self._keeps_frames * (steps + 1), self.values.size))
+        fastest = self._fill(pieces, steps)
+        self._taken += steps
+        if self.step > longest_decay_step(fastest, self._method):
+            raise NumericsError(
+                f"{self._model}: before t = {self.time:.6g} transits the frictional state relaxes at {fastest:.4g} per transit, "
+                f"too fast for steps of {self.step:.4g}: more cells or a smaller cfl (scene {self._scene.name!r})"
+            )
+        return pieces
+
+    def _fill(self, pieces: Pieces, steps: int) -> float:
+        """March the `steps` of `pieces`, in parts so that the run can be interrupted; returns the state's fastest relaxation."""
+        fastest = 0.0
+        for begin in range(0, steps + 1, self._stride):
+            failures, failed, relaxation = march(
+                self._system,
+                self._method,
+                self.step,
+                self._taken,
+                begin,
+                min(begin + self._stride, steps + 1),
+                self.values,
+                self._trial,
+                self._rates,
+                self._unknowns,
+                pieces,
+                self._frames,
+            )
+            if failures and not self.failures:
+                self.failed_at = (self._taken + failed) * self.step
+            self.failures += failures
+            fastest = max(fastest, relaxation)
+        return fastest
+
+    def work_done(self) -> tuple[float, float, float, float]:
+        """Work of the drive, heat of friction, radiation and viscous heat since t = 0, integrated with the motion."""
+        scalars = self.values[self._system.interface.size :]
+        return float(scalars[INPUT]), float(scalars[FRICTION]), float(scalars[RADIATED]), float(scalars[VISCOUS])
+
+    def begin_from(self, values: Array) -> None:
+        """Take all values that are integrated."""
+        self.values[:] = values
+
+    def keep_frames(self) -> None:
+        """From now on `frames` has every step: high-order steps are long, and pieces of eight are too long for a picture."""
+        self._keeps_frames = True
+
+    def frames(self) -> list[tuple[float, Array]]:
+        """(time, values) at the ends of the last advance's steps, where kept."""
+        begin = self._taken - self._frames.shape[0] + 1
+        return [((begin + k) * self.step, values) for k, values in enumerate(self._frames) if k]
+
+    def state(self) -> State:
+        """As `Solver`; `counts`: steps taken, failures."""
+        counts = np.array([self._taken, self.failures], dtype=float)
+        return {"counts": counts, "state": self.values.copy(), "unknowns": self._unknowns.copy()}
+
+    def restore(self, state: State) -> None:
+        """As `Solver`."""
+        taken, failures = whole_numbers(state, "counts", (0, 0))
+        take_back({"state": self.values, "unknowns": self._unknowns}, state, self._model)
+        self._taken, self.failures = taken, failures

@@ -1,0 +1,81 @@
+"""Heat of viscosity over one exactly propagated step, as a quadratic form in the grid's values and the inputs' coefficients.
+
+Dissipated power is a quadratic form in (x, u, c). Over a step x is linear in y = (x at its start, coefficients a), so the heat
+is y^T G y with one symmetric matrix G for each step length; that of a step twice as long follows as for the step's map.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from fullwave.lines.matrix import Motion
+from fullwave.lines.propagator import LinearSlabs, StepMap, halves
+from fullwave.lines.system import SCALARS, System
+from fullwave.lines.viscosity import Viscous
+from slipwave.observe.pieces import Array
+
+_TERMS = 16
+
+
+class Dissipation(NamedTuple):
+    """Power = sum over k of weight_k (rows_k . (x, u, c))^2: `rows` (k, n + i), `weight` (k,)."""
+
+    rows: Array
+    weight: Array
+
+
+def dissipation_of(system: System, motion: Motion, slots: NDArray[np.int64]) -> Dissipation | None:
+    """The dissipated power in the marched slabs per transit, for the grid's values in `slots`; None in elastic slabs."""
+    medium = system.medium
+    if not isinstance(medium, Viscous):
+        return None
+    columns = np.r_[slots, motion.rates.shape[0], motion.rates.shape[0] + 1]
+    retarded, relaxing = np.flatnonzero(medium.retardation), np.flatnonzero(medium.rate)
+    memory = np.eye(motion.rates.shape[0], motion.rates.shape[1])[system.interface.size + SCALARS + relaxing]
+    rows = np.vstack([motion.rates[retarded], memory])[:, columns]
+    weights = medium.weight[retarded] * medium.retardation[retarded]
+    relaxed = medium.weight[relaxing] * medium.rate[relaxing] / medium.fraction[relaxing]
+    return Dissipation(rows, np.concatenate([weights, relaxed]))
+
+
+def short_heat(slabs: LinearSlabs, power: Dissipation, length: float) -> Array:
+    """G of a step so short that a Taylor series holds (`propagator.short_step`), by Gauss quadrature in time."""
+    n, terms = slabs.rates.shape[0], slabs.input_terms
+    points, weights = legendre.leggauss(_TERMS // 2 + max(terms))
+    step = length * slabs.rates
+    free = [np.eye(n)]
+    for m in range(1, _TERMS):
+        free.append(step @ free[-1] / m)
+    form = np.zeros((n + sum(terms), n + sum(terms)))
+    for point, weight in zip(0.5 * (points + 1.0), 0.5 * weights, strict=True):
+        moved = np.zeros((n, sum(terms)))
+        inner = 0.5 * (points + 1.0)
+        for past, share in zip(point * inner, 0.5 * weights * point, strict=True):
+            left = sum((point - past) ** m * free[m] for m in range(_TERMS)) @ (length * slabs.inputs)
+            moved += share * left @ _values(terms, past)
+        whole = sum(point**m * free[m] for m in range(_TERMS))
+        now = np.vstack([np.hstack([whole, moved]), np.hstack([np.zeros((len(terms), n)), _values(terms, point)])])
+        rows = power.rows @ now
+        form += weight * rows.T @ (power.weight[:, None] * rows)
+    return form
+
+
+def doubled_heat(slabs: LinearSlabs, half: StepMap, heat: Array) -> Array:
+    """G of a step twice as long as that of `half`, whose own is `heat`."""
+    n = slabs.rates.shape[0]
+    first, second = halves(slabs.input_terms)
+    early = scipy.linalg.block_diag(np.eye(n), first)
+    late = scipy.linalg.block_diag(np.eye(n) + half.change, second)
+    late[:n, n:] = half.forced @ first
+    form: Array = 0.5 * (early.T @ heat @ early + late.T @ heat @ late)
+    return form
+
+
+def _values(terms: tuple[int, ...], time: float) -> Array:
+    """(i, p): values of the inputs at `time` in [0, 1] from their coefficients."""
+    rows = [legendre.legvander(np.array([2.0 * time - 1.0]), count - 1) for count in terms]
+    values: Array = scipy.linalg.block_diag(*rows)
+    return values

@@ -1,0 +1,219 @@
+"""The march of friction against any port (`slipwave.step.port`): collocated steps whose lengths follow the motion.
+
+A step is accepted if the highest Legendre coefficients of z and of psi are below the resolution and no disturbance grows faster
+than a step reproduces (`grows_unseen`). Otherwise a step half as long is tried. A step twice as long follows where the
+coefficients are small; it begins at a multiple of its length, so that a jump of the motion at a whole transit stays at the end of
+a step.
+"""
+
+import math
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipwave.compiled import inlined, njit
+from slipwave.friction import Law
+from slipwave.observe.pieces import SAME, Array, Pieces, interpolation_matrix, lagrange_basis
+from slipwave.scene.drive import Constant, Ramps, velocity_at
+from slipwave.scene.forcing import Forcing
+from slipwave.step.collocation import Collocation, Nodes, highest_coefficient, radau
+from slipwave.step.guess import force
+from slipwave.step.impedance import Full, own
+from slipwave.step.newton import solve_step
+from slipwave.step.port import Port, arrive, take_in
+from slipwave.step.record import emit
+from slipwave.step.rows import BY_Z, DRIVE, INVERSE, RATE_SLOPE, RATIO, SLOPE, STATE, UNKNOWN, WORK_ROWS
+
+# entries of `Memory.now`; LEFT is psi at the start of the last step
+TIME, PSI, ELASTIC, END, LEFT = range(5)
+# entries of `Memory.levels`
+NEXT, LAST = 0, 1
+
+DONE, TOO_LONG, NOT_READY = range(3)
+"""Why a march ends: it is where it should be; no step is short enough; the port has no tables for the next step yet."""
+
+_NONE = -1
+_RATIOS = (0.25, 0.5, 1.0, 2.0)
+
+
+class Rule(NamedTuple):
+    """Collocation matrices: `integral` (s, s), transposed; `tail` (s,) for the highest Legendre coefficient; a step's polynomials
+    extended to the nodes of one 1/4, 1/2, 1 and 2 times as long: `predict` (4, s, s) from nodal values, `predict_state`
+    (4, s, s + 1) from these and the value at the left end, which comes first."""
+
+    integral: Array
+    tail: Array
+    predict: Array
+    predict_state: Array
+
+
+class Limits(NamedTuple):
+    """`newton` and `resolution`: allowed errors of the iteration and of the polynomials; `growth`: the largest that a step
+    reproduces; `impedance` (L,): Z at s = growth/length of every level, in units of the normal stress over V*."""
+
+    newton: float
+    resolution: float
+    growth: float
+    impedance: Array
+
+
+class Memory(NamedTuple):
+    """`last` (2, s): psi and z at the nodes of the last step; `now` (5,): time (transits), psi, y, z at the present, psi at the
+    last step's start; `levels` (2,): of the next step and of the last (-1: none)."""
+
+    last: Array
+    now: Array
+    levels: NDArray[np.int64]
+
+
+@cache
+def rule_of(stages: int) -> tuple[Collocation, Rule, Nodes]:
+    """The Radau rule, its form for `march`, and its nodes as a tuple, from which the compiler knows their number."""
+    rule = radau(stages)
+    nodal, with_left = lagrange_basis(rule.nodes), lagrange_basis(np.r_[0.0, rule.nodes])
+    compiled = Rule(
+        rule.integral.T.copy(),
+        highest_coefficient(rule.nodes),
+        np.array([interpolation_matrix(nodal, 1.0 + ratio * rule.nodes) for ratio in _RATIOS]),
+        np.array([interpolation_matrix(with_left, 1.0 + ratio * rule.nodes) for ratio in _RATIOS]),
+    )
+    return rule, compiled, tuple(float(x) for x in rule.nodes)
+
+
+def begin(psi: float, elastic: float, z: float, stages: int) -> Memory:
+    """Memory at t = 0."""
+    return Memory(np.zeros((2, stages)), np.array([0.0, psi, elastic, z, psi]), np.array([0, _NONE]))
+
+
+@njit
+def _guess(nodes: Nodes, rule: Rule, memory: Memory, guess: Array) -> None:
+    """Guess of the next step: the last step's polynomials, extended, or constant values after a step of very different length."""
+    s = len(nodes)
+    last, now, levels = memory.last, memory.now, memory.levels
+    ratio = levels[LAST] - levels[NEXT] + 2
+    if levels[LAST] < 0 or ratio < 0 or ratio > 3:
+        for j in range(s):
+            guess[STATE, j] = now[PSI]
+            guess[UNKNOWN, j] = now[END]
+        return
+    for j in range(s):
+        psi, z = rule.predict_state[ratio, j, 0] * now[LEFT], 0.0
+        for m in range(s):
+            psi += rule.predict_state[ratio, j, m + 1] * last[STATE, m]
+            z += rule.predict[ratio, j, m] * last[UNKNOWN, m]
+        guess[STATE, j] = psi
+        guess[UNKNOWN, j] = z
+
+
+@inlined
+def _size_of_tail(nodes: Nodes, tail: Array, guess: Array) -> float:
+    """The larger of the highest Legendre coefficients of z and psi."""
+    z, psi = 0.0, 0.0
+    for j in range(len(nodes)):
+        z += tail[j] * guess[UNKNOWN, j]
+        psi += tail[j] * guess[STATE, j]
+    return max(abs(z), abs(psi)) if math.isfinite(z + psi) else math.inf
+
+
+@njit
+def grows_unseen(nodes: Nodes, impedance: Full, limits: Limits, level: int, work: Array) -> bool:
+    """Whether a disturbance of the state at some node would grow by more than e^g within the step, g = `limits.growth`.
+
+    With coefficients frozen at a node, the growth rates s are the zeros of (F_z + Z(s) v_z)(s - G_psi) + F_psi G_z. This is
+    positive for large s; if it is negative at s = g/length, there is a real zero beyond.
+    """
+    for j in range(len(nodes)):
+        total = 1.0 / work[INVERSE, j]
+        resistance = total + (limits.impedance[level] - own(impedance, j)) * work[RATE_SLOPE, j]
+        by_psi = work[SLOPE, j] + work[BY_Z, j] * work[RATIO, j]
+        if resistance * (limits.growth - by_psi) + work[RATIO, j] * total * work[BY_Z, j] < 0.0:
+            return True
+    return False
+
+
+@inlined
+def _may_double(time: float, origin: float, length: float) -> bool:
+    """Whether `time` is a multiple of twice the length."""
+    count = (time - origin) / (2.0 * length)
+    return abs(count - math.floor(count + 0.5)) < 1e-3
+
+
+@njit
+def _solve(
+    nodes: Nodes,
+    law: Law,
+    impedance: Full,
+    h: float,
+    psi: float,
+    incoming: Array,
+    integral: Array,
+    tolerance: float,
+    guess: Array,
+    work: Array,
+    system: Array,
+) -> int:
+    """`solve_step` as a function of its own: inlined into the march it would double the time to compile."""
+    return solve_step(nodes, law, impedance, h, psi, incoming, 0, integral, tolerance, guess, work, system)
+
+
+@njit
+def march(
+    nodes: Nodes,
+    law: Law,
+    forcing: Forcing,
+    drive: Constant | Ramps,
+    port: Port,
+    rule: Rule,
+    memory: Memory,
+    impedance: Full,
+    until: float,
+    origin: float,
+    stop: float,
+    limits: Limits,
+    pieces: Pieces,
+) -> tuple[int, int, int]:
+    """March to `until`, or until the pieces are full; returns (steps, Newton iterations, why it ended). Step lengths hold from
+    `origin`; the last step may end beyond `until`, but not beyond `stop`."""
+    s = len(nodes)
+    last, now, levels = memory.last, memory.now, memory.levels
+    guess, work, system, incoming = np.empty((2, s)), np.zeros((WORK_ROWS, s)), np.empty((s, s)), np.zeros((1, s))
+    deepest = port.length.size - 1
+    iterations, k = 0, 0
+    while k < pieces.time.size and now[TIME] < min(until, stop) - SAME:
+        while levels[NEXT] < deepest and now[TIME] + port.length[levels[NEXT]] > stop + SAME:
+            levels[NEXT] += 1
+        level = levels[NEXT]
+        if not port.ready[level]:
+            return k, iterations, NOT_READY
+        start, left, length = now[TIME], now[PSI], port.length[level]
+        for j in range(s):
+            work[DRIVE, j] = velocity_at(drive, start + nodes[j] * length)
+            for m in range(s):
+                impedance.matrix[j, m] = port.impedance[level, j, m]
+        _guess(nodes, rule, memory, guess)
+        arrive(port, nodes, level, incoming, work)
+        if forcing.nudge != 0.0:
+            force(nodes, forcing.nudge, start, length, rule.integral, work)
+        h = length * forcing.transit
+        used = _solve(nodes, law, impedance, h, left, incoming, rule.integral, limits.newton, guess, work, system)
+        iterations += used
+        size = _size_of_tail(nodes, rule.tail, guess)
+        if used == 0 or not size <= limits.resolution or grows_unseen(nodes, impedance, limits, level, work):
+            if level == deepest:
+                return k, iterations, TOO_LONG
+            levels[NEXT] = level + 1
+            continue
+        now[ELASTIC] = emit(
+            nodes, forcing.stiffness, impedance, start, length, rule.integral, incoming, 0, guess, work, now[ELASTIC], pieces, k
+        )
+        take_in(port, nodes, level, rule.integral, incoming, work)
+        for j in range(s):
+            last[STATE, j], last[UNKNOWN, j] = guess[STATE, j], guess[UNKNOWN, j]
+        now[TIME], now[LEFT], now[PSI], now[END] = start + length, left, guess[STATE, s - 1], guess[UNKNOWN, s - 1]
+        levels[LAST] = level
+        longer = level > 0 and size < 0.5 ** (s + 1) * limits.resolution and _may_double(now[TIME], origin, length)
+        levels[NEXT] = level - 1 if longer else level
+        k += 1
+    return k, iterations, DONE

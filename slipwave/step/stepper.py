@@ -1,0 +1,138 @@
+"""Marches friction against the port of any slab model, from break point to break point of its motion."""
+
+import math
+from typing import Protocol
+
+import numpy as np
+
+from slipwave.friction import unknown_of
+from slipwave.observe.pieces import SAME, Pieces, empty_pieces
+from slipwave.observe.restoring import tables, whole_numbers
+from slipwave.observe.solver import State
+from slipwave.scene import Scene
+from slipwave.step.collocation import growth_limit
+from slipwave.step.impedance import Full
+from slipwave.step.march import END, NEXT, NOT_READY, PSI, TIME, TOO_LONG, Limits, Memory, begin, march, rule_of
+from slipwave.step.port import Port
+
+CHUNK = 2048
+
+
+class Ports(Protocol):
+    """What a slab model supplies to a `Stepper`; all its ports share one memory."""
+
+    def port(self, longest: float) -> Port:
+        """Its port for steps of `longest` (transits) and its halves. The same arguments give the same tables."""
+
+    def prepare(self, port: Port, level: int) -> None:
+        """Make the tables of a level that is not ready."""
+
+    def resistance(self, port: Port, level: int, growth: float) -> float:
+        """Impedance Z at s = growth/length of a level that is ready, in units of the normal stress over V*."""
+
+    def next_break(self, time: float) -> float:
+        """The first time after `time` (transits) at which a step must end, because the motion has a kink there; inf if none."""
+
+
+class Stepper:
+    """Collocated steps of `stages` Radau nodes, of lengths `longest`/2^k or, between two breaks, their distance over powers of
+    two. `tolerance` is the requested relative error of the figures of a cycle."""
+
+    def __init__(self, scene: Scene, ports: Ports, stages: int, tolerance: float, longest: float, first: float) -> None:
+        self._scene, self._ports, self._tolerance, self._longest = scene, ports, tolerance, longest
+        rule, self._rule, self._shape = rule_of(stages)
+        self.nodes = rule.nodes
+        self.iterations = 0
+        self._impedance = Full(np.zeros((stages, stages)), np.zeros((stages, 2 * stages + 1)), np.zeros((stages, stages + 1)))
+        start = unknown_of(scene.law, scene.velocity)
+        self._memory = begin(scene.steady_psi + scene.start.jump_size, scene.steady_stress, start, stages)
+        self._take_stretch(0.0, first)
+
+    @property
+    def time(self) -> float:
+        """Transits since the start."""
+        return float(self._memory.now[TIME])
+
+    @property
+    def z(self) -> float:
+        """The rate unknown now."""
+        return float(self._memory.now[END])
+
+    @property
+    def psi(self) -> float:
+        """The state now."""
+        return float(self._memory.now[PSI])
+
+    def advance(self, until: float) -> Pieces:
+        """As `Solver`, but no pieces if no step is short enough."""
+        pieces = empty_pieces(CHUNK, self.nodes.size)
+        if self.time > self._stop - SAME:
+            self._take_stretch(self._stop, float(self._port.length[self._memory.levels[NEXT]]))
+        scene, steps, ended = self._scene, 0, NOT_READY
+        while ended == NOT_READY and steps < CHUNK:
+            left = Pieces(*(array[steps:] for array in pieces))
+            physics = (scene.law, scene.forcing, scene.drive.compiled, self._port)
+            stretch = (self._origin, self._stop, self._limits)
+            more, iterations, ended = march(
+                self._shape, *physics, self._rule, self._memory, self._impedance, until, *stretch, left
+            )
+            steps += more
+            self.iterations += iterations
+            if ended == NOT_READY:
+                self._prepare(int(self._memory.levels[NEXT]))
+            if ended == TOO_LONG:
+                break
+        return Pieces(*(array[:steps] for array in pieces))
+
+    def state(self) -> State:
+        """The last step and present state (`Memory`); `stretch`: the time from which the present step lengths hold; `counts`:
+        level of the next step and of the last (-1: none), iterations."""
+        memory = self._memory
+        return {
+            "counts": np.array([*memory.levels, self.iterations], dtype=float),
+            "stretch": np.array([self._origin]),
+            "last": memory.last.copy(),
+            "now": memory.now.copy(),
+        }
+
+    def restore(self, state: State, model: str) -> None:
+        """As `Solver`."""
+        following, last, iterations = whole_numbers(state, "counts", (0, -1, 0))
+        own = {"last": self._memory.last, "now": self._memory.now}
+        saved = tables(state, {"stretch": (1,)} | {name: array.shape for name, array in own.items()}, model)
+        self.iterations = iterations
+        self._take_tables(float(saved["stretch"][0]))
+        levels = np.minimum([following, last], self._port.length.size - 1)
+        self._memory = Memory(saved["last"], saved["now"], levels)
+
+    def _take_stretch(self, begin: float, before: float) -> None:
+        """Begin a stretch between breaks at `begin` (transits), with steps not longer than `before`."""
+        self._take_tables(begin)
+        memory = self._memory
+        shorter = math.ceil(math.log2(float(self._port.length[0]) / before) - 1e-9)
+        memory.levels[:] = max(0, shorter), -1
+        memory.now[TIME] = begin
+
+    def _take_tables(self, begin: float) -> None:
+        """Take the tables for the steps from `begin` (transits) to the next break."""
+        self._origin, self._stop = begin, self._ports.next_break(begin)
+        distance = self._stop - begin
+        longest = self._longest
+        if not math.isinf(distance):
+            longest = distance / 2 ** max(0, math.ceil(math.log2(distance / longest)))
+        self._port = self._ports.port(longest)
+        stages = self.nodes.size
+        growth = growth_limit(stages, self._tolerance)
+        self._limits = Limits(
+            max(1e-2 * self._tolerance, 1e-14),
+            max(self._tolerance ** (stages / (stages + 2.0)), 1e-10),
+            growth,
+            np.array([self._resistance(level, growth) for level in range(self._port.length.size)]),
+        )
+
+    def _resistance(self, level: int, growth: float) -> float:
+        return self._ports.resistance(self._port, level, growth) if self._port.ready[level] else math.nan
+
+    def _prepare(self, level: int) -> None:
+        self._ports.prepare(self._port, level)
+        self._limits.impedance[level] = self._resistance(level, self._limits.growth)
