@@ -211,6 +211,8 @@ def work_precision(points: list[Point]) -> Drawing:
     for name in dict.fromkeys(_line(point) for point in points):
         chosen = [point for point in points if _line(point) == name]
         style = pen(name[0])
+        if name[0] == _ELEMENTS:  # its own pen is as black and round as the delay system's
+            style = style._replace(color="#a6761d", marker="P")
         half = (name[1] is not None and name[1] < 1.0) or name[2] == "explicit"
         axes.loglog(
             [1e3 * point.seconds for point in chosen],
