@@ -98,11 +98,12 @@ def test_fields_inside_a_step_are_those_of_shorter_steps(name, monkeypatch):
         monkeypatch.setattr(exact, "LONGEST", longest)
         monkeypatch.setattr(exact, "_FIRST", min(longest, 0.125))
         solver = solver_of("dg:7", name, time="exact")
-        solver.keep_frames()
         frames = []
+        if longest == 1.0:
+            solver.keep_frames()
         while solver.time < 8.0:
-            solver.advance(8.0)
-            frames += solver.frames()
+            solver.advance(8.0 if longest == 1.0 else solver.time + 1e-6)  # one short step: the march itself leaves its end
+            frames += solver.frames() if longest == 1.0 else [solver.snapshot()]
         shown[longest] = {round(32.0 * frame.time): frame for frame in frames if abs(32.0 * frame.time % 1.0) < 1e-9}
     common = sorted(set(shown[1.0]) & set(shown[1.0 / 32.0]))
     assert common == list(range(1, 257))
