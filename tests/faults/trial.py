@@ -1,8 +1,10 @@
 """A copy of the checkout in which faults are tried one at a time; the original is never touched."""
 
 import json
+import math
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -15,7 +17,14 @@ from typing import Any
 from tests.faults.planting import ROOT
 
 WHOLE_SUITE = ("tests", "--ignore=tests/faults")
-_ENDINGS = {1: "tests fail", 2: "the tests cannot be collected", 4: "the check does not exist", 5: "no test was run"}
+_WAITING = 10.0  # seconds on the clock for one of processor time, on a machine that does other things too
+_ENDINGS = {
+    -signal.SIGXCPU: "endless",
+    1: "tests fail",
+    2: "the tests cannot be collected",
+    4: "the check does not exist",
+    5: "no test was run",
+}
 
 
 @dataclass(frozen=True)
@@ -77,21 +86,28 @@ class Copy:
         return self._clean[tuple(tests)]
 
     def run(self, tests: Sequence[str], limit: float) -> Outcome:
-        """Run pytest in the copy for at most `limit` seconds, until one failure says what is wrong."""
+        """Run pytest in the copy for at most `limit` seconds of processor time, until one failure says what is wrong."""
         self._note.unlink(missing_ok=True)
         begun = time.monotonic()
         command = [sys.executable, "-m", "pytest", "-q", "-p", "tests.faults.witness", "-p", "no:cacheprovider", "-m", "not slow"]
+        environment, most = self._environment(limit), _WAITING * limit
         try:
-            done = subprocess.run([*command, *tests], cwd=self.tree, env=self._environment(), capture_output=True, timeout=limit)
+            done = subprocess.run([*command, *tests], cwd=self.tree, env=environment, capture_output=True, timeout=most)
         except subprocess.TimeoutExpired:
-            return Outcome(time.monotonic() - begun, trouble=f"no end after {limit:.0f} s")
+            return Outcome(time.monotonic() - begun, trouble=f"no end after {most:.0f} s")
         seconds = time.monotonic() - begun
         if done.returncode > 1 or (done.returncode and not self._note.exists()):
             return Outcome(seconds, trouble=_ENDINGS.get(done.returncode, f"pytest ended with {done.returncode}"))
         noted: dict[str, Any] = json.loads(self._note.read_text(encoding="utf-8"))
         return Outcome(seconds, noted["caught"], tuple(noted["accidents"]))
 
-    def _environment(self) -> dict[str, str]:
+    def _environment(self, limit: float) -> dict[str, str]:
         """No byte code is kept: Python tells it from the source by second and size, which a planted fault may share."""
-        own = {"PYTHONPATH": self.tree, "NUMBA_CACHE_DIR": self._cache, "WITNESS": self._note, "PYTHONDONTWRITEBYTECODE": "1"}
+        own = {
+            "PYTHONPATH": self.tree,
+            "NUMBA_CACHE_DIR": self._cache,
+            "WITNESS": self._note,
+            "WITNESS_SECONDS": math.ceil(limit),
+            "PYTHONDONTWRITEBYTECODE": "1",
+        }
         return os.environ | {name: str(value) for name, value in own.items()}

@@ -1,16 +1,24 @@
 """A pytest plugin: writes down the first test that says what is wrong, and stops there; other failures are noted as accidents.
 
 A failed assertion, or an exception that was expected and did not come, says what is wrong; a crash somewhere on the way does not.
+A process that uses more processor time than it is given is killed: it does not end.
 """
 
 import json
 import os
+import resource
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 _noted: dict[str, Any] = {"caught": None, "accidents": []}
+
+
+def pytest_configure() -> None:
+    """Limit the processor time of this process and of each that it starts."""
+    seconds = int(os.environ["WITNESS_SECONDS"])
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5))
 
 
 @pytest.hookimpl(hookwrapper=True)
