@@ -14,6 +14,10 @@ MOST_BYTES = 4e9
 """Memory that a solver may use: half of that of a small machine, so that a wrong number of cells is refused before the machine
 swaps. On a grid of this size every step takes seconds, so no useful run needs more."""
 
+MOST_UNKNOWNS = 2048
+"""Of the exact march, whose matrices are dense. Set-up and memory, measured: 0.2 s and 60 MB for 480 unknowns, 1.2 s and 0.25 GB
+for 1000, 23 s and 1 GB for 2000. In viscous slabs memory stresses count too: 13 s and 0.6 GB for 992 values of the grid."""
+
 MOST_WORK = 4e8
 """Products of a weight and a value in one call of compiled code, which neither reports progress nor can be interrupted: 0.2 to
 0.8 s at the measured 0.5 to 2 products per nanosecond."""
@@ -67,6 +71,16 @@ def require_bytes(cells: int, needed: float) -> None:
         raise SceneError(
             f"cells = {cells}: would take {needed / 1e9:.1f} GB of memory, more than the {MOST_BYTES / 1e9:g} GB allowed; "
             f"at most some {most} fit"
+        )
+
+
+def require_few_unknowns(cells: int, unknowns: int) -> None:
+    """Raises SceneError naming `cells`, and the most that are allowed, if dense matrices of `unknowns` rows would be too big."""
+    if unknowns > MOST_UNKNOWNS:
+        most = int(0.95 * cells * MOST_UNKNOWNS / unknowns)  # panels and layers are filled up
+        raise SceneError(
+            f"cells = {cells}: {unknowns} unknowns, more than the {MOST_UNKNOWNS} that the exact march allows (its matrices are "
+            f"dense); use at most some {most} cells, or --time explicit"
         )
 
 

@@ -9,7 +9,6 @@ from fullwave.lines.grid_port import FRICTION, INPUT, RADIATED, VISCOUS
 from fullwave.lines.grid_ports import DRIVE_TERMS, GridPorts
 from fullwave.lines.propagator import halves
 from fullwave.lines.system import System
-from slipwave.errors import NumericsError
 from slipwave.friction import rate_of
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.observe.restoring import tables
@@ -41,7 +40,7 @@ class ExactMarch:
         self._scene, self._layout, self._model = scene, values, model
         self.settings = {"stages": STAGES, "resolution": tolerance}
         self._ports = GridPorts(scene, system, values.size, STAGES)
-        self._stepper = Stepper(scene, self._ports, STAGES, tolerance, LONGEST, _FIRST)
+        self._stepper = Stepper(scene, model, self._ports, STAGES, tolerance, LONGEST, _FIRST)
         self.nodes = self._stepper.nodes
         self._frames: list[tuple[float, Array]] = []
         self._keeps_frames = False
@@ -72,12 +71,6 @@ class ExactMarch:
         """As `Solver`."""
         before = self._ports.values.copy()
         pieces = self._stepper.advance(until)
-        if not pieces.time.size:
-            rate = rate_of(self._scene.law, self._stepper.z)
-            raise NumericsError(
-                f"{self._model}: no step is short enough at t = {self.time:.6g} transits, v = {rate:.3g} V*, "
-                f"psi = {self._stepper.psi:.4g} (scene {self._scene.name!r}, digest {self._scene.digest})"
-            )
         self._frames = self._between(before, pieces) if self._keeps_frames else []
         return pieces
 
@@ -94,7 +87,7 @@ class ExactMarch:
         """As `Solver`."""
         own = {"values": self._ports.values, "ledger": self._ports.ledger}
         saved = tables(state, {name: array.shape for name, array in own.items()}, self._model)
-        self._stepper.restore(state, self._model)
+        self._stepper.restore(state)
         for name, array in own.items():
             array[...] = saved[name]
 
@@ -108,11 +101,11 @@ class ExactMarch:
 
     def _between(self, values: Array, pieces: Pieces) -> list[tuple[float, Array]]:
         """States at times at most `_FRAME` apart: the known slip rate drives steps of finer levels."""
+        known = self._ports.known(self._stepper.longest)
         frames = []
         for time, length, z in zip(pieces.time, pieces.length, pieces.z, strict=True):
-            known = self._ports.known(float(length))
             depth = max(0, math.ceil(math.log2(length / _FRAME) - 1e-9))
-            fine = self._ports.find_map(known, depth)
+            fine = self._ports.find_map(known, round(math.log2(self._stepper.longest / length)) + depth)
             for k, part in enumerate(self._parts(float(time), float(length), z, depth)):
                 values = values + fine.change @ values + fine.forced @ part
                 shown = self._layout.copy()

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.linalg
 
+from fullwave.lines.budget import MOST_BYTES
 from fullwave.lines.grid_port import GridPort, Power
 from fullwave.lines.matrix import motion_of
 from fullwave.lines.propagator import LinearSlabs, StepMap, doubled, from_moments, short_step, shortest_halving, to_legendre
@@ -20,6 +21,8 @@ DRIVE_TERMS = 2
 """The drive is linear in a step."""
 
 _LEVELS = 32
+_MOST_KNOWN = 64
+_HELD = 80  # numbers held for one longest length, over the square of the unknowns (33 measured; with viscosity 74)
 _LANES = 8  # doubles in a cache line; rows of the tables begin and end with a line, otherwise a step costs twice as much
 
 
@@ -58,18 +61,22 @@ class GridPorts:
         self.values = self._padded[: self.slots.size]
         nodes = radau(stages).nodes
         self.to_legendre, self._from_moments = to_legendre(nodes), from_moments(nodes)
-        self._known: dict[float, Known] = {}
+        self._known: dict[str, Known] = {}
+        self._most_known = max(2, min(_MOST_KNOWN, int(MOST_BYTES / (8.0 * _HELD * self.values.size**2))))
 
     def known(self, longest: float) -> Known:
         """What is known of steps of `longest` (transits) and its halves."""
-        key = float(f"{longest:.9e}")  # stretches of equal length differ by rounding
-        if key not in self._known:
-            self._known[key] = Known({}, {}, self._blank(key))
-        return self._known[key]
+        key = f"{longest:.12e}"  # stretches of equal length differ by rounding
+        known = self._known.pop(key, None) or Known({}, {}, self._blank(longest))
+        self._known[key] = known  # the last used is the last to be forgotten
+        if len(self._known) > self._most_known:
+            del self._known[next(iter(self._known))]
+        return known
 
     def port(self, longest: float) -> GridPort:
-        """As `Ports`."""
-        return self.known(longest).port
+        """As `Ports`: of exactly this length, with the tables of any that differs by rounding."""
+        port = self.known(longest).port
+        return port._replace(length=np.ldexp(longest, -np.arange(_LEVELS)))
 
     def _blank(self, longest: float) -> GridPort:
         n, s, m = self._padded.size, self._stages, sum(self.slabs.output_terms) - self._stages
@@ -97,19 +104,20 @@ class GridPorts:
     def prepare(self, port: GridPort, level: int) -> None:
         """As `Ports`."""
         known = self.known(float(port.length[0]))
+        step = self.find_map(known, level)
         with one_thread():
-            self.find_map(known, level)
-            self._tabulate(port, level, known.maps[level], known.heats.get(level))
+            self._tabulate(port, level, step, known.heats.get(level))
 
     def find_map(self, known: Known, level: int) -> StepMap:
         """The map of a level, with those of levels between it and a shorter one for which a series holds."""
-        if level > max(known.maps, default=-1):
-            self._begin(known, level)
-        for k in range(max(known.maps), level, -1):
-            if k - 1 not in known.maps:
-                known.maps[k - 1] = doubled(self.slabs, known.maps[k])
-                if self._dissipation:
-                    known.heats[k - 1] = doubled_heat(self.slabs, known.maps[k], known.heats[k])
+        with one_thread():
+            if level > max(known.maps, default=-1):
+                self._begin(known, level)
+            for k in range(max(known.maps), level, -1):
+                if k - 1 not in known.maps:
+                    known.maps[k - 1] = doubled(self.slabs, known.maps[k])
+                    if self._dissipation:
+                        known.heats[k - 1] = doubled_heat(self.slabs, known.maps[k], known.heats[k])
         return known.maps[level]
 
     def _begin(self, known: Known, level: int) -> None:

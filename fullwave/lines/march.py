@@ -6,7 +6,7 @@ import numpy as np
 
 from fullwave.families import FullWave
 from fullwave.lines.blocks import Section, assemble, marched_slabs, state_size
-from fullwave.lines.budget import enough_memory, march_work, require_memory
+from fullwave.lines.budget import enough_memory, march_work, require_few_unknowns, require_memory
 from fullwave.lines.exact import EXACT_TOLERANCE, ExactMarch
 from fullwave.lines.explicit import ExplicitMarch
 from fullwave.lines.readout import Shape, impose_fields, snapshot_of, stored_energy
@@ -78,6 +78,7 @@ class MethodOfLines:
         self.system = assemble(scene, self.grid)
         values = np.zeros(state_size(self.system))
         if time == "exact":
+            require_few_unknowns(self.cells, values.size)
             self._march: ExactMarch | ExplicitMarch = ExactMarch(scene, self.system, values, self.model, resolution)
             return
         step = self.cfl * min(limit, relaxation_limit(self.system, method))

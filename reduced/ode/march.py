@@ -9,8 +9,6 @@ import numpy as np
 from reduced.ode.port import ReducedPort
 from reduced.ode.reduction import Reduction
 from reduced.ode.step_tables import impedance_at, step_port
-from slipwave.errors import NumericsError
-from slipwave.friction import rate_of
 from slipwave.observe.ledger import Energy
 from slipwave.observe.pieces import SAME, Pieces
 from slipwave.observe.restoring import tables
@@ -47,7 +45,8 @@ class ReducedModel:
         modes = len(reduction.frequencies) + len(reduction.relaxations)
         self._modes, self._face = np.zeros((modes, 2)), np.array([scene.steady_stress, scene.velocity])
         self._stages = stages
-        self._stepper = Stepper(scene, self, stages, tolerance, LONGEST, _FIRST)
+        reason = "nothing limits its slip rate: it runs away" if reduction.runs_away else ""
+        self._stepper = Stepper(scene, self.model, self, stages, tolerance, LONGEST, _FIRST, reason)
         self.nodes = self._stepper.nodes
 
     def port(self, longest: float) -> ReducedPort:
@@ -82,16 +81,7 @@ class ReducedModel:
 
     def advance(self, until: float) -> Pieces:
         """March to `until`, or at most one step beyond, but at most one chunk; see `Solver`."""
-        pieces = self._stepper.advance(until)
-        if not pieces.time.size:
-            rate = rate_of(self.scene.law, self._stepper.z)
-            raise NumericsError(
-                f"{self.model}: no step is short enough at t = {self.time:.6g} transits, v = {rate:.3g} V*, "
-                f"psi = {self._stepper.psi:.4g}"
-                f"{' (nothing limits its slip rate: it runs away)' if self._reduction.runs_away else ''}"
-                f" (scene {self.scene.name!r}, digest {self.scene.digest})"
-            )
-        return pieces
+        return self._stepper.advance(until)
 
     def state(self) -> State:
         """As `Solver`: what the `Stepper` keeps, with `modes` and `face` of the port."""
@@ -101,7 +91,7 @@ class ReducedModel:
         """As `Solver`."""
         own = {"modes": self._modes, "face": self._face}
         saved = tables(state, {name: array.shape for name, array in own.items()}, self.model)
-        self._stepper.restore(state, self.model)
+        self._stepper.restore(state)
         for name, array in own.items():
             array[...] = saved[name]
 

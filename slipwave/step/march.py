@@ -140,6 +140,12 @@ def _may_double(time: float, origin: float, length: float) -> bool:
     return abs(count - math.floor(count + 0.5)) < 1e-3
 
 
+@inlined
+def _end_of(start: float, origin: float, length: float) -> float:
+    """End of a step that begins at `start`, a multiple of its length: a sum would miss a far break by its rounding."""
+    return origin + length * (math.floor((start - origin) / length + 0.5) + 1.0)
+
+
 @njit
 def _solve(
     nodes: Nodes,
@@ -211,7 +217,8 @@ def march(
         take_in(port, nodes, level, rule.integral, incoming, work)
         for j in range(s):
             last[STATE, j], last[UNKNOWN, j] = guess[STATE, j], guess[UNKNOWN, j]
-        now[TIME], now[LEFT], now[PSI], now[END] = start + length, left, guess[STATE, s - 1], guess[UNKNOWN, s - 1]
+        now[TIME], now[LEFT], now[PSI] = _end_of(start, origin, length), left, guess[STATE, s - 1]
+        now[END] = guess[UNKNOWN, s - 1]
         levels[LAST] = level
         longer = level > 0 and size < 0.5 ** (s + 1) * limits.resolution and _may_double(now[TIME], origin, length)
         levels[NEXT] = level - 1 if longer else level

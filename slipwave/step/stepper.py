@@ -5,7 +5,8 @@ from typing import Protocol
 
 import numpy as np
 
-from slipwave.friction import unknown_of
+from slipwave.errors import NumericsError
+from slipwave.friction import rate_of, unknown_of
 from slipwave.observe.pieces import SAME, Pieces, empty_pieces
 from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
@@ -36,10 +37,22 @@ class Ports(Protocol):
 
 class Stepper:
     """Collocated steps of `stages` Radau nodes, of lengths `longest`/2^k or, between two breaks, their distance over powers of
-    two. `tolerance` is the requested relative error of the figures of a cycle."""
+    two. `tolerance` is the requested relative error of the figures of a cycle. Errors name the `model`; `reason`: why no step may
+    be short enough for it."""
 
-    def __init__(self, scene: Scene, ports: Ports, stages: int, tolerance: float, longest: float, first: float) -> None:
-        self._scene, self._ports, self._tolerance, self._longest = scene, ports, tolerance, longest
+    def __init__(
+        self,
+        scene: Scene,
+        model: str,
+        ports: Ports,
+        stages: int,
+        tolerance: float,
+        longest: float,
+        first: float,
+        reason: str = "",
+    ) -> None:
+        self._scene, self._model, self._reason = scene, model, reason
+        self._ports, self._tolerance, self._longest = ports, tolerance, longest
         rule, self._rule, self._shape = rule_of(stages)
         self.nodes = rule.nodes
         self.iterations = 0
@@ -63,8 +76,13 @@ class Stepper:
         """The state now."""
         return float(self._memory.now[PSI])
 
+    @property
+    def longest(self) -> float:
+        """Longest step (transits) between the last break and the next."""
+        return float(self._port.length[0])
+
     def advance(self, until: float) -> Pieces:
-        """As `Solver`, but no pieces if no step is short enough."""
+        """As `Solver`; NumericsError if no step is short enough."""
         pieces = empty_pieces(CHUNK, self.nodes.size)
         if self.time > self._stop - SAME:
             self._take_stretch(self._stop, float(self._port.length[self._memory.levels[NEXT]]))
@@ -80,9 +98,16 @@ class Stepper:
             self.iterations += iterations
             if ended == NOT_READY:
                 self._prepare(int(self._memory.levels[NEXT]))
-            if ended == TOO_LONG:
-                break
+        if ended == TOO_LONG and not steps:
+            raise self._refusal()
         return Pieces(*(array[:steps] for array in pieces))
+
+    def _refusal(self) -> NumericsError:
+        scene, reason = self._scene, f" ({self._reason})" if self._reason else ""
+        return NumericsError(
+            f"{self._model}: no step is short enough at t = {self.time:.6g} transits, v = {rate_of(scene.law, self.z):.3g} V*, "
+            f"psi = {self.psi:.4g}{reason} (scene {scene.name!r}, digest {scene.digest})"
+        )
 
     def state(self) -> State:
         """The last step and present state (`Memory`); `stretch`: the time from which the present step lengths hold; `counts`:
@@ -95,11 +120,11 @@ class Stepper:
             "now": memory.now.copy(),
         }
 
-    def restore(self, state: State, model: str) -> None:
+    def restore(self, state: State) -> None:
         """As `Solver`."""
         following, last, iterations = whole_numbers(state, "counts", (0, -1, 0))
         own = {"last": self._memory.last, "now": self._memory.now}
-        saved = tables(state, {"stretch": (1,)} | {name: array.shape for name, array in own.items()}, model)
+        saved = tables(state, {"stretch": (1,)} | {name: array.shape for name, array in own.items()}, self._model)
         self.iterations = iterations
         self._take_tables(float(saved["stretch"][0]))
         levels = np.minimum([following, last], self._port.length.size - 1)
@@ -110,7 +135,7 @@ class Stepper:
         self._take_tables(begin)
         memory = self._memory
         shorter = math.ceil(math.log2(float(self._port.length[0]) / before) - 1e-9)
-        memory.levels[:] = max(0, shorter), -1
+        memory.levels[:] = min(max(0, shorter), self._port.length.size - 1), -1
         memory.now[TIME] = begin
 
     def _take_tables(self, begin: float) -> None:

@@ -66,3 +66,15 @@ def test_steps_end_on_every_knot_and_are_no_shorter_than_they_need_be() -> None:
     while solver.time < 20.0:
         before += solver.advance(20.0).time.size
     assert sum(end < 20.12 for end in ends) < 1.5 * before
+
+
+def test_no_step_is_tiny_before_a_knot_far_away() -> None:
+    """Half a million steps of no round length end at a knot exactly: a sum of their lengths would miss it."""
+    scene = slipwave.read("paper", ["drive.velocity=[[0.0, 100.0], [20011.17, 100.0], [20031.3, 105.0]]"])
+    solver, shortest, ends = ReducedModel(scene, reduction_of(scene, "modal:1")), np.inf, []
+    while solver.time < 20040.0:
+        pieces = solver.advance(20040.0)
+        ends.append(pieces.time[-1] + pieces.length[-1])
+        shortest = min(shortest, pieces.length.min())
+    assert np.abs(np.array(ends) - 20011.17).min() < 1e-11
+    assert shortest > 1e-3

@@ -1,0 +1,119 @@
+"""The tables of the exact march: breaks that steps end on, what is kept of them and what is forgotten, their threads, and the
+refusals of step and of grid."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import threadpoolctl
+
+import slipwave
+from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.finite_element import FiniteElement
+from fullwave.lines import budget, grid_ports, march
+from fullwave.lines.grid_ports import GridPorts
+from fullwave.summation_by_parts import SummationByParts
+from slipwave.errors import NumericsError, SceneError
+from slipwave.observe import follow
+
+FAR_RAMP = "drive.velocity=[[0.0, 100.0], [105.3, 100.0], [1211.17, 200.0]]"
+PAPER = slipwave.read("paper")
+
+
+def ports_of(solver: DiscontinuousGalerkin) -> GridPorts:
+    ports = solver._march._ports
+    assert isinstance(ports, GridPorts)
+    return ports
+
+
+@pytest.mark.parametrize("name", ["unlike", "unlike-irrational"])
+def test_steps_end_on_breaks_far_apart_and_none_is_tiny(name: str) -> None:
+    """The longest step between two breaks is no round number, and a break is a thousand steps away. Measured: at most 1e-13."""
+    solver = DiscontinuousGalerkin(slipwave.read(name, [FAR_RAMP]), 5, 2, time="exact")
+    ends, shortest = [], np.inf
+    while solver.time < 1230.0:
+        pieces = solver.advance(1230.0)
+        ends.append(pieces.time[-1] + pieces.length[-1])
+        shortest = min(shortest, pieces.length.min())
+    travels = [0.5 * slab.round_trip / solver.scene.transit for slab in (solver.scene.upper, solver.scene.lower)]
+    for arrival in (knot + delay for knot in (105.3, 1211.17) for delay in (0.0, *travels)):
+        assert np.abs(np.array(ends) - arrival).min() < 2e-12
+    assert shortest > 0.01
+
+
+def test_lengths_that_differ_by_rounding_share_tables_but_not_lengths() -> None:
+    ports = ports_of(DiscontinuousGalerkin(PAPER, 3, 2, time="exact"))
+    third = 1.0 / 3.0
+    one, other, apart = ports.port(third), ports.port(np.nextafter(third, 1.0)), ports.port(third * (1.0 + 1e-11))
+    assert one.change is other.change
+    assert one.change is not apart.change
+    for port, longest in ((one, third), (other, np.nextafter(third, 1.0))):
+        assert port.length[0] == longest
+        assert port.length[5] == longest / 32.0
+
+
+@pytest.mark.parametrize(("bytes_", "most"), [(budget.MOST_BYTES, 64), (1.0, 2), (8.0 * 80 * 32**2 * 5.5, 5)])
+def test_as_many_lengths_are_known_as_memory_allows(bytes_: float, most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 32 unknowns; the length that was used last is forgotten last."""
+    monkeypatch.setattr(grid_ports, "MOST_BYTES", bytes_)
+    ports = ports_of(DiscontinuousGalerkin(PAPER, 7, 2, time="exact"))
+    assert ports.values.size == 32
+    lost, kept = ports.known(3.0), ports.known(2.0)
+    for k in range(most - 1):
+        ports.known(4.0 + k)
+        assert ports.known(2.0) is kept
+    assert len(ports._known) == most
+    assert ports.known(3.0) is not lost
+
+
+def test_every_map_is_made_on_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    used = []
+
+    def watched(*arguments):
+        pools = threadpoolctl.threadpool_info()
+        used.append(max(pool["num_threads"] for pool in pools if pool["user_api"] == "blas"))
+        return doubled(*arguments)
+
+    doubled = grid_ports.doubled
+    solver = DiscontinuousGalerkin(PAPER, 3, 2, time="exact")
+    monkeypatch.setattr(grid_ports, "doubled", watched)
+    with threadpoolctl.threadpool_limits(2):
+        solver.keep_frames()
+        solver.advance(3.0)
+    assert len(used) > 3
+    assert set(used) == {1}
+
+
+def test_a_motion_too_fast_for_every_step_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(grid_ports, "_LEVELS", 3)
+    solver = DiscontinuousGalerkin(slipwave.read("paper", ["start.kind=jump", "start.size=3.0"]), 3, 2, time="exact")
+    with pytest.raises(
+        NumericsError, match=r"^dg:3: no step is short enough at t = 0 transits, v = .*, psi = [-.\d]+ \(scene 'paper'"
+    ):
+        follow(solver, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        (DiscontinuousGalerkin, {"degree": 7, "cells": 10_000}),
+        (FiniteElement, {"degree": 4, "cells": 600}),
+        (SummationByParts, {"order": 6, "cells": 80_000}),
+    ],
+)
+def test_too_many_unknowns_are_refused_before_any_matrix(kind, options, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(march, "ExactMarch", lambda *arguments: pytest.fail("matrices were begun"))
+    with pytest.raises(SceneError, match=rf"cells = {options['cells']}: \d+ unknowns, more than the 2048 .* or --time explicit"):
+        kind(PAPER, **options, time="exact")
+
+
+@pytest.mark.parametrize(("gallery", "about"), [("paper", 121), ("viscous", 60), ("unlike", 45), ("layered", 121)])
+def test_the_advised_number_of_cells_fits(gallery: str, about: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(march, "ExactMarch", lambda *arguments: SimpleNamespace(nodes=None))
+    scene = slipwave.read(gallery)
+    for asked in (10_000, about + about // 10):
+        with pytest.raises(SceneError) as refusal:
+            DiscontinuousGalerkin(scene, 7, asked, time="exact")
+        advised = int(str(refusal.value).partition("at most some ")[2].split()[0])
+        assert advised == pytest.approx(about, rel=0.12)
+        DiscontinuousGalerkin(scene, 7, advised, time="exact")
