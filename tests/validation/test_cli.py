@@ -254,8 +254,8 @@ def test_failed_numerics_are_status_3_and_keep_what_was_computed(
 
     prepare = models.prepare
 
-    def doomed(*arguments: Any, resumed: bool) -> Any:
-        built = prepare(*arguments, resumed=resumed)
+    def doomed(*arguments: Any, **options: Any) -> Any:
+        built = prepare(*arguments, **options)
         return built._replace(solver=Doomed(built.solver))
 
     monkeypatch.setattr(models, "prepare", doomed)
@@ -272,7 +272,7 @@ def test_failed_numerics_are_status_3_and_keep_what_was_computed(
 
 
 def test_an_interrupt_is_one_line_and_status_130(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    def interrupted(*arguments: object, resumed: bool) -> None:
+    def interrupted(*arguments: object, **options: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr("validation.registry.build.prepare", interrupted)

@@ -48,7 +48,7 @@ def compare(
 
     scene = read_scene(source, settings, until)
     require_writable(out, (".png", ".pdf", ".svg"))
-    solvers = build_all(models, scene, cells, cfl, tol, time)
+    solvers = build_all(models, scene, cells=cells, cfl=cfl, tolerance=tol, time=time)
     for solver in solvers:
         require_time(solver, scene.until, most_seconds(yes))
     runs, cycles, stopped = [], [], ""

@@ -66,7 +66,8 @@ def run(
     if fields is not None:
         require_writable(fields, FIELD_FILES, "--fields")
     require_checkpoint(checkpoint, every)
-    built = prepare(model, scene, cells, cfl, tol, time, resumed=checkpoint is not None and checkpoint.exists())
+    resumed = checkpoint is not None and checkpoint.exists()
+    built = prepare(model, scene, resumed, cells=cells, cfl=cfl, tolerance=tol, time=time)
     _announce(built)
     notes = _doubts(built.solver, tol)
     with records_of(built.solver, scene.until, out, fields, checkpoint, every) as records:

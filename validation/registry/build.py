@@ -5,7 +5,7 @@ A family whose module is not part of this installation is not listed.
 """
 
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, Unpack
 
 from slipwave.errors import SceneError
 from slipwave.family import Exact, Family
@@ -15,7 +15,7 @@ from slipwave.observe import Solver
 from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
-from validation.registry.families import DELAY, FAMILIES, OPTIONS, Built, Request, family_of, make
+from validation.registry.families import DELAY, FAMILIES, OPTIONS, Built, Options, Request, family_of, make
 
 
 def families() -> list[Family]:
@@ -41,39 +41,22 @@ def resolve(model: str, scene: Scene) -> tuple[str, str]:
     return best.example, why
 
 
-def build(
-    model: str,
-    scene: Scene,
-    cells: int | None = None,
-    cfl: float | None = None,
-    tolerance: float | None = None,
-    time: str | None = None,
-) -> Solver:
+def build(model: str, scene: Scene, **options: Unpack[Options]) -> Solver:
     """The solver of `prepare`."""
-    return prepare(model, scene, cells, cfl, tolerance, time).solver
+    return prepare(model, scene, **options).solver
 
 
-def build_full_wave(
-    model: str, scene: Scene, cells: int | None = None, cfl: float | None = None, time: str | None = None
-) -> FieldSolver:
+def build_full_wave(model: str, scene: Scene, **options: Unpack[Options]) -> FieldSolver:
     """As `build`; SceneError for a model without a grid."""
-    solver = build(model, scene, cells, cfl, time=time)
+    solver = build(model, scene, **options)
     if not isinstance(solver, FieldSolver):
         raise SceneError(f"model = {model!r}: has no grid; use a full-wave model")
     return solver
 
 
-def prepare(
-    model: str,
-    scene: Scene,
-    cells: int | None = None,
-    cfl: float | None = None,
-    tolerance: float | None = None,
-    time: str | None = None,
-    resumed: bool = False,
-) -> Built:
-    """The solver called `model` for `scene`, and what was chosen for it; `cells`, `cfl` and `time` are for full-wave models,
-    `tolerance` for those that take one; a grid's degree may be left out of its name and is then chosen (`dg` for `dg:P`).
+def prepare(model: str, scene: Scene, resumed: bool = False, **options: Unpack[Options]) -> Built:
+    """The solver called `model` for `scene`, and what was chosen for it; a grid's degree may be left out of its name and is then
+    chosen (`dg` for `dg:P`).
 
     Raises SceneError for an unknown model (naming the nearest), a number out of range after the colon, an option the model does
     not take, and a scene it cannot do (naming the models that can). A start on the orbit marches the model there first, unless
@@ -81,10 +64,10 @@ def prepare(
     """
     model, why = resolve(model, scene)
     family, number = _parse(model)
-    request = Request(number, cells, cfl, tolerance, time)
+    request = Request(number, **options)
     _require_options(model, family, request)
     if number is None:
-        request = request._replace(number=family.chosen(tolerance))
+        request = request._replace(number=family.chosen(request.tolerance))
     refusal = family.refusal(scene)
     if refusal:
         able = ", ".join(other.pattern for other in honouring(scene)) or "none of this installation"
@@ -100,14 +83,7 @@ def prepare(
     return built._replace(solver=orbiting)
 
 
-def build_all(
-    models: str,
-    scene: Scene,
-    cells: int | None = None,
-    cfl: float | None = None,
-    tolerance: float | None = None,
-    time: str | None = None,
-) -> list[Solver]:
+def build_all(models: str, scene: Scene, **options: Unpack[Options]) -> list[Solver]:
     """The solvers of a comma-separated list of models; each is given the options it takes, and one of them must take each.
 
     Raises SceneError as `build` does, and for an empty or repeated name.
@@ -117,7 +93,7 @@ def build_all(
     if repeated:
         raise SceneError(f"models = {models!r}: {repeated[0]} is named more than once")
     found = [_parse(name)[0] for name in names]
-    given = Request(None, cells, cfl, tolerance, time).given(*OPTIONS)
+    given = Request(**options).given(*OPTIONS)
     for option, value in given.items():
         if not any(option in family.options for family in found):
             raise SceneError(f"{option} = {value}: none of the models {models} takes it")

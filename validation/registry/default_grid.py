@@ -25,9 +25,12 @@ def judged(solver: Solver, cfl: float | None = None, time: str | None = None) ->
 
     model, scene, cells = solver.model, solver.scene, solver.cells
     fewer = range(max(1, int(cells / _COARSER)), cells)  # two thirds, or the fewest more that the family accepts
-    coarse = first_accepted(lambda number: build_full_wave(model, scene, number, cfl, time), fewer)
-    fine = build_full_wave(model, scene, cells, cfl, time)
-    return judge_grid(cells, fine, coarse or build_full_wave(model, scene, cells, cfl, time))
+
+    def on_grid(number: int) -> FieldSolver:
+        """The solver with so many cells."""
+        return build_full_wave(model, scene, cells=number, cfl=cfl, time=time)
+
+    return judge_grid(cells, on_grid(cells), first_accepted(on_grid, fewer) or on_grid(cells))
 
 
 def note_on(choice: "Choice") -> list[str]:

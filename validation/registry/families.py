@@ -1,6 +1,6 @@
 """Every family of models, and what makes a solver of one. Importing it is light: solvers are imported when one is built."""
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 
 from fullwave.families import FAMILIES as GRIDS
 from fullwave.families import FullWave, facts_of
@@ -14,13 +14,23 @@ if TYPE_CHECKING:
     from slipwave.observe import Solver
     from slipwave.scene import Scene
 
-__all__ = ["DELAY", "FAMILIES", "GRIDS", "OPTIONS", "Built", "Request", "family_of", "grid_of", "make", "one_port_of"]
+__all__ = ["DELAY", "FAMILIES", "GRIDS", "OPTIONS", "Built", "Options", "Request", "family_of", "grid_of", "make", "one_port_of"]
 
 FAMILIES: tuple[Family, ...] = (*WITHOUT_GRID, *GRIDS)
 """Cheapest first; `auto` takes the first that is exact."""
 
 OPTIONS = tuple(dict.fromkeys(option for family in reversed(FAMILIES) for option in family.options))
 """The numerical options that a family may take."""
+
+
+class Options(TypedDict, total=False):
+    """The numerical options of a model, left to it where None or not given: `cells`, `cfl` and `time` are for full-wave models,
+    `tolerance` for those that take one."""
+
+    cells: int | None
+    cfl: float | None
+    tolerance: float | None
+    time: str | None
 
 
 class Request(NamedTuple):

@@ -54,7 +54,7 @@ _SHARPNESS = 1.01
 
 def with_step(model: str, scene: Scene, share: float) -> FieldSolver:
     """The solver at `share` of its declared step limit, which may lie beyond 1; users cannot ask for that."""
-    return build_full_wave(model, scene, CELLS[model], AnyShare(share))
+    return build_full_wave(model, scene, cells=CELLS[model], cfl=AnyShare(share))
 
 
 def step_per_cell(model: str) -> float:
