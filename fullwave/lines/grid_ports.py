@@ -40,7 +40,8 @@ class GridPorts:
 
     def __init__(self, scene: Scene, system: System, size: int, stages: int) -> None:
         self._scene, self._stages = scene, stages
-        motion = motion_of(system)
+        with one_thread():
+            motion = motion_of(system)
         self.slots = np.flatnonzero(np.abs(motion.rates).sum(axis=1) + np.abs(motion.rates[:, :size]).sum(axis=0))
         dashpot = system.tops[DASHPOT]
         damped = np.flatnonzero(dashpot)

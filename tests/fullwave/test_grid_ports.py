@@ -66,18 +66,21 @@ def test_as_many_lengths_are_known_as_memory_allows(bytes_: float, most: int, mo
     assert ports.known(3.0) is not lost
 
 
-def test_every_map_is_made_on_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_all_matrices_are_made_on_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     used = []
 
-    def watched(*arguments):
-        pools = threadpoolctl.threadpool_info()
-        used.append(max(pool["num_threads"] for pool in pools if pool["user_api"] == "blas"))
-        return doubled(*arguments)
+    def watched(function):
+        def counted(*arguments):
+            pools = threadpoolctl.threadpool_info()
+            used.append(max(pool["num_threads"] for pool in pools if pool["user_api"] == "blas"))
+            return function(*arguments)
 
-    doubled = grid_ports.doubled
-    solver = DiscontinuousGalerkin(PAPER, 3, 2, time="exact")
-    monkeypatch.setattr(grid_ports, "doubled", watched)
+        return counted
+
+    for name in ("motion_of", "short_step", "doubled"):
+        monkeypatch.setattr(grid_ports, name, watched(getattr(grid_ports, name)))
     with threadpoolctl.threadpool_limits(2):
+        solver = DiscontinuousGalerkin(PAPER, 3, 2, time="exact")
         solver.keep_frames()
         solver.advance(3.0)
     assert len(used) > 3

@@ -3,10 +3,10 @@
 Interface outputs of elements converge up to twice as fast as declared and are at rounding after few grids. Two scenes are chosen
 that leave enough grids between the first one that resolves the waves and rounding. Both have V = 2000 V*, where a cycle lasts
 some four transits and a short run holds many. The rougher scene is for declared orders from five on, the gentler one for the
-others.
+others. A third one, steeper still, is for declared orders from seven on where the march has no error in time (`in_space`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import slipwave
@@ -42,7 +42,9 @@ def _scene(log10_r: float) -> Scene:
 
 GENTLE = Course(-2.77, until=60.0, window=8.0, density=4, slack=0.05)
 ROUGH = Course(-2.59, until=120.0, window=16.0, density=8, slack=0.75)
-_ROUGH_FROM = 5.0  # declared order
+STEEP = Course(-2.5, until=120.0, window=16.0, density=8, slack=0.75)
+_ROUGH_FROM, _STEEP_FROM = 5.0, 7.0  # declared order
+_FLOOR_IN_SPACE = 5e-12
 
 
 @dataclass(frozen=True)
@@ -66,6 +68,13 @@ class GridLadder:
         while (finer := max(cells[-1] + 1, round(2 ** (1 / self.course.density) * cells[-1]))) <= self.most:
             cells.append(finer)
         return cells
+
+
+def in_space(ladder: GridLadder) -> GridLadder:
+    """The ladder for a march without error in time, against a reference that is right to 1e-12: errors go on to fall where those
+    of time would remain, at the full order of high degrees, which therefore need a scene that is steeper still."""
+    course = STEEP if ladder.declared >= _STEEP_FROM else ladder.course
+    return replace(ladder, course=replace(course, floor=_FLOOR_IN_SPACE))
 
 
 def _ladder(family: FullWave, number: int, rungs: Rungs) -> GridLadder:
