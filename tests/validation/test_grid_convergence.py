@@ -93,11 +93,11 @@ def test_both_marches_of_one_grid_are_witnesses_of_each_other():
     assert found.exact[-1].max() < 3e-11
 
 
-def synthetic(order=8.0, apart=1e-13, excess=0.5):
-    """Marches with errors of that order, agreement, and size over the requested error."""
+def synthetic(order=8.0, apart=1e-13, share=0.5, beyond=0.0):
+    """Marches with errors of that order and agreement, which are a share of the requested ones and something more."""
     explicit = 1e-8 * np.array(COURANT)[:, None] ** order * np.ones(5)
     explicit[-1] = apart
-    return Marches("dg:7", explicit, excess * np.array(REQUESTS)[:, None] * np.ones(5) + apart)
+    return Marches("dg:7", explicit, share * np.array(REQUESTS)[:, None] * np.ones(5) + apart + beyond)
 
 
 @pytest.mark.parametrize(
@@ -108,9 +108,10 @@ def synthetic(order=8.0, apart=1e-13, excess=0.5):
         ({"order": 9.5}, 0),
         ({"apart": 4e-12}, 0),
         ({"apart": 6e-12}, 1),
-        ({"excess": 2.9}, 0),
-        ({"excess": 3.1}, 1),
-        ({"excess": np.nan}, 1),
+        ({"share": 1.0, "beyond": 2e-11}, 0),
+        ({"share": 1.0, "beyond": 4e-11}, 1),
+        ({"share": 1.01}, 1),
+        ({"share": np.nan}, 1),
     ],
 )
 def test_marches_are_judged_on_both_sides(changes, red):
