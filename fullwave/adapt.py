@@ -73,7 +73,8 @@ def to_tolerance(
     """A solver of `scene`, at its start, whose estimated relative error in period and stress drop is below `tolerance`, and the
     `Choice` made. `kind` and `options` fix the family (by default discontinuous Galerkin of a degree chosen by `tolerance`).
 
-    Raises SceneError for a tolerance outside [1e-12, 0.1], NumericsError if 400 cells are not enough.
+    Raises SceneError for a tolerance outside [1e-12, 0.1], NumericsError if 400 cells, or as many as the march allows, are not
+    enough.
     """
     least, most = GALERKIN.tolerances
     if isinstance(tolerance, bool) or not isinstance(tolerance, int | float) or not least <= tolerance <= most:
@@ -85,9 +86,15 @@ def to_tolerance(
     coarsest = first_accepted(lambda cells: kind(scene, cells=cells, **options), range(2, _MOST_NEEDED))
     cells = coarsest.cells if coarsest else _MOST_NEEDED
     tried: list[tuple[int, float]] = []
-    before, difference, needed = None, math.inf, 0.0
+    before, difference, needed, outlook = None, math.inf, 0.0, ""
     while max(cells, needed) <= MOST_TRIED_CELLS:
-        solver = kind(scene, cells=cells, **options)
+        try:
+            solver = kind(scene, cells=cells, **options)
+        except SceneError as refusal:
+            if not tried:
+                raise
+            outlook = f"; {refusal}"
+            break
         now = _probe(solver)
         last, difference = difference, _difference(before, now)
         gain = last / difference if 0.0 < difference < math.inf else math.inf
@@ -101,7 +108,6 @@ def to_tolerance(
             return fresh, Choice(cells, fresh.step, now.quantity, estimate, tuple(tried), _adapts(fresh))
         needed = _needed(cells, estimate / tolerance, gain) if cells >= _SETTLED else 0.0
         before, cells = now, math.ceil(_RATIO * cells)
-    outlook = ""
     if needed > MOST_TRIED_CELLS:
         outlook = f"; by its trend it needs about {float(f'{needed:.1g}'):,.0f} cells, but at most {MOST_TRIED_CELLS} are tried"
     raise NumericsError(

@@ -60,6 +60,15 @@ def test_a_jump_out_of_reach_is_a_numerical_failure(monkeypatch):
     assert "trend" not in str(refusal.value)  # of so few cells none is told
 
 
+def test_a_grid_too_large_for_the_march_ends_the_search_with_what_was_reached(monkeypatch):
+    monkeypatch.setattr("fullwave.lines.budget.MOST_UNKNOWNS", 200)
+    jump = dataclasses.replace(SCENES["alike"], start=Start(StartKind.JUMP, 0.5), until=60.0)
+    with pytest.raises(
+        NumericsError, match=r"not reached with 8 cells: .*; cells = 12: \d+ unknowns, more than the 200 .* explicit"
+    ):
+        to_tolerance(jump, 1e-11, time="exact")
+
+
 def test_a_jump_is_given_up_as_soon_as_its_trend_is_seen():
     """Order 1: a factor of 1e6 in the error would take a million times the cells, so few are tried."""
     jump = dataclasses.replace(SCENES["alike"], start=Start(StartKind.JUMP, 0.5), until=60.0)
