@@ -70,7 +70,8 @@ def _told(value: Any) -> str:
     if isinstance(value, Mapping):
         return f"{{{', '.join(f'{_told(key)}: {_told(one)}' for key, one in value.items())}}}"
     if isinstance(value, np.ndarray):
-        return f"{value.size} from {value.flat[0]:.12g} to {value.flat[-1]:.12g}, in all {value.sum():.12g}"
+        ends = f" from {value.flat[0]:.12g} to {value.flat[-1]:.12g}" if value.size else ""
+        return f"{value.size}{ends}, in all {value.sum():.12g}"
     if isinstance(value, tuple | list):
         return f"({', '.join(map(_told, value))})"
     if isinstance(value, set | frozenset):

@@ -18,10 +18,10 @@ BELOW = {
 """What each room may import besides itself: the two that hold models never import each other."""
 
 ORDER = {
-    "slipwave": "errors files sources compiled friction scene features input observe step family",
-    "reduced": "families commensurate parameters delay ode impedance stability closed_forms",
+    "slipwave": "errors files sources threads compiled friction scene features input observe step family",
+    "reduced": "families commensurate parameters delay ode impedance stability closed_forms flows orbit continuation",
     "fullwave": "families options sampling operators leapfrog lines fields * adapt",
-    "validation": "output run measure references registry study work_precision studies report benchmark commands cli",
+    "validation": "output run measure references registry study branches work_precision studies report benchmark commands cli",
 }
 """What a room is made of; each may import those named before it. A star stands for all others: the families of full waves."""
 

@@ -105,7 +105,7 @@ class ExactMarch:
         frames = []
         for time, length, z in zip(pieces.time, pieces.length, pieces.z, strict=True):
             depth = max(0, math.ceil(math.log2(length / _FRAME) - 1e-9))
-            fine = self._ports.find_map(known, round(math.log2(self._stepper.longest / length)) + depth)
+            fine = known.maps.find(round(math.log2(self._stepper.longest / length)) + depth)
             for k, part in enumerate(self._parts(float(time), float(length), z, depth)):
                 values = values + fine.change @ values + fine.forced @ part
                 shown = self._layout.copy()

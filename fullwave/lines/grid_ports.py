@@ -9,28 +9,27 @@ import scipy.linalg
 from fullwave.lines.budget import MOST_BYTES
 from fullwave.lines.grid_port import GridPort, Power
 from fullwave.lines.matrix import motion_of
-from fullwave.lines.propagator import LinearSlabs, StepMap, doubled, from_moments, short_step, shortest_halving, to_legendre
+from fullwave.lines.propagator import LinearSlabs, StepMap, impedance_at, to_legendre
+from fullwave.lines.step_maps import LEVELS, StepMaps, at_nodes
 from fullwave.lines.system import DASHPOT, DEAD, System
-from fullwave.lines.threads import one_thread
-from fullwave.lines.viscous_heat import dissipation_of, doubled_heat, short_heat
+from fullwave.lines.viscous_heat import dissipation_of
 from slipwave.observe.pieces import SAME, Array
 from slipwave.scene import Scene
 from slipwave.step.collocation import radau
+from slipwave.threads import one_thread
 
 DRIVE_TERMS = 2
 """The drive is linear in a step."""
 
-_LEVELS = 32
 _MOST_KNOWN = 64
 _HELD = 80  # numbers held for one longest length, over the square of the unknowns (33 measured; with viscosity 74)
 _LANES = 8  # doubles in a cache line; rows of the tables begin and end with a line, otherwise a step costs twice as much
 
 
 class Known(NamedTuple):
-    """What is known of steps of one longest length and its halves: `maps` and viscous `heats`, by level, and the `port`."""
+    """What is known of steps of one longest length and its halves: their `maps` and the `port`."""
 
-    maps: dict[int, StepMap]
-    heats: dict[int, Array]
+    maps: StepMaps
     port: GridPort
 
 
@@ -42,7 +41,7 @@ class GridPorts:
         self._scene, self._stages = scene, stages
         with one_thread():
             motion = motion_of(system)
-        self.slots = np.flatnonzero(np.abs(motion.rates).sum(axis=1) + np.abs(motion.rates[:, :size]).sum(axis=0))
+        self.slots = motion.moving
         dashpot = system.tops[DASHPOT]
         damped = np.flatnonzero(dashpot)
         outputs = np.vstack([motion.stress, motion.traction.sum(axis=0), system.tops[DEAD] @ motion.slip, motion.slip[damped]])
@@ -60,15 +59,14 @@ class GridPorts:
         self._padded, self.ledger = _aligned(-(-self.slots.size // _LANES) * _LANES), np.zeros(4)
         self._padded[:] = 0.0
         self.values = self._padded[: self.slots.size]
-        nodes = radau(stages).nodes
-        self.to_legendre, self._from_moments = to_legendre(nodes), from_moments(nodes)
+        self.to_legendre = to_legendre(radau(stages).nodes)
         self._known: dict[str, Known] = {}
         self._most_known = max(2, min(_MOST_KNOWN, int(MOST_BYTES / (8.0 * _HELD * self.values.size**2))))
 
     def known(self, longest: float) -> Known:
         """What is known of steps of `longest` (transits) and its halves."""
         key = f"{longest:.12e}"  # stretches of equal length differ by rounding
-        known = self._known.pop(key, None) or Known({}, {}, self._blank(longest))
+        known = self._known.pop(key, None) or Known(StepMaps(self.slabs, self._dissipation, longest), self._blank(longest))
         self._known[key] = known  # the last used is the last to be forgotten
         if len(self._known) > self._most_known:
             del self._known[next(iter(self._known))]
@@ -77,21 +75,21 @@ class GridPorts:
     def port(self, longest: float) -> GridPort:
         """As `Ports`: of exactly this length, with the tables of any that differs by rounding."""
         port = self.known(longest).port
-        return port._replace(length=np.ldexp(longest, -np.arange(_LEVELS)))
+        return port._replace(length=np.ldexp(longest, -np.arange(LEVELS)))
 
     def _blank(self, longest: float) -> GridPort:
         n, s, m = self._padded.size, self._stages, sum(self.slabs.output_terms) - self._stages
         rows = n + 2 * s
         return GridPort(
-            np.ldexp(longest, -np.arange(_LEVELS)),
-            np.zeros(_LEVELS, dtype=np.bool_),
-            np.empty((_LEVELS, s, s)),
-            np.empty((_LEVELS, s)),
-            _aligned(_LEVELS, n, s),
-            np.empty((_LEVELS, s, s)),
-            _aligned(_LEVELS, rows, n),
-            np.empty((_LEVELS, rows, m)),
-            _aligned(_LEVELS, rows, rows) if self._dissipation else np.empty((0, 0, 0)),
+            np.ldexp(longest, -np.arange(LEVELS)),
+            np.zeros(LEVELS, dtype=np.bool_),
+            np.empty((LEVELS, s, s)),
+            np.empty((LEVELS, s)),
+            _aligned(LEVELS, n, s),
+            np.empty((LEVELS, s, s)),
+            _aligned(LEVELS, rows, n),
+            np.empty((LEVELS, rows, m)),
+            _aligned(LEVELS, rows, rows) if self._dissipation else np.empty((0, 0, 0)),
             self._scene.forcing,
             self._power,
             self._scene.drive.is_constant,
@@ -105,48 +103,21 @@ class GridPorts:
     def prepare(self, port: GridPort, level: int) -> None:
         """As `Ports`."""
         known = self.known(float(port.length[0]))
-        step = self.find_map(known, level)
         with one_thread():
-            self._tabulate(port, level, step, known.heats.get(level))
-
-    def find_map(self, known: Known, level: int) -> StepMap:
-        """The map of a level, with those of levels between it and a shorter one for which a series holds."""
-        with one_thread():
-            if level > max(known.maps, default=-1):
-                self._begin(known, level)
-            for k in range(max(known.maps), level, -1):
-                if k - 1 not in known.maps:
-                    known.maps[k - 1] = doubled(self.slabs, known.maps[k])
-                    if self._dissipation:
-                        known.heats[k - 1] = doubled_heat(self.slabs, known.maps[k], known.heats[k])
-        return known.maps[level]
-
-    def _begin(self, known: Known, level: int) -> None:
-        """The map of `level` or, if a series does not hold for it yet, of the longest level for which one does."""
-        length = known.port.length
-        shortest = max(level, min(_LEVELS - 1, shortest_halving(self.slabs, float(length[0]))))
-        extra = shortest_halving(self.slabs, float(length[shortest]))
-        first = math.ldexp(float(length[shortest]), -extra)
-        step = short_step(self.slabs, first)
-        heat = short_heat(self.slabs, self._dissipation, first) if self._dissipation else None
-        for _ in range(extra):
-            heat = doubled_heat(self.slabs, step, heat) if heat is not None else None
-            step = doubled(self.slabs, step)
-        known.maps[shortest] = step
-        if heat is not None:
-            known.heats[shortest] = heat
+            step = known.maps.find(level)
+            self._tabulate(port, level, step, known.maps.heats.get(level))
 
     def _tabulate(self, port: GridPort, level: int, step: StepMap, heat: Array | None) -> None:
         s, n, padded = self._stages, self.values.size, self._padded.size
         inputs = scipy.linalg.block_diag(self.to_legendre, self.to_legendre[:DRIVE_TERMS])
-        stress = self._from_moments @ step.through[:s] @ inputs
+        free, stress, forced = at_nodes(step, s, inputs)
         port.impedance[level] = -stress[:, :s]
         port.driven[level] = stress[:, s:].T
         port.steady[level] = self._scene.steady_stress + port.impedance[level].sum(axis=1) * self._scene.velocity
         for table in (port.free, port.change, port.moments):
             table[level] = 0.0
-        port.free[level, :n] = (self._from_moments @ step.free[:s]).T
-        port.change[level, :n, :n], port.change[level, padded:, :n] = step.change.T, (step.forced @ inputs).T
+        port.free[level, :n] = free.T
+        port.change[level, :n, :n], port.change[level, padded:, :n] = step.change.T, forced.T
         port.moments[level, :n], port.moments[level, padded:] = step.free[s:].T, (step.through[s:] @ inputs).T
         if heat is not None:
             spread = scipy.linalg.block_diag(np.eye(n, padded), inputs)
@@ -154,11 +125,9 @@ class GridPorts:
         port.ready[level] = True
 
     def resistance(self, port: GridPort, level: int, growth: float) -> float:
-        """As `Ports`: -(D + C (s - L)^-1 b) of the stress, at s = growth/length."""
-        s = growth / float(port.length[level])
+        """As `Ports`."""
         with one_thread():
-            moved = np.linalg.solve(s * np.eye(self.values.size) - self.slabs.rates, self.slabs.inputs[:, 0])
-        return -float(self.slabs.direct[0, 0] + self.slabs.outputs[0] @ moved)
+            return impedance_at(self.slabs, growth / float(port.length[level]))
 
     def next_break(self, time: float) -> float:
         """As `Ports`: knots of the drive, and their arrivals at the interface."""

@@ -5,14 +5,14 @@ from typing import Any, Literal, TypeAlias, TypedDict
 import numpy as np
 
 from fullwave.families import FullWave
-from fullwave.lines.blocks import Section, assemble, marched_slabs, state_size
+from fullwave.lines.blocks import Section, assemble, marched_slabs, sections_of, state_size
 from fullwave.lines.budget import enough_memory, march_work, require_few_unknowns, require_memory
 from fullwave.lines.exact import EXACT_TOLERANCE, ExactMarch
 from fullwave.lines.explicit import ExplicitMarch
 from fullwave.lines.readout import Shape, impose_fields, snapshot_of, stored_energy
 from fullwave.lines.runge_kutta import RungeKutta, method_of
 from fullwave.lines.scene_limits import Builder, relaxation_limit, spectral_limit
-from fullwave.lines.system import ELASTIC, PSI
+from fullwave.lines.system import ELASTIC, PSI, System
 from fullwave.options import require_cfl
 from slipwave.errors import SceneError
 from slipwave.observe import Energy, Pieces
@@ -65,7 +65,7 @@ class MethodOfLines:
             raise SceneError(f"time = {time!r}: must be exact or explicit")
         self.scene, self.model, self.cfl = scene, family.called(number), float(cfl)
         self.method, self._order = method_for(family, number), family.order_bulk(number)
-        self.sections = tuple(sections)
+        self.sections, self._build = tuple(sections), build
         with enough_memory(sections[0].asked):
             self._set_up(build, sections, limit, time, resolution)
         self.nodes = self._march.nodes
@@ -88,6 +88,11 @@ class MethodOfLines:
         values[self.grid.size + ELASTIC] = scene.steady_stress
         work = march_work(values.size, self._order, method, viscous)
         self._march = ExplicitMarch(scene, self.system, method, step, values, work, self.cells, self.model)
+
+    def system_of(self, scene: Scene) -> System:
+        """The equations of motion of another scene on a grid of the same kind with as many cells."""
+        first = self.sections[0]
+        return assemble(scene, self._build(sections_of(scene, first.asked, first.fewest)))
 
     @property
     def settings(self) -> dict[str, Any]:

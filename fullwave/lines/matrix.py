@@ -5,6 +5,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fullwave.lines.blocks import state_size
 from fullwave.lines.system import (
@@ -53,6 +54,12 @@ class Motion(NamedTuple):
     stress: Array
     traction: Array
     slip: Array
+
+    @property
+    def moving(self) -> NDArray[np.int64]:
+        """Places in q of all that moves or moves something else."""
+        size = self.rates.shape[0]
+        return np.flatnonzero(np.abs(self.rates).sum(axis=1) + np.abs(self.rates[:, :size]).sum(axis=0))
 
 
 def motion_matrix(system: System, locked: bool) -> Array:

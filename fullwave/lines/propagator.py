@@ -53,6 +53,12 @@ class StepMap:
     through: Array
 
 
+def impedance_at(slabs: LinearSlabs, s: float) -> float:
+    """Z(s) for real s > 0 (1/transit): minus the response of the first output, the stress, to the first input, the slip rate."""
+    moved = np.linalg.solve(s * np.eye(slabs.rates.shape[0]) - slabs.rates, slabs.inputs[:, 0])
+    return -float(slabs.direct[0, 0] + slabs.outputs[0] @ moved)
+
+
 def shortest_halving(slabs: LinearSlabs, length: float) -> int:
     """Number of halvings of a step of `length` (transits) after which `short_step` is accurate to rounding."""
     size = float(np.abs(slabs.rates).sum(axis=0).max()) * length

@@ -115,22 +115,7 @@ class DelayNetwork(DelayMarch):
 
     def _compile(self, length: float) -> Network:
         """The lines in compiled form, with their delays in steps of `length`."""
-        lines, scene = self._lines, self.scene
-        back, weights = delay_rows(lines.travel / length, self.nodes)
-        return Network(
-            lines.impedance,
-            back,
-            weights,
-            lines.divisor is not None,
-            np.array(lines.first),
-            np.array(lines.last),
-            np.array([top.spring for top in lines.tops]),
-            *tops_for(lines, length, self._stages),
-            np.array([top.spring > 0.0 or top.mass > 0.0 for top in lines.tops]),
-            scene.impedance,
-            scene.steady_stress + scene.impedance * scene.velocity,
-            lines.weight,
-        )
+        return compiled(self.scene, self._lines, length, self.nodes, self._lines.divisor is not None)
 
     def _begin(self) -> NetworkMemory:
         """Memory at the start: steady sliding without waves, psi displaced if the start is a jump."""
@@ -166,6 +151,25 @@ class DelayNetwork(DelayMarch):
         """Raises NumericsError unless the step may still be halved."""
         if 2.0 / self._length > MAX_STEPS / min(1.0, 2.0 * float(self._lines.travel.min())):
             raise self._unresolved(self.steps, verdict)
+
+
+def compiled(scene: Scene, lines: Lines, length: float, nodes: Array, whole: bool) -> Network:
+    """The lines of `scene` in compiled form for equal steps of `length` (transits); `whole` if all delays are whole steps."""
+    back, weights = delay_rows(lines.travel / length, nodes)
+    return Network(
+        lines.impedance,
+        back,
+        weights,
+        whole,
+        np.array(lines.first),
+        np.array(lines.last),
+        np.array([top.spring for top in lines.tops]),
+        *tops_for(lines, length, nodes.size),
+        np.array([top.spring > 0.0 or top.mass > 0.0 for top in lines.tops]),
+        scene.impedance,
+        scene.steady_stress + scene.impedance * scene.velocity,
+        lines.weight,
+    )
 
 
 def tops_for(lines: Lines, length: float, stages: int) -> tuple[Array, Array]:

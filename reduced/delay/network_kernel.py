@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.delay.alike_kernel import ELASTIC, PSI, TIME
-from slipwave.compiled import njit, overwrite
+from slipwave.compiled import inlined, njit, overwrite
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene.drive import Constant, Ramps, velocity_at
@@ -132,6 +132,49 @@ def scatter(nodes: Nodes, network: Network, layer: int, arrived: Array, launched
         launched[layer + 1, OUTWARD, j] = arrived[layer + 1, INWARD, j] - 2.0 * outer * velocity
 
 
+@inlined
+def gather(
+    nodes: Nodes,
+    network: Network,
+    cursor: int,
+    length: float,
+    integral: Array,
+    drive: Array,
+    waves: Array,
+    tops: Array,
+    arrived: Array,
+    launched: Array,
+    outer: Array,
+    incoming: Array,
+) -> None:
+    """Waves that arrive and that leave joints and outer faces in a step; incoming[0] += the stress that they bring to the
+    interface."""
+    for layer in range(waves.shape[0]):
+        arrive(nodes, network, waves, layer, OUTWARD, cursor, arrived)
+        arrive(nodes, network, waves, layer, INWARD, cursor, arrived)
+    for slab in range(network.first.size):
+        reflect_top(nodes, network, slab, length, integral, drive, arrived, launched, tops, outer)
+        first = network.first[slab]
+        for layer in range(network.last[slab] - 1, first - 1, -1):
+            scatter(nodes, network, layer, arrived, launched)
+        share = network.weight * network.interface_impedance / network.impedance[first]
+        for j in range(len(nodes)):
+            incoming[0, j] += share * arrived[first, INWARD, j]
+
+
+@inlined
+def launch(nodes: Nodes, network: Network, cursor: int, stress: Array, arrived: Array, launched: Array, waves: Array) -> None:
+    """Store the waves launched in a step, with those that leave the interface at its `stress` (deviation)."""
+    for slab in range(network.first.size):
+        first = network.first[slab]
+        for j in range(len(nodes)):
+            launched[first, OUTWARD, j] = 2.0 * stress[j] - arrived[first, INWARD, j]
+    for layer in range(waves.shape[0]):
+        for j in range(len(nodes)):
+            waves[layer, OUTWARD, cursor, j] = launched[layer, OUTWARD, j]
+            waves[layer, INWARD, cursor, j] = launched[layer, INWARD, j]
+
+
 @njit
 def march_network(
     nodes: Nodes,
@@ -158,9 +201,10 @@ def march_network(
     at that step's start."""
     s = len(nodes)
     waves, tops, guess, now = memory.waves, memory.tops, memory.guess, memory.now
-    layers, ring, slabs = waves.shape[0], waves.shape[2], network.first.size
+    layers, ring = waves.shape[0], waves.shape[2]
     arrived, launched, outer = np.empty((layers, 2, s)), np.empty((layers, 2, s)), np.empty((2, s))
     work, system, incoming, drive = np.zeros((WORK_ROWS, s)), np.empty((s, s)), np.empty((1, s)), np.zeros(s)
+    stress = np.empty(s)
     saved_guess, saved_tops = np.empty_like(guess), np.empty_like(tops)
     impedance, h = Diagonal(network.interface_impedance), length * forcing.transit
     iterations = 0
@@ -171,19 +215,9 @@ def march_network(
         for j in range(s):
             work[DRIVE, j] = velocity_at(velocity, start + nodes[j] * length)
             drive[j] = 0.5 * (work[DRIVE, j] - forcing.velocity)
-        for layer in range(layers):
-            arrive(nodes, network, waves, layer, OUTWARD, cursor, arrived)
-            arrive(nodes, network, waves, layer, INWARD, cursor, arrived)
         for j in range(s):
             incoming[0, j] = network.base
-        for slab in range(slabs):
-            reflect_top(nodes, network, slab, length, integral, drive, arrived, launched, tops, outer)
-            first = network.first[slab]
-            for layer in range(network.last[slab] - 1, first - 1, -1):
-                scatter(nodes, network, layer, arrived, launched)
-            share = network.weight * impedance.value / network.impedance[first]
-            for j in range(s):
-                incoming[0, j] += share * arrived[first, INWARD, j]
+        gather(nodes, network, cursor, length, integral, drive, waves, tops, arrived, launched, outer, incoming)
         if forcing.nudge != 0.0:
             force(nodes, forcing.nudge, start, length, integral, work)
         used = solve_step(nodes, law, impedance, h, left, incoming, 0, integral, newton_tolerance, guess, work, system)
@@ -196,15 +230,9 @@ def march_network(
         now[ELASTIC] = emit(
             nodes, forcing.stiffness, impedance, start, length, integral, incoming, 0, guess, work, now[ELASTIC], pieces, n
         )
-        for slab in range(slabs):
-            first = network.first[slab]
-            for j in range(s):
-                stress = pieces.mu[n, j] - forcing.steady_stress
-                launched[first, OUTWARD, j] = 2.0 * stress - arrived[first, INWARD, j]
-        for layer in range(layers):
-            for j in range(s):
-                waves[layer, OUTWARD, cursor, j] = launched[layer, OUTWARD, j]
-                waves[layer, INWARD, cursor, j] = launched[layer, INWARD, j]
+        for j in range(s):
+            stress[j] = pieces.mu[n, j] - forcing.steady_stress
+        launch(nodes, network, cursor, stress, arrived, launched, waves)
         now[PSI], now[TIME] = guess[STATE, s - 1], origin + (done + n + 1) * length
         memory.cursor[0] = cursor + 1 if cursor + 1 < ring else 0
         predict(nodes, predict_rate, predict_state, left, guess, work)

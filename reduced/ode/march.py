@@ -40,7 +40,7 @@ class ReducedModel:
     transits_per_piece = math.nan
 
     def __init__(self, scene: Scene, reduction: Reduction, tolerance: float = 1e-9, stages: int = STAGES) -> None:
-        self.scene, self.model, self._reduction = scene, reduction.name, reduction
+        self.scene, self.model, self.reduction = scene, reduction.name, reduction
         self.settings: dict[str, Any] = {"tolerance": tolerance, "stages": stages}
         modes = len(reduction.frequencies) + len(reduction.relaxations)
         self._modes, self._face = np.zeros((modes, 2)), np.array([scene.steady_stress, scene.velocity])
@@ -51,7 +51,7 @@ class ReducedModel:
 
     def port(self, longest: float) -> ReducedPort:
         """As `Ports`."""
-        blank = _blank_port(self._reduction, self.scene.upper.epsilon, self._stages, longest)
+        blank = _blank_port(self.reduction, self.scene.upper.epsilon, self._stages, longest)
         return blank._replace(modes=self._modes, face=self._face)
 
     def prepare(self, port: ReducedPort, level: int) -> None:
@@ -59,7 +59,7 @@ class ReducedModel:
 
     def resistance(self, port: ReducedPort, level: int, growth: float) -> float:
         """As `Ports`."""
-        return self.scene.upper.epsilon * float(impedance_at(self._reduction, growth / port.length[[level]])[0])
+        return self.scene.upper.epsilon * float(impedance_at(self.reduction, growth / port.length[[level]])[0])
 
     def next_break(self, time: float) -> float:
         """As `Ports`: the knots of the drive."""

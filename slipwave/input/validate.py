@@ -1,6 +1,8 @@
 """Turns raw tables into validated tables; the first fault becomes a SceneError of one line."""
 
-from typing import Annotated, Any, NamedTuple, TypeVar
+from collections.abc import Hashable
+from functools import cache
+from typing import Annotated, Any, NamedTuple, TypeVar, cast
 
 from pydantic import BaseModel, BeforeValidator, ValidationError, create_model
 
@@ -33,12 +35,14 @@ def validate(data: dict[str, Any]) -> Validated:
     law = tables.interface.get("law")
     if not isinstance(law, str) or law not in LAWS:
         raise SceneError(f"interface.law = {shorten(law)}: must be {choices(LAWS)}")
-    checked = _checked(_interface_table(LAWS[law].parameters), tables.interface, ("interface",)).model_dump()
+    table = _interface_table(cast(Hashable, LAWS[law].parameters))
+    checked = _checked(table, tables.interface, ("interface",)).model_dump()
     units = {key: checked[key] for key in _UNITS if checked[key] is not None}
     parameters = {key: checked[key] for key in LAWS[law].parameters._fields}
     return Validated(tables, law, parameters, units)
 
 
+@cache
 def _interface_table(parameters: Any) -> type[BaseModel]:
     """Schema of [interface] for the law with this parameter class: its parameters and, for SI scenes, the three units."""
     fields: dict[str, Any] = {"law": (Annotated[str, "the name of a friction law"], ...)}

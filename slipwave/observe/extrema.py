@@ -1,5 +1,7 @@
 """Extrema and roots of the polynomials that pieces are made of, compiled for the event detector."""
 
+import numpy as np
+
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array, Basis
 
@@ -107,6 +109,15 @@ def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot
         bottom = _peak(basis, values, slopes, -1.0, lowest)
     memory[slot] = max(memory[slot], top)
     memory[slot + 1] = max(memory[slot + 1], bottom)
+
+
+@njit
+def extrema(basis: Basis, rows: Array) -> tuple[float, float]:
+    """Largest and smallest value of the consecutive polynomials with nodal values `rows` (m, n)."""
+    memory, slopes = np.full(2, -np.inf), np.empty(rows.shape[1])
+    for k in range(rows.shape[0]):
+        raise_record(basis, rows[k], slopes, memory, 0)
+    return memory[0], -memory[1]
 
 
 @njit

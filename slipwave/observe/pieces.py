@@ -65,14 +65,8 @@ def values_at(pieces: Pieces, basis: Basis, times: Array) -> list[Array]:
 
 def interpolation_matrix(basis: Basis, points: Array) -> Array:
     """Rows that evaluate the interpolating polynomial at `points` of [0, 1] from values at the nodes."""
-    points = np.asarray(points, dtype=float)
-    rows = np.zeros((points.size, basis.nodes.size))
-    for row, point in zip(rows, points, strict=True):
-        gaps = point - basis.nodes
-        at_node = gaps == 0.0
-        if at_node.any():
-            row[at_node] = 1.0
-        else:
-            terms = basis.weights / gaps
-            row[:] = terms / terms.sum()
-    return rows
+    gaps = np.asarray(points, dtype=float)[:, None] - basis.nodes
+    at_node = gaps == 0.0
+    terms = basis.weights / np.where(at_node, 1.0, gaps)
+    rows = terms / terms.sum(axis=1, keepdims=True)
+    return np.asarray(np.where(at_node.any(axis=1, keepdims=True), at_node.astype(float), rows))

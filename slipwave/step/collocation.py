@@ -27,6 +27,7 @@ class Collocation(NamedTuple):
     predict_state: Array
 
 
+@cache
 def radau(stages: int) -> Collocation:
     """Radau IIA of `stages` nodes: order 2 stages - 1 at the step's end, L-stable (Hairer and Wanner II, IV.5)."""
     if not 1 <= stages <= 12:

@@ -7,6 +7,8 @@ specialised on the class, so a diagonal K pays for none of it.
 
 from typing import NamedTuple, TypeAlias
 
+import numpy as np
+
 from slipwave.compiled import inlined, njit
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
@@ -33,6 +35,11 @@ class Full(NamedTuple):
 
 
 Impedance: TypeAlias = Diagonal | Full
+
+
+def full_impedance(stages: int) -> Full:
+    """A K of `stages` nodes, zero, with its scratch."""
+    return Full(np.zeros((stages, stages)), np.zeros((stages, 2 * stages + 1)), np.zeros((stages, stages + 1)))
 
 
 @by_class(inline=True)

@@ -34,6 +34,9 @@ NEXT, LAST = 0, 1
 DONE, TOO_LONG, NOT_READY = range(3)
 """Why a march ends: it is where it should be; no step is short enough; the port has no tables for the next step yet."""
 
+ANY_LENGTH: NDArray[np.int64] = np.empty(0, dtype=np.int64)
+"""The plan of a march whose steps follow the motion."""
+
 _NONE = -1
 _RATIOS = (0.25, 0.5, 1.0, 2.0)
 
@@ -80,6 +83,11 @@ def rule_of(stages: int) -> tuple[Collocation, Rule, Nodes]:
         np.array([interpolation_matrix(with_left, 1.0 + ratio * rule.nodes) for ratio in _RATIOS]),
     )
     return rule, compiled, tuple(float(x) for x in rule.nodes)
+
+
+def resolution_of(tolerance: float, stages: int) -> float:
+    """The highest Legendre coefficient of z and psi in a step that fits `tolerance`, the relative error of a cycle's figures."""
+    return float(tolerance ** (stages / (stages + 2.0)))
 
 
 def begin(psi: float, elastic: float, z: float, stages: int) -> Memory:
@@ -178,16 +186,20 @@ def march(
     origin: float,
     stop: float,
     limits: Limits,
+    plan: NDArray[np.int64],
     pieces: Pieces,
 ) -> tuple[int, int, int]:
     """March to `until`, or until the pieces are full; returns (steps, Newton iterations, why it ended). Step lengths hold from
-    `origin`; the last step may end beyond `until`, but not beyond `stop`."""
+    `origin`; the last step may end beyond `until`, but not beyond `stop`. `plan`: the level of each step, whatever the motion;
+    empty: lengths follow the motion."""
     s = len(nodes)
     last, now, levels = memory.last, memory.now, memory.levels
     guess, work, system, incoming = np.empty((2, s)), np.zeros((WORK_ROWS, s)), np.empty((s, s)), np.zeros((1, s))
     deepest = port.length.size - 1
-    iterations, k = 0, 0
+    iterations, k, planned = 0, 0, plan.size > 0
     while k < pieces.time.size and now[TIME] < min(until, stop) - SAME:
+        if planned:
+            levels[NEXT] = plan[k]
         while levels[NEXT] < deepest and now[TIME] + port.length[levels[NEXT]] > stop + SAME:
             levels[NEXT] += 1
         level = levels[NEXT]
@@ -206,8 +218,12 @@ def march(
         used = _solve(nodes, law, impedance, h, left, incoming, rule.integral, limits.newton, guess, work, system)
         iterations += used
         size = _size_of_tail(nodes, rule.tail, guess)
-        if used == 0 or not size <= limits.resolution or grows_unseen(nodes, impedance, limits, level, work):
-            if level == deepest:
+        rough = not planned and (not size <= limits.resolution or grows_unseen(nodes, impedance, limits, level, work))
+        if used == 0 or rough:
+            if planned and levels[LAST] != _NONE:  # try again from constant values
+                levels[LAST] = _NONE
+                continue
+            if planned or level == deepest:
                 return k, iterations, TOO_LONG
             levels[NEXT] = level + 1
             continue

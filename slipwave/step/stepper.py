@@ -12,8 +12,22 @@ from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
 from slipwave.step.collocation import growth_limit
-from slipwave.step.impedance import Full
-from slipwave.step.march import END, NEXT, NOT_READY, PSI, TIME, TOO_LONG, Limits, Memory, begin, march, rule_of
+from slipwave.step.impedance import full_impedance
+from slipwave.step.march import (
+    ANY_LENGTH,
+    END,
+    NEXT,
+    NOT_READY,
+    PSI,
+    TIME,
+    TOO_LONG,
+    Limits,
+    Memory,
+    begin,
+    march,
+    resolution_of,
+    rule_of,
+)
 from slipwave.step.port import Port
 
 CHUNK = 2048
@@ -56,7 +70,7 @@ class Stepper:
         rule, self._rule, self._shape = rule_of(stages)
         self.nodes = rule.nodes
         self.iterations = 0
-        self._impedance = Full(np.zeros((stages, stages)), np.zeros((stages, 2 * stages + 1)), np.zeros((stages, stages + 1)))
+        self._impedance = full_impedance(stages)
         start = unknown_of(scene.law, scene.velocity)
         self._memory = begin(scene.steady_psi + scene.start.jump_size, scene.steady_stress, start, stages)
         self._take_stretch(0.0, first)
@@ -92,7 +106,7 @@ class Stepper:
             physics = (scene.law, scene.forcing, scene.drive.compiled, self._port)
             stretch = (self._origin, self._stop, self._limits)
             more, iterations, ended = march(
-                self._shape, *physics, self._rule, self._memory, self._impedance, until, *stretch, left
+                self._shape, *physics, self._rule, self._memory, self._impedance, until, *stretch, ANY_LENGTH, left
             )
             steps += more
             self.iterations += iterations
@@ -150,7 +164,7 @@ class Stepper:
         growth = growth_limit(stages, self._tolerance)
         self._limits = Limits(
             max(1e-2 * self._tolerance, 1e-14),
-            max(self._tolerance ** (stages / (stages + 2.0)), 1e-10),
+            max(resolution_of(self._tolerance, stages), 1e-10),
             growth,
             np.array([self._resistance(level, growth) for level in range(self._port.length.size)]),
         )

@@ -13,12 +13,12 @@ from fullwave.lines.blocks import marched_slabs
 from fullwave.lines.grid_ports import GridPorts
 from fullwave.lines.propagator import doubled, short_step, shortest_halving, to_legendre
 from fullwave.lines.system import GRIP, IMPEDANCE, MASS, SCALARS, SPRING
-from fullwave.lines.threads import one_thread
 from fullwave.lines.viscosity import Viscous
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import SceneError
 from slipwave.observe import follow
 from slipwave.step.collocation import radau
+from slipwave.threads import one_thread
 
 RAMP = "drive.velocity=[[0.0, 100.0], [5.3, 100.0], [11.17, 200.0]]"
 SCENES = {

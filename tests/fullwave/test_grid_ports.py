@@ -10,7 +10,7 @@ import threadpoolctl
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
-from fullwave.lines import budget, grid_ports, march
+from fullwave.lines import budget, grid_ports, march, step_maps
 from fullwave.lines.grid_ports import GridPorts
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import NumericsError, SceneError
@@ -77,8 +77,8 @@ def test_all_matrices_are_made_on_one_thread(monkeypatch: pytest.MonkeyPatch) ->
 
         return counted
 
-    for name in ("motion_of", "short_step", "doubled"):
-        monkeypatch.setattr(grid_ports, name, watched(getattr(grid_ports, name)))
+    for module, name in ((grid_ports, "motion_of"), (step_maps, "short_step"), (step_maps, "doubled")):
+        monkeypatch.setattr(module, name, watched(getattr(module, name)))
     with threadpoolctl.threadpool_limits(2):
         solver = DiscontinuousGalerkin(PAPER, 3, 2, time="exact")
         solver.keep_frames()
@@ -88,7 +88,7 @@ def test_all_matrices_are_made_on_one_thread(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_a_motion_too_fast_for_every_step_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(grid_ports, "_LEVELS", 3)
+    monkeypatch.setattr(grid_ports, "LEVELS", 3)
     solver = DiscontinuousGalerkin(slipwave.read("paper", ["start.kind=jump", "start.size=3.0"]), 3, 2, time="exact")
     with pytest.raises(
         NumericsError, match=r"^dg:3: no step is short enough at t = 0 transits, v = .*, psi = [-.\d]+ \(scene 'paper'"

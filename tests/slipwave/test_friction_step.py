@@ -1,36 +1,13 @@
 """One collocated friction step against a general root finder: diagonal, weakly and strongly coupled impedances."""
 
-import numba
 import numpy as np
 import pytest
 from scipy.optimize import root
 
 import slipwave
 from slipwave.friction import rate_of, respond, steady_state, unknown_of
-from slipwave.step.collocation import radau
 from slipwave.step.impedance import TOGETHER, Diagonal, Full
-from slipwave.step.newton import solve_step
-from slipwave.step.rows import FORCED, RATE, STATE, UNKNOWN, WORK_ROWS
-
-RULE = radau(5)
-NODES = tuple(float(x) for x in RULE.nodes)
-S = len(NODES)
-RANDOM = np.random.default_rng(5)
-COUPLED = np.tril(RANDOM.uniform(0.2, 1.0, (S, S)))
-
-
-@numba.njit
-def _solve(nodes, law, impedance, h, psi, incoming, integral, guess, work, system):
-    return solve_step(nodes, law, impedance, h, psi, incoming, 0, integral, 1e-13, guess, work, system)
-
-
-def solved(law, impedance, h, psi, z, incoming, forced):
-    """(iterations, psi, z, v) at the nodes, from a guess one unit off in z."""
-    guess, work = np.full((2, S), psi), np.zeros((WORK_ROWS, S))
-    guess[UNKNOWN] = z + 1.0
-    work[FORCED] = forced
-    used = _solve(NODES, law, impedance, h, psi, incoming[None], RULE.integral.T.copy(), guess, work, np.empty((S, S)))
-    return used, guess[STATE], guess[UNKNOWN], work[RATE]
+from tests.one_step import COUPLED, RULE, S, solved
 
 
 def by_root_finder(law, matrix, h, psi, z, incoming, forced):

@@ -1,0 +1,56 @@
+"""The branch of orbits of twice the period that is born at a period doubling."""
+
+import numpy as np
+import scipy.linalg
+
+from reduced.continuation.mesh import Family
+from reduced.continuation.point import Metric, Point, point_near
+from reduced.continuation.special import Special
+from reduced.orbit.closing import Closed
+from slipwave.errors import NumericsError
+from slipwave.observe.pieces import Array, lagrange_basis, values_at
+
+_AMPLITUDES = (3e-3, 1e-3, 1e-4)  # of the largest component of the state; the first with which Newton's method converges
+_SAMPLES = 200
+_NEAR = 1e-3  # distance of the multiplier from -1
+
+
+def from_doubling(family: Family, special: Special, metric: Metric) -> tuple[Family, Point]:
+    """The first orbit of twice the period beside the period doubling `special`, and the family on a mesh for it: displaced along
+    the eigenvector of the multiplier -1, by which the two halves of the doubled orbit differ.
+
+    Raises NumericsError if the special point is no period doubling, or no such orbit is found.
+    """
+    closed = special.point.closed
+    values, vectors = scipy.linalg.eig(closed.monodromy)
+    passing = int(np.abs(values + 1.0).argmin())
+    if special.kind != "PD" or abs(values[passing] + 1.0) > _NEAR:
+        raise NumericsError(f"parameter = {closed.parameter:.10g} is no period doubling: the multiplier is {values[passing]:.6g}")
+    shape = vectors[:, passing].real
+    shape = shape / np.abs(shape).max()
+    failed = NumericsError("")
+    for amplitude in _AMPLITUDES:
+        try:
+            return _displaced(family, closed, shape, amplitude, metric)
+        except NumericsError as reason:
+            failed = reason
+    raise failed
+
+
+def _displaced(family: Family, closed: Closed, shape: Array, amplitude: float, metric: Metric) -> tuple[Family, Point]:
+    """The doubled orbit at this amplitude of its deviation `shape` from the simple one."""
+    period = 2.0 * closed.cycle.period
+    twice = closed.cycle._replace(start=closed.cycle.start + amplitude * shape, period=period)
+    flow, state = closed.flow.remeshed(twice, 1.0)
+    family = family.on(flow)
+    along = np.append(shape, [0.0, 0.0])
+    guess = np.append(state, [period, closed.parameter])
+    return family, point_near(family, guess, along / metric.length(along), metric)
+
+
+def difference_of_halves(point: Point) -> float:
+    """Largest difference of z and psi between the first and the second half of an orbit; 0 if it is a simple one, twice."""
+    cycle, basis = point.closed.cycle, lagrange_basis(point.closed.flow.nodes)
+    times = np.linspace(0.0, 0.5, _SAMPLES, endpoint=False)[1:] * cycle.period
+    first, second = (np.array(values_at(cycle.pieces, basis, times + shift)[:2]) for shift in (0.0, 0.5 * cycle.period))
+    return float(np.abs(second - first).max())

@@ -1,0 +1,175 @@
+"""Special points of a branch: folds (LP), period doublings (PD) and torus points (NS), bracketed between points of the branch.
+
+    LP  the branch turns: its tangent has no component along the parameter, and a real multiplier passes through 1
+    PD  a real multiplier passes through -1
+    NS  a complex pair passes through the unit circle
+
+The number of unstable multipliers changes by 1, 1 and 2. An interval in which it changes otherwise than by its events is refused.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from reduced.continuation.point import FlowAt, Metric, Point, point_near
+from reduced.orbit.closing import TOLERANCE
+from reduced.orbit.multipliers import Complex
+from slipwave.errors import NumericsError
+
+_BRACKET = 1e-9  # half of a bracket's length in the branch's metric
+_MOST_WIDENINGS = 10
+_CLOSE = 1e-10  # of the distance between two points of the branch
+_REAL = 1e-9  # imaginary part below which a multiplier is real
+
+
+class Unaccounted(NumericsError):
+    """The number of unstable multipliers changes otherwise than by the special points that were found."""
+
+
+@dataclass(frozen=True)
+class Special:
+    """A special point of `kind` LP, PD or NS, as the `point` found nearest to it; `bracket`, the width in the parameter of the
+    interval that holds it, but not less than that to which orbits close; numbers of unstable multipliers before and after, and
+    the `multiplier` that passes."""
+
+    kind: str
+    point: Point
+    bracket: float
+    unstable_before: int
+    unstable_after: int
+    multiplier: complex
+
+
+def between(flow_at: FlowAt, left: Point, right: Point, metric: Metric) -> tuple[Special, ...]:
+    """The special points between two neighbours of a branch, in order. Raises Unaccounted if they do not explain the change of
+    the number of unstable multipliers."""
+    if not _differ(left, right):
+        if not _may_turn(left, right, metric):
+            return ()
+        middle = _middle(flow_at, left, right, metric)
+        if not _differ(left, middle):
+            return ()
+        return between(flow_at, left, middle, metric) + between(flow_at, middle, right, metric)
+    tests = [kind for kind, test in _TESTS.items() if test(left, right)]
+    if len(tests) == 1 and _change(tests[0], left, right):
+        return (_locate(flow_at, left, right, metric, tests[0]),)
+    if metric.length(right.unknowns - left.unknowns) < 1e-7:
+        raise Unaccounted(
+            f"the number of unstable multipliers changes from {left.unstable} to {right.unstable} near parameter = "
+            f"{left.parameter:.10g}, and no single special point explains it"
+        )
+    middle = _middle(flow_at, left, right, metric)
+    return between(flow_at, left, middle, metric) + between(flow_at, middle, right, metric)
+
+
+def _differ(left: Point, right: Point) -> bool:
+    return left.unstable != right.unstable or left.tangent[-1] * right.tangent[-1] < 0.0
+
+
+def _may_turn(left: Point, right: Point, metric: Metric) -> bool:
+    """Whether the cubic with the parameters and slopes of both ends turns between them though both slopes have one sign: then
+    two folds lie there, or the chord is nearly vertical."""
+    change = right.parameter - left.parameter
+    length = metric.length(right.unknowns - left.unknowns)
+    first, last = left.tangent[-1] * length, right.tangent[-1] * length
+    middle = 1.5 * change - 0.25 * (first + last)  # slope halfway
+    return bool(first * middle < 0.0 or first * change < 0.0)
+
+
+def _turns(left: Point, right: Point) -> bool:
+    return bool(left.tangent[-1] * right.tangent[-1] < 0.0)
+
+
+def _doubles(left: Point, right: Point) -> bool:
+    return _beyond(left, -1.0) != _beyond(right, -1.0)
+
+
+def _winds(left: Point, right: Point) -> bool:
+    return _pairs(left) != _pairs(right)
+
+
+_TESTS: dict[str, Callable[[Point, Point], bool]] = {"LP": _turns, "PD": _doubles, "NS": _winds}
+_CHANGES = {"LP": 1, "PD": 1, "NS": 2}
+
+
+def _change(kind: str, left: Point, right: Point) -> bool:
+    """Whether the change of the number of unstable multipliers is that of one point of this kind."""
+    return abs(left.unstable - right.unstable) == _CHANGES[kind]
+
+
+def _beyond(point: Point, sign: float) -> int:
+    """Number of real multipliers beyond 1 (`sign` 1) or -1 (-1)."""
+    values = point.multipliers
+    real = values[np.abs(values.imag) < _REAL].real
+    return int((sign * real > 1.0).sum())
+
+
+def _pairs(point: Point) -> int:
+    """Number of complex pairs outside the unit circle."""
+    values = point.multipliers
+    return int(((np.abs(values) > 1.0) & (values.imag >= _REAL)).sum())
+
+
+def _middle(flow_at: FlowAt, left: Point, right: Point, metric: Metric, share: float = 0.5) -> Point:
+    """The point of the branch between two others, at `share` of the chord, sought from the cubic through both."""
+    chord = right.unknowns - left.unknowns
+    rest, length = 1.0 - share, metric.length(chord)
+    bend = rest * (length * left.tangent - chord) - share * (length * right.tangent - chord)
+    guess = left.unknowns + share * chord + share * rest * bend
+    return point_near(flow_at, guess, chord, metric, left if share < 0.5 else right)
+
+
+def _locate(flow_at: FlowAt, left: Point, right: Point, metric: Metric, kind: str) -> Special:
+    """The special point of `kind` between two points: the zero of its test function, between two points close by on either side,
+    of which one is before it and one beyond."""
+    length = metric.length(right.unknowns - left.unknowns)
+    found = {0.0: left, 1.0: right}
+
+    def point(share: float) -> Point:
+        if share not in found:
+            found[share] = _middle(flow_at, left, right, metric, share)
+        return found[share]
+
+    at = _zero(lambda share: _value(kind, point(share)), lambda share: _TESTS[kind](left, point(share)))
+    gap = _BRACKET / length
+    for _ in range(_MOST_WIDENINGS):
+        before, after = point(max(0.0, at - gap)), point(min(1.0, at + gap))
+        if _TESTS[kind](before, after):
+            width = max(abs(after.parameter - before.parameter), TOLERANCE)
+            passing = complex(_critical(kind, point(at).multipliers))
+            return Special(kind, point(at), width, left.unstable, right.unstable, passing)
+        gap *= 4.0
+    raise Unaccounted(f"a point of kind {kind} near parameter = {left.parameter:.10g} cannot be located")
+
+
+def _zero(value: Callable[[float], float], is_beyond: Callable[[float], bool]) -> float:
+    """The share at which `value` changes sign or, where its ends have one sign, from which on `is_beyond`."""
+    from scipy.optimize import brentq
+
+    low, high = 0.0, 1.0
+    while high - low > _CLOSE:
+        if value(low) * value(high) < 0.0:
+            return float(brentq(value, low, high, xtol=_CLOSE, rtol=_CLOSE))
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if is_beyond(middle) else (middle, high)
+    return 0.5 * (low + high)
+
+
+def _value(kind: str, point: Point) -> float:
+    """The test function of `kind`; its sign changes at the special point."""
+    if kind == "LP":
+        return float(point.tangent[-1])
+    passing = _critical(kind, point.multipliers)
+    return float(-1.0 - passing.real) if kind == "PD" else float(abs(passing) - 1.0)
+
+
+def _critical(kind: str, values: Complex) -> complex:
+    """The multiplier that passes."""
+    if kind == "LP":
+        return complex(values[np.abs(values - 1.0).argmin()])
+    if kind == "PD":
+        real = values[np.abs(values.imag) < _REAL]
+        return complex(real[np.abs(real + 1.0).argmin()]) if real.size else complex(-np.inf)
+    pairs = values[values.imag >= _REAL]
+    return complex(pairs[np.abs(np.abs(pairs) - 1.0).argmin()]) if pairs.size else complex(0.0)

@@ -1,0 +1,244 @@
+"""The delay system over one period (`Flow`), for any pair of lossless slabs, by steps that divide its delays where possible.
+
+Delayed waves then fall on the nodes of past steps, whose ends superconverge. A period is no whole number of steps: the state at
+its end is read from the polynomials of the last steps, which is the only interpolation in a period.
+"""
+
+import math
+from functools import cache
+
+import numpy as np
+
+from reduced.delay.alike import collocation_matrices, dense_resolution
+from reduced.delay.alike_kernel import ELASTIC, PSI
+from reduced.delay.network import NODES, DelayNetwork, compiled
+from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, NetworkMemory, march_network
+from reduced.delay.transmission_lines import lines_of
+from reduced.flows.delay_kernel import logs_of_return, march_tangent
+from reduced.flows.exchange import exchange_of
+from reduced.stability.essential import essential_abscissa
+from slipwave.errors import NumericsError
+from slipwave.friction import unknown_of
+from slipwave.observe.pieces import Array, Basis, empty_pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.solver import State
+from slipwave.scene import Scene
+from slipwave.step.flow import Cycle
+from slipwave.step.guess import DONE, first_guess
+from slipwave.step.rows import UNKNOWN
+
+_NEWTON = 1e-13
+_FEWEST = 3.0  # steps per transit
+_FINE = 32  # points of quadrature in a step
+_UNDAMPED = 1e-9  # decay in a transit
+_ANY = math.inf  # a mesh that does not change rejects no step
+
+
+class DelayFlow:
+    """The motion in steps of `length` (transits). A state is the waves launched in the last `kept` steps, layer by layer,
+    outwards and inwards, oldest first; spring stress and velocity of each outer face, where it has a spring or a mass; psi."""
+
+    model = "delay"
+
+    def __init__(self, scene: Scene, per_transit: float) -> None:
+        self.scene = scene
+        self.nodes, self._matrices = collocation_matrices(NODES)
+        self._basis, self._with_left = _bases(NODES)
+        self._lines = lines_of(scene)
+        longest, divisor = min(1.0 / max(_FEWEST, per_transit), float(self._lines.travel.min())), self._lines.divisor
+        self.length = divisor / math.ceil(divisor / longest - 1e-9) if divisor else longest
+        self.kept = math.ceil(float(self._lines.travel.max()) / self.length - 1e-9)
+        self._network = compiled(scene, self._lines, self.length, self.nodes, divisor is not None)
+        self._shape = (self._lines.travel.size, 2, self.kept, NODES)
+        self.tops_remembered = np.array([(top.spring > 0.0, top.mass > 0.0) for top in self._lines.tops])
+        self.size = math.prod(self._shape) + int(self.tops_remembered.sum()) + 1
+
+    @property
+    def steady(self) -> Array:
+        """As `Flow`: no waves, in deviations from steady sliding."""
+        return np.append(np.zeros(self.size - 1), self.scene.steady_psi)
+
+    def of(self, scene: Scene) -> "DelayFlow":
+        """As `Flow`."""
+        return DelayFlow(scene, 1.0 / self.length)
+
+    def mesh_state(self) -> State:
+        """As `Flow`: steps per transit."""
+        return {"per_transit": np.array([1.0 / self.length])}
+
+    def on_mesh(self, state: State) -> "DelayFlow":
+        """As `Flow`."""
+        return DelayFlow(self.scene, float(state["per_transit"][0]))
+
+    def march(self, start: Array, period: float) -> Cycle:
+        """As `Flow`."""
+        scene, rule = self.scene, self._matrices
+        steps, fraction = self._steps(period)
+        pieces = empty_pieces(steps, NODES)
+        memory = self._memory(start)
+        done, iterations, verdict = march_network(
+            tuple(self.nodes),
+            scene.law,
+            self._network,
+            scene.forcing._replace(nudge=0.0),
+            scene.drive.compiled,
+            rule.integral,
+            rule.predict,
+            rule.predict_state,
+            rule.tail,
+            memory,
+            0.0,
+            0,
+            self.length,
+            steps,
+            _NEWTON,
+            _ANY,
+            _ANY,
+            pieces,
+        )
+        if verdict != DONE:
+            raise NumericsError(
+                f"delay: the step at {done * self.length:.6g} of {period:.6g} transits cannot be solved (scene {scene.name!r})"
+            )
+        left = pieces.psi[-2, -1] if steps > 1 else start[-1]
+        psi = self._psi_row(fraction) @ np.r_[left, pieces.psi[-1]]
+        end = self._state(
+            np.moveaxis(memory.waves, 2, 0)[..., None], memory.tops[..., None], np.array([psi]), int(memory.cursor[0]), fraction
+        )[:, 0]
+        return Cycle(period, start, end, pieces, iterations)
+
+    def tangent(self, cycle: Cycle) -> Array:
+        """As `Flow`."""
+        return self._carry(cycle, False)
+
+    def frozen_tangent(self, cycle: Cycle) -> Array:
+        """As `Flow`."""
+        return self._carry(cycle, True)
+
+    def essential_radius(self, cycle: Cycle) -> float:
+        """As `Flow`: the spectral radius of the waves' motion with psi held. For alike plain slabs the interface returns a wave
+        with the factor rho = (F_v - epsilon/2)/(F_v + epsilon/2), and the radius is exp of the integral of ln |rho| over the
+        period. Slabs of incommensurate round trips whose faces lose nothing have motions, as near as one likes, in which the
+        interface carries no stress: then it is 1. Of others it is that of `frozen_tangent`."""
+        scene = self.scene
+        if scene.alike and scene.upper.is_plain:
+            return self._returned(cycle)
+        if self._lines.divisor is None and essential_abscissa(scene) > -_UNDAMPED / scene.transit:
+            return 1.0
+        return float(np.abs(np.linalg.eigvals(self.frozen_tangent(cycle))).max())
+
+    def _returned(self, cycle: Cycle) -> float:
+        """exp of the integral of ln |rho|, which is infinite where rho passes through zero, over the period."""
+        steps, fraction = self._steps(cycle.period)
+        points, weights = np.polynomial.legendre.leggauss(_FINE)
+        total = 0.0
+        for part, length in ((slice(0, steps - 1), 1.0), (slice(steps - 1, steps), fraction)):
+            rows = interpolation_matrix(self._basis, 0.5 * length * (points + 1.0))
+            z, psi = cycle.pieces.z[part] @ rows.T, cycle.pieces.psi[part] @ rows.T
+            total += 0.5 * length * float(logs_of_return(self.scene.law, 0.5 * self.scene.upper.epsilon, z, psi) @ weights)
+        return math.exp(self.length * total)
+
+    def roughness(self, cycle: Cycle, tolerance: float) -> float:
+        """As `Flow`."""
+        tail = self._matrices.tail
+        largest = max(float(np.abs(values @ tail).max()) for values in (cycle.pieces.z, cycle.pieces.psi))
+        return largest / dense_resolution(tolerance, NODES)
+
+    def remeshed(self, cycle: Cycle, finer: float) -> "tuple[DelayFlow, Array]":
+        """As `Flow`."""
+        new = DelayFlow(self.scene, finer / self.length)
+        waves, rest = np.split(cycle.start, [math.prod(self._shape)])
+        return new, new.sampled(waves.reshape(self._shape), self.length, rest)
+
+    def sampled(self, waves: Array, length: float, rest: Array) -> Array:
+        """The state with `waves` (layers, 2, past steps, s) launched in steps of `length` (transits), oldest first, and the
+        `rest` of the state. Before the oldest step its first values are taken."""
+        past = waves.shape[2]
+        ages = (np.arange(self.kept)[:, None] - self.kept + self.nodes).ravel() * self.length / length + past
+        step = np.clip(np.ceil(ages - 1e-12).astype(int) - 1, 0, past - 1)
+        rows = interpolation_matrix(self._basis, np.clip(ages - step, 0.0, 1.0))
+        return np.concatenate([np.einsum("ldgk,gk->ldg", waves[:, :, step], rows).ravel(), rest])
+
+    def _steps(self, period: float) -> tuple[int, float]:
+        """Number of steps that cover the period, and the part of the last one that belongs to it, in (0, 1]."""
+        steps = max(1, math.ceil(period / self.length))
+        return steps, period / self.length - (steps - 1)
+
+    def _psi_row(self, fraction: float) -> Array:
+        return np.asarray(interpolation_matrix(self._with_left, np.array([fraction]))[0])
+
+    def _memory(self, start: Array) -> NetworkMemory:
+        """The memory of the march; the ring has room for one step more than a state."""
+        waves, tops, psi = self._parts(start[:, None])
+        now = np.zeros(3)
+        now[PSI], now[ELASTIC] = psi[0], self.scene.steady_stress
+        guess, steady = np.full((2, NODES), now[PSI]), np.full(NODES, self._network.base)
+        z = unknown_of(self.scene.law, self.scene.velocity)
+        first_guess(self.scene.law, self.scene.impedance, steady, now[PSI], z, guess[UNKNOWN])
+        ring = np.ascontiguousarray(np.moveaxis(waves[..., 0], 0, 2))
+        return NetworkMemory(ring, tops[..., 0], guess, now, np.array([self.kept]))
+
+    def _carry(self, cycle: Cycle, frozen: bool) -> Array:
+        """Derivative of the end with respect to the start."""
+        nodes, integral, motion = tuple(self.nodes), self._matrices.integral, cycle.pieces
+        exchange = exchange_of(nodes, self._network, self.length, integral)
+        waves, tops, psi = self._parts(np.eye(self.size))
+        faces = exchange.weights.shape[0]
+        memory = np.zeros((self.kept + 1, exchange.back.size, self.size))
+        memory[:, :faces] = waves.reshape(self.kept + 1, faces, -1)
+        memory[self.kept - 1, faces:-1], memory[self.kept - 1, -1] = tops.reshape(-1, self.size), psi
+        _, fraction = self._steps(cycle.period)
+        physics = (self.scene.law, self._network.interface_impedance, exchange, self.length * self.scene.transit, integral)
+        cursor = march_tangent(nodes, *physics, motion.z, motion.psi, frozen, memory, self.kept, self._psi_row(fraction))
+        waves, tops, psi = memory[:, :faces].reshape(waves.shape), memory[cursor - 1, faces:-1], memory[cursor - 1, -1]
+        return self._state(waves, tops.reshape(*self.tops_remembered.shape, -1), psi, cursor, fraction)
+
+    def _parts(self, states: Array) -> tuple[Array, Array, Array]:
+        """Waves in a ring (steps, layers, 2, s, m), faces (slabs, 2, m) and psi (m,) of `states` (n, m)."""
+        (layers, _, kept, _), count, waves = self._shape, states.shape[1], math.prod(self._shape)
+        ring = np.zeros((kept + 1, layers, 2, NODES, count))
+        ring[:-1] = np.moveaxis(states[:waves].reshape(*self._shape, count), 2, 0)
+        tops = np.zeros((*self.tops_remembered.shape, count))
+        tops[self.tops_remembered] = states[waves:-1]
+        return ring, tops, states[-1].copy()
+
+    def _state(self, ring: Array, tops: Array, psi: Array, cursor: int, fraction: float) -> Array:
+        """States (n, m) at `fraction` of the last step in the ring, with the faces `tops` at its end."""
+        ordered = ring[(cursor + np.arange(self.kept + 1)) % (self.kept + 1)]
+        places = fraction + self.nodes
+        rows = interpolation_matrix(self._basis, np.where(places <= 1.0, places, places - 1.0))
+        early, late = rows * (places <= 1.0)[:, None], rows * (places > 1.0)[:, None]
+        waves = np.moveaxis(early @ ordered[:-1] + late @ ordered[1:], 0, 2)
+        faces = self._faces(ordered, tops, fraction) if self.tops_remembered.any() else tops
+        return np.concatenate([waves.reshape(-1, psi.size), faces[self.tops_remembered], psi[None]])
+
+    def _faces(self, ordered: Array, tops: Array, fraction: float) -> Array:
+        """Load and velocity (slabs, 2, m) of the outer faces at `fraction` of the last step, from those at its end. A face at the
+        velocity w returns the wave P that arrives as P + 2 e w, which gives w at the nodes of the step."""
+        points, weights = np.polynomial.legendre.leggauss(NODES)
+        rest = 1.0 - fraction
+        later = 0.5 * rest * weights @ interpolation_matrix(self._basis, fraction + 0.5 * rest * (points + 1.0))
+        here = interpolation_matrix(self._basis, np.array([fraction]))[0]
+        network, faces = self._network, tops.copy()
+        for slab, layer in enumerate(network.last):
+            back, rows = network.back[layer], network.weights[layer]
+            arrived = np.array([row @ ordered[self.kept - b, layer, OUTWARD] for b, row in zip(back, rows, strict=True)])
+            velocity = (ordered[self.kept, layer, INWARD] - arrived) / (2.0 * network.impedance[layer])
+            faces[slab, LOAD] += self.length * network.spring[slab] * (later @ velocity)
+            faces[slab, VELOCITY] = here @ velocity
+        return faces
+
+
+@cache
+def _bases(stages: int) -> tuple[Basis, Basis]:
+    """Of a step's nodes, and of these with the step's start."""
+    nodes = collocation_matrices(stages)[0]
+    return lagrange_basis(nodes), lagrange_basis(np.r_[0.0, nodes])
+
+
+def frozen(solver: DelayNetwork, period: float) -> tuple[DelayFlow, Array]:
+    """The flow of the scene that `solver` marches, with steps as long as those now, and its present state."""
+    flow = DelayFlow(solver.scene, solver.steps)
+    saved = solver.state()
+    waves = np.roll(saved["waves"], -int(saved["counts"][2]), axis=2)
+    rest = np.append(saved["tops"][flow.tops_remembered], saved["now"][PSI])
+    return flow, flow.sampled(waves, 1.0 / solver.steps, rest)

@@ -1,0 +1,122 @@
+"""Bring a run near a periodic orbit, so that Newton's method can take over: some cycles are enough, settled or not."""
+
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from slipwave.errors import NumericsError
+from slipwave.observe import EventObserver, Events, Solver, follow
+from slipwave.observe.pieces import Array
+from slipwave.step.flow import Flow
+
+MOST_TRANSITS = 6000.0
+"""Length of a run that is given up if it makes no cycles."""
+
+_ALIKE = 1e-3  # relative change of period and size from cycle to cycle at which Newton's method takes over
+_LAST = 3
+_CYCLES = 24  # after so many that still change, it starts from the mean of so many more
+_STRETCH = 200.0
+_STEADY = 1e-3  # v_max/v_min - 1 below which a run has returned to steady sliding
+
+Marched = TypeVar("Marched", bound=Solver)
+Freeze = Callable[[Marched, float], tuple[Flow, Array]]
+"""(solver, period) -> its flow for that period and its present state."""
+
+
+class Guess(NamedTuple):
+    """Where Newton's method begins: a `state` of `flow`, between two slip events where the motion is smooth, and a `period`;
+    whether the run had `settled` on it."""
+
+    flow: Flow
+    state: Array
+    period: float
+    settled: bool
+
+
+def approach(
+    solver: Marched,
+    freeze: "Freeze[Marched]",
+    most: float = MOST_TRANSITS,
+    progress: Callable[[float], None] | None = None,
+) -> Guess:
+    """March `solver` near its periodic orbit. If its cycles keep changing, as beside an unstable orbit, the guess is the mean of
+    many of them: a torus surrounds its orbit, and cycles of a doubled one lie on both sides.
+
+    Raises NumericsError if the run makes no cycles within `most` transits, or returns to steady sliding.
+    """
+    observer = EventObserver(solver.scene, solver.nodes)
+    events = observer.events()
+    while not (_settled(events) or (events.period.size >= _CYCLES and not _drifts(events))):
+        if solver.time >= most:
+            _require_orbit(solver, events, most)
+            break
+        follow(solver, min(most, solver.time + _STRETCH), [observer], progress)
+        events = observer.events(0.5 * solver.time)
+        _require_motion(solver, events)
+    if _settled(events) or _drifts(events):
+        period = float(events.period[-1])
+        return Guess(*_between(solver, observer, freeze, period), period, _settled(events))
+    return _mean(solver, observer, freeze, float(events.period.mean()))
+
+
+def _settled(events: Events) -> bool:
+    """Whether the last cycles are alike in length and size: near the onset small cycles keep their length while they grow."""
+    if events.time.size < _LAST:
+        return False
+    lasts = (events.period[-_LAST:], events.elastic_stress_drop[-_LAST:])
+    return all(float(np.abs(np.diff(last)).max()) < _ALIKE * float(last[-1]) for last in lasts)
+
+
+def _drifts(events: Events) -> bool:
+    """Whether all cycles grow, or all become smaller: a slow transient, not a motion around an orbit."""
+    changes = np.diff(events.elastic_stress_drop)
+    return bool((changes > 0.0).all() or (changes < 0.0).all())
+
+
+def _mean(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]", period: float) -> Guess:
+    """The mean of the states halfway after the next events."""
+    begin = float(observer.dates()[-1])
+    flow, state = _between(solver, observer, freeze, period)
+    states = [state]
+    while len(states) < _CYCLES:
+        other, state = _between(solver, observer, freeze, period)
+        if other.size != flow.size:  # the solver has refined its mesh
+            flow, states = other, []
+        states.append(state)
+    dates = observer.dates()
+    count = int((dates > begin + 1e-6).sum())
+    return Guess(flow, np.mean(states, axis=0), (float(dates[-1]) - begin) / count if count else period, False)
+
+
+def _between(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]", period: float) -> tuple[Flow, Array]:
+    """March to the middle between two slip events, half a period after the first to come; its flow and state."""
+    last = float(observer.dates()[-1])
+    if last + 0.5 * period <= solver.time + 1e-6:
+        follow(solver, last + 1.2 * period, [observer])
+        while float(observer.dates()[-1]) == last:
+            follow(solver, solver.time + 0.05 * period, [observer])
+        last = float(observer.dates()[-1])
+    if last + 0.5 * period > solver.time:
+        follow(solver, last + 0.5 * period, [observer])
+    return freeze(solver, period)
+
+
+def _require_orbit(solver: Solver, events: Events, most: float) -> None:
+    """Raises NumericsError if a run of `most` transits has not come near an orbit; one that still grows may be near enough."""
+    count, sizes = events.time.size, events.elastic_stress_drop
+    if count >= _LAST and sizes[-1] > sizes[0]:
+        return
+    made = f"made {count} cycles in its second half" + (", each smaller than the one before" if count >= _LAST else "")
+    raise NumericsError(
+        f"{solver.model}: a run of {most:.0f} transits {made}: no orbit near it; begin with a larger disturbance (start.size), "
+        f"or follow the orbits from where steady sliding loses stability (scene {solver.scene.name!r})"
+    )
+
+
+def _require_motion(solver: Solver, events: Events) -> None:
+    if events.time.size >= 2 and events.v_max[-1] < (1.0 + _STEADY) * events.v_min[-1]:
+        raise NumericsError(
+            f"{solver.model}: the run returns to steady sliding, which is stable against small disturbances here; begin with a "
+            f"larger one (start.size), or follow the orbits from where stability is lost (scene {solver.scene.name!r})"
+        )

@@ -1,0 +1,76 @@
+"""What a model offers to those who look for its periodic orbits: its motion over one period as a differentiable map."""
+
+from typing import NamedTuple, Protocol
+
+from slipwave.observe.pieces import Array, Pieces
+from slipwave.observe.solver import State
+from slipwave.scene import Scene
+
+
+class Cycle(NamedTuple):
+    """A motion over `period` (transits) from the state `start` (n,) to the state `end` (n,): its `pieces` from t = 0, and the
+    `iterations` of Newton's method that its steps took."""
+
+    period: float
+    start: Array
+    end: Array
+    pieces: Pieces
+    iterations: int
+
+
+class Flow(Protocol):
+    """A model's motion over a period on a mesh that does not depend on the motion, so that the state at the end is a smooth
+    function of the state at the start, of the period and of the scene. It is the model's own motion: no interpolation of an
+    earlier run enters.
+
+    A state is a vector of `size` values that determines the future motion, with psi as the last. It means the same for all scenes
+    of one mesh (`of`), and is converted from mesh to mesh by `remeshed`.
+    """
+
+    @property
+    def scene(self) -> Scene:
+        """What is simulated; its drive is constant."""
+
+    @property
+    def model(self) -> str:
+        """The model's name."""
+
+    @property
+    def size(self) -> int:
+        """Number of values of a state."""
+
+    @property
+    def nodes(self) -> Array:
+        """Nodes of the pieces in [0, 1]."""
+
+    @property
+    def steady(self) -> Array:
+        """The state (n,) of steady sliding."""
+
+    def march(self, start: Array, period: float) -> Cycle:
+        """The motion from `start` over `period`. Raises NumericsError if a step cannot be solved."""
+
+    def tangent(self, cycle: Cycle) -> Array:
+        """d end/d start (n, n) along `cycle`."""
+
+    def frozen_tangent(self, cycle: Cycle) -> Array:
+        """The same with psi held at its values along `cycle`: what the interface returns of the waves alone."""
+
+    def essential_radius(self, cycle: Cycle) -> float:
+        """Radius below which infinitely many multipliers of the model accumulate; 0 if it has finitely many."""
+
+    def of(self, scene: Scene) -> "Flow":
+        """The same model and mesh for another scene."""
+
+    def mesh_state(self) -> State:
+        """What determines the mesh, as arrays by name."""
+
+    def on_mesh(self, state: State) -> "Flow":
+        """The same model and scene on the mesh that `mesh_state` gave."""
+
+    def remeshed(self, cycle: Cycle, finer: float) -> "tuple[Flow, Array]":
+        """A flow whose mesh suits the motion of `cycle`, with steps shorter by the factor `finer`, and the start of `cycle` as
+        its state."""
+
+    def roughness(self, cycle: Cycle, tolerance: float) -> float:
+        """The largest highest Legendre coefficient of z and psi in a step of `cycle`, over the one that fits `tolerance`."""

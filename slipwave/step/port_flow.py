@@ -1,0 +1,126 @@
+"""The motion over one period (`Flow`) of every model that friction meets as a port: reductions and grids propagated exactly.
+
+Steps are fixed fractions of the period, 1/count and its halves (`flow_mesh`). A march over another period makes the tables of the
+scaled lengths, so that the end is a smooth function of the period.
+"""
+
+import math
+
+import numpy as np
+
+from slipwave.errors import SceneError
+from slipwave.observe.pieces import Array, empty_pieces
+from slipwave.observe.solver import State
+from slipwave.scene import Scene
+from slipwave.step.carry import carry
+from slipwave.step.collocation import growth_limit
+from slipwave.step.flow import Cycle
+from slipwave.step.flow_mesh import NEWTON, Mesh, Response, begin_at, failure, march_on, mesh_of
+from slipwave.step.impedance import full_impedance
+from slipwave.step.linear_port import LinearPort
+from slipwave.step.march import DONE, TIME, Limits, resolution_of, rule_of
+from slipwave.threads import one_thread
+
+_FINEST = 1e-12  # highest coefficient that rounding errors leave meaningful
+
+
+class PortFlow:
+    """The motion of `response` on `mesh`. A state is what the response remembers, then psi."""
+
+    def __init__(self, response: Response, mesh: Mesh) -> None:
+        self.scene, self.model, self.mesh = response.scene, response.model, mesh
+        self.size = response.remembered + 1
+        self._response = response
+        rule, self._rule, self._shape = rule_of(response.stages)
+        self.nodes = rule.nodes
+        self._made: LinearPort | None = None
+
+    @property
+    def steady(self) -> Array:
+        """As `Flow`."""
+        return np.append(np.zeros(self.size - 1), self.scene.steady_psi)
+
+    def mesh_state(self) -> State:
+        """As `Flow`: the fields of `Mesh`."""
+        mesh = self.mesh
+        numbers = np.array([mesh.count, mesh.longest, mesh.resolution, mesh.growth])
+        return {"numbers": numbers, "levels": mesh.levels.astype(float)}
+
+    def on_mesh(self, state: State) -> "PortFlow":
+        """As `Flow`."""
+        count, *numbers = state["numbers"].tolist()
+        return PortFlow(self._response, Mesh(round(count), np.rint(state["levels"]).astype(np.int64), *numbers))
+
+    def march(self, start: Array, period: float) -> Cycle:
+        """As `Flow`."""
+        port = self._port(period)
+        memory = begin_at(self._response, port, start, int(self.mesh.levels[0]))
+        pieces = empty_pieces(self.mesh.levels.size, self.nodes.size)
+        limits = Limits(NEWTON, math.inf, math.inf, np.zeros(port.length.size))
+        _, iterations, ended = march_on(self._response, port, memory, math.inf, limits, self.mesh.levels, pieces)
+        end = np.append(port.values, pieces.psi[-1, -1])
+        if ended != DONE or not np.isfinite(end).all():
+            raise failure(self._response, float(memory.now[TIME]), period)
+        return Cycle(period, start, end, pieces, iterations)
+
+    def tangent(self, cycle: Cycle) -> Array:
+        """As `Flow`."""
+        return self._carry(cycle, False)
+
+    def frozen_tangent(self, cycle: Cycle) -> Array:
+        """As `Flow`."""
+        return self._carry(cycle, True)
+
+    def essential_radius(self, cycle: Cycle) -> float:
+        """As `Flow`: what a port remembers is finite."""
+        return 0.0
+
+    def of(self, scene: Scene) -> "PortFlow":
+        """As `Flow`. Raises SceneError if the model of `scene` remembers another number of values."""
+        response = self._response.of(scene)
+        if response.remembered != self._response.remembered:
+            raise SceneError(
+                f"{self.model}: it remembers {response.remembered} values in scene {scene.name!r}, but "
+                f"{self._response.remembered} in {self.scene.name!r}"
+            )
+        return PortFlow(response, self.mesh)
+
+    def remeshed(self, cycle: Cycle, finer: float) -> "tuple[PortFlow, Array]":
+        """As `Flow`. All lengths that a step may have, and the length that fits any motion, are shorter by `finer`."""
+        mesh, order = self.mesh, self.nodes.size - 1
+        longest, resolution = mesh.longest / finer, max(mesh.resolution / finer**order, _FINEST)
+        return PortFlow(
+            self._response, mesh_of(self._response, cycle.start, cycle.period, longest, resolution, mesh.growth / finer)
+        ), cycle.start
+
+    def roughness(self, cycle: Cycle, tolerance: float) -> float:
+        """As `Flow`."""
+        largest = max(float(np.abs(values @ self._rule.tail).max()) for values in (cycle.pieces.z, cycle.pieces.psi))
+        return largest / resolution_of(tolerance, self.nodes.size)
+
+    def _port(self, period: float) -> LinearPort:
+        """The port of the steps of `period`; it remembers what it likes. The last one is kept for the tangent."""
+        longest, levels = period / self.mesh.count, self.mesh.levels
+        if self._made is None or self._made.length[0] != longest:
+            self._made = self._response.port(longest, int(levels.max()) + 1)
+            for level in np.unique(levels)[::-1]:
+                if not self._made.ready[level]:
+                    self._response.prepare(self._made, int(level))
+        return self._made
+
+    def _carry(self, cycle: Cycle, frozen: bool) -> Array:
+        """Derivative of the end with respect to the start."""
+        changes = np.eye(self.size)
+        values, psi = changes[:, :-1].copy(), changes[:, -1].copy()
+        law, transit, pieces = self.scene.law, self.scene.transit, cycle.pieces
+        steps = (self._port(cycle.period), full_impedance(self.nodes.size), transit, self._rule.integral, self.mesh.levels)
+        with one_thread():
+            carry(self._shape, law, *steps, pieces.z, pieces.psi, frozen, values, psi)
+        return np.column_stack([values, psi]).T
+
+
+def flow_near(response: Response, start: Array, period: float, tolerance: float, longest: float) -> PortFlow:
+    """A flow whose mesh suits the motion from `start` over `period` (transits) to `tolerance`, the relative error of the figures
+    of a cycle, with steps not above `longest` (transits)."""
+    resolution, growth = resolution_of(tolerance, response.stages), growth_limit(response.stages, tolerance)
+    return PortFlow(response, mesh_of(response, start, period, longest, resolution, growth))

@@ -1,0 +1,107 @@
+"""Grids over one period as a differentiable map: its derivative against differences of the motion, the motion against the run
+that it continues, and the full wave's own orbit against that of the delay system (shared/reference/public.json)."""
+
+import numpy as np
+import pytest
+
+import slipwave
+from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.finite_element import FiniteElement
+from fullwave.lines.flow import frozen
+from fullwave.summation_by_parts import SummationByParts
+from slipwave.errors import SceneError
+from slipwave.observe import EventObserver, follow
+from tests.closing import closed, difference, largest
+
+STRONG = ["slab.epsilon=2e-3"]
+"""Settings with which the motion of slabs acts on friction within a few transits."""
+
+SCENES = {
+    "alike": ("paper", STRONG),
+    "unlike": ("unlike", []),
+    "kelvin-voigt": ("viscous", STRONG),
+    "standard linear": ("paper", [*STRONG, 'slab.viscosity={kind="standard-linear", time=0.002, ratio=0.5}']),
+    "machine": ("machine", []),
+    "layered": ("layered", []),
+}
+
+
+def moving(name, period=4.0):
+    """The flow over `period` and the state of a run, moved a little in every direction."""
+    solver = DiscontinuousGalerkin(slipwave.read(*SCENES[name]), degree=7, cells=2, time="exact")
+    follow(solver, 20.0)
+    flow, state = frozen(solver, period, 1e-10)
+    state = state + 1e-4 * np.sin(np.arange(1, state.size + 1))
+    return flow.remeshed(flow.march(flow.steady, period)._replace(start=state), 1.0)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_tangent_is_the_derivative_of_the_march(name):
+    flow, state = moving(name)
+    found = flow.tangent(flow.march(state, 4.0))
+    expected = difference(lambda change: flow.march(state + change, 4.0).end, flow.size)
+    assert largest(found - expected) < 1e-7 * largest(expected)
+    frozen_psi = flow.frozen_tangent(flow.march(state, 4.0))
+    assert not frozen_psi[-1].any()
+    assert largest(frozen_psi[:-1, -1]) == 0.0
+
+
+MEMBERS = {
+    "dg:5": lambda scene: DiscontinuousGalerkin(scene, degree=5, cells=3, time="exact", resolution=1e-11),
+    "sbp:4": lambda scene: SummationByParts(scene, order=4, cells=12, time="exact", resolution=1e-11),
+    "fem:4": lambda scene: FiniteElement(scene, degree=4, cells=3, time="exact", resolution=1e-11),
+}
+
+
+@pytest.mark.parametrize("member", MEMBERS)
+@pytest.mark.parametrize("name", ["alike", "unlike", "kelvin-voigt"])
+def test_the_flow_continues_the_run(member, name):
+    """From the state of a run to that of the same run later. Steady sliding stays."""
+    solver = MEMBERS[member](slipwave.read(*SCENES[name]))
+    follow(solver, 20.0)
+    begun, (flow, state) = solver.time, frozen(solver, 8.0, 1e-11)
+    follow(solver, 28.0)
+    period, later = solver.time - begun, frozen(solver, 8.0, 1e-9)[1]
+    assert largest(flow.march(state, period).end - later) < 1e-8
+    assert largest(flow.march(flow.steady, period).end - flow.steady) < 1e-12
+
+
+def test_another_scene_has_the_same_mesh_and_states():
+    """A state is in units of stress, so that it is the same for another impedance."""
+    flow, state = moving("alike")
+    other = slipwave.read("paper", ["slab.epsilon=2.2e-3", "slab.log10_r=-2.6", "interface.a=0.036"])
+    direct = frozen(DiscontinuousGalerkin(other, degree=7, cells=2, time="exact"), 4.0, 1e-11)[0]
+    direct, _ = direct.remeshed(direct.march(direct.steady, 4.0)._replace(start=state), 1.0)
+    assert largest(flow.of(other).march(state, 4.0).end - direct.march(state, 4.0).end) < 1e-9
+
+
+@pytest.fixture(scope="module")
+def orbit():
+    """The full wave's own orbit of the paper's scene, on two meshes, and the multipliers of the first."""
+    scene = slipwave.read("paper")
+    solver = DiscontinuousGalerkin(scene, degree=7, cells=4, time="exact")
+    observer = EventObserver(scene, solver.nodes)
+    follow(solver, 2000.0, [observer])
+    flow, state = frozen(solver, float(observer.events(1000.0).period[-1]), 1e-9)
+    cycle, monodromy = closed(flow, state, float(observer.events(1000.0).period[-1]))
+    fine, state = flow.remeshed(cycle, 1.5)
+    return cycle, closed(fine, state, cycle.period)[0], np.linalg.eigvals(monodromy)
+
+
+def test_the_orbit_is_that_of_the_delay_system(orbit):
+    """Measured: 1e-11 in the period, of which 4e-12 is friction's steps."""
+    assert [cycle.period for cycle in orbit[:2]] == pytest.approx([73.47214494428] * 2, abs=1e-10)
+    assert np.ptp(orbit[0].pieces.mu) == pytest.approx(0.1739634131, rel=1e-3)  # extremes at nodes only
+
+
+def test_its_multipliers_are_those_of_the_delay_system(orbit):
+    """The trivial one and the leading pair of the reference, to its digits."""
+    values = orbit[2][np.argsort(-np.abs(orbit[2]))][:3]
+    assert values[0] == pytest.approx(1.0, abs=1e-8)
+    assert sorted(values[1:], key=np.imag) == pytest.approx([0.254520 - 0.347982j, 0.254520 + 0.347982j], abs=1e-6)
+
+
+def test_an_explicit_march_has_no_flow():
+    solver = DiscontinuousGalerkin(slipwave.read("paper"), degree=5, cells=2, time="explicit")
+    with pytest.raises(SceneError, match="needs time = exact"):
+        frozen(solver, 70.0, 1e-9)

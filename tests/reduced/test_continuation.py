@@ -1,0 +1,278 @@
+"""Branches of periodic orbits against closed forms (`tests.orbit_by_hand`)."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from reduced.continuation.branch import Control, follow_branch, is_smooth
+from reduced.continuation.hopf import from_hopf
+from reduced.continuation.mesh import Family, refined
+from reduced.continuation.point import Metric, Point
+from reduced.continuation.special import between
+from reduced.continuation.start import from_orbit, from_stored, stored
+from reduced.orbit.closing import close
+from slipwave.errors import NumericsError
+from tests.orbit_by_hand import SHRINKS, SNAKE, SUBCRITICAL, SUPERCRITICAL, TURN, FlowByHand, Oscillator
+
+METRIC = Metric(2.0 * math.pi, 1.0)
+WIDEST = 2.1e-9
+"""Of a bracket: 1e-9 of the metric's parameter on either side."""
+CONTROL = Control(first=1e-2, longest=0.2)
+
+
+def family_of(oscillator, **settings):
+    return Family(FlowByHand(oscillator, 0.0, **settings), lambda p: SimpleNamespace(p=p))
+
+
+def at(family, oscillator, s, towards=9.0, metric=METRIC):
+    """The point of the branch with |w|^2 = s."""
+    p = float(oscillator.g(s))
+    return from_orbit(family, close(family(p), oscillator.state(s), oscillator.period(s)), p, towards, metric)
+
+
+def squared(point):
+    """|w|^2."""
+    return float(point.closed.cycle.start[-2:] @ point.closed.cycle.start[-2:])
+
+
+def branch(family, first, inside, metric=METRIC, control=CONTROL):
+    """Steps after `first`."""
+    return list(follow_branch(family, first, metric, inside, 1e-8, control))
+
+
+def events(steps):
+    return [special for step in steps for special in step.special]
+
+
+def require_closed_form(oscillator, steps):
+    """Every point lies on the branch and has the period and the multiplier that it should have."""
+    for step in steps:
+        s, point = squared(step.point), step.point
+        assert point.parameter == pytest.approx(oscillator.g(s), abs=1e-9)
+        assert point.closed.cycle.period == pytest.approx(oscillator.period(s), abs=1e-9)
+        assert point.multipliers[-1].real == pytest.approx(oscillator.multiplier(s), abs=1e-4, rel=2e-3)
+
+
+def test_the_first_orbit_beside_a_hopf_point():
+    """With 0.02 of psi along the oscillation, s = 0.0004."""
+    for oscillator in (SUPERCRITICAL, SUBCRITICAL):
+        first = from_hopf(family_of(oscillator), 0.0, 2.0 * math.pi, METRIC)
+        assert squared(first) == pytest.approx(4e-4, rel=1e-6)
+        assert first.parameter == pytest.approx(oscillator.g(4e-4), abs=1e-10)
+        assert first.closed.cycle.period == pytest.approx(oscillator.period(4e-4), abs=1e-9)
+        assert first.unstable == (oscillator is SUBCRITICAL)
+        assert first.tangent[:2] @ first.closed.cycle.start > 0.0
+
+
+def test_no_branch_where_nothing_oscillates():
+    with pytest.raises(NumericsError, match=r"does not oscillate with a period of 5\.5 transits"):
+        from_hopf(family_of(SUPERCRITICAL), 0.0, 5.5, METRIC)
+
+
+def test_the_direction_of_a_branch():
+    """dT : dp : d|w| = T'(s) : g'(s) : 1/(2 |w|), of length 1, towards the parameter asked for."""
+    for s, towards in ((0.2, 1.0), (0.2, -1.0), (0.7, 1.0)):
+        point = at(family_of(SUBCRITICAL), SUBCRITICAL, s, towards)
+        change = np.array([-SUBCRITICAL.period(s) * 0.3 / (1.0 + 0.3 * s), SUBCRITICAL.slope(s)])
+        expected = np.r_[0.5 * SUBCRITICAL.state(s) / s, change]
+        expected *= np.sign(towards * expected[-1]) / METRIC.length(expected)
+        np.testing.assert_allclose(point.tangent, expected, rtol=0.0, atol=1e-6)
+
+
+def test_a_subcritical_branch_turns_at_its_fold():
+    """p = s^2 - s: the fold at p = -1/4 has s = 1/2; its unstable orbits become stable."""
+    family = family_of(SUBCRITICAL)
+    steps = branch(family, from_hopf(family, 0.0, 2.0 * math.pi, METRIC), lambda q: q.parameter < 0.1)
+    (fold,) = events(steps)
+    assert (fold.kind, fold.unstable_before, fold.unstable_after) == ("LP", 1, 0)
+    assert fold.point.parameter == pytest.approx(-0.25, abs=1e-11)
+    assert fold.point.closed.cycle.period == pytest.approx(2.0 * math.pi / 1.15, abs=1e-4)
+    assert fold.multiplier == pytest.approx(1.0, abs=1e-3)
+    assert fold.bracket < WIDEST
+    require_closed_form(SUBCRITICAL, steps)
+
+
+def snake_folds(highest):
+    """(p, s) where g'(s) = 0.02 + 0.18 cos 6 s vanishes, up to s = `highest`."""
+    first = math.acos(-1.0 / 9.0)
+    values = sorted(sign * first + 2.0 * math.pi * k for sign in (1, -1) for k in range(20))
+    return [(SNAKE.g(x / 6.0), x / 6.0) for x in values if 0.6 < x < 6.0 * highest]
+
+
+@pytest.mark.parametrize("longest", [0.2, 5.0])
+def test_a_branch_that_folds_back_and_forth_is_never_reversed(longest):
+    """However long the steps may be, s grows, every fold is found once, and the counts alternate."""
+    family, metric = family_of(SNAKE), Metric(0.5, 0.1)
+    first, control = at(family, SNAKE, 0.1, metric=metric), Control(1e-2, longest=longest)
+    steps = branch(family, first, lambda q: squared(q) < 1.6, metric, control)
+    assert (np.diff([squared(step.point) for step in steps]) > 0.0).all()
+    folds, expected = events(steps), snake_folds(squared(steps[-1].point))
+    assert [fold.kind for fold in folds] == ["LP"] * len(expected)
+    assert [fold.unstable_after for fold in folds] == [1, 0, 1, 0, 1, 0][: len(folds)]
+    assert [fold.point.parameter for fold in folds] == pytest.approx([p for p, _ in expected], abs=1e-10)
+    assert [squared(fold.point) for fold in folds] == pytest.approx([s for _, s in expected], abs=1e-4)
+    require_closed_form(SNAKE, steps)
+
+
+def beside(rate, **shape):
+    return SUPERCRITICAL._replace(beside=rate, **shape)
+
+
+def test_a_pair_that_passes_the_unit_circle():
+    oscillator = beside(lambda p: p - 0.5)
+    family, period = family_of(oscillator), oscillator.period(0.5)
+    (torus,) = events(branch(family, at(family, oscillator, 0.3), lambda q: q.parameter < 0.7))
+    assert (torus.kind, torus.unstable_before, torus.unstable_after) == ("NS", 0, 2)
+    assert torus.point.parameter == pytest.approx(0.5, abs=1e-9)
+    assert torus.point.closed.cycle.period == pytest.approx(period, abs=1e-8)
+    angle = TURN * period
+    assert torus.multiplier == pytest.approx(complex(math.cos(angle), abs(math.sin(angle))), abs=1e-8)
+    assert torus.bracket < WIDEST
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_multiplier_that_passes_minus_one(sign):
+    """The other one of the strip stays at -exp(-0.4 T)."""
+    oscillator = beside(lambda p: sign * (p - 0.5), moebius=True)
+    family, period = family_of(oscillator), oscillator.period(0.5)
+    (doubling,) = events(branch(family, at(family, oscillator, 0.3), lambda q: q.parameter < 0.7))
+    assert (doubling.kind, doubling.unstable_before, doubling.unstable_after) == ("PD", *((0, 1) if sign > 0 else (1, 0)))
+    assert doubling.point.parameter == pytest.approx(0.5, abs=1e-9)
+    assert doubling.multiplier == pytest.approx(-1.0, abs=1e-8)
+    assert doubling.point.multipliers[1] == pytest.approx(-math.exp(SHRINKS * period), abs=1e-8)
+    assert doubling.bracket < WIDEST
+
+
+def test_events_within_one_step_are_told_apart():
+    """A period doubling at p = -0.2495, on both sides of the fold: s = 0.5 -+ sqrt(0.0005)."""
+    oscillator = SUBCRITICAL._replace(beside=lambda p: 40.0 * (p + 0.2495), moebius=True)
+    family = family_of(oscillator)
+    found = events(
+        branch(family, at(family, oscillator, 0.4, -1.0), lambda q: q.parameter < -0.2, control=Control(0.1, longest=0.2))
+    )
+    assert [one.kind for one in found] == ["PD", "LP", "PD"]
+    assert [one.point.parameter for one in found] == pytest.approx([-0.2495, -0.25, -0.2495], abs=1e-9)
+    assert [(one.unstable_before, one.unstable_after) for one in found] == [(2, 1), (1, 0), (0, 1)]
+
+
+def test_a_count_that_no_event_explains_ends_the_branch():
+    """Without a turn two multipliers pass 1 together, where the branch does not fold."""
+    oscillator = beside(lambda p: p - 0.5, turn=0.0)
+    family, control = family_of(oscillator), replace(CONTROL, shortest=1e-3)
+    with pytest.raises(NumericsError, match=r"changes from 0 to 2 near parameter = 0\.4999.*no single special point explains it"):
+        branch(family, at(family, oscillator, 0.3), lambda q: q.parameter < 0.7, control=control)
+
+
+def point_at(unknowns, tangent):
+    start, (period, parameter) = np.array(unknowns[:2]), unknowns[2:]
+    closed = SimpleNamespace(unknowns=np.r_[start, period, parameter])
+    return Point(closed, np.array(tangent) / METRIC.length(np.array(tangent)))
+
+
+@pytest.mark.parametrize(
+    ("chord", "tangent", "smooth"),
+    [
+        (0.0, 0.0, True),
+        (0.1, 0.19, True),
+        (0.15, 0.21, False),
+        (0.25, 0.15, False),
+        (0.1, -0.15, False),
+        (0.3, 0.0, False),  # a neighbouring part with the same direction
+        (math.pi, 0.0, False),
+        (0.0, math.pi, False),
+    ],
+)
+def test_a_step_counts_within_the_cone_of_both_tangents(chord, tangent, smooth):
+    """Angles of the chord and of the second tangent with the first one, of which none may exceed 0.2, nor their difference."""
+
+    def change(angle):
+        return np.array([math.sqrt(2.0) * math.sin(angle), 0.0, 0.0, math.cos(angle)])
+
+    here = np.array([1.0, 0.0, 6.0, 0.3])
+    assert is_smooth(point_at(here, change(0.0)), point_at(here + 0.1 * change(chord), change(tangent)), METRIC) is smooth
+
+
+def test_a_branch_ends_with_the_first_point_outside():
+    family = family_of(SUPERCRITICAL)
+    first = at(family, SUPERCRITICAL, 0.3)
+    parameters = [step.point.parameter for step in branch(family, first, lambda q: q.parameter < 0.5)]
+    assert max(parameters[:-1]) < 0.5 <= parameters[-1]
+    assert (np.diff(parameters) > 0.0).all()
+    assert branch(family, first, lambda q: q.parameter < 0.3) == []
+
+
+def test_the_mesh_is_refined_as_the_motion_gets_rougher():
+    family = family_of(SUBCRITICAL, roughest=2e-8)
+    steps = branch(family, from_hopf(family, 0.0, 2.0 * math.pi, METRIC), lambda q: q.parameter < 0.1)
+    assert steps[-1].point.closed.flow.steps > 6
+    assert all(step.point.closed.flow.roughness(step.point.closed.cycle, 1e-8) <= 1.0 for step in steps)
+    assert [fold.point.parameter for fold in events(steps)] == pytest.approx([-0.25], abs=1e-11)
+    assert (np.diff([squared(step.point) for step in steps]) > 0.0).all()
+    require_closed_form(SUBCRITICAL, steps)
+
+
+def test_a_branch_ends_where_no_mesh_resolves_the_motion():
+    family = family_of(SUPERCRITICAL, roughest=0.75, stuck=True)  # twice |w| = 1/0.75 at s = 0.44
+    found = []
+    with pytest.raises(NumericsError, match=r"the branch ends at parameter = 0\.4\d+: no mesh resolves the motion"):
+        found.extend(follow_branch(family, at(family, SUPERCRITICAL, 0.3), METRIC, lambda q: q.parameter < 0.9, 1e-8, CONTROL))
+    assert found[-1].point.parameter == pytest.approx(4.0 / 9.0, abs=0.05)
+
+
+class Fickle(FlowByHand):
+    """On another mesh its second oscillator grows."""
+
+    def remeshed(self, cycle, finer):
+        flow, state = super().remeshed(cycle, finer)
+        return replace(flow, oscillator=self.oscillator._replace(beside=lambda p: 0.1)), state
+
+
+def test_a_count_that_depends_on_the_mesh_ends_the_branch():
+    oscillator = beside(lambda p: -0.1)
+    family = Family(Fickle(oscillator, 0.0, roughest=1e-8), lambda p: SimpleNamespace(p=p))
+    with pytest.raises(NumericsError, match="depends on the mesh: 0 and 2"):
+        branch(family, at(family, oscillator, 0.2), lambda q: q.parameter < 0.7)
+
+
+def test_a_stored_point_goes_on_as_the_branch_did():
+    """Through arrays only, on the mesh that the branch had there; the family given has another."""
+    family = family_of(SUBCRITICAL, roughest=2e-8)
+    steps = branch(family, from_hopf(family, 0.0, 2.0 * math.pi, METRIC), lambda q: q.parameter < 0.1)
+    middle = next(k for k, step in enumerate(steps) if step.special)
+    saved = stored(steps[middle].point, steps[middle].next_step)
+    again, point = from_stored(family, saved)
+    assert again(0.0).steps == steps[middle].point.closed.flow.steps != 6
+    assert point.closed.residual < 1e-11
+    rest = branch(again, point, lambda q: q.parameter < 0.1, control=replace(CONTROL, first=saved.step))
+    expected = [step.point.unknowns for step in steps[middle + 1 :]]
+    np.testing.assert_array_equal([step.point.unknowns for step in rest], expected)
+
+
+def test_refinement_keeps_the_orbit():
+    family = family_of(SUBCRITICAL, roughest=1e-7)
+    point = at(family, SUBCRITICAL, 0.3)
+    finer, found = refined(family, point, METRIC, 1e-8)
+    assert found.closed.flow.steps == finer(0.1).steps > 6
+    np.testing.assert_allclose(found.unknowns, point.unknowns, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(found.tangent, point.tangent, rtol=0.0, atol=1e-6)
+
+
+def test_a_branch_that_is_lost_says_where():
+    """Steps of 0.3 and more cannot follow the turn at the fold; they begin at p = -0.21."""
+    family, control = family_of(SUBCRITICAL), Control(0.6, shortest=0.3)
+    with pytest.raises(NumericsError, match=r"cannot be followed beyond parameter = -0\.21, period 5\.764"):
+        branch(family, at(family, SUBCRITICAL, 0.3, -1.0), lambda q: q.parameter < 0.9, control=control)
+
+
+def test_two_folds_between_two_points_are_found():
+    """A narrow pair at s = 0.5 -+ sqrt(0.001): both ends go towards larger p and have the same count."""
+    narrow = Oscillator(lambda s: (s - 0.5) ** 3 - 0.003 * (s - 0.5), lambda s: 3.0 * (s - 0.5) ** 2 - 0.003, 0.02)
+    family, metric = family_of(narrow), Metric(0.5, 0.1)
+    ends = [at(family, narrow, s, metric=metric) for s in (0.44, 0.57)]
+    found = between(family, *ends, metric)
+    assert [(fold.kind, fold.unstable_before, fold.unstable_after) for fold in found] == [("LP", 0, 1), ("LP", 1, 0)]
+    size = 2.0 * 0.001**1.5
+    assert [fold.point.parameter for fold in found] == pytest.approx([size, -size], abs=1e-10)

@@ -1,0 +1,251 @@
+"""Periodic orbits whose period, figures and multipliers are known in closed form (`tests.orbit_by_hand`)."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from reduced.orbit import periodic_orbit
+from reduced.orbit.closing import by_parameter, by_period, close, close_family
+from reduced.orbit.figures import amplitude, figures
+from reduced.orbit.multipliers import floquet, multipliers
+from slipwave.errors import NumericsError
+from slipwave.observe.pieces import Pieces
+from slipwave.step.collocation import radau
+from slipwave.step.flow import Cycle
+from tests.closing import difference
+from tests.orbit_by_hand import SHRINKS, SUBCRITICAL, SUPERCRITICAL, TURN, FlowByHand
+
+UNSTABLE, STABLE = 0.2, 0.8
+"""|w|^2 of the two orbits of the subcritical oscillator at p = -0.16."""
+
+
+def closed_at(oscillator, s, **settings):
+    """The orbit with |w|^2 = s, found from a guess that is off by some per cent."""
+    flow = FlowByHand(oscillator, oscillator.g(s), **settings)
+    return close(flow, 1.04 * oscillator.state(s), 1.02 * oscillator.period(s))
+
+
+@pytest.mark.parametrize("s", [UNSTABLE, STABLE])
+def test_an_orbit_closes_whether_stable_or_not(s):
+    found = closed_at(SUBCRITICAL, s)
+    assert found.cycle.period == pytest.approx(SUBCRITICAL.period(s), abs=1e-11)
+    assert found.cycle.start @ found.cycle.start == pytest.approx(s, abs=1e-11)
+    assert found.residual < 1e-12
+    assert np.abs(found.cycle.end - found.cycle.start).max() == found.residual
+    assert found.parameter == 0.0
+    assert found.drift.size == 0
+    values, defect = floquet(found.monodromy)
+    assert values == pytest.approx([SUBCRITICAL.multiplier(s)], rel=2e-3)
+    assert defect < 1e-10
+
+
+def test_the_start_stays_on_the_plane_across_the_guess():
+    """f . (x - x_guess) = 0 with the velocity f at the guess: the start is not moved along the orbit."""
+    guess = 1.04 * SUPERCRITICAL.state(0.3)
+    flow = FlowByHand(SUPERCRITICAL, 0.3)
+    found = close(flow, guess, SUPERCRITICAL.period(0.3))
+    along = by_period(flow, flow.march(guess, SUPERCRITICAL.period(0.3)))
+    assert abs(along @ (found.cycle.start - guess)) < 1e-12 * np.abs(along).max()
+
+
+def test_derivatives_by_period_and_parameter():
+    """On the orbit the end moves with (1 + c s) i w; a change of the parameter lets |w| grow and turns the angle."""
+    s, osc = 0.2, SUBCRITICAL
+    flow, period = FlowByHand(osc, osc.g(s)), osc.period(s)
+    x, y = start = osc.state(s)
+    cycle, turned = flow.march(start, period), np.array([-y, x])
+    np.testing.assert_allclose(by_period(flow, cycle), (1.0 + 0.3 * s) * turned, rtol=0.0, atol=1e-8)
+    moved = by_parameter(lambda p: replace(flow, parameter=p), cycle, osc.g(s))
+    # |w| = sqrt(s) + x with x' = -2 s g' x + sqrt(s), angle' = 1 + 2 c sqrt(s) x
+    rate, size = -2.0 * s * osc.slope(s), math.sqrt(s)
+    grown = size * math.expm1(rate * period) / rate
+    angle = 2.0 * 0.3 * size * (grown - size * period) / rate
+    np.testing.assert_allclose(moved, grown * start / size + angle * turned, rtol=1e-5)
+
+
+@pytest.mark.parametrize("parameter", [0.0, 2.8e-5, 3.0])
+def test_the_derivative_by_a_small_parameter(parameter):
+    """With the unit of the parameter as large as the parameter: neither rounding nor curvature spoils it, also at zero."""
+    unit, s = parameter or 1.0, 0.3
+    start, period = SUPERCRITICAL.state(s), SUPERCRITICAL.period(s)
+
+    def flow_at(p):
+        return FlowByHand(SUPERCRITICAL, s + p / unit)
+
+    def end(p):
+        return flow_at(p).march(start, period).end
+
+    found = by_parameter(flow_at, flow_at(parameter).march(start, period), parameter)
+    expected = (end(parameter + 1e-5 * unit) - end(parameter - 1e-5 * unit)) / (2e-5 * unit)
+    np.testing.assert_allclose(found * unit, expected * unit, rtol=1e-3)
+
+
+def test_an_orbit_of_a_family_on_a_plane():
+    """With the weight on psi alone, the orbit is the one whose psi at the start is that of the guess."""
+    start, flow_at = SUBCRITICAL.state(0.4), lambda p: FlowByHand(SUBCRITICAL, p)
+    guess = start + np.array([0.01, 0.03])
+    weights = np.array([0.0, 1.0, 0.0, 0.0])
+    found = close_family(flow_at, guess, SUBCRITICAL.period(0.4), -0.2, weights)
+    s = float(found.cycle.start @ found.cycle.start)
+    assert found.cycle.start[1] == pytest.approx(guess[1], abs=1e-11)
+    assert found.parameter == found.unknowns[-1] == pytest.approx(SUBCRITICAL.g(s), abs=1e-11)
+    assert found.flow.parameter == found.parameter
+    assert found.cycle.period == found.unknowns[-2] == pytest.approx(SUBCRITICAL.period(s), abs=1e-11)
+    again = close_family(flow_at, guess, SUBCRITICAL.period(0.4), -0.2, weights, neighbour=found)
+    np.testing.assert_allclose(again.unknowns, found.unknowns, rtol=0.0, atol=1e-11)
+
+
+def test_no_orbit_there():
+    """Below p = -1/4 none exists; a period far away is not sought; the message says where."""
+    flow = FlowByHand(SUBCRITICAL, -0.4)
+    with pytest.raises(
+        NumericsError, match=r"by hand: no periodic orbit found near a period of 5\.5 transits: .*\(scene 'by hand'"
+    ):
+        close(flow, SUBCRITICAL.state(0.5), 5.5)
+
+
+def motion(functions, period, pieces=5, stages=4):
+    """A cycle whose z, psi, mu and y are the given functions of time."""
+    nodes, edges = radau(stages).nodes, np.linspace(0.0, period, pieces + 1)
+    times = edges[:-1, None] + np.diff(edges)[:, None] * nodes
+    return Cycle(period, np.zeros(2), np.zeros(2), Pieces(edges[:-1], np.diff(edges), *(f(times) for f in functions)), 1), nodes
+
+
+def test_figures_of_a_polynomial_motion():
+    """Extrema between the nodes: of degree three, which four nodes show exactly. v = exp z."""
+
+    def cubic(t):
+        return t * (t - 2.0) * (t - 4.0)  # extrema at 2 -+ 2/sqrt(3), of size 16/(3 sqrt(3))
+
+    largest = 16.0 / (3.0 * math.sqrt(3.0))
+    cycle, nodes = motion([lambda t: 0.5 * cubic(t), cubic, lambda t: 0.1 * cubic(t) + 0.6, lambda t: -0.03 * cubic(t)], 4.0)
+    found = figures(FlowByHand(SUPERCRITICAL, 0.1).scene.law, cycle, nodes)
+    assert found == pytest.approx(
+        {
+            "period": 4.0,
+            "stress_drop": 0.2 * largest,
+            "elastic_stress_drop": 0.06 * largest,
+            "v_max": math.exp(0.5 * largest),
+            "v_min": math.exp(-0.5 * largest),
+        },
+        rel=1e-13,
+    )
+    assert amplitude(cycle) == pytest.approx(largest, rel=0.02)
+
+
+def test_the_trivial_multiplier_is_split_off():
+    values = np.array([0.3, -2.0, 1.0 + 2e-9, 0.4 + 0.9j, 0.4 - 0.9j])
+    basis = np.vander([0.1, 0.5, 1.2, 1.7, 2.3])
+    block = np.diag([0.3, -2.0, 1.0 + 2e-9, 0.4, 0.4])
+    block[3, 4], block[4, 3] = 0.9, -0.9
+    found, defect = floquet(basis @ block @ np.linalg.inv(basis))
+    assert found == pytest.approx([-2.0, values[3], values[4], 0.3], abs=1e-9) or found == pytest.approx(
+        [-2.0, values[4], values[3], 0.3], abs=1e-9
+    )
+    assert defect == pytest.approx(2e-9, abs=1e-10)
+
+
+def with_multipliers(*values, radius=0.0):
+    """A closed cycle that has these real multipliers, then the trivial one."""
+    flow = SimpleNamespace(essential_radius=lambda cycle: radius)
+    return SimpleNamespace(flow=flow, cycle=None, monodromy=np.diag([*values, 1.0]))
+
+
+def test_only_multipliers_beyond_the_essential_radius_are_told():
+    found = multipliers(with_multipliers(0.5, -0.11, 0.09, 0.02, radius=0.1))
+    assert found.values == pytest.approx([0.5, -0.11])
+    assert found.essential_radius == 0.1
+    assert found.trivial_defect < 1e-15
+
+
+def test_only_multipliers_that_two_meshes_agree_on_are_told():
+    """To a thousandth of their size, also of small ones: a ring of essential multipliers is never the same on two meshes."""
+    fine, coarse = with_multipliers(0.5, 0.02, -0.3, 3.0), with_multipliers(0.5004, 0.0203, -0.302, 3.002)
+    assert multipliers(fine, coarse).values == pytest.approx([3.0, 0.5])
+    assert multipliers(fine).values == pytest.approx([3.0, 0.5, -0.3, 0.02])
+
+
+@pytest.mark.parametrize(
+    ("values", "radius", "stable", "reason"),
+    [
+        ([0.5, -0.9], 0.0, True, ""),
+        ([0.5, -1.1], 0.0, False, ""),
+        ([1.0 + 1e-5], 0.0, False, ""),
+        ([1.0 - 1e-5], 0.0, True, ""),
+        ([], 0.0, True, ""),
+        ([-1.0 + 3e-7], 0.0, None, "the largest multiplier has modulus 0.999999700"),
+        ([0.5], 1.0, None, "the waves' own multipliers reach a radius of 1.000000000"),
+        ([5.0], 1.0, None, "the waves' own multipliers reach a radius of 1.000000000"),
+        ([0.5], 0.999, True, ""),
+    ],
+)
+def test_the_verdict(values, radius, stable, reason):
+    found = multipliers(with_multipliers(*values, radius=radius))
+    assert found.stable is stable
+    assert found.reason.startswith(reason)
+    assert bool(found.reason) is bool(reason)
+
+
+def found_at(oscillator, s, tolerance=1e-8, **settings):
+    flow = FlowByHand(oscillator, oscillator.g(s), steps=12, **settings)
+    return periodic_orbit(flow, 1.02 * oscillator.state(s), 1.01 * oscillator.period(s), tolerance)
+
+
+@pytest.mark.parametrize("s", [UNSTABLE, STABLE])
+def test_an_orbit_with_its_figures_and_stability(s):
+    """z and psi are sqrt(s) cos and sin; the extrema of their polynomials of degree 7 in a twelfth of the period."""
+    result, size = found_at(SUBCRITICAL, s), math.sqrt(s)
+    orbit = result.orbit
+    assert orbit.period.value == pytest.approx(SUBCRITICAL.period(s), abs=1e-11)
+    assert orbit.stress_drop.value == pytest.approx(size, rel=1e-8)
+    assert orbit.elastic_stress_drop.value == pytest.approx(0.5 * size, rel=1e-8)
+    assert orbit.v_max.value == pytest.approx(math.exp(size), rel=1e-8)
+    assert orbit.v_min.value == pytest.approx(math.exp(-size), rel=1e-8)
+    assert result.multipliers.stable is (s == STABLE)
+    assert result.multipliers.values == pytest.approx([SUBCRITICAL.multiplier(s)], rel=2e-3)
+    assert result.settled
+
+
+@pytest.mark.parametrize(("strip", "expected"), [(False, 1), (True, -1)])
+def test_multipliers_beside_the_plane(strip, expected):
+    """exp((d +- 1.3 i) T) of the oscillator that turns, -exp(d T) and -exp(-0.4 T) of the strip."""
+    oscillator = SUPERCRITICAL._replace(beside=lambda p: p - 0.2, moebius=strip)
+    period = oscillator.period(0.3)
+    found = found_at(oscillator, 0.3).multipliers
+    pair = np.exp((0.1 + TURN * np.array([1j, -1j])) * period) if expected > 0 else -np.exp(np.array([0.1, SHRINKS]) * period)
+    wanted = [*sorted(pair, key=lambda m: (-abs(m), m.imag)), oscillator.multiplier(0.3)]
+    assert sorted(found.values, key=lambda m: (-round(abs(m), 9), m.imag)) == pytest.approx(wanted, rel=2e-3)
+    assert found.stable is False
+
+
+def test_a_tolerance_that_no_mesh_reaches_is_told():
+    """Rounding errors remain, also where two meshes give the same number by chance."""
+    result = found_at(SUPERCRITICAL, 0.3, tolerance=1e-14)
+    assert not result.settled
+    assert result.orbit.period.error >= 1e-13 * result.orbit.period.value
+    assert result.orbit.period.value == pytest.approx(SUPERCRITICAL.period(0.3), abs=1e-11)
+    assert result.closed.flow.steps == 140  # 12 steps, six times 1.5 as many, rounded up
+
+
+def test_steady_sliding_is_no_orbit():
+    """An orbit with |w| < 5e-4 counts as steady sliding."""
+    for s in (1e-8, 1e-6):
+        flow = FlowByHand(SUPERCRITICAL, s)
+        if s == 1e-6:
+            assert periodic_orbit(flow, SUPERCRITICAL.state(s), SUPERCRITICAL.period(s)).settled
+        else:
+            with pytest.raises(NumericsError, match="by hand: Newton's method fell back onto steady sliding"):
+                periodic_orbit(flow, SUPERCRITICAL.state(s), SUPERCRITICAL.period(s))
+
+
+def test_the_monodromy_matrix_by_differences():
+    for s in (UNSTABLE, STABLE):
+        found = closed_at(SUBCRITICAL, s)
+        start, period = found.cycle.start, found.cycle.period
+        measured = difference(
+            lambda change, found=found, start=start, period=period: found.flow.march(start + change, period).end, 2
+        )
+        np.testing.assert_allclose(found.monodromy, measured, rtol=0.0, atol=1e-7)

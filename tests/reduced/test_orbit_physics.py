@@ -1,0 +1,183 @@
+"""Orbits of the delay system and of reductions against independent programs (shared/reference/public.json), by second methods
+against themselves, and in other scenes where they are orbits too."""
+
+import dataclasses
+import math
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from reduced.delay.network import DelayNetwork
+from reduced.flows import delay, ode
+from reduced.impedance import reduction_of
+from reduced.ode.march import ReducedModel
+from reduced.orbit import periodic_orbit
+from reduced.orbit.approach import approach
+from reduced.orbit.closing import close
+from reduced.orbit.figures import figures
+from slipwave import read
+from slipwave.errors import NumericsError
+from slipwave.observe.pieces import lagrange_basis, values_at
+from tests.closing import largest
+
+REFERENCE = {
+    ("delay", -2.69): (70.34210714, 0.1542893, 0.1424186, 3615.520, 4.299699),
+    ("delay", -2.68): (73.4721449443, 0.1739634131, 0.1547375, 4412.320, 2.860302),
+    ("delay", -2.65): (79.31262743, 0.2093214, 0.1771820, 5777.798, 1.320410),
+    ("kelvin-voigt", -2.68): (70.732344990, 0.167306295, 0.144893007, 3448.5993, 3.3360505),
+    ("kelvin-voigt", -2.60): (78.904160018, 0.237801034, 0.179143840, 6382.6518, 0.66298761),
+    ("block8", -2.68): (76.610299635,),
+    ("block8", -2.50): (109.43283211,),
+    ("block12", -2.68): (77.868569398,),
+    ("block12", -2.50): (111.39298540,),
+}
+"""AUTO-07p and shooting for the reductions, lifted shooting for the delay system; all digits shown are converged."""
+
+MULTIPLIERS = {-2.69: [0.461769, 0.169795], -2.68: [0.254520 + 0.347982j], -2.65: [-0.218935 + 1.152419j]}
+
+
+def guessed(model, log10_r, tolerance=1e-9):
+    scene = read("paper", {"slab.log10_r": log10_r})
+    if model == "delay":
+        return approach(DelayNetwork(scene, tolerance=1e-6), delay.frozen)
+    solver = ReducedModel(scene, reduction_of(scene, model), 1e-6)
+    return approach(solver, lambda solver, period: ode.frozen(solver, period, tolerance))
+
+
+@lru_cache
+def found(model, log10_r, tolerance=1e-9):
+    return periodic_orbit(*guessed(model, log10_r, tolerance)[:3], tolerance)
+
+
+def test_a_settled_run_is_near_its_orbit():
+    guess = guessed("delay", -2.68)
+    assert guess.settled
+    assert guess.period == pytest.approx(73.47214494, rel=1e-3)
+    cycle = guess.flow.march(guess.state, guess.period)
+    assert largest(cycle.end - guess.state) < 0.05
+    z = cycle.pieces.z.max(axis=1)
+    assert 0.3 < z.argmax() / z.size < 0.7  # it begins and ends between slip events
+
+
+def test_a_run_on_a_torus_is_averaged():
+    """Periods lie between 79.122 and 79.544, 79.3225 in the mean; the orbit inside has 79.31263."""
+    guess = guessed("delay", -2.65)
+    assert not guess.settled
+    assert guess.period == pytest.approx(79.3225, abs=0.02)
+    assert largest(guess.state - close(*guess[:3]).cycle.start) < 0.15
+
+
+def test_no_orbit_near_a_run():
+    """On the stable side of the onset, and after too short a run."""
+    with pytest.raises(NumericsError, match=r"delay: .*(returns to steady sliding|no orbit near it).*'paper'"):
+        guessed("delay", -2.72)
+    scene = read("paper")
+    with pytest.raises(NumericsError, match=r"a run of 300 transits made \d+ cycles in its second half: no orbit near it"):
+        approach(DelayNetwork(scene, tolerance=1e-6), delay.frozen, most=300.0)
+
+
+@pytest.mark.parametrize(("model", "log10_r"), REFERENCE)
+def test_orbits_of_independent_programs(model, log10_r):
+    """To the digits shown; the errors lie within four times their estimates, or in the last digit."""
+    orbit = found(model, log10_r).orbit
+    estimates = [getattr(orbit, field.name) for field in dataclasses.fields(orbit)]
+    for estimate, expected in zip(estimates, REFERENCE[model, log10_r], strict=False):
+        digits = 10.0 ** (math.floor(math.log10(expected)) - 6)
+        assert estimate.value == pytest.approx(expected, abs=digits)
+    assert orbit.period.value == pytest.approx(REFERENCE[model, log10_r][0], abs=4.0 * orbit.period.error + 1e-8)
+    assert found(model, log10_r).settled
+
+
+@pytest.mark.parametrize("log10_r", [-2.69, -2.68])
+def test_the_estimated_errors_bound_the_errors(log10_r):
+    """Against a mesh of half the steps. Measured: 0.03 to 0.8 of the estimates."""
+    result = found("delay", log10_r, 1e-8)
+    closed = result.closed
+    finer, state = closed.flow.remeshed(closed.cycle, 2.0)
+    exact = figures(finer.scene.law, close(finer, state, closed.cycle.period).cycle, finer.nodes)
+    for name, value in exact.items():
+        estimate = getattr(result.orbit, name)
+        assert abs(estimate.value - value) <= estimate.error < 1e-8 * abs(value), name
+
+
+@pytest.mark.parametrize("log10_r", MULTIPLIERS)
+def test_multipliers_of_independent_programs(log10_r):
+    result = found("delay", log10_r).multipliers
+    leading = result.values[: 2 * len(MULTIPLIERS[log10_r])]
+    for expected in MULTIPLIERS[log10_r]:
+        assert np.abs(leading - expected).min() < 1e-6
+        assert np.abs(leading - np.conj(expected)).min() < 1e-6
+    assert result.trivial_defect < 1e-6
+    assert result.stable is (log10_r != -2.65)
+    assert (np.abs(result.values) > result.essential_radius).all()
+
+
+def test_no_multiplier_of_the_waves_is_told():
+    """They form a ring about the essential radius, a little larger on a mesh, that no two meshes show alike; what is told is on a
+    third mesh too."""
+    told = found("delay", -2.68).multipliers
+    assert told.essential_radius == pytest.approx(0.0044, abs=1e-4)
+    finest = np.linalg.eigvals(found("delay", -2.68, 1e-11).closed.monodromy)
+    for value in told.values:
+        assert np.abs(finest - value).min() < 2e-3 * abs(value)
+
+
+def test_a_disturbance_of_an_orbit_decays_by_its_multiplier():
+    """By an independent run: psi is moved, and the distance to the orbit at the ends of periods is followed. |m| = 0.431129."""
+    closed = found("delay", -2.68).closed
+    flow, state = closed.flow, closed.cycle.start.copy()
+    state[-1] += 1e-4
+    distances = []
+    for _ in range(8):
+        state = flow.march(state, closed.cycle.period).end
+        distances.append(state - closed.cycle.start)
+    # two steps of a real recursion give the pair: d'' = 2 Re(m) d' - |m|^2 d, after the shift along the orbit is taken off
+    moves = np.diff(np.array(distances)[2:], axis=0)
+    system = np.column_stack([np.r_[moves[1], moves[2]], np.r_[moves[0], moves[1]]])
+    (twice, less), *_ = np.linalg.lstsq(system, np.r_[moves[2], moves[3]], rcond=None)
+    assert 0.5 * twice == pytest.approx(0.254520, abs=1e-4)
+    assert math.sqrt(-less) == pytest.approx(abs(MULTIPLIERS[-2.68][0]), abs=1e-4)
+
+
+def test_multipliers_by_differences_of_the_march():
+    """The monodromy matrix of the orbit, column by column."""
+    closed = found("kelvin-voigt", -2.60).closed
+    start, period, change = closed.cycle.start, closed.cycle.period, 1e-6
+    ends = [[closed.flow.march(start + sign * change * unit, period).end for sign in (1, -1)] for unit in np.eye(start.size)]
+    measured = np.array([(later - earlier) / (2.0 * change) for later, earlier in ends]).T
+    assert largest(measured - closed.monodromy) < 1e-5 * largest(closed.monodromy)
+    expected = np.sort_complex(np.linalg.eigvals(closed.monodromy))
+    assert np.sort_complex(np.linalg.eigvals(measured)) == pytest.approx(expected, abs=1e-5)
+
+
+def on_orbit(closed, times):
+    """What leaves the interface, mu - S - eps/2 (v - V), and psi at any times (transits of the orbit)."""
+    scene, cycle = closed.flow.scene, closed.cycle
+    z, psi, mu, _ = values_at(cycle.pieces, lagrange_basis(closed.flow.nodes), np.mod(times, cycle.period))
+    return mu - scene.steady_stress - 0.5 * scene.upper.epsilon * (np.exp(z) - scene.velocity), psi
+
+
+def in_thicker_slabs(closed, turns, period):
+    """Largest difference of psi from that of the orbit, after its motion was put into slabs 1 + `turns` * `period` times as thick
+    and marched over a period. A state holds what left the interface: in the last half transit outwards, before that inwards."""
+    flow, ratio = closed.flow, 1.0 + turns * period
+    other = delay.DelayFlow(read("paper", {"slab.r": flow.scene.transit * ratio}), ratio / flow.length)
+    ages = ((np.arange(other.kept)[:, None] - other.kept + other.nodes) * other.length).ravel()
+    outward, inward = (on_orbit(closed, (ages - earlier) * ratio)[0] for earlier in (0.0, 0.5))
+    start = np.r_[outward, inward, closed.cycle.start[-1]]
+    pieces = other.march(start, period / ratio).pieces
+    times = (pieces.time[:-1, None] + pieces.length[:-1, None] * other.nodes) * ratio
+    return largest(pieces.psi[:-1] - on_orbit(closed, times.ravel())[1].reshape(times.shape))
+
+
+@pytest.mark.parametrize("turns", [0, 1, 2, 3])
+def test_an_orbit_is_one_of_much_thicker_slabs_too(turns):
+    """r only sets the delay of the waves on the clock of friction: the motion of an orbit of T transits at r is that of one of
+    T/(1 + k T) transits at r (1 + k T), where waves are late by k periods more. Measured: 6e-12;
+    an error of the period enters k times."""
+    closed = found("delay", -2.68, 1e-11).closed
+    period = closed.cycle.period
+    assert in_thicker_slabs(closed, turns, period) < 1e-10
+    wrong = [in_thicker_slabs(closed, turns, period * (1.0 + change)) for change in (1e-8, 1e-7)]
+    assert wrong == pytest.approx([5.304e-6 * turns, 5.304e-5 * turns], rel=0.01, abs=1e-10)
