@@ -15,7 +15,7 @@ import typer
 
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of
-from validation.commands import bench, compare, report, run, scenes, stability
+from validation.commands import bench, branch, compare, orbit, report, run, scenes, stability
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 _SPREAD: dict[str, Callable[[str], bool]] = {"--set": lambda word: "=" in word, "--only": lambda word: True}
@@ -28,6 +28,8 @@ app = typer.Typer(
 )
 app.command("report")(report.report)
 app.command("run")(run.run)
+app.command("orbit")(orbit.orbit)
+app.command("branch")(branch.branch)
 app.command("stability")(stability.stability)
 app.command("compare")(compare.compare)
 app.command("bench")(bench.bench)

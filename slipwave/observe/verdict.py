@@ -10,10 +10,11 @@
                 small (v_max/v_min below 1.2) that it can only be exponential
     settling    cycles change, but towards a limit: the change from one to the next at the end is at most half of that at the
                 beginning, or all figures change in one direction
+    torus       period and v_max of 16 cycles or more are smooth functions of one phase that advances by the same angle from cycle
+                to cycle, within a tenth of their spread (`torus`)
     irregular   none of these in 8 cycles or more
 
-Figures are period, stress drop, elastic stress drop, v_max and v_min. A torus is `irregular` here, because cycles alone cannot
-distinguish it from chaos.
+Figures are period, stress drop, elastic stress drop, v_max and v_min.
 """
 
 from typing import Literal, NamedTuple, TypeAlias
@@ -22,10 +23,11 @@ import numpy as np
 
 from slipwave.observe.events import Events
 from slipwave.observe.pieces import Array
+from slipwave.observe.torus import rotation
 
-Kind: TypeAlias = Literal["steady", "decaying", "growing", "settling", "periodic", "irregular", "driven", "too short"]
+Kind: TypeAlias = Literal["steady", "decaying", "growing", "settling", "periodic", "torus", "irregular", "driven", "too short"]
 
-REPEATING: tuple[Kind, ...] = ("periodic", "irregular")
+REPEATING: tuple[Kind, ...] = ("periodic", "torus", "irregular")
 """Verdicts on motions that means over cycles represent."""
 
 FEWEST, ENOUGH = 3, 8
@@ -33,19 +35,21 @@ REPEATS = 1e-3
 _MOST_EVENTS = 8  # in one period
 _SMALL = 1.2
 _SLIDES = 1e-6
+_SMOOTH = 0.1  # misfit of a torus; of noise at least 0.2 in 16 cycles and 0.3 in 24, of chaos more
 
 
 class Verdict(NamedTuple):
     """`cycles`: complete cycles in the second half. `multiplicity`: events in a period, if periodic. `change`: largest relative
     difference of a figure between the last two cycles, or of the prominence between the first and the last event if decaying or
     growing; NaN if there are too few. `needed`: length in transits with which a run too short would have enough cycles, else
-    NaN."""
+    NaN. `rotation`: the share of a turn by which a torus advances in a cycle, else None."""
 
     kind: Kind
     cycles: int
     multiplicity: int | None = None
     change: float = np.nan
     needed: float = np.nan
+    rotation: float | None = None
 
     @property
     def repeats(self) -> bool:
@@ -74,7 +78,8 @@ def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: b
         return Verdict("settling", count, change=change)
     if count < ENOUGH:
         return Verdict("too short", count, change=change, needed=_needed(cycles, until, ENOUGH))
-    return Verdict("irregular", count, change=change)
+    turned = _rotation(cycles)
+    return Verdict("torus" if turned else "irregular", count, change=change, rotation=turned)
 
 
 def slides_at(rate: float, velocity: float) -> bool:
@@ -105,6 +110,13 @@ def _converges(figures: Array) -> bool:
     half = len(steps) // 2
     one_way = [bool(np.all(np.diff(column) > 0.0) or np.all(np.diff(column) < 0.0)) for column in figures.T]
     return bool(steps[-half:].max() <= 0.5 * steps[:half].max()) or all(one_way)
+
+
+def _rotation(cycles: Events) -> float | None:
+    """The rotation number, if period and v_max are smooth functions of the same phase; else None."""
+    found = [rotation(figure) for figure in (cycles.period, cycles.v_max)]
+    smooth = [one.number for one in found if one is not None and one.misfit < _SMOOTH]
+    return smooth[0] if len(smooth) == 2 and abs(smooth[0] - smooth[1]) < 1.0 / cycles.time.size else None
 
 
 def _needed(cycles: Events, until: float, wanted: int) -> float:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from slipwave.observe.events import Events
+from slipwave.observe.torus import rotation
 from slipwave.observe.verdict import Verdict, judge_motion
 
 K = np.arange(24)
@@ -35,7 +36,7 @@ def henon(count: int, a: float, b: float = 0.3) -> np.ndarray:
         (1.0 + 2e-2 * (-1.0) ** K, "periodic", 2),
         (1.0 + 0.1 * np.cos(2 * np.pi * K / 3), "periodic", 3),
         (henon(24, 1.0), "periodic", 4),
-        (1.0 + 0.01 * np.cos(2 * np.pi * 0.263 * K), "irregular", None),
+        (1.0 + 0.01 * np.cos(2 * np.pi * 0.263 * K), "torus", None),
         (henon(24, 1.4), "irregular", None),
         (1.0 + 0.2 * 0.7**K, "settling", None),
         (1.0 + 0.2 * (-0.7) ** K, "settling", None),
@@ -50,7 +51,8 @@ def henon(count: int, a: float, b: float = 0.3) -> np.ndarray:
 def test_verdicts_on_known_sequences(sizes, kind, multiplicity):
     found = verdict(sizes)
     assert (found.kind, found.multiplicity) == (kind, multiplicity)
-    assert found.repeats == (kind in ("periodic", "irregular"))
+    assert found.repeats == (kind in ("periodic", "torus", "irregular"))
+    assert (found.rotation is not None) == (kind == "torus")
 
 
 def test_a_small_motion_decays_however_slowly():
@@ -78,3 +80,28 @@ def test_drive_and_steady_sliding_come_first():
 def test_a_run_that_is_too_short_is_told_how_long_it_should_be():
     found = verdict(np.ones(3), until=300.0)
     assert found.needed == pytest.approx(2 * 5 * 80.0)
+
+
+@pytest.mark.parametrize("number", [0.0631, 0.2632, 0.41421, 0.44])
+def test_the_rotation_number_of_a_known_torus(number):
+    phase = 2.0 * np.pi * number * np.arange(40)
+    found = rotation(79.3 + 0.2 * np.cos(phase + 0.4) + 0.03 * np.cos(2.0 * phase))
+    assert found.number == pytest.approx(number, abs=2e-9)
+    assert found.misfit < 1e-6
+
+
+@pytest.mark.parametrize("count", [16, 24, 40])
+def test_neither_noise_nor_chaos_is_a_torus(count):
+    draws = np.random.default_rng(7).standard_normal((50, count))
+    assert min(rotation(draw).misfit for draw in draws) > 0.15
+    assert rotation(henon(count, 1.4)).misfit > 0.15
+    assert rotation(draws[0][:15]) is None
+    assert rotation(np.ones(count)) is None
+
+
+def test_a_torus_needs_the_same_phase_in_period_and_rate():
+    phase = 2.0 * np.pi * 0.2632 * K
+    one, other = 1.0 + 0.01 * np.cos(phase), 1.0 + 0.01 * np.cos(1.5 * phase)
+    cycles = Events(K, one, one, one, 2.0 * one, one)
+    assert judge_motion(cycles, one, True, False, 24.0).rotation == pytest.approx(0.2632, abs=1e-6)
+    assert judge_motion(cycles._replace(v_max=2.0 * other), one, True, False, 24.0).kind == "irregular"

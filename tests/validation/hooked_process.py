@@ -33,8 +33,10 @@ sys.exit(main(sys.argv[4:]))
 """
 
 
-def interrupted(words: list[str], at: float, folder: Path) -> subprocess.CompletedProcess[str]:
-    """`slipwave words` in `folder`, interrupted (Ctrl-C) once it has come to t = `at`."""
+def interrupted(
+    words: list[str], at: float, folder: Path, by: signal.Signals = signal.SIGINT
+) -> subprocess.CompletedProcess[str]:
+    """`slipwave words` in `folder`, interrupted (Ctrl-C), or stopped `by` another signal, once it has come to t = `at`."""
     process = subprocess.Popen(
         [sys.executable, "-c", _SCRIPT, str(at), "wait", "0", *words],
         cwd=folder,
@@ -49,7 +51,7 @@ def interrupted(words: list[str], at: float, folder: Path) -> subprocess.Complet
         for line in process.stderr:
             said.append(line)
             if line == "waiting\n":
-                process.send_signal(signal.SIGINT)
+                process.send_signal(by)
                 break
         else:
             pytest.fail("".join(said))

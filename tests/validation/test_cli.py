@@ -25,7 +25,7 @@ RUN_KEYS = {
     "final",
     "energy",
 }
-RUN_KEYS |= {"verdict", "multiplicity", "failures", "wall_s"}
+RUN_KEYS |= {"verdict", "multiplicity", "rotation_number", "failures", "wall_s"}
 
 FAST = ["--set", "drive.velocity=2000", "--until", "200"]
 """Cycles of four transits, which repeat after 100."""

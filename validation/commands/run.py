@@ -147,6 +147,7 @@ def result_of(done: "Run", choice: "Choice | None" = None) -> dict[str, Any]:
         "events": done.starts,
         "verdict": done.kind,
         "multiplicity": done.verdict.multiplicity if done.verdict else None,
+        "rotation_number": done.verdict.rotation if done.verdict else None,
         **{name: asdict(getattr(found, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
         "v_max": found.v_max,
         "v_min": found.v_min,

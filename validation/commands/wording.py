@@ -2,10 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 from slipwave.friction.law import name_of
 from slipwave.observe import RunStatistics, Verdict
+from slipwave.observe.orbit import Orbit
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.scene.slab import Slab
@@ -38,22 +40,39 @@ def _slab(slab: Slab) -> str:
 
 def statistics_rows(found: RunStatistics, scene: Scene) -> tuple[list[str], list[list[str]]]:
     """Heading and rows of mean and spread of a run's cycles, with a column in SI if the scene has units."""
-    seconds = scene.transit * scene.units.time if scene.units else math.nan
-    pascal = scene.units.normal_stress if scene.units else math.nan
-    metres = scene.units.reference_velocity if scene.units else math.nan
+    spreads = {name: getattr(found, name) for name in ("period", "stress_drop", "elastic_stress_drop")}
+    means = {name: (one.mean, one.std) for name, one in spreads.items()}
+    rates = {name: (getattr(found, name), math.nan) for name in ("v_max", "v_min")}
+    return _with_units(("mean", "std"), means | rates, scene)
+
+
+def orbit_rows(found: Orbit, scene: Scene) -> tuple[list[str], list[list[str]]]:
+    """Heading and rows of an orbit's figures and their errors, with a column in SI if the scene has units."""
+    values = {field.name: getattr(found, field.name) for field in fields(found)}
+    return _with_units(("value", "error"), {name: (one.value, one.error) for name, one in values.items()}, scene)
+
+
+def _with_units(
+    columns: tuple[str, str], known: Mapping[str, tuple[float, float]], scene: Scene
+) -> tuple[list[str], list[list[str]]]:
+    """Rows of (value, spread) of the five figures of a cycle."""
+    units = scene.units
+    second, pascal, metre = (units.time, units.normal_stress, units.reference_velocity) if units else (math.nan,) * 3
+    period = known["period"][0] * scene.transit, known["period"][1] * scene.transit
     facts = [
-        ("period [transits]", found.period.mean, found.period.std, seconds, "s"),
-        ("period [L/V*]", found.period.mean * scene.transit, found.period.std * scene.transit, seconds / scene.transit, "s"),
-        ("stress drop", found.stress_drop.mean, found.stress_drop.std, pascal, "Pa"),
-        ("elastic stress drop", found.elastic_stress_drop.mean, found.elastic_stress_drop.std, pascal, "Pa"),
-        ("v_max [V*]", found.v_max, math.nan, metres, "m/s"),
-        ("v_min [V*]", found.v_min, math.nan, metres, "m/s"),
+        ("period [transits]", known["period"], second * scene.transit, "s"),
+        ("period [L/V*]", period, second, "s"),
+        ("stress drop", known["stress_drop"], pascal, "Pa"),
+        ("elastic stress drop", known["elastic_stress_drop"], pascal, "Pa"),
+        ("v_max [V*]", known["v_max"], metre, "m/s"),
+        ("v_min [V*]", known["v_min"], metre, "m/s"),
     ]
-    heading = ["", "mean", "std", "SI"]
     rows = [
-        [label, figures(mean), figures(std, 3), f"{figures(mean * unit, 6)} {name}"] for label, mean, std, unit, name in facts
+        [label, figures(value), figures(spread, 3), f"{figures(value * unit, 6)} {name}"]
+        for label, (value, spread), unit, name in facts
     ]
-    return (heading, rows) if scene.units else (heading[:-1], [row[:-1] for row in rows])
+    heading = ["", *columns, "SI"]
+    return (heading, rows) if units else (heading[:-1], [row[:-1] for row in rows])
 
 
 def events_in_words(count: int | None, verdict: Verdict | None) -> str:
@@ -72,13 +91,15 @@ def verdict_in_words(verdict: Verdict) -> str:
         "growing": f"the drop of elastic stress grows by {change} of itself from the first of its events to the last",
         "settling": f"its cycles still change, the last by {change} of itself",
         "periodic": f"{verdict.multiplicity} event{'s' if verdict.multiplicity != 1 else ''} in a period",
+        "torus": f"its cycles never repeat but follow one phase, {verdict.rotation or 0.0:.4f} of a turn in each",
         "irregular": "its cycles do not repeat",
         "driven": "V changes or is zero there",
         "too short": f"too few cycles to judge; try --until {needed}",
     }
     reason = reasons[verdict.kind]
     counted = f", {verdict.cycles} complete cycle{'s' if verdict.cycles != 1 else ''}," if verdict.kind in _COUNTED else ""
-    return f"the second half{counted} is {verdict.kind}: {reason}"
+    kind = f"a {verdict.kind}" if verdict.kind == "torus" else verdict.kind
+    return f"the second half{counted} is {kind}: {reason}"
 
 
 def without_errors(rows: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -4,6 +4,7 @@ the solver.
 A family whose module is not part of this installation is not listed.
 """
 
+from collections.abc import Collection
 from importlib.util import find_spec
 from typing import Any, Unpack
 
@@ -28,11 +29,12 @@ def honouring(scene: Scene) -> list[Family]:
     return [family for family in families() if not family.refusal(scene)]
 
 
-def resolve(model: str, scene: Scene) -> tuple[str, str]:
-    """(model, why): `auto` becomes the cheapest model that is exact for the scene; any other name is returned with no reason."""
+def resolve(model: str, scene: Scene, among: Collection[Family] = FAMILIES) -> tuple[str, str]:
+    """(model, why): `auto` becomes the cheapest model `among` some that is exact for the scene; any other name is returned with
+    no reason."""
     if model != "auto":
         return model, ""
-    chosen = honouring(scene)
+    chosen = [family for family in honouring(scene) if family in among]
     if not chosen:
         raise SceneError(f"model = 'auto': no model of this installation can do {in_words(features_of(scene))}")
     best = next((family for family in chosen if family.exact is not Exact.NEVER), chosen[0])
@@ -63,6 +65,20 @@ def prepare(model: str, scene: Scene, resumed: bool = False, **options: Unpack[O
     the run is `resumed` from a checkpoint.
     """
     model, why = resolve(model, scene)
+    built = make(*requested(model, scene, **options))._replace(why=why)
+    if scene.start.kind is not StartKind.ORBIT:
+        return built
+    from validation.registry.orbit_start import on_orbit
+
+    orbiting = on_orbit(built.solver)
+    if not resumed:
+        orbiting.begin()
+    return built._replace(solver=orbiting)
+
+
+def requested(model: str, scene: Scene, **options: Unpack[Options]) -> tuple[Family, Scene, Request]:
+    """What `make` needs for a full name: its family, the scene, and the number after the colon with the options. Raises
+    SceneError as `prepare` does."""
     family, number = _parse(model)
     request = Request(number, **options)
     _require_options(model, family, request)
@@ -72,15 +88,7 @@ def prepare(model: str, scene: Scene, resumed: bool = False, **options: Unpack[O
     if refusal:
         able = ", ".join(other.pattern for other in honouring(scene)) or "none of this installation"
         raise SceneError(f"model = {model!r}: cannot do {refusal} (scene {scene.name!r}); models that can: {able}")
-    built = make(family, scene, request)._replace(why=why)
-    if scene.start.kind is not StartKind.ORBIT:
-        return built
-    from validation.registry.orbit_start import on_orbit
-
-    orbiting = on_orbit(built.solver)
-    if not resumed:
-        orbiting.begin()
-    return built._replace(solver=orbiting)
+    return family, scene, request
 
 
 def build_all(models: str, scene: Scene, **options: Unpack[Options]) -> list[Solver]:

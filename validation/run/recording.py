@@ -157,14 +157,15 @@ def write_run(path: Path, done: Run, history: HistoryFile | None, field: "Field 
 def _events_of(done: Run) -> tuple[dict[str, Any], dict[str, Any]]:
     """Variables on the cycles of a run, none if events were not watched, and attributes: what is known of its events.
 
-    `multiplicity` is there only if the run is periodic: a netCDF attribute cannot be empty.
+    `multiplicity` is there only if the run is periodic, `rotation_number` only on a torus: a netCDF attribute cannot be empty.
     """
     if done.verdict is None:
         return {}, {"events": "not watched", "verdict": "not watched"}
     columns = {"event_time" if name == "time" else name: name for name in done.events._fields}
     variables = {label: ("event", getattr(done.events, name), _notes(_EVENT_NOTES[name])) for label, name in columns.items()}
     facts = {"events": done.starts, "verdict": done.verdict.kind}
-    return variables, facts | ({"multiplicity": done.verdict.multiplicity} if done.verdict.multiplicity else {})
+    more = {"multiplicity": done.verdict.multiplicity, "rotation_number": done.verdict.rotation}
+    return variables, facts | {name: value for name, value in more.items() if value is not None}
 
 
 def _append_history(path: Path, history: HistoryFile) -> None:

@@ -1,0 +1,217 @@
+"""`slipwave branch`: special points against those of AUTO-07p and DDE-BIFTOOL (shared/reference/public.json); branches that are
+stopped and go on."""
+
+import json
+import signal
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from hooked_process import interrupted
+from matplotlib.image import imread
+
+from reduced.continuation.point import Point
+from validation.branches.drawing import figure_of
+from validation.branches.follow import Limits, begin, follow
+from validation.branches.parameter import over_range
+from validation.branches.record import Branch
+from validation.branches.stored import read
+from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
+from validation.references.published import reference_orbit
+
+RANGE = "log10_r=-2.72:-2.68"
+SHORT = ("paper", "--model", "kelvin-voigt", "--over", RANGE, "--tol", "1e-4", "--most-points", "24")
+COARSE = ("paper", "--model", "kelvin-voigt", "--over", RANGE, "--tol", "1e-4")
+
+
+def branch(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, object]:
+    assert main(["branch", *words, "--json"]) == 0
+    found: dict[str, object] = json.loads(capsys.readouterr().out)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("model", "hopf", "born", "fold", "turn"),
+    [
+        ("kelvin-voigt", -2.69954994745, 49.66821032, -2.700213011, 58.471805),
+        ("delay", -2.6995497159, 49.66818383, -2.700251703, 59.107433),
+    ],
+)
+def test_a_branch_is_born_and_turns_where_other_programs_say(capsys, model, hopf, born, fold, turn):
+    """Measured: folds 4e-9 off on this mesh; at a fold the period hardly matters, 1.3e-6."""
+    words = ["paper", "--model", model, "--over", RANGE, "--tol", "1e-4", "--stop-at", "LP"]
+    found = branch(capsys, *words)
+    birth, first_fold = found["special"]
+    assert birth["type"] == "HB"
+    assert birth["log10_r"] == pytest.approx(hopf, abs=1e-10)
+    assert birth["period"] == pytest.approx(born, abs=1e-7)
+    assert (birth["unstable_before"], birth["unstable_after"]) == (0, 2)
+    assert first_fold["type"] == "LP"
+    assert first_fold["log10_r"] == pytest.approx(fold, abs=5e-8)
+    assert first_fold["period"] == pytest.approx(turn, rel=2e-5)
+    assert first_fold["bracket"] < 1e-9
+    assert (first_fold["unstable_before"], first_fold["unstable_after"]) == (1, 0)
+    assert all(point["unstable"] == 1 and point["stable"] is False for point in found["points"][:-1])
+    assert found["points"][-1]["stable"] is True
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, object], Path]:
+    folder = tmp_path_factory.mktemp("branch")
+    with pytest.MonkeyPatch.context() as patch:
+        lines: list[str] = []
+        patch.setattr("builtins.print", lambda *words, **_: lines.append(" ".join(map(str, words))))
+        assert main(["branch", *COARSE, "--json", "--out", str(folder / "x.nc"), "--plot", str(folder / "x.png")]) == 0
+    return json.loads("\n".join(lines)), folder
+
+
+def test_it_passes_through_known_orbits(whole):
+    points = whole[0]["points"]
+    upper = [point for point in points if point["stable"]]
+    values = [point["log10_r"] for point in upper]
+    known = reference_orbit("kelvin-voigt", -2.68)
+    for name in ("period", "stress_drop", "elastic_stress_drop"):
+        slope, value = np.polyfit(np.array(values[-3:]) + 2.68, [point[name] for point in upper[-3:]], 1)
+        assert value == pytest.approx(known[name], rel=2e-3), slope
+    assert all(-2.72 <= point["log10_r"] <= -2.68 for point in points)
+
+
+def test_its_file_has_all_points_and_special_points(whole):
+    found, folder = whole
+    with xarray.open_dataset(folder / "x.nc") as data:
+        assert data.attrs["complete"] == 1
+        count = len(found["points"])
+        assert data["point_period"].values[:count].tolist() == [point["period"] for point in found["points"]]
+        assert data["special_kind"].values.tolist() == [special["type"] for special in found["special"]]
+        assert data["special_value"].values.tolist() == [special["log10_r"] for special in found["special"]]
+    assert sorted(path.name for path in folder.iterdir()) == ["x.nc", "x.png"]
+
+
+def test_its_figure_has_three_panels_with_marks(whole):
+    """Colour appears only where the fold is marked, once in each panel, and in the legend."""
+    pixels = imread(whole[1] / "x.png")[:, :, :3]
+    colourful = np.ptp(pixels, axis=2) > 0.3
+    rows = np.flatnonzero(colourful.any(axis=1))
+    assert 1 + int((np.diff(rows) > 5).sum()) == 4
+
+
+def test_pieces_of_one_stability_meet_at_special_points(whole):
+    found = Branch(over_range(RANGE, "paper", None), "kelvin-voigt", 1e-4)
+    read(whole[1] / "x.nc", found)
+    for axes, name in zip(figure_of(found).axes, ("period", "stress_drop", "elastic_stress_drop"), strict=True):
+        unstable, stable = [line for line in axes.lines if len(line.get_xdata()) > 2]
+        birth, fold = ((special.value, getattr(special, name)) for special in found.special)
+        assert (unstable.get_linestyle(), stable.get_linestyle()) == ("--", "-")
+        assert (unstable.get_xdata()[0], unstable.get_ydata()[0]) == birth
+        assert (unstable.get_xdata()[-1], unstable.get_ydata()[-1]) == fold
+        assert (stable.get_xdata()[0], stable.get_ydata()[0]) == fold
+
+
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGKILL])
+def test_a_branch_that_was_stopped_goes_on_to_the_same_points(by, tmp_path, capsys, monkeypatch):
+    done = interrupted(["branch", *SHORT, "--json", "--out", "x.nc"], 12.0, tmp_path, by)
+    if by is signal.SIGINT:
+        assert done.returncode == INTERRUPTED
+        assert done.stderr.splitlines()[-1] == "slipwave: interrupted after 12 points; --resume x.nc goes on from there"
+        assert len(json.loads(done.stdout)["points"]) == 12
+    else:
+        assert done.returncode == -signal.SIGKILL
+    monkeypatch.chdir(tmp_path)
+    with xarray.open_dataset("x.nc") as data:
+        assert data.attrs["complete"] == 0
+        assert data.sizes["point"] == 12
+    resumed, at_once = branch(capsys, *SHORT, "--resume", "x.nc"), branch(capsys, *SHORT)
+    assert len(resumed["points"]) == 24
+    assert resumed["points"] == at_once["points"]
+    assert resumed["special"] == at_once["special"]
+
+
+def test_an_interrupted_branch_without_file_says_so(tmp_path):
+    done = interrupted(["branch", *SHORT], 5.0, tmp_path)
+    assert done.returncode == INTERRUPTED
+    assert done.stderr.splitlines()[-1].endswith("no file was kept: --out FILE.nc keeps one to go on from")
+
+
+def test_without_a_hopf_point_it_begins_with_an_orbit(capsys):
+    words = ["paper", "--model", "kelvin-voigt", "--over", "log10_r=-2.68:-2.69", "--tol", "1e-4"]
+    found = branch(capsys, *words)
+    assert found["special"] == []
+    assert found["points"][0]["log10_r"] == -2.68
+    assert found["points"][0]["period"] == pytest.approx(reference_orbit("kelvin-voigt", -2.68)["period"], rel=1e-6)
+    values = [point["log10_r"] for point in found["points"]]
+    assert values == sorted(values, reverse=True)
+    assert values[-1] >= -2.69
+    assert found["notes"] == ["the branch leaves the range at log10_r = -2.69"]
+
+
+def test_undecided_stability_is_null_with_its_reason(capsys):
+    """Unlike slabs of irrational ratio have motions that friction never damps."""
+    found = branch(capsys, "unlike-irrational", "--over", "log10_r=-2.6:-2.5", "--tol", "1e-3", "--most-points", "3")
+    assert [point["stable"] for point in found["points"]] == [None, None, None]
+    assert found["notes"][0].startswith("stability is not decided where the essential radius is 1")
+
+
+def test_another_parameter_stands_under_its_own_name(capsys):
+    """The Hopf point in epsilon is that of `stability`."""
+    assert main(["stability", "paper", "--model", "block8", "--json"]) == 0
+    critical = json.loads(capsys.readouterr().out)["epsilon_c"]
+    words = ["paper", "--model", "block8", "--over", "slab.epsilon=2.5e-5:3.5e-5", "--tol", "1e-3", "--stop-at", "HB"]
+    found = branch(capsys, *words)
+    assert found["parameter"] == "epsilon"
+    birth = found["special"][0]
+    assert birth["epsilon"] == birth["value"] == pytest.approx(critical, rel=1e-9)
+    assert birth["parameter"] == "epsilon"
+
+
+def test_it_ends_where_orbits_shrink_to_steady_sliding():
+    """The first small orbit, followed the wrong way: the Hopf point is met again, and nothing is counted twice."""
+    found = Branch(over_range(RANGE, "paper", None), "kelvin-voigt", 1e-4)
+    head = begin(found)
+    back = head._replace(point=replace(head.point, tangent=-head.point.tangent))
+    assert isinstance(back.point, Point)
+    list(follow(found, back, Limits(points=50)))
+    assert [special.kind for special in found.special] == ["HB", "HB"]
+    assert found.special[0].value == pytest.approx(found.special[1].value, abs=1e-12)
+    assert found.notes == ["the branch ends where its orbits shrink to steady sliding"]
+    assert len(found.points) < 10
+
+
+def test_limits_are_kept_and_told(capsys):
+    few = branch(capsys, *SHORT, "--most-points", "7")
+    assert len(few["points"]) == 7
+    assert few["notes"] == ["stopped after 7 points: --most-points goes further"]
+    short = branch(capsys, *COARSE, "--longest-period", "51")
+    assert short["points"][-2]["period"] < 51.0 < short["points"][-1]["period"]
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        (["paper", "--over", "log10_r=-2.7"], INPUT_WRONG, "must be KEY=FROM:TO"),
+        (["paper", "--over", "log10_r=-2.7:x"], INPUT_WRONG, "'x' must be a number"),
+        (["paper", "--over", "log10_r=-2.7:-2.7"], INPUT_WRONG, "must differ"),
+        (["paper", "--over", "nothing=1:2"], INPUT_WRONG, "unknown key"),
+        (["paper", "--over", "epsilon=-1:1"], INPUT_WRONG, "slab.epsilon = -1.0: must be"),
+        (["paper", "--over", "log10_r=-3:-2.8"], INPUT_WRONG, "is stable at both ends"),
+        (["paper", "--over", RANGE, "--stop-at", "XX"], INPUT_WRONG, "--stop-at 'XX': must be one of HB, LP, PD, NS"),
+        (["paper", "--over", RANGE, "--most-points", "0"], INPUT_WRONG, "--most-points = 0"),
+        (["paper", "--over", RANGE, "--longest-period", "-1"], INPUT_WRONG, "--longest-period = -1"),
+        (["paper", "--over", RANGE, "--model", "fd"], INPUT_WRONG, "models that do: delay,"),
+        (["paper", "--over", RANGE, "--resume", "missing.nc"], INPUT_WRONG, "no such file"),
+        (["paper", "--over", RANGE, "--plot", "x.gif"], INPUT_WRONG, "must end in .png or .pdf or .svg"),
+        (["ramp", "--over", RANGE], INPUT_WRONG, "needs a constant drive.velocity"),
+        (["paper", "--over", "log10_r=-2.6:-2.5", "--set", "start.size=0"], NUMERICS_FAILED, "made 0 cycles"),
+    ],
+)
+def test_what_cannot_be_followed_is_told_in_one_line(capsys, words, status, said):
+    assert main(["branch", *words, "--json"]) == status
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err.splitlines()[-1]
+
+
+def test_a_file_of_another_branch_is_refused(whole, capsys):
+    assert main(["branch", "paper", "--over", RANGE, "--resume", str(whole[1] / "x.nc")]) == INPUT_WRONG
+    assert "model is 'kelvin-voigt'; this branch has 'delay'" in capsys.readouterr().err

@@ -1,0 +1,93 @@
+"""`slipwave orbit`: figures of orbits, stable and unstable, against programs that share nothing with this one; its refusals."""
+
+import json
+import math
+
+import pytest
+
+from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
+from validation.references.published import half_digit, reference_orbit
+
+RATES = {"v_max", "v_min"}
+
+
+def orbit(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, object]:
+    assert main(["orbit", *words, "--json"]) == 0
+    found: dict[str, object] = json.loads(capsys.readouterr().out)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("model", "log10_r", "stable", "leading"),
+    [
+        ("delay", -2.68, True, [0.254520, 0.347982]),
+        ("delay", -2.65, False, [-0.218935, 1.152419]),
+        ("kelvin-voigt", -2.68, True, None),
+    ],
+)
+def test_figures_are_those_of_other_programs(capsys, model, log10_r, stable, leading):
+    """The multipliers are those of DDE-BIFTOOL; figures agree within 5e-10 or in every digit that is published."""
+    found = orbit(capsys, "paper", "--model", model, "--set", f"slab.log10_r={log10_r}")
+    for name, value in reference_orbit(model, log10_r).items():
+        assert found[name] == pytest.approx(value, rel=2e-9, abs=1.01 * half_digit(value)), name
+    assert found["stable"] is stable
+    assert bool(found["notes"]) is not stable
+    assert found["period_time"] == pytest.approx(found["period"] * 10.0**log10_r, rel=1e-14)
+    assert found["residual"] < 1e-12
+    assert found["trivial_defect"] < 1e-5
+    assert 0.0 <= found["error_estimate"]["period"] < 1e-8 * found["period"]
+    if leading:
+        assert found["multipliers"][0] == pytest.approx(leading, abs=1e-6)
+    moduli = [math.hypot(*value) for value in found["multipliers"]]
+    assert moduli == sorted(moduli, reverse=True)
+    assert min(moduli) > found["essential_radius"] >= 0.0
+
+
+def test_a_full_wave_has_the_delay_system_s_orbit(capsys):
+    """Measured: 5e-12 and 2e-10 off on this grid."""
+    found = orbit(capsys, "paper", "--model", "dg:7", "--cells", "5", "--tol", "1e-7")
+    known = reference_orbit("delay", -2.68)
+    assert found["period"] == pytest.approx(known["period"], rel=1e-9)
+    assert found["stress_drop"] == pytest.approx(known["stress_drop"], rel=1e-8)
+    assert found["multipliers"][0] == pytest.approx([0.254520, 0.347982], abs=1e-6)
+
+
+def test_viscous_slabs_have_an_orbit_by_a_full_wave(capsys):
+    found = orbit(capsys, "viscous", "--tol", "1e-6")
+    assert found["model"] == "sbp:6"
+    assert found["stable"] is True
+
+
+def test_si_repeats_the_figures_in_si(capsys):
+    found = orbit(capsys, "paper-si", "--model", "block8", "--tol", "1e-6")
+    si = found["si"]
+    assert si["transit_s"] == pytest.approx(10.0**-2.68 * 0.9, rel=1e-9)
+    assert si["period_s"] == pytest.approx(76.610299635 * si["transit_s"], rel=1e-8)
+    assert si["stress_drop_Pa"] == pytest.approx(1000.0 * found["stress_drop"], rel=1e-14)
+    assert si["v_max_m_per_s"] == pytest.approx(1e-6 * found["v_max"], rel=1e-14)
+
+
+def test_a_start_on_the_orbit_is_no_other_scene(capsys):
+    changed = orbit(capsys, "paper", "--model", "kelvin-voigt", "--set", "start.kind=orbit", "--tol", "1e-6")
+    assert changed["period"] == pytest.approx(reference_orbit("kelvin-voigt", -2.68)["period"], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "said"),
+    [
+        (["ramp"], INPUT_WRONG, "a periodic orbit needs a constant drive.velocity"),
+        (["paper", "--model", "fd"], INPUT_WRONG, "models that do: delay,"),
+        (["viscous", "--model", "delay"], INPUT_WRONG, "cannot do Kelvin-Voigt viscosity"),
+        (["paper", "--cells", "4"], INPUT_WRONG, "model delay takes no cells"),
+        (["paper", "--tol", "1e-20"], INPUT_WRONG, "tol = 1e-20: must lie in [1e-11, 0.01]"),
+        (["paper", "--tol", "nan"], INPUT_WRONG, "tol = nan"),
+        (["paper", "--set", "slab.log10_r=-2.72"], NUMERICS_FAILED, "each smaller than the one before"),
+        (["paper", "--set", "start.size=0"], NUMERICS_FAILED, "made 0 cycles"),
+        (["paper", "--model", "quasistatic"], NUMERICS_FAILED, "it runs away"),
+    ],
+)
+def test_what_has_no_orbit_is_told_in_one_line(capsys, words, status, said):
+    assert main(["orbit", *words, "--json"]) == status
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err.splitlines()[-1]

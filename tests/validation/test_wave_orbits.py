@@ -1,0 +1,67 @@
+"""Orbits of the semi-discrete full wave by Newton's method, on a ladder of grids, against those of the delay system."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.finite_element import FiniteElement
+from fullwave.lines.flow import frozen
+from fullwave.summation_by_parts import SummationByParts
+from reduced.delay.network import DelayNetwork
+from reduced.flows import delay
+from reduced.orbit import periodic_orbit
+from reduced.orbit.approach import approach
+from reduced.orbit.closing import close
+from reduced.orbit.figures import figures
+from slipwave import read
+from validation.measure.order_fit import fit, shortfall
+
+PERIOD, DROP = 73.4721449443, 0.1739634131
+"""At log10 r = -2.68, by lifted shooting (shared/reference/public.json); the period to 1e-10."""
+
+
+def own_orbit(solver):
+    """The orbit of a grid, closed from a run."""
+    guess = approach(solver, partial(frozen, tolerance=1e-10))
+    return close(*guess[:3])
+
+
+@pytest.mark.parametrize(
+    ("make", "grids", "order", "finest"),
+    [
+        (partial(SummationByParts, order=6), (16, 24, 32, 40), 6, 5.2e-8),
+        (partial(FiniteElement, degree=4), (4, 5, 6, 8), 8, 1.8e-9),
+        (partial(DiscontinuousGalerkin, degree=3), (4, 6, 8, 12), 7, 3.1e-7),
+    ],
+    ids=["sbp:6", "fem:4", "dg:3"],
+)
+def test_the_period_converges(make, grids, order, finest):
+    """At the declared order P of differences; of elements at the order of what passes their faces, 2 P and 2 P + 1."""
+    periods = [own_orbit(make(read("paper"), cells=cells, time="exact")).cycle.period for cells in grids]
+    errors = np.abs(np.array(periods) - PERIOD)
+    assert shortfall(fit(np.array(grids), errors), order, tolerance=0.5, at_least=True) == ""
+    assert errors[-1] < 3.0 * finest
+
+
+def test_three_large_elements_give_ten_digits():
+    """Measured: 4e-11 in the period, 8e-10 in the drop."""
+    orbit = own_orbit(DiscontinuousGalerkin(read("paper"), degree=7, cells=3, time="exact"))
+    assert orbit.cycle.period == pytest.approx(PERIOD, abs=2e-10)
+    assert figures(orbit.flow.scene.law, orbit.cycle, orbit.flow.nodes)["stress_drop"] == pytest.approx(DROP, abs=3e-9)
+
+
+def test_the_orbit_of_unlike_slabs_is_that_of_the_delay_system():
+    """Whose round trips are 1 : 2. Measured: 1e-14 in the period, 2e-11 in v."""
+    scene = read("unlike")
+    expected = periodic_orbit(*approach(DelayNetwork(scene, tolerance=1e-6), delay.frozen)[:3], 1e-10)
+    orbit = own_orbit(DiscontinuousGalerkin(scene, degree=7, cells=3, time="exact"))
+    found = figures(scene.law, orbit.cycle, orbit.flow.nodes)
+    for name, value in found.items():
+        assert value == pytest.approx(getattr(expected.orbit, name).value, rel=1e-9), name
+    values = np.linalg.eigvals(orbit.monodromy)
+    for multiplier in expected.multipliers.values[:2]:
+        assert np.abs(values - multiplier).min() < 1e-7
+    assert abs(expected.multipliers.values[0]) == pytest.approx(0.87496, abs=1e-4)
+    assert expected.multipliers.stable

@@ -1,0 +1,66 @@
+"""A branch in a figure: period and both stress drops against the parameter, stable and unstable parts, special points."""
+
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from slipwave.files import whole_or_absent
+from validation.branches.record import Branch
+from validation.study.drawing import Axes, Drawing, canvas, styled
+
+FIGURES = (".png", ".pdf", ".svg")
+"""Kinds of file that a branch is drawn to."""
+
+_QUANTITIES = {"period": "period $T$ / transits", "stress_drop": "stress drop", "elastic_stress_drop": "elastic stress drop"}
+_MARKS: dict[str, Any] = {
+    "HB": {"marker": "o", "markerfacecolor": "white", "label": "Hopf point"},
+    "LP": {"marker": "s", "color": "#0072b2", "label": "fold"},
+    "PD": {"marker": "^", "color": "#d55e00", "label": "period doubling"},
+    "NS": {"marker": "D", "color": "#009e73", "label": "torus point"},
+}
+_PENS: dict[bool | None, Any] = {
+    True: {"linewidth": 1.9, "color": "#111111", "label": "stable"},
+    False: {"linewidth": 0.8, "color": "#777777", "dashes": (4, 1.5), "label": "unstable"},
+    None: {"linewidth": 0.9, "color": "#777777", "label": "stability not decided"},
+}
+
+
+def draw(path: Path, branch: Branch) -> None:
+    """Write the figure. Raises SceneError if the file cannot be written."""
+    with styled(), whole_or_absent(path) as temporary:
+        figure_of(branch).savefig(temporary, dpi=150)
+
+
+def figure_of(branch: Branch) -> Drawing:
+    """One panel for each quantity. Call it inside `styled()`."""
+    figure = canvas(height=8.5)
+    panels = figure.subplots(len(_QUANTITIES), 1, sharex=True)
+    for axes, (name, label) in zip(panels, _QUANTITIES.items(), strict=True):
+        _curve(axes, branch, name)
+        _marks(axes, branch, name)
+        axes.set_ylabel(label)
+    panels[-1].set_xlabel(branch.over.name)
+    panels[0].set_title(f"{branch.over.base.name}, {branch.model}: periodic orbits")
+    panels[0].legend(loc="best")
+    return figure
+
+
+def _curve(axes: Axes, branch: Branch, name: str) -> None:
+    """The branch in pieces of one stability, which meet at the special points between them."""
+    for stable, pen in _PENS.items():
+        if any(point.stable is stable for point in branch.shown):
+            axes.plot([], [], **pen)
+    ends = {special.place: special for special in branch.special}
+    for stable, group in groupby(enumerate(branch.points), key=lambda numbered: numbered[1].stable):
+        piece = list(group)
+        first, last = ends.get(piece[0][0]), ends.get(piece[-1][0] + 1)
+        run = [one for one in (first, *(point for _, point in piece), last) if one and branch.over.holds(one.value)]
+        axes.plot([one.value for one in run], [getattr(one, name) for one in run], **_PENS[stable] | {"label": None})
+
+
+def _marks(axes: Axes, branch: Branch, name: str) -> None:
+    for kind, look in _MARKS.items():
+        found = [special for special in branch.shown_special if special.kind == kind]
+        if found:
+            places = [special.value for special in found], [getattr(special, name) for special in found]
+            axes.plot(*places, **({"color": "#111111", "linestyle": "none", "markersize": 4.0, "zorder": 3} | look))

@@ -1,0 +1,106 @@
+"""The parameter of a branch: any number of a scene, by a short name or by its key, with the range to be covered."""
+
+import math
+import re
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+
+import slipwave
+from reduced.parameters import PARAMETERS
+from slipwave.errors import SceneError
+from slipwave.input.wording import shorten
+from slipwave.scene import Scene
+
+_SHORT = {
+    "slab.log10_r": "log10_r",
+    "slab.r": "r",
+    "slab.epsilon": "epsilon",
+    "drive.velocity": "V",
+    "interface.a": "a",
+    "interface.b": "b",
+}
+_RANGE = re.compile(r"(?P<name>[^=]+)=(?P<first>[^:]+):(?P<last>[^:]+)")
+
+
+@dataclass(frozen=True)
+class Over:
+    """The parameter `name` of the `base` scene between `first` and `last`; `scene_at` is the scene with a value of it."""
+
+    base: Scene
+    name: str
+    first: float
+    last: float
+    scene_at: Callable[[float], Scene]
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The smaller and the larger end."""
+        return min(self.first, self.last), max(self.first, self.last)
+
+    def holds(self, value: float) -> bool:
+        """Whether `value` lies in the range."""
+        low, high = self.ends
+        return low <= value <= high
+
+
+def over_range(text: str, source: str, settings: list[str] | None) -> Over:
+    """The parameter of `--over KEY=FROM:TO` for the scene of the command line.
+
+    Raises SceneError if the text is not of that form, and if the scene cannot be read at one of both ends.
+    """
+    found = _RANGE.fullmatch(text)
+    if found is None:
+        raise SceneError(f"--over {shorten(text)}: must be KEY=FROM:TO, as in log10_r=-2.72:-2.30")
+    key = found["name"].strip()
+    name = _SHORT.get(key, key)
+    first, last = (_number(text, found[word]) for word in ("first", "last"))
+    if first == last:
+        raise SceneError(f"--over {shorten(text)}: FROM and TO must differ")
+    base = slipwave.read(source, settings or [])
+    if not base.drive.is_constant:
+        raise SceneError(f"scene {base.name!r}: a branch of periodic orbits needs a constant drive.velocity")
+    over = Over(base, name, first, last, _reader(name, base, source, settings or []))
+    for value in over.ends:
+        over.scene_at(value)
+    return over
+
+
+def _number(text: str, word: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise SceneError(f"--over {shorten(text)}: {shorten(word)} must be a number")
+    return value
+
+
+def _reader(name: str, base: Scene, source: str, settings: list[str]) -> Callable[[float], Scene]:
+    """The scene with a value of its key. A short name without a key in this scene, as epsilon of unlike slabs or in SI, changes
+    both slabs by the same factor."""
+    if name not in PARAMETERS:
+        return _keyed(name, source, settings)
+    key = next((key for key, short in _SHORT.items() if short == name), "")
+    if key:
+        keyed = _keyed(key, source, settings)
+        with suppress(SceneError):
+            keyed(_present(name, base))
+            return keyed
+    return lambda value: PARAMETERS[name](base, _positive(name, value))
+
+
+def _keyed(key: str, source: str, settings: list[str]) -> Callable[[float], Scene]:
+    return lambda value: slipwave.read(source, [*settings, f"{key}={value!r}"])
+
+
+def _present(name: str, base: Scene) -> float:
+    """The value of a short name in a scene."""
+    values = {"r": base.transit, "log10_r": math.log10(base.transit), "epsilon": base.upper.epsilon, "V": base.velocity}
+    return values[name] if name in values else float(getattr(base.law, name))
+
+
+def _positive(name: str, value: float) -> float:
+    if name in ("r", "epsilon", "ratio_r", "ratio_epsilon") and not value > 0.0:
+        raise SceneError(f"{name} = {value:g}: must be above 0")
+    return value

@@ -1,0 +1,92 @@
+"""What is kept of a branch: its points, its special points, and remarks."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from reduced.continuation.special import Special
+from reduced.orbit.figures import figures
+from reduced.orbit.multipliers import NEUTRAL
+from slipwave.step.flow import Cycle, Flow
+from validation.branches.parameter import Over
+
+
+class BranchPoint(NamedTuple):
+    """An orbit at a `value` of the parameter: its figures (`reduced.orbit.figures`), the number of `unstable` multipliers, and
+    whether it is `stable`; None if multipliers cannot tell."""
+
+    value: float
+    period: float
+    stress_drop: float
+    elastic_stress_drop: float
+    v_max: float
+    v_min: float
+    unstable: int
+    stable: bool | None
+
+
+class SpecialPoint(NamedTuple):
+    """A point of `kind` HB, LP, PD or NS with the figures of its orbit; `bracket`, the width in the parameter of the interval
+    that holds it; numbers of unstable multipliers (HB: of growing roots of steady sliding) before and after; `place`, the number
+    of points of the branch before it."""
+
+    kind: str
+    value: float
+    period: float
+    stress_drop: float
+    elastic_stress_drop: float
+    v_max: float
+    v_min: float
+    bracket: float
+    unstable_before: int
+    unstable_after: int
+    place: int
+
+
+@dataclass(frozen=True)
+class Branch:
+    """The branch of `model` over a parameter, as far as it is known: its lists grow. `tolerance` is the requested relative error
+    of all figures, `cells` is for full waves."""
+
+    over: Over
+    model: str
+    tolerance: float
+    cells: int | None = None
+    points: list[BranchPoint] = field(default_factory=list)
+    special: list[SpecialPoint] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def shown(self) -> list[BranchPoint]:
+        """The points within the range; the last of all may lie beyond."""
+        return [point for point in self.points if self.over.holds(point.value)]
+
+    @property
+    def shown_special(self) -> list[SpecialPoint]:
+        """The special points within the range."""
+        return [special for special in self.special if self.over.holds(special.value)]
+
+
+def point_of(value: float, flow: Flow, cycle: Cycle, unstable: int) -> BranchPoint:
+    """The record of an orbit."""
+    neutral = flow.essential_radius(cycle) > 1.0 - NEUTRAL
+    return BranchPoint(value, **_figures(flow, cycle), unstable=unstable, stable=None if neutral else unstable == 0)
+
+
+def special_of(found: Special, place: int) -> SpecialPoint:
+    """The record of a special point after so many points."""
+    closed = found.point.closed
+    known = _figures(closed.flow, closed.cycle)
+    return SpecialPoint(
+        found.kind,
+        found.point.parameter,
+        **known,
+        bracket=found.bracket,
+        unstable_before=found.unstable_before,
+        unstable_after=found.unstable_after,
+        place=place,
+    )
+
+
+def _figures(flow: Flow, cycle: Cycle) -> Mapping[str, float]:
+    return figures(flow.scene.law, cycle, flow.nodes)
