@@ -1,4 +1,4 @@
-"""The paper's claims that runs and closed forms can settle; those about whole branches need continuation."""
+"""The paper's claims that runs and closed forms can settle; those about whole branches are judged by `bifurcation`."""
 
 from validation.studies.claims.runs import LARGE_NUDGE, Branch, Ripples, beside, measure_ripples, run_deep, settle_branch
 from validation.studies.claims.shown import branch_table, deep_table, irregular, onset_table, returns
@@ -47,10 +47,9 @@ def _two_orbits(branch: Branch) -> str:
 def _answer(verdicts: tuple[Verdict, ...]) -> str:
     findings = [verdict for verdict in verdicts if verdict.outcome is Outcome.FINDING]
     held = sum(verdict.outcome is Outcome.PASS for verdict in verdicts)
-    waiting = sum(omission.what.startswith("P") and "beyond" not in omission.what for omission in _OMISSIONS)
     return (
-        f"Of {len(verdicts)} checks {held} hold and {len(findings)} qualify a claim; {waiting} claims about branches are open, "
-        "since they need continuation."
+        f"Of {len(verdicts)} checks {held} hold and {len(findings)} qualify a claim; those about branches are judged by the "
+        "studies `bifurcation` and `period-doubling`."
     )
 
 
@@ -73,17 +72,12 @@ _CAPTION = (
     "time in transits."
 )
 
+_BRANCHES = "Judged by the study `bifurcation`, on branches."
 _OMISSIONS = (
-    Omission(
-        "P8, mildly subcritical Hopf point (Fig 6).",
-        "Needs the unstable branch, that is, continuation of periodic orbits, which does not exist yet.",
-    ),
-    Omission("P9, period doublings and torus of the ODE (Fig 6b).", "Needs continuation with multipliers."),
-    Omission(
-        "P10, unstable primary orbit with T = 79.09 (Fig 7).",
-        "Needs Newton’s method for the orbit, since a run leaves an unstable one.",
-    ),
-    Omission("P14, bifurcations of the delay system.", "Needs continuation of the delay system."),
+    Omission("P8, mildly subcritical Hopf point (Fig 6).", _BRANCHES),
+    Omission("P9, period doublings and torus of the ODE (Fig 6b).", _BRANCHES),
+    Omission("P10, unstable primary orbit with T = 79.09 (Fig 7).", "Judged by the study `period-doubling`."),
+    Omission("P14, bifurcations of the delay system.", _BRANCHES),
     Omission(
         "P7 and P11 beyond log_{10} r = −2.66.",
         "The delay system’s orbit loses stability there; runs then show a torus, not the orbit.",

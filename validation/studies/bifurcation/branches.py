@@ -1,0 +1,137 @@
+"""Branches of periodic orbits in log10 r, from the Hopf point on; the paper's material at V = 100."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+import slipwave
+from reduced.continuation.branch import Control, follow_branch
+from reduced.continuation.mesh import Family
+from reduced.continuation.onset import Onset, onsets
+from reduced.continuation.point import Point
+from reduced.continuation.special import Special
+from reduced.continuation.start import from_hopf_point, metric_for
+from reduced.orbit.approach import approach
+from reduced.orbit.closing import Closed, close
+from reduced.orbit.figures import figures
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from validation.registry.flows import moving
+
+RANGE = (-2.72, -2.3)
+"""log10 r."""
+
+FAR = 200.0
+"""A period (transits) that no branch of these reaches."""
+
+TOLERANCE = 1e-7
+STEPS = Control(longest=0.02)
+"""A step changes the period by 0.4 transits at most. Folds come in pairs, about one pair per transit; longer steps miss some."""
+
+_ROUND = 1e-9  # difference of two periods that count as one orbit's, relative
+
+
+@dataclass(frozen=True)
+class Corner:
+    """An orbit of a branch in numbers: log10 r, its `figures` (`reduced.orbit.figures`), and the number of unstable multipliers
+    from here to the next corner."""
+
+    log10_r: float
+    figures: dict[str, float]
+    unstable: int
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A model's branch: its Hopf point; its points, with the special points at their places among them; the special points."""
+
+    model: str
+    onset: Onset
+    points: tuple[Point, ...]
+    special: tuple[Special, ...]
+
+    @property
+    def corners(self) -> list[Corner]:
+        """All points in numbers."""
+        after = {id(special.point): special.unstable_after for special in self.special}
+        return [Corner(point.parameter, figures_of(point.closed), after.get(id(point), point.unstable)) for point in self.points]
+
+    def of_kind(self, *kinds: str) -> list[Special]:
+        """Its special points of these kinds, in order."""
+        return [special for special in self.special if special.kind in kinds]
+
+    def orbits_at(self, log10_r: float) -> list[Closed]:
+        """All orbits of the branch at one r, in order, each by Newton's method from the points on both sides."""
+        found: list[Closed] = []
+        for left, right in pairwise(self.points):
+            if (left.parameter - log10_r) * (right.parameter - log10_r) <= 0.0:
+                found.append(_between(left, right, log10_r))
+        return [one for n, one in enumerate(found) if n == 0 or abs(one.cycle.period / found[n - 1].cycle.period - 1.0) > _ROUND]
+
+
+def branch_of(model: str, highest: float, longest: float, tolerance: float = TOLERANCE, steps: Control = STEPS) -> Branch:
+    """The branch that is born where the steady sliding of `model` loses stability, until log10 r reaches `highest` or the period
+    `longest` (transits); on a mesh that keeps relative errors of the figures below `tolerance`."""
+    metric = metric_for(*RANGE)
+    onset = onsets(scene_at, *RANGE, model)[0]
+    family = Family(approach(*moving(model, scene_at(-2.68), tolerance)[:2]).flow, scene_at)
+    first = from_hopf_point(family, onset, metric)
+
+    def inside(point: Point) -> bool:
+        return point.parameter < highest and point.closed.cycle.period < longest
+
+    points, found = [first], list[Special]()
+    for step in follow_branch(family, first, metric, inside, tolerance, steps):
+        points += [*(special.point for special in step.special), step.point]
+        found += step.special
+    return Branch(model, onset, tuple(points), tuple(found))
+
+
+def scene_at(log10_r: float) -> Scene:
+    """The paper's scene at another r."""
+    return slipwave.read("paper", {"slab.log10_r": log10_r})
+
+
+def figures_of(closed: Closed) -> dict[str, float]:
+    """Period, drops and rates of an orbit."""
+    return figures(closed.flow.scene.law, closed.cycle, closed.flow.nodes)
+
+
+def unaccounted(branch: Branch) -> int:
+    """Points of a branch whose number of unstable multipliers is not that of the first point plus the changes at the special
+    points before it: 1 at a fold and a period doubling, 2 at a torus point."""
+    count, wrong = branch.points[0].unstable, 0
+    special = {id(one.point): one for one in branch.special}
+    for point in branch.points:
+        one = special.get(id(point))
+        if one is None:
+            wrong += point.unstable != count
+            continue
+        change = one.unstable_after - one.unstable_before
+        wrong += abs(change) != {"LP": 1, "PD": 1, "NS": 2}[one.kind]
+        count += change
+    return wrong
+
+
+def parts(corners: list[Corner]) -> Iterator[tuple[bool, list[Corner]]]:
+    """The branch cut where its stability changes: (stable, corners), each part with both ends."""
+    begin = 0
+    for n in range(1, len(corners)):
+        if n == len(corners) - 1 or (corners[n].unstable == 0) != (corners[begin].unstable == 0):
+            yield corners[begin].unstable == 0, corners[begin : n + 1]
+            begin = n
+
+
+def column(corners: list[Corner], value: Callable[[Corner], float]) -> Array:
+    """A number of each corner."""
+    return np.array([value(corner) for corner in corners])
+
+
+def _between(left: Point, right: Point, log10_r: float) -> Closed:
+    """The orbit at `log10_r` between two points, whose meshes may differ."""
+    same = left.unknowns.size == right.unknowns.size
+    along = right.unknowns - left.unknowns if same else right.tangent
+    guess = right.unknowns + (log10_r - right.parameter) / along[-1] * along
+    return close(right.closed.flow.of(scene_at(log10_r)), guess[:-2], float(guess[-2]))

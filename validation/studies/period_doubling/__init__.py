@@ -1,0 +1,51 @@
+"""The ODE's unstable orbit beside its doubled one (the paper's Fig 7), and the bubble of doubled orbits between two doublings."""
+
+from validation.studies.period_doubling.runs import AT, Doubled, doubled
+from validation.studies.period_doubling.shown import orbit_table, planes
+from validation.studies.period_doubling.verdicts import all_verdicts
+from validation.study import Budget, Figure, Number, Omission, StudyResult
+
+NAME = "period-doubling"
+QUESTION = "What becomes of the paper’s ODE where its orbit loses stability by period doubling?"
+SCENES = ("paper",)
+SECONDS = (10.0, 10.0)
+
+
+def run(budget: Budget) -> StudyResult:
+    """Find both orbits, and follow both branches to the period doublings."""
+    found = doubled()
+    return StudyResult(
+        answer=_answer(found),
+        figures=(Figure("planes", _CAPTION, lambda: planes(found)),),
+        tables=(orbit_table(found),),
+        verdicts=all_verdicts(found),
+        notes=(_HOW,),
+        numbers={
+            "T": Number(found.single.orbit.period.value, 1e-9),
+            "doubled T": Number(found.double.orbit.period.value, 1e-9),
+            "multiplier": Number(float(found.single.multipliers.values[0].real), 1e-7),
+            "doubled multiplier": Number(float(found.double.multipliers.values[0].real), 1e-6),
+        },
+        omissions=(_OTHERS,),
+    )
+
+
+def _answer(found: Doubled) -> str:
+    low, high = sorted(one.point.parameter for one in found.special)
+    return (
+        f"Its orbit is unstable from log_{{10}} r = {low:.7f} to {high:.7f}. A stable orbit of twice the period is born at "
+        "one end and vanishes at the other."
+    ).replace("-", "−")
+
+
+_CAPTION = (
+    f"The ODE’s orbits at log_{{10}} r = {AT:.6f}, the paper’s Fig 7: the unstable one of T = 79.09 transits (dotted) and the "
+    "stable one of twice the period. Below: periods of the single orbits over r and, between the two period doublings, half the "
+    "periods of the doubled ones."
+).replace("= -", "= −")
+_HOW = (
+    "Both orbits come from Newton’s method on the motion over one or two cycles; it began from a run that passes the unstable "
+    "orbit and settles on the doubled one. The branch of doubled orbits is followed in both directions until their largest "
+    "multiplier exceeds 0.997; a straight line takes it to 1."
+)
+_OTHERS = Omission("The other two pairs of period doublings.", "Their doubled orbits were not followed.")

@@ -1,0 +1,75 @@
+"""The ODE's orbit of T = 79.09, the doubled orbit beside it, and the branches of both as far as the period doublings."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from reduced.continuation.branch import Control, follow_branch
+from reduced.continuation.mesh import Family
+from reduced.continuation.point import Point
+from reduced.continuation.special import Special
+from reduced.continuation.start import from_orbit, metric_for
+from reduced.orbit import PeriodicOrbit, periodic_orbit
+from reduced.orbit.approach import approach
+from slipwave.observe import EventObserver, follow
+from validation.registry.flows import moving
+from validation.studies.bifurcation.branches import RANGE, scene_at
+
+MODEL = "kelvin-voigt"
+AT = -2.590007
+"""log10 r at which AUTO-07p finds the orbit of T = 79.09."""
+
+_TOLERANCE = 1e-9
+_MARCHED = 6000.0
+_BEYOND = (-2.597, -2.578)  # log10 r just outside the pair of period doublings
+_NEAR = 0.997  # multiplier of doubled orbits above which their branch is taken to its end by a straight line
+_STEPS = Control(longest=0.02)
+
+
+class Doubled(NamedTuple):
+    """The `single` and the `double` orbit at `AT`; the periods of the last two cycles of the run that settled on the latter
+    (transits); and, by increasing r, points of both branches, with the special points (of the single one) among them."""
+
+    single: PeriodicOrbit
+    double: PeriodicOrbit
+    last_two: float
+    primary: list[Point]
+    special: list[Special]
+    bubble: list[Point]
+
+
+def doubled() -> Doubled:
+    """Both orbits by Newton's method from a run, and their branches in both directions."""
+    model = moving(MODEL, scene_at(AT), _TOLERANCE)
+    single = periodic_orbit(*approach(model.solver, model.freeze)[:3], _TOLERANCE)
+    settled = moving(MODEL, scene_at(AT), _TOLERANCE)
+    observer = EventObserver(settled.solver.scene, settled.solver.nodes)
+    follow(settled.solver, _MARCHED, [observer])
+    twice = float(observer.events().period[-2:].sum())
+    double = periodic_orbit(*settled.freeze(settled.solver, twice), twice, _TOLERANCE)
+    primary, special = _both_ways(single, 1e9)
+    bubble, _ = _both_ways(double, _NEAR)
+    return Doubled(single, double, twice, primary, special, bubble)
+
+
+def end(near: Point, nearest: Point) -> float:
+    """log10 r at which the largest multiplier of doubled orbits reaches 1, by the line through two points of their branch."""
+    first, last = (float(point.multipliers[0].real) for point in (near, nearest))
+    return nearest.parameter + (1.0 - last) * (nearest.parameter - near.parameter) / (last - first)
+
+
+def _both_ways(orbit: PeriodicOrbit, largest: float) -> tuple[list[Point], list[Special]]:
+    """The branch through `orbit` by increasing r, until it leaves the range or a multiplier exceeds `largest`."""
+    metric, flow = metric_for(*RANGE), orbit.closed.flow
+    family = Family(flow, scene_at)
+
+    def inside(point: Point) -> bool:
+        return _BEYOND[0] < point.parameter < _BEYOND[1] and float(np.abs(point.multipliers[0])) < largest
+
+    begin = from_orbit(family, orbit.closed, AT, _BEYOND[1], metric)
+    ways = [
+        list(follow_branch(family, start, metric, inside, 10.0 * _TOLERANCE, _STEPS))
+        for start in (from_orbit(family, orbit.closed, AT, _BEYOND[0], metric), begin)
+    ]
+    down, up = ([point for step in way for point in (*(one.point for one in step.special), step.point)] for way in ways)
+    return [*down[::-1], begin, *up], [one for way in ways for step in way for one in step.special]

@@ -1,0 +1,77 @@
+"""The two orbits in planes of the interface's variables, their branches over r, and a table of their figures."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from reduced.continuation.point import Point
+from reduced.orbit import PeriodicOrbit
+from slipwave.observe.pieces import Array
+from validation.studies.bifurcation.shown import MARKS
+from validation.studies.period_doubling.runs import AT, Doubled
+from validation.study import Table, table
+from validation.study.drawing import WIDTH, Drawing, canvas, pen
+from validation.study.text import plain
+
+_DOUBLE = "#d55e00"
+_THIN = (0, (1.5, 1.2))
+
+
+def orbit_table(found: Doubled) -> Table:
+    """Figures and leading multipliers of both orbits."""
+    rows = [_row(name, orbit) for name, orbit in (("single", found.single), ("doubled", found.double))]
+    heading = "orbit | T [transits] .9f | Δμ [σ] .10f | Δy [σ] .10f | v_{max} [V*] .4f | v_{min} [V*] .8f | multipliers"
+    caption = f"Both orbits of the ODE at log_{{10}} r = {AT:.6f}; relative errors are below 10^{{-9}}.".replace("= -", "= −")
+    return table("orbits", caption, heading, rows)
+
+
+def _row(name: str, orbit: PeriodicOrbit) -> tuple[str | float, ...]:
+    told = ", ".join(plain(float(value.real), ".5f") for value in orbit.multipliers.values[:2])
+    return (name, *orbit.orbit.values().values(), told)
+
+
+def planes(found: Doubled) -> Drawing:
+    """The paper's Fig 7: both orbits in two planes; below, T and half the doubled period over r."""
+    figure = canvas(WIDTH, 6.6)
+    grid = figure.subplot_mosaic([["stress", "state"], ["branch", "branch"]], height_ratios=(1.2, 1.0))
+    single: dict[str, Any] = {
+        "color": pen("kelvin-voigt").color,
+        "linestyle": _THIN,
+        "linewidth": 1.2,
+        "label": "T = 79.09, unstable",
+    }
+    double: dict[str, Any] = {"color": _DOUBLE, "linestyle": "-", "linewidth": 0.9, "label": "doubled orbit, stable"}
+    for orbit, look in ((found.double, double), (found.single, single)):
+        rate, stress, state = _curves(orbit)
+        grid["stress"].plot(rate, stress, **look)
+        grid["state"].plot(rate, state, **look)
+    grid["stress"].set(xlabel=r"$\log_{10} v$", ylabel=r"$\mu$")
+    grid["state"].set(xlabel=r"$\log_{10} v$", ylabel=r"$\log_{10}\phi$")
+    axes = grid["branch"]
+    ends = sorted(one.point.parameter for one in found.special)
+    for stable in (True, False):
+        r, period = _periods(found.primary, 1.0)
+        period[(r > ends[0]) & (r < ends[-1]) if stable else (r < ends[0]) | (r > ends[-1])] = np.nan
+        axes.plot(r, period, color=single["color"], linestyle="-" if stable else _THIN, linewidth=1.3)
+    axes.plot(*_periods(found.bubble, 0.5), color=_DOUBLE, linewidth=1.3)
+    places = [[one.point.parameter, one.point.closed.cycle.period] for one in found.special]
+    axes.plot(*np.array(places).T, MARKS["PD"], color=single["color"], markerfacecolor="white", label="period doubling")
+    axes.set(xlabel=r"$\log_{10} r$", ylabel="$T$, half of the doubled $T$")
+    for one in grid.values():
+        one.grid(True)
+        one.set_axisbelow(True)
+    handles = [*grid["stress"].get_lines(), axes.get_lines()[-1]]
+    figure.legend(handles=handles, loc="outside upper left", ncols=3, handlelength=2.6)
+    return figure
+
+
+def _periods(points: list[Point], share: float) -> tuple[Array, Array]:
+    """log10 r and a share of the period along a branch."""
+    return np.array([point.parameter for point in points]), share * np.array([point.closed.cycle.period for point in points])
+
+
+def _curves(orbit: PeriodicOrbit) -> tuple[Array, Array, Array]:
+    """log10 v, mu and log10 phi at the ends of an orbit's steps."""
+    pieces = orbit.closed.cycle.pieces
+    return pieces.z[:, -1] / math.log(10.0), pieces.mu[:, -1], pieces.psi[:, -1] / math.log(10.0)

@@ -1,0 +1,101 @@
+"""The snake of folds in the (r, T) plane, its pairs of folds, its windows of stability, and orbits that coexist."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from reduced.continuation.special import Special
+from reduced.orbit.closing import Closed
+from reduced.orbit.multipliers import floquet
+from validation.studies.bifurcation.branches import Branch, Corner, column, figures_of, parts
+from validation.studies.bifurcation.shown import draw_branch, draw_special, special_keys
+from validation.studies.bifurcation.waves import COMPARED
+from validation.studies.snaking.runs import Run
+from validation.study import Cell, Table, table
+from validation.study.drawing import WIDTH, Drawing, canvas
+from validation.study.text import plain
+
+_LEAST = 74.0
+"""Period (transits) from which the branch is shown."""
+
+_RUNS: dict[str, Any] = {"color": "#d55e00", "capsize": 3.0, "linestyle": "none", "markerfacecolor": "none"}
+
+
+def fold_pairs(branch: Branch) -> list[tuple[Special, Special]]:
+    """Folds after the first, two by two: where the branch turns to smaller r, and where it turns back."""
+    folds = branch.of_kind("LP")[1:]
+    return list(zip(folds[::2], folds[1::2], strict=False))
+
+
+def pair_table(branch: Branch) -> Table:
+    """Each pair of folds with its distance from the one before."""
+    pairs, rows = fold_pairs(branch), list[tuple[Cell, ...]]()
+    for n, (turn, back) in enumerate(pairs):
+        period, before = turn.point.closed.cycle.period, pairs[n - 1][0].point.closed.cycle.period
+        rows.append(
+            (
+                turn.point.parameter,
+                period,
+                back.point.parameter,
+                back.point.closed.cycle.period,
+                turn.point.parameter - back.point.parameter,
+                period - before if n else None,
+            )
+        )
+    heading = (
+        "turns at [log_{10} r] .9f | T [transits] .5f | back at [log_{10} r] .9f | T [transits] .5f | width [log_{10} r] .2e "
+        "| T since the pair before [transits] .3f"
+    )
+    return table("pairs", "Pairs of folds along the branch; the last column is the growth of T from pair to pair.", heading, rows)
+
+
+def window_table(corners: list[Corner]) -> Table:
+    """Parts of the branch whose orbits are stable."""
+    rows = []
+    for stable, part in parts(corners):
+        if stable and part[-1].figures["period"] > _LEAST:
+            ends = sorted([part[0].log10_r, part[-1].log10_r])
+            rows.append((part[0].figures["period"], part[-1].figures["period"], *ends, ends[1] - ends[0]))
+    heading = "T from [transits] .4f | to [transits] .4f | log_{10} r from .7f | to .7f | width [log_{10} r] .2e"
+    return table("windows", "Parts of the branch with stable orbits, in order along the branch.", heading, rows)
+
+
+def coexisting_table(found: dict[float, list[Closed]]) -> Table:
+    """All orbits of the branch at each r."""
+    rows = [_coexisting_row(log10_r, closed) for log10_r, orbits in found.items() for closed in orbits]
+    heading = "log_{10} r .2f | T [transits] .7f | Δμ [σ] .7f | Δy [σ] .7f | unstable .0f | largest multiplier"
+    return table(
+        "coexisting", "Orbits of the branch that coexist at one r; unstable: multipliers outside the unit circle.", heading, rows
+    )
+
+
+def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
+    values, found = floquet(closed.monodromy)[0], figures_of(closed)
+    lead = values[0]
+    told = plain(lead.real, ".4f") + (f" ± {plain(abs(lead.imag), '.4f')} i" if lead.imag else "")
+    return (log10_r, *(found[name] for name in COMPARED), float((np.abs(values) > 1.0).sum()), told)
+
+
+def snake(branch: Branch, runs: Iterable[Run]) -> Drawing:
+    """T over log10 r, with the periods of direct runs; beside it the number of unstable multipliers."""
+    corners = [corner for corner in branch.corners if corner.figures["period"] > _LEAST]
+    figure = canvas(WIDTH, 6.4)
+    left, right = figure.subplots(1, 2, sharey=True, width_ratios=(4.0, 1.0))
+    draw_branch(left, branch.model, corners, "period")
+    draw_special(left, branch, "period")
+    for run in runs:
+        middle = 0.5 * (run.last.min() + run.last.max())
+        left.errorbar([run.log10_r], [middle], [0.5 * np.ptp(run.last)], marker="o" if run.settled else "", **_RUNS)
+    period, r = column(corners, lambda one: one.figures["period"]), column(corners, lambda one: one.log10_r)
+    left.set(xlabel=r"$\log_{10} r$", ylabel="$T$ (transits)", ylim=(_LEAST, period.max()))
+    left.set_xlim(r.min() - 0.002, r.max() + 0.002)
+    right.step(column(corners, lambda one: float(one.unstable)), period, color="#111111", linewidth=1.0, where="pre")
+    right.set(xlabel="count outside", xticks=(0, 1, 2))
+    for axes in (left, right):
+        axes.grid(True)
+        axes.set_axisbelow(True)
+    handles = [*special_keys(("LP", "NS")), *left.containers[:1]]
+    labels = ["unstable", "fold", "torus point", "direct run, all its periods"]
+    figure.legend(handles, labels, loc="outside upper left", ncols=4, handlelength=2.4)
+    return figure
