@@ -6,12 +6,12 @@ import scipy.linalg
 from reduced.continuation.mesh import Family
 from reduced.continuation.point import Metric, Point, point_near
 from reduced.continuation.special import Special
-from reduced.orbit.closing import Closed
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array, lagrange_basis, values_at
 
 _AMPLITUDES = (3e-3, 1e-3, 1e-4)  # of the largest component of the state; the first with which Newton's method converges
 _SAMPLES = 200
+_ALIKE = 0.1  # difference of the halves, over the amplitude, below which the orbit is a simple one
 _NEAR = 1e-3  # distance of the multiplier from -1
 
 
@@ -31,21 +31,25 @@ def from_doubling(family: Family, special: Special, metric: Metric) -> tuple[Fam
     failed = NumericsError("")
     for amplitude in _AMPLITUDES:
         try:
-            return _displaced(family, closed, shape, amplitude, metric)
+            return _displaced(family, special.point, shape, amplitude, metric)
         except NumericsError as reason:
             failed = reason
     raise failed
 
 
-def _displaced(family: Family, closed: Closed, shape: Array, amplitude: float, metric: Metric) -> tuple[Family, Point]:
-    """The doubled orbit at this amplitude of its deviation `shape` from the simple one."""
+def _displaced(family: Family, simple: Point, shape: Array, amplitude: float, metric: Metric) -> tuple[Family, Point]:
+    """The doubled orbit at this amplitude of its deviation `shape` from the simple one, measured across the branch of simple
+    orbits, so that none of these can be found instead."""
+    closed = simple.closed
     period = 2.0 * closed.cycle.period
-    twice = closed.cycle._replace(start=closed.cycle.start + amplitude * shape, period=period)
-    flow, state = closed.flow.remeshed(twice, 1.0)
+    flow, state = closed.flow.remeshed(closed.cycle._replace(start=closed.cycle.start + amplitude * shape, period=period), 1.0)
     family = family.on(flow)
-    along = np.append(shape, [0.0, 0.0])
-    guess = np.append(state, [period, closed.parameter])
-    return family, point_near(family, guess, along / metric.length(along), metric)
+    branch = simple.tangent[:-2]
+    along = np.append(shape - (shape @ branch) / (branch @ branch) * branch, [0.0, 0.0])
+    point = point_near(family, np.append(state, [period, closed.parameter]), along / metric.length(along), metric)
+    if difference_of_halves(point) < _ALIKE * amplitude:
+        raise NumericsError(f"no orbit of twice the period was found beside parameter = {closed.parameter:.10g}")
+    return family, point
 
 
 def difference_of_halves(point: Point) -> float:

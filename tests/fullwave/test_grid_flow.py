@@ -1,5 +1,5 @@
 """Grids over one period as a differentiable map: its derivative against differences of the motion, the motion against the run
-that it continues, and the full wave's own orbit against that of the delay system (shared/reference/public.json)."""
+that it continues, and the full wave's own orbit against that of the delay system."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,5 @@
-"""Special points of branches of orbits against AUTO-07p, shooting and DDE-BIFTOOL
-(shared/reference/public.json), started nearby."""
+"""Special points of branches of orbits against AUTO-07p, shooting and DDE-BIFTOOL, started
+nearby."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Orbits of the delay system and of reductions against independent programs (shared/reference/public.json), by second methods
+"""Orbits of the delay system and of reductions against independent programs, by second methods
 against themselves, and in other scenes where they are orbits too."""
 
 import dataclasses

@@ -1,5 +1,5 @@
 """ODE reductions over one period as a differentiable map: its derivative against differences of the motion, the motion against
-the run that it continues, and orbits against those of AUTO-07p (shared/reference/public.json)."""
+the run that it continues, and orbits against those of AUTO-07p."""
 
 import dataclasses
 

@@ -1,5 +1,4 @@
-"""`slipwave branch`: special points against those of AUTO-07p and DDE-BIFTOOL (shared/reference/public.json); branches that are
-stopped and go on."""
+"""`slipwave branch`: special points against those of AUTO-07p and DDE-BIFTOOL; branches that are stopped and go on."""
 
 import json
 import signal
@@ -186,9 +185,25 @@ def test_limits_are_kept_and_told(capsys):
     assert short["points"][-2]["period"] < 51.0 < short["points"][-1]["period"]
 
 
+def test_switched_it_follows_the_doubled_orbits_from_doubling_to_doubling(capsys):
+    found = branch(capsys, "paper", "--model", "kelvin-voigt", "--over", "log10_r=-2.6:-2.57", "--tol", "1e-5", "--switch", "PD")
+    assert [special["type"] for special in found["special"]] == ["PD"]
+    assert found["special"][0]["log10_r"] == pytest.approx(-2.595727667, abs=1e-8)
+    values = np.array([point["log10_r"] for point in found["points"]])
+    assert np.all(np.diff(values) > 0.0)
+    assert abs(values[0] + 2.595727667) < 1e-5
+    assert abs(values[-1] + 2.579381814) < 6e-4  # the second doubling of the pair
+    periods = np.array([point["period"] for point in found["points"]])
+    assert periods[0] == pytest.approx(2.0 * 78.994716174, rel=1e-5)
+    assert periods[-1] == pytest.approx(2.0 * 79.26000895, rel=1e-4)
+    assert all(point["stable"] for point in found["points"])
+    assert found["notes"] == ["the branch ends at a period doubling, where both halves of its orbits become the same"]
+
+
 @pytest.mark.parametrize(
     ("words", "status", "said"),
     [
+        (["paper", "--over", RANGE, "--switch", "LP"], INPUT_WRONG, "--switch 'LP': must be HB or PD"),
         (["paper", "--over", "log10_r=-2.7"], INPUT_WRONG, "must be KEY=FROM:TO"),
         (["paper", "--over", "log10_r=-2.7:x"], INPUT_WRONG, "'x' must be a number"),
         (["paper", "--over", "log10_r=-2.7:-2.7"], INPUT_WRONG, "must differ"),

@@ -19,7 +19,7 @@ from slipwave import read
 from validation.measure.order_fit import fit, shortfall
 
 PERIOD, DROP = 73.4721449443, 0.1739634131
-"""At log10 r = -2.68, by lifted shooting (shared/reference/public.json); the period to 1e-10."""
+"""At log10 r = -2.68, by lifted shooting; the period to 1e-10."""
 
 
 def own_orbit(solver):

@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
 
 from reduced.continuation.branch import Control, follow_branch
+from reduced.continuation.doubling import difference_of_halves, from_doubling
 from reduced.continuation.mesh import Family
 from reduced.continuation.onset import WIDTH, Onset, onsets
 from reduced.continuation.point import Metric, Point
@@ -12,7 +14,7 @@ from reduced.continuation.start import from_hopf_point, from_orbit, metric_for
 from reduced.orbit.figures import amplitude
 from reduced.stability.characteristic import characteristic
 from reduced.stability.spectrum import unstable_count
-from slipwave.errors import SceneError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.input.wording import shorten
 from validation.branches import KINDS
 from validation.branches.parameter import Over
@@ -22,6 +24,7 @@ from validation.registry.flows import moving
 from validation.registry.orbits import find_orbit
 
 _SMALL = 0.1  # amplitude of ln v
+_SAME = 0.03  # difference of ln v and psi between two halves
 
 _UNDECIDED = (
     "stability is not decided where the essential radius is 1: some motion of the slabs is never damped by friction there, and "
@@ -56,6 +59,13 @@ def limits_of(kind: str | None, period: float | None, points: int) -> Limits:
     return Limits(math.inf if period is None else period, points, kind or "")
 
 
+def is_doubled(switch: str | None) -> bool:
+    """Whether --switch asks for the doubled orbits. Raises SceneError for another word than HB and PD."""
+    if switch not in (None, "HB", "PD"):
+        raise SceneError(f"--switch {shorten(switch)}: must be HB or PD")
+    return switch == "PD"
+
+
 def begin(branch: Branch) -> Head:
     """The beginning of a branch, whose Hopf point is recorded: the one in the range nearest to its first end, or else an orbit at
     an end where steady sliding is unstable.
@@ -63,6 +73,8 @@ def begin(branch: Branch) -> Head:
     Raises SceneError if steady sliding is stable in the whole range, NumericsError if no orbit is found.
     """
     over, port = branch.over, one_port_of(branch.model)
+    if branch.doubled:
+        return _from_doubling(branch)
     found = sorted(onsets(over.scene_at, *over.ends, port), key=lambda onset: abs(onset.parameter - over.first))
     if found:
         branch.special.append(_hopf(over, found[0], 0))
@@ -87,6 +99,9 @@ def follow(branch: Branch, head: Head, limits: Limits) -> Iterator[Head]:
             branch.notes.extend([reason] if reason else [])
             return
         step = next(steps)
+        if branch.doubled and _closes(head.point, step.point):
+            branch.notes.append("the branch ends at a period doubling, where both halves of its orbits become the same")
+            return
         if _vanishes(head.point, step.point):
             _end_at_hopf(branch, head.point)
             return
@@ -152,6 +167,26 @@ def _from_orbit(branch: Branch, port: str) -> Head:
     point = from_orbit(Family(found.flow, over.scene_at), found, value, sum(over.ends) - value, metric)
     record(branch, point)
     return Head(point, Control.first, metric)
+
+
+def _from_doubling(branch: Branch) -> Head:
+    """The first orbit of twice the period, beside the first period doubling of the scene's own branch in the range."""
+    over, own = branch.over, replace(branch, doubled=False, points=[], special=[], notes=[])
+    head = begin(own)
+    family = Family(head.point.closed.flow, over.scene_at)
+    for step in follow_branch(family, head.point, head.metric, lambda point: over.holds(point.parameter), branch.tolerance):
+        for special in step.special:
+            if special.kind == "PD":
+                branch.special.append(special_of(special, 0))
+                _, point = from_doubling(Family(special.point.closed.flow, over.scene_at), special, head.metric)
+                record(branch, point)
+                return Head(point, Control.first, head.metric)
+    raise NumericsError(f"no period doubling was found on the branch over {over.name} from {over.first:g} to {over.last:g}")
+
+
+def _closes(before: Point, after: Point) -> bool:
+    """Whether the two halves of doubled orbits are nearly alike and become more so: that ends in a period doubling."""
+    return difference_of_halves(after) < min(_SAME, difference_of_halves(before))
 
 
 def _vanishes(before: Point, after: Point) -> bool:

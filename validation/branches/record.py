@@ -46,12 +46,14 @@ class SpecialPoint(NamedTuple):
 @dataclass(frozen=True)
 class Branch:
     """The branch of `model` over a parameter, as far as it is known: its lists grow. `tolerance` is the requested relative error
-    of all figures, `cells` is for full waves."""
+    of all figures, `cells` is for full waves. `doubled`: of the orbits of twice the period that are born at the first period
+    doubling of the scene's own branch."""
 
     over: Over
     model: str
     tolerance: float
     cells: int | None = None
+    doubled: bool = False
     points: list[BranchPoint] = field(default_factory=list)
     special: list[SpecialPoint] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)

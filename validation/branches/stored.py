@@ -18,7 +18,7 @@ from validation.branches.record import Branch, BranchPoint, SpecialPoint
 if TYPE_CHECKING:
     from netCDF4 import Dataset
 
-FORMAT = 1
+FORMAT = 2
 _UNDECIDED = -1  # of `stable`
 _POINT = ("unknowns", "tangent", "monodromy", "velocity", "drift")
 
@@ -69,6 +69,7 @@ def _facts(branch: Branch) -> dict[str, Any]:
         "scene": branch.over.base.digest,
         "model": branch.model,
         "cells": branch.cells,
+        "doubled": branch.doubled,
         "parameter": branch.over.name,
         "tolerance": branch.tolerance,
         "sources": _sources(),

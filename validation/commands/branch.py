@@ -33,6 +33,13 @@ ResumeFile = Annotated[
 StopAt = Annotated[str | None, typer.Option(metavar="|".join(KINDS), help="stop at the first special point of this kind")]
 Longest = Annotated[float | None, typer.Option("--longest-period", metavar="TRANSITS", help="stop at this period")]
 Most = Annotated[int, typer.Option("--most-points", help="stop after so many points")]
+Switch = Annotated[
+    str | None,
+    typer.Option(
+        metavar="HB|PD",
+        help="PD: follow the orbits of twice the period from the first period doubling on",
+    ),
+]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw the branch: .png, .pdf or .svg")]
 
 
@@ -46,6 +53,7 @@ def branch(
     out: OutFile = None,
     resume: ResumeFile = None,
     stop_at: StopAt = None,
+    switch: Switch = None,
     longest_period: Longest = None,
     most_points: Most = 2000,
     plot: Plot = None,
@@ -60,7 +68,7 @@ def branch(
 
     from slipwave.errors import NumericsError
     from validation.branches.drawing import FIGURES, draw
-    from validation.branches.follow import limits_of
+    from validation.branches.follow import is_doubled, limits_of
     from validation.branches.parameter import over_range
     from validation.branches.record import Branch
     from validation.output import attempt, conclude, print_json, printed, require_writable
@@ -68,7 +76,7 @@ def branch(
     from validation.registry.orbits import require_tolerance
 
     require_tolerance(tol)
-    limits = limits_of(stop_at, longest_period, most_points)
+    limits, doubled = limits_of(stop_at, longest_period, most_points), is_doubled(switch)
     for path, kinds, option in ((out, (".nc",), "--out"), (resume, (".nc",), "--resume"), (plot, FIGURES, "--plot")):
         if path is not None:
             require_writable(path, kinds, option)
@@ -76,7 +84,7 @@ def branch(
     name, why = flowing(model, parameter.base)
     if why:
         typer.echo(f"model auto: {name} ({why})", err=True)
-    found, failed, stopped, began = Branch(parameter, name, tol, cells), "", "", time.perf_counter()
+    found, failed, stopped, began = Branch(parameter, name, tol, cells, doubled), "", "", time.perf_counter()
     try:
         _compute(found, limits, out or resume, resume)
     except NumericsError as error:
