@@ -67,6 +67,5 @@ def interpolation_matrix(basis: Basis, points: Array) -> Array:
     """Rows that evaluate the interpolating polynomial at `points` of [0, 1] from values at the nodes."""
     gaps = np.asarray(points, dtype=float)[:, None] - basis.nodes
     at_node = gaps == 0.0
-    terms = basis.weights / np.where(at_node, 1.0, gaps)
-    rows = terms / terms.sum(axis=1, keepdims=True)
-    return np.asarray(np.where(at_node.any(axis=1, keepdims=True), at_node.astype(float), rows))
+    terms = np.where(at_node.any(axis=1, keepdims=True), at_node, basis.weights / np.where(at_node, 1.0, gaps))
+    return np.asarray(terms / terms.sum(axis=1, keepdims=True))
