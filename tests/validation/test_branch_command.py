@@ -189,6 +189,7 @@ def test_switched_it_follows_the_doubled_orbits_from_doubling_to_doubling(capsys
     found = branch(capsys, "paper", "--model", "kelvin-voigt", "--over", "log10_r=-2.6:-2.57", "--tol", "1e-5", "--switch", "PD")
     assert [special["type"] for special in found["special"]] == ["PD"]
     assert found["special"][0]["log10_r"] == pytest.approx(-2.595727667, abs=1e-8)
+    assert found["special"][0]["period"] == pytest.approx(2.0 * 78.994716174, abs=1e-6)  # the doubled orbit's
     values = np.array([point["log10_r"] for point in found["points"]])
     assert np.all(np.diff(values) > 0.0)
     assert abs(values[0] + 2.595727667) < 1e-5

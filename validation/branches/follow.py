@@ -177,7 +177,8 @@ def _from_doubling(branch: Branch) -> Head:
     for step in follow_branch(family, head.point, head.metric, lambda point: over.holds(point.parameter), branch.tolerance):
         for special in step.special:
             if special.kind == "PD":
-                branch.special.append(special_of(special, 0))
+                born = special_of(special, 0)
+                branch.special.append(born._replace(period=2.0 * born.period))
                 _, point = from_doubling(Family(special.point.closed.flow, over.scene_at), special, head.metric)
                 record(branch, point)
                 return Head(point, Control.first, head.metric)
