@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from reduced.continuation.mesh import MOST_REFINEMENTS, Family, refined, roughness, too_rough
 from reduced.continuation.point import FlowAt, Metric, Point, point_near
-from reduced.continuation.special import Special, Unaccounted, between
+from reduced.continuation.special import Special, between
 from slipwave.errors import NumericsError
 
 TOLERANCE = 1e-6
@@ -95,8 +95,6 @@ def _longest_step(
             new = point_near(flow_at, point.unknowns + size * point.tangent, point.tangent, metric, point)
             if is_smooth(point, new, metric):
                 return new, between(flow_at, point, new, metric), size
-        except Unaccounted as missed:
-            reason = str(missed)
         except NumericsError as failed:
             reason = str(failed)
         size *= 0.5

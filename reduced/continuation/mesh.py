@@ -21,7 +21,7 @@ class Family:
     """`flow` for all scenes `scene_at(p)`: calling it gives the flow at the parameter p."""
 
     def __init__(self, flow: Flow, scene_at: Callable[[float], Scene]) -> None:
-        self._flow, self._scene_at = flow, scene_at
+        self._scene_at = scene_at
         self._at = lru_cache(maxsize=8)(lambda parameter: flow.of(scene_at(parameter)))
 
     def __call__(self, parameter: float) -> Flow:

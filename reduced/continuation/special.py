@@ -64,7 +64,7 @@ def between(flow_at: FlowAt, left: Point, right: Point, metric: Metric) -> tuple
 
 
 def _differ(left: Point, right: Point) -> bool:
-    return left.unstable != right.unstable or left.tangent[-1] * right.tangent[-1] < 0.0
+    return left.unstable != right.unstable or _turns(left, right)
 
 
 def _may_turn(left: Point, right: Point, metric: Metric) -> bool:
@@ -82,7 +82,7 @@ def _turns(left: Point, right: Point) -> bool:
 
 
 def _doubles(left: Point, right: Point) -> bool:
-    return _beyond(left, -1.0) != _beyond(right, -1.0)
+    return _beyond(left) != _beyond(right)
 
 
 def _winds(left: Point, right: Point) -> bool:
@@ -98,11 +98,11 @@ def _change(kind: str, left: Point, right: Point) -> bool:
     return abs(left.unstable - right.unstable) == _CHANGES[kind]
 
 
-def _beyond(point: Point, sign: float) -> int:
-    """Number of real multipliers beyond 1 (`sign` 1) or -1 (-1)."""
+def _beyond(point: Point) -> int:
+    """Number of real multipliers below -1."""
     values = point.multipliers
     real = values[np.abs(values.imag) < _REAL].real
-    return int((sign * real > 1.0).sum())
+    return int((real < -1.0).sum())
 
 
 def _pairs(point: Point) -> int:

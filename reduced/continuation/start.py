@@ -1,18 +1,16 @@
-"""The first point of a branch: a small orbit beside a Hopf point, an orbit found otherwise, or a stored point."""
+"""The first point of a branch that does not begin at a Hopf point (`hopf`): an orbit found otherwise, or a stored point."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reduced.continuation.hopf import from_hopf
 from reduced.continuation.mesh import Family
-from reduced.continuation.onset import Onset
 from reduced.continuation.point import FlowAt, Metric, Point, direction
 from reduced.orbit.closing import Closed, by_parameter
 from slipwave.observe.pieces import Array
 from slipwave.observe.solver import State
 
-__all__ = ["Stored", "from_hopf_point", "from_orbit", "from_stored", "metric_for", "stored"]
+__all__ = ["Stored", "from_orbit", "from_stored", "metric_for", "stored"]
 
 
 @dataclass(frozen=True)
@@ -34,11 +32,6 @@ def metric_for(low: float, high: float) -> Metric:
 
     Periods of a delay system's orbits at one parameter differ by about a transit from fold to fold, so that folds are round."""
     return Metric(20.0, abs(high - low) or 1.0)
-
-
-def from_hopf_point(family: Family, onset: Onset, metric: Metric) -> Point:
-    """A small orbit of the branch that is born at `onset`."""
-    return from_hopf(family, onset.parameter, onset.period, metric)
 
 
 def from_orbit(flow_at: FlowAt, closed: Closed, parameter: float, towards: float, metric: Metric) -> Point:

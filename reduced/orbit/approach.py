@@ -17,6 +17,7 @@ _ALIKE = 1e-3  # relative change of period and size from cycle to cycle at which
 _LAST = 3
 _CYCLES = 24  # after so many that still change, it starts from the mean of so many more
 _STRETCH = 200.0
+_LATE = 10.0  # periods after which no further event is waited for
 _STEADY = 1e-3  # v_max/v_min - 1 below which a run has returned to steady sliding
 
 Marched = TypeVar("Marched", bound=Solver)
@@ -95,6 +96,8 @@ def _between(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]"
     if last + 0.5 * period <= solver.time + 1e-6:
         follow(solver, last + 1.2 * period, [observer])
         while float(observer.dates()[-1]) == last:
+            if solver.time > last + _LATE * period:
+                raise NumericsError(f"{solver.model}: no slip event came for {_LATE:g} periods (scene {solver.scene.name!r})")
             follow(solver, solver.time + 0.05 * period, [observer])
         last = float(observer.dates()[-1])
     if last + 0.5 * period > solver.time:

@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 
 from reduced.continuation.branch import follow_branch
+from reduced.continuation.hopf import from_hopf
 from reduced.continuation.mesh import Family
 from reduced.continuation.onset import onsets
-from reduced.continuation.start import from_hopf_point, from_orbit, metric_for
+from reduced.continuation.start import from_orbit, metric_for
 from reduced.delay.network import DelayNetwork
 from reduced.flows import delay, ode
 from reduced.flows.delay import DelayFlow
@@ -64,7 +65,7 @@ def test_the_kelvin_voigt_branch_is_born_unstable_and_turns():
     (onset,) = onsets(scene_at, -2.72, -2.68, "kelvin-voigt")
     assert onset.parameter == pytest.approx(-2.69954994745, abs=2e-11)
     assert onset.period == pytest.approx(49.66821032, abs=1e-8)
-    fold = first_special(family, from_hopf_point(family, onset, METRIC))
+    fold = first_special(family, from_hopf(family, onset.parameter, onset.period, METRIC))
     require(fold, "LP", -2.700213011, 58.471805, (1, 0))
 
 
@@ -84,7 +85,7 @@ def test_the_torus_of_kelvin_voigt():
 def test_the_delay_branch_is_born_unstable_and_turns():
     (onset,) = onsets(scene_at, -2.72, -2.68, "delay")
     family = Family(DelayFlow(scene_at(-2.69), 6.0), scene_at)
-    fold = first_special(family, from_hopf_point(family, onset, METRIC))
+    fold = first_special(family, from_hopf(family, onset.parameter, onset.period, METRIC))
     require(fold, "LP", -2.700251703, 59.107433, (1, 0))
 
 

@@ -4,6 +4,7 @@ against themselves, and in other scenes where they are orbits too."""
 import dataclasses
 import math
 from functools import lru_cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from reduced.delay.network import DelayNetwork
 from reduced.flows import delay, ode
 from reduced.impedance import reduction_of
 from reduced.ode.march import ReducedModel
+from reduced.orbit import approach as approaching
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import close
@@ -181,3 +183,12 @@ def test_an_orbit_is_one_of_much_thicker_slabs_too(turns):
     assert in_thicker_slabs(closed, turns, period) < 1e-10
     wrong = [in_thicker_slabs(closed, turns, period * (1.0 + change)) for change in (1e-8, 1e-7)]
     assert wrong == pytest.approx([5.304e-6 * turns, 5.304e-5 * turns], rel=0.01, abs=1e-10)
+
+
+def test_no_event_is_waited_for_without_end(monkeypatch):
+    solver = SimpleNamespace(time=100.0, model="delay", scene=SimpleNamespace(name="still"))
+    observer = SimpleNamespace(dates=lambda: np.array([10.0]))
+    monkeypatch.setattr(approaching, "follow", lambda one, until, _: setattr(one, "time", until))
+    with pytest.raises(NumericsError, match=r"delay: no slip event came for 10 periods \(scene 'still'\)"):
+        approaching._between(solver, observer, lambda *_: pytest.fail("frozen"), 50.0)
+    assert 510.0 < solver.time < 520.0

@@ -9,6 +9,7 @@ from reduced.delay.alike import Delay
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
 from validation.measure.orders import QUANTITIES, climb, errors, measure
 from validation.registry.build import build
+from validation.run import timing
 from validation.studies import grid_convergence as study
 from validation.studies.grid_convergence.in_time import COURANT, REQUESTS, Marches, marches_of, time_table, time_verdicts
 from validation.studies.grid_convergence.marches import reference, without_error_in_time
@@ -24,6 +25,12 @@ def test_two_delay_runs_differ_by_less_than_the_floor(exact):
     other = measure(build("delay", GENTLE.scene, tolerance=1e-13), GENTLE)
     assert max(errors(other, exact).values()) < GENTLE.floor
     assert exact["period"].size == 10
+
+
+def test_a_run_that_is_remembered_reads_no_clock(monkeypatch):
+    """Otherwise run times by a clock that counts its readings depend on what the process ran before."""
+    monkeypatch.setattr(timing, "_spent", lambda: pytest.fail("read"))
+    assert measure(build("fd", GENTLE.scene, cells=24), GENTLE)["period"].size
 
 
 def test_a_ladder_against_the_delay_system(exact):

@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 from reduced.continuation.branch import Control, follow_branch
 from reduced.continuation.doubling import difference_of_halves, from_doubling
+from reduced.continuation.hopf import from_hopf
 from reduced.continuation.mesh import Family
 from reduced.continuation.onset import WIDTH, Onset, onsets
 from reduced.continuation.point import Metric, Point
-from reduced.continuation.start import from_hopf_point, from_orbit, metric_for
+from reduced.continuation.start import from_orbit, metric_for
 from reduced.orbit.figures import amplitude
 from reduced.stability.characteristic import characteristic
 from reduced.stability.spectrum import unstable_count
@@ -149,7 +150,7 @@ def family_at(branch: Branch, parameter: float, period: float) -> Family:
 
 def _from_onset(branch: Branch, onset: Onset) -> Head:
     metric = metric_for(*branch.over.ends)
-    point = from_hopf_point(family_at(branch, onset.parameter, onset.period), onset, metric)
+    point = from_hopf(family_at(branch, onset.parameter, onset.period), onset.parameter, onset.period, metric)
     record(branch, point)
     return Head(point, Control.first, metric)
 

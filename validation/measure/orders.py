@@ -47,17 +47,21 @@ Maker: TypeAlias = Callable[..., Solver]
 
 def measure(solver: Solver, course: Course) -> Measured:
     """Run `solver` over the `course`."""
-    return _measure(solver, course)[1]
+    return _marching(solver, course)()
 
 
-def _measure(solver: Solver, course: Course) -> tuple[float, Measured]:
-    """(processor seconds of the march and of the event detection, what they gave)."""
+def _marching(solver: Solver, course: Course) -> Callable[[], Measured]:
+    """The march of `solver` over the `course` with its event detection, to be timed or not."""
     events = EventObserver(solver.scene, solver.nodes)
     last = np.linspace(course.until - course.window, course.until, _MOMENTS, endpoint=False)
     history = HistoryObserver(solver.scene.law, solver.nodes, last[0], last[-1])
-    seconds, _ = timed(lambda: follow(solver, course.until, [events, history]))
-    cycles = events.events(_FIRST_QUARTER * course.until)
-    return seconds, {name: getattr(cycles, name) for name in OUTPUTS} | {"state": history.at(last)[1:4].T}
+
+    def march() -> Measured:
+        follow(solver, course.until, [events, history])
+        cycles = events.events(_FIRST_QUARTER * course.until)
+        return {name: getattr(cycles, name) for name in OUTPUTS} | {"state": history.at(last)[1:4].T}
+
+    return march
 
 
 def errors(ours: Measured, reference: Measured) -> dict[str, float]:
@@ -158,10 +162,10 @@ def climb(ladder: GridLadder, reference: Measured, build: Maker) -> Climb:
 
 
 def _timed(build: Maker, ladder: GridLadder, cells: int) -> tuple[float, Measured]:
-    """As `_measure`; short runs are repeated and the fastest counts."""
+    """(processor seconds of the march, what it gave); short runs are repeated and the fastest counts."""
     best, spent = np.inf, 0.0
     while spent < _WORTH_REPEATING:
         solver = build(ladder.model, ladder.course.scene, cells=cells, cfl=ladder.cfl)
-        taken, found = _measure(solver, ladder.course)
+        taken, found = timed(_marching(solver, ladder.course))
         best, spent = min(best, taken), spent + taken
     return best, found

@@ -8,11 +8,12 @@ import numpy as np
 
 import slipwave
 from reduced.continuation.branch import Control, follow_branch
+from reduced.continuation.hopf import from_hopf
 from reduced.continuation.mesh import Family
 from reduced.continuation.onset import Onset, onsets
 from reduced.continuation.point import Point
 from reduced.continuation.special import Special
-from reduced.continuation.start import from_hopf_point, metric_for
+from reduced.continuation.start import metric_for
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import Closed, close
 from reduced.orbit.figures import figures
@@ -77,7 +78,7 @@ def branch_of(model: str, highest: float, longest: float, tolerance: float = TOL
     metric = metric_for(*RANGE)
     onset = onsets(scene_at, *RANGE, model)[0]
     family = Family(approach(*moving(model, scene_at(-2.68), tolerance)[:2]).flow, scene_at)
-    first = from_hopf_point(family, onset, metric)
+    first = from_hopf(family, onset.parameter, onset.period, metric)
 
     def inside(point: Point) -> bool:
         return point.parameter < highest and point.closed.cycle.period < longest
