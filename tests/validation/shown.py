@@ -4,30 +4,48 @@
 """
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 from drawn import drawn, number
 
+from slipwave.input import source
+from validation.report.sources import sources_of
 from validation.run import timing
 from validation.studies import load
 from validation.study import Budget, Figure, StudyResult, Table, Verdict
 from validation.study.drawing import styled
 
 REPORTED: dict[str, list[float]] = {}
+READ: dict[str, set[str]] = {}
 """By name, for the studies that were run."""
 
 
 def quick(name: str) -> StudyResult:
     """A study's quick run by a clock of its own: the n-th reading is n^2 ms, so that run times are the same on every machine.
-    `REPORTED` has the shares of its work that it reported on the way, which rise to 1 at most."""
-    shares = REPORTED[name] = list[float]()
+    `REPORTED` has the shares of its work that it reported on the way, which rise to 1 at most, `READ` the gallery scenes it read,
+    which must be in the key of its result."""
+    shares, scenes, study = list[float](), set[str](), load(name)
+    REPORTED[name], READ[name] = shares, scenes
     with pytest.MonkeyPatch.context() as patch:
         readings = itertools.count()
         patch.setattr(timing, "_spent", lambda: 1e-3 * next(readings) ** 2)
-        result = load(name).run(Budget(quick=True, report=shares.append))
+        patch.setattr(source, "load", watched(source.load, scenes))
+        result = study.run(Budget(quick=True, report=shares.append))
     assert all(before < after for before, after in itertools.pairwise([0.0, *shares, 1.0 + 1e-9])), shares
+    assert scenes <= {path.stem for path in sources_of(study) if path.suffix == ".toml"}
     return result
+
+
+def watched(read: Callable[..., Any], scenes: set[str]) -> Callable[..., Any]:
+    """`read` (`slipwave.input.source.load`), which notes the gallery scenes it is asked for in `scenes`."""
+
+    def reading(name: object, *rest: Any) -> Any:
+        scenes.update({str(name)} & set(source.gallery_names()))
+        return read(name, *rest)
+
+    return reading
 
 
 def shown(name: str, result: StudyResult) -> list[str]:

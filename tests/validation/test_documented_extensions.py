@@ -96,7 +96,13 @@ def reader(tmp_path):
 
 
 def test_a_friction_law(reader):
-    reader.follow(EXTENDING["Adding a friction law of your own"])
+    """Its models are as far apart as the paper's; a cut-off weakens healing, and shortens the cycle."""
+    program, fault = EXTENDING["Adding a friction law of your own"].split("\nIf one is wrong")
+    reader.follow(program)
+    periods = {line.split(":")[0]: float(line.split()[2]) for line in reader.output.splitlines() if ": period" in line}
+    assert set(periods) == {"fd", "kelvin-voigt"}
+    assert 60 < periods["kelvin-voigt"] < periods["fd"] < 73.4
+    reader.follow(fault)
 
 
 def test_an_outer_face(reader):

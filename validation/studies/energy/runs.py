@@ -75,13 +75,9 @@ class History:
         return self.total(entry) / self.total("input")
 
 
-def _solver(model: str, cells: int, name: str) -> FieldSolver:
-    return build_full_wave(model, slipwave.read(BOUNDARIES[name]), cells=cells)
-
-
 def residual_of(model: str, cells: int, name: str) -> float:
     """Residual of the ledger after `UNTIL` transits, relative to the largest entry."""
-    solver = _solver(model, cells, name)
+    solver = build_full_wave(model, slipwave.read(BOUNDARIES[name]), cells=cells)
     follow(solver, UNTIL)
     return solver.energy().residual
 
@@ -92,17 +88,21 @@ def order_of(cells: tuple[int, ...], residual: Array) -> Fit:
 
 
 def history_of(name: str, cells: int) -> History:
-    """The ledger's entries over two cycles of the settled orbit, from the date of an event."""
-    solver = _solver("dg:7", cells, name)
+    """The ledger's entries over two cycles of the settled orbit, from the end of a run on; linear between ends of steps."""
+    solver = build_full_wave("dg:7", slipwave.read(BOUNDARIES[name]), cells=cells, time="exact")
     period = float(watch(solver, 2400.0).events().period[-1])
-    moments = solver.time + np.linspace(0.0, 2.0 * period, 1000)
-    rows = []
+    begin = solver.time
+    moments = np.linspace(begin, begin + 2.0 * period, 1000)
+    rows = [_entries(solver)]
     for moment in moments[1:]:
         if moment > solver.time:
             follow(solver, moment)
-        energy = solver.energy()
-        rows.append((solver.time, *(getattr(energy, entry) for entry in ENTRIES)))
-    table = np.array(rows)
-    return History(
-        period, table[:, 0] - table[0, 0], {entry: table[:, k + 1] - table[0, k + 1] for k, entry in enumerate(ENTRIES)}
-    )
+            rows.append(_entries(solver))
+    time, *entries = np.array(rows).T
+    found = (np.interp(moments, time, entry - entry[0]) for entry in entries)
+    return History(period, moments - begin, dict(zip(ENTRIES, found, strict=True)))
+
+
+def _entries(solver: FieldSolver) -> tuple[float, ...]:
+    energy = solver.energy()
+    return (solver.time, *(getattr(energy, entry) for entry in ENTRIES))
