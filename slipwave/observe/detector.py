@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.compiled import njit
+from slipwave.compiled import inlined, njit
 from slipwave.friction.law import Law
-from slipwave.observe.extrema import differentiate, evaluate, find_root, last_slope, raise_record, raise_record_within
+from slipwave.observe.extrema import differentiate, evaluate, find_root, overshoot, raise_record, raise_record_within
 from slipwave.observe.pieces import Array, Basis, Pieces
 from slipwave.observe.rise import RISING, SLOTS, begin_rise, date_rise, follow_rise, room_for_rise
 from slipwave.observe.swings import BEGIN, COLUMNS, DATE, DIRECTION, END, RECORDS, thin
@@ -41,32 +41,44 @@ def scan(
     if `swings` has no room for all swings that one more piece may complete."""
     n = basis.nodes.size
     scratch = np.empty((2, n))
+    y, z, mu, running, last = pieces.y, pieces.z, pieces.mu, memory.running, memory.last
     for k in range(first, pieces.time.size):
         if count + n + 1 > swings.shape[0]:
             return k, count
-        y = pieces.y[k]
-        if math.isnan(memory.last[0]):
-            memory.last[0] = evaluate(basis, y, 0.0)
-            _begin(pieces, k, basis, 0.0, 1.0 if y[n - 1] >= memory.last[0] else -1.0, memory)
-        begin = 0.0
-        if _turns(basis, y, memory):
-            begin, count = _split(law, pieces, k, basis, scratch, floor, memory, swings, count)
-        _take(law, pieces, k, basis, scratch[1], begin, basis.nodes[n - 1], memory)
-        memory.last[0] = y[n - 1]
-        memory.running[END] = y[n - 1]
+        if math.isnan(last[0]):
+            last[0] = evaluate(basis, y[k], 0.0)
+            _begin(pieces, k, basis, 0.0, 1.0 if y[k, n - 1] >= last[0] else -1.0, memory)
+        begin, turns = 0.0, _turns(basis.derivative, y, k, running[DIRECTION], last[0])
+        if turns or running[DIRECTION] < 0.0 or _near(z, k, running, RECORDS) or _near(mu, k, running, RECORDS + 2):
+            if turns:
+                begin, count = _split(law, pieces, k, basis, scratch, floor, memory, swings, count)
+            _take(law, pieces, k, basis, scratch[1], begin, basis.nodes[n - 1], memory)
+        last[0] = running[END] = y[k, n - 1]
     _date(basis, memory)
     return pieces.time.size, count
 
 
-@njit
-def _turns(basis: Basis, y: Array, memory: DetectorMemory) -> bool:
-    """Whether the elastic stress turns in this piece or at its beginning."""
-    direction, left = memory.running[DIRECTION], memory.last[0]
-    for j in range(y.size):
-        if direction * (y[j] - left) < 0.0:
-            return True
-        left = y[j]
-    return bool(direction * last_slope(basis, y) < 0.0)
+@inlined
+def _turns(derivative: Array, y: Array, k: int, direction: float, left: float) -> bool:
+    """Whether the elastic stress, going in `direction` with the value `left` so far, turns in piece k or at its beginning. The
+    last row of `derivative` gives the slope at the end of the piece."""
+    n = y.shape[1]
+    slope, back = 0.0, False
+    for j in range(n):
+        back = back or direction * (y[k, j] - left) < 0.0
+        left = y[k, j]
+        slope += derivative[n - 1, j] * left
+    return back or direction * slope < 0.0
+
+
+@inlined
+def _near(values: Array, k: int, running: Array, slot: int) -> bool:
+    """Whether piece k may raise the record running[slot] of the maximum or running[slot + 1] of -minimum (see `raise_record`)."""
+    top, bottom = values[k, 0], values[k, 0]
+    for j in range(1, values.shape[1]):
+        top, bottom = max(top, values[k, j]), min(bottom, values[k, j])
+    reach = overshoot(top - bottom, values.shape[1])
+    return not (top + reach <= running[slot] and reach - bottom <= running[slot + 1])
 
 
 @njit

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slipwave.compiled import njit
+from slipwave.compiled import inlined, njit
 from slipwave.observe.pieces import Array, Basis
 
 _ROOT_ITERATIONS = 80
@@ -70,12 +70,19 @@ def _peak(basis: Basis, values: Array, slopes: Array, sign: float, at: int) -> f
 
 @njit
 def _trusted(peak: float, values: Array, sign: float) -> float:
-    """`peak`, or the largest nodal value if `peak` exceeds that by more than a smooth signal can: then the polynomial oscillates
-    at a steep front (in ln v by decades). The limit is above the overshoot of a sine whose period is the piece's length."""
+    """`peak`, or the largest nodal value if `peak` exceeds that by more than a smooth signal can (`overshoot`): then the
+    polynomial oscillates at a steep front (in ln v by decades)."""
     top, bottom = sign * values[0], sign * values[0]
     for j in range(1, values.size):
         top, bottom = max(top, sign * values[j]), min(bottom, sign * values[j])
-    return peak if peak - top <= 4.0 * (top - bottom) / (values.size - 1) ** 2 else float(top)
+    return peak if peak - top <= overshoot(top - bottom, values.size) else float(top)
+
+
+@inlined
+def overshoot(spread: float, nodes: int) -> float:
+    """The most by which a polynomial through `nodes` values that differ by `spread` is trusted to exceed them: more than the
+    overshoot of a sine whose period is the piece's length."""
+    return 4.0 * spread / (nodes - 1) ** 2
 
 
 @njit
@@ -91,8 +98,8 @@ def last_slope(basis: Basis, values: Array) -> float:
 def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int) -> None:
     """memory[slot] <- the larger of itself and the piece's maximum; memory[slot + 1] likewise with -minimum.
 
-    Nodes are compared first. The polynomial is searched only around an extreme node whose value comes near the record. If that is
-    the last node, it must also be past the peak, so that a peak near the end of a piece is found in exactly one piece.
+    Nodes are compared first. The polynomial is searched only around an extreme node from which it could reach the record. If
+    that is the last node, it must also be past the peak, so that a peak near the end of a piece is found in exactly one piece.
     """
     n = values.size
     highest, lowest = 0, 0
@@ -102,10 +109,10 @@ def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot
         if values[j] < values[lowest]:
             lowest = j
     top, bottom = values[highest], -values[lowest]
-    spread = top + bottom
-    if top + spread > memory[slot] and (highest < n - 1 or last_slope(basis, values) < 0.0):
+    reach = overshoot(top + bottom, n)
+    if top + reach > memory[slot] and (highest < n - 1 or last_slope(basis, values) < 0.0):
         top = _peak(basis, values, slopes, 1.0, highest)
-    if bottom + spread > memory[slot + 1] and (lowest < n - 1 or last_slope(basis, values) > 0.0):
+    if bottom + reach > memory[slot + 1] and (lowest < n - 1 or last_slope(basis, values) > 0.0):
         bottom = _peak(basis, values, slopes, -1.0, lowest)
     memory[slot] = max(memory[slot], top)
     memory[slot + 1] = max(memory[slot + 1], bottom)
@@ -123,22 +130,23 @@ def extrema(basis: Basis, rows: Array) -> tuple[float, float]:
 @njit
 def raise_record_within(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int, begin: float, end: float) -> None:
     """As `raise_record`, for the part [begin, end] of the piece only."""
+    differentiate(basis, values, slopes)
     memory[slot] = max(memory[slot], _peak_within(basis, values, slopes, 1.0, begin, end))
     memory[slot + 1] = max(memory[slot + 1], _peak_within(basis, values, slopes, -1.0, begin, end))
 
 
 @njit
 def _peak_within(basis: Basis, values: Array, slopes: Array, sign: float, begin: float, end: float) -> float:
-    """Maximum of sign * polynomial over [begin, end]; `slopes` is scratch."""
+    """Maximum of sign * polynomial over [begin, end], where `slopes` are those of the polynomial at the nodes."""
     n = values.size
-    differentiate(basis, values, slopes)
     best = max(sign * evaluate(basis, values, begin), sign * evaluate(basis, values, end))
-    left = begin
+    left, before = begin, sign * evaluate(basis, slopes, begin)
     for j in range(n + 1):
         right = min(basis.nodes[j], end) if j < n else end
         if right > left:
-            if sign * evaluate(basis, slopes, left) > 0.0 >= sign * evaluate(basis, slopes, right):
+            slope = sign * (slopes[j] if j < n and right == basis.nodes[j] else evaluate(basis, slopes, right))
+            if before > 0.0 >= slope:
                 peak = sign * float(evaluate(basis, values, find_root(basis, slopes, 0.0, left, right)))
                 best = max(best, _trusted(peak, values, sign))
-            left = right
+            left, before = right, slope
     return best
