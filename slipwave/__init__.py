@@ -1,5 +1,33 @@
-"""What is simulated: friction laws, slabs, drive, start and observers. Imports no solver and none of the other packages."""
+"""What is simulated: friction laws, slabs, drive, start and observers. Imports no solver and none of the other packages.
 
-from slipwave.input import read
+It is also the door of the house: `run`, `stability`, `orbit`, `branch`, `compare` and `bench` are those of `validation.door`,
+imported when one of them is first used. `import slipwave` itself stays light.
+"""
 
-__all__ = ["read"]
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from slipwave.errors import NumericsError, SceneError
+from slipwave.input import read, read_scene
+
+if TYPE_CHECKING:
+    from validation.door.bench import bench
+    from validation.door.branch import branch
+    from validation.door.compare import compare
+    from validation.door.orbit import orbit
+    from validation.door.run import run
+    from validation.door.stability import stability
+
+__all__ = ["NumericsError", "SceneError", "bench", "branch", "compare", "orbit", "read", "read_scene", "run", "stability"]
+
+
+def __getattr__(name: str) -> Any:
+    """The function `name` of the door. What it needs is imported here, on its first use."""
+    if name not in __all__:
+        raise AttributeError(f"module 'slipwave' has no attribute {name!r}")
+    found = globals()[name] = getattr(import_module(f"validation.door.{name}"), name)
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,5 +1,7 @@
 """The errors that end a run early; the command line turns them into exit status 2, 3 and 130."""
 
+from typing import Any
+
 
 class SceneError(ValueError):
     """The user's input is wrong: one line naming the key, the value and the allowed range (exit 2)."""
@@ -10,4 +12,7 @@ class Interrupted(Exception):
 
 
 class NumericsError(ArithmeticError):
-    """The numerics failed: one line saying what, where and when (exit 3)."""
+    """The numerics failed: one line saying what, where and when (exit 3). `result` is what the door had computed by then, None if
+    nothing."""
+
+    result: Any = None

@@ -1,8 +1,11 @@
 """Imports run one way: between the rooms, and between the folders and single files of each room.
 
-Imports within functions and those for types alone count too: a circle is a circle whenever it is walked.
+Imports within functions and those for types alone count too: a circle is a circle whenever it is walked. One arrow leads upwards:
+the ground room's own `__init__` hands out the door of `validation`, by name and only on demand.
 """
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -21,9 +24,15 @@ ORDER = {
     "slipwave": "errors files sources threads compiled friction scene features input observe step family",
     "reduced": "families commensurate parameters delay ode impedance stability closed_forms flows orbit continuation",
     "fullwave": "families options sampling operators leapfrog lines fields * adapt",
-    "validation": "output run measure references registry study branches work_precision studies report benchmark commands cli",
+    "validation": (
+        "output run measure references registry study branches work_precision studies report benchmark door commands cli"
+    ),
 }
 """What a room is made of; each may import those named before it. A star stands for all others: the families of full waves."""
+
+
+FACE = ("slipwave/__init__.py", "", "validation", "door")
+"""The arrow upwards: named for types alone (below: nothing is imported), walked when a function of the door is first used."""
 
 
 def arrows(room: str) -> set[tuple[str, str, str, str]]:
@@ -47,7 +56,15 @@ def part(words: list[str] | tuple[str, ...]) -> str:
 
 @pytest.mark.parametrize("room", BELOW)
 def test_a_room_imports_those_below_it(room: str) -> None:
-    assert [arrow for arrow in arrows(room) if arrow[2] not in (room, *BELOW[room])] == []
+    assert [arrow for arrow in arrows(room) if arrow[2] not in (room, *BELOW[room]) and arrow != FACE] == []
+
+
+@pytest.mark.parametrize("use", ["", "slipwave.read_scene('paper')", "slipwave.SceneError"])
+def test_the_ground_room_imports_no_other_room_unless_the_door_is_used(use: str) -> None:
+    code = f"import sys, slipwave; {use}\nprint(*{{name.partition('.')[0] for name in sys.modules}})"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"validation", "reduced", "fullwave"} & set(done.stdout.split())
+    assert use or not {"numpy", "numba", "pydantic", "xarray"} & set(done.stdout.split())
 
 
 @pytest.mark.parametrize("room", ORDER)

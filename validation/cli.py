@@ -5,6 +5,7 @@
 """
 
 import io
+import logging
 import os
 import sys
 from collections.abc import Callable
@@ -34,6 +35,16 @@ app.command("stability")(stability.stability)
 app.command("compare")(compare.compare)
 app.command("bench")(bench.bench)
 app.command("scenes")(scenes.scenes)
+
+
+class _OnStderr(logging.Handler):
+    """Prints what the door tells, line by line."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        typer.echo(record.getMessage(), err=True)
+
+
+_TOLD = _OnStderr()
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -86,6 +97,9 @@ def _prepare_streams() -> None:
     """Discard output to a closed stream, and escape characters that the terminal's encoding lacks."""
     sys.stdout = sys.stdout or io.StringIO()
     sys.stderr = sys.stderr or io.StringIO()
+    told = logging.getLogger("slipwave")
+    told.addHandler(_TOLD)
+    told.setLevel(logging.INFO)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 

@@ -4,7 +4,7 @@ import json
 import math
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +23,10 @@ def attempt(*tasks: Callable[[], None]) -> list[str]:
     return problems
 
 
-def conclude(failed: str, problems: Sequence[str], stopped: str = "") -> None:
-    """Raise one error, in one line, for all that failed: Interrupted if `stopped` says how to go on, NumericsError if `failed`
-    says what failed, SceneError if there are only `problems` of writing."""
-    message = "; ".join(filter(None, [failed, stopped, *problems]))
+def conclude(failed: str, problems: Sequence[str], stopped: bool = False) -> None:
+    """Raise one error, in one line, for all that went wrong: Interrupted if the user `stopped` it, NumericsError if `failed` says
+    what failed, SceneError if there are only `problems` of writing."""
+    message = "; ".join(filter(None, [failed, *problems]))
     if stopped:
         raise Interrupted(message)
     if failed:
@@ -46,17 +46,9 @@ def printed(show: Callable[[], None]) -> None:
         raise SceneError(f"the result cannot be written to stdout: {reason_of(error)}") from None
 
 
-def print_json(result: Any) -> None:
-    """`result` as JSON on stdout; NaN and infinity, which JSON does not know, become null."""
-    print(json.dumps(_finite(result), indent=2, allow_nan=False))
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+def print_json(result: Mapping[str, Any]) -> None:
+    """`result` as JSON on stdout."""
+    print(json.dumps(result, indent=2, allow_nan=False))
 
 
 def print_table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

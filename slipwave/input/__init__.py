@@ -1,28 +1,51 @@
 """Reads a scene file into a frozen `Scene`: finds the text, applies overrides, validates every key, converts SI, assembles."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 if TYPE_CHECKING:
     from slipwave.scene import Scene
 
+SceneSource: TypeAlias = "str | Path | Mapping[str, Any] | Scene"
+"""A gallery name, the path of a TOML file, a dictionary of the same shape, or a scene that was read before."""
 
-def read(source: str | Path | Mapping[str, Any], overrides: Iterable[str] | Mapping[str, Any] = ()) -> "Scene":
+
+def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ()) -> "Scene":
     """The `Scene` of a gallery name, a TOML file or a dictionary of the same shape, with single keys overridden.
 
     `overrides` is a list of "key=value" (dotted key, TOML value) or a dictionary {"slab.log10_r": -2.3}; see
-    `slipwave.input.overrides`. Reading runs no code. Raises SceneError: one line that names the key, the value and what is
-    allowed.
+    `slipwave.input.overrides`. A scene that was read before is read again from its tables. Reading runs no code. Raises
+    SceneError: one line that names the key, the value and what is allowed.
     """
     # numba and pydantic are imported only here, so that `import slipwave` stays light
     from slipwave.input.assemble import assemble
     from slipwave.input.overrides import apply_overrides
     from slipwave.input.source import load
+    from slipwave.input.tables import keep, tables_of
     from slipwave.input.validate import validate
+    from slipwave.scene import Scene
 
-    name, data = load(source)
-    return assemble(validate(apply_overrides(data, overrides)), name)
+    if isinstance(source, Scene) and not overrides:
+        return source
+    name, data = tables_of(source) if isinstance(source, Scene) else load(source)
+    data = apply_overrides(data, overrides)
+    checked = validate(data)
+    return keep(assemble(checked, name), data, checked)
 
 
-__all__ = ["read"]
+def read_scene(source: SceneSource, **changes: Any) -> "Scene":
+    """`read` with changes as keywords: tables, as slab={"log10_r": -2.6}, or dotted keys, as **{"slab.log10_r": -2.6}."""
+    return read(source, dict(_dotted(changes)))
+
+
+def _dotted(changes: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Every value with its dotted key."""
+    for key, value in changes.items():
+        if isinstance(value, Mapping):
+            yield from _dotted(value, f"{above}{key}.")
+        else:
+            yield f"{above}{key}", value
+
+
+__all__ = ["SceneSource", "read", "read_scene"]

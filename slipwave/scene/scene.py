@@ -1,8 +1,10 @@
 """A scene: everything about a run except how it is computed. Frozen, dimensionless; `slipwave.read` reads one from TOML."""
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 from slipwave.friction import Law, respond, steady_state, unknown_of
 from slipwave.scene.drive import Drive
@@ -17,7 +19,8 @@ class Scene:
     """Two slabs, the interface's law, the drive, the start, the length of the run and what to record.
 
     Units: length L, velocity V*, stress sigma, friction clock L/V*. "transit" is the round trip of the upper slab; `until` is in
-    transits. `units` holds L, V* and sigma when the scene was given in SI.
+    transits. `units` holds L, V* and sigma when the scene was given in SI. `tables` are those that it was read from; a scene made
+    in any other way, also by `dataclasses.replace`, has none.
     """
 
     name: str
@@ -29,6 +32,7 @@ class Scene:
     until: float = 4000.0
     record: frozenset[str] = frozenset({"events"})
     units: Units | None = None
+    tables: Mapping[str, Any] | None = field(default=None, init=False, repr=False, compare=False)
 
     @property
     def alike(self) -> bool:

@@ -61,8 +61,8 @@ def test_a_transit_is_the_upper_slabs_round_trip() -> None:
     assert not of(Slab(2.0, 3.0), Slab(2.0, 5.0)).alike
 
 
-NOT_PHYSICS = {"name", "record", "units"}
-"""What a scene is called, which of its quantities are kept, and the names of its units change no number of a run."""
+NOT_PHYSICS = {"name", "record", "units", "tables"}
+"""What a scene is called, which of its quantities are kept, the names of its units and how it was written change no number."""
 
 FULL = Slab(2.0, 3.0, GripFace(0.5, 9.0), StandardLinearViscosity(0.3, 0.6), LAYERED)
 BASE = Scene("test", Ageing(0.5, 0.01, 0.03), FULL, FULL, Drive((0.0, 5.0), (7.0, 8.0)), Start(StartKind.JUMP, 0.5), 40.0)

@@ -97,7 +97,7 @@ def test_its_figure_has_three_panels_with_marks(whole):
 
 
 def test_pieces_of_one_stability_meet_at_special_points(whole):
-    found = Branch(over_range(RANGE, "paper", None), "kelvin-voigt", 1e-4)
+    found = Branch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
     read(whole[1] / "x.nc", found)
     for axes, name in zip(figure_of(found).axes, ("period", "stress_drop", "elastic_stress_drop"), strict=True):
         unstable, stable = [line for line in axes.lines if len(line.get_xdata()) > 2]
@@ -166,7 +166,7 @@ def test_another_parameter_stands_under_its_own_name(capsys):
 
 def test_it_ends_where_orbits_shrink_to_steady_sliding():
     """The first small orbit, followed the wrong way: the Hopf point is met again, and nothing is counted twice."""
-    found = Branch(over_range(RANGE, "paper", None), "kelvin-voigt", 1e-4)
+    found = Branch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
     head = begin(found)
     back = head._replace(point=replace(head.point, tangent=-head.point.tangent))
     assert isinstance(back.point, Point)

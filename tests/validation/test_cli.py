@@ -158,7 +158,7 @@ def test_full_wave_options_reach_the_model(capsys: pytest.CaptureFixture[str]) -
         (["run", "paper", "--model", "dg:7", "--tol", "1e-13"], "tolerance = 1e-13: must lie in [1e-12, 0.1] for model dg:7"),
         (["run", "paper", "--model", "fd", "--cells", "0"], "cells = 0"),
         (["run", "paper", "--model", "fd", "--cfl", "1.5"], "cfl = 1.5"),
-        (["run", "paper", "--fields", "x.vtu", "--model", "delay"], "--fields"),
+        (["run", "paper", "--fields", "x.vtu", "--model", "delay"], "fields: model delay has no grid"),
         (["run", "viscous", "--model", "delay"], "Kelvin-Voigt viscosity"),
         (["compare", "paper"], "--models"),
         (["compare", "paper", "--models", "delay,delay"], "more than once"),
@@ -178,7 +178,7 @@ def test_wrong_input_is_one_line_and_status_2(capsys: pytest.CaptureFixture[str]
 def test_wrong_output_places_are_refused_before_anything_is_computed(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("validation.run.simulate.simulate", lambda *_: pytest.fail("computed"))
+    monkeypatch.setattr("validation.door.run.simulate", lambda *_: pytest.fail("computed"))
     (tmp_path / "file").write_text("")
     for place, told in (
         ("missing/x.nc", "does not exist"),

@@ -1,5 +1,6 @@
-"""Progress by a clock of the test's own: lines to a file, a bar on a terminal, nothing for short work."""
+"""Progress by a clock of the test's own: lines for the logger, a bar on a terminal, nothing for short work."""
 
+import logging
 import sys
 
 import pytest
@@ -17,23 +18,37 @@ def now(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     return time
 
 
-def test_lines_come_every_ten_seconds_and_tell_share_and_time_left(now: list[float], capsys: pytest.CaptureFixture[str]) -> None:
+def test_lines_come_every_ten_seconds_and_tell_share_and_time_left(now: list[float], caplog: pytest.LogCaptureFixture) -> None:
     """At 40 of 200 after 11 s, 10 of which brought 20: 160 are left, at 2 a second."""
+    caplog.set_level(logging.INFO, "slipwave")
     told = []
     with progress("run", 200.0) as report:
         for seconds, done in ((1.0, 20.0), (3.0, 30.0), (9.9, 39.0), (11.0, 40.0), (20.9, 90.0), (21.0, 100.0), (30.9, 190.0)):
             now[0] = 100.0 + seconds
             report(done)
-            told.append(capsys.readouterr().err)
-    assert told == ["", "", "", "run: 20%, 80 s left\n", "", "run: 50%, 25 s left\n", ""]
+            told.append(" ".join(caplog.messages))
+            caplog.clear()
+    assert told == ["", "", "", "run: 20%, 80 s left", "", "run: 50%, 25 s left", ""]
 
 
-def test_work_that_stands_still_has_no_time_left_to_tell(now: list[float], capsys: pytest.CaptureFixture[str]) -> None:
+def test_work_that_stands_still_has_no_time_left_to_tell(now: list[float], caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO, "slipwave")
     with progress("run", 10.0) as report:
         for seconds in (0.0, 10.0):
             now[0] = 100.0 + seconds
             report(5.0)
-    assert capsys.readouterr().err == "run: 50%\n"
+    assert caplog.messages == ["run: 50%"]
+
+
+def test_a_program_that_asks_for_nothing_is_told_nothing(
+    now: list[float], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(logging.getLogger("slipwave"), "handlers", [])  # without that of the command line
+    with progress("run", 10.0) as report:
+        for seconds in (0.0, 10.0):
+            now[0] = 100.0 + seconds
+            report(5.0)
+    assert capsys.readouterr() == ("", "")
 
 
 def test_a_terminal_has_a_bar_once_patience_has_passed(now: list[float], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import slipwave
 from reduced.parameters import PARAMETERS
 from slipwave.errors import SceneError
+from slipwave.input import SceneSource
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 
@@ -44,8 +45,8 @@ class Over:
         return low <= value <= high
 
 
-def over_range(text: str, source: str, settings: list[str] | None) -> Over:
-    """The parameter of `--over KEY=FROM:TO` for the scene of the command line.
+def over_range(text: str, source: SceneSource) -> Over:
+    """The parameter of `--over KEY=FROM:TO` for a scene.
 
     Raises SceneError if the text is not of that form, and if the scene cannot be read at one of both ends.
     """
@@ -57,10 +58,10 @@ def over_range(text: str, source: str, settings: list[str] | None) -> Over:
     first, last = (_number(text, found[word]) for word in ("first", "last"))
     if first == last:
         raise SceneError(f"--over {shorten(text)}: FROM and TO must differ")
-    base = slipwave.read(source, settings or [])
+    base = slipwave.read(source)
     if not base.drive.is_constant:
         raise SceneError(f"scene {base.name!r}: a branch of periodic orbits needs a constant drive.velocity")
-    over = Over(base, name, first, last, _reader(name, base, source, settings or []))
+    over = Over(base, name, first, last, _reader(name, base))
     for value in over.ends:
         over.scene_at(value)
     return over
@@ -76,22 +77,22 @@ def _number(text: str, word: str) -> float:
     return value
 
 
-def _reader(name: str, base: Scene, source: str, settings: list[str]) -> Callable[[float], Scene]:
+def _reader(name: str, base: Scene) -> Callable[[float], Scene]:
     """The scene with a value of its key. A short name without a key in this scene, as epsilon of unlike slabs or in SI, changes
     both slabs by the same factor."""
     if name not in PARAMETERS:
-        return _keyed(name, source, settings)
+        return _keyed(name, base)
     key = next((key for key, short in _SHORT.items() if short == name), "")
     if key:
-        keyed = _keyed(key, source, settings)
+        keyed = _keyed(key, base)
         with suppress(SceneError):
             keyed(_present(name, base))
             return keyed
     return lambda value: PARAMETERS[name](base, _positive(name, value))
 
 
-def _keyed(key: str, source: str, settings: list[str]) -> Callable[[float], Scene]:
-    return lambda value: slipwave.read(source, [*settings, f"{key}={value!r}"])
+def _keyed(key: str, base: Scene) -> Callable[[float], Scene]:
+    return lambda value: slipwave.read(base, {key: value})
 
 
 def _present(name: str, base: Scene) -> float:

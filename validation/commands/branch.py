@@ -1,19 +1,15 @@
 """`slipwave branch`: periodic orbits followed in a parameter, through folds, with the points where their stability changes."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from validation.branches import KINDS
-from validation.commands.options import Cells, Json, Model, SceneName, Settings
+from validation.commands.options import Cells, Json, Model, SceneName, Settings, read_scene
 
 if TYPE_CHECKING:
-    from validation.branches.follow import Head, Limits
-    from validation.branches.record import Branch, BranchPoint, SpecialPoint
-
-SCHEMA = 1
-"""Version of the keys of the JSON."""
+    from validation.branches.record import Branch
 
 _LISTED = 12  # points in the table
 
@@ -64,89 +60,39 @@ def branch(
     Special points: HB Hopf, LP fold, PD period doubling, NS torus. Where the range holds no Hopf point, the branch begins with
     the orbit that a run at an unstable end leads to.
     """
-    import time
-
-    from slipwave.errors import NumericsError
-    from validation.branches.drawing import FIGURES, draw
-    from validation.branches.follow import is_doubled, limits_of
-    from validation.branches.parameter import over_range
-    from validation.branches.record import Branch
+    import slipwave
+    from validation.branches.drawing import FIGURES
+    from validation.door.result import delivered
     from validation.output import attempt, conclude, print_json, printed, require_writable
-    from validation.registry.flows import flowing
-    from validation.registry.orbits import require_tolerance
 
-    require_tolerance(tol)
-    limits, doubled = limits_of(stop_at, longest_period, most_points), is_doubled(switch)
     for path, kinds, option in ((out, (".nc",), "--out"), (resume, (".nc",), "--resume"), (plot, FIGURES, "--plot")):
         if path is not None:
             require_writable(path, kinds, option)
-    parameter = over_range(over, source, settings)
-    name, why = flowing(model, parameter.base)
-    if why:
-        typer.echo(f"model auto: {name} ({why})", err=True)
-    found, failed, stopped, began = Branch(parameter, name, tol, cells, doubled), "", "", time.perf_counter()
-    try:
-        _compute(found, limits, out or resume, resume)
-    except NumericsError as error:
-        failed = str(error)
-    except KeyboardInterrupt:
-        failed, stopped = f"interrupted after {len(found.points)} points", _way_on(out or resume)
-    if not (found.points or found.special):
-        conclude(failed, [], stopped)
-    result = result_of(found, time.perf_counter() - began, failed)
-    tasks = [lambda: printed(lambda: print_json(result) if json else _print(found, result["wall_s"]))]
-    if plot is not None:
-        tasks.append(lambda: draw(plot, found))
-    conclude(failed, attempt(*tasks), stopped)
+    result, failed, stopped = delivered(
+        lambda: slipwave.branch(
+            read_scene(source, settings),
+            over,
+            model,
+            tol=tol,
+            cells=cells,
+            out=out,
+            resume=resume,
+            stop_at=stop_at,
+            switch=switch,
+            longest_period=longest_period,
+            most_points=most_points,
+        )
+    )
+    tasks = []
+    if result.found.points or result.found.special:
+        tasks.append(lambda: printed(lambda: print_json(result.summary) if json else _print(result.found, result.wall_s)))
+        if plot is not None:
+            tasks.append(lambda: result.draw(plot))
+    conclude("; ".join([failed, *([_way_on(out or resume)] if stopped else [])]), attempt(*tasks), stopped)
 
 
 def _way_on(path: Path | None) -> str:
     return f"--resume {path} goes on from there" if path else "no file was kept: --out FILE.nc keeps one to go on from"
-
-
-def _compute(found: "Branch", limits: "Limits", path: Path | None, resume: Path | None) -> None:
-    """Fill the branch and, after each point, its file."""
-    from validation.branches.follow import begin, follow
-    from validation.branches.stored import read, write
-    from validation.run.progress import progress
-
-    def keep(head: "Head", complete: bool) -> None:
-        if path is not None:
-            write(path, found, head, complete)
-
-    last = head = read(resume, found) if resume is not None else begin(found)
-    keep(last, False)
-    with progress(f"{found.over.base.name}, {found.model}, points of the branch", limits.points) as report:
-        for last in follow(found, head, limits):
-            keep(last, False)
-            report(len(found.points))
-    keep(last, True)
-
-
-def result_of(found: "Branch", wall_s: float, failed: str = "") -> dict[str, Any]:
-    """The JSON of the command (users rely on its keys); `failed` is there only if the numerics failed or the user stopped it."""
-    result = {
-        "schema": SCHEMA,
-        "scene": found.over.base.name,
-        "model": found.model,
-        "clock": "transit",
-        "parameter": found.over.name,
-        "points": [_at(found, point) for point in found.shown],
-        "special": [_at(found, special) for special in found.shown_special],
-        "wall_s": wall_s,
-        "notes": found.notes,
-    }
-    return result | ({"failed": failed} if failed else {})
-
-
-def _at(found: "Branch", row: "BranchPoint | SpecialPoint") -> dict[str, Any]:
-    """A point with the value of the parameter under its own name."""
-    name, facts = found.over.name, row._asdict()
-    kind = {"type": facts.pop("kind")} if "kind" in facts else {}
-    facts.pop("place", None)
-    value = facts.pop("value")
-    named = {name: value} if name == "log10_r" else {name: value, "parameter": name, "value": value}
-    return kind | named | facts
 
 
 def _print(found: "Branch", wall_s: float) -> None:

@@ -1,7 +1,7 @@
 """`slipwave compare`: several models on one scene, in one figure and one table."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -18,10 +18,6 @@ from validation.commands.options import (
     most_seconds,
     read_scene,
 )
-
-if TYPE_CHECKING:
-    from validation.measure.cycle import Cycle
-    from validation.run.simulate import Run
 
 
 def compare(
@@ -40,61 +36,25 @@ def compare(
     json: Json = False,
 ) -> None:
     """Draw one cycle of each model in one figure; print periods and stress drops with their errors."""
-    from slipwave.observe.foresight import require_time
-    from validation.measure.cycle import CycleObserver
+    import slipwave
+    from validation.door.result import delivered
     from validation.output import attempt, conclude, print_json, printed, require_writable
-    from validation.registry.build import build_all
-    from validation.run.simulate import RunInterrupted, second_half, simulate
 
     scene = read_scene(source, settings, until)
     require_writable(out, (".png", ".pdf", ".svg"))
-    solvers = build_all(models, scene, cells=cells, cfl=cfl, tolerance=tol, time=time)
-    for solver in solvers:
-        require_time(solver, scene.until, most_seconds(yes))
-    runs, cycles, stopped = [], [], ""
-    for solver in solvers:
-        observer = CycleObserver(solver)
-        try:
-            runs.append(simulate(solver, scene.until, [observer], most_seconds=most_seconds(yes)))
-        except RunInterrupted as stop:
-            runs.append(stop.run)
-            stopped = f"model {solver.model}"
-        cycles.append(observer.cycle(second_half(solver, scene.until)))
-        if stopped:
-            break
-    reference = next((run for run in runs if run.solver.model == "delay"), runs[0])
-    rows = [_row(run, reference) for run in runs]
-    name = reference.solver.model
-    result = {"scene": scene.name, "until": scene.until, "reference": name, "figure": str(out), "models": rows}
-    problems = attempt(
-        lambda: printed(lambda: print_json(result) if json else _print(rows, name, out)), lambda: _draw(out, runs, cycles)
+    result, failed, stopped = delivered(
+        lambda: slipwave.compare(scene, models, cells=cells, cfl=cfl, time=time, tol=tol, most_seconds=most_seconds(yes))
     )
-    conclude("; ".join(run.failed for run in runs if run.failed), problems, stopped)
+    summary = result.summary | {"figure": str(out)}
+    problems = attempt(lambda: printed(lambda: print_json(summary) if json else _print(summary)), lambda: result.draw(out))
+    conclude(failed, problems, stopped)
 
 
-def _row(run: "Run", reference: "Run") -> dict[str, Any]:
-    """One model's answer and its relative errors against the reference's."""
-    from dataclasses import asdict
-
-    ours = run.statistics
-    row = {
-        "model": run.solver.model,
-        "events": run.starts,
-        "verdict": run.kind,
-        **{name: asdict(getattr(ours, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
-        "v_max": ours.v_max,
-        "v_min": ours.v_min,
-        "error": run.errors(reference),
-        "failures": run.solver.failures,
-        "wall_s": run.wall_s,
-    }
-    return row | ({"failed": run.failed} if run.failed else {})
-
-
-def _print(rows: list[dict[str, Any]], reference: str, out: Path) -> None:
+def _print(summary: dict[str, Any]) -> None:
     from validation.commands.wording import without_errors
     from validation.output import figures, print_table
 
+    rows = summary["models"]
     heading = ["model", "period", "std", "stress drop", "elastic drop", "v_max", "v_min", "error T", "error drop", "wall s"]
     table = [
         [
@@ -112,36 +72,9 @@ def _print(rows: list[dict[str, Any]], reference: str, out: Path) -> None:
         for row in rows
     ]
     print_table(heading, table)
-    print(f"\nperiods in transits, relative errors against {reference}; figure: {out}")
+    print(f"\nperiods in transits, relative errors against {summary['reference']}; figure: {summary['figure']}")
     for line in without_errors(rows):
         print(line)
     for row in rows:
         if "failed" in row:
             print(f"failed: {row['failed']}")
-
-
-def _draw(out: Path, runs: "list[Run]", cycles: "list[Cycle | None]") -> None:
-    """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model; a transient has no cycle
-    and appears in the legend only."""
-    from matplotlib.figure import Figure
-
-    from slipwave.files import whole_or_absent
-
-    sheet = Figure(figsize=(9.0, 6.0), layout="constrained")
-    above, below = sheet.subplots(2, 1, sharex=True)
-    below.set_yscale("log")
-    for run, cycle in zip(runs, cycles, strict=True):
-        kind = run.kind or "events not watched"
-        if cycle is not None and run.verdict and run.verdict.repeats:
-            label = f"{run.solver.model}: {kind}, T = {cycle.period:.6g}"
-            above.plot(cycle.time, cycle.stress, linewidth=1.0, label=label)
-            below.plot(cycle.time, cycle.slip_rate, linewidth=1.0, label=label)
-        else:
-            above.plot([], [], linewidth=1.0, label=f"{run.solver.model}: {kind}, no cycle")
-            below.plot([], [])
-    above.set_title("The last complete cycle of each run; T: its length in transits", fontsize="medium")
-    above.set_ylabel("friction stress / normal stress")
-    below.set(ylabel="slip rate / V*", xlabel="transits since v passed half its largest value in the slip event")
-    above.legend(fontsize="small")
-    with whole_or_absent(out) as temporary:
-        sheet.savefig(temporary, dpi=150)

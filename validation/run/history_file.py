@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import weakref
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -23,17 +24,19 @@ _EARLY = 0.01  # share of the run after which its size is known well enough to c
 class HistoryFile:
     """Appends every sample to the file `path`, rows of five doubles.
 
-    A checkpoint holds how many there were and their checksum; a run that goes on drops later ones. A full disk does not end the
+    The file is removed when this is closed or no longer used, unless it `stays` for runs that go on. A checkpoint holds how many
+    samples there were and their checksum; a run that goes on drops later ones. A full disk does not end the
     run: `problem` says so, and later samples are not recorded. Raises SceneError, early in a run of `until`
     transits, if all of it (here and once more in the file for the user) will not fit on the disk.
     """
 
-    def __init__(self, law: Law, nodes: Array, path: Path, until: float) -> None:
+    def __init__(self, law: Law, nodes: Array, path: Path, until: float, stays: bool = True) -> None:
         self._law, self._nodes = law, np.asarray(nodes)
         self.path, self.problem = path, ""
         self._until, self._judged = until, False
         self._samples, self._checksum = 0, 0
         self._file: BinaryIO | None = None
+        self._remove = None if stays else weakref.finalize(self, path.unlink, missing_ok=True)
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
@@ -75,9 +78,11 @@ class HistoryFile:
             yield named_columns(self._law, block.T)
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file, and remove it unless it stays."""
         if self._file is not None:
             self._file.close()
+        if self._remove is not None:
+            self._remove()
 
     @property
     def _label(self) -> str:

@@ -1,5 +1,7 @@
-"""Progress on stderr for anything that lasts longer than two seconds: a bar with the time left, or plain lines to a file."""
+"""Progress of anything that lasts longer than two seconds: on a terminal a bar with the time left, else lines for the logger
+"slipwave", which the command line prints on stderr and a Python program leaves silent."""
 
+import logging
 import sys
 import time
 from collections.abc import Iterator
@@ -23,7 +25,7 @@ class Report(Protocol):
 
 
 class _Meter:
-    """Shows nothing until PATIENCE has passed; then a bar on a terminal, else a line every ten seconds."""
+    """Shows nothing until PATIENCE has passed; then a bar on a terminal, else a line every ten seconds for the logger."""
 
     def __init__(self, label: str, total: float) -> None:
         self._label, self._total = label, total
@@ -43,7 +45,7 @@ class _Meter:
             self._printed = now
             left = (now - self._first[0]) * (self._total - done) / max(done - self._first[1], 1e-9)
             news = f", {left:.0f} s left" if done > self._first[1] else ""
-            print(f"{self._label}: {done / self._total:.0%}{news}", file=sys.stderr, flush=True)
+            logging.getLogger("slipwave").info("%s: %.0f%%%s", self._label, 100.0 * done / self._total, news)
 
     def _draw(self, done: float) -> None:
         if self._bar is None:

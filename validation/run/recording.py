@@ -3,15 +3,14 @@ provenance; and the fields of a full-wave run's last transits.
 """
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
+import os
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from slipwave.errors import SceneError
-from slipwave.files import part_of, whole_or_absent
+from slipwave.files import whole_or_absent
 from slipwave.observe import EventObserver, Solver
 from slipwave.observe.checkpoint import Checkpoints
 from slipwave.observe.follow import Mark, Observer
@@ -69,56 +68,71 @@ class Records:
         """What is done at certain times of the run: fields first, so that a checkpoint has them."""
         return [mark for mark in (self.fields, self.checkpoints) if mark is not None]
 
+    def close(self) -> None:
+        """Close the history's file, which is removed unless it belongs to a checkpoint."""
+        if self.history is not None:
+            self.history.close()
 
-@contextmanager
+
 def records_of(
-    solver: Solver, until: float, out: Path | None, fields: Path | None, checkpoint: Path | None, every: float | None
-) -> Iterator[Records]:
-    """What a run of `solver` keeps in `out`, `fields` and, every `every` transits, in `checkpoint`. It goes on from `checkpoint`
-    if that exists. Raises SceneError for fields of a model that has none and for a checkpoint of another run."""
-    with history_for(solver, until, out, checkpoint) as history:
-        watch, kept = EventObserver(solver.scene, solver.nodes), fields_for(solver, until, fields, out)
-        parts = {"events": watch if solver.scene.record else None, "interface": history, "fields": kept}
-        saved: dict[str, Resumable] = {label: part for label, part in parts.items() if part is not None}
-        marks = None if checkpoint is None else Checkpoints(solver, saved, checkpoint, until, _EVERY if every is None else every)
-        if marks is not None and checkpoint is not None and checkpoint.exists():
+    solver: Solver, until: float, history: bool | Path, fields: bool | None, checkpoint: Path | None, every: float | None
+) -> Records:
+    """What a run of `solver` keeps: the interface's `history`, the last `fields` and, every `every` transits, a `checkpoint`.
+
+    It goes on from `checkpoint` if that exists. Raises SceneError for fields of a model that has none and for a checkpoint of
+    another run.
+    """
+    samples = history_for(solver, until, history, checkpoint)
+    watch, kept = EventObserver(solver.scene, solver.nodes), fields_for(solver, until, fields)
+    parts = {"events": watch if solver.scene.record else None, "interface": samples, "fields": kept}
+    saved: dict[str, Resumable] = {label: part for label, part in parts.items() if part is not None}
+    marks = None if checkpoint is None else Checkpoints(solver, saved, checkpoint, until, _EVERY if every is None else every)
+    records = Records(watch, samples, kept, marks)
+    if marks is not None and checkpoint is not None and checkpoint.exists():
+        try:
             marks.resume()
-        yield Records(watch, history, kept, marks)
+        except BaseException:
+            records.close()
+            raise
+    return records
 
 
-def fields_for(solver: Solver, until: float, fields: Path | None, out: Path | None) -> "FieldRecord | None":
-    """The record of the last FIELD_WINDOW transits, if --fields or, for a run written to `out`, the scene's `record` asks for it.
+def fields_for(solver: Solver, until: float, fields: bool | None) -> "FieldRecord | None":
+    """The record of the last FIELD_WINDOW transits, if `fields` asks for it or, where that is None, the scene's `record`.
 
     Raises SceneError, naming what asked, if the solver has no fields.
     """
-    if fields is None and (out is None or "fields" not in solver.scene.record):
+    if fields is False or (fields is None and "fields" not in solver.scene.record):
         return None
-    asked = 'run.record: "fields"' if fields is None else f"--fields = {str(fields)!r}"
     if not isinstance(solver, FieldSolver):
+        asked = "fields" if fields else 'run.record: "fields"'
         raise SceneError(f"{asked}: model {solver.model} has no grid to take fields from; use a full-wave model")
     from fullwave.fields.record import FieldRecord
 
     return FieldRecord(solver, max(until - FIELD_WINDOW, 0.0), until)
 
 
-@contextmanager
-def history_for(solver: Solver, until: float, out: Path | None, checkpoint: Path | None) -> Iterator[HistoryFile | None]:
-    """The observer of the interface's history, if the run is written to `out` and the scene's `record` asks for it.
+def history_for(solver: Solver, until: float, history: bool | Path, checkpoint: Path | None) -> HistoryFile | None:
+    """The observer of the interface's history, if that is to be kept and the scene's `record` asks for it.
 
-    Its samples are kept in a hidden file beside `out`, which is removed with the block. With checkpoints they are kept in a file
-    beside those, which stays for runs that go on.
+    Its samples are kept in the file `history`, or in a temporary one, until it is closed. With checkpoints they are kept in a
+    file beside those, which stays for runs that go on.
     """
-    if out is None or "interface" not in solver.scene.record:
-        yield None
-        return
-    path = part_of(out, ".samples") if checkpoint is None else checkpoint.with_name(f"{checkpoint.name}.samples")
-    history = HistoryFile(solver.scene.law, solver.nodes, path, until)
-    try:
-        yield history
-    finally:
-        history.close()
-        if checkpoint is None:
-            path.unlink(missing_ok=True)
+    if history is False or "interface" not in solver.scene.record:
+        return None
+    if checkpoint is not None:
+        path = checkpoint.with_name(f"{checkpoint.name}.samples")
+    else:
+        path = _temporary_samples() if history is True else history
+    return HistoryFile(solver.scene.law, solver.nodes, path, until, stays=checkpoint is not None)
+
+
+def _temporary_samples() -> Path:
+    import tempfile
+
+    handle, name = tempfile.mkstemp(prefix="slipwave-", suffix=".samples")
+    os.close(handle)
+    return Path(name)
 
 
 def write_run(path: Path, done: Run, history: HistoryFile | None, field: "Field | None" = None) -> None:

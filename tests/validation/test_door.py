@@ -1,0 +1,178 @@
+"""`import slipwave`: the same answers as the command line, as objects; errors that a program can catch."""
+
+import json
+import logging
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import slipwave as sw
+from slipwave.input import SceneSource
+from validation.cli import main
+from validation.door.branch import BranchResult
+from validation.door.result import Result
+from validation.door.run import RunResult
+
+FAST: dict[str, Any] = {"drive.velocity": 2000}
+"""Cycles of four transits, which repeat after 100."""
+
+
+def shell(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    """The JSON of a command."""
+    assert main([*words, "--json"]) == 0
+    found: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return found
+
+
+def without_times(summary: Any) -> Any:
+    """All of a summary but run times."""
+    if isinstance(summary, dict):
+        return {key: without_times(value) for key, value in summary.items() if key not in ("wall_s", "figure")}
+    return [without_times(value) for value in summary] if isinstance(summary, list) else summary
+
+
+def same(got: Any, wanted: Any) -> bool:
+    """Whether two summaries are equal, without run times, through JSON."""
+    return bool(json.loads(json.dumps(without_times(got))) == without_times(wanted))
+
+
+PAIRS: list[tuple[Callable[[], Result], str]] = [
+    (lambda: sw.run("paper", model="kelvin-voigt", until=200, **FAST), "run paper --model kelvin-voigt --until 200"),
+    (lambda: sw.run("paper", "fd", cells=8, cfl=0.5, until=20, **FAST), "run paper --model fd --cells 8 --cfl 0.5 --until 20"),
+    (lambda: sw.compare("paper", ["delay", "block8"], until=200, **FAST), "compare paper --models delay,block8 --until 200"),
+    (lambda: sw.stability("paper", model="modal:2", **FAST), "stability paper --model modal:2"),
+    (lambda: sw.orbit("paper", model="kelvin-voigt", tol=1e-4, **FAST), "orbit paper --model kelvin-voigt --tol 1e-4"),
+]
+
+
+@pytest.mark.parametrize(("work", "words"), PAIRS, ids=lambda value: value if isinstance(value, str) else "")
+def test_every_function_gives_the_json_of_its_command(
+    work: Callable[[], Result], words: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # compare draws a figure
+    assert same(work().summary, shell(capsys, *words.split(), "--set", "drive.velocity=2000"))
+
+
+def test_a_branch_is_that_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("branch", "paper", "--model", "kelvin-voigt", "--over", "log10_r=-2.72:-2.68", "--tol", "1e-4", "--most-points", "3")
+    found = shell(capsys, *words)
+    options: dict[str, Any] = {"model": "kelvin-voigt", "tol": 1e-4, "most_points": 3}
+    assert same(sw.branch("paper", {"log10_r": (-2.72, -2.68)}, **options).summary, found)
+    assert [point["stable"] for point in found["points"]] == [False] * 3
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"slab": {"log10_r": -2.3}, "drive": {"velocity": 50.0}},
+        {"slab.log10_r": -2.3, "drive.velocity": 50.0},
+        {"slab": {"r": 10**-2.3}, "drive.velocity": 50},
+    ],
+)
+def test_changes_may_be_tables_or_dotted_keys(changes: dict[str, Any]) -> None:
+    scene = sw.read_scene("paper", **changes)
+    assert scene.digest == sw.read("paper", ["slab.log10_r=-2.3", "drive.velocity=50"]).digest
+    assert (scene.transit, scene.velocity) == (10.0**-2.3, 50.0)
+
+
+def test_a_scene_may_be_a_name_a_file_a_dictionary_or_another_scene(tmp_path: Path) -> None:
+    text = Path(sw.__file__).parent.joinpath("gallery", "paper.toml").read_text()
+    (tmp_path / "mine.toml").write_text(text)
+    tables = dict(sw.read_scene("paper").tables or {})
+    sources: list[SceneSource] = ["paper", tmp_path / "mine.toml", tables, sw.read_scene("paper", **{"slab.log10_r": -2.0})]
+    digests = {sw.read_scene(source, **{"slab.log10_r": -2.6}).digest for source in sources}
+    assert digests == {sw.read("paper", {"slab.log10_r": -2.6}).digest}
+    assert sw.read_scene(sources[3]) is sources[3]
+
+
+def test_a_scene_of_a_program_has_no_keys_to_change() -> None:
+    from dataclasses import replace
+
+    scene = replace(sw.read_scene("paper"), until=20.0)
+    assert sw.run(scene, "block8").summary["until"] == 20.0
+    with pytest.raises(sw.SceneError, match="made in Python"):
+        sw.run(scene, "block8", until=30.0)
+
+
+@pytest.mark.parametrize(
+    ("work", "told"),
+    [
+        (lambda: sw.run("papr"), 'did you mean "paper"'),
+        (lambda: sw.run("paper", model="dely"), 'did you mean "delay"'),
+        (lambda: sw.run("paper", "delay", cells=8), "takes no cells"),
+        (lambda: sw.run("paper", until=-5.0), r"run\.until = -5"),
+        (lambda: sw.run("paper", untill=5.0), "untill"),
+        (lambda: sw.run("paper", "delay", fields=True), "fields: model delay has no grid"),
+        (lambda: sw.stability("paper", slab={"epsilom": 1.0}), r"did you mean epsilon"),
+        (lambda: sw.compare("paper", "delay,delay"), "more than once"),
+        (lambda: sw.orbit("paper", tol=1.0), r"tol = 1: must lie in"),
+        (lambda: sw.branch("paper", {"log10_r": (-2.7, -2.7)}), "must differ"),
+        (lambda: sw.bench("paper", **{"slab.r": 0.0}), r"slab\.r = 0"),
+    ],
+)
+def test_wrong_input_is_a_scene_error(work: Any, told: str) -> None:
+    with pytest.raises(sw.SceneError, match=told):
+        work()
+
+
+def test_failed_numerics_keep_what_was_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    from test_cli import Doomed
+
+    from validation.registry import build as models
+
+    prepare = models.prepare
+
+    def doomed(*arguments: Any, **options: Any) -> Any:
+        built = prepare(*arguments, **options)
+        return built._replace(solver=Doomed(built.solver))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(models, "prepare", doomed)
+        with pytest.raises(sw.NumericsError, match="gave up at t = 150") as caught:
+            sw.run("paper", model="delay", until=400.0)
+    result: RunResult = caught.value.result
+    assert result.summary["failed"] == "doomed: gave up at t = 150"
+    assert result.summary["events"] == sw.run("paper", "delay", until=150.0).summary["events"]
+    assert result.summary["final"] is None
+
+
+def test_an_interrupt_hands_over_what_was_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    from validation.branches import follow
+
+    steps = follow.follow_branch
+
+    def interrupted(*arguments: Any) -> Any:
+        march = steps(*arguments)
+        yield next(march)
+        yield next(march)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(follow, "follow_branch", interrupted)
+    with pytest.raises(KeyboardInterrupt, match="after 3 points") as caught:
+        sw.branch("paper", "log10_r=-2.72:-2.68", "kelvin-voigt", tol=1e-4)
+    result: BranchResult = caught.value.result  # type: ignore[attr-defined]
+    assert len(result.summary["points"]) == 3
+
+
+def test_a_program_is_left_in_silence(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(logging.getLogger("slipwave"), "handlers", [])  # without that of the command line
+    sw.run("paper", until=20.0)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_result_shows_its_figures() -> None:
+    found = sw.run("paper", "kelvin-voigt", until=200, **FAST)
+    period = found.summary["period"]["mean"]
+    assert f"<RunResult: scene = paper, model = kelvin-voigt, until = 200, events = {found.summary['events']}" in repr(found)
+    assert f"period.mean = {period:.6g}" in repr(found)
+    assert f"<tr><th>period.mean</th><td>{period:.6g}</td></tr>" in found._repr_html_()
+    assert math.isclose(period, 4.0, rel_tol=0.1)
+
+
+def test_the_names_of_the_door() -> None:
+    assert set(sw.__all__) <= set(dir(sw))
+    with pytest.raises(AttributeError, match="'slipwave' has no attribute 'runn'"):
+        sw.runn  # noqa: B018

@@ -1,0 +1,93 @@
+"""`slipwave.bench`: run time against error, every model that can do the scene, at several settings each."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from slipwave.errors import SceneError
+from slipwave.family import Family
+from slipwave.input import SceneSource
+from slipwave.observe.foresight import DAY
+from slipwave.scene import Scene
+from validation.door.result import Result, deliver, finite, scene_of
+from validation.registry import build as models
+from validation.run.progress import progress
+from validation.run.simulate import Run, RunInterrupted, simulate
+from validation.work_precision import Setting, solver_of, warm_up
+
+_TOLERANCES = (1e-5, 1e-7, 1e-9)
+_REFERENCE_TOLERANCE = 1e-11
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class BenchResult(Result):
+    """The timed `runs` of the `scene`, each with its numerical setting, and the `reference` for their errors."""
+
+    scene: Scene
+    reference: Run
+    runs: list[tuple[Run, dict[str, Any]]]
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The JSON of `slipwave bench` (users rely on its keys), with relative errors against the reference."""
+        rows = [_row(run, setting, self.reference) for run, setting in self.runs]
+        facts = {"scene": self.scene.name, "until": self.scene.until, "reference": self.reference.solver.model}
+        return dict(finite(facts | {"models": rows}))
+
+
+def bench(source: SceneSource, *, until: float | None = None, most_seconds: float = DAY, **changes: Any) -> BenchResult:
+    """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance.
+    `changes` are those of `slipwave.read_scene`.
+
+    A model that cannot do the scene (quasistatic runs away) still has a row. Raises SceneError for wrong input; NumericsError,
+    with all of them as its `result`, if solves of the interface failed.
+    """
+    scene = scene_of(source, changes, until)
+    trials = [(family, setting) for family in models.honouring(scene) for setting in _settings(family)]
+    if not trials:
+        raise SceneError(f"scene = {scene.name!r}: no model of this installation can do it")
+    reference = _reference(scene, trials, most_seconds)
+    runs: list[tuple[Run, dict[str, Any]]] = []
+    stopped = ""
+    with progress("bench", len(trials)) as report:
+        for done, (family, setting) in enumerate(trials):
+            try:
+                runs.append((_timed(scene, family, setting, most_seconds), setting))
+            except RunInterrupted:
+                stopped = f"after {done} of {len(trials)} runs"
+                break
+            report(done + 1)
+    failed = [reference.failed] if reference.failed else [run.failed for run, _ in runs if run.solver.failures]
+    failed = ["interrupted", *failed, stopped] if stopped else failed
+    return deliver(BenchResult(scene, reference, runs), "; ".join(failed), bool(stopped))
+
+
+def _settings(family: Family) -> list[dict[str, Any]]:
+    if family.grids:
+        return [{"cells": cells} for cells in family.grids]
+    return [{"tolerance": tolerance} for tolerance in _TOLERANCES]
+
+
+def _reference(scene: Scene, trials: list[tuple[Family, dict[str, Any]]], most: float) -> Run:
+    """The delay system at a tight tolerance; for scenes it cannot do, the last full-wave family at its finest setting."""
+    family = next((family for family, _ in trials if family.name == "delay"), None)
+    if family is not None:
+        return _timed(scene, family, {"tolerance": _REFERENCE_TOLERANCE}, most)
+    return _timed(scene, *trials[-1], most)
+
+
+def _timed(scene: Scene, family: Family, setting: dict[str, Any], most: float) -> Run:
+    chosen = Setting(family.example, **setting)
+    warm_up(chosen, scene)
+    return simulate(solver_of(chosen, scene), scene.until, most_seconds=most)
+
+
+def _row(run: Run, setting: dict[str, Any], reference: Run) -> dict[str, Any]:
+    row = {
+        "model": run.solver.model,
+        "setting": setting,
+        "verdict": run.kind,
+        "wall_s": run.wall_s,
+        "error": {name: abs(error) for name, error in run.errors(reference).items()},
+        "failures": run.solver.failures,
+    }
+    return row | ({"failed": run.failed} if run.failed else {})

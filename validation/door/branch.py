@@ -1,0 +1,126 @@
+"""`slipwave.branch`: periodic orbits followed in a parameter, through folds, with the points where their stability changes."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from slipwave.errors import NumericsError
+from slipwave.input import SceneSource
+from validation.branches.drawing import draw
+from validation.branches.follow import Head, Limits, begin, follow, is_doubled, limits_of
+from validation.branches.parameter import over_range
+from validation.branches.record import Branch, BranchPoint, SpecialPoint
+from validation.branches.stored import read, write
+from validation.door.result import Result, deliver, finite, scene_of, told
+from validation.registry.flows import flowing
+from validation.registry.orbits import require_tolerance
+from validation.run.progress import progress
+
+SCHEMA = 1
+"""Version of the keys of the JSON."""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class BranchResult(Result):
+    """The branch that was `found`, and run time in seconds; `failed` says why it ended early, or is empty."""
+
+    found: Branch
+    wall_s: float
+    failed: str = ""
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The JSON of `slipwave branch` (users rely on its keys); `failed` is there only if the numerics failed or the user
+        stopped it."""
+        found = self.found
+        result = {
+            "schema": SCHEMA,
+            "scene": found.over.base.name,
+            "model": found.model,
+            "clock": "transit",
+            "parameter": found.over.name,
+            "points": [_at(found, point) for point in found.shown],
+            "special": [_at(found, special) for special in found.shown_special],
+            "wall_s": self.wall_s,
+            "notes": found.notes,
+        }
+        return dict(finite(result | ({"failed": self.failed} if self.failed else {})))
+
+    def draw(self, path: Path) -> None:
+        """Write the figure. Raises SceneError if the file cannot be written."""
+        draw(path, self.found)
+
+
+def branch(
+    source: SceneSource,
+    over: str | Mapping[str, tuple[float, float]],
+    model: str = "auto",
+    *,
+    tol: float = 1e-6,
+    cells: int | None = None,
+    out: Path | None = None,
+    resume: Path | None = None,
+    stop_at: str | None = None,
+    switch: str | None = None,
+    longest_period: float | None = None,
+    most_points: int = 2000,
+    **changes: Any,
+) -> BranchResult:
+    """Follow periodic orbits from where steady sliding loses stability, stable or not, through folds; `changes` are those of
+    `slipwave.read_scene`.
+
+    `over` is the parameter with its range: "log10_r=-2.72:-2.30" or {"log10_r": (-2.72, -2.30)}. `tol` is the requested relative
+    error of the figures. Each point is written to the file `out` as it is computed; `resume` goes on from such a file. The branch
+    ends at the first special point of the kind `stop_at` (HB, LP, PD, NS), at `longest_period` (transits), or after
+    `most_points`. With `switch` = "PD" it is that of the orbits of twice the period.
+
+    Raises SceneError for wrong input; NumericsError where the branch cannot be followed, with the part before as its `result`.
+    """
+    require_tolerance(tol)
+    limits, doubled = limits_of(stop_at, longest_period, most_points), is_doubled(switch)
+    parameter = over_range(_range_text(over), scene_of(source, changes))
+    name, why = flowing(model, parameter.base)
+    if why:
+        told.info("model auto: %s (%s)", name, why)
+    found, failed, stopped, began = Branch(parameter, name, tol, cells, doubled), "", False, time.perf_counter()
+    try:
+        _compute(found, limits, out or resume, resume)
+    except NumericsError as error:
+        failed = str(error)
+    except KeyboardInterrupt:
+        failed, stopped = f"interrupted after {len(found.points)} points", True
+    return deliver(BranchResult(found, time.perf_counter() - began, failed), failed, stopped)
+
+
+def _range_text(over: str | Mapping[str, tuple[float, float]]) -> str:
+    if isinstance(over, str):
+        return over
+    return ",".join(f"{name}={first!r}:{last!r}" for name, (first, last) in over.items())
+
+
+def _compute(found: Branch, limits: Limits, path: Path | None, resume: Path | None) -> None:
+    """Fill the branch and, after each point, its file."""
+
+    def keep(head: Head, complete: bool) -> None:
+        if path is not None:
+            write(path, found, head, complete)
+
+    last = head = read(resume, found) if resume is not None else begin(found)
+    keep(last, False)
+    with progress(f"{found.over.base.name}, {found.model}, points of the branch", limits.points) as report:
+        for last in follow(found, head, limits):
+            keep(last, False)
+            report(len(found.points))
+    keep(last, True)
+
+
+def _at(found: Branch, row: BranchPoint | SpecialPoint) -> dict[str, Any]:
+    """A point with the value of the parameter under its own name."""
+    name, facts = found.over.name, row._asdict()
+    kind = {"type": facts.pop("kind")} if "kind" in facts else {}
+    facts.pop("place", None)
+    value = facts.pop("value")
+    named = {name: value} if name == "log10_r" else {name: value, "parameter": name, "value": value}
+    return kind | named | facts

@@ -1,0 +1,114 @@
+"""`slipwave.compare`: several models on one scene, in one figure and one table."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from slipwave.files import whole_or_absent
+from slipwave.input import SceneSource
+from slipwave.observe.foresight import DAY, require_time
+from slipwave.scene import Scene
+from validation.door.result import Result, deliver, finite, scene_of
+from validation.measure.cycle import Cycle, CycleObserver
+from validation.registry.build import build_all
+from validation.run.simulate import Run, RunInterrupted, second_half, simulate
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class CompareResult(Result):
+    """The `runs` of the models on the `scene` and the last complete cycle of each, None where it has none."""
+
+    scene: Scene
+    runs: list[Run]
+    cycles: list[Cycle | None]
+
+    @property
+    def reference(self) -> Run:
+        """The run that the others are compared with: delay if it is among them, else the first."""
+        return next((run for run in self.runs if run.solver.model == "delay"), self.runs[0])
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The JSON of `slipwave compare` (users rely on its keys), with relative errors against the reference."""
+        rows = [_row(run, self.reference) for run in self.runs]
+        facts = {"scene": self.scene.name, "until": self.scene.until, "reference": self.reference.solver.model}
+        return dict(finite(facts | {"models": rows}))
+
+    def draw(self, path: Path) -> None:
+        """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model; a transient has no cycle
+        and appears in the legend only."""
+        from matplotlib.figure import Figure
+
+        sheet = Figure(figsize=(9.0, 6.0), layout="constrained")
+        above, below = sheet.subplots(2, 1, sharex=True)
+        below.set_yscale("log")
+        for run, cycle in zip(self.runs, self.cycles, strict=True):
+            kind = run.kind or "events not watched"
+            if cycle is not None and run.verdict and run.verdict.repeats:
+                label = f"{run.solver.model}: {kind}, T = {cycle.period:.6g}"
+                above.plot(cycle.time, cycle.stress, linewidth=1.0, label=label)
+                below.plot(cycle.time, cycle.slip_rate, linewidth=1.0, label=label)
+            else:
+                above.plot([], [], linewidth=1.0, label=f"{run.solver.model}: {kind}, no cycle")
+                below.plot([], [])
+        above.set_title("The last complete cycle of each run; T: its length in transits", fontsize="medium")
+        above.set_ylabel("friction stress / normal stress")
+        below.set(ylabel="slip rate / V*", xlabel="transits since v passed half its largest value in the slip event")
+        above.legend(fontsize="small")
+        with whole_or_absent(path) as temporary:
+            sheet.savefig(temporary, dpi=150)
+
+
+def compare(
+    source: SceneSource,
+    models: str | Sequence[str],
+    *,
+    until: float | None = None,
+    cells: int | None = None,
+    cfl: float | None = None,
+    time: str | None = None,
+    tol: float | None = None,
+    most_seconds: float = DAY,
+    **changes: Any,
+) -> CompareResult:
+    """Run several models (a list, or names separated by commas) on a scene and compare their cycles with those of the delay
+    system, or of the first model; options and `changes` are those of `slipwave.run`.
+
+    Raises SceneError for wrong input; NumericsError if one of them fails, with all of them as its `result`.
+    """
+    scene = scene_of(source, changes, until)
+    names = models if isinstance(models, str) else ",".join(models)
+    solvers = build_all(names, scene, cells=cells, cfl=cfl, tolerance=tol, time=time)
+    for solver in solvers:
+        require_time(solver, scene.until, most_seconds)
+    runs, cycles, stopped = [], [], ""
+    for solver in solvers:
+        observer = CycleObserver(solver)
+        try:
+            runs.append(simulate(solver, scene.until, [observer], most_seconds=most_seconds))
+        except RunInterrupted as stop:
+            runs.append(stop.run)
+            stopped = f"model {solver.model}"
+        cycles.append(observer.cycle(second_half(solver, scene.until)))
+        if stopped:
+            break
+    failed = [*(run.failed for run in runs if run.failed), *([stopped] if stopped else [])]
+    return deliver(CompareResult(scene, runs, cycles), "; ".join(failed), bool(stopped))
+
+
+def _row(run: Run, reference: Run) -> dict[str, Any]:
+    """One model's answer and its relative errors against the reference's."""
+    ours = run.statistics
+    row = {
+        "model": run.solver.model,
+        "events": run.starts,
+        "verdict": run.kind,
+        **{name: asdict(getattr(ours, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
+        "v_max": ours.v_max,
+        "v_min": ours.v_min,
+        "error": run.errors(reference),
+        "failures": run.solver.failures,
+        "wall_s": run.wall_s,
+    }
+    return row | ({"failed": run.failed} if run.failed else {})
