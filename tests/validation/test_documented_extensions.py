@@ -1,7 +1,8 @@
 """What docs/extending.md and the study of docs/reading-the-report.md say is done, word by word, in a copy of the checkout.
 
 A reader writes a file where the text says "Write `FILE`", adds lines where it says "Add at the end of `TABLE` in `FILE`", changes
-what it says to change, runs every line of a shell block, and expects what a text block shows of a command that is refused.
+what it says to change, runs every line of a shell block, and expects what a text block shows of a command that is refused. The
+sections whose code takes more than 10 s to compile are run by the full report.
 """
 
 import json
@@ -95,6 +96,7 @@ def reader(tmp_path):
     return Reader(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_friction_law(reader):
     """Its models are as far apart as the paper's; a cut-off weakens healing, and shortens the cycle."""
     program, fault = EXTENDING["Adding a friction law of your own"].split("\nIf one is wrong")
@@ -126,6 +128,7 @@ def test_a_reduction(reader):
     assert "block10" in reader.output
 
 
+@pytest.mark.slow
 def test_a_discretisation(reader):
     reader.follow(EXTENDING["Adding a discretisation"])
     words = ("delay", "fv --cells 200", "fv --cells 400")
