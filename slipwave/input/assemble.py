@@ -1,21 +1,24 @@
 """Turns validated tables into a frozen `Scene`: combines keys that depend on each other and converts SI (15)."""
 
 import math
+from itertools import pairwise
 from typing import Any
 
 from slipwave.errors import SceneError
 from slipwave.friction import LAWS
 from slipwave.input import schema
-from slipwave.input.number import EPSILON, NON_NEGATIVE, ROUND_TRIP, Range
+from slipwave.input.number import EPSILON, LATER_VELOCITY, RELAXATION, ROUND_TRIP, TIME, UNTIL, VELOCITY, Range
+from slipwave.input.outer_face import outer_face
+from slipwave.input.relate import UNIT_KEYS, in_reference_velocity, in_time, in_transits, require_units
 from slipwave.input.validate import Validated
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
-from slipwave.scene.slab import FACES, Face, KelvinVoigtViscosity, Layer, Slab, StandardLinearViscosity, Viscosity
+from slipwave.scene.material import Material
+from slipwave.scene.slab import KelvinVoigtViscosity, Layer, Slab, StandardLinearViscosity, Viscosity
 from slipwave.scene.start import Start, StartKind
 from slipwave.scene.units import Units
 
-_UNIT_KEYS = ("normal_stress", "memory_length", "reference_velocity")
 _DEFAULT_SIZES = {"nudge": 0.5, "jump": 0.05, "orbit": 0.5}
 
 
@@ -29,9 +32,9 @@ def assemble(checked: Validated, name: str) -> Scene:
         law=LAWS[checked.law].parameters(**checked.parameters),
         upper=upper,
         lower=lower,
-        drive=_drive(tables.drive),
+        drive=_drive(tables.drive, units, upper.round_trip),
         start=_start(tables.start),
-        until=tables.run.until,
+        until=in_transits("run.until", tables.run.until, units, upper.round_trip, UNTIL),
         record=frozenset(tables.run.record),
         units=units,
     )
@@ -40,7 +43,7 @@ def assemble(checked: Validated, name: str) -> Scene:
 def _units(given: dict[str, float]) -> Units | None:
     if not given:
         return None
-    for key in _UNIT_KEYS:
+    for key in UNIT_KEYS:
         if key not in given:
             raise SceneError(f"interface.{key}: missing; must be given with {' and '.join(sorted(given))} (all three or none)")
     return Units(**given)
@@ -65,17 +68,22 @@ def _slab(key: str, table: schema.SlabTable, units: Units | None) -> Slab:
     _require_units(key, table, units)
     epsilon = _epsilon(key, table, units)
     round_trip = _round_trip(key, table, units)
-    face = _face(f"{key}.face", table.face, units, epsilon, round_trip)
-    return Slab(epsilon, round_trip, face, _viscosity(table.viscosity), _layers(key, table.layers))
+    face = outer_face(f"{key}.face", table.face, units, epsilon, round_trip)
+    viscosity = _viscosity(f"{key}.viscosity", table.viscosity, units)
+    return Slab(epsilon, round_trip, face, viscosity, _layers(key, table.layers), _material(table))
 
 
 def _require_units(key: str, table: schema.SlabTable, units: Units | None) -> None:
     for name in ("density", "shear_modulus", "thickness"):
-        if getattr(table, name) is not None and units is None:
-            raise SceneError(
-                f"{key}.{name} = {getattr(table, name):g}: must come with interface.normal_stress, memory_length and "
-                "reference_velocity (SI), or be replaced by epsilon and r"
-            )
+        value = getattr(table, name)
+        if value is not None:
+            require_units(f"{key}.{name}", f"{value:g}", units, "replaced by epsilon and r")
+
+
+def _material(table: schema.SlabTable) -> Material | None:
+    if table.density is None or table.shear_modulus is None:
+        return None
+    return Material(table.density, table.shear_modulus)
 
 
 def _epsilon(key: str, table: schema.SlabTable, units: Units | None) -> float:
@@ -122,31 +130,12 @@ def _in_range(quantity: str, result: float, allowed: Range, sources: dict[str, f
     return result
 
 
-def _face(key: str, table: Any, units: Units | None, epsilon: float, round_trip: float) -> Face:
-    given = table.model_dump(exclude={"kind"})
-    if isinstance(table, schema.MachineTable):
-        slab = {"stiffness": epsilon / round_trip, "impedance": epsilon, "mass": epsilon * round_trip}
-        scales = {name: scale * units.face[name] if units else 1.0 for name, scale in slab.items()}
-        given = {name: _relative(f"{key}.{name}", value, scales[name]) for name, value in given.items()}
-    return FACES[table.kind](**given)
-
-
-def _relative(key: str, value: float, scale: float) -> float:
-    """`value` over `scale`. Raises SceneError naming `key` if that is out of range."""
-    result = value / scale
-    if not NON_NEGATIVE.low <= result <= NON_NEGATIVE.high:
-        relative = "" if result == value else f" is {result:.9g} relative to the slab, which"
-        raise SceneError(f"{key} = {value:g}:{relative} must be {NON_NEGATIVE}")
-    return result
-
-
-def _viscosity(table: Any) -> Viscosity | None:
-    match table:
-        case schema.KelvinVoigtTable():
-            return KelvinVoigtViscosity(table.time)
-        case schema.StandardLinearTable():
-            return StandardLinearViscosity(table.time, table.ratio)
-    return None
+def _viscosity(key: str, table: Any, units: Units | None) -> Viscosity | None:
+    if table is None:
+        return None
+    time = in_time(f"{key}.time", table.time, units, RELAXATION)
+    is_kelvin_voigt = isinstance(table, schema.KelvinVoigtTable)
+    return KelvinVoigtViscosity(time) if is_kelvin_voigt else StandardLinearViscosity(time, table.ratio)
 
 
 def _layers(key: str, tables: list[schema.LayerTable] | None) -> tuple[Layer, ...]:
@@ -159,9 +148,13 @@ def _layers(key: str, tables: list[schema.LayerTable] | None) -> tuple[Layer, ..
     return tuple(Layer(table.fraction / total, table.impedance) for table in tables)
 
 
-def _drive(table: schema.DriveTable) -> Drive:
-    times, velocities = zip(*table.velocity, strict=True)
-    return Drive(times, velocities)
+def _drive(table: schema.DriveTable, units: Units | None, transit: float) -> Drive:
+    key, given = "drive.velocity", table.velocity
+    times = [in_transits(key, time, units, transit, TIME) for time, _ in given]
+    velocities = [in_reference_velocity(key, v, units, LATER_VELOCITY if k else VELOCITY) for k, (_, v) in enumerate(given)]
+    if any(later <= earlier for earlier, later in pairwise(times)):
+        raise SceneError(f"{key}: times = {shorten(times)} (transits of the upper slab): must be rising")
+    return Drive(tuple(times), tuple(velocities))
 
 
 def _start(table: schema.StartTable) -> Start:

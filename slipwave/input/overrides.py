@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from slipwave.errors import SceneError
+from slipwave.input.quantity import looks_measured
 from slipwave.input.source import parse_toml
 from slipwave.input.wording import key_text, shorten
 
@@ -45,15 +46,17 @@ def _parse(text: str) -> tuple[list[str], Any]:
 
 
 def _value(key: str, text: str) -> Any:
-    """A TOML value; a bare word (slip, kelvin-voigt) is taken as a string."""
+    """A TOML value; a bare word (slip, kelvin-voigt) and a number with a unit (5 MPa) are taken as strings."""
     try:
         parsed = parse_toml(f"value = {text}")
         if set(parsed) == {"value"}:
             return parsed["value"]
     except (ValueError, RecursionError):
-        if _BARE_WORD.fullmatch(text):
+        if _BARE_WORD.fullmatch(text) or looks_measured(text):
             return text
-    raise SceneError(f"{key_text([key])} = {shorten(text)}: must be a TOML value: a number, a word, or a list")
+    raise SceneError(
+        f"{key_text([key])} = {shorten(text)}: must be a TOML value: a number (with a unit or none), a word, or a list"
+    )
 
 
 def _set(data: dict[str, Any], key: list[str], value: Any) -> None:

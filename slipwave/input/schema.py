@@ -3,29 +3,35 @@
 A text in an annotation says what is allowed, as a `Range` does for a number; `complain` reads both.
 """
 
-from itertools import pairwise
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, StringConstraints, Tag
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, PlainValidator, StringConstraints, Tag
 from pydantic_core import PydanticCustomError
 
 from slipwave.input.number import (
+    LATER_VELOCITY,
     TIME,
     VELOCITY,
+    Area,
     Coefficient,
+    Density,
     Epsilon,
     Fraction,
+    GripImpedance,
+    GripStiffness,
+    Length,
     LogRoundTrip,
-    Machine,
-    NonNegative,
-    Physical,
-    Range,
+    MachineImpedance,
+    MachineMass,
+    MachineStiffness,
     Relative,
     Relaxation,
     RoundTrip,
     Size,
+    Stress,
     Until,
 )
+from slipwave.input.quantity import Quantity
 
 
 def _printable(text: str) -> str:
@@ -61,17 +67,19 @@ class GripTable(Table):
     """Spring (relative to epsilon/r) and dashpot (relative to epsilon) between drive and outer face."""
 
     kind: Literal["grip"]
-    stiffness: Relative
-    impedance: NonNegative
+    stiffness: GripStiffness
+    impedance: GripImpedance
 
 
 class MachineTable(Table):
-    """A grip with a mass on the slab's face (relative to epsilon r). Scenes with units give Pa/m, Pa s/m and kg/m2 instead."""
+    """A grip with a mass on the slab's face (relative to epsilon r). Scenes with units give Pa/m, Pa s/m and kg/m2 instead, or,
+    with the `area` of contact, N/m, N s/m and kg."""
 
     kind: Literal["machine"]
-    stiffness: Machine
-    impedance: Machine
-    mass: Machine
+    stiffness: MachineStiffness
+    impedance: MachineImpedance
+    mass: MachineMass
+    area: Area | None = None
 
 
 class ReflectionTable(Table):
@@ -82,14 +90,14 @@ class ReflectionTable(Table):
 
 
 class KelvinVoigtTable(Table):
-    """Retardation time in L/V* (in SI scenes too)."""
+    """Retardation time in L/V* (in SI scenes too, unless it has a unit)."""
 
     kind: Literal["kelvin-voigt"]
     time: Relaxation
 
 
 class StandardLinearTable(Table):
-    """Relaxation time in L/V* (in SI scenes too) and ratio of the relaxing to the lasting modulus."""
+    """Relaxation time in L/V* (in SI scenes too, unless it has a unit) and ratio of the relaxing to the lasting modulus."""
 
     kind: Literal["standard-linear"]
     time: Relaxation
@@ -136,34 +144,31 @@ class SlabTable(Table):
     epsilon: Epsilon | None = None
     r: RoundTrip | None = None
     log10_r: LogRoundTrip | None = None
-    density: Physical | None = None
-    shear_modulus: Physical | None = None
-    thickness: Physical | None = None
+    density: Density | None = None
+    shear_modulus: Stress | None = None
+    thickness: Length | None = None
     face: FaceTable = RigidTable()
     viscosity: ViscosityTable | None = None
     layers: Layers | None = None
 
 
-_RAMP_VELOCITY = Range(0.0, VELOCITY.high)
+Ramps: TypeAlias = list[tuple[float | Quantity, float | Quantity]]
 _RAMPS = "a velocity or a list of [time, velocity]"
 
 
-def _ramps(value: Any) -> Any:
-    """The ramps, checked: one velocity V becomes [[0, V]]; in a list times must rise and the first velocity be positive."""
+def _ramps(value: Any) -> Ramps:
+    """The ramps: one velocity V becomes [[0, V]]; in a list the first velocity must be positive."""
     if not isinstance(value, list):
         return [(0.0, VELOCITY(value))]
     if not 1 <= len(value) <= MAX_RAMPS or not all(isinstance(pair, list) and len(pair) == 2 for pair in value):
         raise PydanticCustomError("ramps", f"must be {_RAMPS}")
-    pairs = [(TIME(time), (_RAMP_VELOCITY if k else VELOCITY)(velocity)) for k, (time, velocity) in enumerate(value)]
-    if any(later[0] <= earlier[0] for earlier, later in pairwise(pairs)):
-        raise PydanticCustomError("ramps", "must have rising times (transits of the upper slab)")
-    return pairs
+    return [(TIME(time), (LATER_VELOCITY if k else VELOCITY)(velocity)) for k, (time, velocity) in enumerate(value)]
 
 
 class DriveTable(Table):
     """Total velocity in V*, or ramps [time in transits of the upper slab, velocity], constant outside them."""
 
-    velocity: Annotated[list[tuple[float, float]], BeforeValidator(_ramps), _RAMPS]
+    velocity: Annotated[Ramps, PlainValidator(_ramps), _RAMPS]
 
 
 class StartTable(Table):

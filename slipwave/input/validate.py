@@ -10,14 +10,14 @@ from slipwave.errors import SceneError
 from slipwave.friction import LAWS
 from slipwave.input import schema
 from slipwave.input.complain import complaint
-from slipwave.input.number import Physical, Range
+from slipwave.input.number import Length, Range, Speed, Stress
 from slipwave.input.wording import choices, shorten
 
 Checked = TypeVar("Checked", bound=BaseModel)
 
 _PARAMETER_RANGES = {"a_star": Range(-1e3, 1e3), "a": Range(1e-9, 10.0), "b": Range(0.0, 10.0)}
 _OTHER_PARAMETER = Range(-1e9, 1e9)
-_UNITS = ("normal_stress", "memory_length", "reference_velocity")
+_UNITS: dict[str, Any] = {"normal_stress": Stress, "memory_length": Length, "reference_velocity": Speed}
 
 
 class Validated(NamedTuple):
@@ -49,7 +49,7 @@ def _interface_table(parameters: Any) -> type[BaseModel]:
     for key in parameters._fields:
         allowed = Annotated[float, BeforeValidator(_PARAMETER_RANGES.get(key, _OTHER_PARAMETER))]
         fields[key] = (allowed, parameters._field_defaults.get(key, ...))
-    fields |= dict.fromkeys(_UNITS, (Physical | None, None))
+    fields |= {key: (kind | None, None) for key, kind in _UNITS.items()}
     return create_model("InterfaceTable", __base__=schema.Table, **fields)
 
 

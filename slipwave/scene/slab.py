@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias
 
+from slipwave.scene.material import Material
 from slipwave.scene.termination import Termination
 
 
@@ -110,13 +111,17 @@ class Layer:
 
 @dataclass(frozen=True)
 class Slab:
-    """A slab of impedance `epsilon` and round trip `round_trip` (15), homogeneous and elastic by default."""
+    """A slab of impedance `epsilon` and round trip `round_trip` (15), homogeneous and elastic by default.
+
+    `material` is known if the scene states it in SI; `epsilon` and `round_trip` follow from it, so that it adds no physics.
+    """
 
     epsilon: float
     round_trip: float
     face: Face = field(default_factory=RigidFace)
     viscosity: Viscosity | None = None
     layers: tuple[Layer, ...] = (Layer(1.0, 1.0),)
+    material: Material | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.termination.is_rigid:  # of any kind: slabs that differ only in the kind of a rigid face are alike

@@ -1,0 +1,59 @@
+"""Outer faces from their tables: springs, dashpots and masses in SI or in newtons become relative to the slab."""
+
+from slipwave.errors import SceneError
+from slipwave.input.number import NON_NEGATIVE, RELATIVE, Range
+from slipwave.input.quantity import KINDS, Quantity
+from slipwave.input.relate import require_units
+from slipwave.input.schema import FaceTable, GripTable, MachineTable
+from slipwave.scene.slab import FACES, Face
+from slipwave.scene.units import Units
+
+_PER_AREA = {"N/m": "Pa/m", "N s/m": "Pa s/m", "kg": "kg/m2"}
+
+
+def outer_face(key: str, table: FaceTable, units: Units | None, epsilon: float, round_trip: float) -> Face:
+    """The face of the table at `key` on a slab of `epsilon` and `round_trip`. Raises SceneError for a value out of range and for
+    units that the scene lacks."""
+    given = {name: getattr(table, name) for name in type(table).model_fields if name not in ("kind", "area")}
+    if isinstance(table, GripTable | MachineTable):
+        slab = {"stiffness": epsilon / round_trip, "impedance": epsilon, "mass": epsilon * round_trip}
+        area = _area(key, table, units)
+        for name, value in given.items():
+            if isinstance(value, Quantity):
+                require_units(f"{key}.{name}", _told(value), units, "relative to the slab")
+            if isinstance(table, MachineTable) or isinstance(value, Quantity):
+                one = slab[name] * units.face[name] if units else 1.0
+                lowest = RELATIVE if isinstance(table, GripTable) and name == "stiffness" else NON_NEGATIVE
+                given[name] = _relative(f"{key}.{name}", value, _per_area(key, name, value, area) / one, lowest)
+    return FACES[table.kind](**given)
+
+
+def _area(key: str, table: GripTable | MachineTable, units: Units | None) -> float | None:
+    area = table.area if isinstance(table, MachineTable) else None
+    if area is not None:
+        require_units(f"{key}.area", f"{area:g}", units, "left out")
+    return area
+
+
+def _per_area(key: str, name: str, given: float | Quantity, area: float | None) -> float:
+    """`given` per area: it is of the whole face if it is in newtons or kilograms, or a number beside an `area`."""
+    if not isinstance(given, Quantity):
+        return given if area is None else given / area
+    if given.unit not in _PER_AREA:
+        return given.value
+    if area is None:
+        example = KINDS[_PER_AREA[given.unit]][1]
+        raise SceneError(f'{key}.{name} = {_told(given)}: must come with {key}.area, or be per area, as in "{example}"')
+    return given.value / area
+
+
+def _relative(key: str, given: float | Quantity, result: float, allowed: Range) -> float:
+    """`result`, which follows from `given`. Raises SceneError naming `key` if it is not `allowed`."""
+    if not allowed.low <= result <= allowed.high:
+        relative = "" if result == given else f" is {result:.9g} relative to the slab, which"
+        raise SceneError(f"{key} = {_told(given)}:{relative} must be {allowed}")
+    return result
+
+
+def _told(given: float | Quantity) -> str:
+    return f'"{given.text}"' if isinstance(given, Quantity) else f"{given:g}"

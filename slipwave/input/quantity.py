@@ -1,0 +1,115 @@
+"""Numbers with units, as in "5 MPa": read by pint, which is loaded with the first of them."""
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import cache
+from typing import TYPE_CHECKING
+
+from slipwave.input.wording import choices, nearest
+
+if TYPE_CHECKING:
+    import pint
+
+KINDS = {
+    "Pa": ("stress", "5 MPa"),
+    "m": ("length", "10 um"),
+    "m2": ("area", "25 cm2"),
+    "m/s": ("velocity", "1 um/s"),
+    "s": ("time", "60 s"),
+    "kg": ("mass", "2 kg"),
+    "kg/m2": ("mass per area", "400 kg/m2"),
+    "kg/m3": ("density", "2.7 g/cm3"),
+    "N/m": ("stiffness", "100 kN/mm"),
+    "N s/m": ("damping", "1 kN s/m"),
+    "Pa/m": ("stiffness per area", "1 GPa/m"),
+    "Pa s/m": ("damping per area", "1 MPa s/m"),
+}
+"""The units in SI that keys of a scene are in: what they measure, and an example."""
+
+_USUAL = tuple(
+    "Pa kPa MPa GPa bar m km cm mm um nm s ms us min h kg g t N kN MN m2 cm2 mm2 m3 cm3 mm/s um/s nm/s mm/yr g/cm3".split()  # noqa: SIM905
+)
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?"
+_POWER = r"([^\W\d_]{1,20})(?:\^|\*\*)?(-?[1-9])?"
+_TEXT = re.compile(rf"\s*({_NUMBER})\s*({_POWER}(?:\s*[ */]\s*{_POWER}){{0,5}})\s*")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number that was given with a unit: its `value` in the SI `unit`, and the `text` itself."""
+
+    value: float
+    unit: str
+    text: str
+
+
+def looks_measured(text: str) -> bool:
+    """Whether `text` is a number followed by something that may be a unit."""
+    return _TEXT.fullmatch(_plain(text)) is not None
+
+
+def quantity(text: str, *units: str) -> Quantity:
+    """`text`, as in "5 MPa", in the one of `units` (SI, of `KINDS`) that has its dimension.
+
+    Raises ValueError for anything else; the message begins with what is wrong or with "must be".
+    """
+    kinds = " or ".join(KINDS[unit][0] for unit in units)
+    wanted = f"must have a unit of {kinds}, as in {examples(units)}"
+    found = _TEXT.fullmatch(_plain(text))
+    if found is None:
+        raise ValueError(wanted)
+    number, written = found.group(1, 2)
+    for unit in units:
+        value = _converted(number, written, unit)
+        if value is not None:
+            return Quantity(value, unit, text)
+    meant = next(_meant(written, units), None)
+    is_known = _converted("1", written, written) is not None
+    reason = f'{wanted}, not "{written}"' if is_known else f'"{written}" is not a unit; {wanted}'
+    raise ValueError(f'{reason}; did you mean "{number} {meant}"?' if meant else reason)
+
+
+def examples(units: Iterable[str]) -> str:
+    """Texts in such units, as in `"5 MPa" or "10 um"`."""
+    return choices(KINDS[unit][1] for unit in units)
+
+
+def _plain(text: str) -> str:
+    return text.replace("²", "2").replace("³", "3").replace("·", "*")
+
+
+def _converted(number: str, written: str, unit: str) -> float | None:
+    """`number`, which is in the unit `written`, in `unit`; None if that is no unit, or of another dimension."""
+    from pint.errors import PintError
+
+    registry = _registry()
+    try:
+        given = registry.Quantity(Decimal(number), registry.parse_units(_for_pint(written)))
+        return float(given.to(registry.parse_units(_for_pint(unit))).magnitude)
+    except (PintError, ArithmeticError, ValueError):  # pint's offset units and Decimal have errors of their own
+        return None
+
+
+@cache
+def _registry() -> "pint.UnitRegistry[Decimal]":
+    """All units that pint knows; decimal, so that 2.7 g/cm3 are 2700 kg/m3 and not 2699.9999999999995."""
+    import pint
+
+    return pint.UnitRegistry(non_int_type=Decimal)
+
+
+def _for_pint(unit: str) -> str:
+    """ "Pa s/m2" as "Pa*s/m**2"."""
+    powers = re.sub(_POWER, lambda found: f"{found[1]}**{found[2]}" if found[2] else found[1], unit)
+    return re.sub(r"\s+", "*", re.sub(r"\s*([*/])\s*", r"\1", powers.strip()))
+
+
+def _meant(written: str, units: tuple[str, ...]) -> Iterator[str]:
+    """Units of the right dimension that differ from `written` in the case of letters, then those that resemble it."""
+    by_lower_case = {usual.lower(): usual for usual in _USUAL}
+    recased = re.sub(r"[^\W\d_]+", lambda word: by_lower_case.get(word[0].lower(), word[0]), written)
+    for guess in (recased, nearest(written, _USUAL)):
+        if guess and guess != written and any(_converted("1", guess, unit) is not None for unit in units):
+            yield guess

@@ -1,0 +1,192 @@
+"""Numbers with units: what they become, and the one line that answers those that cannot be read."""
+
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+
+import slipwave
+from slipwave.errors import SceneError
+from slipwave.input.quantity import looks_measured, quantity
+
+GRANITE: dict[str, Any] = {
+    "interface": {
+        "law": "ageing",
+        "a_star": 0.6,
+        "a": 0.01,
+        "b": 0.015,
+        "normal_stress": "5 MPa",
+        "memory_length": "10 um",
+        "reference_velocity": "1 um/s",
+    },
+    "slab": {"density": "2.7 g/cm3", "shear_modulus": "30 GPa", "thickness": "10 m"},
+    "drive": {"velocity": "1 um/s"},
+}
+BARE: dict[str, Any] = {
+    "interface": GRANITE["interface"] | {"normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6},
+    "slab": {"density": 2700, "shear_modulus": 3e10, "thickness": 10},
+    "drive": {"velocity": 1},
+}
+ROUND_TRIP = 2 * 10 / (3e10 / 2700) ** 0.5
+"""In seconds."""
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("5 MPa", "Pa", 5e6),
+        ("10um", "m", 1e-5),
+        ("10 µm", "m", 1e-5),
+        ("2.7 g/cm3", "kg/m3", 2700.0),
+        ("2.7 g/cm^3", "kg/m3", 2700.0),
+        ("2.7 g cm-3", "kg/m3", 2700.0),
+        ("2.7 g/cm³", "kg/m3", 2700.0),
+        ("-1e-3 m**2", "m2", -1e-3),
+        ("1 kbar", "Pa", 1e8),
+        ("36 mm/h", "m/s", 1e-5),
+        ("2 MPa·s/m", "Pa s/m", 2e6),
+        ("100 kN/mm", "N/m", 1e8),
+        (" .5 hours ", "s", 1800.0),
+    ],
+)
+def test_a_quantity_is_converted_without_rounding(text: str, unit: str, value: float) -> None:
+    assert looks_measured(text)
+    assert quantity(text, unit).value == value
+
+
+def test_a_quantity_says_which_of_two_units_it_has() -> None:
+    assert (quantity("1 GPa/m", "Pa/m", "N/m").unit, quantity("1 kN/m", "Pa/m", "N/m").unit) == ("Pa/m", "N/m")
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("5 Mpa", '"Mpa" is not a unit; must have a unit of stress, as in "5 MPa"; did you mean "5 MPa"?'),
+        ("7 gpa", '"gpa" is not a unit; must have a unit of stress, as in "5 MPa"; did you mean "7 GPa"?'),
+        ("5 m", 'must have a unit of stress, as in "5 MPa", not "m"'),
+        ("5 foo", '"foo" is not a unit; must have a unit of stress, as in "5 MPa"'),
+        ("5 degC", 'must have a unit of stress, as in "5 MPa", not "degC"'),
+        ("5", 'must have a unit of stress, as in "5 MPa"'),
+        ("9**9**9 Pa", 'must have a unit of stress, as in "5 MPa"'),
+        ("__import__('os') Pa", 'must have a unit of stress, as in "5 MPa"'),
+    ],
+)
+def test_another_text_is_refused_with_the_likely_unit(text: str, reason: str) -> None:
+    with pytest.raises(ValueError, match="unit") as caught:
+        quantity(text, "Pa")
+    assert str(caught.value) == reason
+
+
+def test_a_scene_with_units_is_the_scene_in_bare_numbers() -> None:
+    assert slipwave.read(GRANITE) == slipwave.read(BARE)
+
+
+def test_a_scene_keeps_what_its_slab_is_made_of() -> None:
+    material = slipwave.read(GRANITE).upper.material
+    assert material is not None
+    assert (material.density, material.shear_modulus) == (2700.0, 3e10)
+    assert material.wave_speed == pytest.approx(10 / 0.003, rel=1e-12)
+
+
+def test_times_and_velocities_become_transits_and_reference_velocities() -> None:
+    scene = slipwave.read(
+        GRANITE,
+        {
+            "drive.velocity": [["0 s", "1 um/s"], ["100 s", "10 um/s"], [1e6, 3.0]],
+            "run.until": "60 s",
+            "slab.viscosity": {"kind": "kelvin-voigt", "time": "1 ms"},
+        },
+    )
+    assert scene.drive.times == pytest.approx((0.0, 100 / ROUND_TRIP, 1e6), rel=1e-14)
+    assert scene.drive.velocities == pytest.approx((1.0, 10.0, 3.0), rel=1e-15)
+    assert scene.until == pytest.approx(60 / ROUND_TRIP, rel=1e-14)
+    assert scene.upper.viscosity is not None
+    assert scene.upper.viscosity.time == pytest.approx(1e-4, rel=1e-14)  # L/V* is 10 s
+
+
+def test_set_takes_units_without_quotes() -> None:
+    scene = slipwave.read(GRANITE, ["interface.normal_stress=10 MPa", "run.until=60s", 'drive.velocity=[["0 s", "2 um/s"]]'])
+    assert scene.units is not None
+    assert (scene.units.normal_stress, scene.velocity) == (1e7, 2.0)
+    assert scene.until == pytest.approx(60 / ROUND_TRIP, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "one"),
+    [
+        ("stiffness", "1 GPa/m", 2700 * 30e9 / 10 / 2700 / 2),  # epsilon/r in SI: G / (2 thickness)
+        ("impedance", "1 MPa s/m", (2700 * 30e9) ** 0.5),
+        ("mass", "400 kg/m2", 2 * 2700 * 10),
+    ],
+)
+def test_a_machine_is_relative_to_the_slab_per_area_or_with_an_area(key: str, value: str, one: float) -> None:
+    quiet: dict[str, Any] = {"kind": "machine", "stiffness": 1e9, "impedance": 0.0, "mass": 0.0}
+    number, _, unit = value.partition(" ")
+    whole = {"GPa/m": "GN/m", "MPa s/m": "MN s/m", "kg/m2": "kg"}[unit]
+    expected = quantity(value, {"GPa/m": "Pa/m", "MPa s/m": "Pa s/m", "kg/m2": "kg/m2"}[unit]).value
+    for face in (
+        quiet | {key: value},
+        quiet | {key: expected},
+        quiet | {"area": "25 cm2", key: f"{float(number) * 0.0025} {whole}"},
+        quiet | {"area": 0.0025, key: expected * 0.0025},
+        quiet | {"area": 0.0025, key: value},
+    ):
+        found = slipwave.read(GRANITE, {"slab.face": face}).upper.face
+        assert getattr(found, key) == pytest.approx(expected / one, rel=1e-12)
+
+
+def test_a_grip_takes_units_and_its_bare_numbers_stay_relative() -> None:
+    grip = slipwave.read(GRANITE, {"slab.face": {"kind": "grip", "stiffness": "3 GPa/m", "impedance": 0.5}}).upper.face
+    assert (grip.stiffness, grip.impedance) == (pytest.approx(2.0, rel=1e-12), 0.5)  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        (
+            {"interface.normal_stress": "5 Mpa"},
+            'interface.normal_stress = \'5 Mpa\': "Mpa" is not a unit; must have a unit of stress, as in "5 MPa"; did you mean '
+            '"5 MPa"?',
+        ),
+        ({"slab.thickness": "0.2 s"}, 'slab.thickness = \'0.2 s\': must have a unit of length, as in "10 um", not "s"'),
+        (
+            {"slab.thickness": "-1 mm"},
+            "slab.thickness = '-1 mm': must be a number from 1e-15 to 1e+15, or with a unit, as in \"10 um\"",
+        ),
+        ({"run.until": "1 us"}, 'run.until = "1 us": is 0.000166666667 transits, which must be from 0.001 to 1e+09'),
+        (
+            {"slab.face": {"kind": "machine", "stiffness": "1e8 N/m", "impedance": 0, "mass": 0}},
+            'slab.face.stiffness = "1e8 N/m": must come with slab.face.area, or be per area, as in "1 GPa/m"',
+        ),
+        ({"drive.velocity": [["5 s", 1], ["1 s", 2]]}, "drive.velocity: times = [833.33"),
+    ],
+)
+def test_what_cannot_be_meant_is_one_line(changes: dict[str, Any], line: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        slipwave.read(GRANITE, changes)
+    assert str(caught.value).startswith(line)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "instead"),
+    [
+        ("run.until", "60s", "a number of transits"),
+        ("drive.velocity", "1 um/s", "a number in V*"),
+        ("slab.viscosity", {"kind": "kelvin-voigt", "time": "1 s"}, "a number in L/V*"),
+        ("slab.face", {"kind": "grip", "stiffness": "1 Pa/m", "impedance": 0}, "relative to the slab"),
+        ("slab.face", {"kind": "machine", "stiffness": 1, "impedance": 0, "mass": 0, "area": 1}, "left out"),
+        ("slab.density", "2.7 g/cm3", "replaced by epsilon and r"),
+    ],
+)
+def test_a_unit_in_a_scene_without_units_is_refused(key: str, value: Any, instead: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        slipwave.read("paper", {key: value})
+    assert str(caught.value).endswith(
+        f": must come with interface.normal_stress, memory_length and reference_velocity (SI), or be {instead}"
+    )
+
+
+def test_a_scene_of_bare_numbers_does_not_load_the_library_of_units() -> None:
+    code = "import sys, slipwave; slipwave.read('paper-si'); sys.exit('pint' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
