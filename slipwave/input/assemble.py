@@ -13,6 +13,7 @@ from slipwave.input.relate import UNIT_KEYS, in_reference_velocity, in_time, in_
 from slipwave.input.validate import Validated
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
+from slipwave.scene.doubts import doubt
 from slipwave.scene.drive import Drive
 from slipwave.scene.material import Material
 from slipwave.scene.slab import KelvinVoigtViscosity, Layer, Slab, StandardLinearViscosity, Viscosity
@@ -123,10 +124,11 @@ def _named(units: Units, *keys: str) -> dict[str, float]:
 
 def _in_range(quantity: str, result: float, allowed: Range, sources: dict[str, float]) -> float:
     """`result`, derived from the keys `sources`. The SceneError for a result outside `allowed` names all of them, because any of
-    them may be the wrong one."""
+    them may be the wrong one, and what is doubtful about them."""
     if not allowed.low <= result <= allowed.high:
         given = ", ".join(f"{key} = {value:g}" for key, value in sources.items())
-        raise SceneError(f"{given}: result in {quantity} = {result:.9g}, which must be {allowed}")
+        odd = "".join(f"; {line}" for key, value in sources.items() for line in doubt(key, value))
+        raise SceneError(f"{given}: result in {quantity} = {result:.9g}, which must be {allowed}{odd}")
     return result
 
 
