@@ -39,7 +39,7 @@ def take_step(
     """March to sample `n` (time n dt, in transits). Returns False if the friction solve did not converge or the step was too long
     to follow the state."""
     previous = memory[DRIVE]
-    following = velocity_at(drive, (n + 0.5) * dt)
+    following = velocity_at(drive, (n + 0.5) * dt, (n + 0.5) * dt)
     mean = 0.25 * (previous + following)
     memory[DRIVE] = following
     strain(upper.medium)

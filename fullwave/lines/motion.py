@@ -143,7 +143,7 @@ def rates_of(
 ) -> tuple[float, float, float, int]:
     """rates[at:] = d state/dt~ at `time` (transits). Returns (z, mu, state relaxation per transit, iterations of the solve)."""
     size, traces = interface.size, arrivals.shape[1]
-    velocity = velocity_at(drive, time)
+    velocity = velocity_at(drive, time, time)
     apply(operator, state, rates, at)
     for k in range(traces):
         stress = total_stress(medium, slots[STRESS, k], state, rates, at)

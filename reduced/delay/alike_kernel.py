@@ -80,7 +80,7 @@ def march_delay(
         overwrite(saved_guess, guess)
         for i in range(steps):
             left, start, length = now[PSI], now[TIME], lengths[i]
-            h = length * transit
+            h, middle = length * transit, start + 0.5 * length
             if nudge != 0.0:
                 force(nodes, nudge, start, length, integral, work)
             used = solve_step(nodes, law, impedance, h, left, incoming, i, integral, newton_tolerance, guess, work, system)
@@ -93,13 +93,13 @@ def march_delay(
                 return n, iterations, verdict
             if k >= 0:
                 for j in range(s):
-                    work[DRIVE, j] = velocity_at(drive, start + nodes[j] * length)
+                    work[DRIVE, j] = velocity_at(drive, start + nodes[j] * length, middle)
                 now[ELASTIC] = emit(
                     nodes, epsilon, impedance, start, length, integral, incoming, i, guess, work, now[ELASTIC], pieces, k
                 )
             k += 1
             for j in range(s):
-                incoming[i, j] += epsilon * (velocity_at(drive, start + nodes[j] * length + 0.5) - work[RATE, j])
+                incoming[i, j] += epsilon * (velocity_at(drive, start + nodes[j] * length + 0.5, middle + 0.5) - work[RATE, j])
             now[PSI] = guess[STATE, s - 1]
             now[TIME] = start + length
             last = guess[UNKNOWN, s - 1]

@@ -213,7 +213,7 @@ def march_network(
         overwrite(saved_guess, guess)
         overwrite(saved_tops, tops)
         for j in range(s):
-            work[DRIVE, j] = velocity_at(velocity, start + nodes[j] * length)
+            work[DRIVE, j] = velocity_at(velocity, start + nodes[j] * length, start + 0.5 * length)
             drive[j] = 0.5 * (work[DRIVE, j] - forcing.velocity)
         for j in range(s):
             incoming[0, j] = network.base

@@ -154,8 +154,10 @@ def _drive(table: schema.DriveTable, units: Units | None, transit: float) -> Dri
     key, given = "drive.velocity", table.velocity
     times = [in_transits(key, time, units, transit, TIME) for time, _ in given]
     velocities = [in_reference_velocity(key, v, units, LATER_VELOCITY if k else VELOCITY) for k, (_, v) in enumerate(given)]
-    if any(later <= earlier for earlier, later in pairwise(times)):
-        raise SceneError(f"{key}: times = {shorten(times)} (transits of the upper slab): must be rising")
+    is_rising = all(earlier <= later for earlier, later in pairwise(times))
+    if not is_rising or any(times[k] == times[k - 2] for k in range(2, len(times))):
+        told = f"{key}: times = {shorten(times)} (transits of the upper slab)"
+        raise SceneError(f"{told}: must be rising; the same time twice is a step")
     return Drive(tuple(times), tuple(velocities))
 
 

@@ -166,7 +166,8 @@ def _ramps(value: Any) -> Ramps:
 
 
 class DriveTable(Table):
-    """Total velocity in V*, or ramps [time in transits of the upper slab, velocity], constant outside them."""
+    """Total velocity in V*, or ramps [time in transits of the upper slab, velocity], constant outside them; the same time
+    twice is a step, V = 0 a hold."""
 
     velocity: Annotated[Ramps, PlainValidator(_ramps), _RAMPS]
 

@@ -20,44 +20,53 @@ class Constant(NamedTuple):
 
 
 class Ramps(NamedTuple):
-    """Piecewise linear V: `velocities` (V*) at `times` (transits, rising), constant outside."""
+    """Piecewise linear V: `velocities` (V*) at `times` (transits, rising; twice the same time is a step), constant outside."""
 
     times: Array
     velocities: Array
 
 
 @by_class(inline=True)
-def velocity_at(drive: Constant | Ramps, time: float) -> float:
-    """V (in V*) at `time` (transits)."""
+def velocity_at(drive: Constant | Ramps, time: float, within: float) -> float:
+    """V (in V*) at `time` (transits) of the straight stretch of V that holds `within`.
+
+    A march passes the middle of its step as `within`: at a step's end V is then that before a jump there, whatever the rounding
+    of `time`. With `within` = `time`, V at a jump is that after it.
+    """
     raise NotImplementedError(type(drive))
 
 
 @velocity_at.register(Constant)
-def _constant(drive, time):  # type: ignore[no-untyped-def]
+def _constant(drive, time, within):  # type: ignore[no-untyped-def]
     return drive.velocity
 
 
 @velocity_at.register(Ramps)
-def _ramps(drive, time):  # type: ignore[no-untyped-def]
-    return _interpolated(drive.times, drive.velocities, time)
+def _ramps(drive, time, within):  # type: ignore[no-untyped-def]
+    return _interpolated(drive.times, drive.velocities, time, within)
 
 
 @register_jitable
-def _interpolated(times, velocities, time):  # type: ignore[no-untyped-def]
-    if time >= times[-1]:
+def _interpolated(times, velocities, time, within):  # type: ignore[no-untyped-def]
+    if within < times[0]:
+        return velocities[0]
+    if within >= times[-1]:
         return velocities[-1]
-    low, count = 0, times.size - 1  # first and number of the stretches that may contain `time`
+    low, count = 0, times.size - 1  # first and number of the stretches that may contain `within`
     while count > 1:
         half = count // 2
-        low += half if times[low + half] <= time else 0
+        low += half if times[low + half] <= within else 0
         count -= half
-    share = max(0.0, (time - times[low]) / (times[low + 1] - times[low]))
+    share = (time - times[low]) / (times[low + 1] - times[low])
     return velocities[low] + share * (velocities[low + 1] - velocities[low])
 
 
 @dataclass(frozen=True)
 class Drive:
-    """Piecewise linear V(t): `velocities` (in V*) at `times` (transits), constant before the first and after the last."""
+    """Piecewise linear V(t): `velocities` (in V*) at `times` (transits, from 0 on), constant before the first and after the last.
+
+    A time that is given twice is a step: V jumps there from the first of its velocities to the second.
+    """
 
     times: tuple[float, ...]
     velocities: tuple[float, ...]
@@ -69,8 +78,8 @@ class Drive:
 
     @property
     def knots(self) -> tuple[float, ...]:
-        """Times (transits) at which V may have a kink; none if V is constant."""
-        return () if self.is_constant else self.times
+        """Times (transits) at which V may have a kink or a jump; none if V is constant."""
+        return () if self.is_constant else tuple(dict.fromkeys(self.times))
 
     @cached_property
     def compiled(self) -> Constant | Ramps:
@@ -86,12 +95,12 @@ class Drive:
 
     @property
     def initial(self) -> float:
-        """V at and before t = 0: the rate of the steady sliding that every start builds on."""
-        return self.at(0.0)
+        """V before t = 0: the rate of the steady sliding that every start builds on."""
+        return self.velocities[0]
 
     def at(self, time: float) -> float:
-        """V (in V*) at `time` (transits)."""
-        return float(velocity_at(self.compiled, time))
+        """V (in V*) at `time` (transits); at a jump, V after it."""
+        return float(velocity_at(self.compiled, time, time))
 
 
 def steady_drive(velocity: float) -> Drive:

@@ -207,7 +207,7 @@ def march(
             return k, iterations, NOT_READY
         start, left, length = now[TIME], now[PSI], port.length[level]
         for j in range(s):
-            work[DRIVE, j] = velocity_at(drive, start + nodes[j] * length)
+            work[DRIVE, j] = velocity_at(drive, start + nodes[j] * length, start + 0.5 * length)
             for m in range(s):
                 impedance.matrix[j, m] = port.impedance[level, j, m]
         _guess(nodes, rule, memory, guess)

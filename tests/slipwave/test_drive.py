@@ -16,7 +16,7 @@ MANY = 10_000
 def sampled(drive, times):
     found = np.empty(times.size)
     for k in range(times.size):
-        found[k] = velocity_at(drive, times[k])
+        found[k] = velocity_at(drive, times[k], times[k])
     return found
 
 
@@ -41,6 +41,28 @@ def test_knots_and_what_lies_beyond_are_exact() -> None:
     times, expected = zip(*beyond, *zip(drive.times, drive.velocities, strict=True), strict=True)
     assert sampled(drive.compiled, np.array(times)).tolist() == list(expected)
     assert [drive.at(time) for time in times[:99]] == list(expected[:99])
+
+
+@pytest.mark.parametrize("before", [2, 999])
+def test_a_time_given_twice_is_a_step(before: int) -> None:
+    times = (*(float(k) for k in range(before)), 1000.0, 1000.0, 1003.0)
+    drive = Drive(times, (4.0,) * before + (4.0, 7.0, 1.0))
+    near = np.nextafter(1000.0, 0.0)
+    assert sampled(drive.compiled, np.array([near, 1000.0, 1001.5, 1003.0])).tolist() == [4.0, 7.0, 4.0, 1.0]
+    assert drive.knots == (*times[:-2], 1003.0)
+
+
+def test_a_step_of_a_march_sees_one_stretch_of_the_drive() -> None:
+    drive = Drive((0.0, 5.0, 5.0, 6.0), (1.0, 3.0, 8.0, 10.0)).compiled
+    assert isinstance(drive, Ramps)
+    assert [velocity_at(drive, time, 4.9) for time in (5.0, 5.0 + 1e-9, 0.0)] == pytest.approx([3.0, 3.0, 1.0], abs=1e-8)
+    assert [velocity_at(drive, time, 5.1) for time in (5.0, 5.0 - 1e-9, 6.0)] == pytest.approx([8.0, 8.0, 10.0], abs=1e-8)
+    assert [velocity_at(drive, time, 6.5) for time in (5.9, 6.0, 7.0)] == [10.0] * 3
+
+
+def test_before_a_step_at_the_start_there_is_the_first_velocity() -> None:
+    drive = Drive((0.0, 0.0), (2.0, 5.0))
+    assert (drive.initial, drive.at(0.0), drive.knots, drive.rests_from(0.0)) == (2.0, 5.0, (0.0,), True)
 
 
 def test_only_a_drive_that_changes_is_searched() -> None:

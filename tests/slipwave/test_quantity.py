@@ -160,6 +160,10 @@ def test_a_grip_takes_units_and_its_bare_numbers_stay_relative() -> None:
             'slab.face.stiffness = "1e8 N/m": must come with slab.face.area, or be per area, as in "1 GPa/m"',
         ),
         ({"drive.velocity": [["5 s", 1], ["1 s", 2]]}, "drive.velocity: times = [833.33"),
+        (
+            {"drive.velocity": [[5, 1], [5, 2], [5, 3]]},
+            "drive.velocity: times = [5.0, 5.0, 5.0] (transits of the upper slab): must be rising; the same time twice is a step",
+        ),
     ],
 )
 def test_what_cannot_be_meant_is_one_line(changes: dict[str, Any], line: str) -> None:

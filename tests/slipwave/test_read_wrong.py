@@ -210,7 +210,7 @@ def test_a_derived_number_out_of_range_names_all_it_came_from(key: str, value: f
         [],
         [[]],
         [1, 2],
-        [[0, 1], [0, 2]],
+        [[0, 1], [0, 2], [0, 3]],
         [[1, 1], [0, 2]],
         [[0, 0], [1, 2]],
         [[0, 1], [1, -2]],

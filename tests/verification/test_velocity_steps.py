@@ -1,0 +1,52 @@
+"""Steps of the drive: every march ends a step at the jump and where it arrives.
+
+One scene: stable sliding, a step up by ten, a hold and a slow restart, none at a multiple of the transit.
+"""
+
+from typing import Any
+
+import pytest
+
+import slipwave
+from slipwave.observe import Final, follow
+from validation.registry.build import prepare
+
+STEPS = [[0, 100], [10.3, 100], [10.3, 1000], [14.0, 1000], [14.0, 0], [20.7, 0], [20.7, 50]]
+QUIET = {"slab.log10_r": -3.2, "start.size": 0.0, "drive.velocity": STEPS}
+LATE = [11.35, 15.7, 23.4]
+"""After the step, in the hold, after the restart."""
+
+
+def final(model: str, until: float, changes: dict[str, Any], **options: Any) -> Final:
+    scene = slipwave.read("paper", QUIET | {"run.until": until} | changes)
+    found = follow(prepare(model, scene, **options).solver, until, [])
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("until", LATE)
+def test_the_delay_systems_agree(until: float) -> None:
+    """One delay, a network, and a network whose steps follow the echoes (its faces have a rigid spring: 1e-9 of the stress)."""
+    one = final("delay", until, {}, tolerance=1e-12)
+    network = final("delay", until, {"lower.r": 10**-3.2 * (1 + 1e-13)})
+    machine = {"kind": "machine", "stiffness": 1e9, "impedance": 1e9, "mass": 0}
+    echoes = final("delay", until, {"slab.face": machine})
+    assert (network.ln_v, network.mu) == pytest.approx((one.ln_v, one.mu), abs=3e-12)  # 1e-13 measured
+    assert (echoes.ln_v, echoes.mu) == pytest.approx((one.ln_v, one.mu), abs=1e-7)  # 5e-9 measured
+
+
+@pytest.mark.parametrize("until", LATE)
+def test_the_leapfrog_tends_to_the_delay_system(until: float) -> None:
+    """It places a step to within one of its own steps, so that halving them halves the error: extrapolated, it is 1000 times
+    nearer."""
+    exact = final("delay", until, {})
+    coarse, fine = (final("fd", until, {}, cells=cells) for cells in (400, 800))
+    assert 2.0 * fine.ln_v - coarse.ln_v == pytest.approx(exact.ln_v, abs=5e-7)  # 4e-8 measured
+    assert 2.0 * fine.psi - coarse.psi == pytest.approx(exact.psi, abs=5e-7)
+
+
+@pytest.mark.parametrize("options", [{"cells": 8, "time": "exact"}, {"cells": 8, "time": "explicit"}])
+def test_a_full_wave_of_the_eighth_order_is_near(options: dict[str, Any]) -> None:
+    exact, found = final("delay", 11.35, {}), final("dg:8", 11.35, {}, **options)
+    assert found.ln_v == pytest.approx(exact.ln_v, abs=5e-4)  # 5e-5 measured: a jump is no polynomial of the grid
+    assert found.mu == pytest.approx(exact.mu, abs=2e-6)
