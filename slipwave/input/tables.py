@@ -10,8 +10,9 @@ from slipwave.scene import Scene
 
 def keep(scene: Scene, data: dict[str, Any], checked: Validated) -> Scene:
     """`scene` with the tables `data` that it was read from, where the defaults of name, start and run are filled in."""
-    defaults = {key: getattr(checked.tables, key).model_dump(exclude_none=True) for key in ("start", "run")}
-    object.__setattr__(scene, "tables", {"name": scene.name} | copy.deepcopy(data) | defaults)
+    written = copy.deepcopy(data)
+    filled = {key: getattr(checked.tables, key).model_dump(exclude_none=True) | written.get(key, {}) for key in ("start", "run")}
+    object.__setattr__(scene, "tables", {"name": scene.name} | written | filled)
     return scene
 
 

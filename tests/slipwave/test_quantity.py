@@ -105,6 +105,13 @@ def test_times_and_velocities_become_transits_and_reference_velocities() -> None
     assert scene.upper.viscosity.time == pytest.approx(1e-4, rel=1e-14)  # L/V* is 10 s
 
 
+def test_a_scene_with_units_is_read_again_from_its_tables() -> None:
+    scene = slipwave.read(GRANITE, {"run.until": "60 s"})
+    assert scene.tables is not None
+    assert scene.tables["run"]["until"] == "60 s"
+    assert slipwave.read(scene, {"name": "again"}).until == scene.until
+
+
 def test_set_takes_units_without_quotes() -> None:
     scene = slipwave.read(GRANITE, ["interface.normal_stress=10 MPa", "run.until=60s", 'drive.velocity=[["0 s", "2 um/s"]]'])
     assert scene.units is not None
