@@ -11,7 +11,9 @@ from slipwave.scene import Scene
 def keep(scene: Scene, data: dict[str, Any], checked: Validated) -> Scene:
     """`scene` with the tables `data` that it was read from, where the defaults of name, start and run are filled in."""
     written = copy.deepcopy(data)
-    filled = {key: getattr(checked.tables, key).model_dump(exclude_none=True) | written.get(key, {}) for key in ("start", "run")}
+    tables = {"start": checked.tables.start, "run": checked.tables.run}
+    defaults = {key: {name: value for name, value in table if value is not None} for key, table in tables.items()}
+    filled = {key: table | written.get(key, {}) for key, table in defaults.items()}
     object.__setattr__(scene, "tables", {"name": scene.name} | written | filled)
     return scene
 

@@ -105,6 +105,7 @@ def test_times_and_velocities_become_transits_and_reference_velocities() -> None
     assert scene.upper.viscosity.time == pytest.approx(1e-4, rel=1e-14)  # L/V* is 10 s
 
 
+@pytest.mark.filterwarnings("error")
 def test_a_scene_with_units_is_read_again_from_its_tables() -> None:
     scene = slipwave.read(GRANITE, {"run.until": "60 s"})
     assert scene.tables is not None
