@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from reduced.impedance import Jet, is_exact, ratio_of
 from reduced.parameters import scaled
-from reduced.stability.characteristic import characteristic
+from reduced.stability.characteristic import Characteristic, characteristic
 from reduced.stability.crossing import crossing
 from reduced.stability.friction import FrictionSlopes, friction_slopes
 from reduced.stability.spectrum import leading_roots, unstable_count
@@ -35,7 +35,8 @@ def critical_round_trip(scene: Scene, model: str = "delay") -> tuple[float, floa
     if not slopes.weakening:
         return math.nan, math.nan
     if scene.upper.viscosity or scene.lower.viscosity:
-        return _by_counting(scene, model)
+        factor, omega = critical_factor(lambda factor: scaled(scene, round_trip=factor), model)
+        return scene.transit * factor, omega
     return _by_angle(scene, model, slopes)
 
 
@@ -74,21 +75,25 @@ def _reactance(slopes: FrictionSlopes, omega: NDArray[np.float64]) -> NDArray[np
     return omega * slopes.healing * (slopes.direct - slopes.steady) / (omega**2 + slopes.healing**2)
 
 
-def _by_counting(scene: Scene, model: str) -> tuple[float, float]:
-    """Searches octaves of r from small to large until a root is unstable, then bisects; the frequency is that of the crossing
-    root. A reduction would need a new fit for every r, so it starts from the result of the exact one-port instead."""
+def critical_factor(at: Callable[[float], Scene], model: str) -> tuple[float, float]:
+    """(factor, omega): the smallest factor at which steady sliding of the scene `at(factor)` loses stability, and the frequency
+    there; (nan, nan) if there is none from 2^-20 to 2^10.
 
-    def at(exponent: float) -> Scene:
-        """The scene with both round trips scaled by 2^exponent."""
-        return scaled(scene, round_trip=2.0**exponent)
+    Octaves are searched from small to large until a root is unstable, then bisected; the frequency is that of the crossing root.
+    A reduction would need a new fit for every factor, so it starts from the result of the exact one-port instead.
+    """
+
+    def problem(exponent: float) -> Characteristic:
+        """The characteristic function for the factor 2^exponent."""
+        return characteristic(at(2.0**exponent), model)
 
     if not is_exact(model):
-        exact, _ = _by_counting(scene, "delay")
-        return _refine(at, model, math.log2(exact / scene.transit), scene.transit) if exact > 0.0 else (math.nan, math.nan)
+        exact, _ = critical_factor(at, "delay")
+        return _refine(problem, math.log2(exact)) if exact > 0.0 else (math.nan, math.nan)
 
     def unstable(exponent: float) -> bool:
         """Whether a root lies in the right half plane for this exponent."""
-        return unstable_count(characteristic(at(exponent), model)) > 0
+        return unstable_count(problem(exponent)) > 0
 
     exponents = range(_FIRST_OCTAVE, _LAST_OCTAVE + 1)
     low = next((float(k - 1) for k in exponents if unstable(k)), math.nan)
@@ -96,11 +101,11 @@ def _by_counting(scene: Scene, model: str) -> tuple[float, float]:
         return math.nan, math.nan
     low, high = _halved(unstable, low, low + 1.0, 1e-4)
     try:
-        return _refine(at, model, 0.5 * (low + high), scene.transit)
+        return _refine(problem, 0.5 * (low + high))
     except NumericsError:  # Newton's method fails at a shallow crossing, where counting still works
         _, high = _halved(unstable, low, high, 1e-12 * max(1.0, abs(low)))
-        growing = leading_roots(characteristic(at(high), model), 1)
-        return scene.transit * 2.0**high, abs(float(growing[0].imag))
+        growing = leading_roots(problem(high), 1)
+        return 2.0**high, abs(float(growing[0].imag))
 
 
 def _halved(unstable: Callable[[float], bool], low: float, high: float, width: float) -> tuple[float, float]:
@@ -111,10 +116,10 @@ def _halved(unstable: Callable[[float], bool], low: float, high: float, width: f
     return low, high
 
 
-def _refine(at: Callable[[float], Scene], model: str, start: float, transit: float) -> tuple[float, float]:
-    """Crossing (round trip, omega) near exponent `start`: Newton on the imbalance, frequency guessed from a scan."""
-    exponent, omega = crossing(lambda x: characteristic(at(x), model), start)
-    return transit * 2.0**exponent, omega
+def _refine(problem: Callable[[float], Characteristic], start: float) -> tuple[float, float]:
+    """Crossing (factor, omega) near exponent `start`: Newton on the imbalance, frequency guessed from a scan."""
+    exponent, omega = crossing(problem, start)
+    return 2.0**exponent, omega
 
 
 def critical_epsilon(scene: Scene, model: str = "delay") -> float:

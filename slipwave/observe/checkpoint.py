@@ -68,29 +68,31 @@ def saved_time(path: Path) -> float:
 
 
 class Checkpoints:
-    """Marks of a run to `until` (transits): saves `solver` and `observers` to `path` every `every` transits."""
+    """Marks of a run to `until` (transits, may be set later anew): saves `solver` and `observers` to `path` every `every`
+    transits."""
 
     def __init__(self, solver: Solver, observers: Mapping[str, Resumable], path: Path, until: float, every: float) -> None:
-        self._solver, self._observers, self._path, self._until, self._every = solver, observers, path, until, every
+        self.until = until
+        self._solver, self._observers, self._path, self._every = solver, observers, path, every
         self._due = 0.0
         self._schedule()
 
     @property
     def due(self) -> float:
         """As `Mark`."""
-        return self._due if self._due < self._until else math.inf
+        return self._due if self._due < self.until else math.inf
 
     def act(self) -> None:
-        """As `Mark`; saves nothing at the end of the run."""
-        if self._solver.time < self._until - SAME:
+        """As `Mark`; saves nothing at the end of the run, but then stays due for one that goes on."""
+        if self._solver.time < self.until - SAME:
             save(self._path, self._solver, self._observers)
-        self._schedule()
+            self._schedule()
 
     def resume(self) -> None:
         """Bring the run to the state saved in `path`. Raises SceneError as `load` does, and if that run has reached `until`."""
         load(self._path, self._solver, self._observers)
-        if self._solver.time >= self._until - SAME:
-            raise SceneError(f"until = {self._until:g}: checkpoint {str(self._path)!r} is already at t = {self._solver.time:g}")
+        if self._solver.time >= self.until - SAME:
+            raise SceneError(f"until = {self.until:g}: checkpoint {str(self._path)!r} is already at t = {self._solver.time:g}")
         self._schedule()
 
     def _schedule(self) -> None:

@@ -22,21 +22,31 @@ def require_time(solver: Solver, until: float, most: float = DAY) -> None:
 
 
 class Foresight:
-    """Observer of a run to `until` (transits); raises SceneError as soon as it predicts more than `most` seconds for the run."""
+    """Observer of a run to `until` (transits, may be set later anew); raises SceneError as soon as it predicts more than `most`
+    seconds for the run."""
 
     def __init__(self, solver: Solver, until: float, most: float = DAY) -> None:
-        self._solver, self._until, self._most = solver, until, most
-        self._pieces, self._next, self._began = 0, _ENOUGH, math.nan
+        self.until = until
+        self._solver, self._most = solver, most
+        self._pieces, self._next = 0, _ENOUGH
+        self._began = self._reached = math.nan
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
         self._began = float(pieces.time[0]) if math.isnan(self._began) else self._began
+        self._reached = float(pieces.time[-1] + pieces.length[-1])
         self._pieces += pieces.time.size
         if self._pieces >= self._next:
             self._next *= 2
-            reached = float(pieces.time[-1] + pieces.length[-1])
-            share = (reached - self._began) / (self._until - self._began)
-            _require(self._solver, self._until, self._pieces / share, self._most)
+            _require(self._solver, self.until, self._expected(self.until), self._most)
+
+    def seconds(self, until: float) -> float:
+        """Predicted time of a run to `until` (transits) from where this one began, from the pieces so far; 0 before them."""
+        return self._expected(until) * self._solver.seconds_per_piece if self._pieces else 0.0
+
+    def _expected(self, until: float) -> float:
+        """Pieces of a run to `until`."""
+        return self._pieces * (until - self._began) / (self._reached - self._began)
 
 
 def _require(solver: Solver, until: float, pieces: float, most: float) -> None:

@@ -1,10 +1,12 @@
 """Statistics of a run's cycles."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from slipwave.observe.events import Events
+from slipwave.observe.margin import margin_of_mean
 from slipwave.observe.pieces import Array
 
 
@@ -17,8 +19,17 @@ class Spread:
 
 
 @dataclass(frozen=True)
+class Margins:
+    """Half the widths of the 95 % intervals of the means over cycles that never repeat; NaN for others."""
+
+    period: float = math.nan
+    stress_drop: float = math.nan
+    elastic_stress_drop: float = math.nan
+
+
+@dataclass(frozen=True)
 class RunStatistics:
-    """Period (transits), stress drop, elastic stress drop, extreme slip rates (V*) over `cycles` cycles."""
+    """Period (transits), stress drop, elastic stress drop, extreme slip rates (V*) over `cycles` cycles; `margins` of means."""
 
     cycles: int
     period: Spread
@@ -26,10 +37,12 @@ class RunStatistics:
     elastic_stress_drop: Spread
     v_max: float
     v_min: float
+    margins: Margins = field(default_factory=Margins)
 
 
-def summarise(events: Events) -> RunStatistics:
-    """Statistics of all cycles in `events`."""
+def summarise(events: Events, repeat: bool = True) -> RunStatistics:
+    """Statistics of all cycles in `events`; their means have margins unless the cycles `repeat`."""
+    figures = (events.period, events.stress_drop, events.elastic_stress_drop)
     return RunStatistics(
         cycles=events.time.size,
         period=_spread(events.period),
@@ -37,6 +50,7 @@ def summarise(events: Events) -> RunStatistics:
         elastic_stress_drop=_spread(events.elastic_stress_drop),
         v_max=float(events.v_max.max()) if events.time.size else np.nan,
         v_min=float(events.v_min.min()) if events.time.size else np.nan,
+        margins=Margins() if repeat else Margins(*map(margin_of_mean, figures)),
     )
 
 

@@ -30,6 +30,9 @@ Kind: TypeAlias = Literal["steady", "decaying", "growing", "settling", "periodic
 REPEATING: tuple[Kind, ...] = ("periodic", "torus", "irregular")
 """Verdicts on motions that means over cycles represent."""
 
+WANDERING: tuple[Kind, ...] = ("torus", "irregular")
+"""Verdicts on motions that go on without ever repeating."""
+
 FEWEST, ENOUGH = 3, 8
 REPEATS = 1e-3
 _MOST_EVENTS = 8  # in one period
@@ -42,7 +45,8 @@ class Verdict(NamedTuple):
     """`cycles`: complete cycles in the second half. `multiplicity`: events in a period, if periodic. `change`: largest relative
     difference of a figure between the last two cycles, or of the prominence between the first and the last event if decaying or
     growing; NaN if there are too few. `needed`: length in transits with which a run too short would have enough cycles, else
-    NaN. `rotation`: the share of a turn by which a torus advances in a cycle, else None."""
+    NaN. `rotation`: the share of a turn by which a torus advances in a cycle, else None. `rate`: of the logarithm of the
+    elastic stress drop, per transit, if decaying or growing, else NaN."""
 
     kind: Kind
     cycles: int
@@ -50,11 +54,17 @@ class Verdict(NamedTuple):
     change: float = np.nan
     needed: float = np.nan
     rotation: float | None = None
+    rate: float = np.nan
 
     @property
     def repeats(self) -> bool:
         """Whether means over the cycles represent the motion; those of a transient do not."""
         return self.kind in REPEATING
+
+    @property
+    def wanders(self) -> bool:
+        """Whether the cycles never repeat, so that means over some of them are uncertain."""
+        return self.kind in WANDERING
 
 
 def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: bool, until: float) -> Verdict:
@@ -73,7 +83,8 @@ def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: b
         return Verdict("periodic", count, multiplicity, change)
     trend = _trend(prominence, float(cycles.v_max[-1] / cycles.v_min[-1]))
     if trend:
-        return Verdict("growing" if trend > 0.0 else "decaying", count, change=float(prominence[-1] / prominence[0] - 1.0))
+        change = float(prominence[-1] / prominence[0] - 1.0)
+        return Verdict("growing" if trend > 0.0 else "decaying", count, change=change, rate=_rate(cycles))
     if _converges(figures):
         return Verdict("settling", count, change=change)
     if count < ENOUGH:
@@ -102,6 +113,11 @@ def _trend(prominence: Array, ratio: float) -> float:
     early, late = second - first, third - second
     steadily = early * late > 0.0 and abs(late) >= 0.5 * abs(early)
     return late if steadily and (abs(np.log(prominence[-1] / prominence[0])) >= np.log(2.0) or ratio < _SMALL) else 0.0
+
+
+def _rate(cycles: Events) -> float:
+    """Rate at which the elastic stress drop grows, per transit: the slope of its logarithm over the dates, least squares."""
+    return float(np.polyfit(cycles.time - cycles.time[0], np.log(cycles.elastic_stress_drop), 1)[0])
 
 
 def _converges(figures: Array) -> bool:

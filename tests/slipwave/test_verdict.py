@@ -68,6 +68,17 @@ def test_what_changes_is_told():
     assert abs(drops[1] / drops[0] - 1.0) <= settling.change < 3 * abs(drops[1] / drops[0] - 1.0)
 
 
+def test_the_rate_of_decay_and_growth_is_that_of_the_stress_drops():
+    """Drops of e^(rate t) at dates 80 transits apart, and periods and rates of slip that do not matter."""
+    one = np.ones(12)
+    for rate in (-0.002, 0.0015):
+        drop = np.exp(rate * 80.0 * np.arange(12.0))
+        found = judge_motion(Events(80.0 * np.arange(12.0), one, one, drop, 2.0 * one, one), drop, True, False, 2000.0)
+        assert found.kind == ("decaying" if rate < 0.0 else "growing")
+        assert found.rate == pytest.approx(rate, rel=1e-12)
+    assert np.isnan(verdict(np.ones(24)).rate)
+
+
 def test_drive_and_steady_sliding_come_first():
     assert verdict(np.ones(24), rests=False).kind == "driven"
     none = np.empty(0)

@@ -1,0 +1,183 @@
+"""Where runs end that have no length of their own: on sequences of cycles whose nature is known, and on motions."""
+
+import itertools
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import slipwave
+from slipwave.observe import EventObserver, Events, judge_motion
+from slipwave.observe.checkpoint import Checkpoints
+from slipwave.observe.pieces import Pieces
+from validation.registry.build import build
+from validation.run.length import Judged, Until, UntilCycles, UntilSettled, halves_agree
+from validation.run.outlook import Outlook, outlook
+from validation.run.simulate import RunInterrupted, simulate
+
+PAPER = slipwave.read("paper")
+FAST = slipwave.read("paper", ["drive.velocity=2000"])
+UNSTABLE = Outlook(False, 0.01, 80.0)
+STABLE = Outlook(True, -0.01, 80.0)
+
+
+def judged(sizes: np.ndarray, rests: bool = True, slides: bool = False, until: float = 4000.0) -> Judged:
+    """Of cycles with these drops, in tenths of the normal stress, and periods that go with them."""
+    drop = 0.1 * np.asarray(sizes, dtype=float)
+    period = 50.0 + 300.0 * drop
+    time = np.cumsum(period) - period[0] if drop.size else period
+    cycles = Events(time, period, 1.1 * drop, drop, 1e4 * drop, 1e-3 / drop)
+    return Judged(until, judge_motion(cycles, np.append(drop, drop[-1:]), rests, slides, until), cycles)
+
+
+def henon(count: int) -> np.ndarray:
+    x, y, values = 0.1, 0.1, []
+    for _ in range(500 + count):
+        x, y = 1.0 - 1.4 * x * x + y, 0.3 * x
+        values.append(x)
+    return 1.0 + 0.2 * np.array(values[500:])
+
+
+K = np.arange(24)
+NONE = np.empty(0)
+
+
+@pytest.mark.parametrize(
+    ("sizes", "expected", "ended"),
+    [
+        (np.ones(8), UNSTABLE, "settled"),
+        (np.ones(7), UNSTABLE, None),
+        (1.0 + 0.02 * (-1.0) ** K[:9], UNSTABLE, "settled"),
+        (henon(24), UNSTABLE, "settled"),
+        (henon(23), UNSTABLE, None),
+        (1.0 + 0.01 * np.cos(2 * np.pi * 0.263 * K), UNSTABLE, "settled"),
+        (1.0 + 0.2 * 0.7**K, UNSTABLE, None),
+        (1.1**K, UNSTABLE, None),
+        (0.89**K, UNSTABLE, None),
+        (0.89**K, STABLE, "settled"),
+        (np.ones(2), STABLE, None),
+    ],
+)
+def test_a_transient_goes_on_and_what_is_settled_ends(sizes: np.ndarray, expected: Outlook, ended: str | None) -> None:
+    assert UntilSettled(PAPER, expected).ended(judged(sizes)) == ended
+
+
+def test_a_drift_that_a_verdict_of_irregular_does_not_see_goes_on() -> None:
+    drifts = judged(henon(32) + 0.02 * np.arange(32.0))
+    assert drifts.verdict is not None
+    assert drifts.verdict.kind == "irregular"
+    assert not halves_agree(drifts)
+    assert UntilSettled(PAPER, UNSTABLE).ended(drifts) is None
+
+
+def test_halves_are_compared_over_whole_periods() -> None:
+    """Nine cycles of period two: the halves of four have the same mean, 4 and 5 cycles would not."""
+    assert halves_agree(judged(1.0 + 0.05 * (-1.0) ** np.arange(9.0)))
+
+
+def test_steady_sliding_is_settled_where_it_is_stable_or_nothing_disturbs_it() -> None:
+    slides = judged(NONE, slides=True)
+    assert UntilSettled(PAPER, STABLE).ended(slides) == "settled"
+    assert UntilSettled(PAPER, UNSTABLE).ended(slides._replace(until=3999.0)) is None
+    assert UntilSettled(PAPER, UNSTABLE).ended(slides._replace(until=4001.0)) == "settled"  # 40 growth times
+    assert UntilSettled(PAPER, UNSTABLE).ended(judged(np.ones(2), rests=False)) == "settled"
+    assert UntilCycles(5, STABLE).ended(slides) == "settled"
+    assert UntilCycles(5, UNSTABLE).ended(slides) is None
+
+
+def test_stretches_begin_with_the_expected_cycles_and_grow_by_a_quarter() -> None:
+    ends = list(itertools.islice(UntilSettled(PAPER, UNSTABLE).ends(0.0), 3))
+    assert ends == [26.0 + 16 * 80.0, 1.25 * (26.0 + 16 * 80.0), 1.25**2 * (26.0 + 16 * 80.0)]
+    assert next(UntilSettled(PAPER, Outlook(True, -0.5, 80.0)).ends(0.0)) == 26.0 + 16.0 / 0.5
+    assert next(UntilSettled(PAPER, UNSTABLE).ends(ends[0] + 1.0)) == ends[1]  # from a checkpoint
+    changing = slipwave.read("paper", ["drive.velocity=[[0, 100], [300, 200]]"])
+    assert next(UntilSettled(changing, UNSTABLE).ends(0.0)) == 600.0 + ends[0]
+    assert max(UntilSettled(PAPER, UNSTABLE).ends(0.0)) < 1e9
+    assert list(Until(5.0).ends(7.0)) == [5.0]
+
+
+def test_a_run_ends_when_its_cycles_repeat() -> None:
+    done = simulate(build("delay", FAST, tolerance=1e-6), UntilSettled(FAST, outlook(FAST, "delay")))
+    assert (done.ended, done.kind) == ("settled", "periodic")
+    longer = simulate(build("delay", FAST, tolerance=1e-6), 3.0 * done.until).statistics.period.mean
+    assert done.statistics.period.mean == pytest.approx(longer, rel=1e-3)
+    assert done.statistics.cycles >= 8
+
+
+def test_a_run_to_a_number_of_cycles_has_them_in_its_second_half() -> None:
+    for wanted in (5, 12):
+        done = simulate(build("delay", FAST, tolerance=1e-6), UntilCycles(wanted, outlook(FAST, "delay")))
+        assert done.ended == "cycles"
+        assert done.verdict is not None
+        assert wanted <= done.verdict.cycles <= wanted + 1
+        assert done.events.time[-done.verdict.cycles] >= 0.5 * done.until
+
+
+def test_stretches_do_not_change_the_motion() -> None:
+    settled = simulate(build("delay", FAST, tolerance=1e-6), UntilSettled(FAST, outlook(FAST, "delay")))
+    at_once = simulate(build("delay", FAST, tolerance=1e-6), settled.until)
+    assert (at_once.final, str(at_once.statistics), at_once.verdict) == (settled.final, str(settled.statistics), settled.verdict)
+
+
+def test_a_run_that_does_not_settle_ends_at_the_limit_of_work() -> None:
+    """A limit of what three stretches take, counted in pieces."""
+    solver = build("delay", FAST, tolerance=1e-6)
+    never = UntilSettled(FAST, outlook(FAST, "delay"), math.inf)
+    ends = list(itertools.islice(never.ends(0.0), 4))
+
+    class Unsettled(UntilSettled):
+        def ended(self, now: Judged) -> None:
+            return None
+
+    per_transit = _pieces(ends[2]) / ends[2] * solver.seconds_per_piece
+    done = simulate(solver, Unsettled(FAST, never.expected, per_transit * 1.01 * ends[2]))
+    assert (done.ended, done.until) == ("limit", ends[2])
+    assert done.final == simulate(build("delay", FAST, tolerance=1e-6), ends[2]).final
+
+
+def _pieces(until: float) -> int:
+    solver, count = build("delay", FAST, tolerance=1e-6), 0
+    while solver.time < until:
+        count += solver.advance(until).time.size
+    return count
+
+
+class _Stop:
+    """An observer that stops the run like Ctrl-C when it has passed a time."""
+
+    def __init__(self, after: float) -> None:
+        self._after = after
+
+    def scan(self, pieces: Pieces) -> None:
+        if pieces.time[-1] > self._after:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9, 0.999])
+def test_a_run_continued_from_a_checkpoint_ends_where_it_would_have_ended(tmp_path: Path, share: float) -> None:
+    length = UntilSettled(FAST, outlook(FAST, "delay"))
+    whole = simulate(build("delay", FAST, tolerance=1e-6), length)
+
+    def marked() -> tuple[object, EventObserver, Checkpoints]:
+        solver = build("delay", FAST, tolerance=1e-6)
+        watch = EventObserver(FAST, solver.nodes)
+        return solver, watch, Checkpoints(solver, {"events": watch}, tmp_path / "run.npz", math.inf, 10.0)
+
+    solver, watch, marks = marked()
+    with pytest.raises(RunInterrupted):
+        simulate(solver, length, [_Stop(share * whole.until)], watch=watch, marks=[marks])
+    solver, watch, marks = marked()
+    marks.resume()
+    assert 0.0 < solver.time < share * whole.until + 10.0
+    rest = simulate(solver, length, watch=watch, marks=[marks])
+    assert (rest.until, rest.ended, rest.final, rest.verdict) == (whole.until, whole.ended, whole.final, whole.verdict)
+
+
+def test_a_checkpoint_that_is_due_at_the_end_of_a_stretch_is_saved_when_the_run_goes_on(tmp_path: Path) -> None:
+    solver = build("delay", FAST, tolerance=1e-6)
+    marks = Checkpoints(solver, {}, tmp_path / "run.npz", 50.0, 50.0)
+    simulate(solver, 50.0, marks=[marks])
+    assert not (tmp_path / "run.npz").exists()
+    simulate(solver, 80.0, marks=[marks])
+    assert (tmp_path / "run.npz").exists()

@@ -1,0 +1,168 @@
+"""How long a run is: to a given time, until its second half has so many cycles, or until its motion has shown what it is.
+
+A length of the last two kinds is marched in stretches. At the end of each the second half of what was run is judged. The ends
+depend on the scene alone and the judgement on the motion alone, so a run continued from a checkpoint ends where it would have
+ended without a stop.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, Protocol, TypeAlias
+
+from slipwave.observe import Events, Solver, Verdict, summarise
+from slipwave.observe.verdict import ENOUGH, REPEATS
+from slipwave.scene import Scene
+from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+from validation.run.outlook import Outlook
+
+Ended: TypeAlias = Literal["until", "cycles", "settled", "limit"]
+"""Why a run ended where it did: at the given time, with the cycles asked for, settled, or at the limit of work."""
+
+LIMIT = 300.0
+"""Seconds, by a count of its work, that a run until it is settled may take."""
+
+LONGEST = 1e9
+"""Transits; the longest run."""
+
+_FIRST = 16.0  # expected cycles, half of them judged
+_LONGER = 1.25  # from one look to the next
+_DIES_OUT = 16.0  # decay times until 1e-7 of a disturbance is left
+_LEFT = 40.0  # growth times in which rounding alone leaves steady sliding
+_MANY = 24  # cycles that never repeat: a half has enough of them for margins
+_STEP = 1.02  # from one look for cycles to the next, if a cycle is shorter
+
+
+class Judged(NamedTuple):
+    """What is judged `until` now (transits): the `cycles` in the second half of what was run, and the verdict on it, None if
+    events are not watched."""
+
+    until: float
+    verdict: Verdict | None
+    cycles: Events
+
+
+def second_half(solver: Solver, until: float) -> float:
+    """When the second half of a run to `until` (transits) begins; of what was run, if the run ended before."""
+    return 0.5 * min(until, solver.time)
+
+
+class Length(Protocol):
+    """Where a run is judged, and whether it ends there."""
+
+    @property
+    def most_seconds(self) -> float:
+        """Predicted time of the whole run beyond which no further stretch is begun."""
+
+    def ends(self, after: float) -> Iterator[float]:
+        """The ends of its stretches, rising, of a run that is at the time `after` (transits)."""
+
+    def ended(self, now: Judged) -> Ended | None:
+        """Why the run ends here, if it does."""
+
+
+@dataclass(frozen=True)
+class Until:
+    """To a given time (transits)."""
+
+    until: float
+    most_seconds: float = math.inf
+
+    def ends(self, after: float) -> Iterator[float]:
+        """As `Length`: one."""
+        yield self.until
+
+    def ended(self, now: Judged) -> Ended | None:
+        """As `Length`."""
+        return "until"
+
+
+@dataclass(frozen=True)
+class UntilSettled:
+    """Until the motion is no longer a transient, as far as can be told.
+
+    Cycles that repeat are settled if there are 8 or more, cycles that never repeat if there are 24 or more, and if the means of
+    period and stress drop over the earlier and the later half of them agree: within 1e-3, or within the margins of cycles that
+    never repeat. What returns to steady sliding is settled if steady sliding is stable, what the drive changes is so at once.
+    """
+
+    scene: Scene
+    expected: Outlook
+    most_seconds: float = LIMIT
+
+    def ends(self, after: float) -> Iterator[float]:
+        """As `Length`: the first after the start and 16 expected cycles; a changing drive rests from its middle on. Each of the
+        others is a quarter later."""
+        changes = 0.0 if self.scene.drive.is_constant else self.scene.drive.times[-1]
+        end = 2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + self._first()
+        while end < LONGEST:
+            if end > after:
+                yield end
+            end *= _LONGER
+
+    def ended(self, now: Judged) -> Ended | None:
+        """As `Length`."""
+        return "settled" if self._settled(now) else None
+
+    def _first(self) -> float:
+        if math.isinf(self.expected.period):
+            return 0.0
+        dies_out = _DIES_OUT / -self.expected.rate if self.expected.stable else math.inf
+        return min(dies_out, _FIRST * self.expected.period)
+
+    def _settled(self, now: Judged) -> bool:
+        if now.verdict is None:
+            return True
+        match now.verdict.kind:
+            case "driven":
+                return True
+            case "steady":
+                return self.expected.stable is not False or self.expected.rate * now.until > _LEFT
+            case "decaying":
+                return self.expected.stable is not False
+            case "periodic":
+                return now.verdict.cycles >= max(ENOUGH, 2 * (now.verdict.multiplicity or 1)) and halves_agree(now)
+            case "torus" | "irregular":
+                return now.verdict.cycles >= _MANY and halves_agree(now)
+        return False
+
+
+def halves_agree(now: Judged) -> bool:
+    """Whether period and stress drop have the same mean over the earlier and the later half of the cycles, each of whole
+    periods: within 1e-3, or the larger of the margins if they never repeat."""
+    assert now.verdict is not None
+    events = now.verdict.multiplicity or 1
+    half = now.verdict.cycles // (2 * events) * events
+    parts = [Events(*(column[part] for column in now.cycles)) for part in (slice(-2 * half, -half), slice(-half, None))]
+    earlier, later = (summarise(part, not now.verdict.wanders) for part in parts)
+    for name in ("period", "stress_drop"):
+        one, other = getattr(earlier, name).mean, getattr(later, name).mean
+        margins = [getattr(part.margins, name) for part in (earlier, later) if now.verdict.wanders]
+        if abs(one - other) > max([REPEATS * one, *margins]):
+            return False
+    return True
+
+
+@dataclass(frozen=True)
+class UntilCycles:
+    """Until the second half of what was run has `wanted` complete cycles; looked for once in every expected cycle. Steady
+    sliding that is stable ends it too, because no cycles will come."""
+
+    wanted: int
+    expected: Outlook
+    most_seconds: float = math.inf
+
+    def ends(self, after: float) -> Iterator[float]:
+        """As `Length`."""
+        cycle = self.expected.period if math.isfinite(self.expected.period) else 1.0
+        end = cycle
+        while end < LONGEST:
+            if end > after:
+                yield end
+            end = max(end + cycle, _STEP * end)
+
+    def ended(self, now: Judged) -> Ended | None:
+        """As `Length`."""
+        if now.verdict is None or now.verdict.cycles >= self.wanted:
+            return "cycles"
+        return "settled" if now.verdict.kind == "steady" and self.expected.stable is not False else None

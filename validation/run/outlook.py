@@ -1,0 +1,62 @@
+"""What a scene leads to expect before it is run: whether steady sliding holds, how fast it is left or reached, and how long a
+cycle takes.
+
+The period is the longer of two. At the onset of stick-slip it is 2 pi/omega_c. Far beyond, it is the time D/(k V) in which the
+drive restores, through the stiffness k, the stress D that an event releases. Friction falls by w = -V d mu_ss/dV for every e-fold
+of the slip rate; the state heals during T = D/(k V), and the event slips at v = D/(2 Z), limited by radiation. Inertia doubles
+the drop:
+
+    D = 2 w ln(1 + T v),     solved by iteration.
+
+It is right within a factor of two or so: it chooses how far to march before the first look at the motion.
+"""
+
+import math
+from dataclasses import dataclass
+
+from slipwave.scene import Scene
+
+_ROUNDS = 50
+_NEUTRAL = 1e-9
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """`rate`: at which a disturbance of steady sliding grows or (below 0) decays in the end, per transit; `period`: expected of
+    a cycle, in transits. `stable` is None if neither can be told, because the rate is 0 within rounding or V ends at 0."""
+
+    stable: bool | None
+    rate: float
+    period: float
+
+
+def outlook(scene: Scene, model: str) -> Outlook:
+    """The outlook of `scene` at the velocity with which its drive ends; `model` is one with the one-port of the model that
+    runs."""
+    from reduced.stability import characteristic, friction_slopes, leading_roots, scaled
+
+    velocity = scene.drive.velocities[-1]
+    if velocity == 0.0:
+        return Outlook(None, 0.0, math.inf)
+    final = scaled(scene, velocity=velocity)
+    slopes = friction_slopes(final.law, velocity)
+    rate = float(leading_roots(characteristic(final, model))[0].real)
+    onset = 2.0 * math.pi / (slopes.omega_c if slopes.weakening else slopes.healing)
+    released = stress_released(final) if slopes.weakening else 0.0
+    return Outlook(
+        stable=None if abs(rate) <= _NEUTRAL * slopes.reach else rate < 0.0,
+        rate=rate * scene.transit,
+        period=max(onset / scene.transit, released / (scene.stiffness * velocity)),
+    )
+
+
+def stress_released(scene: Scene) -> float:
+    """D, in normal stresses, of a scene with a constant drive and weakening friction."""
+    from reduced.stability import friction_slopes
+
+    weakening = -scene.velocity * friction_slopes(scene.law, scene.velocity).steady
+    loading = scene.stiffness * scene.velocity / scene.transit  # per L/V*
+    drop = weakening
+    for _ in range(_ROUNDS):
+        drop = 2.0 * weakening * math.log1p(drop / loading * drop / (2.0 * scene.impedance))
+    return drop
