@@ -21,7 +21,7 @@ from scipy.integrate import RK45
 from slipwave import read
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Pieces
-from slipwave.step.flow import Cycle
+from slipwave.step.flow import Cycle, velocity_by_difference
 
 TURN = 1.3
 SHRINKS = -0.4
@@ -112,6 +112,9 @@ class FlowByHand:
         z, psi = (part.reshape(self.steps, -1) for part in (w.real, w.imag))
         pieces = Pieces(knots[:-1], np.diff(knots), z, psi, 0.5 * psi, 0.25 * z)
         return Cycle(period, start, self._end(start[:, None], period, grown[-1], turned[-1])[:, 0], pieces, self.steps)
+
+    def velocity(self, cycle):
+        return velocity_by_difference(self, cycle)
 
     def tangent(self, cycle):
         starts = cycle.start[:, None] + 1j * _TINY * np.eye(self.size)

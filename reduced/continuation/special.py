@@ -19,7 +19,7 @@ from slipwave.errors import NumericsError
 
 _BRACKET = 1e-9  # half of a bracket's length in the branch's metric
 _MOST_WIDENINGS = 10
-_CLOSE = 1e-10  # of the distance between two points of the branch
+_CLOSE = 0.01  # of half a bracket, to which the place is found
 _REAL = 1e-9  # imaginary part below which a multiplier is real
 
 
@@ -117,7 +117,7 @@ def _middle(flow_at: FlowAt, left: Point, right: Point, metric: Metric, share: f
     rest, length = 1.0 - share, metric.length(chord)
     bend = rest * (length * left.tangent - chord) - share * (length * right.tangent - chord)
     guess = left.unknowns + share * chord + share * rest * bend
-    return point_near(flow_at, guess, chord, metric, left if share < 0.5 else right)
+    return point_near(flow_at, guess, chord / length, metric, left if share < 0.5 else right)
 
 
 def _locate(flow_at: FlowAt, left: Point, right: Point, metric: Metric, kind: str) -> Special:
@@ -127,12 +127,15 @@ def _locate(flow_at: FlowAt, left: Point, right: Point, metric: Metric, kind: st
     found = {0.0: left, 1.0: right}
 
     def point(share: float) -> Point:
+        """The point at `share` of the chord, sought between the nearest two that are known."""
         if share not in found:
-            found[share] = _middle(flow_at, left, right, metric, share)
+            low, high = max(one for one in found if one < share), min(one for one in found if one > share)
+            within = (share - low) / (high - low)
+            found[share] = _middle(flow_at, found[low], found[high], metric, within)
         return found[share]
 
-    at = _zero(lambda share: _value(kind, point(share)), lambda share: _TESTS[kind](left, point(share)))
     gap = _BRACKET / length
+    at = _zero(lambda share: _value(kind, point(share)), lambda share: _TESTS[kind](left, point(share)), _CLOSE * gap)
     for _ in range(_MOST_WIDENINGS):
         before, after = point(max(0.0, at - gap)), point(min(1.0, at + gap))
         if _TESTS[kind](before, after):
@@ -143,14 +146,14 @@ def _locate(flow_at: FlowAt, left: Point, right: Point, metric: Metric, kind: st
     raise Unaccounted(f"a point of kind {kind} near parameter = {left.parameter:.10g} cannot be located")
 
 
-def _zero(value: Callable[[float], float], is_beyond: Callable[[float], bool]) -> float:
+def _zero(value: Callable[[float], float], is_beyond: Callable[[float], bool], within: float) -> float:
     """The share at which `value` changes sign or, where its ends have one sign, from which on `is_beyond`."""
     from scipy.optimize import brentq
 
     low, high = 0.0, 1.0
-    while high - low > _CLOSE:
+    while high - low > within:
         if value(low) * value(high) < 0.0:
-            return float(brentq(value, low, high, xtol=_CLOSE, rtol=_CLOSE))
+            return float(brentq(value, low, high, xtol=within))
         middle = 0.5 * (low + high)
         low, high = (low, middle) if is_beyond(middle) else (middle, high)
     return 0.5 * (low + high)

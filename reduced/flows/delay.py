@@ -19,7 +19,7 @@ from reduced.flows.exchange import exchange_of
 from reduced.stability.essential import essential_abscissa
 from slipwave.errors import NumericsError
 from slipwave.friction import unknown_of
-from slipwave.observe.pieces import Array, Basis, empty_pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
 from slipwave.step.flow import Cycle
@@ -30,6 +30,7 @@ _NEWTON = 1e-13
 _FEWEST = 3.0  # steps per transit
 _FINE = 32  # points of quadrature in a step
 _UNDAMPED = 1e-9  # decay in a transit
+_CHANGE = 1e-5  # of a step's length, for slopes of its polynomials
 _ANY = math.inf  # a mesh that does not change rejects no step
 
 
@@ -51,6 +52,7 @@ class DelayFlow:
         self._shape = (self._lines.travel.size, 2, self.kept, NODES)
         self.tops_remembered = np.array([(top.spring > 0.0, top.mass > 0.0) for top in self._lines.tops])
         self.size = math.prod(self._shape) + int(self.tops_remembered.sum()) + 1
+        self._last: tuple[Cycle, NetworkMemory] | None = None
 
     @property
     def steady(self) -> Array:
@@ -99,12 +101,19 @@ class DelayFlow:
             raise NumericsError(
                 f"delay: the step at {done * self.length:.6g} of {period:.6g} transits cannot be solved (scene {scene.name!r})"
             )
-        left = pieces.psi[-2, -1] if steps > 1 else start[-1]
-        psi = self._psi_row(fraction) @ np.r_[left, pieces.psi[-1]]
-        end = self._state(
-            np.moveaxis(memory.waves, 2, 0)[..., None], memory.tops[..., None], np.array([psi]), int(memory.cursor[0]), fraction
-        )[:, 0]
-        return Cycle(period, start, end, pieces, iterations)
+        cycle = Cycle(period, start, self._within_last(memory, pieces, start[-1], fraction), pieces, iterations)
+        self._last = cycle, memory
+        return cycle
+
+    def velocity(self, cycle: Cycle) -> Array:
+        """As `Flow`: the slope of the last steps' polynomials, which are kept of the last march."""
+        if self._last is None or self._last[0] is not cycle:
+            return self.velocity(self.march(cycle.start, cycle.period))
+        memory, (_, fraction) = self._last[1], self._steps(cycle.period)
+        later, earlier = (
+            self._within_last(memory, cycle.pieces, cycle.start[-1], fraction + shift) for shift in (_CHANGE, -_CHANGE)
+        )
+        return np.asarray((later - earlier) / (2.0 * _CHANGE * self.length))
 
     def tangent(self, cycle: Cycle) -> Array:
         """As `Flow`."""
@@ -176,6 +185,13 @@ class DelayFlow:
         first_guess(self.scene.law, self.scene.impedance, steady, now[PSI], z, guess[UNKNOWN])
         ring = np.ascontiguousarray(np.moveaxis(waves[..., 0], 0, 2))
         return NetworkMemory(ring, tops[..., 0], guess, now, np.array([self.kept]))
+
+    def _within_last(self, memory: NetworkMemory, pieces: Pieces, first: float, fraction: float) -> Array:
+        """The state at `fraction` of the last step of a march with these `pieces`; psi was `first` at its start."""
+        left = pieces.psi[-2, -1] if pieces.psi.shape[0] > 1 else first
+        psi = self._psi_row(fraction) @ np.r_[left, pieces.psi[-1]]
+        ring, tops = np.moveaxis(memory.waves, 2, 0)[..., None], memory.tops[..., None]
+        return self._state(ring, tops, np.array([psi]), int(memory.cursor[0]), fraction)[:, 0]
 
     def _carry(self, cycle: Cycle, frozen: bool) -> Array:
         """Derivative of the end with respect to the start."""

@@ -4,8 +4,8 @@
 
 The second is needed because every point of an orbit may be its start; the third, with p free, because orbits come in families
 (`reduced.continuation`). The derivative with respect to x_0 is the monodromy matrix. Those with respect to T and p are
-differences of the discrete motion, so that they belong to the mesh as the residual does. The former enters the place of a fold
-and is a central difference; an error of 1e-6 in the latter costs Newton's method nothing.
+those of the discrete motion, so that they belong to the mesh as the residual does. The former enters the place of a fold; an
+error of 1e-6 in the latter, a one-sided difference, costs Newton's method nothing.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ from slipwave.step.flow import Cycle, Flow
 
 TOLERANCE = 1e-12
 _NEAR = 1e-7  # a monodromy matrix taken this near to the orbit counts as the orbit's own
-_BY_PERIOD, _BY_PARAMETER = 1e-6, 1e-7  # relative changes in the differences
+_BY_PARAMETER = 1e-7  # relative change in the difference
 _SMALL = 1e-3  # parameter below which the change is no longer relative, so that rounding errors stay small at zero
 
 
@@ -97,7 +97,7 @@ def close_family(
         return np.vstack(rows if weights is None else [*rows, weights[None]])
 
     def derivative(at: _At) -> Array:
-        columns = [by_period(at.flow, at.cycle)]
+        columns = [at.flow.velocity(at.cycle)]
         if free:
             columns.append(by_parameter(flow_at, at.cycle, float(at.unknowns[-1])))
         return bordered(at.flow.tangent(at.cycle), *columns)
@@ -124,13 +124,6 @@ def close_family(
     )
 
 
-def by_period(flow: Flow, cycle: Cycle) -> Array:
-    """d end/d period (n,): the motion at the end."""
-    change = _BY_PERIOD * cycle.period
-    later, earlier = (flow.march(cycle.start, cycle.period + shift).end for shift in (change, -change))
-    return np.asarray((later - earlier) / (2.0 * change))
-
-
 def by_parameter(flow_at: Callable[[float], Flow], cycle: Cycle, parameter: float) -> Array:
     """d end/d parameter (n,)."""
     change = _BY_PARAMETER * max(abs(parameter), _SMALL)
@@ -138,4 +131,4 @@ def by_parameter(flow_at: Callable[[float], Flow], cycle: Cycle, parameter: floa
 
 
 def _motion(flow: Flow, state: Array, period: float) -> Array:
-    return by_period(flow, flow.march(state, period))
+    return flow.velocity(flow.march(state, period))

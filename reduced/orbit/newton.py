@@ -1,4 +1,5 @@
-"""Newton's method with a derivative that serves as long as it contracts, and steps shortened until they help."""
+"""Newton's method with a derivative that serves as long as it contracts, corrected by each step (Broyden 1965), and steps
+shortened until they help."""
 
 from collections.abc import Callable
 from typing import Generic, NamedTuple, Protocol, TypeVar
@@ -11,7 +12,7 @@ from slipwave.observe.pieces import Array
 
 _MOST_ITERATIONS = 25
 _MOST_HALVINGS = 6
-_CHORD = 0.05  # reduction of the residual from which the same derivative serves again
+_SERVES = 0.25  # reduction of the residual from which the corrected derivative serves again
 _STALLED = 0.5  # reduction that counts as none
 _ROUNDING = 1e-9  # residuals that no longer shrink are accepted below this
 
@@ -54,24 +55,19 @@ def solve(
 
     Raises NumericsError if there is no convergence, and what `evaluate` raises at the guess.
     """
-    now, away = evaluate(guess), np.inf
-    matrix = first if first is not None else np.empty(0)
-    factors = scipy.linalg.lu_factor(matrix) if first is not None else None
+    now, away, taken, matrix = evaluate(guess), np.inf, first, first
     for iteration in range(_MOST_ITERATIONS):
         if _size(now) <= tolerance:
-            return _finished(derivative, now, matrix, away, near, iteration)
-        if factors is None:
-            matrix, away = derivative(now), 0.0
-            factors = scipy.linalg.lu_factor(matrix)
-        step = scipy.linalg.lu_solve(factors, -now.residual)
-        if not np.isfinite(step).all():
-            raise NumericsError("the linearised equations are singular")
+            return _finished(derivative, now, taken, away, near, iteration)
+        if matrix is None:
+            taken = matrix = derivative(now)
+            away = 0.0
+        step = _solved(matrix, -now.residual)
         fresh = away == 0.0
         new = _shortened(evaluate, now, step, fresh)
         if not _size(new) < _STALLED * _size(now) and _size(now) < _ROUNDING:
-            return _finished(derivative, now, matrix, away, near, iteration)
-        if not _size(new) < _CHORD * _size(now):
-            factors = None
+            return _finished(derivative, now, taken, away, near, iteration)
+        matrix = _corrected(matrix, now, new) if _size(new) < _SERVES * _size(now) else None
         if not fresh and not _size(new) < _size(now):
             continue  # once more from here, with a derivative of its own
         away += float(np.abs(new.unknowns - now.unknowns).max())
@@ -79,9 +75,24 @@ def solve(
     raise NumericsError(f"no convergence in {_MOST_ITERATIONS} iterations: a residual of {_size(now):.2g} is left")
 
 
-def _finished(derivative: Callable[[At], Array], now: At, matrix: Array, away: float, near: float, iterations: int) -> Solved[At]:
-    if away < near:
-        return Solved(now, matrix, away, iterations)
+def _solved(matrix: Array, right: Array) -> Array:
+    step = np.asarray(scipy.linalg.lu_solve(scipy.linalg.lu_factor(matrix), right))
+    if not np.isfinite(step).all():
+        raise NumericsError("the linearised equations are singular")
+    return step
+
+
+def _corrected(matrix: Array, before: Evaluated, after: Evaluated) -> Array:
+    """The nearest matrix that explains the change of the residual along the step."""
+    step, change = after.unknowns - before.unknowns, after.residual - before.residual
+    return np.asarray(matrix + np.outer(change - matrix @ step, step / (step @ step)))
+
+
+def _finished(
+    derivative: Callable[[At], Array], now: At, taken: Array | None, away: float, near: float, iterations: int
+) -> Solved[At]:
+    if taken is not None and away < near:
+        return Solved(now, taken, away, iterations)
     return Solved(now, derivative(now), 0.0, iterations)
 
 

@@ -2,9 +2,13 @@
 
 from typing import NamedTuple, Protocol
 
+import numpy as np
+
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
+
+_CHANGE = 1e-6  # of the period, relative
 
 
 class Cycle(NamedTuple):
@@ -50,6 +54,9 @@ class Flow(Protocol):
     def march(self, start: Array, period: float) -> Cycle:
         """The motion from `start` over `period`. Raises NumericsError if a step cannot be solved."""
 
+    def velocity(self, cycle: Cycle) -> Array:
+        """d end/d period (n,) at the end of `cycle`."""
+
     def tangent(self, cycle: Cycle) -> Array:
         """d end/d start (n, n) along `cycle`."""
 
@@ -74,3 +81,10 @@ class Flow(Protocol):
 
     def roughness(self, cycle: Cycle, tolerance: float) -> float:
         """The largest highest Legendre coefficient of z and psi in a step of `cycle`, over the one that fits `tolerance`."""
+
+
+def velocity_by_difference(flow: Flow, cycle: Cycle) -> Array:
+    """d end/d period (n,) by the difference of two marches; a central one, because it enters the place of a fold."""
+    change = _CHANGE * cycle.period
+    later, earlier = (flow.march(cycle.start, cycle.period + shift).end for shift in (change, -change))
+    return np.asarray((later - earlier) / (2.0 * change))

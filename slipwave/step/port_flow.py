@@ -14,7 +14,7 @@ from slipwave.observe.solver import State
 from slipwave.scene import Scene
 from slipwave.step.carry import carry
 from slipwave.step.collocation import growth_limit
-from slipwave.step.flow import Cycle
+from slipwave.step.flow import Cycle, velocity_by_difference
 from slipwave.step.flow_mesh import NEWTON, Mesh, Response, begin_at, failure, march_on, mesh_of
 from slipwave.step.impedance import full_impedance
 from slipwave.step.linear_port import LinearPort
@@ -62,6 +62,10 @@ class PortFlow:
         if ended != DONE or not np.isfinite(end).all():
             raise failure(self._response, float(memory.now[TIME]), period)
         return Cycle(period, start, end, pieces, iterations)
+
+    def velocity(self, cycle: Cycle) -> Array:
+        """As `Flow`."""
+        return velocity_by_difference(self, cycle)
 
     def tangent(self, cycle: Cycle) -> Array:
         """As `Flow`."""

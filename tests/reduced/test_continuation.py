@@ -85,7 +85,7 @@ def test_the_direction_of_a_branch():
 def test_a_subcritical_branch_turns_at_its_fold():
     """p = s^2 - s: the fold at p = -1/4 has s = 1/2; its unstable orbits become stable."""
     family = family_of(SUBCRITICAL)
-    steps = branch(family, from_hopf(family, 0.0, 2.0 * math.pi, METRIC), lambda q: q.parameter < 0.1)
+    steps = branch(family, from_hopf(family, 0.0, 2.0 * math.pi, METRIC), lambda q: q.parameter < 0.05)
     (fold,) = events(steps)
     assert (fold.kind, fold.unstable_before, fold.unstable_after) == ("LP", 1, 0)
     assert fold.point.parameter == pytest.approx(-0.25, abs=1e-11)

@@ -63,6 +63,16 @@ def test_tangent_is_the_derivative_of_the_march(kind, period):
 
 
 @every_scene
+@pytest.mark.parametrize("period", [0.3, 3.37])
+def test_velocity_is_the_derivative_of_the_march_by_the_period(kind, period):
+    """Within the last step, of every value of the end; after another march too."""
+    _, flow, start = settled(kind, per_transit=4.0, until=20.0)
+    cycle = flow.march(start, period)
+    measured = difference(lambda d: flow.march(start, period + d).end, 1e-4)
+    np.testing.assert_allclose(flow.velocity(cycle), measured, rtol=1e-7, atol=1e-8 * np.abs(measured).max())
+
+
+@every_scene
 def test_frozen_tangent_is_the_tangent_where_psi_has_no_effect(kind):
     """Along the same motion, with b = 0."""
     _, flow, start = settled(kind, per_transit=4.0, until=20.0)

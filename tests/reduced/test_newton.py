@@ -38,16 +38,17 @@ def circle_and_line():
     return Equations(lambda u: np.array([u @ u - 2.0, u[0] - u[1]]), lambda u: np.array([2.0 * u, [1.0, -1.0]]))
 
 
-def test_the_error_is_squared():
-    """Twice; then a derivative serves until the end."""
+def test_one_derivative_serves_until_the_end():
+    """The first error is squared; from then on each is below the product of the two before it, as a secant's, since every step
+    corrects the derivative. A derivative as it was taken would only divide the error by 5 each time."""
     equations = circle_and_line()
     solved = equations.solved([1.5, 1.2], near=1.0)
     np.testing.assert_allclose(solved.at.unknowns, 1.0, rtol=0.0, atol=1e-13)
-    errors = [np.abs(u - 1.0).max() for u in equations.tried[:3]]
+    errors = [np.abs(u - 1.0).max() for u in equations.tried]
     assert errors[1] < errors[0] ** 2
-    assert errors[2] < errors[1] ** 2
+    assert all(new < last * before for before, last, new in zip(errors, errors[1:], errors[2:], strict=False))
     assert solved.iterations <= 8
-    assert equations.derivatives == 3
+    assert equations.derivatives == 1
 
 
 def test_a_derivative_serves_as_long_as_it_contracts():

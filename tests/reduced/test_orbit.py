@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from reduced.orbit import periodic_orbit
-from reduced.orbit.closing import by_parameter, by_period, close, close_family
+from reduced.orbit.closing import by_parameter, close, close_family
 from reduced.orbit.figures import amplitude, figures
 from reduced.orbit.multipliers import floquet, multipliers
 from slipwave.errors import NumericsError
@@ -47,7 +47,7 @@ def test_the_start_stays_on_the_plane_across_the_guess():
     guess = 1.04 * SUPERCRITICAL.state(0.3)
     flow = FlowByHand(SUPERCRITICAL, 0.3)
     found = close(flow, guess, SUPERCRITICAL.period(0.3))
-    along = by_period(flow, flow.march(guess, SUPERCRITICAL.period(0.3)))
+    along = flow.velocity(flow.march(guess, SUPERCRITICAL.period(0.3)))
     assert abs(along @ (found.cycle.start - guess)) < 1e-12 * np.abs(along).max()
 
 
@@ -57,7 +57,7 @@ def test_derivatives_by_period_and_parameter():
     flow, period = FlowByHand(osc, osc.g(s)), osc.period(s)
     x, y = start = osc.state(s)
     cycle, turned = flow.march(start, period), np.array([-y, x])
-    np.testing.assert_allclose(by_period(flow, cycle), (1.0 + 0.3 * s) * turned, rtol=0.0, atol=1e-8)
+    np.testing.assert_allclose(flow.velocity(cycle), (1.0 + 0.3 * s) * turned, rtol=0.0, atol=1e-8)
     moved = by_parameter(lambda p: replace(flow, parameter=p), cycle, osc.g(s))
     # |w| = sqrt(s) + x with x' = -2 s g' x + sqrt(s), angle' = 1 + 2 c sqrt(s) x
     rate, size = -2.0 * s * osc.slope(s), math.sqrt(s)

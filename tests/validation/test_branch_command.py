@@ -2,7 +2,7 @@
 
 import json
 import signal
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +11,7 @@ import xarray
 from hooked_process import interrupted
 from matplotlib.image import imread
 
+import slipwave
 from reduced.continuation.point import Point
 from validation.branches.drawing import figure_of
 from validation.branches.follow import Limits, begin, follow
@@ -231,3 +232,22 @@ def test_what_cannot_be_followed_is_told_in_one_line(capsys, words, status, said
 def test_a_file_of_another_branch_is_refused(whole, capsys):
     assert main(["branch", "paper", "--over", RANGE, "--resume", str(whole[1] / "x.nc")]) == INPUT_WRONG
     assert "model is 'kelvin-voigt'; this branch has 'delay'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("source", ["paper", "grip", "viscous", "layered", "machine"])
+@pytest.mark.parametrize(("name", "key"), [("log10_r", "slab.log10_r"), ("epsilon", "slab.epsilon"), ("V", "drive.velocity")])
+def test_a_parameter_that_is_set_gives_the_scene_that_is_read(source, name, key):
+    """Also in all that is relative to it: the face's stiffness and mass, the time of viscosity."""
+    present = {"log10_r": -2.68, "epsilon": 2.8e-5, "V": 100.0}[name]
+    value = present * 1.1
+    over = over_range(f"{name}={present}:{value * 1.05}", source)
+    known, found = (_numbers(scene) for scene in (slipwave.read(source, {key: value}), over.scene_at(value)))
+    assert found == pytest.approx(known, rel=1e-13)
+
+
+def _numbers(part):
+    """All numbers in a scene, in order."""
+    if isinstance(part, (int, float)):
+        return [part]
+    inner = part if isinstance(part, tuple) else [getattr(part, one.name) for one in fields(part)] if is_dataclass(part) else ()
+    return [number for one in inner for number in _numbers(one)]

@@ -61,7 +61,7 @@ def over_range(text: str, source: SceneSource) -> Over:
     base = slipwave.read(source)
     if not base.drive.is_constant:
         raise SceneError(f"scene {base.name!r}: a branch of periodic orbits needs a constant drive.velocity")
-    over = Over(base, name, first, last, _reader(name, base))
+    over = Over(base, name, first, last, _reader(name, base, (first, last)))
     for value in over.ends:
         over.scene_at(value)
     return over
@@ -77,18 +77,26 @@ def _number(text: str, word: str) -> float:
     return value
 
 
-def _reader(name: str, base: Scene) -> Callable[[float], Scene]:
+def _reader(name: str, base: Scene, ends: tuple[float, float]) -> Callable[[float], Scene]:
     """The scene with a value of its key. A short name without a key in this scene, as epsilon of unlike slabs or in SI, changes
-    both slabs by the same factor."""
+    both slabs by the same factor. One with a key is read with it at both `ends`, so that a wrong value is told by its key, and
+    set in the scene in between, which takes a hundredth of the time."""
     if name not in PARAMETERS:
         return _keyed(name, base)
     key = next((key for key, short in _SHORT.items() if short == name), "")
-    if key:
-        keyed = _keyed(key, base)
-        with suppress(SceneError):
-            keyed(_present(name, base))
-            return keyed
+    keyed = _keyed(key, base)
+    if key and _has(keyed, _present(name, base)):
+        for value in ends:
+            keyed(value)
     return lambda value: PARAMETERS[name](base, _positive(name, value))
+
+
+def _has(keyed: Callable[[float], Scene], present: float) -> bool:
+    """Whether the scene has the key: then it can be read with the value that it has."""
+    with suppress(SceneError):
+        keyed(present)
+        return True
+    return False
 
 
 def _keyed(key: str, base: Scene) -> Callable[[float], Scene]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +18,7 @@ from reduced.continuation.start import metric_for
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import Closed, close
 from reduced.orbit.figures import figures
+from reduced.parameters import with_parameter
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.registry.flows import moving
@@ -90,9 +92,14 @@ def branch_of(model: str, highest: float, longest: float, tolerance: float = TOL
     return Branch(model, onset, tuple(points), tuple(found))
 
 
+@cache
+def _paper() -> Scene:
+    return slipwave.read("paper")
+
+
 def scene_at(log10_r: float) -> Scene:
     """The paper's scene at another r."""
-    return slipwave.read("paper", {"slab.log10_r": log10_r})
+    return with_parameter(_paper(), "log10_r", log10_r)
 
 
 def figures_of(closed: Closed) -> dict[str, float]:
