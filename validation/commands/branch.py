@@ -96,10 +96,10 @@ def _way_on(path: Path | None) -> str:
 
 
 def _print(found: "Branch", wall_s: float) -> None:
-    from validation.commands.wording import describe
+    from validation.commands.header import header
     from validation.output import figures, print_table
 
-    for line in describe(found.over.base):
+    for line in header(found.over.base):
         print(line)
     for note in found.notes:
         print(f"note: {note}")

@@ -35,11 +35,12 @@ def orbit(
 
 
 def _print(done: "OrbitFound") -> None:
-    from validation.commands.wording import describe, orbit_rows
+    from validation.commands.header import header
+    from validation.commands.wording import orbit_rows
     from validation.output import figures, print_table
 
     multipliers, scene = done.found.multipliers, done.scene
-    for line in describe(scene):
+    for line in header(scene):
         print(line)
     for note in done.notes:
         print(f"note: {note}")

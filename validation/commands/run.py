@@ -92,12 +92,13 @@ def run(
 
 
 def _print(result: "RunResult") -> None:
-    from validation.commands.wording import describe, events_in_words, statistics_rows
+    from validation.commands.header import header
+    from validation.commands.wording import events_in_words, statistics_rows
     from validation.door.run import grid_in_words
     from validation.output import figures, print_table
 
     done, choice = result.done, result.choice
-    for line in describe(done.solver.scene):
+    for line in header(done.solver.scene):
         print(line)
     if choice is not None:  # the default grid tried no others
         print(f"{'grid chosen for the tolerance' if choice.tried else 'default grid'}: {grid_in_words(choice)}")

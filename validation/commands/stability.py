@@ -32,11 +32,11 @@ def stability(source: SceneName, model: StabilityModel = "delay", settings: Sett
 def _print(result: "StabilityResult") -> None:
     import math
 
-    from validation.commands.wording import describe
+    from validation.commands.header import header
     from validation.output import figures, print_table
 
     scene, found = result.scene, result.found
-    for line in describe(scene):
+    for line in header(scene):
         print(line)
     verdict = "stable" if found.stable else f"unstable: {found.unstable_roots} growing roots (certified count)"
     verdict = "neutral" if found.stable is None else verdict

@@ -5,37 +5,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
-from slipwave.friction.law import name_of
 from slipwave.observe import RunStatistics, Verdict
 from slipwave.observe.orbit import Orbit
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
-from slipwave.scene.slab import Slab
 from validation.output import figures
 
 _COUNTED = (*REPEATING, "settling", "too short")  # any other motion has swings, but no cycles of stick-slip
-
-
-def describe(scene: Scene) -> list[str]:
-    """A few lines: name, law, drive, slabs."""
-    parameters = ", ".join(f"{key} {value:g}" for key, value in zip(scene.law._fields, scene.law, strict=True))
-    lines = [f"scene {scene.name}: {name_of(scene.law)} law ({parameters}), V = {scene.velocity:g}, digest {scene.digest}"]
-    pairs = [("slabs", scene.upper)] if scene.alike else [("upper", scene.upper), ("lower", scene.lower)]
-    lines += [f"{label}: {_slab(slab)}" for label, slab in pairs]
-    if scene.units:
-        units = scene.units
-        lines.append(
-            f"units: L = {units.memory_length:g} m, V* = {units.reference_velocity:g} m/s, sigma = {units.normal_stress:g} Pa; "
-            f"one transit = {figures(scene.transit * units.time, 6)} s"
-        )
-    return lines
-
-
-def _slab(slab: Slab) -> str:
-    text = f"epsilon {figures(slab.epsilon)}, r {figures(slab.round_trip)} = 10^{math.log10(slab.round_trip):.6g}"
-    extras = [type(slab.face).__name__, *([type(slab.viscosity).__name__] if slab.viscosity else [])]
-    layers = [f"{len(slab.layers)} layers"] if len(slab.layers) > 1 else []
-    return text if slab.is_plain else f"{text} ({', '.join(extras + layers)})"
 
 
 def statistics_rows(found: RunStatistics, scene: Scene) -> tuple[list[str], list[list[str]]]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from slipwave.errors import NumericsError
 from slipwave.input import SceneSource
+from slipwave.scene.doubts import doubts
 from validation.branches.drawing import draw
 from validation.branches.follow import Head, Limits, begin, follow, is_doubled, limits_of
 from validation.branches.parameter import over_range
@@ -44,7 +45,7 @@ class BranchResult(Result):
             "points": [_at(found, point) for point in found.shown],
             "special": [_at(found, special) for special in found.shown_special],
             "wall_s": self.wall_s,
-            "notes": found.notes,
+            "notes": [*doubts(found.over.base), *found.notes],
         }
         return dict(finite(result | ({"failed": self.failed} if self.failed else {})))
 

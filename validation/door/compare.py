@@ -9,6 +9,7 @@ from slipwave.files import whole_or_absent
 from slipwave.input import SceneSource
 from slipwave.observe.foresight import DAY, require_time
 from slipwave.scene import Scene
+from slipwave.scene.doubts import doubts
 from validation.door.result import Result, deliver, finite, scene_of
 from validation.measure.cycle import Cycle, CycleObserver
 from validation.registry.build import build_all
@@ -33,7 +34,8 @@ class CompareResult(Result):
         """The JSON of `slipwave compare` (users rely on its keys), with relative errors against the reference."""
         rows = [_row(run, self.reference) for run in self.runs]
         facts = {"scene": self.scene.name, "until": self.scene.until, "reference": self.reference.solver.model}
-        return dict(finite(facts | {"models": rows}))
+        doubtful = doubts(self.scene)
+        return dict(finite(facts | {"models": rows} | ({"notes": doubtful} if doubtful else {})))
 
     def draw(self, path: Path) -> None:
         """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model; a transient has no cycle

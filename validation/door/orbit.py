@@ -5,6 +5,7 @@ from typing import Any
 
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
+from slipwave.scene.doubts import doubts
 from validation.door.result import Result, finite, scene_of, told
 from validation.registry.flows import moving
 from validation.registry.orbits import OrbitFound, find_orbit, require_tolerance
@@ -38,7 +39,7 @@ class OrbitResult(Result):
             "error_estimate": {name: getattr(orbit, name).error for name in ("period", "stress_drop")},
             "essential_radius": multipliers.essential_radius,
             "wall_s": done.wall_s,
-            "notes": done.notes,
+            "notes": [*doubts(scene), *done.notes],
         }
         return dict(finite(result | ({"si": _in_si(orbit.values(), scene)} if scene.units else {})))
 

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from slipwave.errors import NumericsError
 from slipwave.input import SceneSource, read_scene
 from slipwave.scene import Scene
+from slipwave.scene.doubts import doubts
 
 told = logging.getLogger("slipwave")
 """What is chosen for the user and how far long work has come, at level INFO; the command line prints it on stderr."""
@@ -44,8 +45,12 @@ class Stopped(KeyboardInterrupt):
 
 
 def scene_of(source: SceneSource, changes: Mapping[str, Any], until: float | None = None) -> Scene:
-    """The scene of a call: `source` with `changes` and, if given, another length of the run (transits)."""
-    return read_scene(source, **changes, **({} if until is None else {"run.until": until}))
+    """The scene of a call: `source` with `changes` and, if given, another length of the run (transits). Tells what is doubtful
+    about it."""
+    scene = read_scene(source, **changes, **({} if until is None else {"run.until": until}))
+    for line in doubts(scene):
+        told.warning("note: %s", line)
+    return scene
 
 
 def deliver(result: Delivered, failed: str, stopped: bool = False) -> Delivered:

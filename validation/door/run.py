@@ -8,6 +8,7 @@ from fullwave.fields.files import write_field
 from slipwave.input import SceneSource
 from slipwave.observe import Solver
 from slipwave.observe.foresight import DAY
+from slipwave.scene.doubts import doubts
 from validation.door.result import Result, deliver, finite, scene_of, told
 from validation.registry import build as models
 from validation.registry.default_grid import judged, note_on
@@ -56,7 +57,7 @@ class RunResult(Result):
             result["time"] = done.solver.settings["time"]
         if self.choice:
             result["grid"] = {name: getattr(self.choice, name) for name in ("cells", "step", "quantity", "error_estimate")}
-        more = {"failed": done.failed, "notes": self.notes}
+        more = {"failed": done.failed, "notes": [*doubts(done.solver.scene), *self.notes]}
         return dict(finite(result | {name: value for name, value in more.items() if value}))
 
     @property

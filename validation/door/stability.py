@@ -7,6 +7,7 @@ from reduced.families import DELAY
 from reduced.stability import Stability, analyse
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
+from slipwave.scene.doubts import doubts
 from validation.door.result import Result, finite, scene_of
 from validation.registry.families import one_port_of
 
@@ -34,7 +35,7 @@ class StabilityResult(Result):
             "unstable_roots": found.unstable_roots,
             "leading_roots": [[root.real, root.imag] for root in found.leading_roots],
             "essential_abscissa": found.essential_abscissa,
-            "notes": self.notes,
+            "notes": [*doubts(self.scene), *self.notes],
         }
         return dict(finite(result))
 
