@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/installed
 
-.PHONY: install test report wheel bench faults mutants
+.PHONY: install test report wheel bench docs faults mutants
 
 install: $(STAMP)
 
@@ -31,6 +31,11 @@ wheel: $(STAMP)
 # ratios of run times and those of the last time; judges nothing
 bench: $(STAMP)
 	$(BIN)/python -m validation.benchmark reports/bench
+
+# pages and docstrings as a site, reports/docs/index.html
+docs: $(STAMP) requirements-docs.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --requirement requirements-docs.lock
+	$(BIN)/mkdocs build --quiet --strict
 
 # make faults PART=4 plants one in four of the faults; the commit decides which
 faults: $(STAMP)
