@@ -18,7 +18,7 @@ _PROMISES = "expected"
 _FITTED, _LOG_LIMITS, _ROUGH = 0.025, 0.2, 0.45
 """Allowed of a fitted order and its interval (absolute), of the ends of a logarithmic axis and of chaotic motion (relative):
 rounding moved them by 0.02, 0.06 and 0.3 from one processor to another."""
-_CHAOTIC = re.compile(r"(deep|irregular|returns): |ours: .*(\d cycles|spreads)|omission: Quasi-static curve")
+_CHAOTIC = re.compile(r"(deep|irregular|over-r|returns): |ours: .*(\d cycles|spreads)|omission: Quasi-static curve")
 """Lines on motion that amplifies rounding: the paper's irregular cycles, and the model that runs away."""
 _WORST_OF_ROUNDING = re.compile(r"(?<=worst of sbp:4, sbp:6, fem:4, dg:4, dg:7: )`\S+`")
 """Where rounding chooses the word."""

@@ -22,6 +22,7 @@ STUDIES = {
     "error-laws": "error_laws",
     "bifurcation": "bifurcation",
     "snaking": "snaking",
+    "period-against-delay": "period_against_delay",
     "period-doubling": "period_doubling",
     "claims": "claims",
     "planted-faults": "planted_faults",

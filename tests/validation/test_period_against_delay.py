@@ -1,0 +1,107 @@
+"""The period over the delay: what is shown, the verdicts from both sides, and the law for thick slabs."""
+
+import math
+from types import SimpleNamespace
+
+import pytest
+from roomy import too_roomy
+from shown import quick
+
+import slipwave
+from slipwave.observe.orbit import Estimate
+from validation.references.published import reference_orbit
+from validation.studies.period_against_delay import verdicts
+from validation.studies.period_against_delay.law import period_of
+from validation.studies.period_against_delay.runs import Periods
+from validation.study import Outcome
+
+
+@pytest.fixture(scope="module")
+def result():
+    return quick("period-against-delay")
+
+
+def test_every_verdict_holds(result, as_recorded):
+    assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
+    assert len(result.verdicts) == 6
+    as_recorded("period-against-delay", result)
+    assert too_roomy(result.verdicts) == []
+
+
+def test_the_long_run_on_the_torus_has_its_known_mean(result):
+    """79.3225 (lifted shooting), around the unstable orbit's 79.3126."""
+    mean = next(row for row in result.tables[1].rows if row[:2] == ("delay", -2.65))
+    assert abs(mean[2] - 79.3225) < 2.0 * mean[3] < 0.1
+
+
+def periods(ode=70.0, delay=73.0, block=76.0, mean=None, log10_r=-2.68):
+    orbits = {"kelvin-voigt": [ode], "delay": [delay], "block8": [block], "block12": [block + 1.0]}
+    means = {"delay": mean} if mean else {}
+    return Periods(log10_r, orbits, {}, means, dict.fromkeys(means, 50))
+
+
+@pytest.mark.parametrize(
+    ("changed", "outcome"),
+    [
+        ({}, "pass"),
+        ({"ode": 73.5}, "finding"),
+        ({"block": 72.5}, "finding"),
+        ({"mean": Estimate(74.0, 0.9)}, "pass"),
+        ({"mean": Estimate(74.0, 1.1)}, "finding"),
+        ({"mean": Estimate(71.0, 0.6)}, "finding"),
+    ],
+)
+def test_p7_counts_orbits_and_two_errors_of_means(changed, outcome):
+    assert verdicts.order([periods(), periods(**changed)]).outcome == outcome
+
+
+def known():
+    found = {model: [reference_orbit(model, -2.68)["period"]] for model in ("kelvin-voigt", "delay", "block8", "block12")}
+    return Periods(-2.68, found, {}, {}, {})
+
+
+def test_periods_off_the_known_ones_fail():
+    one = known()
+    shifted = one._replace(orbits=one.orbits | {"delay": [one.orbits["delay"][0] * (1.0 + 2e-9)]})
+    assert [verdicts.known([each]).outcome for each in (one, shifted)] == [Outcome.PASS, Outcome.FAIL]
+    run = {("delay", -2.68): one.orbits["delay"][0]}
+    assert [verdicts.settled([each], run).outcome for each in (one, shifted)] == [Outcome.PASS, Outcome.FAIL]
+
+
+@pytest.mark.parametrize(("ode", "outcome"), [(70.7323, "pass"), (70.736, "fail")])
+def test_the_printed_digits(ode, outcome):
+    here = known()
+    assert verdicts.printed([here._replace(orbits=here.orbits | {"kelvin-voigt": [ode]})]).outcome == outcome
+
+
+@pytest.mark.parametrize(("share", "outcome"), [(0.98, "pass"), (0.97, "fail"), (1.03, "fail")])
+def test_the_law_is_judged_where_slabs_are_thickest(share, outcome):
+    ratios = {model: {-2.5: 0.9, 0.0: share} for model in ("block8", "block12")}
+    assert verdicts.thick(ratios).outcome == outcome
+
+
+@pytest.mark.parametrize(("shift", "outcome"), [(0.0, "pass"), (2e-12, "fail")])
+def test_curves_begin_at_the_closed_forms(shift, outcome):
+    onsets = {"delay": 49.66818382915, "kelvin-voigt": 49.66821031995}
+    scene = slipwave.read("paper")
+    closed = verdicts.onset_of(scene.law, scene.upper.epsilon, scene.velocity)
+    exact = {"delay": closed.r_delay, "kelvin-voigt": closed.r_kelvin_voigt}
+    made = {
+        model: SimpleNamespace(onset=SimpleNamespace(period=6.283185307179586 / (closed.omega_c * r) * (1.0 + shift)))
+        for model, r in exact.items()
+    }
+    assert [made[model].onset.period for model in made] == pytest.approx(list(onsets.values()), abs=1e-7)
+    assert verdicts.at_onset(made).outcome == outcome
+
+
+def test_the_law_for_thick_slabs():
+    """Over the slip of an event loading and friction do the same work; the heavier block is slower and has the shorter period."""
+    thick = slipwave.read("paper", {"slab.log10_r": 0.0})
+    period = period_of(thick, "block12")
+    drop = 2.8e-5 * 100.0 * period
+    fastest = 3.0**0.5 * drop / 2.8e-5
+    fall = 0.0349 * math.log(2.8e-3 / 0.0489) + 0.0489 * math.log(period) + 0.014 * math.log(fastest)
+    work = fall * (drop / 2.8e-5 - 0.5 * math.log(period * fastest))
+    assert work == pytest.approx(0.5 * drop * drop / 2.8e-5, rel=1e-10)
+    assert period == pytest.approx(223.1, abs=0.1)
+    assert period_of(thick, "block8") < period
