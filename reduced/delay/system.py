@@ -4,6 +4,7 @@ import numpy as np
 
 from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
+from reduced.delay.leaping import LeapingDelay
 from reduced.delay.network import DelayNetwork
 from reduced.delay.transmission_lines import lines_of
 from slipwave.scene import Scene
@@ -16,11 +17,12 @@ def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
     """The solver of the delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless
     ones. If equal steps cannot end on the jumps and kinks, steps follow these (`DelayBreaks`), which is far more expensive.
 
-    For a scene that records nothing and does not start on its orbit, only the state at the end is accurate (`Delay`, emit=False).
-    Raises SceneError for viscous slabs.
+    For alike plain slabs it can leap over long sticks. For a scene that records nothing and does not start on its orbit, only the
+    state at the end is accurate (`Delay`, emit=False). Raises SceneError for viscous slabs.
     """
     if scene.alike and scene.upper.is_plain:
-        return Delay(scene, tolerance=tolerance, emit=bool(scene.record) or scene.start.kind is StartKind.ORBIT)
+        shown = bool(scene.record) or scene.start.kind is StartKind.ORBIT
+        return LeapingDelay(scene, tolerance) if shown else Delay(scene, tolerance=tolerance, emit=False)
     lines = lines_of(scene)
     march = DelayBreaks if _breaks_within_steps(scene, lines.divisor) else DelayNetwork
     return march(scene, tolerance=tolerance, lines=lines)

@@ -46,6 +46,8 @@ class Events(NamedTuple):
 class EventObserver:
     """Reads pieces; gives the events of any window that lasts to the latest piece."""
 
+    spans_gaps = True
+
     def __init__(self, scene: Scene, nodes: Array) -> None:
         self._law = scene.law
         self._basis = lagrange_basis(nodes)

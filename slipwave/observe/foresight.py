@@ -25,6 +25,8 @@ class Foresight:
     """Observer of a run to `until` (transits, may be set later anew); raises SceneError as soon as it predicts more than `most`
     seconds for the run."""
 
+    spans_gaps = True
+
     def __init__(self, solver: Solver, until: float, most: float = DAY) -> None:
         self.until = until
         self._solver, self._most = solver, most

@@ -2,6 +2,9 @@
 
 Piece k covers (time[k], time[k] + length[k]] and holds values at time[k] + nodes * length[k]. Observers see nothing else of a
 solver, so one event detector works for collocation (Radau nodes) and for grids (groups of equispaced steps).
+
+Where a piece begins later than the one before it ends, there is a gap: the motion was not computed there (`Leaping`). Only
+observers that say so (`spans_gaps`) are given pieces with gaps.
 """
 
 from typing import NamedTuple
@@ -56,8 +59,12 @@ def lagrange_basis(nodes: Array) -> Basis:
 
 
 def values_at(pieces: Pieces, basis: Basis, times: Array) -> list[Array]:
-    """z, psi, mu and y at `times` (transits), which `pieces` contain; where two pieces meet, as the earlier one ends."""
+    """z, psi, mu and y at `times` (transits), which `pieces` contain; where two pieces meet, as the earlier one ends. Raises
+    ValueError for a time that they do not contain."""
     which = np.clip(np.searchsorted(pieces.time, times - SAME) - 1, 0, None)
+    outside = (times < pieces.time[which] - SAME) | (times > pieces.time[which] + pieces.length[which] + SAME)
+    if outside.any():
+        raise ValueError(f"no piece contains t = {times[outside][0]:.9g} transits")
     points = np.minimum(1.0, (times - pieces.time[which]) / pieces.length[which])
     rows = interpolation_matrix(basis, points)
     return [(rows * values[which]).sum(axis=1) for values in pieces[2:]]

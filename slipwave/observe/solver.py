@@ -1,6 +1,6 @@
 """The interface of every solver, reduced or full wave: it marches, and its state can be saved and restored."""
 
-from typing import Any, Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from slipwave.observe.ledger import Energy
 from slipwave.observe.pieces import Array, Pieces
@@ -65,3 +65,12 @@ class Solver(Resumable, Protocol):
 
     def energy(self) -> Energy | None:
         """Ledger since t = 0, for models that keep one."""
+
+
+@runtime_checkable
+class Leaping(Solver, Protocol):
+    """A solver that can leave out whole transits of a stick."""
+
+    def leap(self, until: float, end: float) -> Pieces:
+        """As `advance`, but with gaps between pieces (see `slipwave.observe.pieces`) where v stays below V and no figure of a
+        cycle lies. `end` is that of the run (transits), which never falls into a gap."""

@@ -8,6 +8,7 @@ import pytest
 import slipwave
 from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
+from reduced.delay.leaping import LeapingDelay
 from reduced.delay.network import DelayNetwork
 from reduced.delay.system import delay_system
 from slipwave.errors import SceneError
@@ -77,7 +78,7 @@ def test_a_resumed_run_equals_the_uninterrupted_one(tmp_path: Path, model: str, 
 
 def test_the_cases_reach_every_march_of_the_delay_system() -> None:
     kinds = [type(delay_system(slipwave.read(*scene))) for scene in SCENES.values()]
-    assert kinds == [Delay, Delay, Delay, DelayNetwork, DelayBreaks, DelayNetwork, DelayNetwork, DelayBreaks]
+    assert kinds == [LeapingDelay] * 3 + [DelayNetwork, DelayBreaks, DelayNetwork, DelayNetwork, DelayBreaks]
 
 
 @pytest.mark.parametrize(

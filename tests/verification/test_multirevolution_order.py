@@ -1,0 +1,72 @@
+"""The order of the multirevolution method, on a map whose iterates are known by doing all of them."""
+
+from itertools import pairwise
+
+import numpy as np
+from order import assert_order
+
+from reduced.delay.multirevolution import ORDER, Past, no_past
+
+RATE, LAST = 1e-4, 30_000
+LENGTHS = np.array([600, 500, 400, 300, 200])
+
+
+def change(state):
+    """What one transit does to two states: logistic growth, and a decay that it drives."""
+    return RATE * np.array([state[0] * (1.0 - state[0]), state[0] ** 2 - 0.5 * state[1]])
+
+
+def every_transit():
+    """All states up to LAST."""
+    states = [np.array([0.2, 1.0])]
+    for _ in range(LAST):
+        states.append(states[-1] + change(states[-1]))
+    return states
+
+
+EVERY = every_transit()
+
+
+def known(number):
+    """The latest ORDER transits, of these numbers, as the march knows them."""
+    return Past(np.array(number, dtype=float), np.array([change(EVERY[n]) for n in number]), np.zeros(ORDER))
+
+
+def leapt(length):
+    """The state at LAST by leaps of equal `length` from known transits."""
+    number = np.arange(LAST % length, LAST + 1, length)
+    past, state = known(number[:ORDER]), EVERY[number[ORDER - 1]]
+    for now, target in pairwise(number[ORDER - 1 :].tolist()):
+        state = state + past.change[-1] + past.total(now + 1.0, target)
+        past = past.then(target, change(state), 0.0)
+    return state
+
+
+def estimate(length):
+    """The difference between both sums over a leap from the middle."""
+    middle = LAST // 2
+    past = known(middle + length * np.arange(1 - ORDER, 1))
+    longer = past.then(middle + length, change(EVERY[middle + length]), 0.0)
+    first, target = middle + 1.0, middle + length
+    return np.abs(longer.total(first, target) - past.total(first, target)).max()
+
+
+def test_leaps_have_the_declared_order():
+    errors = [np.abs(leapt(length) - EVERY[LAST]).max() for length in LENGTHS]
+    print(errors, assert_order(errors, LENGTHS, ORDER, tolerance=0.3, absolute=1e-10))
+
+
+def test_the_estimated_error_of_a_leap_is_one_order_smaller():
+    errors = [estimate(length) for length in LENGTHS]
+    print(errors, assert_order(errors, LENGTHS, ORDER + 1, tolerance=0.3, absolute=1e-10))
+
+
+def test_sums_are_exact_for_polynomials_and_the_lowest_value_is_found():
+    """Transits at unequal distances, as the control of the error makes them."""
+    past = no_past(1)
+    for n in (7.0, 11.0, 12.0, 20.0, 44.0, 60.0):
+        past = past.then(n, np.array([(n / 50.0) ** 5 - n]), (n - 51.3) ** 2)
+    ahead = np.arange(61.0, 150.0)
+    assert abs(past.total(61.0, 150.0)[0] / np.sum((ahead / 50.0) ** 5 - ahead) - 1.0) < 1e-11
+    assert past.slowest(44.0, 60.0) == 51.0
+    assert past.slowest(20.0, 44.0) is None
