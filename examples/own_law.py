@@ -33,9 +33,11 @@ def steady_state(law: Cutoff, v: float) -> float:
     return -math.log(v)
 
 
+register("cutoff", Cutoff, respond, steady_state)
+
+
 def main() -> None:
     """Compare the law's orbit by the full wave and in the paper's ODE."""
-    register("cutoff", Cutoff, respond, steady_state)
     mine = slipwave.read("paper", ["interface.law=cutoff", "interface.cutoff=1e-5", "run.until=3000"])
     for model in ("fd", "kelvin-voigt"):
         found = simulate(build(model, mine), mine.until).statistics

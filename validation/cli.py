@@ -10,31 +10,42 @@ import os
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of
-from validation.commands import bench, branch, compare, orbit, report, run, scenes, stability
+from validation.commands import bench, branch, compare, orbit, report, run, scenes, show, stability
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 _SPREAD: dict[str, Callable[[str], bool]] = {"--set": lambda word: "=" in word, "--only": lambda word: True}
 
 app = typer.Typer(
     help="How far is each simplified model of two sliding elastic slabs from the wave physics, and what does each answer cost?",
-    add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-app.command("report")(report.report)
-app.command("run")(run.run)
-app.command("orbit")(orbit.orbit)
-app.command("branch")(branch.branch)
-app.command("stability")(stability.stability)
-app.command("compare")(compare.compare)
-app.command("bench")(bench.bench)
-app.command("scenes")(scenes.scenes)
+for _command in (report, run, orbit, branch, stability, compare, bench, scenes, show):
+    _name = _command.__name__.rpartition(".")[2]
+    _examples = "\n".join(f"  {line}" for line in _command.EXAMPLES)
+    app.command(_name, epilog=f"\b\nExamples:\n{_examples}")(getattr(_command, _name))
+
+
+def _tell_version(wanted: bool) -> None:
+    """Print the version and end."""
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"slipwave {version('slipwave')}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    version: Annotated[bool, typer.Option("--version", help="print the version", callback=_tell_version, is_eager=True)] = False,
+) -> None:
+    """Options without a command."""
 
 
 class _OnStderr(logging.Handler):
@@ -63,7 +74,12 @@ def main(arguments: list[str] | None = None) -> int:
         return _tell(error, INTERRUPTED)
     except (KeyboardInterrupt, typer.Abort):
         return _tell("interrupted", INTERRUPTED)
-    except (BrokenPipeError, SystemExit):  # the reader has closed the pipe (typer raises SystemExit for that)
+    except (
+        BrokenPipeError,
+        SystemExit,
+    ) as end:  # SystemExit 1: the reader has closed the pipe; 0: the shell's completion is done
+        if isinstance(end, SystemExit) and not end.code:
+            return 0
         _abandon_stdout()
         return 0
     except Exception as error:
@@ -79,10 +95,13 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def spread(words: list[str]) -> list[str]:
-    """`--set a=1 b=2` and `--only x y` as one option per value."""
+    """`--set a=1 b=2` and `--only x y` as one option per value; `--set a -1` and `--set a= -1` as `--set a=-1`."""
     result: list[str] = []
     option = ""
     for word in words:
+        if option == "--set" and result[-1] != option and _is_negative(word) and result[-1].partition("=")[2] == "":
+            result[-1] = f"{result[-1].rstrip('=')}={word}"
+            continue
         if option and result[-1] != option and not word.startswith("-") and _SPREAD[option](word):
             result.append(option)
         elif word in _SPREAD:
@@ -91,6 +110,13 @@ def spread(words: list[str]) -> list[str]:
             option = ""
         result.append(word)
     return result
+
+
+def _is_negative(word: str) -> bool:
+    try:
+        return word.startswith("-") and float(word) <= 0.0
+    except ValueError:
+        return False
 
 
 def _prepare_streams() -> None:

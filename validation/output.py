@@ -11,6 +11,9 @@ from typing import Any
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of
 
+FIGURES = (".png", ".pdf", ".svg")
+"""Kinds of file that figures are drawn to."""
+
 
 def attempt(*tasks: Callable[[], None]) -> list[str]:
     """Run all of `tasks`, even if some fail; returns one line for each that could not write its result."""

@@ -37,7 +37,7 @@ class Registered(NamedTuple):
 
 
 LAWS: dict[str, Registered] = {}
-_HOUSE = Path(__file__).resolve().parent
+HOUSE = Path(__file__).resolve().parent
 
 
 @by_class()
@@ -89,7 +89,7 @@ def register(
     and is compiled in each process, never read from the disk cache. Raises SceneError naming the first wrong function.
     """
     law = Registered(parameters, respond, steady_state, rate_of, unknown_of)
-    if Path(respond.__code__.co_filename).parent != _HOUSE:
+    if Path(respond.__code__.co_filename).parent != HOUSE:
         from slipwave.friction.check import check_law
 
         check_law(name, law)

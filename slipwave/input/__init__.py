@@ -26,9 +26,12 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
     from slipwave.input.validate import validate
     from slipwave.scene import Scene
 
-    if isinstance(source, Scene) and not overrides:
-        return source
-    name, data = tables_of(source) if isinstance(source, Scene) else load(source)
+    if isinstance(source, Scene):
+        if not overrides:
+            return source
+        name, data = tables_of(source)
+    else:
+        name, data = load(source)
     data = apply_overrides(data, overrides)
     checked = validate(data)
     return keep(assemble(checked, name), data, checked)

@@ -1,5 +1,6 @@
 """Turns one fault found by pydantic into one line: dotted key = value: what is allowed there."""
 
+import re
 from collections.abc import Iterator
 from typing import Any, get_args
 
@@ -47,7 +48,7 @@ def complaint(fault: ErrorDetails, above: tuple[str, ...], fields: dict[str, Fie
             return f"{key} = {value}: {fault['msg']}"
         case "union_tag_invalid" | "union_tag_not_found":
             kind = fault["input"].get("kind") if isinstance(fault["input"], dict) else fault["input"]
-            return f"{key}.kind = {shorten(kind)}: must be {choices(_KINDS[str(place[-1])])}"
+            return f"{key}.kind = {shorten(kind)}: must be {choices(_KINDS[str(place[-1])], kind)}"
     return f"{key} = {value}: {_wanted(fault, place, own)}"
 
 
@@ -96,7 +97,9 @@ def _wanted(fault: ErrorDetails, place: list[str | int], fields: dict[str, Field
     """What is allowed at `place`, for faults whose own message does not say it."""
     name = str(place[-1])
     if fault["type"] == "literal_error":
-        return f"must be {fault['ctx']['expected']}"
+        expected = str(fault["ctx"]["expected"])
+        guess = nearest(fault["input"], re.findall(r"'([^']*)'", expected)) if isinstance(fault["input"], str) else None
+        return f"must be {expected}" + (f'; did you mean "{guess}"?' if guess else "")
     allowed = next(_allowed(fields.get(name)), None)
     if allowed:
         return f"must be {allowed}"

@@ -1,6 +1,8 @@
-"""The tables that a scene was read from, kept with it so that it can be written down and read again with changes."""
+"""The tables that a scene was read from, kept with it so that it can be written as TOML and read again with changes."""
 
 import copy
+import numbers
+from collections.abc import Mapping
 from typing import Any
 
 from slipwave.errors import SceneError
@@ -23,3 +25,26 @@ def tables_of(scene: Scene) -> tuple[str, dict[str, Any]]:
     if scene.tables is None:
         raise SceneError(f"scene {scene.name!r}: was made in Python, not read, so its keys cannot be changed or written")
     return scene.name, copy.deepcopy(dict(scene.tables))
+
+
+def to_toml(scene: Scene) -> str:
+    """The scene as TOML: reading it gives the same scene. Raises SceneError for a scene that was not read, and for values of a
+    Python program that TOML does not know."""
+    import tomli_w
+
+    name, tables = tables_of(scene)
+    try:
+        return tomli_w.dumps(_plain(tables))
+    except TypeError as error:
+        raise SceneError(f"scene {name!r}: cannot be written as TOML: {error}") from None
+
+
+def _plain(value: Any) -> Any:
+    """`value` with the numbers and lists of Python in place of those of other libraries."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items() if item is not None}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, bool | int | str):
+        return value
+    return float(value) if isinstance(value, numbers.Real) else value

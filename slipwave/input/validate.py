@@ -34,7 +34,7 @@ def validate(data: dict[str, Any]) -> Validated:
     tables = _checked(schema.SceneTable, data, ())
     law = tables.interface.get("law")
     if not isinstance(law, str) or law not in LAWS:
-        raise SceneError(f"interface.law = {shorten(law)}: must be {choices(LAWS)}")
+        raise SceneError(f"interface.law = {shorten(law)}: must be {choices(LAWS, law)}")
     table = _interface_table(cast(Hashable, LAWS[law].parameters))
     checked = _checked(table, tables.interface, ("interface",)).model_dump()
     units = {key: checked[key] for key in _UNITS if checked[key] is not None}

@@ -42,7 +42,10 @@ def nearest(word: str, known: Iterable[str], cutoff: float = 0.5) -> str | None:
     return found[0] if found else None
 
 
-def choices(known: Iterable[str]) -> str:
-    """The known words as `"a", "b" or "c"`."""
+def choices(known: Iterable[str], given: Any = None) -> str:
+    """The known words as `"a", "b" or "c"`, and which of them may be meant by the wrong word `given`."""
+    known = list(known)
     words = [f'"{word}"' for word in known]
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
+    listed = words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
+    guess = nearest(given, known) if isinstance(given, str) else None
+    return f'{listed}; did you mean "{guess}"?' if guess else listed

@@ -214,7 +214,7 @@ def test_the_netcdf_file_holds_events_history_and_provenance(tmp_path: Path, cap
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
     with xarray.open_dataset(out) as data:
         assert data.sizes["event"] == result["events"] - 1
-        assert data["period"].attrs["units"] == "transit"
+        assert data["period"].attrs["in_units_of"] == "transit"
         assert float(data["time"][-1]) == pytest.approx(300.0)
         assert float(data["interface_psi"][-1]) == pytest.approx(result["final"]["psi"], rel=1e-12)
         assert (data.attrs["complete"], data.attrs["model"], data.attrs["scene"]) == (1, "delay", "paper")

@@ -113,7 +113,11 @@ def test_the_file_of_a_run_holds_the_solvers_own_samples(tmp_path: Path, capsys:
     with xarray.open_dataset(out) as data:
         for name, values in history.columns().items():
             assert np.array_equal(data["time" if name == "time" else f"interface_{name}"].values, values)
-        assert data["interface_stress"].attrs == {"long_name": "friction stress mu", "units": "normal stress"}
+        assert data["interface_stress"].attrs == {
+            "long_name": "friction stress mu",
+            "units": "1",
+            "in_units_of": "normal stress",
+        }
     assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
 
 

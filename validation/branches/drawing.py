@@ -1,15 +1,10 @@
 """A branch in a figure: period and both stress drops against the parameter, stable and unstable parts, special points."""
 
 from itertools import groupby
-from pathlib import Path
 from typing import Any
 
-from slipwave.files import whole_or_absent
 from validation.branches.record import Branch
-from validation.study.drawing import Axes, Drawing, canvas, styled
-
-FIGURES = (".png", ".pdf", ".svg")
-"""Kinds of file that a branch is drawn to."""
+from validation.study.drawing import Axes, Drawing, canvas
 
 _QUANTITIES = {"period": "period $T$ / transits", "stress_drop": "stress drop", "elastic_stress_drop": "elastic stress drop"}
 _MARKS: dict[str, Any] = {
@@ -23,12 +18,6 @@ _PENS: dict[bool | None, Any] = {
     False: {"linewidth": 0.8, "color": "#777777", "dashes": (4, 1.5), "label": "unstable"},
     None: {"linewidth": 0.9, "color": "#777777", "label": "stability not decided"},
 }
-
-
-def draw(path: Path, branch: Branch) -> None:
-    """Write the figure. Raises SceneError if the file cannot be written."""
-    with styled(), whole_or_absent(path) as temporary:
-        figure_of(branch).savefig(temporary, dpi=150)
 
 
 def figure_of(branch: Branch) -> Drawing:

@@ -1,6 +1,7 @@
 """A branch as a netCDF file that is written whole after each point: a process killed at any time leaves a file to go on from."""
 
 import json
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,14 +24,13 @@ _UNDECIDED = -1  # of `stable`
 _POINT = ("unknowns", "tangent", "monodromy", "velocity", "drift")
 
 
-def write(path: Path, branch: Branch, head: Head, complete: bool) -> None:
-    """Write all of the branch and where it goes on. Raises SceneError if the file cannot be written."""
+def write(path: Path, branch: Branch, head: Head, complete: bool, origin: Mapping[str, Any] | None = None) -> None:
+    """Write all of the branch and where it goes on, with attributes that say its `origin`. Raises SceneError if the file cannot
+    be written."""
     from netCDF4 import Dataset
 
     with whole_or_absent(path) as temporary, Dataset(temporary, "w") as file:
-        file.setncatts(
-            {"title": f"slipwave branch of scene {branch.over.base.name} with model {branch.model}", "complete": int(complete)}
-        )
+        file.setncatts({**(origin or {}), "complete": int(complete)})
         file.setncattr("facts", json.dumps(_facts(branch)))
         file.setncattr("notes", json.dumps(branch.notes))
         _table(file, "point", BranchPoint._fields, branch.points, branch.over.name)
@@ -95,8 +95,9 @@ def _table(file: "Dataset", kind: str, names: tuple[str, ...], rows: Any, parame
         values = [_UNDECIDED if value is None else value for value in column]
         variable = file.createVariable(f"{kind}_{name}", str if text else "f8", (kind,))
         variable[:] = np.array(values, dtype=object if text else float)
-        if name == "value":
-            variable.setncattr("long_name", parameter)
+        variable.setncatts(
+            {"long_name": parameter if name == "value" else name.replace("_", " ")} | ({} if text else {"units": "1"})
+        )
 
 
 def _rows(file: "Dataset", kind: str, names: tuple[str, ...]) -> list[tuple[Any, ...]]:

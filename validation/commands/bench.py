@@ -2,17 +2,22 @@
 
 from typing import Any
 
-from validation.commands.options import Json, SceneName, Settings, Until, Yes, most_seconds, read_scene
+from validation.commands.options import Json, Law, SceneName, Settings, Until, Yes, most_seconds
+
+EXAMPLES = ("slipwave bench paper --until 1000",)
 
 
-def bench(source: SceneName, until: Until = None, settings: Settings = None, yes: Yes = False, json: Json = False) -> None:
+def bench(
+    source: SceneName, until: Until = None, settings: Settings = None, law: Law = None, yes: Yes = False, json: Json = False
+) -> None:
     """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance."""
     import slipwave
     from validation.door.result import delivered
     from validation.output import conclude, print_json
 
-    scene = read_scene(source, settings, until)
-    result, failed, stopped = delivered(lambda: slipwave.bench(scene, most_seconds=most_seconds(yes)))
+    result, failed, stopped = delivered(
+        lambda: slipwave.bench(source, until=until, settings=settings or (), most_seconds=most_seconds(yes))
+    )
     if json:
         print_json(result.summary)
     else:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from validation.branches import KINDS
-from validation.commands.options import Cells, Json, Model, SceneName, Settings, read_scene
+from validation.commands.options import Cells, Json, Law, Model, SceneName, Settings
 
 if TYPE_CHECKING:
     from validation.branches.record import Branch
@@ -38,6 +38,8 @@ Switch = Annotated[
 ]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw the branch: .png, .pdf or .svg")]
 
+EXAMPLES = ("slipwave branch paper --model kelvin-voigt --over log10_r=-2.72:-2.60 --plot branch.png",)
+
 
 def branch(
     source: SceneName,
@@ -45,6 +47,7 @@ def branch(
     model: Model = "auto",
     tol: BranchTolerance = 1e-6,
     settings: Settings = None,
+    law: Law = None,
     cells: Cells = None,
     out: OutFile = None,
     resume: ResumeFile = None,
@@ -61,18 +64,18 @@ def branch(
     the orbit that a run at an unstable end leads to.
     """
     import slipwave
-    from validation.branches.drawing import FIGURES
     from validation.door.result import delivered
-    from validation.output import attempt, conclude, print_json, printed, require_writable
+    from validation.output import FIGURES, attempt, conclude, print_json, printed, require_writable
 
     for path, kinds, option in ((out, (".nc",), "--out"), (resume, (".nc",), "--resume"), (plot, FIGURES, "--plot")):
         if path is not None:
             require_writable(path, kinds, option)
     result, failed, stopped = delivered(
         lambda: slipwave.branch(
-            read_scene(source, settings),
+            source,
             over,
             model,
+            settings=settings or (),
             tol=tol,
             cells=cells,
             out=out,
@@ -87,7 +90,7 @@ def branch(
     if result.found.points or result.found.special:
         tasks.append(lambda: printed(lambda: print_json(result.summary) if json else _print(result.found, result.wall_s)))
         if plot is not None:
-            tasks.append(lambda: result.draw(plot))
+            tasks.append(lambda: result.save_plot(plot))
     conclude("; ".join([failed, *([_way_on(out or resume)] if stopped else [])]), attempt(*tasks), stopped)
 
 

@@ -9,6 +9,7 @@ from validation.commands.options import (
     Cells,
     Cfl,
     Json,
+    Law,
     SceneName,
     Settings,
     TimeMarch,
@@ -16,8 +17,9 @@ from validation.commands.options import (
     Until,
     Yes,
     most_seconds,
-    read_scene,
 )
+
+EXAMPLES = ("slipwave compare paper --models delay,kelvin-voigt,fd --out compare.png",)
 
 
 def compare(
@@ -27,6 +29,7 @@ def compare(
     ],
     until: Until = None,
     settings: Settings = None,
+    law: Law = None,
     cells: Cells = None,
     cfl: Cfl = None,
     time: TimeMarch = None,
@@ -38,15 +41,24 @@ def compare(
     """Draw one cycle of each model in one figure; print periods and stress drops with their errors."""
     import slipwave
     from validation.door.result import delivered
-    from validation.output import attempt, conclude, print_json, printed, require_writable
+    from validation.output import FIGURES, attempt, conclude, print_json, printed, require_writable
 
-    scene = read_scene(source, settings, until)
-    require_writable(out, (".png", ".pdf", ".svg"))
+    require_writable(out, FIGURES)
     result, failed, stopped = delivered(
-        lambda: slipwave.compare(scene, models, cells=cells, cfl=cfl, time=time, tol=tol, most_seconds=most_seconds(yes))
+        lambda: slipwave.compare(
+            source,
+            models,
+            until=until,
+            settings=settings or (),
+            cells=cells,
+            cfl=cfl,
+            time=time,
+            tol=tol,
+            most_seconds=most_seconds(yes),
+        )
     )
     summary = result.summary | {"figure": str(out)}
-    problems = attempt(lambda: printed(lambda: print_json(summary) if json else _print(summary)), lambda: result.draw(out))
+    problems = attempt(lambda: printed(lambda: print_json(summary) if json else _print(summary)), lambda: result.save_plot(out))
     conclude(failed, problems, stopped)
 
 

@@ -1,28 +1,58 @@
 """Arguments and options that several commands share."""
 
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from pathlib import Path
+from typing import Annotated, TypeAlias
 
 import typer
 
 from validation.registry.families import FAMILIES, GRIDS
 
-if TYPE_CHECKING:
-    from slipwave.scene import Scene
+
+def _gallery() -> list[str]:
+    """Names for the shell's completion."""
+    from slipwave.input.source import gallery_names
+
+    return gallery_names()
+
+
+def _models() -> list[str]:
+    return ["auto", *(family.example for family in FAMILIES)]
+
 
 SceneName: TypeAlias = Annotated[
-    str, typer.Argument(metavar="SCENE", help="a gallery name (see `slipwave scenes`) or a TOML file")
+    str,
+    typer.Argument(
+        metavar="SCENE",
+        help="a gallery name (see `slipwave scenes`), a TOML file, or a netCDF file of results",
+        autocompletion=_gallery,
+    ),
 ]
 Model: TypeAlias = Annotated[
     str,
     typer.Option(
         help=f"{', '.join(family.pattern for family in FAMILIES)} (without P, it is chosen by --tol), or auto: the cheapest that "
-        "is exact for the scene"
+        "is exact for the scene",
+        autocompletion=_models,
     ),
 ]
 Until: TypeAlias = Annotated[float | None, typer.Option(metavar="TRANSITS", help="length of the run (default: the scene's)")]
 Settings: TypeAlias = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE ...", help="change one key of the scene, as in slab.log10_r=-2.3; may be repeated"),
+]
+
+
+def _load_law(path: Path | None) -> Path | None:
+    if path is not None:
+        from slipwave.friction.own import load_laws
+
+        load_laws(path)
+    return path
+
+
+Law: TypeAlias = Annotated[
+    Path | None,
+    typer.Option("--law", metavar="FILE.py", help="run this Python file, which registers a friction law", callback=_load_law),
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="print JSON instead of a table")]
 Cells: TypeAlias = Annotated[int | None, typer.Option(help="full wave: cells per slab")]
@@ -57,13 +87,3 @@ def most_seconds(yes: bool) -> float:
     from slipwave.observe.foresight import DAY
 
     return math.inf if yes else DAY
-
-
-def read_scene(name: str, settings: list[str] | None, until: float | None = None) -> "Scene":
-    """The scene of the command line: its file or gallery name, `--set` changes, `--until`."""
-    import slipwave
-
-    overrides = list(settings or ())
-    if until is not None:
-        overrides.append(f"run.until={until}")
-    return slipwave.read(name, overrides)

@@ -1,10 +1,11 @@
 """`slipwave orbit`: the periodic orbit of a scene with its errors and its stability."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from validation.commands.options import Cells, Json, Model, SceneName, Settings, read_scene
+from validation.commands.options import Cells, Json, Law, Model, SceneName, Settings
 
 if TYPE_CHECKING:
     from validation.registry.orbits import OrbitFound
@@ -12,15 +13,24 @@ if TYPE_CHECKING:
 _SHOWN = 6  # multipliers in the table
 _ROUNDING = 1e-12  # those below are noise
 
-OrbitTolerance = Annotated[float, typer.Option("--tol", help="requested relative error of period, drops and slip rates")]
+OrbitTolerance = Annotated[
+    float | None, typer.Option("--tol", help="requested relative error of period, drops and slip rates (default 1e-8)")
+]
+OutFile = Annotated[Path | None, typer.Option(metavar="FILE.nc", help="write the motion over one period and the multipliers")]
+Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw the motion over one period: .png, .pdf or .svg")]
+
+EXAMPLES = ("slipwave orbit paper --set slab.log10_r=-2.65 --out orbit.nc",)
 
 
 def orbit(
     source: SceneName,
     model: Model = "auto",
-    tol: OrbitTolerance = 1e-8,
+    tol: OrbitTolerance = None,
     settings: Settings = None,
+    law: Law = None,
     cells: Cells = None,
+    out: OutFile = None,
+    plot: Plot = None,
     json: Json = False,
 ) -> None:
     """The periodic orbit that a run of the scene leads to, stable or not: figures with errors, and Floquet multipliers.
@@ -28,10 +38,19 @@ def orbit(
     A full wave marches exactly in time; its orbit is that of its grid.
     """
     import slipwave
-    from validation.output import print_json, printed
+    from validation.output import FIGURES, attempt, conclude, print_json, printed, require_writable
 
-    result = slipwave.orbit(read_scene(source, settings), model, tol=tol, cells=cells)
-    printed(lambda: print_json(result.summary) if json else _print(result.found))
+    for path, kinds, option in ((out, (".nc",), "--out"), (plot, FIGURES, "--plot")):
+        if path is not None:
+            require_writable(path, kinds, option)
+
+    result = slipwave.orbit(source, model, tol=tol, cells=cells, settings=settings or ())
+    tasks = [lambda: printed(lambda: print_json(result.summary) if json else _print(result.found))]
+    if out is not None:
+        tasks.append(lambda: result.to_netcdf(out))
+    if plot is not None:
+        tasks.append(lambda: result.save_plot(plot))
+    conclude("", attempt(*tasks))
 
 
 def _print(done: "OrbitFound") -> None:

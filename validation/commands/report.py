@@ -5,6 +5,11 @@ from typing import Annotated
 
 import typer
 
+EXAMPLES = (
+    "slipwave report --quick",
+    "slipwave report --only one-cycle --out reports",
+)
+
 
 def report(
     quick: Annotated[bool, typer.Option("--quick", help="the cheap version of every study")] = False,

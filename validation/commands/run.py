@@ -9,6 +9,7 @@ from validation.commands.options import (
     Cells,
     Cfl,
     Json,
+    Law,
     Model,
     SceneName,
     Settings,
@@ -17,11 +18,16 @@ from validation.commands.options import (
     Until,
     Yes,
     most_seconds,
-    read_scene,
 )
 
 if TYPE_CHECKING:
     from validation.door.run import RunResult
+
+EXAMPLES = (
+    "slipwave run paper --model modal:2 --set slab.log10_r=-2.6 --plot run.png",
+    "slipwave run paper --out run.nc --every 10",
+    "slipwave run run.nc",
+)
 
 
 def run(
@@ -29,6 +35,7 @@ def run(
     model: Model = "auto",
     until: Until = None,
     settings: Settings = None,
+    law: Law = None,
     cells: Cells = None,
     cfl: Cfl = None,
     time: TimeMarch = None,
@@ -43,8 +50,15 @@ def run(
     checkpoint: Annotated[
         Path | None, typer.Option(metavar="FILE", help="save checkpoints here during the run, and go on from FILE if it exists")
     ] = None,
-    every: Annotated[
-        float | None, typer.Option("--checkpoint-every", metavar="TRANSITS", help="time between checkpoints (default 1000)")
+    checkpoint_every: Annotated[
+        float | None, typer.Option(metavar="TRANSITS", help="time between checkpoints (default 1000)")
+    ] = None,
+    every: Annotated[int | None, typer.Option(metavar="N", help="keep one in N samples of the interface's history")] = None,
+    window: Annotated[
+        str | None, typer.Option(metavar="A:B", help="keep the interface's history from A to B transits only")
+    ] = None,
+    plot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="draw stress and slip rate over time: .png, .pdf or .svg")
     ] = None,
     yes: Yes = False,
     json: Json = False,
@@ -55,26 +69,30 @@ def run(
     import slipwave
     from slipwave.files import part_of
     from validation.door.result import delivered
-    from validation.output import attempt, conclude, print_json, printed, require_writable
+    from validation.output import FIGURES, attempt, conclude, print_json, printed, require_writable
     from validation.run.recording import FIELD_FILES
     from validation.run.resuming import way_on
 
-    scene = read_scene(source, settings, until)
-    for path, kinds, option in ((out, (".nc",), "--out"), (fields, FIELD_FILES, "--fields")):
+    for path, kinds, option in ((out, (".nc",), "--out"), (fields, FIELD_FILES, "--fields"), (plot, FIGURES, "--plot")):
         if path is not None:
             require_writable(path, kinds, option)
     result, failed, stopped = delivered(
         lambda: slipwave.run(
-            scene,
+            source,
             model,
+            until=until,
+            settings=settings or (),
             cells=cells,
             cfl=cfl,
             time=time,
             tol=tol,
-            history=part_of(out, ".samples") if out is not None else False,
+            interface=True if plot is not None else None if out is not None else False,
+            every=every,
+            window=_window(window),
             fields=True if fields is not None else None if out is not None else False,
+            samples=part_of(out, ".samples") if out is not None else None,
             checkpoint=checkpoint,
-            checkpoint_every=every,
+            checkpoint_every=checkpoint_every,
             most_seconds=most_seconds(yes),
         )
     )
@@ -87,8 +105,24 @@ def run(
             tasks.append(lambda: result.write_fields(fields))
         if out is not None:
             tasks.append(lambda: result.to_netcdf(out))
+        if plot is not None:
+            tasks.append(lambda: result.save_plot(plot))
         problems = attempt(*tasks)
     conclude("; ".join([failed, *([way_on(checkpoint)] if stopped else [])]), problems, stopped)
+
+
+def _window(text: str | None) -> tuple[float, float] | None:
+    """The window A:B in transits."""
+    from slipwave.errors import SceneError
+    from slipwave.input.wording import shorten
+
+    if text is None:
+        return None
+    try:
+        begin, end = (float(word) for word in text.split(":"))
+    except ValueError:
+        raise SceneError(f"--window {shorten(text)}: must be A:B, two numbers of transits") from None
+    return begin, end
 
 
 def _print(result: "RunResult") -> None:

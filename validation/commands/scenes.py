@@ -1,5 +1,7 @@
 """`slipwave scenes`: the gallery, one line each."""
 
+EXAMPLES = ("slipwave scenes",)
+
 
 def scenes() -> None:
     """List the gallery's scenes, one line each."""

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from reduced.families import DELAY, REDUCTIONS
-from validation.commands.options import Json, SceneName, Settings, read_scene
+from validation.commands.options import Json, Law, SceneName, Settings
 
 if TYPE_CHECKING:
     from validation.door.stability import StabilityResult
@@ -19,13 +19,20 @@ StabilityModel = Annotated[
     ),
 ]
 
+EXAMPLES = (
+    "slipwave stability paper",
+    "slipwave stability grip --model fitted:4 --json",
+)
 
-def stability(source: SceneName, model: StabilityModel = "delay", settings: Settings = None, json: Json = False) -> None:
+
+def stability(
+    source: SceneName, model: StabilityModel = "delay", settings: Settings = None, law: Law = None, json: Json = False
+) -> None:
     """Stability of steady sliding from the slabs' impedance alone, for any scene and model."""
     import slipwave
     from validation.output import print_json, printed
 
-    result = slipwave.stability(read_scene(source, settings), model)
+    result = slipwave.stability(source, model, settings=settings or ())
     printed(lambda: print_json(result.summary) if json else _print(result))
 
 

@@ -1,18 +1,25 @@
 """`slipwave.bench`: run time against error, every model that can do the scene, at several settings each."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.input import SceneSource
 from slipwave.observe.foresight import DAY
 from slipwave.scene import Scene
-from validation.door.result import Result, deliver, finite, scene_of
+from validation.door.provenance import provenance
+from validation.door.result import Result, deliver, finite, scene_of, table_of
 from validation.registry import build as models
 from validation.run.progress import progress
 from validation.run.simulate import Run, RunInterrupted, simulate
+from validation.study.drawing import Drawing, canvas, pen, styled
 from validation.work_precision import Setting, solver_of, warm_up
+
+if TYPE_CHECKING:
+    import xarray
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)
 _REFERENCE_TOLERANCE = 1e-11
@@ -33,15 +40,45 @@ class BenchResult(Result):
         facts = {"scene": self.scene.name, "until": self.scene.until, "reference": self.reference.solver.model}
         return dict(finite(facts | {"models": rows}))
 
+    @cached_property
+    def dataset(self) -> "xarray.Dataset":
+        """Wall time and errors of each run by `trial`, with its model and setting."""
+        data = table_of(self.summary["models"], "trial")
+        data.attrs = provenance("bench", self.scene, self.reference.solver.model, {})
+        return data
 
-def bench(source: SceneSource, *, until: float | None = None, most_seconds: float = DAY, **changes: Any) -> BenchResult:
+    def plot(self) -> Drawing:
+        """Error of the period against wall time, a line for each model; runs without cycles are left out."""
+        with styled():
+            figure = canvas(height=4.8)
+            axes = figure.subplots()
+            axes.set(xscale="log", yscale="log", xlabel="wall time / s", ylabel="relative error of the period")
+            for model in dict.fromkeys(run.solver.model for run, _ in self.runs):
+                rows = [row for row in self.summary["models"] if row["model"] == model and row["error"]["period"]]
+                if rows:
+                    pairs = [row["wall_s"] for row in rows], [row["error"]["period"] for row in rows]
+                    look = pen(model)
+                    axes.plot(*pairs, color=look.color, marker=look.marker, linestyle=look.dashes, label=model)
+            axes.set_title(f"{self.scene.name}: run time against error")
+            axes.legend()
+            return figure
+
+
+def bench(
+    source: SceneSource,
+    *,
+    until: float | None = None,
+    most_seconds: float = DAY,
+    settings: Iterable[str] = (),
+    **changes: Any,
+) -> BenchResult:
     """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance.
     `changes` are those of `slipwave.read_scene`.
 
     A model that cannot do the scene (quasistatic runs away) still has a row. Raises SceneError for wrong input; NumericsError,
     with all of them as its `result`, if solves of the interface failed.
     """
-    scene = scene_of(source, changes, until)
+    scene = scene_of(source, settings, changes, until)
     trials = [(family, setting) for family in models.honouring(scene) for setting in _settings(family)]
     if not trials:
         raise SceneError(f"scene = {scene.name!r}: no model of this installation can do it")

@@ -1,23 +1,31 @@
 """`slipwave.branch`: periodic orbits followed in a parameter, through folds, with the points where their stability changes."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from slipwave.errors import NumericsError
 from slipwave.input import SceneSource
+from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.branches.drawing import draw
+from validation.branches.drawing import figure_of
 from validation.branches.follow import Head, Limits, begin, follow, is_doubled, limits_of
 from validation.branches.parameter import over_range
 from validation.branches.record import Branch, BranchPoint, SpecialPoint
 from validation.branches.stored import read, write
+from validation.door.provenance import provenance
 from validation.door.result import Result, deliver, finite, scene_of, told
 from validation.registry.flows import flowing
 from validation.registry.orbits import require_tolerance
 from validation.run.progress import progress
+from validation.run.quantities import EVENTS, variables
+from validation.study.drawing import Drawing, styled
+
+if TYPE_CHECKING:
+    import xarray
 
 SCHEMA = 1
 """Version of the keys of the JSON."""
@@ -25,9 +33,12 @@ SCHEMA = 1
 
 @dataclass(frozen=True, repr=False, eq=False)
 class BranchResult(Result):
-    """The branch that was `found`, and run time in seconds; `failed` says why it ended early, or is empty."""
+    """The branch that was `found`, where it can go on, the options of the call, and run time in seconds; `failed` says why it
+    ended early, or is empty."""
 
     found: Branch
+    head: Head | None
+    options: Mapping[str, Any]
     wall_s: float
     failed: str = ""
 
@@ -49,9 +60,29 @@ class BranchResult(Result):
         }
         return dict(finite(result | ({"failed": self.failed} if self.failed else {})))
 
-    def draw(self, path: Path) -> None:
-        """Write the figure. Raises SceneError if the file cannot be written."""
-        draw(path, self.found)
+    @cached_property
+    def dataset(self) -> "xarray.Dataset":
+        """The points by `point` and the special points by `special`, at their values of the parameter."""
+        import xarray
+
+        found, scene = self.found, self.found.over.base
+        values = _table("point", BranchPoint._fields, found.shown, scene)
+        values |= _table("special", SpecialPoint._fields, found.shown_special, scene)
+        data = xarray.Dataset(values, attrs=branch_facts(found, self.options))
+        return data.set_coords([name for name in ("point_value", "special_value") if name in data])
+
+    def plot(self) -> Drawing:
+        """Period and stress drops against the parameter."""
+        with styled():
+            return figure_of(self.found)
+
+    def to_netcdf(self, path: str | Path) -> None:
+        """Write the branch and, where there is one, the point from which it can go on. Raises SceneError if the file cannot be
+        written."""
+        if self.head is None:
+            super().to_netcdf(path)
+        else:
+            write(Path(path), self.found, self.head, not self.failed, branch_facts(self.found, self.options))
 
 
 def branch(
@@ -67,6 +98,7 @@ def branch(
     switch: str | None = None,
     longest_period: float | None = None,
     most_points: int = 2000,
+    settings: Iterable[str] = (),
     **changes: Any,
 ) -> BranchResult:
     """Follow periodic orbits from where steady sliding loses stability, stable or not, through folds; `changes` are those of
@@ -81,18 +113,27 @@ def branch(
     """
     require_tolerance(tol)
     limits, doubled = limits_of(stop_at, longest_period, most_points), is_doubled(switch)
-    parameter = over_range(_range_text(over), scene_of(source, changes))
+    parameter = over_range(_range_text(over), scene_of(source, settings, changes))
     name, why = flowing(model, parameter.base)
     if why:
         told.info("model auto: %s (%s)", name, why)
+    options = {"tol": tol, "cells": cells, "stop_at": stop_at, "switch": switch, "longest_period": longest_period}
+    options |= {"over": _range_text(over), "most_points": most_points}
     found, failed, stopped, began = Branch(parameter, name, tol, cells, doubled), "", False, time.perf_counter()
+    head: Head | None = None
     try:
-        _compute(found, limits, out or resume, resume)
+        for step in _steps(found, limits, out or resume, resume, branch_facts(found, options)):
+            head = step
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:
         failed, stopped = f"interrupted after {len(found.points)} points", True
-    return deliver(BranchResult(found, time.perf_counter() - began, failed), failed, stopped)
+    return deliver(BranchResult(found, head, options, time.perf_counter() - began, failed), failed, stopped)
+
+
+def branch_facts(found: Branch, options: Mapping[str, Any]) -> dict[str, Any]:
+    """The attributes of a branch's file."""
+    return provenance("branch", found.over.base, found.model, options) | {"parameter": found.over.name}
 
 
 def _range_text(over: str | Mapping[str, tuple[float, float]]) -> str:
@@ -101,20 +142,34 @@ def _range_text(over: str | Mapping[str, tuple[float, float]]) -> str:
     return ",".join(f"{name}={first!r}:{last!r}" for name, (first, last) in over.items())
 
 
-def _compute(found: Branch, limits: Limits, path: Path | None, resume: Path | None) -> None:
-    """Fill the branch and, after each point, its file."""
+def _steps(found: Branch, limits: Limits, path: Path | None, resume: Path | None, facts: Mapping[str, Any]) -> Iterator[Head]:
+    """Fill the branch and, after each point, its file; yields where the branch can go on."""
 
-    def keep(head: Head, complete: bool) -> None:
+    def keep(head: Head, complete: bool) -> Head:
         if path is not None:
-            write(path, found, head, complete)
+            write(path, found, head, complete, facts)
+        return head
 
-    last = head = read(resume, found) if resume is not None else begin(found)
-    keep(last, False)
+    head = last = keep(read(resume, found) if resume is not None else begin(found), False)
+    yield last
     with progress(f"{found.over.base.name}, {found.model}, points of the branch", limits.points) as report:
         for last in follow(found, head, limits):
-            keep(last, False)
+            yield keep(last, False)
             report(len(found.points))
     keep(last, True)
+
+
+def _table(kind: str, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]], scene: Scene) -> dict[str, Any]:
+    """Columns of points as variables; `stable` is -1 where it is not decided."""
+    found: dict[str, Any] = {}
+    for name, column in zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True):
+        if name in EVENTS:
+            twins = variables(kind, {name: list(column)}, EVENTS, scene)
+            found |= {f"{kind}_{label}": variable for label, variable in twins.items()}
+        else:
+            values = [-1 if value is None else value for value in column]
+            found[f"{kind}_{name}"] = (kind, values, {"long_name": name.replace("_", " ")})
+    return found
 
 
 def _at(found: Branch, row: BranchPoint | SpecialPoint) -> dict[str, Any]:

@@ -1,19 +1,23 @@
 """`slipwave.compare`: several models on one scene, in one figure and one table."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
-from slipwave.files import whole_or_absent
 from slipwave.input import SceneSource
 from slipwave.observe.foresight import DAY, require_time
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.door.result import Result, deliver, finite, scene_of
+from validation.door.provenance import provenance
+from validation.door.result import Result, deliver, finite, scene_of, table_of
 from validation.measure.cycle import Cycle, CycleObserver
 from validation.registry.build import build_all
 from validation.run.simulate import Run, RunInterrupted, second_half, simulate
+from validation.study.drawing import Drawing, canvas, styled
+
+if TYPE_CHECKING:
+    import xarray
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -23,6 +27,7 @@ class CompareResult(Result):
     scene: Scene
     runs: list[Run]
     cycles: list[Cycle | None]
+    options: Mapping[str, Any]
 
     @property
     def reference(self) -> Run:
@@ -37,12 +42,21 @@ class CompareResult(Result):
         doubtful = doubts(self.scene)
         return dict(finite(facts | {"models": rows} | ({"notes": doubtful} if doubtful else {})))
 
-    def draw(self, path: Path) -> None:
+    @cached_property
+    def dataset(self) -> "xarray.Dataset":
+        """The figures of each run by `model`: means, spreads and errors."""
+        data = table_of(self.summary["models"], "model")
+        data.attrs = provenance("compare", self.scene, ",".join(data["model"].values.tolist()), self.options)
+        return data
+
+    def plot(self) -> Drawing:
         """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model; a transient has no cycle
         and appears in the legend only."""
-        from matplotlib.figure import Figure
+        with styled():
+            return self._drawn()
 
-        sheet = Figure(figsize=(9.0, 6.0), layout="constrained")
+    def _drawn(self) -> Drawing:
+        sheet = canvas(9.0, 6.0)
         above, below = sheet.subplots(2, 1, sharex=True)
         below.set_yscale("log")
         for run, cycle in zip(self.runs, self.cycles, strict=True):
@@ -58,8 +72,7 @@ class CompareResult(Result):
         above.set_ylabel("friction stress / normal stress")
         below.set(ylabel="slip rate / V*", xlabel="transits since v passed half its largest value in the slip event")
         above.legend(fontsize="small")
-        with whole_or_absent(path) as temporary:
-            sheet.savefig(temporary, dpi=150)
+        return sheet
 
 
 def compare(
@@ -72,6 +85,7 @@ def compare(
     time: str | None = None,
     tol: float | None = None,
     most_seconds: float = DAY,
+    settings: Iterable[str] = (),
     **changes: Any,
 ) -> CompareResult:
     """Run several models (a list, or names separated by commas) on a scene and compare their cycles with those of the delay
@@ -79,7 +93,8 @@ def compare(
 
     Raises SceneError for wrong input; NumericsError if one of them fails, with all of them as its `result`.
     """
-    scene = scene_of(source, changes, until)
+    scene = scene_of(source, settings, changes, until)
+    options = {"cells": cells, "cfl": cfl, "tol": tol, "time": time}
     names = models if isinstance(models, str) else ",".join(models)
     solvers = build_all(names, scene, cells=cells, cfl=cfl, tolerance=tol, time=time)
     for solver in solvers:
@@ -96,7 +111,7 @@ def compare(
         if stopped:
             break
     failed = [*(run.failed for run in runs if run.failed), *([stopped] if stopped else [])]
-    return deliver(CompareResult(scene, runs, cycles), "; ".join(failed), bool(stopped))
+    return deliver(CompareResult(scene, runs, cycles, options), "; ".join(failed), bool(stopped))
 
 
 def _row(run: Run, reference: Run) -> dict[str, Any]:

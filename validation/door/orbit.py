@@ -1,14 +1,32 @@
 """`slipwave.orbit`: the periodic orbit of a scene with its errors and its stability."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from slipwave.input import SceneSource
+from slipwave.input.stored import recall
+from slipwave.observe.history import named_columns
+from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from slipwave.step.flow import Cycle
+from validation.door.motion_figure import motion_figure
+from validation.door.provenance import provenance
 from validation.door.result import Result, finite, scene_of, told
 from validation.registry.flows import moving
 from validation.registry.orbits import OrbitFound, find_orbit, require_tolerance
+from validation.run.quantities import EVENTS, INTERFACE, variables
+from validation.study.drawing import Drawing, styled
+
+if TYPE_CHECKING:
+    import xarray
+
+TOLERANCE = 1e-8
+"""Relative error of an orbit's figures if none is requested."""
 
 SCHEMA = 1
 """Version of the keys of the JSON."""
@@ -19,6 +37,33 @@ class OrbitResult(Result):
     """The orbit that was `found`."""
 
     found: OrbitFound
+    options: Mapping[str, Any]
+
+    @cached_property
+    def dataset(self) -> "xarray.Dataset":
+        """The motion over one period by `time` from 0, multipliers by `multiplier`, and the orbit's figures with their errors."""
+        import xarray
+
+        closed, scene = self.found.found.closed, self.found.scene
+        columns = _motion(closed.cycle, closed.flow.nodes, scene)
+        time = variables("time", {"time": columns.pop("time")}, INTERFACE, scene)
+        values = variables("time", columns, INTERFACE, scene)
+        for name, value in self.found.found.orbit.values().items():
+            values |= variables((), {name: value}, EVENTS, scene)
+            error = getattr(self.found.found.orbit, name).error
+            values[f"{name}_error"] = ((), error, {"long_name": f"estimated error of {name}", "units": "1"})
+        roots = self.found.found.multipliers.values
+        for part, numbers in (("real", roots.real), ("imaginary", roots.imag)):
+            values[f"multiplier_{part}"] = ("multiplier", numbers, {"long_name": f"{part} part of the multiplier", "units": "1"})
+        return xarray.Dataset(values, time, provenance("orbit", scene, self.found.flow.model, self.options))
+
+    def plot(self) -> Drawing:
+        """Stress and slip rate over one period."""
+        data, scene = self.dataset, self.found.scene
+        names = {"time": "time", "stress": "interface_stress", "slip_rate": "interface_slip_rate"}
+        title = f"{scene.name}, {self.found.flow.model}: periodic orbit, T = {float(data['period']):.6g} transits"
+        with styled():
+            return motion_figure(scene, title, {name: data[label].values for name, label in names.items()})
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -45,18 +90,36 @@ class OrbitResult(Result):
 
 
 def orbit(
-    source: SceneSource, model: str = "auto", *, tol: float = 1e-8, cells: int | None = None, **changes: Any
+    source: SceneSource,
+    model: str = "auto",
+    *,
+    tol: float | None = None,
+    cells: int | None = None,
+    settings: Iterable[str] = (),
+    **changes: Any,
 ) -> OrbitResult:
-    """The periodic orbit that a run of the scene leads to, stable or not, to the relative error `tol`, and its Floquet
-    multipliers; `changes` are those of `slipwave.read_scene`. A full wave (`cells` per slab) marches exactly in time.
+    """The periodic orbit that a run of the scene leads to, stable or not, to the relative error `tol` (default 1e-8), and its
+    Floquet multipliers. The scene is changed by `settings` and `changes` as in `slipwave.run`; a netCDF file of an orbit is
+    computed again. A full wave (`cells` per slab) marches exactly in time.
 
     Raises SceneError for wrong input, NumericsError if there is no orbit.
     """
+    model, options = recall(source, "orbit", model, {"tol": tol, "cells": cells})
+    tol, cells = options["tol"] or TOLERANCE, options["cells"]
     require_tolerance(tol)
-    chosen = moving(model, scene_of(source, changes), tol, cells)
+    chosen = moving(model, scene_of(source, settings, changes), tol, cells)
     if chosen.why:
         told.info("model auto: %s (%s)", chosen.solver.model, chosen.why)
-    return OrbitResult(find_orbit(chosen, tol))
+    return OrbitResult(find_orbit(chosen, tol), options | {"tol": tol})
+
+
+def _motion(cycle: Cycle, nodes: Array, scene: Scene) -> dict[str, Array]:
+    """The interface at the nodes of the pieces, each time once."""
+    pieces = cycle.pieces
+    time = pieces.time[:, None] + pieces.length[:, None] * nodes
+    rows = np.stack([values.ravel() for values in (time, *pieces[2:])])
+    rows = rows[:, np.flatnonzero(np.diff(rows[0], prepend=-1.0) > 0.0)]
+    return {name if name == "time" else f"interface_{name}": values for name, values in named_columns(scene.law, rows).items()}
 
 
 def _in_si(values: dict[str, float], scene: Scene) -> dict[str, float]:

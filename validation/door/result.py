@@ -4,25 +4,53 @@ import html
 import logging
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
 
 from slipwave.errors import NumericsError
-from slipwave.input import SceneSource, read_scene
+from slipwave.files import whole_or_absent
+from slipwave.input import SceneSource, read, read_scene
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from validation.study.drawing import Drawing, styled
+
+if TYPE_CHECKING:
+    import xarray
 
 told = logging.getLogger("slipwave")
 """What is chosen for the user and how far long work has come, at level INFO; the command line prints it on stderr."""
 
 
 class Result(ABC):
-    """A result of the door: `summary` is the JSON of the command as a dictionary."""
+    """A result of the door: the JSON of its command as a dictionary, an `xarray.Dataset`, a figure, a netCDF file."""
 
     @property
     @abstractmethod
     def summary(self) -> dict[str, Any]:
         """All figures by the keys of the command's JSON; None where there is no value."""
+
+    @property
+    @abstractmethod
+    def dataset(self) -> "xarray.Dataset":
+        """All arrays with coordinates and units; for a scene in SI also in SI. The attributes say where it comes from."""
+
+    @abstractmethod
+    def plot(self) -> Drawing:
+        """A figure of it, in the house style."""
+
+    def to_netcdf(self, path: str | Path) -> None:
+        """Write the dataset. Raises SceneError if the file cannot be written."""
+        with whole_or_absent(Path(path)) as temporary:
+            whole = {name: {"_FillValue": None} for name in self.dataset.coords}  # of a coordinate no value is missing
+            self.dataset.to_netcdf(temporary, engine="netcdf4", encoding=whole)
+
+    def save_plot(self, path: str | Path) -> None:
+        """Write the figure as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
+        with styled(), whole_or_absent(Path(path)) as temporary:
+            self.plot().savefig(temporary, dpi=150)
 
     def __repr__(self) -> str:
         shown = (f"{name} = {value}" for name, value in _scalars(self.summary))
@@ -44,10 +72,10 @@ class Stopped(KeyboardInterrupt):
         self.result = result
 
 
-def scene_of(source: SceneSource, changes: Mapping[str, Any], until: float | None = None) -> Scene:
-    """The scene of a call: `source` with `changes` and, if given, another length of the run (transits). Tells what is doubtful
-    about it."""
-    scene = read_scene(source, **changes, **({} if until is None else {"run.until": until}))
+def scene_of(source: SceneSource, settings: Iterable[str], changes: Mapping[str, Any], until: float | None = None) -> Scene:
+    """The scene of a call: `source` with `settings` ("key=value"), `changes` and, if given, another length (transits). Tells what
+    is doubtful about it."""
+    scene = read_scene(read(source, settings), **changes, **({} if until is None else {"run.until": until}))
     for line in doubts(scene):
         told.warning("note: %s", line)
     return scene
@@ -84,12 +112,35 @@ def finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _scalars(facts: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
-    """Every single value among `facts` that there is, with its dotted key; numbers to six digits."""
+def _scalars(facts: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Every single value among `facts` that there is, as text with its dotted key; numbers to six digits."""
+    for key, value in _leaves(facts):
+        if value is not None and key != "schema":
+            yield key, f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def table_of(rows: Sequence[Mapping[str, Any]], dimension: str) -> "xarray.Dataset":
+    """The rows of a summary as variables over `dimension`: numbers and words by their dotted keys, NaN where there is none."""
+    import xarray
+
+    flat = [dict(_leaves(row)) for row in rows]
+    names = dict.fromkeys(name for row in flat for name in row)
+    columns = {name: [row.get(name) for row in flat] for name in names}
+    values = {name.replace(".", "_"): (dimension, _column(column)) for name, column in columns.items()}
+    found = xarray.Dataset(values)
+    return found.set_coords("model") if "model" in found else found
+
+
+def _column(values: Sequence[Any]) -> "np.ndarray[Any, Any]":
+    words = any(isinstance(value, str) for value in values)
+    empty = "" if words else math.nan
+    return np.array([empty if value is None else value for value in values], dtype=object if words else float)
+
+
+def _leaves(facts: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Every single value among `facts` with its dotted key."""
     for key, value in facts.items():
         if isinstance(value, Mapping):
-            yield from _scalars(value, f"{above}{key}.")
-        elif isinstance(value, float):
-            yield f"{above}{key}", f"{value:.6g}"
-        elif isinstance(value, str | int) and key != "schema":
-            yield f"{above}{key}", str(value)
+            yield from _leaves(value, f"{above}{key}.")
+        elif not isinstance(value, list):
+            yield f"{above}{key}", value

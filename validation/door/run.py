@@ -1,36 +1,49 @@
 """`slipwave.run`: one model on one scene."""
 
+import math
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fullwave.fields.files import write_field
+from slipwave.errors import SceneError
 from slipwave.input import SceneSource
+from slipwave.input.stored import recall
 from slipwave.observe import Solver
 from slipwave.observe.foresight import DAY
 from slipwave.scene.doubts import doubts
+from validation.door.motion_figure import motion_axes, motion_figure
+from validation.door.provenance import provenance
 from validation.door.result import Result, deliver, finite, scene_of, told
 from validation.registry import build as models
 from validation.registry.default_grid import judged, note_on
-from validation.registry.families import Built, one_port_of
+from validation.registry.families import Built, Options, one_port_of
 from validation.run.determinacy import amplified_rounding
-from validation.run.recording import Records, records_of, write_run
+from validation.run.history_file import Kept
+from validation.run.recording import Records, Wanted, records_of
 from validation.run.resuming import require_checkpoint
+from validation.run.run_dataset import run_dataset, write_run
 from validation.run.simulate import Run, RunInterrupted, simulate
+from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
+    import xarray
+
     from fullwave.adapt import Choice
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class RunResult(Result):
     """A run that is `done`, with what was kept of it on its way in `records`. `choice` is the grid that was chosen for a full
-    wave, `notes` are remarks on the numbers."""
+    wave, `notes` are remarks on the numbers, `options` those of the call."""
 
     done: Run
     records: Records
     choice: "Choice | None"
     notes: list[str]
+    options: Mapping[str, Any]
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -69,11 +82,36 @@ class RunResult(Result):
         viscous = ["viscous"] * any(slab.viscosity for slab in self.done.solver.scene.slabs)
         return {name: getattr(ledger, name) for name in ("input", "friction", "radiated", "stored", "residual", *viscous)}
 
+    @cached_property
+    def dataset(self) -> "xarray.Dataset":
+        """Cycles by `event`; the interface's history by `time`, if it was kept. All of it is in memory."""
+        return run_dataset(self.done, self._facts(), self.records.history)
+
     def to_netcdf(self, path: str | Path) -> None:
-        """Write events, and history and fields where the scene records them. Raises SceneError if the file cannot be written."""
+        """Write the dataset, block by block, and the fields as a group if the scene records them. Raises SceneError if the file
+        cannot be written."""
         record = self.records.fields if "fields" in self.done.solver.scene.record else None
         field = record.field if record is not None and self.done.final is not None else None
-        write_run(Path(path), self.done, self.records.history, field)
+        write_run(Path(path), self.done, self._facts(), self.records.history, field)
+
+    def plot(self) -> Drawing:
+        """Stress and slip rate over time, if the history was kept (`interface=True`); else the stress drop and the largest slip
+        rate of each cycle."""
+        done, data, scene = self.done, self.dataset, self.done.solver.scene
+        title = f"{scene.name}, {done.solver.model}: {done.kind or 'events not watched'}"
+        with styled():
+            if "interface_stress" in data:
+                names = {"time": "time", "stress": "interface_stress", "slip_rate": "interface_slip_rate"}
+                return motion_figure(scene, title, {name: data[label].values for name, label in names.items()})
+            figure, above, below = motion_axes(scene, title)
+            for axes, name in ((above, "stress_drop"), (below, "v_max")) if "event_time" in data.coords else ():
+                axes.plot(data["event_time"], data[name], ".", color="#111111")
+            above.set_ylabel("stress drop / normal stress")
+            below.set_ylabel("largest slip rate / V*")
+            return figure
+
+    def _facts(self) -> dict[str, Any]:
+        return provenance("run", self.done.solver.scene, self.done.solver.model, self.options)
 
     def write_fields(self, path: str | Path) -> None:
         """Write velocity and stress of the last transits to a .vtu, .xdmf or .nc file; nothing if the run kept none."""
@@ -94,38 +132,65 @@ def run(
     cfl: float | None = None,
     time: str | None = None,
     tol: float | None = None,
-    history: bool | Path = True,
+    interface: bool | None = None,
+    every: int | None = None,
+    window: tuple[float, float] | None = None,
     fields: bool | None = None,
+    samples: Path | None = None,
     checkpoint: Path | None = None,
     checkpoint_every: float | None = None,
     most_seconds: float = DAY,
+    settings: Iterable[str] = (),
     **changes: Any,
 ) -> RunResult:
-    """Run one model on a scene; `changes` are those of `slipwave.read_scene`.
+    """Run one model on a scene, changed by `settings` (texts "key=value") or `changes` (those of `slipwave.read_scene`).
 
     `until` is in transits (default: the scene's). `cells`, `cfl` and `time` ("exact" or "explicit") are for full waves; `tol` is
-    the requested relative error. If the scene records the interface, its `history` is kept in a temporary file, in the file
-    given, or not at all. `fields` keeps the last 100 transits of a full wave (default: as the scene records). A run that writes a
-    `checkpoint` every so many transits goes on from that file if it exists.
+    the requested relative error. `interface` keeps the interface's history, during the run in the file `samples` (default: a
+    temporary one); `every` keeps one in so many samples and `window` those from begin to end (transits), and each of them asks
+    for the history too. `fields` keeps the last 100 transits of a full wave. Both are kept as the scene records where None. A run
+    that writes a `checkpoint` every so many transits goes on from that file if it exists. If `source` is a netCDF file of an
+    earlier run, it is run again: its model and its options hold where none are given.
 
     Raises SceneError for wrong input and for a run that is expected to take more than `most_seconds`; NumericsError if the
     numerics fail, with the result so far as its `result`.
     """
-    scene = scene_of(source, changes, until)
+    given = {"cells": cells, "cfl": cfl, "tol": tol, "time": time, "interface": interface, "every": every, "window": window}
+    if interface is None and (every is not None or window is not None):
+        given["interface"] = True
+    model, options = recall(source, "run", model, given)
+    scene = scene_of(source, settings, changes, until)
     require_checkpoint(checkpoint, checkpoint_every)
-    resumed = checkpoint is not None and checkpoint.exists()
-    built = models.prepare(model, scene, resumed, cells=cells, cfl=cfl, tolerance=tol, time=time)
+    numerical = Options(cells=options["cells"], cfl=options["cfl"], tolerance=options["tol"], time=options["time"])
+    wanted = Wanted(options["interface"], fields, _kept(options["every"], options["window"]), samples)
+    built = models.prepare(model, scene, checkpoint is not None and checkpoint.exists(), **numerical)
     _tell(built)
-    notes = _doubts(built.solver, tol)
-    records = records_of(built.solver, scene.until, history, fields, checkpoint, checkpoint_every)
+    notes = _doubts(built.solver, options["tol"])
+    records = records_of(built.solver, scene.until, wanted, checkpoint, checkpoint_every)
     try:
         done, stopped = _march(built.solver, records, most_seconds)
-        default = judged(built.solver, cfl, time) if cells is None and tol is None and not done.failed else None
+        default = _default_grid(built.solver, options) if not done.failed else None
     except BaseException:
         records.close()
         raise
     notes += note_on(default) if default else []
-    return deliver(RunResult(done, records, built.choice or default, notes), done.failed, stopped)
+    return deliver(RunResult(done, records, built.choice or default, notes, options), done.failed, stopped)
+
+
+def _kept(every: int | None, window: tuple[float, float] | None) -> Kept:
+    """Which samples of the history are kept. Raises SceneError for a choice that makes no sense."""
+    if every is not None and every < 1:
+        raise SceneError(f"every = {every}: must be 1 or more: one in so many samples is kept")
+    begin, end = window or (0.0, math.inf)
+    if not 0.0 <= begin < end:
+        raise SceneError(f"window = {begin:g}:{end:g}: must be BEGIN:END in transits, BEGIN before END and not negative")
+    return Kept(every or 1, begin, end)
+
+
+def _default_grid(solver: Solver, options: Mapping[str, Any]) -> "Choice | None":
+    """The grid that a full wave took by itself, with its estimated error."""
+    chosen = options["cells"] is not None or options["tol"] is not None
+    return None if chosen else judged(solver, options["cfl"], options["time"])
 
 
 def grid_in_words(choice: "Choice") -> str:

@@ -1,15 +1,29 @@
 """`slipwave.stability`: is steady sliding stable, where does it lose stability, and how do small disturbances grow?"""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 from reduced.families import DELAY
 from reduced.stability import Stability, analyse
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from validation.door.provenance import provenance
 from validation.door.result import Result, finite, scene_of
 from validation.registry.families import one_port_of
+from validation.study.drawing import Drawing, canvas, styled
+
+if TYPE_CHECKING:
+    import xarray
+
+
+_CRITICAL = {
+    "omega_c": "critical frequency, in V*/L",
+    "log10_r_c": "log10 of the critical round trip",
+    "epsilon_c": "critical epsilon",
+}
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -39,6 +53,34 @@ class StabilityResult(Result):
         }
         return dict(finite(result))
 
+    @cached_property
+    def dataset(self) -> "xarray.Dataset":
+        """The leading roots by `root`, and the critical values."""
+        import numpy as np
+        import xarray
+
+        roots = np.asarray(self.found.leading_roots, dtype=complex)
+        values: dict[str, Any] = {}
+        for part, numbers in (("real", roots.real), ("imaginary", roots.imag)):
+            notes = {"long_name": f"{part} part of the root, in 1/(L/V*)", "units": "1"}
+            values[f"root_{part}"] = ("root", numbers, notes)
+        for name, meaning in _CRITICAL.items():
+            value = self.summary[name]
+            values[name] = ((), np.nan if value is None else value, {"long_name": meaning, "units": "1"})
+        return xarray.Dataset(values, attrs=provenance("stability", self.scene, self.found.model, {}))
+
+    def plot(self) -> Drawing:
+        """The leading roots in the complex plane; those right of the dashed line grow."""
+        data = self.dataset
+        with styled():
+            figure = canvas(height=4.5)
+            axes = figure.subplots()
+            axes.plot(data["root_real"], data["root_imaginary"], "o", color="#111111", markerfacecolor="white")
+            axes.axvline(0.0, color="#777777", linewidth=0.8, linestyle="--")
+            axes.set(xlabel="growth rate Re s / (V*/L)", ylabel="frequency Im s / (V*/L)")
+            axes.set_title(f"{self.scene.name}, {self.found.model}: leading roots of steady sliding")
+            return figure
+
     @property
     def notes(self) -> list[str]:
         """Remarks on the numbers: which V was taken on a ramp, why there is no verdict on a neutral root."""
@@ -56,9 +98,9 @@ class StabilityResult(Result):
         return notes
 
 
-def stability(source: SceneSource, model: str = "delay", **changes: Any) -> StabilityResult:
+def stability(source: SceneSource, model: str = "delay", *, settings: Iterable[str] = (), **changes: Any) -> StabilityResult:
     """Stability of steady sliding from the slabs' impedance alone, for any scene and model; `changes` are those of
     `slipwave.read_scene`. Raises SceneError for wrong input."""
-    scene = scene_of(source, changes)
+    scene = scene_of(source, settings, changes)
     found = replace(analyse(scene, one_port_of(model)), model=DELAY.name if model == "auto" else model)
     return StabilityResult(scene, found)

@@ -1,12 +1,13 @@
 """The interface's history of a run, written to disk during the run: memory holds one chunk of it, however long the run is."""
 
+import math
 import os
 import shutil
 import weakref
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 
@@ -21,8 +22,19 @@ _BLOCK = 50_000  # samples that are read back at a time: 2 MB
 _EARLY = 0.01  # share of the run after which its size is known well enough to compare it with the disk
 
 
+class Kept(NamedTuple):
+    """Which samples are kept: each `every`-th of those between the times `begin` and `end` (transits)."""
+
+    every: int = 1
+    begin: float = 0.0
+    end: float = math.inf
+
+
+ALL = Kept()
+
+
 class HistoryFile:
-    """Appends every sample to the file `path`, rows of five doubles.
+    """Appends the samples that are `kept` to the file `path`, rows of five doubles.
 
     The file is removed when this is closed or no longer used, unless it `stays` for runs that go on. A checkpoint holds how many
     samples there were and their checksum; a run that goes on drops later ones. A full disk does not end the
@@ -30,10 +42,12 @@ class HistoryFile:
     transits, if all of it (here and once more in the file for the user) will not fit on the disk.
     """
 
-    def __init__(self, law: Law, nodes: Array, path: Path, until: float, stays: bool = True) -> None:
+    def __init__(self, law: Law, nodes: Array, path: Path, until: float, stays: bool = True, kept: Kept = ALL) -> None:
         self._law, self._nodes = law, np.asarray(nodes)
         self.path, self.problem = path, ""
-        self._until, self._judged = until, False
+        self._kept, self._seen = kept, 0
+        self._until = min(until, kept.end)
+        self._judged = kept.begin >= self._until
         self._samples, self._checksum = 0, 0
         self._file: BinaryIO | None = None
         self._remove = None if stays else weakref.finalize(self, path.unlink, missing_ok=True)
@@ -41,8 +55,12 @@ class HistoryFile:
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
         time = pieces.time[:, None] + pieces.length[:, None] * self._nodes
-        self._keep(np.stack([values.ravel() for values in (time, *pieces[2:])], axis=1))
-        share = float(pieces.time[-1] + pieces.length[-1]) / self._until
+        rows = np.stack([values.ravel() for values in (time, *pieces[2:])], axis=1)
+        rows = rows[(rows[:, 0] >= self._kept.begin) & (rows[:, 0] <= self._kept.end)]
+        self._keep(rows[-self._seen % self._kept.every :: self._kept.every])
+        self._seen += len(rows)
+        reached = float(pieces.time[-1] + pieces.length[-1])
+        share = (reached - self._kept.begin) / (self._until - self._kept.begin)
         if not self._judged and share > _EARLY:
             self._judged = True
             self._require_room(2.0 * self._bytes / min(share, 1.0) - self._bytes)
@@ -51,11 +69,17 @@ class HistoryFile:
         """How many samples are on the disk, and their checksum."""
         if self._file is not None:
             self._attempt(lambda: os.fsync(self._opened().fileno()))
-        return {"samples": np.array([self._samples, self._checksum], dtype=np.int64)}
+        return {
+            "samples": np.array([self._samples, self._checksum, self._seen], dtype=np.int64),
+            "kept": np.array(self._kept, dtype=float),
+        }
 
     def restore(self, state: dict[str, Array]) -> None:
-        """Go on after the samples that `state` counts. Raises SceneError if the file does not hold them."""
-        samples, checksum = (int(number) for number in state["samples"])
+        """Go on after the samples that `state` counts. Raises SceneError if the file does not hold them, or others were kept."""
+        kept = Kept(*state["kept"].tolist())
+        if kept != self._kept:
+            raise SceneError(f"{self._label} keeps {_in_words(kept)}; this run asks for {_in_words(self._kept)}")
+        samples, checksum, self._seen = (int(number) for number in state["samples"])
         try:
             self._file = self.path.open("r+b")
         except OSError as error:
@@ -131,5 +155,10 @@ class HistoryFile:
         if further > free:
             raise SceneError(
                 f'run.record: "interface" would take {further / 1e9:.2g} GB more of the disk of {str(self.path.parent)!r}, '
-                f"which has {free / 1e9:.2g} GB left; shorten the run or record events only"
+                f"which has {free / 1e9:.2g} GB left; shorten the run, record events only, or keep fewer samples by --every N or "
+                "--window A:B"
             )
+
+
+def _in_words(kept: Kept) -> str:
+    return f"one in {kept.every:g} samples from t = {kept.begin:g} to {kept.end:g}"

@@ -1,0 +1,221 @@
+"""Results as Datasets and netCDF files: their values, their units, and that they can be computed again."""
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+
+import slipwave as sw
+from slipwave.friction.law import LAWS
+from slipwave.input.source import gallery_names
+from validation.cli import INPUT_WRONG, main
+
+ROOT = Path(__file__).resolve().parents[2]
+SHORT: dict[str, Any] = {"drive.velocity": 2000, "slab.thickness": 0.0335}
+"""Cycles of four transits of `paper-si`."""
+WORDS = ("--set", "drive.velocity=2000", "slab.thickness=0.0335")
+
+
+def command(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
+    assert main([*words, "--json"]) == 0
+    found: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return {key: value for key, value in found.items() if key != "wall_s"}
+
+
+def test_a_run_as_a_dataset_has_its_cycles_in_both_units(tmp_path: Path) -> None:
+    result = sw.run("paper-si", "kelvin-voigt", until=200, interface=True, **SHORT)
+    data, scene = result.dataset, result.done.solver.scene
+    assert scene.units is not None
+    half = data["event_time"] >= 100.0
+    assert float(data["period"][half].mean()) == result.summary["period"]["mean"]
+    transit = scene.transit * 9e-7 / 1e-6  # in L / V*
+    sizes = {"period_s": transit, "stress_drop_Pa": 1000.0, "v_max_m_per_s": 1e-6, "event_time_s": transit}
+    for (name, size), plain in zip(sizes.items(), ("period", "stress_drop", "v_max", "event_time"), strict=True):
+        np.testing.assert_allclose(data[name], data[plain] * size, rtol=1e-14)
+        assert (data[plain].attrs["si_factor"], data[plain].attrs["units"]) == (pytest.approx(size, rel=1e-14), "1")
+    assert {data[name].attrs["units"] for name in sizes} == {"s", "Pa", "m s-1"}
+    assert set(data.coords) == {"time", "time_s", "event_time", "event_time_s"}
+    assert float(data["time_s"][-1]) == pytest.approx(200.0 * transit, rel=1e-12)
+    assert float(data["interface_psi"][-1]) == result.summary["final"]["psi"]
+    result.to_netcdf(tmp_path / "run.nc")
+    with xarray.open_dataset(tmp_path / "run.nc") as stored:
+        xarray.testing.assert_identical(stored.drop_attrs(), data.drop_attrs())
+        assert {name: stored[name].attrs for name in stored.variables} == {name: data[name].attrs for name in data.variables}
+
+
+@pytest.mark.parametrize("options", [(), ("--every", "7", "--window", "50:120.5")])
+def test_a_file_is_run_again_with_the_same_numbers(
+    options: tuple[str, ...], capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ("paper-si", "--model", "dg:3", "--cells", "4", "--time", "exact", "--until", "150", *WORDS)
+    first = command(capsys, "run", *words, *options, "--out", "first.nc")
+    assert command(capsys, "run", "first.nc") == first
+    command(capsys, "run", "first.nc", "--out", "second.nc")
+    with xarray.open_dataset("first.nc") as one, xarray.open_dataset("second.nc") as other:
+        assert one.equals(other)
+        assert ("interface_psi" in one) == bool(options)
+        same = ("scene_toml", "model", "options", "scene_digest", "epsilon", "r", "V", "transit_s", "until_transits")
+        assert {name: one.attrs[name] for name in same} == {name: other.attrs[name] for name in same}
+        assert json.loads(one.attrs["options"])["cells"] == 4
+        assert (one.attrs["V"], one.attrs["model"], one.attrs["schema"]) == (2000.0, "dg:3", 1)
+    changed = command(capsys, "run", "first.nc", "--cells", "3")
+    assert changed["final"]["psi"] != first["final"]["psi"] == pytest.approx(changed["final"]["psi"], rel=1e-2)
+    assert sw.read("first.nc").digest == sw.read("paper-si", {**SHORT, "run.until": 150.0}).digest
+
+
+def test_thinning_and_window_keep_what_they_say(tmp_path: Path) -> None:
+    whole = sw.run("paper", "block8", until=60, interface=True).dataset
+    part = sw.run("paper", "block8", until=60, every=7, window=(20.0, 45.5)).dataset
+    inside = whole.isel(time=(whole["time"] >= 20.0) & (whole["time"] <= 45.5)).isel(time=slice(None, None, 7))
+    assert part["time"].size > 30
+    xarray.testing.assert_equal(part, inside)
+    none = sw.run("paper", "block8", until=20, window=(30.0, 40.0)).dataset
+    assert none["interface_psi"].size == 0
+
+
+def test_a_run_that_goes_on_keeps_the_same_samples(tmp_path: Path) -> None:
+    saving: dict[str, Any] = {"checkpoint": tmp_path / "run.npz", "checkpoint_every": 10.0, "every": 7}
+    sw.run("paper", "block8", until=30, **saving)
+    resumed = sw.run("paper", "block8", until=60, **saving).dataset
+    straight = sw.run("paper", "block8", until=60, every=7).dataset
+    xarray.testing.assert_equal(resumed, straight)
+    with pytest.raises(sw.SceneError, match=r"keeps one in 7 samples from t = 0 to inf; this run asks for one in 1 samples"):
+        sw.run("paper", "block8", until=90, **saving | {"every": 1})
+
+
+@pytest.mark.parametrize(
+    ("option", "told"), [({"every": 0}, "every = 0: must be 1 or more"), ({"window": (5.0, 5.0)}, "window = 5:5")]
+)
+def test_what_cannot_be_kept_is_refused(option: dict[str, Any], told: str) -> None:
+    with pytest.raises(sw.SceneError, match=told):
+        sw.run("paper", "block8", until=20, **option)
+
+
+@pytest.mark.parametrize("name", gallery_names())
+def test_show_prints_a_scene_that_is_read_as_the_same(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["show", name]) == 0
+    text = capsys.readouterr().out
+    assert set(tomllib.loads(text)) >= {"name", "interface", "drive", "start", "run"}
+    (tmp_path / "mine.toml").write_text(text)
+    mine, own = sw.read(tmp_path / "mine.toml"), sw.read(name)
+    assert (mine, mine.digest, mine.name) == (own, own.digest, name)
+
+
+def test_show_prints_what_a_file_holds_as_comments(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    sw.run("paper", "block8", until=20, **{"slab.log10_r": -2.6}).to_netcdf(tmp_path / "run.nc")
+    assert main(["show", str(tmp_path / "run.nc")]) == 0
+    text = capsys.readouterr().out
+    assert "# model = block8\n" in text
+    tables = tomllib.loads(text)
+    assert (tables["slab"]["log10_r"], tables["run"]["until"]) == (-2.6, 20)
+
+
+def test_an_orbit_is_one_period_with_its_multipliers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    result = sw.orbit("paper", "kelvin-voigt", tol=1e-6, **{"drive.velocity": 2000})
+    data, facts = result.dataset, result.summary
+    time, stress = data["time"].values, data["interface_stress"].values
+    assert (np.diff(time) > 0.0).all()
+    assert (time[0], time[-1]) == (pytest.approx(0.0, abs=0.05), pytest.approx(facts["period"], rel=1e-12))
+    assert np.ptp(stress) == pytest.approx(facts["stress_drop"], rel=1e-3)
+    assert np.log(data["interface_slip_rate"].values.max()) == pytest.approx(np.log(facts["v_max"]), abs=1e-2)
+    pairs = np.stack([data["multiplier_real"], data["multiplier_imaginary"]], axis=1)
+    assert pairs.tolist() == facts["multipliers"]
+    assert float(data["period_error"]) == facts["error_estimate"]["period"]
+    result.to_netcdf(tmp_path / "orbit.nc")
+    again = command(capsys, "orbit", str(tmp_path / "orbit.nc"))
+    assert again == {key: value for key, value in facts.items() if key != "wall_s"}
+    assert main(["run", str(tmp_path / "orbit.nc")]) == INPUT_WRONG
+    assert "is a result of slipwave orbit, not of slipwave run" in capsys.readouterr().err
+
+
+def test_a_branch_file_and_its_dataset_agree(tmp_path: Path) -> None:
+    found = sw.branch("paper", "log10_r=-2.72:-2.68", "kelvin-voigt", tol=1e-4, most_points=3, out=tmp_path / "a.nc")
+    data = found.dataset
+    assert data["point_value"].values.tolist() == [point["log10_r"] for point in found.summary["points"]]
+    assert data["special_kind"].values.tolist() == ["HB"]
+    assert data["point_stable"].values.tolist() == [0, 0, 0]
+    found.to_netcdf(tmp_path / "b.nc")
+    with xarray.open_dataset(tmp_path / "a.nc") as one, xarray.open_dataset(tmp_path / "b.nc") as other:
+        assert one.equals(other)
+        assert one["point_period"].values.tolist() == data["point_period"].values.tolist()
+        assert sw.read(tmp_path / "a.nc").digest == sw.read("paper").digest == one.attrs["scene_digest"]
+        assert json.loads(one.attrs["options"])["over"] == "log10_r=-2.72:-2.68"
+
+
+UNITS = {"1", "s", "Pa", "m s-1"}
+"""The units in use: UDUNITS knows them."""
+
+
+@pytest.mark.parametrize("scene", ["paper", "paper-si"])
+def test_files_follow_the_cf_conventions(scene: str, tmp_path: Path) -> None:
+    """Checked by hand with compliance-checker 6.1 (cf:1.11), whose only finding is the name `time`: it expects a calendar date.
+    The rules: names (2.3), no missing coordinate values (2.5.1), global attributes (2.6), units (3.1), long names (3.2), rising
+    coordinates (1.2)."""
+    path = tmp_path / "x.nc"
+    works = [
+        sw.run(scene, "block8", until=100, interface=True, every=5),
+        sw.orbit(scene, "block8", tol=1e-4),
+        sw.branch(scene, "V=100:110", "block8", tol=1e-4, most_points=2),
+        sw.stability(scene),
+    ]
+    for work in works:
+        work.to_netcdf(path)
+        with xarray.open_dataset(path, decode_cf=False) as data:
+            assert data.attrs["Conventions"] == "CF-1.11"
+            assert {"title", "institution", "source", "history", "references"} <= set(data.attrs)
+            for name, variable in data.variables.items():
+                assert str(name).isidentifier()
+                assert variable.attrs["long_name"]
+                assert variable.attrs.get("units") in UNITS or variable.dtype.kind in "OU", name
+                if name in data.dims:
+                    assert "_FillValue" not in variable.attrs
+                    assert (np.diff(variable.values) > 0.0).all()
+
+
+LAW = ROOT / "examples" / "own_law.py"
+
+
+def test_a_law_by_file_is_recorded_and_asked_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(LAW.read_text())
+    words = ("--model", "block8", "--set", "interface.law=cutoff", "interface.cutoff=1e-4", "--until", "20")
+    monkeypatch.delitem(LAWS, "cutoff", raising=False)
+    assert main(["run", "paper", *words]) == INPUT_WRONG
+    capsys.readouterr()
+    first = command(capsys, "run", "paper", *words, "--law", "mine.py", "--out", "run.nc")
+    assert command(capsys, "run", "run.nc", "--law", "mine.py") == first
+    assert command(capsys, "run", "paper", "--model", "block8", "--until", "20")["final"] != first["final"]
+    Path("other.py").write_text(LAW.read_text().replace("cutoff: float = 1e-3", "cutoff: float = 2e-3"))
+    assert main(["run", "run.nc", "--law", "other.py"]) == INPUT_WRONG
+    assert "was computed with another friction law 'cutoff': digest" in capsys.readouterr().err
+    monkeypatch.delitem(LAWS, "cutoff")
+    assert main(["run", "run.nc"]) == INPUT_WRONG
+    assert "needs the friction law 'cutoff' of the file mine.py" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [("x = 1\n", "registers no friction law"), ("1 / 0\n", "ZeroDivisionError"), (None, "must be a Python file")],
+)
+def test_a_file_without_a_law_is_refused(text: str | None, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "law.py"
+    if text is not None:
+        path.write_text(text)
+    assert main(["run", "paper", "--law", str(path)]) == INPUT_WRONG
+    assert told in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("content", [b"", b"no netCDF"])
+def test_a_file_that_holds_no_scene_is_refused(content: bytes, tmp_path: Path) -> None:
+    (tmp_path / "x.nc").write_bytes(content)
+    with pytest.raises(sw.SceneError, match=r"SCENE = .*x\.nc': holds no scene that can be computed again"):
+        sw.run(tmp_path / "x.nc")
+    with pytest.raises(sw.SceneError, match="no such file"):
+        sw.run(tmp_path / "y.nc")

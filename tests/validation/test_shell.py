@@ -1,0 +1,131 @@
+"""The shell's conveniences: version, module, completion, examples, suggestions, negative values."""
+
+import os
+import shlex
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+import typer
+
+from validation import cli
+from validation.cli import INPUT_WRONG, main, spread
+
+
+def module(*words: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    """`python -m slipwave words`."""
+    environment = os.environ | variables
+    return subprocess.run(
+        [sys.executable, "-m", "slipwave", *words], capture_output=True, text=True, env=environment, check=False
+    )
+
+
+def test_the_version_is_that_of_the_package() -> None:
+    done = module("--version")
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"slipwave {version('slipwave')}\n", "")
+
+
+def test_the_module_is_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["scenes"]) == 0
+    done = module("scenes")
+    assert (done.returncode, done.stdout) == (0, capsys.readouterr().out)
+    assert module("run", "papr").returncode == INPUT_WRONG
+
+
+@pytest.mark.parametrize(
+    ("typed", "offered"),
+    [("slipwave run paper-s", ["paper-si"]), ("slipwave run --model kel", ["kelvin-voigt"]), ("slipwave sta", ["stability"])],
+)
+def test_the_shell_completes_commands_scenes_and_models(typed: str, offered: list[str]) -> None:
+    count = str(len(typed.split()) - 1)
+    done = module(_SLIPWAVE_COMPLETE="complete_bash", COMP_WORDS=typed, COMP_CWORD=count)
+    assert (done.returncode, done.stdout.split()) == (0, offered)
+
+
+def test_every_command_has_examples_that_it_accepts(capsys: pytest.CaptureFixture[str]) -> None:
+    group = typer.main.get_command(cli.app)
+    for name, command in group.commands.items():  # type: ignore[attr-defined]
+        assert main([name, "--help"]) == 0
+        shown = capsys.readouterr().out.partition("Examples:\n")[2]
+        lines = [line.strip() for line in shown.splitlines() if line.strip()]
+        assert lines, name
+        for line in lines:
+            program, word, *rest = spread(shlex.split(line.partition(" > ")[0]))
+            assert (program, word) == ("slipwave", name)
+            command.make_context(name, rest)
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (["run", "paper", "--set", "interface.law=aging"], "ageing"),
+        (["run", "paper", "--model", "kelvinvoigt"], "kelvin-voigt"),
+        (["run", "paper", "--set", "start.kind=jumb"], "jump"),
+        (["run", "grip", "--set", "slab.face.kind=gripp"], "grip"),
+        (["run", "papper"], "paper"),
+        (["stabilty", "paper"], "stability"),
+    ],
+)
+def test_a_mistyped_word_is_answered_by_the_one_that_is_meant(
+    words: list[str], meant: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(words) == INPUT_WRONG
+    err = capsys.readouterr().err
+    assert len(err.splitlines()) == 1
+    assert err.lower().endswith((f'did you mean "{meant}"?\n', f"did you mean '{meant}'?\n"))
+
+
+def test_a_word_like_no_other_is_answered_without_a_guess(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "paper", "--set", "interface.law=xyz"]) == INPUT_WRONG
+    assert "did you mean" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [["a=-1"], ["a", "-1"], ["a=", "-1"], ["b=2", "a=-1"], ["a", "-1", "b=-2.5e-3"]])
+def test_values_after_set_may_be_negative(words: list[str]) -> None:
+    got = spread(["run", "paper", "--set", *words, "--json"])
+    values = {got[k + 1] for k, word in enumerate(got) if word == "--set"}
+    assert values - {"b=2", "b=-2.5e-3"} == {"a=-1"}
+    assert got[-1] == "--json"
+
+
+def test_an_option_after_set_is_no_value(tmp_path: Path) -> None:
+    assert spread(["--set", "a=1", "-1"]) == ["--set", "a=1", "-1"]
+    assert spread(["--set", "a", "--json"]) == ["--set", "a", "--json"]
+
+
+def test_a_figure_of_a_run_has_time_in_both_units(tmp_path: Path) -> None:
+    import slipwave as sw
+
+    found = sw.run("paper-si", "block8", until=100, interface=True, **{"drive.velocity": 2000})
+    above, below = found.plot().axes
+    assert (above.get_ylabel(), below.get_ylabel()) == ("friction stress / normal stress", "slip rate / V*")
+    assert below.get_xlabel() == "time / transits"
+    time, stress = above.get_lines()[0].get_data()
+    assert (time[-1], stress[-1]) == (100.0, found.summary["final"]["mu"])
+    seconds, pascals = above.child_axes
+    assert (seconds.get_xlabel(), pascals.get_ylabel()) == ("time / s", "friction stress / Pa")
+    found.save_plot(tmp_path / "run.svg")
+    transit = 9e-7 / 1e-6 * found.done.solver.scene.transit
+    above.figure.savefig(tmp_path / "run.png")  # second axes take their limits when they are drawn
+    assert seconds.get_xlim() == pytest.approx([limit * transit for limit in above.get_xlim()])
+    assert pascals.get_ylim() == pytest.approx([limit * 1000.0 for limit in above.get_ylim()])
+    cycles = sw.run("paper", "block8", until=100, **{"drive.velocity": 2000})
+    drops = cycles.plot().axes[0]
+    assert drops.get_ylabel() == "stress drop / normal stress"
+    assert drops.get_lines()[0].get_ydata().tolist() == cycles.dataset["stress_drop"].values.tolist()
+
+
+@pytest.mark.parametrize(
+    ("words", "file"),
+    [
+        (["run", "paper", "--model", "block8", "--until", "50", "--plot"], "run.png"),
+        (["orbit", "paper", "--model", "block8", "--tol", "1e-4", "--plot"], "orbit.pdf"),
+    ],
+)
+def test_figures_are_written_whole(words: list[str], file: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*words, str(tmp_path / file)]) == 0
+    assert (tmp_path / file).read_bytes()[:4] in (b"\x89PNG", b"%PDF")
+    assert [path.name for path in tmp_path.iterdir()] == [file]
+    assert main([*words, str(tmp_path / "x.doc")]) == INPUT_WRONG

@@ -1,0 +1,73 @@
+"""Where a result comes from: the global attributes of its file (docs/output-files.md), enough to compute it again."""
+
+import datetime
+import json
+from collections.abc import Mapping
+from importlib.metadata import version
+from typing import Any
+
+from slipwave.errors import SceneError
+from slipwave.friction.law import name_of
+from slipwave.friction.own import own_law
+from slipwave.input.tables import to_toml
+from slipwave.scene import Scene
+from validation.report.provenance import commit
+
+SCHEMA = 1
+"""Version of the names in files and of the keys of the JSON of every command."""
+
+
+def provenance(command: str, scene: Scene, model: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes of a result of `command`: the resolved scene as TOML (not for one that was made in Python), the model and the
+    options of the call that were given, the scene's numbers, and when and by which program it was computed."""
+    now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+    program = f"slipwave {version('slipwave')}, commit {commit()}"
+    return {
+        "Conventions": "CF-1.11",
+        "title": f"slipwave {command} of scene {scene.name} with model {model}",
+        "institution": "computed by the user",
+        "source": program,
+        "history": f"{now} slipwave {command}",
+        "references": "Putelat, Willis and Dawes (2012), Wave-modulated orbits in rate-and-state friction",
+        "command": command,
+        "schema": SCHEMA,
+        "date": now,
+        "slipwave_version": version("slipwave"),
+        "commit": commit(),
+        "scene": scene.name,
+        "scene_digest": scene.digest,
+        **_scene_text(scene),
+        **_law(scene),
+        "model": model,
+        "options": json.dumps({name: value for name, value in options.items() if value is not None}),
+        **_numbers(scene),
+    }
+
+
+def _scene_text(scene: Scene) -> dict[str, str]:
+    try:
+        return {"scene_toml": to_toml(scene)}
+    except SceneError:
+        return {}
+
+
+def _law(scene: Scene) -> dict[str, str]:
+    """File and digest of a friction law of the user's own."""
+    own = own_law(name_of(scene.law))
+    return {} if own is None else {"law_file": own.path.name, "law_digest": own.digest}
+
+
+def _numbers(scene: Scene) -> dict[str, float]:
+    slabs = {"": scene.upper} if scene.alike else {"_upper": scene.upper, "_lower": scene.lower}
+    numbers = {f"epsilon{place}": slab.epsilon for place, slab in slabs.items()}
+    numbers |= {f"r{place}": slab.round_trip for place, slab in slabs.items()}
+    numbers |= {"V": scene.velocity, "transit_in_friction_time": scene.transit}
+    if scene.units is None:
+        return numbers
+    units = scene.units
+    return numbers | {
+        "transit_s": scene.transit * units.time,
+        "memory_length_m": units.memory_length,
+        "reference_velocity_m_per_s": units.reference_velocity,
+        "normal_stress_Pa": units.normal_stress,
+    }

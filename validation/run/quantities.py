@@ -1,0 +1,83 @@
+"""The quantities of results as variables of a Dataset (CF conventions): what they are, what 1 of them means, their size in SI.
+
+Values are dimensionless, as everywhere: `units` is "1" and `in_units_of` says of what. For a scene in SI each variable also
+states `si_factor` and `si_units`, and all but histories have a twin in SI, named as in the JSON (`period_s`, `stress_drop_Pa`).
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from numpy.typing import ArrayLike
+
+from slipwave.scene import Scene
+
+
+class Quantity(NamedTuple):
+    """What it is, and what 1 of it means: "transit", "normal stress", "V*"; nothing for a pure number."""
+
+    meaning: str
+    unit: str = ""
+
+
+EVENTS = {
+    "event_time": Quantity("date of the slip event: v passes half its largest value", "transit"),
+    "period": Quantity("time to the next event", "transit"),
+    "stress_drop": Quantity("max - min of the friction stress over the cycle", "normal stress"),
+    "elastic_stress_drop": Quantity("max - min of the elastic stress y over the cycle", "normal stress"),
+    "v_max": Quantity("largest slip rate of the cycle", "V*"),
+    "v_min": Quantity("smallest slip rate of the cycle", "V*"),
+}
+INTERFACE = {
+    "time": Quantity("time", "transit"),
+    "interface_slip_rate": Quantity("slip rate v", "V*"),
+    "interface_psi": Quantity("state ln phi"),
+    "interface_stress": Quantity("friction stress mu", "normal stress"),
+    "interface_elastic_stress": Quantity("elastic stress y", "normal stress"),
+}
+_SI = {"transit": ("s", "s"), "normal stress": ("Pa", "Pa"), "V*": ("m s-1", "m_per_s")}
+"""Unit in SI, and how names of values in it end."""
+
+
+def si_factor(quantity: Quantity, scene: Scene) -> float | None:
+    """The size of 1 in SI; None for a pure number and for scenes without units."""
+    units = scene.units
+    if units is None or not quantity.unit:
+        return None
+    sizes = {"transit": scene.transit * units.time, "normal stress": units.normal_stress, "V*": units.reference_velocity}
+    return sizes[quantity.unit]
+
+
+def attributes(quantity: Quantity, scene: Scene) -> dict[str, Any]:
+    """Attributes of a variable. Elapsed time in transits is no time coordinate of CF (4.4), which would need a date."""
+    found: dict[str, Any] = {"long_name": quantity.meaning, "units": "1"}
+    if quantity.unit:
+        found["in_units_of"] = quantity.unit
+    factor = si_factor(quantity, scene)
+    return found if factor is None else found | {"si_factor": factor, "si_units": _SI[quantity.unit][0]}
+
+
+def in_si(name: str, values: ArrayLike, quantity: Quantity, scene: Scene) -> dict[str, tuple[Any, dict[str, str]]]:
+    """The twin in SI by its name, with values and attributes; none for a pure number and for scenes without units."""
+    import numpy as np
+
+    factor = si_factor(quantity, scene)
+    if factor is None:
+        return {}
+    unit, ending = _SI[quantity.unit]
+    return {f"{name}_{ending}": (np.asarray(values, dtype=float) * factor, {"long_name": quantity.meaning, "units": unit})}
+
+
+def variables(
+    dimension: str | tuple[str, ...],
+    columns: Mapping[str, ArrayLike],
+    quantities: Mapping[str, Quantity],
+    scene: Scene,
+    twins: bool = True,
+) -> dict[str, Any]:
+    """Variables over `dimension` for `xarray.Dataset`; with `twins` each is followed by that in SI if the scene has units."""
+    found: dict[str, Any] = {}
+    for name, values in columns.items():
+        found[name] = (dimension, values, attributes(quantities[name], scene))
+        if twins:
+            found |= {twin: (dimension, *rest) for twin, rest in in_si(name, values, quantities[name], scene).items()}
+    return found

@@ -1,0 +1,101 @@
+"""A run as an `xarray.Dataset` and as a netCDF file: cycles if events were watched, the interface's history if it was kept, its
+provenance, and the fields of a full-wave run's last transits as the group "fields".
+"""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from slipwave.errors import SceneError
+from slipwave.files import whole_or_absent
+from slipwave.scene import Scene
+from validation.run.history_file import HistoryFile
+from validation.run.quantities import EVENTS, INTERFACE, attributes, in_si, variables
+from validation.run.simulate import Run
+
+if TYPE_CHECKING:
+    import netCDF4
+    import xarray
+
+    from fullwave.fields.record import Field
+
+
+def run_dataset(done: Run, facts: Mapping[str, Any], history: HistoryFile | None = None) -> "xarray.Dataset":
+    """The run with the attributes `facts`: cycles by `event`, and the history, all of it in memory, by `time`."""
+    import xarray
+
+    data = _cycles(done, facts)
+    if history is None:
+        return data
+    scene, parts = done.solver.scene, [_renamed(part) for part in history.parts()]
+    columns = {name: np.concatenate([np.empty(0), *(part[name] for part in parts)]) for name in INTERFACE}
+    time, values = {"time": columns.pop("time")}, variables("time", columns, INTERFACE, scene, twins=False)
+    return data.merge(xarray.Dataset(values, variables("time", time, INTERFACE, scene)))
+
+
+def write_run(path: Path, done: Run, facts: Mapping[str, Any], history: HistoryFile | None, field: "Field | None" = None) -> None:
+    """Write the run to `path`, which is whole or absent; the history passes through memory in blocks.
+
+    Raises SceneError if the file, or the history before, could not be written.
+    """
+    if history is not None and history.problem:
+        raise SceneError(history.problem)
+    with whole_or_absent(path) as temporary:
+        _cycles(done, facts).to_netcdf(temporary, engine="netcdf4")
+        if history is not None:
+            _append_history(temporary, history, done.solver.scene)
+        if field is not None:
+            field.dataset().to_netcdf(temporary, mode="a", group="fields", engine="netcdf4")
+
+
+def _cycles(done: Run, facts: Mapping[str, Any]) -> "xarray.Dataset":
+    """The cycles of a run, if events were watched, and as attributes what is known of its events.
+
+    `multiplicity` is there only if the run is periodic, `rotation_number` only on a torus: a netCDF attribute cannot be empty.
+    """
+    import xarray
+
+    ended: dict[str, Any] = {"until_transits": done.until, "failures": done.solver.failures}
+    ended |= {"complete": 0 if done.failed else 1, "failed": done.failed}
+    if done.verdict is None:
+        return xarray.Dataset(attrs={**facts, **ended, "events": "not watched", "verdict": "not watched"})
+    columns = {"event_time" if name == "time" else name: values for name, values in done.events._asdict().items()}
+    found = xarray.Dataset(variables("event", columns, EVENTS, done.solver.scene))
+    judged = {"multiplicity": done.verdict.multiplicity, "rotation_number": done.verdict.rotation}
+    known = {name: value for name, value in judged.items() if value is not None}
+    found.attrs = {**facts, **ended, "events": done.starts, "verdict": done.verdict.kind, **known}
+    return found.set_coords([name for name in found if str(name).startswith("event_time")])
+
+
+def _append_history(path: Path, history: HistoryFile, scene: Scene) -> None:
+    import netCDF4
+
+    with netCDF4.Dataset(path, "a") as file:
+        file.createDimension("time", len(history))
+        for name, quantity in INTERFACE.items():
+            _column(file, name, attributes(quantity, scene))
+        twin = {name: notes for name, (_, notes) in in_si("time", 0.0, INTERFACE["time"], scene).items()}
+        for name, notes in twin.items():
+            _column(file, name, notes)
+        for name in INTERFACE.keys() - {"time"} if twin else ():
+            file[name].setncattr("coordinates", " ".join(twin))
+        first = 0
+        for part in history.parts():
+            columns = _renamed(part)
+            columns |= {name: values for name, (values, _) in in_si("time", part["time"], INTERFACE["time"], scene).items()}
+            for name, values in columns.items():
+                file[name][first : first + values.size] = values
+            first += part["time"].size
+
+
+def _column(file: "netCDF4.Dataset", name: str, notes: Mapping[str, Any]) -> None:
+    """A variable over time; no value of a coordinate may be missing."""
+    missing = None if name.startswith("time") else math.nan
+    file.createVariable(name, "f8", ("time",), fill_value=missing).setncatts(notes)
+
+
+def _renamed(part: Mapping[str, Any]) -> dict[str, Any]:
+    return {name if name == "time" else f"interface_{name}": values for name, values in part.items()}
