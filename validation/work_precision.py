@@ -89,6 +89,14 @@ def march_of(setting: Setting, scene: Scene, transits: float, begin: float = 0.0
     return partial(follow, solver, begin + transits, [EventObserver(scene, solver.nodes)])
 
 
+def warm(solver: Solver) -> None:
+    """Load or compile what a march of `solver` needs, before a clock starts; the solver itself stays where it is."""
+    before = solver.state()
+    with suppress(NumericsError):
+        EventObserver(solver.scene, solver.nodes).scan(solver.advance(solver.time + _WARM_UP))
+    solver.restore(before)
+
+
 def warm_up(setting: Setting, scene: Scene) -> None:
     """Load or compile what `setting` needs, before a clock starts."""
     with suppress(NumericsError):  # a run that fails reports it itself

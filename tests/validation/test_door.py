@@ -27,10 +27,14 @@ def shell(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
     return found
 
 
+TIMED = ("wall_s", "figure", "conclusion")
+"""Run times, what follows from them, and the name of the file that the command writes."""
+
+
 def without_times(summary: Any) -> Any:
     """All of a summary but run times."""
     if isinstance(summary, dict):
-        return {key: without_times(value) for key, value in summary.items() if key not in ("wall_s", "figure")}
+        return {key: without_times(value) for key, value in summary.items() if key not in TIMED}
     return [without_times(value) for value in summary] if isinstance(summary, list) else summary
 
 

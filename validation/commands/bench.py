@@ -26,7 +26,7 @@ def bench(
 
 
 def _print(summary: dict[str, Any]) -> None:
-    from validation.commands.wording import without_errors
+    from validation.commands.wording import without_errors, without_period
     from validation.output import figures, print_table
 
     rows = summary["models"]
@@ -44,7 +44,9 @@ def _print(summary: dict[str, Any]) -> None:
     print_table(heading, table)
     against = f"relative errors of the second half's mean against {summary['reference']} (tight)"
     print(f"\n{summary['until']:g} transits; {against}")
-    for line in without_errors(rows):
+    for line in [*without_errors(rows), *without_period(rows)]:
         print(line)
     for reason in {row["model"]: row["failed"] for row in rows if "failed" in row}.values():
         print(f"failed: {reason}")
+    if summary["conclusion"]:
+        print(summary["conclusion"])

@@ -63,7 +63,7 @@ def compare(
 
 
 def _print(summary: dict[str, Any]) -> None:
-    from validation.commands.wording import without_errors
+    from validation.commands.wording import without_errors, without_period
     from validation.output import figures, print_table
 
     rows = summary["models"]
@@ -84,9 +84,12 @@ def _print(summary: dict[str, Any]) -> None:
         for row in rows
     ]
     print_table(heading, table)
-    print(f"\nperiods in transits, relative errors against {summary['reference']}; figure: {summary['figure']}")
-    for line in without_errors(rows):
+    against = f"relative errors against {summary['reference']}"
+    print(f"\nperiods in transits, means over the second half, {against}; figure: {summary['figure']}")
+    for line in [*without_errors(rows), *without_period(rows)]:
         print(line)
     for row in rows:
         if "failed" in row:
             print(f"failed: {row['failed']}")
+    if summary["conclusion"]:
+        print(summary["conclusion"])

@@ -84,4 +84,21 @@ def without_errors(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     for row in rows:
         if row["verdict"] not in (None, *REPEATING) and row["model"] not in models.setdefault(row["verdict"], []):
             models[row["verdict"]].append(row["model"])
-    return [f"no figures of {', '.join(names)}: the second half of the run is {verdict}" for verdict, names in models.items()]
+    return [_no_figures(", ".join(names), verdict) for verdict, names in models.items() if names]
+
+
+def _no_figures(names: str, verdict: str) -> str:
+    if verdict == "steady":
+        return f"no figures of {names}: it slides steadily in the second half of the run, without cycles"
+    return f"no figures of {names}: the second half of the run is {verdict}"
+
+
+def without_period(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """One line for each model whose difference from the reference is no error, because one of the motions never repeats."""
+    lines = []
+    for row in rows:
+        if "difference" in row:
+            pairs = zip(row["difference"].values(), row["margin"].values(), strict=True)
+            period, drop = (f"{value:+.1e} +- {'unknown' if margin is None else f'{margin:.1e}'}" for value, margin in pairs)
+            lines.append(f"{row['model']} is {row['verdict']}: against the reference T differs by {period}, the drop by {drop}")
+    return list(dict.fromkeys(lines))

@@ -10,9 +10,11 @@ from slipwave.family import Family
 from slipwave.input import SceneSource
 from slipwave.observe.foresight import DAY
 from slipwave.scene import Scene
-from validation.door.provenance import provenance
+from validation.door.conclusion import conclusion
+from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Result, deliver, finite, scene_of, table_of
 from validation.registry import build as models
+from validation.run.difference import in_json
 from validation.run.progress import progress
 from validation.run.simulate import Run, RunInterrupted, simulate
 from validation.study.drawing import Drawing, canvas, pen, styled
@@ -35,9 +37,10 @@ class BenchResult(Result):
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave bench` (users rely on its keys), with relative errors against the reference."""
+        """The JSON of `slipwave bench` (users rely on its keys), with errors as `slipwave compare`, without sign."""
         rows = [_row(run, setting, self.reference) for run, setting in self.runs]
-        facts = {"scene": self.scene.name, "until": self.scene.until, "reference": self.reference.solver.model}
+        facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.scene.until}
+        facts |= {"reference": self.reference.solver.model, "conclusion": conclusion(finite(rows))}
         return dict(finite(facts | {"models": rows}))
 
     @cached_property
@@ -119,12 +122,14 @@ def _timed(scene: Scene, family: Family, setting: dict[str, Any], most: float) -
 
 
 def _row(run: Run, setting: dict[str, Any], reference: Run) -> dict[str, Any]:
+    found = in_json(run, reference)
+    found["error"] = {name: None if error is None else abs(error) for name, error in found["error"].items()}
     row = {
         "model": run.solver.model,
         "setting": setting,
         "verdict": run.kind,
         "wall_s": run.wall_s,
-        "error": {name: abs(error) for name, error in run.errors(reference).items()},
+        **found,
         "failures": run.solver.failures,
     }
     return row | ({"failed": run.failed} if run.failed else {})

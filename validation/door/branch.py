@@ -16,7 +16,7 @@ from validation.branches.follow import Head, Limits, begin, follow, is_doubled, 
 from validation.branches.parameter import over_range
 from validation.branches.record import Branch, BranchPoint, SpecialPoint
 from validation.branches.stored import read, write
-from validation.door.provenance import provenance
+from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Result, deliver, finite, scene_of, told
 from validation.registry.flows import flowing
 from validation.registry.orbits import require_tolerance
@@ -26,9 +26,6 @@ from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
     import xarray
-
-SCHEMA = 1
-"""Version of the keys of the JSON."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -1,5 +1,6 @@
 """`slipwave.compare`: several models on one scene, in one figure and one table."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -9,15 +10,21 @@ from slipwave.input import SceneSource
 from slipwave.observe.foresight import DAY, require_time
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.door.provenance import provenance
+from validation.door.conclusion import conclusion
+from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Result, deliver, finite, scene_of, table_of
 from validation.measure.cycle import Cycle, CycleObserver
 from validation.registry.build import build_all
+from validation.run.difference import in_json
 from validation.run.simulate import Run, RunInterrupted, second_half, simulate
 from validation.study.drawing import Drawing, canvas, styled
+from validation.work_precision import warm
 
 if TYPE_CHECKING:
     import xarray
+
+_ON_TOP = {"color": "#111111", "linewidth": 0.9, "dashes": (4, 2), "zorder": 3}
+"""How the reference is drawn: what it covers shows between the dashes."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -36,9 +43,11 @@ class CompareResult(Result):
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave compare` (users rely on its keys), with relative errors against the reference."""
+        """The JSON of `slipwave compare` (users rely on its keys), with relative errors against the reference; where one of the
+        motions never repeats they are None, and there are `difference` and `margin` instead."""
         rows = [_row(run, self.reference) for run in self.runs]
-        facts = {"scene": self.scene.name, "until": self.scene.until, "reference": self.reference.solver.model}
+        facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.scene.until}
+        facts |= {"reference": self.reference.solver.model, "conclusion": conclusion(finite(rows))}
         doubtful = doubts(self.scene)
         return dict(finite(facts | {"models": rows} | ({"notes": doubtful} if doubtful else {})))
 
@@ -50,8 +59,8 @@ class CompareResult(Result):
         return data
 
     def plot(self) -> Drawing:
-        """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model; a transient has no cycle
-        and appears in the legend only."""
+        """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model, the reference dashed on
+        top; a motion without cycles appears in the legend only."""
         with styled():
             return self._drawn()
 
@@ -60,19 +69,24 @@ class CompareResult(Result):
         above, below = sheet.subplots(2, 1, sharex=True)
         below.set_yscale("log")
         for run, cycle in zip(self.runs, self.cycles, strict=True):
-            kind = run.kind or "events not watched"
-            if cycle is not None and run.verdict and run.verdict.repeats:
-                label = f"{run.solver.model}: {kind}, T = {cycle.period:.6g}"
-                above.plot(cycle.time, cycle.stress, linewidth=1.0, label=label)
-                below.plot(cycle.time, cycle.slip_rate, linewidth=1.0, label=label)
-            else:
-                above.plot([], [], linewidth=1.0, label=f"{run.solver.model}: {kind}, no cycle")
-                below.plot([], [])
-        above.set_title("The last complete cycle of each run; T: its length in transits", fontsize="medium")
+            look: Any = _ON_TOP if run is self.reference else {"linewidth": 1.2}
+            shown = cycle if cycle is not None and run.verdict and run.verdict.repeats else None
+            above.plot(*([], []) if shown is None else (shown.time, shown.stress), label=_label(run, shown is not None), **look)
+            below.plot(*([], []) if shown is None else (shown.time, shown.slip_rate), **look)
+        above.set_title("The last complete cycle of each run; T: mean over the second half, in transits", fontsize="medium")
         above.set_ylabel("friction stress / normal stress")
         below.set(ylabel="slip rate / V*", xlabel="transits since v passed half its largest value in the slip event")
         above.legend(fontsize="small")
         return sheet
+
+
+def _label(run: Run, shown: bool) -> str:
+    """A run in the legend, with the mean period that the table gives."""
+    kind, period = run.kind or "events not watched", run.statistics.period.mean
+    if shown:
+        margin = run.statistics.margins.period
+        return f"{run.solver.model}: {kind}, T = {period:.6g}" + (f" ± {margin:.2g}" if math.isfinite(margin) else "")
+    return f"{run.solver.model}: {'slides steadily' if kind == 'steady' else kind}, no cycle"
 
 
 def compare(
@@ -99,6 +113,7 @@ def compare(
     solvers = build_all(names, scene, cells=cells, cfl=cfl, tolerance=tol, time=time)
     for solver in solvers:
         require_time(solver, scene.until, most_seconds)
+        warm(solver)
     runs, cycles, stopped = [], [], ""
     for solver in solvers:
         observer = CycleObserver(solver)
@@ -124,7 +139,7 @@ def _row(run: Run, reference: Run) -> dict[str, Any]:
         **{name: asdict(getattr(ours, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
         "v_max": ours.v_max,
         "v_min": ours.v_min,
-        "error": run.errors(reference),
+        **in_json(run, reference),
         "failures": run.solver.failures,
         "wall_s": run.wall_s,
     }

@@ -15,7 +15,7 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.step.flow import Cycle
 from validation.door.motion_figure import motion_figure
-from validation.door.provenance import provenance
+from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Result, finite, scene_of, told
 from validation.registry.flows import moving
 from validation.registry.orbits import OrbitFound, find_orbit, require_tolerance
@@ -27,9 +27,6 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-8
 """Relative error of an orbit's figures if none is requested."""
-
-SCHEMA = 1
-"""Version of the keys of the JSON."""
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -10,7 +10,7 @@ from reduced.stability import Stability, analyse
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.door.provenance import provenance
+from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Result, finite, scene_of
 from validation.registry.families import one_port_of
 from validation.study.drawing import Drawing, canvas, styled
@@ -39,6 +39,7 @@ class StabilityResult(Result):
         value."""
         found = self.found
         result = {
+            "schema": SCHEMA,
             "scene": self.scene.name,
             "model": found.model,
             "omega_c": found.omega_c,

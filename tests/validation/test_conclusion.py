@@ -1,0 +1,129 @@
+"""What `compare` and `bench` say of their rows: errors, differences with margins, and one line at the end."""
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import slipwave as sw
+from slipwave.observe.statistics import Margins, RunStatistics, Spread
+from slipwave.observe.verdict import Verdict
+from validation.commands.wording import without_errors, without_period
+from validation.door.conclusion import conclusion
+from validation.run.difference import differences, in_json
+from validation.run.simulate import Run
+
+
+def row(model: str, wall: float, error: float | None = 1e-3, **more: Any) -> dict[str, Any]:
+    return {"model": model, "wall_s": wall, "error": {"period": error}, "verdict": "periodic"} | more
+
+
+FAILED, STEADY = row("quasistatic", 0.01, None, failed="it runs away"), row("block8", 0.01, None, verdict="steady")
+APART = {
+    "verdict": "irregular",
+    "difference": {"period": 0.03, "stress_drop": -0.2},
+    "margin": {"period": 0.004, "stress_drop": 0.1},
+}
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        ([row("delay", 1.0, 0.0), row("block8", 1.5), row("fd", 0.1), FAILED],
+         "delay is cheaper than any reduction here and exact"),
+        ([row("delay", 1.0), row("block8", 0.5), row("kelvin-voigt", 0.2, -0.037)],
+         "kelvin-voigt is cheaper than delay, 5 times, with an error of 3.7e-02 in the period"),
+        ([row("delay", 1.0, None, **APART), row("modal:2", 0.5, None, **APART)],
+         "modal:2 is cheaper than delay, 2 times, and its mean period differs by +3.0e-02 +- 4.0e-03"),
+        ([row("delay", 1.0), row("delay", 0.5), row("fd", 5.0), row("dg:7", 2.0), STEADY],
+         "delay is exact and 4 times cheaper than the cheapest full wave here, dg:7"),
+        ([row("delay", 1.0), FAILED, STEADY], ""),
+        ([row("fd", 1.0), row("block8", 0.5)], ""),
+        ([row("delay", 1.0, None, verdict="steady"), STEADY], ""),
+    ],
+)  # fmt: skip
+def test_the_conclusion_is_that_of_the_rows(rows: list[dict[str, Any]], told: str) -> None:
+    assert conclusion(rows) == told
+
+
+@pytest.fixture(scope="module")
+def runs() -> tuple[Run, Run]:
+    """Of delay and block8; periodic."""
+    found = sw.compare("paper", "delay,block8", until=200, **{"drive.velocity": 2000}).runs
+    return found[0], found[1]
+
+
+def changed(run: Run, kind: Any, period: float, margin: float) -> Run:
+    """A run of that verdict and mean period; the margin is that of every mean."""
+    cycles = 9 if math.isfinite(period) else 0
+    means = (Spread(period, 0.1), *[Spread(0.2 if cycles else math.nan, 0.1)] * 2)
+    figures = RunStatistics(cycles, *means, 1.0, 1.0, Margins(margin, margin, margin))
+    return dataclasses.replace(run, verdict=Verdict(kind, cycles), statistics=figures)
+
+
+def test_differences_of_motions_that_never_repeat_have_margins_and_are_no_errors(runs: tuple[Run, Run]) -> None:
+    """The margin of a ratio a/b: (a/b) sqrt((da/a)^2 + (db/b)^2)."""
+    ours, theirs = changed(runs[1], "irregular", 12.0, 0.6), changed(runs[0], "torus", 10.0, 0.4)
+    found = differences(ours, theirs)
+    assert found["period"] == pytest.approx((0.2, 1.2 * math.hypot(0.05, 0.04)))
+    assert found["stress_drop"] == pytest.approx((0.0, math.hypot(3.0, 2.0)))
+    shown = in_json(ours, theirs)
+    assert shown["error"] == {"period": None, "stress_drop": None}
+    assert (shown["difference"]["period"], shown["margin"]["period"]) == tuple(found["period"])
+    beside = differences(ours, changed(runs[0], "periodic", 10.0, math.nan))
+    assert beside["period"].margin == pytest.approx(1.2 * 0.05)
+
+
+def test_differences_of_periodic_motions_are_errors(runs: tuple[Run, Run]) -> None:
+    shown = in_json(runs[1], runs[0])
+    periods = [run.statistics.period.mean for run in (runs[1], runs[0])]
+    assert set(shown) == {"error"}
+    assert shown["error"]["period"] == periods[0] / periods[1] - 1.0
+
+
+@pytest.mark.parametrize("kind", ["steady", "decaying", "too short"])
+def test_a_motion_without_cycles_has_neither(kind: str, runs: tuple[Run, Run]) -> None:
+    none = changed(runs[1], kind, math.nan, math.nan)
+    assert in_json(none, runs[0]) == {"error": {"period": None, "stress_drop": None}}
+
+
+def test_words_on_rows_without_errors() -> None:
+    rows = [row("delay", 1.0, 0.0), STEADY, row("modal:2", 1.0, None, **APART), row("fd", 1.0, None, verdict="decaying")]
+    rows[2]["margin"] = {"period": 0.004, "stress_drop": None}
+    assert without_errors(rows) == [
+        "no figures of block8: it slides steadily in the second half of the run, without cycles",
+        "no figures of fd: the second half of the run is decaying",
+    ]
+    assert without_period(rows) == [
+        "modal:2 is irregular: against the reference T differs by +3.0e-02 +- 4.0e-03, the drop by -2.0e-01 +- unknown"
+    ]
+
+
+def test_the_figure_has_the_means_of_the_table_and_the_reference_on_top(runs: tuple[Run, Run]) -> None:
+    found = sw.compare("paper", ["block8", "delay", "quasidynamic"], until=200, **{"drive.velocity": 2000, "slab.r": 2.2e-3})
+    above, below = found.plot().axes
+    means = [row["period"]["mean"] for row in found.summary["models"]]
+    labels = [text.get_text() for text in above.get_legend().get_texts()]
+    assert labels == [f"block8: periodic, T = {means[0]:.6g}", f"delay: periodic, T = {means[1]:.6g}", labels[2]]
+    for axes in (above, below):
+        block, delay, _ = axes.get_lines()
+        assert delay.get_zorder() > block.get_zorder()
+        assert delay.get_linestyle() == "--"
+    stopped = dataclasses.replace(found, runs=[changed(found.runs[0], "steady", math.nan, math.nan), *found.runs[1:]])
+    assert stopped.plot().axes[0].get_legend().get_texts()[0].get_text() == "block8: slides steadily, no cycle"
+    torus = dataclasses.replace(found, runs=[changed(found.runs[0], "torus", 4.5, 0.25), *found.runs[1:]])
+    assert torus.plot().axes[0].get_legend().get_texts()[0].get_text() == "block8: torus, T = 4.5 ± 0.25"
+
+
+def test_runs_are_timed_after_a_warm_up_that_changes_nothing() -> None:
+    from validation.registry.build import build
+    from validation.work_precision import warm
+
+    for model in ("delay", "kelvin-voigt", "fd", "dg:3"):
+        solver, fresh = (build(model, sw.read_scene("paper")) for _ in range(2))
+        warm(solver)
+        assert solver.time == 0.0
+        one, other = solver.advance(3.0), fresh.advance(3.0)
+        assert all(np.array_equal(left, right) for left, right in zip(one, other, strict=True)), model
