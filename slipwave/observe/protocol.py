@@ -1,0 +1,130 @@
+"""Measures the stages of a laboratory protocol during a run (`stages`): memory does not grow with the run."""
+
+import math
+
+import numpy as np
+
+from slipwave.compiled import njit
+from slipwave.friction import Law, rate_of, respond, steady_state, unknown_of
+from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.stages import LATE, Seen, Stage, StageFigures, figures_of, stages_of
+from slipwave.scene import Scene
+
+LEFT = math.exp(-1.0)
+"""The share of the peak's height over the steady stress that is left where the stress has come back."""
+
+_POINTS = 33  # of a piece, its ends included
+
+
+class ProtocolObserver:
+    """Reads the pieces of a run of `scene` to `until` (transits)."""
+
+    def __init__(self, scene: Scene, nodes: Array, until: float) -> None:
+        self._scene, self._basis = scene, lagrange_basis(nodes)
+        self.stages = stages_of(scene.drive, until)
+        self._seen = [Seen() for _ in self.stages]
+        self._slip, self._last = 0.0, math.nan
+        # pieces of a grid hold equal steps and are not cut at jumps of V: between their nodes they would overshoot
+        self._cut = nodes[0] > 0.0
+        self._points = np.linspace(0.0, 1.0, _POINTS) if self._cut else nodes
+        self._rows = interpolation_matrix(self._basis, self._points)
+        self._sums = _integrals(self._basis, np.append(self._points, 1.0))
+
+    @property
+    def figures(self) -> list[StageFigures]:
+        """The figures of the stages so far."""
+        return figures_of(self.stages, self._seen)
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        if not self.stages or not pieces.time.size:
+            return
+        time = pieces.time[:, None] + pieces.length[:, None] * self._points
+        middle = np.repeat((pieces.time + 0.5 * pieces.length)[:, None], self._points.size, axis=1)
+        slip = self._scene.transit * pieces.length[:, None] * (_rates(self._scene.law, pieces.z) @ self._sums.T)
+        begun = self._slip + np.concatenate(([0.0], np.cumsum(slip[:-1, -1])))
+        columns = (
+            time,
+            pieces.mu @ self._rows.T,
+            _rates(self._scene.law, pieces.z @ self._rows.T),
+            slip[:, :-1] + begun[:, None],
+        )
+        self._slip = float(begun[-1] + slip[-1, -1])
+        place = (middle if self._cut else time).ravel()
+        samples = np.stack([column.ravel() for column in columns])
+        for k, stage in enumerate(self.stages):
+            inside = (place >= stage.start) & (place < stage.end) & (samples[0] <= stage.end + 1e-9)
+            if inside.any():
+                self._take(k, stage, samples[:, inside])
+
+    def _take(self, k: int, stage: Stage, samples: Array) -> None:
+        time, mu, rate, slip = samples
+        seen = self._seen[k]
+        if math.isnan(seen.peak):  # the stage begins
+            seen = seen._replace(before=mu[0] if math.isnan(self._last) else self._last)
+        seen = _peak(seen, stage.sign, self._steady(stage), mu, slip)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ln_v = np.log(rate)
+        half, late = (ln_v[time >= stage.end - share * (stage.end - stage.start)] for share in (0.5, LATE))
+        self._seen[k] = seen._replace(
+            last=float(mu[-1]),
+            half_low=min(seen.half_low, half.min(initial=math.inf)),
+            half_high=max(seen.half_high, half.max(initial=-math.inf)),
+            late_low=min(seen.late_low, late.min(initial=math.inf)),
+            late_high=max(seen.late_high, late.max(initial=-math.inf)),
+            reached=float(time[-1]),
+        )
+        self._last = float(mu[-1])
+
+    def _steady(self, stage: Stage) -> float:
+        """Steady stress at the velocity of a stage; NaN in a hold."""
+        law, velocity = self._scene.law, stage.velocity
+        if velocity == 0.0 or stage.kind not in ("step", "slide"):
+            return math.nan
+        return float(respond(law, unknown_of(law, velocity), steady_state(law, velocity))[2])
+
+    def state(self) -> dict[str, Array]:
+        """What was seen, a row for each stage, for a checkpoint."""
+        return {
+            "seen": np.array(self._seen, dtype=float).reshape(-1, len(Seen._fields)),
+            "slip": np.array([self._slip, self._last]),
+        }
+
+    def restore(self, state: dict[str, Array]) -> None:
+        """Continue from what `state` returned."""
+        self._seen = [Seen(*row) for row in state["seen"].tolist()]
+        self._slip, self._last = state["slip"].tolist()
+
+
+def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array) -> Seen:
+    """`seen` with the peak of further samples and, after it, the slip at which the stress has come back to `LEFT`."""
+    highest, first = int(np.argmax(sign * mu)), 0
+    if not sign * mu[highest] <= sign * seen.peak:
+        seen = seen._replace(peak=float(mu[highest]), peak_slip=float(slip[highest]), recovered=math.nan)
+        first = highest
+    height = sign * (seen.peak - steady)
+    if not (math.isnan(seen.recovered) and height > 0.0):
+        return seen
+    over = sign * (mu - steady) - LEFT * height
+    back = np.flatnonzero(over[first:] <= 0.0)
+    if not back.size:
+        return seen
+    k = max(first + int(back[0]), 1)
+    share = over[k - 1] / (over[k - 1] - over[k]) if over[k - 1] > over[k] else 1.0
+    return seen._replace(recovered=float(slip[k - 1] + share * (slip[k] - slip[k - 1])))
+
+
+def _integrals(basis: Basis, points: Array) -> Array:
+    """Rows that integrate the interpolating polynomial from 0 to `points` of [0, 1]."""
+    places, weights = np.polynomial.legendre.leggauss(basis.nodes.size)
+    inner = 0.5 * (1.0 + places)
+    return np.stack([0.5 * point * (weights @ interpolation_matrix(basis, point * inner)) for point in points])
+
+
+@njit
+def _rates(law: Law, unknowns: Array) -> Array:
+    rates = np.empty(unknowns.shape)
+    for k in range(unknowns.shape[0]):
+        for j in range(unknowns.shape[1]):
+            rates[k, j] = rate_of(law, unknowns[k, j])
+    return rates
