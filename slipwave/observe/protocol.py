@@ -52,12 +52,13 @@ class ProtocolObserver:
         self._slip = float(begun[-1] + slip[-1, -1])
         place = (middle if self._cut else time).ravel()
         samples = np.stack([column.ravel() for column in columns])
+        now = float(pieces.time[-1] + pieces.length[-1])
         for k, stage in enumerate(self.stages):
             inside = (place >= stage.start) & (place < stage.end) & (samples[0] <= stage.end + 1e-9)
             if inside.any():
-                self._take(k, stage, samples[:, inside])
+                self._take(k, stage, samples[:, inside], min(now, stage.end))
 
-    def _take(self, k: int, stage: Stage, samples: Array) -> None:
+    def _take(self, k: int, stage: Stage, samples: Array, reached: float) -> None:
         time, mu, rate, slip = samples
         seen = self._seen[k]
         if math.isnan(seen.peak):  # the stage begins
@@ -72,7 +73,7 @@ class ProtocolObserver:
             half_high=max(seen.half_high, half.max(initial=-math.inf)),
             late_low=min(seen.late_low, late.min(initial=math.inf)),
             late_high=max(seen.late_high, late.max(initial=-math.inf)),
-            reached=float(time[-1]),
+            reached=reached,
         )
         self._last = float(mu[-1])
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple, TypeAlias
 
+from slipwave.observe.pieces import SAME
 from slipwave.scene.drive import Drive
 
 Kind: TypeAlias = Literal["start", "step", "hold", "slide", "ramp", "level"]
@@ -149,7 +150,7 @@ def _figures(stage: Stage, seen: Seen, earlier: StageFigures | None, before_hold
 
 def _has_settled(stage: Stage, seen: Seen) -> bool:
     """Whether the slip rate was steady at the end of a stage of one velocity that is over."""
-    if stage.velocity == 0.0 or stage.kind == "ramp" or seen.reached < stage.end * (1.0 - 1e-9):
+    if stage.velocity == 0.0 or stage.kind == "ramp" or seen.reached < stage.end - SAME:
         return False
     wanted = math.log(stage.velocity)
     return max(abs(seen.late_low - wanted), abs(seen.late_high - wanted)) < STEADY

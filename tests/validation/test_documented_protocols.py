@@ -18,7 +18,7 @@ def blocks(page: str, kind: str) -> list[str]:
     return [text for found, text in BLOCK.findall((ROOT / "docs" / page).read_text(encoding="utf-8")) if found == kind]
 
 
-@pytest.mark.parametrize("page", ["testing-machine.md"])
+@pytest.mark.parametrize("page", ["testing-machine.md", "protocols.md"])
 def test_the_commands_print_what_the_page_shows(
     page: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

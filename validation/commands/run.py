@@ -47,6 +47,9 @@ def run(
         Path | None,
         typer.Option(metavar="FILE", help="full wave: write velocity and stress of the last 100 transits, .vtu, .xdmf or .nc"),
     ] = None,
+    events: Annotated[
+        Path | None, typer.Option(metavar="FILE.csv", help="write the slip events, in s and Pa for scenes in SI")
+    ] = None,
     checkpoint: Annotated[
         Path | None, typer.Option(metavar="FILE", help="save checkpoints here during the run, and go on from FILE if it exists")
     ] = None,
@@ -73,7 +76,13 @@ def run(
     from validation.run.recording import FIELD_FILES
     from validation.run.resuming import way_on
 
-    for path, kinds, option in ((out, (".nc",), "--out"), (fields, FIELD_FILES, "--fields"), (plot, FIGURES, "--plot")):
+    files = (
+        (out, (".nc",), "--out"),
+        (fields, FIELD_FILES, "--fields"),
+        (plot, FIGURES, "--plot"),
+        (events, (".csv",), "--events"),
+    )
+    for path, kinds, option in files:
         if path is not None:
             require_writable(path, kinds, option)
     result, failed, stopped = delivered(
@@ -101,6 +110,8 @@ def run(
     with closing(result):
         # printed first: writing the files may find a full disk
         tasks = [lambda: printed(lambda: print_json(result.summary) if json else _print(result))]
+        if events is not None:
+            tasks.append(lambda: result.write_events(events))
         if fields is not None:
             tasks.append(lambda: result.write_fields(fields))
         if out is not None:
@@ -130,6 +141,7 @@ def _print(result: "RunResult") -> None:
     from validation.commands.wording import events_in_words, statistics_rows
     from validation.door.run import grid_in_words
     from validation.output import figures, print_table
+    from validation.run.stage_table import stage_rows
 
     done, choice = result.done, result.choice
     for line in header(done.solver.scene):
@@ -143,6 +155,9 @@ def _print(result: "RunResult") -> None:
     if done.verdict and done.verdict.repeats:
         print()
         print_table(*statistics_rows(done.statistics, done.solver.scene))
+    if result.records.protocol:
+        print()
+        print_table(*stage_rows(result.records.protocol.figures, done.solver.scene))
     if done.final:
         state = {"ln v": done.final.ln_v, "psi": done.final.psi, "mu": done.final.mu}
         print("\nat the end: " + ", ".join(f"{name} = {figures(value, 12)}" for name, value in state.items()))

@@ -21,11 +21,13 @@ from validation.registry import build as models
 from validation.registry.default_grid import judged, note_on
 from validation.registry.families import Built, Options, one_port_of
 from validation.run.determinacy import amplified_rounding
+from validation.run.event_table import write_events
 from validation.run.history_file import Kept
 from validation.run.recording import Records, Wanted, records_of
 from validation.run.resuming import require_checkpoint
 from validation.run.run_dataset import run_dataset, write_run
 from validation.run.simulate import Run, RunInterrupted, simulate
+from validation.run.stage_table import stage_results
 from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
@@ -48,7 +50,7 @@ class RunResult(Result):
     @property
     def summary(self) -> dict[str, Any]:
         """The JSON of `slipwave run` (users rely on its keys). `grid` is there only if the user did not choose its cells,
-        `failed` only if the numerics failed."""
+        `protocol`, its stages, only if the drive changes, `failed` only if the numerics failed."""
         done, found = self.done, self.done.statistics
         result: dict[str, Any] = {
             "scene": done.solver.scene.name,
@@ -70,7 +72,12 @@ class RunResult(Result):
             result["time"] = done.solver.settings["time"]
         if self.choice:
             result["grid"] = {name: getattr(self.choice, name) for name in ("cells", "step", "quantity", "error_estimate")}
-        more = {"failed": done.failed, "notes": [*doubts(done.solver.scene), *self.notes]}
+        stages = self.records.protocol.figures if self.records.protocol else []
+        more = {
+            "protocol": stage_results(stages, done.solver.scene),
+            "failed": done.failed,
+            "notes": [*doubts(done.solver.scene), *self.notes],
+        }
         return dict(finite(result | {name: value for name, value in more.items() if value}))
 
     @property
@@ -112,6 +119,10 @@ class RunResult(Result):
 
     def _facts(self) -> dict[str, Any]:
         return provenance("run", self.done.solver.scene, self.done.solver.model, self.options)
+
+    def write_events(self, path: str | Path) -> None:
+        """Write one line for each complete cycle to a .csv file, in SI if the scene has units."""
+        write_events(Path(path), self.done.events, self.done.solver.scene)
 
     def write_fields(self, path: str | Path) -> None:
         """Write velocity and stress of the last transits to a .vtu, .xdmf or .nc file; nothing if the run kept none."""

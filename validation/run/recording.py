@@ -9,6 +9,7 @@ from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, Solver
 from slipwave.observe.checkpoint import Checkpoints
 from slipwave.observe.follow import Mark, Observer
+from slipwave.observe.protocol import ProtocolObserver
 from slipwave.observe.snapshot import FieldSolver
 from slipwave.observe.solver import Resumable
 from validation.run.history_file import ALL, HistoryFile, Kept
@@ -37,10 +38,11 @@ class Wanted(NamedTuple):
 
 @dataclass(frozen=True)
 class Records:
-    """What is kept of a run on its way: `watch` for events, and, where asked for, the interface's history, the last fields and
-    checkpoints."""
+    """What is kept of a run on its way: `watch` for events, the figures of the stages of a `protocol`, and, where asked for, the
+    interface's history, the last fields and checkpoints."""
 
     watch: EventObserver
+    protocol: ProtocolObserver | None
     history: HistoryFile | None
     fields: "FieldRecord | None"
     checkpoints: Checkpoints | None
@@ -48,7 +50,7 @@ class Records:
     @property
     def observers(self) -> list[Observer]:
         """The observers of the run besides `watch`."""
-        return [self.history] if self.history is not None else []
+        return [observer for observer in (self.protocol, self.history) if observer is not None]
 
     @property
     def marks(self) -> list[Mark]:
@@ -71,10 +73,11 @@ def records_of(
     """
     samples = history_for(solver, until, wanted, checkpoint)
     watch, kept = EventObserver(solver.scene, solver.nodes), fields_for(solver, until, wanted.fields)
-    parts = {"events": watch if solver.scene.record else None, "interface": samples, "fields": kept}
+    protocol = None if solver.scene.drive.is_constant else ProtocolObserver(solver.scene, solver.nodes, until)
+    parts = {"events": watch if solver.scene.record else None, "protocol": protocol, "interface": samples, "fields": kept}
     saved: dict[str, Resumable] = {label: part for label, part in parts.items() if part is not None}
     marks = None if checkpoint is None else Checkpoints(solver, saved, checkpoint, until, _EVERY if every is None else every)
-    records = Records(watch, samples, kept, marks)
+    records = Records(watch, protocol, samples, kept, marks)
     if marks is not None and checkpoint is not None and checkpoint.exists():
         try:
             marks.resume()

@@ -1,0 +1,81 @@
+"""Stages of a protocol and slip events as users get them: JSON, SI, CSV, and after a resumed run."""
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import slipwave
+from validation.cli import main
+
+SCENE = {
+    "slab.thickness": "10 m",
+    "drive.velocity": [["0 s", "1 um/s"], ["40 s", "1 um/s"], ["40 s", "3 um/s"], ["90 s", "3 um/s"], ["90 s", "0 um/s"]],
+    "run.until": "100 s",
+    "slab.shear_modulus": "150 GPa",
+}
+"""A stiff block whose transits are long, so that few have to be computed."""
+
+
+def protocol(**options: Any) -> list[dict[str, Any]]:
+    result = slipwave.run("velocity-steps", "quasidynamic", **options, **SCENE)
+    found: list[dict[str, Any]] = result.summary["protocol"]
+    return found
+
+
+def test_the_json_has_every_stage_with_si() -> None:
+    start, step, hold = protocol()
+    assert [stage["kind"] for stage in (start, step, hold)] == ["start", "step", "hold"]
+    si = step["si"]
+    assert (si["start_s"], si["end_s"]) == (pytest.approx(40.0, rel=1e-12), pytest.approx(90.0, rel=1e-12))
+    assert si["velocity_m_per_s"] == pytest.approx(3e-6, rel=1e-12)
+    for name in ("direct_effect", "evolution", "steady_stress"):
+        assert si[f"{name}_Pa"] == pytest.approx(step[name] * 5e6, rel=1e-12)
+    assert si["slip_to_recovery_m"] == pytest.approx(step["slip_to_recovery"] * 1e-5, rel=1e-12)
+    assert (si["healing_Pa"], step["healing"]) == (None, None)
+    assert hold["si"]["relaxation_Pa"] > 0.0
+
+
+def test_a_scene_of_one_velocity_has_no_stages() -> None:
+    assert "protocol" not in slipwave.run("paper", until=1).summary
+
+
+def test_a_run_from_a_checkpoint_has_the_stages_of_the_whole(tmp_path: Path) -> None:
+    whole, path = protocol(), tmp_path / "c.npz"
+    protocol(checkpoint=path, checkpoint_every=9000.0)
+    for resumed, stage in zip(protocol(checkpoint=path), whole, strict=True):
+        assert resumed["kind"] == stage["kind"]
+        ours, wanted = ({name: value for name, value in one["si"].items() if value is not None} for one in (resumed, stage))
+        assert ours == pytest.approx(wanted, rel=1e-11)  # slip is summed in other parts
+
+
+@pytest.mark.parametrize(("name", "options"), [("paper", []), ("paper-si", ["--set", "drive.velocity=2000"])])
+def test_slip_events_as_csv(name: str, options: list[str], tmp_path: Path) -> None:
+    path = tmp_path / "events.csv"
+    assert main(["run", name, "--until", "1500", *options, "--events", str(path), "--json"]) == 0
+    rows = list(csv.reader(path.open(encoding="utf-8")))
+    scene = slipwave.read(name, options[1:])
+    events = slipwave.run(scene, until=1500).done.events
+    units = scene.units
+    second, pascal, rate = (
+        (scene.transit * units.time, units.normal_stress, units.reference_velocity) if units else (1.0, 1.0, 1.0)
+    )
+    clock, stress, speed = ("s", "Pa", "m/s") if units else ("transits", "normal stress", "V*")
+    assert rows[0] == [
+        f"time [{clock}]",
+        f"period [{clock}]",
+        f"stress_drop [{stress}]",
+        f"elastic_stress_drop [{stress}]",
+        f"v_max [{speed}]",
+        f"v_min [{speed}]",
+    ]
+    assert len(rows) == len(events.time) + 1 > 2
+    first = [float(word) for word in rows[1]]
+    sizes = (second, second, pascal, pascal, rate, rate)
+    assert first == pytest.approx([values[0] * size for values, size in zip(events, sizes, strict=True)], rel=1e-14)
+
+
+def test_another_kind_of_file_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "paper", "--until", "1", "--events", "events.txt"]) == 2
+    assert "--events" in capsys.readouterr().err

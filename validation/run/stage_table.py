@@ -1,0 +1,51 @@
+"""The stages of a protocol as results: dictionaries for the JSON, with SI where the scene has units, and rows for a table."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from slipwave.observe.stages import StageFigures
+from slipwave.scene import Scene
+from validation.output import figures
+
+_STRESSES = ("steady_stress", "direct_effect", "evolution", "relaxation", "healing")
+
+
+def stage_results(stages: Sequence[StageFigures], scene: Scene) -> list[dict[str, Any]]:
+    """One dictionary for each stage, times in transits, stresses in units of the normal stress, slip in L; `si` is there only for
+    scenes with units."""
+    return [asdict(stage) | _in_si(stage, scene) for stage in stages]
+
+
+def _in_si(stage: StageFigures, scene: Scene) -> dict[str, Any]:
+    units = scene.units
+    if units is None:
+        return {}
+    second = scene.transit * units.time
+    sizes = dict.fromkeys((f"{name}_Pa" for name in _STRESSES), units.normal_stress)
+    sizes |= {"start_s": second, "end_s": second, "velocity_m_per_s": units.reference_velocity}
+    sizes |= {"slip_to_recovery_m": units.memory_length}
+    values = {name: getattr(stage, name.rpartition("_m_per_s")[0] or name.rpartition("_")[0]) for name in sizes}
+    return {"si": {name: None if value is None else value * sizes[name] for name, value in values.items()}}
+
+
+def stage_rows(stages: Sequence[StageFigures], scene: Scene) -> tuple[list[str], list[list[str]]]:
+    """Heading and rows of a table: in seconds and metres if the scene has units, stresses always over the normal stress."""
+    units = scene.units
+    second, metre, rate = (
+        (scene.transit * units.time, units.memory_length, units.reference_velocity) if units else (1.0, 1.0, 1.0)
+    )
+    clock, length, speed = ("s", "m", "m/s") if units else ("transits", "L", "V*")
+    heading = ["stage", f"from [{clock}]", f"V [{speed}]", "steady", "direct", "evolution", f"slip to 1/e [{length}]"]
+    rows = [
+        [
+            f"{stage.kind}, stick-slip" if stage.stick_slips else stage.kind,
+            figures(stage.start * second, 6),
+            figures(stage.velocity * rate, 6),
+            *(figures(value, 6) for value in (stage.steady_stress, stage.direct_effect, stage.evolution)),
+            figures(None if stage.slip_to_recovery is None else stage.slip_to_recovery * metre, 6),
+            *(figures(value, 6) for value in (stage.relaxation, stage.healing)),
+        ]
+        for stage in stages
+    ]
+    return [*heading, "relaxation", "healing"], rows
