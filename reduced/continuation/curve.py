@@ -1,0 +1,144 @@
+"""Special points of branches followed in two parameters: curves of folds, period doublings and torus points.
+
+A curve is stepped along in the plane of both parameters. Across its predicted place a line is laid; along this line, the orbits
+are a branch in one parameter, on which the special point is located as on any other (`special`), between two orbits on both
+sides. So a curve may turn back in either parameter, every point has its bracket and its index, and none rests on an extended
+system that a neighbouring special point may attract.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from reduced.continuation.mesh import Family, refined, roughness
+from reduced.continuation.point import Metric, Point, point_near
+from reduced.continuation.special import Special, between
+from slipwave.errors import NumericsError
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+
+Place = tuple[float, float]
+"""Values of both parameters, or a direction in their plane."""
+
+METRIC = Metric(20.0, 1.0)
+"""On a line: one scale of the parameters counts as much as twenty transits of period."""
+
+LARGEST_TURN = 0.3
+"""Radians between a step and the one before it."""
+
+_REACHES = (2e-4, 1e-3, 4e-3, 0.016)  # of the search on both sides, in the metric; a short one tells two near points apart
+_GROWTH, _SHRINK = 1.5, 0.5
+
+
+@dataclass(frozen=True)
+class Plane:
+    """The `scene_at` values of both parameters, and the `scale` of each: lengths in the plane are relative to these."""
+
+    scene_at: Callable[[float, float], Scene]
+    scale: Place
+
+    def moved(self, place: Place, direction: Place, length: float) -> Place:
+        """The place at this length along a direction of length 1."""
+        return place[0] + length * direction[0] * self.scale[0], place[1] + length * direction[1] * self.scale[1]
+
+    def chord(self, first: Place, last: Place) -> tuple[Place, float]:
+        """Direction and length from one place to another."""
+        change = ((last[0] - first[0]) / self.scale[0], (last[1] - first[1]) / self.scale[1])
+        length = math.hypot(*change)
+        return (change[0] / length, change[1] / length), length
+
+
+class OnCurve(NamedTuple):
+    """A `special` point at a `place`; its own parameter is the distance along the line on which it was located."""
+
+    place: Place
+    special: Special
+
+
+class Steps(NamedTuple):
+    """Lengths of steps in the plane, in units of its scales: the `first`, `shortest` and `longest`."""
+
+    first: float = 2e-3
+    shortest: float = 1e-5
+    longest: float = 0.05
+
+
+STEPS = Steps()
+
+
+def follow_curve(plane: Plane, start: OnCurve, towards: Place, tolerance: float, steps: Steps = STEPS) -> Iterator[OnCurve]:
+    """The points of the curve after `start`, which was found on a branch in the first parameter, at first in the direction
+    `towards`, without end; on meshes that keep relative errors of the figures below `tolerance`.
+
+    Raises NumericsError where the curve cannot be followed; what came before has been yielded.
+    """
+    before, last, direction, length = start, start, towards, steps.first
+    while True:
+        new = _next(plane, before, last, direction, length, tolerance, steps.shortest)
+        direction, used = plane.chord(last.place, new.place)
+        before, last, length = last, new, min(steps.longest, _GROWTH * used)
+        yield new
+
+
+def _next(
+    plane: Plane, before: OnCurve, last: OnCurve, direction: Place, length: float, tolerance: float, shortest: float
+) -> OnCurve:
+    """The next point at about `length`, or a half, a quarter ... of it."""
+    reason = "it turns too sharply"
+    while length >= shortest:
+        try:
+            new = _across(plane, before, last, direction, length, tolerance)
+            turned, _ = plane.chord(last.place, new.place)
+            if before is last or turned[0] * direction[0] + turned[1] * direction[1] > math.cos(LARGEST_TURN):
+                return new
+        except NumericsError as failed:
+            reason = str(failed)
+        length *= _SHRINK
+    place = ", ".join(f"{value:.8g}" for value in last.place)
+    raise NumericsError(f"the curve cannot be followed beyond the parameters {place}: {reason}")
+
+
+def _across(plane: Plane, before: OnCurve, last: OnCurve, direction: Place, length: float, tolerance: float) -> OnCurve:
+    """The special point on the line across the curve's predicted place."""
+    centre, line = plane.moved(last.place, direction, length), (direction[1], -direction[0])
+    known = last.special.point
+    family = Family(known.closed.flow, lambda along: plane.scene_at(*plane.moved(centre, line, along)))
+    point = point_near(family, _predicted(plane, before, last, centre), known.tangent, METRIC)
+    special = _beside(family, point, last.special.kind)
+    if roughness(special.point, tolerance) > 1.0:
+        family, point = refined(family, special.point, METRIC, tolerance)
+        special = _beside(family, point, last.special.kind)
+    return OnCurve(plane.moved(centre, line, special.point.parameter), special)
+
+
+def _predicted(plane: Plane, before: OnCurve, last: OnCurve, centre: Place) -> Array:
+    """Unknowns at the centre of a line: those of the last point, in the same deviation from steady sliding, and continued along
+    the secant if both points have one mesh."""
+    guess = _deviation(last)
+    if before is not last and before.special.point.unknowns.size == guess.size:
+        share = plane.chord(last.place, centre)[1] / plane.chord(before.place, last.place)[1]
+        guess = guess + share * (guess - _deviation(before))
+    guess[:-2] += last.special.point.closed.flow.of(plane.scene_at(*centre)).steady
+    guess[-1] = 0.0
+    return guess
+
+
+def _deviation(known: OnCurve) -> Array:
+    """Unknowns, less the state of steady sliding."""
+    point = known.special.point
+    unknowns = point.unknowns.copy()
+    unknowns[:-2] -= point.closed.flow.steady
+    return unknowns
+
+
+def _beside(family: Family, point: Point, kind: str) -> Special:
+    """The special point of `kind` on the branch through `point` that is nearest to it."""
+    for reach in _REACHES:
+        left, right = (
+            point_near(family, point.unknowns + shift * point.tangent, point.tangent, METRIC, point) for shift in (-reach, reach)
+        )
+        found = [one for one in between(family, left, right, METRIC) if one.kind == kind]
+        if found:
+            return min(found, key=lambda one: METRIC.length(one.point.unknowns - point.unknowns))
+    raise NumericsError(f"no {kind} was found beside an orbit of period {point.closed.cycle.period:.6g}")

@@ -1,0 +1,117 @@
+"""Curves of special points in two parameters against closed forms and an exact symmetry of the equations."""
+
+import itertools
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from reduced.continuation.branch import follow_branch
+from reduced.continuation.curve import METRIC, STEPS, OnCurve, Plane, Steps, follow_curve
+from reduced.continuation.hopf import from_hopf
+from reduced.continuation.mesh import Family
+from reduced.continuation.point import direction
+from reduced.continuation.start import from_orbit, metric_for
+from reduced.flows.delay import DelayFlow
+from reduced.orbit.closing import by_parameter, close
+from reduced.parameters import with_parameter
+from slipwave import read
+from slipwave.errors import NumericsError
+from tests.orbit_by_hand import SUPERCRITICAL, FlowByHand, Oscillator
+
+
+class TwoParameters(FlowByHand):
+    """The oscillator that `made` gives for the second parameter."""
+
+    made = staticmethod(lambda q: SUPERCRITICAL)
+
+    def of(self, scene):
+        return replace(self, parameter=scene.p, oscillator=type(self).made(scene.q))
+
+
+def scene_of(p, q):
+    return SimpleNamespace(p=p, q=q)
+
+
+def curve(kind, made, s, towards, count, steps=STEPS, ahead=9.0):
+    """The first `count` points after the one on the branch at q = 0 beyond |w|^2 = s, and that one."""
+    flow_type = type("Made", (TwoParameters,), {"made": staticmethod(made)})
+    oscillator, plane = made(0.0), Plane(scene_of, (1.0, 1.0))
+    flow = flow_type(oscillator, 0.0)
+    family = Family(flow, lambda p: scene_of(p, 0.0))
+    p = float(oscillator.g(s))
+    first = from_orbit(family, close(family(p), oscillator.state(s), oscillator.period(s)), p, ahead, METRIC)
+    found = (special for step in follow_branch(family, first, METRIC, lambda point: True, 1e-8) for special in step.special)
+    special = next(one for one in found if one.kind == kind)
+    start = OnCurve((special.point.parameter, 0.0), special)
+    return start, list(itertools.islice(follow_curve(plane, start, towards, 1e-8, steps), count))
+
+
+def leaning(q):
+    """g = s^2 - (1 + q) s: the fold at s = (1 + q)/2 has p = -(1 + q)^2/4."""
+    return Oscillator(lambda s: s * s - (1.0 + q) * s, lambda s: 2.0 * s - 1.0 - q)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_curve_of_folds(sign):
+    start, points = curve("LP", leaning, 0.3, (0.0, sign), 8, ahead=-9.0)
+    assert start.place == pytest.approx((-0.25, 0.0), abs=1e-9)
+    for (p, q), special in points:
+        assert p == pytest.approx(-0.25 * (1.0 + q) ** 2, abs=1e-10)
+        assert special.point.closed.cycle.period == pytest.approx(2.0 * math.pi / (1.0 + 0.15 * (1.0 + q)), abs=1e-4)
+        assert (special.kind, special.unstable_before + special.unstable_after) == ("LP", 1)
+    assert (sign * np.diff([0.0, *(place[1] for place, _ in points)]) > 0.0).all()
+
+
+def circle(q):
+    """A pair passes the unit circle where (p - 0.5)^2 + q^2 = 0.04."""
+    return SUPERCRITICAL._replace(beside=lambda p: (p - 0.5) ** 2 + q * q - 0.04)
+
+
+def test_a_curve_that_turns_back_in_both_parameters():
+    """A circle, once around, in equal steps that never go back."""
+    start, points = curve("NS", circle, 0.2, (0.0, 1.0), 42, Steps(2e-2, longest=0.04))
+    assert start.place == pytest.approx((0.3, 0.0), abs=1e-9)
+    places = np.array([place for place, _ in points])
+    np.testing.assert_allclose(np.hypot(places[:, 0] - 0.5, places[:, 1]), 0.2, rtol=0.0, atol=1e-8)
+    angles = np.unwrap(np.arctan2(places[:, 1], 0.5 - places[:, 0]))
+    assert (np.diff(angles) > 0.0).all()
+    assert angles[-1] > 2.0 * math.pi
+    assert all(special.bracket < 3e-9 for _, special in points)
+
+
+def test_a_curve_that_ends_says_where():
+    """Beyond q = 0.1 the pair does not exist."""
+
+    def ended(q):
+        return circle(0.0) if q < 0.1 else SUPERCRITICAL._replace(beside=lambda p: -0.1)
+
+    with pytest.raises(NumericsError, match=r"cannot be followed beyond the parameters 0\.3, 0\.099\d*: no NS was found"):
+        curve("NS", ended, 0.2, (0.0, 1.0), 40)
+
+
+def test_folds_depend_on_two_products_alone():
+    """With time in units of L/V the equations contain epsilon V and r V only, and psi is shifted by ln V. So an orbit at V is one
+    at 100 with epsilon and r larger by V/100; a fold is a fold there."""
+    base = read("paper")
+    metric = metric_for(-2.72, -2.3)
+    family = Family(DelayFlow(base, 6.0), lambda p: with_parameter(base, "log10_r", p))
+    first = from_hopf(family, -2.6995497159, 49.66818383, metric)
+    steps = follow_branch(family, first, metric, lambda point: True, 1e-6)
+    (fold,) = next(step.special for step in steps if step.special)
+    plane = Plane(lambda p, v: with_parameter(family(p).scene, "V", v), (0.4, 100.0))
+    start = OnCurve((fold.point.parameter, 100.0), fold)
+    for (p, v), special in itertools.islice(follow_curve(plane, start, (0.0, 1.0), 1e-6, Steps(0.02)), 4):
+        point, share = special.point, v / 100.0
+        epsilon = with_parameter(base, "epsilon", 2.8e-5 * share)
+        other = Family(point.closed.flow.of(epsilon), lambda q, scene=epsilon: with_parameter(scene, "log10_r", q))
+        at = p + math.log10(share)
+        state = point.unknowns[:-2] - point.closed.flow.steady + other(at).steady
+        closed = close(other(at), state, point.closed.cycle.period)
+        assert closed.cycle.period == pytest.approx(point.closed.cycle.period, rel=1e-11)
+        np.testing.assert_allclose(closed.cycle.start, state, rtol=0.0, atol=1e-11)
+        known = replace(closed, parameter=at, drift=by_parameter(other, closed.cycle, at))
+        assert abs(direction(known, point.tangent, metric)[-1]) < 1e-6
+    assert v > 103.0
