@@ -150,7 +150,8 @@ def first_accepted(make: Callable[[int], Solved], numbers: Iterable[int]) -> Sol
 
 def _probed_until(scene: Scene) -> float:
     """End of a probe (transits), after the drive's last knot, so that errors made before and after it are included."""
-    return min(PROBE + (scene.drive.times[-1] if _kinked(scene) else 0.0), scene.until)
+    probed = PROBE + (scene.drive.times[-1] if _kinked(scene) else 0.0)
+    return probed if scene.until is None else min(probed, scene.until)
 
 
 def _kinked(scene: Scene) -> bool:

@@ -100,4 +100,4 @@ def warm(solver: Solver) -> None:
 def warm_up(setting: Setting, scene: Scene) -> None:
     """Load or compile what `setting` needs, before a clock starts."""
     with suppress(NumericsError):  # a run that fails reports it itself
-        watch(solver_of(setting, scene), min(_WARM_UP, scene.until))
+        watch(solver_of(setting, scene), _WARM_UP if scene.until is None else min(_WARM_UP, scene.until))

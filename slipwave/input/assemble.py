@@ -25,7 +25,7 @@ _DEFAULT_SIZES = {"nudge": 0.5, "jump": 0.05, "orbit": 0.5}
 
 def assemble(checked: Validated, name: str) -> Scene:
     """The scene of `checked`, called `name` if its file gives no name. Raises SceneError for keys that do not fit together."""
-    tables = checked.tables
+    tables, run = checked.tables, checked.tables.run
     units = _units(checked.units)
     upper, lower = _slabs(tables, units)
     return Scene(
@@ -35,8 +35,8 @@ def assemble(checked: Validated, name: str) -> Scene:
         lower=lower,
         drive=_drive(tables.drive, units, upper.round_trip),
         start=_start(tables.start),
-        until=in_transits("run.until", tables.run.until, units, upper.round_trip, UNTIL),
-        record=frozenset(tables.run.record),
+        until=None if run.until is None else in_transits("run.until", run.until, units, upper.round_trip, UNTIL),
+        record=frozenset(run.record),
         units=units,
     )
 

@@ -180,9 +180,9 @@ class StartTable(Table):
 
 
 class RunTable(Table):
-    """Length of the run in transits of the upper slab, and what is recorded."""
+    """Length of the run in transits of the upper slab, or until its motion is settled, and what is recorded."""
 
-    until: Until = 4000.0
+    until: Until | None = None
     record: Annotated[list[Literal["events", "interface", "fields"]], 'a list of "events", "interface", "fields"'] = ["events"]
 
 

@@ -19,8 +19,8 @@ class Scene:
     """Two slabs, the interface's law, the drive, the start, the length of the run and what to record.
 
     Units: length L, velocity V*, stress sigma, friction clock L/V*. "transit" is the round trip of the upper slab; `until` is in
-    transits. `units` holds L, V* and sigma when the scene was given in SI. `tables` are those that it was read from; a scene made
-    in any other way, also by `dataclasses.replace`, has none.
+    transits; None leaves the length of a run to its motion. `units` holds L, V* and sigma when the scene was given in SI.
+    `tables` are those that it was read from; a scene made in any other way, also by `dataclasses.replace`, has none.
     """
 
     name: str
@@ -29,7 +29,7 @@ class Scene:
     lower: Slab
     drive: Drive
     start: Start = field(default_factory=Start)
-    until: float = 4000.0
+    until: float | None = None
     record: frozenset[str] = frozenset({"events"})
     units: Units | None = None
     tables: Mapping[str, Any] | None = field(default=None, init=False, repr=False, compare=False)

@@ -25,7 +25,7 @@ RUN_KEYS = {
     "final",
     "energy",
 }
-RUN_KEYS |= {"verdict", "multiplicity", "rotation_number", "failures", "wall_s"}
+RUN_KEYS |= {"verdict", "multiplicity", "rotation_number", "rate", "margins", "ended", "failures", "wall_s"}
 
 FAST = ["--set", "drive.velocity=2000", "--until", "200"]
 """Cycles of four transits, which repeat after 100."""
@@ -146,7 +146,11 @@ def test_full_wave_options_reach_the_model(capsys: pytest.CaptureFixture[str]) -
         (["run", "paper", "--modle", "delay"], "--modle"),
         (["run", "paper", "--model", "dely"], '"delay"'),
         (["run", "paper", "--model", "delay:3"], "takes no number"),
-        (["run", "paper", "--until", "ten"], "--until"),
+        (["run", "paper", "--until", "ten"], "run.until = 'ten'"),
+        (["run", "paper", "--until", "60s"], 'run.until = "60s": must come with interface.normal_stress'),
+        (["run", "paper", "--until", "60", "--cycles", "3"], "cycles = 3: must not be given together with until = 60"),
+        (["run", "paper", "--cycles", "0"], "cycles = 0"),
+        (["run", "paper", "--cycles", "3", "--set", "run.record=[]"], "run.record is empty"),
         (["run", "paper", "--until", "-5"], "run.until = -5"),
         (["run", "paper", "--until", "nan"], "run.until = nan"),
         (["run", "paper", "--set", "slab.epsilon=-1"], "slab.epsilon = -1"),

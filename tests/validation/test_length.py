@@ -1,8 +1,10 @@
 """Where runs end that have no length of their own: on sequences of cycles whose nature is known, and on motions."""
 
 import itertools
+import json
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ import slipwave
 from slipwave.observe import EventObserver, Events, judge_motion
 from slipwave.observe.checkpoint import Checkpoints
 from slipwave.observe.pieces import Pieces
+from validation.cli import main
 from validation.registry.build import build
 from validation.run.length import Judged, Until, UntilCycles, UntilSettled, halves_agree
 from validation.run.outlook import Outlook, outlook
@@ -181,3 +184,67 @@ def test_a_checkpoint_that_is_due_at_the_end_of_a_stretch_is_saved_when_the_run_
     assert not (tmp_path / "run.npz").exists()
     simulate(solver, 80.0, marks=[marks])
     assert (tmp_path / "run.npz").exists()
+
+
+SCENE = """
+[interface]
+law = "ageing"
+a_star = 0.369
+a = 0.0349
+b = 0.0489
+normal_stress = 1e3
+memory_length = 0.9e-6
+reference_velocity = 1e-6
+[slab]
+density = 784.0
+shear_modulus = 1e6
+thickness = 0.033
+[drive]
+velocity = 2000.0
+"""
+"""Without `run.until`; one transit is 2 thickness/c."""
+
+
+def answer(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
+    assert main([*words, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.fixture
+def own(tmp_path: Path) -> str:
+    (tmp_path / "own.toml").write_text(SCENE)
+    return str(tmp_path / "own.toml")
+
+
+@pytest.mark.parametrize(("text", "seconds"), [("2s", 2.0), ("1500 ms", 1.5), ("0.05 min", 3.0), ("0.001h", 3.6)])
+def test_a_length_in_units_of_time_is_that_time(capsys: pytest.CaptureFixture[str], own: str, text: str, seconds: float) -> None:
+    transit = 2.0 * 0.033 / math.sqrt(1e6 / 784.0)
+    found = answer(capsys, "run", own, "--tol", "1e-5", "--until", text)
+    assert found["until"] == pytest.approx(seconds / transit, rel=1e-12)
+    assert found["ended"] == "until"
+
+
+def test_without_a_length_the_motion_settles_in_the_shell_and_in_python(capsys: pytest.CaptureFixture[str], own: str) -> None:
+    found = answer(capsys, "run", own, "--tol", "1e-6")
+    assert (found["ended"], found["verdict"]) == ("settled", "periodic")
+    longer = answer(capsys, "run", own, "--tol", "1e-6", "--until", f"{4.0 * found['until']}")
+    assert found["period"]["mean"] == pytest.approx(longer["period"]["mean"], rel=1e-3)
+    assert slipwave.run(own, tol=1e-6).summary["period"] == found["period"]
+    assert main(["run", own, "--tol", "1e-6"]) == 0
+    assert "the run ended here because its motion is settled" in capsys.readouterr().out
+
+
+def test_compare_and_bench_have_one_length(capsys: pytest.CaptureFixture[str], own: str, tmp_path: Path) -> None:
+    alone = answer(capsys, "run", own, "--model", "delay")
+    words = ["compare", own, "--models", "kelvin-voigt,delay", "--out", str(tmp_path / "a.png")]
+    together = answer(capsys, *words)
+    assert together["until"] == alone["until"]
+    assert [row["model"] for row in together["models"]] == ["kelvin-voigt", "delay"]
+    assert together["models"][1]["period"] == alone["period"]
+    other = answer(capsys, "run", own, "--model", "kelvin-voigt", "--until", f"{alone['until']!r}")
+    assert together["models"][0]["period"] == other["period"]
+
+
+def test_fields_need_a_length(capsys: pytest.CaptureFixture[str], own: str, tmp_path: Path) -> None:
+    assert main(["run", own, "--model", "fd", "--cells", "8", "--fields", str(tmp_path / "a.vtu")]) == 2
+    assert "run.until: missing" in capsys.readouterr().err

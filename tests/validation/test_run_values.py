@@ -37,6 +37,13 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], xarr
         return json.loads(printed.getvalue()), data.load(), table.getvalue().splitlines()
 
 
+def margin_by_hand(rows: np.ndarray) -> float:
+    """Of the mean of irregular cycles: eight batches in order, Student's quantile for seven degrees of freedom, 2.3646."""
+    means = [sum(batch) / len(batch) for batch in np.array_split(rows, 8)]
+    middle = sum(means) / 8
+    return 2.364624251 * math.sqrt(sum((mean - middle) ** 2 for mean in means) / 7 / 8)
+
+
 Told = tuple[dict[str, Any], xarray.Dataset, list[str]]
 
 
@@ -50,6 +57,7 @@ def test_statistics_are_those_of_the_second_half(told: Told) -> None:
         assert result[name]["mean"] == pytest.approx(mean, rel=1e-12)
         assert result[name]["std"] == pytest.approx(math.sqrt(sum((row - mean) ** 2 for row in rows) / len(rows)), rel=1e-9)
         assert result[name]["std"] > 1e-3 * mean
+        assert result["margins"][name] == pytest.approx(margin_by_hand(rows), rel=1e-9)
     assert result["v_max"] == pytest.approx(max(data["v_max"].values[late]), rel=1e-14)
     assert result["v_min"] == pytest.approx(min(data["v_min"].values[late]), rel=1e-14)
 
@@ -137,9 +145,9 @@ def test_the_table_is_the_json_and_its_si_column_is_by_hand(told: Told) -> None:
         assert float(row[0]) == pytest.approx(mean, rel=1e-8)
         assert row[1] == "-" if std is None else float(row[1]) == pytest.approx(std, rel=5e-3)
         assert (float(row[2]), row[3]) == (pytest.approx(mean * unit, rel=1e-5), name)
-    (units,) = [line for line in lines if line.startswith("units:")]
-    assert float(units.split("one transit = ")[1].split()[0]) == pytest.approx(SECONDS, rel=1e-5)
-    (slabs,) = [line for line in lines if line.startswith("slabs:")]
+    (transit,) = [line for line in lines if line.startswith("one transit = ")]
+    assert float(transit.split("one transit = ")[1].split()[0]) == pytest.approx(SECONDS, rel=1e-5)
+    slabs, _ = [line for line in lines if line.startswith("slabs:")]
     words = slabs.replace(",", "").split()
     assert float(words[2]) == pytest.approx(math.sqrt(784.0 * 1e6) * RATE / PRESSURE, rel=1e-8)
     assert float(words[4]) == pytest.approx(TRANSIT, rel=1e-8)

@@ -35,7 +35,14 @@ Model: TypeAlias = Annotated[
         autocompletion=_models,
     ),
 ]
-Until: TypeAlias = Annotated[float | None, typer.Option(metavar="TRANSITS", help="length of the run (default: the scene's)")]
+Until: TypeAlias = Annotated[
+    str | None,
+    typer.Option(
+        metavar="TRANSITS|TIME",
+        help="length of the run, in transits or, in scenes with SI units, as 60s (default: the scene's, else until the motion is "
+        "settled)",
+    ),
+]
 Settings: TypeAlias = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE ...", help="change one key of the scene, as in slab.log10_r=-2.3; may be repeated"),

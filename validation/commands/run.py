@@ -34,6 +34,9 @@ def run(
     source: SceneName,
     model: Model = "auto",
     until: Until = None,
+    cycles: Annotated[
+        int | None, typer.Option(metavar="N", help="end when the second half of the run has N complete cycles, not --until")
+    ] = None,
     settings: Settings = None,
     law: Law = None,
     cells: Cells = None,
@@ -91,6 +94,7 @@ def run(
             model,
             until=until,
             settings=settings or (),
+            cycles=cycles,
             cells=cells,
             cfl=cfl,
             time=time,
@@ -138,7 +142,7 @@ def _window(text: str | None) -> tuple[float, float] | None:
 
 def _print(result: "RunResult") -> None:
     from validation.commands.header import header
-    from validation.commands.wording import events_in_words, statistics_rows
+    from validation.commands.wording import ENDED, events_in_words, statistics_rows
     from validation.door.run import grid_in_words
     from validation.output import figures, print_table
     from validation.run.stage_table import stage_rows
@@ -152,6 +156,8 @@ def _print(result: "RunResult") -> None:
         print(f"note: {note}")
     march = f" ({done.solver.settings['time']} in time)" if "time" in done.solver.settings else ""
     print(f"model {done.solver.model}{march}, {done.until:g} transits: {events_in_words(done.starts, done.verdict)}")
+    if done.ended in ENDED:
+        print(ENDED[done.ended])
     if done.verdict and done.verdict.repeats:
         print()
         print_table(*statistics_rows(done.statistics, done.solver.scene))

@@ -11,6 +11,13 @@ from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from validation.output import figures
 
+ENDED = {
+    "cycles": "the run ended here because its second half has the cycles asked for",
+    "settled": "the run ended here because its motion is settled; --until makes it longer",
+    "limit": "the run ended here, before its motion was settled, because of its limit of work; --until makes it longer",
+}
+"""Why a run without a given length ended where it did."""
+
 _COUNTED = (*REPEATING, "settling", "too short")  # any other motion has swings, but no cycles of stick-slip
 
 

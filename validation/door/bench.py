@@ -14,7 +14,9 @@ from validation.door.conclusion import conclusion
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Result, deliver, finite, scene_of, table_of
 from validation.registry import build as models
+from validation.registry.families import one_port_of
 from validation.run.difference import in_json
+from validation.run.length import Length, Until, length_of
 from validation.run.progress import progress
 from validation.run.simulate import Run, RunInterrupted, simulate
 from validation.study.drawing import Drawing, canvas, pen, styled
@@ -39,7 +41,7 @@ class BenchResult(Result):
     def summary(self) -> dict[str, Any]:
         """The JSON of `slipwave bench` (users rely on its keys), with errors as `slipwave compare`, without sign."""
         rows = [_row(run, setting, self.reference) for run, setting in self.runs]
-        facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.scene.until}
+        facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.reference.until}
         facts |= {"reference": self.reference.solver.model, "conclusion": conclusion(finite(rows))}
         return dict(finite(facts | {"models": rows}))
 
@@ -70,7 +72,7 @@ class BenchResult(Result):
 def bench(
     source: SceneSource,
     *,
-    until: float | None = None,
+    until: float | str | None = None,
     most_seconds: float = DAY,
     settings: Iterable[str] = (),
     **changes: Any,
@@ -86,12 +88,13 @@ def bench(
     if not trials:
         raise SceneError(f"scene = {scene.name!r}: no model of this installation can do it")
     reference = _reference(scene, trials, most_seconds)
+    length = Until(reference.until)
     runs: list[tuple[Run, dict[str, Any]]] = []
     stopped = ""
     with progress("bench", len(trials)) as report:
         for done, (family, setting) in enumerate(trials):
             try:
-                runs.append((_timed(scene, family, setting, most_seconds), setting))
+                runs.append((_timed(scene, family, setting, length, most_seconds), setting))
             except RunInterrupted:
                 stopped = f"after {done} of {len(trials)} runs"
                 break
@@ -108,17 +111,17 @@ def _settings(family: Family) -> list[dict[str, Any]]:
 
 
 def _reference(scene: Scene, trials: list[tuple[Family, dict[str, Any]]], most: float) -> Run:
-    """The delay system at a tight tolerance; for scenes it cannot do, the last full-wave family at its finest setting."""
-    family = next((family for family, _ in trials if family.name == "delay"), None)
-    if family is not None:
-        return _timed(scene, family, {"tolerance": _REFERENCE_TOLERANCE}, most)
-    return _timed(scene, *trials[-1], most)
+    """The delay system at a tight tolerance; for scenes it cannot do, the last full-wave family at its finest setting. All other
+    runs last as long as it does."""
+    delay = next((family for family, _ in trials if family.name == "delay"), None)
+    family, setting = (delay, {"tolerance": _REFERENCE_TOLERANCE}) if delay is not None else trials[-1]
+    return _timed(scene, family, setting, length_of(scene, one_port_of(family.example)), most)
 
 
-def _timed(scene: Scene, family: Family, setting: dict[str, Any], most: float) -> Run:
+def _timed(scene: Scene, family: Family, setting: dict[str, Any], length: Length, most: float) -> Run:
     chosen = Setting(family.example, **setting)
     warm_up(chosen, scene)
-    return simulate(solver_of(chosen, scene), scene.until, most_seconds=most)
+    return simulate(solver_of(chosen, scene), length, most_seconds=most)
 
 
 def _row(run: Run, setting: dict[str, Any], reference: Run) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from slipwave.input import SceneSource
+from slipwave.observe import Solver
 from slipwave.observe.foresight import DAY, require_time
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
@@ -15,8 +16,10 @@ from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Result, deliver, finite, scene_of, table_of
 from validation.measure.cycle import Cycle, CycleObserver
 from validation.registry.build import build_all
+from validation.registry.families import one_port_of
 from validation.run.difference import in_json
-from validation.run.simulate import Run, RunInterrupted, second_half, simulate
+from validation.run.length import Until, length_of, second_half
+from validation.run.simulate import Run, RunInterrupted, simulate
 from validation.study.drawing import Drawing, canvas, styled
 from validation.work_precision import warm
 
@@ -46,7 +49,7 @@ class CompareResult(Result):
         """The JSON of `slipwave compare` (users rely on its keys), with relative errors against the reference; where one of the
         motions never repeats they are None, and there are `difference` and `margin` instead."""
         rows = [_row(run, self.reference) for run in self.runs]
-        facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.scene.until}
+        facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.reference.until}
         facts |= {"reference": self.reference.solver.model, "conclusion": conclusion(finite(rows))}
         doubtful = doubts(self.scene)
         return dict(finite(facts | {"models": rows} | ({"notes": doubtful} if doubtful else {})))
@@ -93,7 +96,7 @@ def compare(
     source: SceneSource,
     models: str | Sequence[str],
     *,
-    until: float | None = None,
+    until: float | str | None = None,
     cells: int | None = None,
     cfl: float | None = None,
     time: str | None = None,
@@ -111,22 +114,34 @@ def compare(
     options = {"cells": cells, "cfl": cfl, "tol": tol, "time": time}
     names = models if isinstance(models, str) else ",".join(models)
     solvers = build_all(names, scene, cells=cells, cfl=cfl, tolerance=tol, time=time)
-    for solver in solvers:
-        require_time(solver, scene.until, most_seconds)
-        warm(solver)
-    runs, cycles, stopped = [], [], ""
-    for solver in solvers:
-        observer = CycleObserver(solver)
-        try:
-            runs.append(simulate(solver, scene.until, [observer], most_seconds=most_seconds))
-        except RunInterrupted as stop:
-            runs.append(stop.run)
-            stopped = f"model {solver.model}"
-        cycles.append(observer.cycle(second_half(solver, scene.until)))
-        if stopped:
-            break
+    found, stopped = _runs_of(solvers, scene, most_seconds)
+    runs, cycles = [run for run, _ in found], [cycle for _, cycle in found]
     failed = [*(run.failed for run in runs if run.failed), *([stopped] if stopped else [])]
     return deliver(CompareResult(scene, runs, cycles, options), "; ".join(failed), bool(stopped))
+
+
+def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tuple[Run, Cycle | None]], str]:
+    """The runs and their last cycles, in the order of `solvers`, and where the user stopped them. The reference runs first: all
+    others last as long as it does."""
+    first = next((solver for solver in solvers if solver.model == "delay"), solvers[0])
+    length = length_of(scene, one_port_of(first.model))
+    for solver in solvers:
+        if math.isfinite(length.until):
+            require_time(solver, length.until, most)
+        warm(solver)
+    found: dict[str, tuple[Run, Cycle | None]] = {}
+    stopped = ""
+    for solver in sorted(solvers, key=lambda solver: solver is not first):
+        observer = CycleObserver(solver)
+        try:
+            run = simulate(solver, length, [observer], most_seconds=most)
+        except RunInterrupted as stop:
+            run, stopped = stop.run, f"model {solver.model}"
+        found[solver.model] = run, observer.cycle(second_half(solver, run.until))
+        if stopped:
+            break
+        length = Until(run.until)
+    return [found[solver.model] for solver in solvers if solver.model in found], stopped
 
 
 def _row(run: Run, reference: Run) -> dict[str, Any]:

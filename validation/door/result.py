@@ -72,10 +72,11 @@ class Stopped(KeyboardInterrupt):
         self.result = result
 
 
-def scene_of(source: SceneSource, settings: Iterable[str], changes: Mapping[str, Any], until: float | None = None) -> Scene:
-    """The scene of a call: `source` with `settings` ("key=value"), `changes` and, if given, another length (transits). Tells what
-    is doubtful about it."""
-    scene = read_scene(read(source, settings), **changes, **({} if until is None else {"run.until": until}))
+def scene_of(source: SceneSource, settings: Iterable[str], changes: Mapping[str, Any], until: float | str | None = None) -> Scene:
+    """The scene of a call: `source` with `settings` ("key=value"), `changes` and, if given, another length (transits, or a text
+    with a unit of time). Tells what is doubtful about it."""
+    length = [] if until is None else [f"run.until={until}"]
+    scene = read_scene(read(source, [*settings, *length]), **changes)
     for line in doubts(scene):
         told.warning("note: %s", line)
     return scene

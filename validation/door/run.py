@@ -23,6 +23,7 @@ from validation.registry.families import Built, Options, one_port_of
 from validation.run.determinacy import amplified_rounding
 from validation.run.event_table import write_events
 from validation.run.history_file import Kept
+from validation.run.length import Length, length_of, require_cycles
 from validation.run.recording import Records, Wanted, records_of
 from validation.run.resuming import require_checkpoint
 from validation.run.run_dataset import run_dataset, write_run
@@ -60,11 +61,14 @@ class RunResult(Result):
             "verdict": done.kind,
             "multiplicity": done.verdict.multiplicity if done.verdict else None,
             "rotation_number": done.verdict.rotation if done.verdict else None,
+            "rate": done.verdict.rate if done.verdict else None,
             **{name: asdict(getattr(found, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
             "v_max": found.v_max,
             "v_min": found.v_min,
+            "margins": asdict(found.margins) if done.verdict and done.verdict.wanders else None,
             "final": asdict(done.final) if done.final else None,
             "energy": self.energy,
+            "ended": done.ended,
             "failures": done.solver.failures,
             "wall_s": done.wall_s,
         }
@@ -138,7 +142,8 @@ def run(
     source: SceneSource,
     model: str = "auto",
     *,
-    until: float | None = None,
+    until: float | str | None = None,
+    cycles: int | None = None,
     cells: int | None = None,
     cfl: float | None = None,
     time: str | None = None,
@@ -156,30 +161,46 @@ def run(
 ) -> RunResult:
     """Run one model on a scene, changed by `settings` (texts "key=value") or `changes` (those of `slipwave.read_scene`).
 
-    `until` is in transits (default: the scene's). `cells`, `cfl` and `time` ("exact" or "explicit") are for full waves; `tol` is
-    the requested relative error. `interface` keeps the interface's history, during the run in the file `samples` (default: a
-    temporary one); `every` keeps one in so many samples and `window` those from begin to end (transits), and each of them asks
-    for the history too. `fields` keeps the last 100 transits of a full wave. Both are kept as the scene records where None. A run
-    that writes a `checkpoint` every so many transits goes on from that file if it exists. If `source` is a netCDF file of an
-    earlier run, it is run again: its model and its options hold where none are given.
+    `until` is in transits, or a text with a unit of time ("60 s"); `cycles` ends the run when its second half has so many.
+    Without them the scene gives the length, or the run ends when its motion is settled (`validation.run.length`). `cells`, `cfl`
+    and `time` ("exact" or "explicit") are for full waves; `tol` is the requested relative error. `interface` keeps the
+    interface's history, during the run in the file `samples` (default: a temporary one); `every` keeps one in so many samples and
+    `window` those from begin to end (transits), and each of them asks for the history too. `fields` keeps the last 100 transits
+    of a full wave. Both are kept as the scene records where None. A run that writes a `checkpoint` every so many transits goes on
+    from that file if it exists. If `source` is a netCDF file of an earlier run, it is run again: its model and its options hold
+    where none are given.
 
     Raises SceneError for wrong input and for a run that is expected to take more than `most_seconds`; NumericsError if the
     numerics fail, with the result so far as its `result`.
     """
-    given = {"cells": cells, "cfl": cfl, "tol": tol, "time": time, "interface": interface, "every": every, "window": window}
+    if until is not None and cycles is not None:
+        raise SceneError(f"cycles = {cycles}: must not be given together with until = {until}")
+    length_given = {} if until is not None else {"cycles": cycles}
+    given: dict[str, Any] = length_given | {
+        "cells": cells,
+        "cfl": cfl,
+        "tol": tol,
+        "time": time,
+        "interface": interface,
+        "every": every,
+        "window": window,
+    }
     if interface is None and (every is not None or window is not None):
         given["interface"] = True
     model, options = recall(source, "run", model, given)
     scene = scene_of(source, settings, changes, until)
+    cycles = options.get("cycles")
+    require_cycles(scene, cycles)
     require_checkpoint(checkpoint, checkpoint_every)
     numerical = Options(cells=options["cells"], cfl=options["cfl"], tolerance=options["tol"], time=options["time"])
     wanted = Wanted(options["interface"], fields, _kept(options["every"], options["window"]), samples)
     built = models.prepare(model, scene, checkpoint is not None and checkpoint.exists(), **numerical)
     _tell(built)
-    notes = _doubts(built.solver, options["tol"])
-    records = records_of(built.solver, scene.until, wanted, checkpoint, checkpoint_every)
+    length = length_of(scene, one_port_of(built.solver.model), cycles)
+    notes = _doubts(built.solver, length, options["tol"])
+    records = records_of(built.solver, length.until, wanted, checkpoint, checkpoint_every)
     try:
-        done, stopped = _march(built.solver, records, most_seconds)
+        done, stopped = _march(built.solver, length, records, most_seconds)
         default = _default_grid(built.solver, options) if not done.failed else None
     except BaseException:
         records.close()
@@ -218,15 +239,15 @@ def _tell(built: Built) -> None:
         told.info("model auto: %s (%s)", built.solver.model, built.why)
 
 
-def _march(solver: Solver, records: Records, most: float) -> tuple[Run, bool]:
+def _march(solver: Solver, length: Length, records: Records, most: float) -> tuple[Run, bool]:
     """The run, and whether the user stopped it."""
     try:
-        return simulate(solver, solver.scene.until, records.observers, most, records.watch, records.marks), False
+        return simulate(solver, length, records.observers, most, records.watch, records.marks), False
     except RunInterrupted as stop:
         return stop.run, True
 
 
-def _doubts(solver: Solver, tol: float | None) -> list[str]:
+def _doubts(solver: Solver, length: Length, tol: float | None) -> list[str]:
     """Warnings about the result that are known before the run."""
-    amplified = amplified_rounding(solver.scene, one_port_of(solver.model), solver.scene.until, tol)
+    amplified = amplified_rounding(solver.scene, one_port_of(solver.model), length.until, tol)
     return [amplified.note] if amplified else []

@@ -10,11 +10,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol, TypeAlias
 
+from slipwave.errors import SceneError
 from slipwave.observe import Events, Solver, Verdict, summarise
 from slipwave.observe.verdict import ENOUGH, REPEATS
 from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
-from validation.run.outlook import Outlook
+from validation.run.outlook import Outlook, outlook
 
 Ended: TypeAlias = Literal["until", "cycles", "settled", "limit"]
 """Why a run ended where it did: at the given time, with the cycles asked for, settled, or at the limit of work."""
@@ -24,6 +25,8 @@ LIMIT = 300.0
 
 LONGEST = 1e9
 """Transits; the longest run."""
+
+MOST_CYCLES = 1_000_000
 
 _FIRST = 16.0  # expected cycles, half of them judged
 _LONGER = 1.25  # from one look to the next
@@ -49,6 +52,10 @@ def second_half(solver: Solver, until: float) -> float:
 
 class Length(Protocol):
     """Where a run is judged, and whether it ends there."""
+
+    @property
+    def until(self) -> float:
+        """Its end (transits); infinite if that is not known before the run."""
 
     @property
     def most_seconds(self) -> float:
@@ -89,6 +96,7 @@ class UntilSettled:
     scene: Scene
     expected: Outlook
     most_seconds: float = LIMIT
+    until: float = math.inf
 
     def ends(self, after: float) -> Iterator[float]:
         """As `Length`: the first after the start and 16 expected cycles; a changing drive rests from its middle on. Each of the
@@ -151,6 +159,7 @@ class UntilCycles:
     wanted: int
     expected: Outlook
     most_seconds: float = math.inf
+    until: float = math.inf
 
     def ends(self, after: float) -> Iterator[float]:
         """As `Length`."""
@@ -166,3 +175,22 @@ class UntilCycles:
         if now.verdict is None or now.verdict.cycles >= self.wanted:
             return "cycles"
         return "settled" if now.verdict.kind == "steady" and self.expected.stable is not False else None
+
+
+def require_cycles(scene: Scene, cycles: int | None) -> None:
+    """Raises SceneError for a number of cycles that is out of range, or that the scene does not count."""
+    if cycles is not None and not 1 <= cycles <= MOST_CYCLES:
+        raise SceneError(f"cycles = {cycles}: must be a whole number from 1 to {MOST_CYCLES}")
+    if cycles is not None and not scene.record:
+        raise SceneError(f"cycles = {cycles}: cannot be counted, because run.record is empty")
+
+
+def length_of(scene: Scene, model: str, cycles: int | None = None) -> Length:
+    """So many cycles if they are given, else that of the scene, else until the motion is settled. `model` is one with the
+    one-port of the model that runs."""
+    if cycles is not None:
+        return UntilCycles(cycles, outlook(scene, model))
+    if scene.until is not None:
+        return Until(scene.until)
+    settled = UntilSettled(scene, outlook(scene, model))
+    return settled if scene.record else Until(next(settled.ends(0.0)))

@@ -1,5 +1,6 @@
 """What is kept of a run on its way: events, the interface's history, the fields of the last transits, checkpoints."""
 
+import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -97,6 +98,10 @@ def fields_for(solver: Solver, until: float, fields: bool | None) -> "FieldRecor
     if not isinstance(solver, FieldSolver):
         asked = "fields" if fields else 'run.record: "fields"'
         raise SceneError(f"{asked}: model {solver.model} has no grid to take fields from; use a full-wave model")
+    if math.isinf(until):
+        raise SceneError(
+            f"run.until: missing; the fields of a run's last {FIELD_WINDOW:g} transits are kept, so it needs a length"
+        )
     from fullwave.fields.record import FieldRecord
 
     return FieldRecord(solver, max(until - FIELD_WINDOW, 0.0), until)
