@@ -1,6 +1,7 @@
 """Every command of the pages on testing machines and protocols, word by word: what the text blocks show is what it prints."""
 
 import re
+from itertools import zip_longest
 from pathlib import Path
 
 import pytest
@@ -24,8 +25,8 @@ def test_the_commands_print_what_the_page_shows(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     commands, shown = blocks(page, "sh"), blocks(page, "text")
-    assert len(commands) == len(shown) > 0
-    for command, text in zip(commands, shown, strict=True):
+    assert len(commands) >= len(shown) > 0  # the last ones write a figure
+    for command, text in zip_longest(commands, shown, fillvalue=""):
         for line in command.splitlines():
             assert main(line.split()[1:]) == 0
         printed = capsys.readouterr().out.splitlines()

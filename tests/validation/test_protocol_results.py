@@ -1,6 +1,8 @@
 """Stages of a protocol and slip events as users get them: JSON, SI, CSV, and after a resumed run."""
 
 import csv
+import math
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -74,6 +76,20 @@ def test_slip_events_as_csv(name: str, options: list[str], tmp_path: Path) -> No
     first = [float(word) for word in rows[1]]
     sizes = (second, second, pascal, pascal, rate, rate)
     assert first == pytest.approx([values[0] * size for values, size in zip(events, sizes, strict=True)], rel=1e-14)
+
+
+def test_the_figure_is_friction_against_time_and_slip() -> None:
+    with closing(slipwave.run("velocity-steps", "quasidynamic", interface=True, **SCENE)) as result:
+        above, below = result.plot().axes
+    time, friction = above.lines[-1].get_data()
+    slip, again = below.lines[-1].get_data()
+    assert (float(time[-1]), float(friction[0])) == (pytest.approx(100.0, abs=0.1), pytest.approx(0.6, abs=1e-9))
+    assert friction.tolist() == again.tolist()
+    assert [line.get_xdata()[0] for line in above.lines[:-1]] == pytest.approx([40.0, 90.0], abs=0.01)
+    unloaded = 1e6 * 0.005 * math.log(3.0) * 5e6 / 7.5e9  # um by which the weaker interface lets the blocks unload
+    slipped = 40.0 + 150.0 + unloaded
+    assert [line.get_xdata()[0] for line in below.lines[:-1]] == pytest.approx([40.0, slipped], abs=0.05)  # 0.007 measured
+    assert slipped < float(slip[-1]) < slipped + 20.0  # in the hold friction relaxes
 
 
 def test_another_kind_of_file_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -15,6 +15,7 @@ from slipwave.observe import Solver
 from slipwave.observe.foresight import DAY
 from slipwave.scene.doubts import doubts
 from validation.door.motion_figure import motion_axes, motion_figure
+from validation.door.protocol_figure import protocol_figure
 from validation.door.provenance import provenance
 from validation.door.result import Result, deliver, finite, scene_of, told
 from validation.registry import build as models
@@ -106,14 +107,17 @@ class RunResult(Result):
         write_run(Path(path), self.done, self._facts(), self.records.history, field)
 
     def plot(self) -> Drawing:
-        """Stress and slip rate over time, if the history was kept (`interface=True`); else the stress drop and the largest slip
-        rate of each cycle."""
+        """Stress and slip rate over time, or of a protocol friction over time and slip, if the history was kept
+        (`interface=True`); else the stress drop and the largest slip rate of each cycle."""
         done, data, scene = self.done, self.dataset, self.done.solver.scene
         title = f"{scene.name}, {done.solver.model}: {done.kind or 'events not watched'}"
         with styled():
             if "interface_stress" in data:
                 names = {"time": "time", "stress": "interface_stress", "slip_rate": "interface_slip_rate"}
-                return motion_figure(scene, title, {name: data[label].values for name, label in names.items()})
+                columns = {name: data[label].values for name, label in names.items()}
+                if self.records.protocol is not None:
+                    return protocol_figure(scene, done.solver.model, columns, self.records.protocol.figures)
+                return motion_figure(scene, title, columns)
             figure, above, below = motion_axes(scene, title)
             for axes, name in ((above, "stress_drop"), (below, "v_max")) if "event_time" in data.coords else ():
                 axes.plot(data["event_time"], data[name], ".", color="#111111")

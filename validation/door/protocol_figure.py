@@ -1,0 +1,35 @@
+"""A protocol as a laboratory draws it: friction against time and against slip of the interface."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from slipwave.observe.stages import StageFigures
+from slipwave.scene import Scene
+from validation.study.drawing import Drawing, canvas
+
+
+def protocol_figure(scene: Scene, model: str, columns: Mapping[str, Any], stages: Sequence[StageFigures]) -> Drawing:
+    """`columns`: time (transits), stress and slip_rate, arrays of equal length. Grey lines mark the beginnings of the `stages`.
+
+    In s and um if the scene has units, else in L/V* and L. Call it inside `styled()`.
+    """
+    units = scene.units
+    second, length, names = (units.time, 1e6 * units.memory_length, ("s", "um")) if units else (1.0, 1.0, ("L/V*", "L"))
+    clock, rate = np.asarray(columns["time"]) * scene.transit, np.asarray(columns["slip_rate"])
+    steps = 0.5 * (rate[1:] + rate[:-1]) * np.maximum(np.diff(clock), 0.0)
+    slip = np.concatenate(([0.0], np.cumsum(steps)))
+    begins = np.array([stage.start for stage in stages[1:]]) * scene.transit
+    figure = canvas(height=5.2)
+    by_time, by_slip = figure.subplots(2, 1)
+    for axes, places, size, label in (
+        (by_time, clock, second, f"time / {names[0]}"),
+        (by_slip, slip, length, f"slip of the interface / {names[1]}"),
+    ):
+        for begin in np.interp(begins, clock, places):
+            axes.axvline(begin * size, color="#bbbbbb", linewidth=0.8)
+        axes.plot(places * size, columns["stress"], color="#111111", linewidth=0.9)
+        axes.set(xlabel=label, ylabel="friction stress / normal stress")
+    by_time.set_title(f"{scene.name}, {model}")
+    return figure
