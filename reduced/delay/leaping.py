@@ -95,11 +95,12 @@ class LeapingDelay(Delay):
         target = min(start + self._length, float(np.floor(self._next_kink(start))) - 2.0, math.ceil(end - SAME) - 1.0)
         if target < start + 2.0:
             return False
-        self._place(before, past, target)
+        predicted = past.total(start + 1.0, target)
+        self._place(before, predicted, target)
         pieces, change, verdict = self._transit()
         longer, error = past.then(target, change, float(pieces.z.min())), math.inf
         if verdict == DONE and self.failures == failures and self._sticks(target, pieces):
-            error = self._size(pieces, longer.total(start + 1.0, target) - past.total(start + 1.0, target))
+            error = self._size(pieces, longer.total(start + 1.0, target) - predicted)
         self._length = min(_LONGEST, int((target - start) * self._scale(error)))
         if not error <= self._allowed:
             self._memory, self.failures = before, failures
@@ -116,14 +117,14 @@ class LeapingDelay(Delay):
     def _visit(self, before: AlikeMemory, past: Past, number: float) -> Pieces:
         """The pieces of a transit that was left out."""
         present = self._memory
-        self._place(before, past, number)
+        self._place(before, past.total(past.number[-1] + 1.0, number), number)
         pieces, _, _ = self._transit()
         self._memory = present
         return pieces
 
-    def _place(self, before: AlikeMemory, past: Past, number: float) -> None:
-        """Go to the beginning of the transit `number`, from the memory `before` at the end of the latest one."""
-        state = _state_of(before) + past.total(past.number[-1] + 1.0, number)
+    def _place(self, before: AlikeMemory, change: Array, number: float) -> None:
+        """Go to the beginning of the transit `number`, by the `change` of the state since the memory `before`."""
+        state = _state_of(before) + change
         self._memory = self._remember(state[:-2].reshape(before.incoming.shape), np.array([number, *state[-2:]]))
 
     def _transit(self) -> tuple[Pieces, Array, int]:

@@ -37,12 +37,12 @@ class Past(NamedTuple):
         return np.asarray(self._rows(first, last).sum(axis=0) @ self.change)
 
     def slowest(self, first: float, last: float) -> float | None:
-        """The transit between `first` and `last`, both excluded, in which the rate unknown comes to its minimum; None if it comes
-        nowhere below its values in the last two transits that were marched."""
-        lowest = self._rows(first + 1.0, last) @ self.lowest
-        if not lowest.size or lowest.min() >= self.lowest[-2:].min():
+        """The transit between the last two that were marched, `first` and `last`, in which the rate unknown comes to its minimum;
+        None if it does not, or if it did not fall before."""
+        if self.lowest[-2] >= self.lowest[-3]:
             return None
-        return first + 1.0 + float(lowest.argmin())
+        lowest = self._rows(first + 1.0, last) @ self.lowest
+        return first + 1.0 + float(lowest.argmin()) if lowest.min() < self.lowest[-2:].min() else None
 
     def _rows(self, first: float, last: float) -> Array:
         """Weights (k, p) of the polynomial's values at the transits `first` to `last` - 1."""

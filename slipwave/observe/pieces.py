@@ -60,9 +60,9 @@ def lagrange_basis(nodes: Array) -> Basis:
 
 def values_at(pieces: Pieces, basis: Basis, times: Array) -> list[Array]:
     """z, psi, mu and y at `times` (transits), which `pieces` contain; where two pieces meet, as the earlier one ends. Raises
-    ValueError for a time that they do not contain."""
+    ValueError for a time that they do not contain, by more than rounding: by half a piece."""
     which = np.clip(np.searchsorted(pieces.time, times - SAME) - 1, 0, None)
-    outside = (times < pieces.time[which] - SAME) | (times > pieces.time[which] + pieces.length[which] + SAME)
+    outside = np.abs(times - pieces.time[which] - 0.5 * pieces.length[which]) > pieces.length[which]
     if outside.any():
         raise ValueError(f"no piece contains t = {times[outside][0]:.9g} transits")
     points = np.minimum(1.0, (times - pieces.time[which]) / pieces.length[which])

@@ -5,7 +5,7 @@ import pytest
 
 import slipwave
 from slipwave.observe import HistoryObserver, Pieces
-from slipwave.observe.pieces import Array
+from slipwave.observe.pieces import Array, lagrange_basis, values_at
 
 LAW = slipwave.read("paper").law
 NODES = np.array([0.2, 0.7, 1.0])
@@ -59,3 +59,13 @@ def test_the_state_holds_the_window(history):
     again.scan(chunk(6.0, 2))
     times = np.array([2.0, 6.25])
     np.testing.assert_allclose(again.at(times)[1:], motion(times), atol=1e-13)
+
+
+def test_a_late_time_is_found_in_its_piece_in_spite_of_rounding():
+    """A sum of 48 steps at t = 1.6e6 is off by 1e-8; half a piece away there is nothing."""
+    begin, length = 1_580_689.0 + 47.0 / 48.0, 1.0 / 48.0
+    piece = Pieces(np.array([begin - 1e-8]), np.array([length]), *(np.array([[1.0, 2.0, 4.0]]),) * 4)
+    assert values_at(piece, lagrange_basis(NODES), np.array([1_580_690.0]))[0] == pytest.approx(4.0, abs=1e-5)
+    for outside in (begin - 0.6 * length, begin + 1.6 * length):
+        with pytest.raises(ValueError, match="no piece contains t = "):
+            values_at(piece, lagrange_basis(NODES), np.array([outside]))
