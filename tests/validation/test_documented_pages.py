@@ -1,0 +1,59 @@
+"""The pages that show commands are followed word by word: files are written, commands and programs run, and what a page shows of
+their output is what they print."""
+
+import contextlib
+import io
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from slipwave.sources import ROOT
+from validation.cli import main
+
+BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
+FILE = re.compile(r"Write `([^`]+)`:\s*$")
+PAGES = ("notebook.md", "testing-machine.md", "unlike-slabs.md")
+
+
+def steps(page: str) -> list[tuple[str, str, str]]:
+    """(kind, content, words before) of every block."""
+    words, *rest = BLOCK.split((ROOT / "docs" / page).read_text(encoding="utf-8"))
+    return list(zip(rest[::3], rest[1::3], [words, *rest[2::3]], strict=False))
+
+
+def printed_by(kind: str, content: str, names: dict[str, object]) -> str:
+    """What the lines of a shell block, or a program, print."""
+    out = io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out):
+        if kind == "python":
+            exec(content, names)
+        else:
+            for line in content.splitlines():
+                program, *arguments = shlex.split(line, comments=True)
+                assert program == "slipwave"
+                main(arguments)
+    return out.getvalue()
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_a_page_does_what_it_says(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    printed, shown = "", 0
+    for kind, content, words in steps(page):
+        if kind in ("sh", "python"):
+            printed = printed_by(kind, content, names)
+        elif kind == "text":
+            lines = printed.splitlines()
+            assert [line for line in content.splitlines() if line not in ("...", *lines)] == [], printed
+            shown += 1
+        elif found := FILE.search(words):
+            Path(found[1]).write_text(content)
+    assert shown
+
+
+def test_every_page_with_commands_is_followed() -> None:
+    pages = {path.name for path in (ROOT / "docs").glob("*.md") if "```sh\nslipwave" in path.read_text(encoding="utf-8")}
+    assert pages - {"extending.md", "reading-the-report.md"} <= set(PAGES)
