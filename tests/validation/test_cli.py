@@ -13,6 +13,7 @@ from validation import cli
 from validation.cli import main, spread
 
 RUN_KEYS = {
+    "schema",
     "scene",
     "model",
     "until",

@@ -129,3 +129,11 @@ def test_figures_are_written_whole(words: list[str], file: str, tmp_path: Path, 
     assert (tmp_path / file).read_bytes()[:4] in (b"\x89PNG", b"%PDF")
     assert [path.name for path in tmp_path.iterdir()] == [file]
     assert main([*words, str(tmp_path / "x.doc")]) == INPUT_WRONG
+
+
+def test_a_run_that_draws_and_writes_nothing_loads_neither(tmp_path: Path) -> None:
+    code = "import sys; from validation.cli import main; main(['run', 'paper', '--until', '5']); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = {name.partition(".")[0] for name in done.stdout.splitlines()[-1].split()}
+    assert "numba" in loaded
+    assert not loaded & {"matplotlib", "xarray", "netCDF4", "pandas", "tomli_w", "skfem"}

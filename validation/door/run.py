@@ -16,7 +16,7 @@ from slipwave.observe.foresight import DAY
 from slipwave.scene.doubts import doubts
 from validation.door.motion_figure import motion_axes, motion_figure
 from validation.door.protocol_figure import protocol_figure
-from validation.door.provenance import provenance
+from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Result, deliver, finite, scene_of, told
 from validation.registry import build as models
 from validation.registry.default_grid import judged, note_on
@@ -55,6 +55,7 @@ class RunResult(Result):
         `protocol`, its stages, only if the drive changes, `failed` only if the numerics failed."""
         done, found = self.done, self.done.statistics
         result: dict[str, Any] = {
+            "schema": SCHEMA,
             "scene": done.solver.scene.name,
             "model": done.solver.model,
             "until": done.until,
