@@ -1,7 +1,7 @@
 """What is simulated: friction laws, slabs, drive, start and observers. Imports no solver and none of the other packages.
 
-It is also the door of the house: `run`, `stability`, `orbit`, `branch`, `compare` and `bench` are those of `validation.door`,
-imported when one of them is first used. `import slipwave` itself stays light.
+It is also the door of the house: `run`, `stability`, `orbit`, `branch`, `curve`, `compare` and `bench` are those of
+`validation.door`, imported when one of them is first used. `import slipwave` itself stays light.
 """
 
 from importlib import import_module
@@ -14,11 +14,24 @@ if TYPE_CHECKING:
     from validation.door.bench import bench
     from validation.door.branch import branch
     from validation.door.compare import compare
+    from validation.door.curve import curve
     from validation.door.orbit import orbit
     from validation.door.run import run
     from validation.door.stability import stability
 
-__all__ = ["NumericsError", "SceneError", "bench", "branch", "compare", "orbit", "read", "read_scene", "run", "stability"]
+__all__ = [
+    "NumericsError",
+    "SceneError",
+    "bench",
+    "branch",
+    "compare",
+    "curve",
+    "orbit",
+    "read",
+    "read_scene",
+    "run",
+    "stability",
+]
 
 
 def __getattr__(name: str) -> Any:

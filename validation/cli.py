@@ -16,7 +16,7 @@ import typer
 
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of
-from validation.commands import bench, branch, compare, orbit, report, run, scenes, show, stability
+from validation.commands import bench, branch, compare, curve, orbit, report, run, scenes, show, stability
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 _SPREAD: dict[str, Callable[[str], bool]] = {"--set": lambda word: "=" in word, "--only": lambda word: True}
@@ -26,7 +26,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-for _command in (report, run, orbit, branch, stability, compare, bench, scenes, show):
+for _command in (report, run, orbit, branch, curve, stability, compare, bench, scenes, show):
     _name = _command.__name__.rpartition(".")[2]
     _examples = "\n".join(f"  {line}" for line in _command.EXAMPLES)
     app.command(_name, epilog=f"\b\nExamples:\n{_examples}")(getattr(_command, _name))

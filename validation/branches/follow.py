@@ -11,6 +11,7 @@ from reduced.continuation.hopf import from_hopf
 from reduced.continuation.mesh import Family
 from reduced.continuation.onset import WIDTH, Onset, onsets
 from reduced.continuation.point import Metric, Point
+from reduced.continuation.special import Special
 from reduced.continuation.start import from_orbit, metric_for
 from reduced.orbit.figures import amplitude
 from reduced.stability.characteristic import characteristic
@@ -172,18 +173,26 @@ def _from_orbit(branch: Branch, port: str) -> Head:
 
 def _from_doubling(branch: Branch) -> Head:
     """The first orbit of twice the period, beside the first period doubling of the scene's own branch in the range."""
-    over, own = branch.over, replace(branch, doubled=False, points=[], special=[], notes=[])
+    own = replace(branch, doubled=False, points=[], special=[], notes=[])
     head = begin(own)
+    special, family = first_special(own, head, "PD")
+    born = special_of(special, 0)
+    branch.special.append(born._replace(period=2.0 * born.period))
+    _, point = from_doubling(family, special, head.metric)
+    record(branch, point)
+    return Head(point, Control.first, head.metric)
+
+
+def first_special(branch: Branch, head: Head, kind: str) -> tuple[Special, Family]:
+    """The first special point of `kind` after `head` in the branch's range, and the flows on its mesh. Raises NumericsError if
+    there is none."""
+    over = branch.over
     family = Family(head.point.closed.flow, over.scene_at)
     for step in follow_branch(family, head.point, head.metric, lambda point: over.holds(point.parameter), branch.tolerance):
         for special in step.special:
-            if special.kind == "PD":
-                born = special_of(special, 0)
-                branch.special.append(born._replace(period=2.0 * born.period))
-                _, point = from_doubling(Family(special.point.closed.flow, over.scene_at), special, head.metric)
-                record(branch, point)
-                return Head(point, Control.first, head.metric)
-    raise NumericsError(f"no period doubling was found on the branch over {over.name} from {over.first:g} to {over.last:g}")
+            if special.kind == kind:
+                return special, Family(special.point.closed.flow, over.scene_at)
+    raise NumericsError(f"no {KINDS[kind]} was found on the branch over {over.name} from {over.first:g} to {over.last:g}")
 
 
 def _closes(before: Point, after: Point) -> bool:

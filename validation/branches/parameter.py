@@ -45,19 +45,19 @@ class Over:
         return low <= value <= high
 
 
-def over_range(text: str, source: SceneSource) -> Over:
-    """The parameter of `--over KEY=FROM:TO` for a scene.
+def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:
+    """The parameter of `--over KEY=FROM:TO`, or of another `option`, for a scene.
 
     Raises SceneError if the text is not of that form, and if the scene cannot be read at one of both ends.
     """
     found = _RANGE.fullmatch(text)
     if found is None:
-        raise SceneError(f"--over {shorten(text)}: must be KEY=FROM:TO, as in log10_r=-2.72:-2.30")
+        raise SceneError(f"{option} {shorten(text)}: must be KEY=FROM:TO, as in log10_r=-2.72:-2.30")
     key = found["name"].strip()
     name = _SHORT.get(key, key)
-    first, last = (_number(text, found[word]) for word in ("first", "last"))
+    first, last = (_number(text, found[word], option) for word in ("first", "last"))
     if first == last:
-        raise SceneError(f"--over {shorten(text)}: FROM and TO must differ")
+        raise SceneError(f"{option} {shorten(text)}: FROM and TO must differ")
     base = slipwave.read(source)
     if not base.drive.is_constant:
         raise SceneError(f"scene {base.name!r}: a branch of periodic orbits needs a constant drive.velocity")
@@ -67,13 +67,13 @@ def over_range(text: str, source: SceneSource) -> Over:
     return over
 
 
-def _number(text: str, word: str) -> float:
+def _number(text: str, word: str, option: str) -> float:
     try:
         value = float(word)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise SceneError(f"--over {shorten(text)}: {shorten(word)} must be a number")
+        raise SceneError(f"{option} {shorten(text)}: {shorten(word)} must be a number")
     return value
 
 

@@ -1,0 +1,78 @@
+"""`slipwave curve`: where curves begin, the closed form of the Hopf curve, and what is refused."""
+
+import json
+import math
+
+import pytest
+from matplotlib.image import imread
+
+import slipwave as sw
+from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
+from validation.references.onset import onset_of
+
+KEYS = {"schema", "scene", "model", "clock", "type", "parameters", "points", "wall_s", "notes"}
+
+
+def test_the_first_fold_of_the_delay_system(capsys, tmp_path):
+    """Its place at V = 100 is that of other programs; towards larger V its period falls; the figure is written."""
+    figure = tmp_path / "fold.png"
+    words = ("--of", "LP", "--over", "log10_r=-2.72:-2.68", "--and", "V=100:120", "--most-points", "4", "--plot", str(figure))
+    assert main(["curve", "paper", *words, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found.keys() == KEYS
+    assert (found["type"], found["parameters"], found["model"]) == ("LP", ["log10_r", "V"], "delay")
+    first, *others = found["points"]
+    assert (first["log10_r"], first["V"]) == (pytest.approx(-2.7002517033, abs=5e-9), 100.0)
+    assert first["period"] == pytest.approx(59.1074327, abs=1e-5)
+    assert (first["unstable_before"], first["unstable_after"]) == (1, 0)
+    assert [a["V"] < b["V"] and a["period"] > b["period"] for a, b in zip([first, *others], others, strict=False)] == [True] * 3
+    assert found["notes"] == ["stopped after 4 points: --most-points goes further"]
+    assert imread(figure).std() > 0.05
+
+
+def test_a_curve_ends_at_the_edge_of_its_ranges():
+    """The first torus point of the delay system in r and epsilon."""
+    result = sw.curve("paper", "NS", "log10_r=-2.72:-2.64", "epsilon=2.8e-5:2.806e-5")
+    points = result.summary["points"]
+    assert points[0]["log10_r"] == pytest.approx(-2.6575457126, abs=5e-9)
+    assert points[0]["period"] == pytest.approx(78.2632597, abs=2e-6)
+    assert points[0]["multiplier"] == pytest.approx([-0.111491, 0.993765], abs=2e-6)
+    assert all(2.8e-5 <= point["epsilon"] <= 2.806e-5 and point["bracket"] < 1e-9 for point in points)
+    assert result.summary["notes"] == ["the curve leaves the rectangle of both ranges"]
+    assert result.dataset["multiplier_re"].values == pytest.approx([point["multiplier"][0] for point in points])
+    assert result.dataset.attrs["command"] == "curve"
+
+
+def test_hopf_points_are_those_of_the_closed_form():
+    """r_c = (2/omega_c) atan(r_* omega_c/2) (39) at every V, and T = 2 pi/(omega_c r_c)."""
+    points = sw.curve("paper", "HB", "log10_r=-2.8:-2.6", "V=90:110", "delay").summary["points"]
+    law = sw.read("paper").law
+    assert len(points) > 5
+    for point in points:
+        closed = onset_of(law, 2.8e-5, point["V"])
+        assert 10.0 ** point["log10_r"] == pytest.approx(closed.r_delay, rel=1e-10)
+        assert point["period"] == pytest.approx(2.0 * math.pi / (closed.omega_c * closed.r_delay), rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("of", "along", "line"),
+    [
+        ("XX", "V=100:200", "--of 'XX': must be one of HB, LP, PD, NS"),
+        ("LP", "V=100", "--and 'V=100': must be KEY=FROM:TO"),
+        ("LP", "V=100:100", "--and 'V=100:100': FROM and TO must differ"),
+        ("LP", "log10_r=-2:-3", "--and 'log10_r': must be another parameter than --over"),
+        ("LP", "interface.a_star=0.3:0.4", "--and 'interface.a_star': a curve needs one of r, epsilon, V"),
+        ("LP", "V=-5:7", "drive.velocity = -5.0: must be a number from 1e-12"),
+    ],
+)
+def test_what_is_refused(capsys, of, along, line):
+    assert main(["curve", "paper", "--of", of, "--over", "log10_r=-2.72:-2.68", "--and", along]) == INPUT_WRONG
+    told = capsys.readouterr()
+    assert told.err.strip().startswith(f"slipwave: {line}")
+    assert not told.out
+
+
+def test_a_curve_needs_a_beginning(capsys):
+    words = ("--of", "PD", "--over", "log10_r=-2.72:-2.695", "--and", "V=100:200", "--tol", "1e-4")
+    assert main(["curve", "paper", *words]) == NUMERICS_FAILED
+    assert "no period doubling was found on the branch over log10_r from -2.72 to -2.695" in capsys.readouterr().err

@@ -1,0 +1,131 @@
+"""A special point followed in two parameters: where its curve begins, and what is kept of it."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from reduced.continuation.curve import OnCurve, Plane, follow_curve
+from reduced.orbit.closing import TOLERANCE
+from reduced.orbit.figures import figures
+from reduced.parameters import PARAMETERS, with_parameter
+from reduced.stability.boundary import boundary
+from slipwave.errors import NumericsError, SceneError
+from slipwave.input.wording import shorten
+from slipwave.scene import Scene
+from validation.branches import KINDS
+from validation.branches.follow import begin, first_special
+from validation.branches.parameter import Over
+from validation.branches.record import Branch
+from validation.registry.families import one_port_of
+
+
+class CurvePoint(NamedTuple):
+    """A special point at the values `first` and `second` of both parameters: figures of its orbit, the width of its `bracket` in
+    the first parameter, numbers of unstable multipliers on both sides, and the `multiplier` that passes (re, im)."""
+
+    first: float
+    second: float
+    period: float
+    stress_drop: float
+    elastic_stress_drop: float
+    v_max: float
+    v_min: float
+    bracket: float
+    unstable_before: int
+    unstable_after: int
+    multiplier: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The points of `kind` of `model` in the rectangle of the ranges `over` and `second`, as far as they are known."""
+
+    kind: str
+    over: Over
+    second: Over
+    model: str
+    tolerance: float
+    points: list[CurvePoint] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def plane(self) -> Plane:
+        """Scenes over both parameters, and their scales."""
+        ends = (self.over.ends, self.second.ends)
+        return Plane(self._scene_at, (ends[0][1] - ends[0][0], ends[1][1] - ends[1][0]))
+
+    def _scene_at(self, first: float, second: float) -> Scene:
+        return with_parameter(with_parameter(self.over.base, self.over.name, first), self.second.name, second)
+
+    def at_first(self) -> Over:
+        """The first parameter's range where the second has the value at which the curve begins."""
+        over, value = self.over, self.second.first
+        return Over(self._scene_at(over.first, value), over.name, over.first, over.last, lambda one: self._scene_at(one, value))
+
+
+def require_curve(kind: str, over: Over, second: Over) -> None:
+    """Raises SceneError if there is no such kind, or if the parameters are the same or not known by a short name."""
+    if kind not in KINDS:
+        raise SceneError(f"--of {shorten(kind)}: must be one of {', '.join(KINDS)}")
+    for option, name in (("--over", over.name), ("--and", second.name)):
+        if name not in PARAMETERS:
+            raise SceneError(f"{option} {shorten(name)}: a curve needs one of {', '.join(PARAMETERS)}")
+    if over.name == second.name:
+        raise SceneError(f"--and {shorten(second.name)}: must be another parameter than --over")
+
+
+def trace(curve: Curve, most: int) -> Iterator[int]:
+    """Record point after point, at most so many; yields their number. Ends where the curve leaves the rectangle.
+
+    Raises NumericsError if there is no such point where the curve begins, and where it cannot be followed.
+    """
+    if curve.kind == "HB":
+        return _onsets(curve)
+    return _special(curve, most)
+
+
+def _onsets(curve: Curve) -> Iterator[int]:
+    """Hopf points lie on the boundary of stability of steady sliding; the multiplier of its oscillation is 1 there."""
+    names, port = (curve.over.name, curve.second.name), one_port_of(curve.model)
+    for found in boundary(curve.over.base, port, names, (curve.over.ends, curve.second.ends)):
+        for first, second, omega in zip(found.first.tolist(), found.second.tolist(), found.omega.tolist(), strict=True):
+            if not (curve.over.holds(first) and curve.second.holds(second)):
+                continue
+            scene = curve.plane.scene_at(first, second)
+            period, rate = 2.0 * math.pi / (omega * scene.transit), scene.velocity
+            curve.points.append(CurvePoint(first, second, period, 0.0, 0.0, rate, rate, 0.0, 0, 2, (1.0, 0.0)))
+        yield len(curve.points)
+    if not curve.points:
+        raise NumericsError(f"{curve.model}: steady sliding does not lose stability in this rectangle")
+
+
+def _special(curve: Curve, most: int) -> Iterator[int]:
+    branch = Branch(curve.at_first(), curve.model, curve.tolerance)
+    special, _ = first_special(branch, begin(branch), curve.kind)
+    last = OnCurve((special.point.parameter, curve.second.first), special)
+    towards = (0.0, math.copysign(1.0, curve.second.last - curve.second.first))
+    points = follow_curve(curve.plane, last, towards, curve.tolerance)
+    shares = (1.0, curve.plane.scale[0])  # of the bracket: the first point was found on a branch, the others on lines
+    while curve.over.holds(last.place[0]) and curve.second.holds(last.place[1]):
+        curve.points.append(_point(last, shares[bool(curve.points)]))
+        yield len(curve.points)
+        if len(curve.points) >= most:
+            curve.notes.append(f"stopped after {most} points: --most-points goes further")
+            return
+        last = next(points)
+    curve.notes.append("the curve leaves the rectangle of both ranges")
+
+
+def _point(one: OnCurve, share: float) -> CurvePoint:
+    special = one.special
+    closed, passing = special.point.closed, special.multiplier
+    known = figures(closed.flow.scene.law, closed.cycle, closed.flow.nodes)
+    return CurvePoint(
+        *one.place,
+        **known,
+        bracket=max(share * special.bracket, TOLERANCE),
+        unstable_before=special.unstable_before,
+        unstable_after=special.unstable_after,
+        multiplier=(passing.real, passing.imag),
+    )

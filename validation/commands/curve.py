@@ -1,0 +1,89 @@
+"""`slipwave curve`: a special point of branches of orbits followed in two parameters."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from validation.branches import KINDS
+from validation.commands.branch import BranchTolerance
+from validation.commands.options import Json, Law, Model, SceneName, Settings
+
+if TYPE_CHECKING:
+    from validation.branches.curve import Curve
+
+_LISTED = 24  # points in the table
+
+Kind = Annotated[str, typer.Option("--of", metavar="|".join(KINDS), help="the kind of special point")]
+OverText = Annotated[
+    str, typer.Option("--over", metavar="KEY=FROM:TO", help="the branch's parameter: log10_r, epsilon, V, a, b ...")
+]
+AndText = Annotated[
+    str, typer.Option("--and", metavar="KEY=FROM:TO", help="the second parameter; the curve begins at FROM and leads towards TO")
+]
+Most = Annotated[int, typer.Option("--most-points", help="stop after so many points")]
+Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw the curve: .png, .pdf or .svg")]
+
+EXAMPLES = ("slipwave curve paper --of LP --over log10_r=-2.72:-2.68 --and V=100:120 --plot fold.png",)
+
+
+def curve(
+    source: SceneName,
+    of: Kind,
+    over: OverText,
+    along: AndText,
+    model: Model = "auto",
+    tol: BranchTolerance = 1e-6,
+    settings: Settings = None,
+    law: Law = None,
+    most_points: Most = 100,
+    plot: Plot = None,
+    json: Json = False,
+) -> None:
+    """Follow a special point of the branch of orbits in two parameters, also where its curve turns back.
+
+    The curve begins with the first point of its kind on the branch at the second parameter's first value.
+    """
+    import slipwave
+    from validation.door.result import delivered
+    from validation.output import FIGURES, attempt, conclude, print_json, printed, require_writable
+
+    if plot is not None:
+        require_writable(plot, FIGURES, "--plot")
+    result, failed, stopped = delivered(
+        lambda: slipwave.curve(source, of, over, along, model, settings=settings or (), tol=tol, most_points=most_points)
+    )
+    tasks = []
+    if result.found.points:
+        tasks.append(lambda: printed(lambda: print_json(result.summary) if json else _print(result.found, result.wall_s)))
+        if plot is not None:
+            tasks.append(lambda: result.save_plot(plot))
+    conclude(failed, attempt(*tasks), stopped)
+
+
+def _print(found: "Curve", wall_s: float) -> None:
+    from validation.commands.header import header
+    from validation.output import figures, print_table
+
+    for line in header(found.over.base):
+        print(line)
+    for note in found.notes:
+        print(f"note: {note}")
+    print(f"model {found.model}: {found.kind} {KINDS[found.kind]}, {len(found.points)} points")
+    print()
+    points = found.points
+    every = max(1, -(-len(points) // _LISTED))
+    rows = [
+        [
+            figures(point.first, 11),
+            figures(point.second, 8),
+            figures(point.period),
+            figures(point.stress_drop, 7),
+            figures(point.bracket, 2),
+            f"{point.multiplier[0]:.6f} +- {abs(point.multiplier[1]):.6f} i",
+        ]
+        for n, point in enumerate(points)
+        if n % every == 0 or n == len(points) - 1
+    ]
+    print_table([found.over.name, found.second.name, "period", "stress drop", "bracket", "multiplier"], rows)
+    print(f"\nperiods in transits; wall time {wall_s:.3g} s")
