@@ -14,7 +14,7 @@ from validation.cli import main
 
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 FILE = re.compile(r"Write `([^`]+)`:\s*$")
-PAGES = ("notebook.md", "protocols.md", "testing-machine.md", "unlike-slabs.md")
+PAGES = ("notebook.md", "output-files.md", "protocols.md", "testing-machine.md", "unlike-slabs.md")
 
 
 def steps(page: str) -> list[tuple[str, str, str]]:
