@@ -21,6 +21,7 @@ import numpy as np
 
 import slipwave
 from slipwave.files import whole_or_absent
+from slipwave.observe import EventObserver, HistoryObserver, follow
 from slipwave.scene import Scene
 from slipwave.scene.slab import Face, GripFace, KelvinVoigtViscosity, ReflectingFace
 from validation.output import print_table
@@ -28,11 +29,16 @@ from validation.references.lsoda import plain_kelvin_voigt
 from validation.report.provenance import provenance
 from validation.run.timing import in_turn
 from validation.studies.unlike_slabs.cost import pairs
-from validation.work_precision import Setting, march_of
+from validation.work_precision import Setting, march_of, solver_of
 
 ROUNDS = 9
 GRIDS = {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}
 """Cells at which a transit takes about 0.1 ms (leapfrog) or 0.3 ms (method of lines)."""
+
+_ROCK = {
+    "law": "ageing", "a_star": 0.6, "a": 0.01, "b": 0.015,
+    "normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6,
+}  # fmt: skip
 
 Work = Callable[[], Callable[[], object]]
 
@@ -74,6 +80,7 @@ def races() -> Iterator[Race]:
     delay, pair = Setting("delay", tolerance=1e-9), pairs()
     for name in ("commensurate", "irrational"):
         yield Race(f"delay: {name} round trips over alike", _run(delay, pair[name], 200.0), _run(delay, pair["alike"], 200.0))
+    yield Race("delay: every transit of two cycles of granite over leaps", partial(_granite, True), partial(_granite, False))
     ours = Setting("kelvin-voigt", tolerance=1e-8)
     yield Race(
         "scipy's LSODA over kelvin-voigt", lambda: partial(plain_kelvin_voigt, paper, 300.0, 1e-8), _run(ours, paper, 300.0)
@@ -94,6 +101,17 @@ def _exact_races(paper: Scene, unlike: Scene) -> Iterator[Race]:
         _run(fine, dataclasses.replace(paper, upper=viscous, lower=viscous), 200.0),
         once,
     )
+
+
+def _granite(every: bool) -> Callable[[], object]:
+    """Two cycles of granite slabs of 10 m at 1 um/s, 1.6e5 transits; `every` one of them, or with leaps over the sticks."""
+    scene = slipwave.read(
+        {"interface": _ROCK, "slab": {"thickness": 10.0, "density": 2700.0, "shear_modulus": 30e9}, "drive": {"velocity": 1.0}}
+    )
+    solver = solver_of(Setting("delay", tolerance=1e-6), scene)
+    follow(solver, 1.0)
+    needs_all = [HistoryObserver(scene.law, solver.nodes, start=math.inf)] if every else []
+    return partial(follow, solver, 1.6e5, [EventObserver(scene, solver.nodes), *needs_all])
 
 
 def _faced(scene: Scene, face: Face) -> Scene:

@@ -11,7 +11,7 @@ import numpy as np
 from reduced.delay.alike import Delay
 from reduced.delay.alike_kernel import ELASTIC, PSI, TIME, AlikeMemory
 from reduced.delay.multirevolution import ORDER, Past, no_past
-from slipwave.friction import respond, unknown_of
+from slipwave.friction import rates, respond, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
@@ -128,10 +128,14 @@ class LeapingDelay(Delay):
         self._memory = self._remember(state[:-2].reshape(before.incoming.shape), np.array([number, *state[-2:]]))
 
     def _transit(self) -> tuple[Pieces, Array, int]:
-        """March one transit; returns its pieces, the change of the state, and the verdict of the march."""
-        pieces, before = empty_pieces(self.steps, self._stages), _state_of(self._memory)
+        """March one transit of a stick; returns its pieces, the change of the state, and the verdict of the march.
+
+        The change of the wave is eps (V - v): the difference of two waves would have a thousand times larger rounding errors."""
+        pieces, before = empty_pieces(self.steps, self._stages), self._memory.now.copy()
         _, verdict = self._march(1, pieces)
-        return pieces, _state_of(self._memory) - before, verdict
+        velocity = self.scene.drive.at(before[TIME])
+        wave = self.scene.upper.epsilon * (velocity - rates(self.scene.law, pieces.z))
+        return pieces, np.concatenate((wave.ravel(), (self._memory.now - before)[[PSI, ELASTIC]])), verdict
 
     def _sticks(self, start: float, pieces: Pieces) -> bool:
         """Whether v is below V in all of the transit that begins at `start`, and V is constant until its waves have returned."""

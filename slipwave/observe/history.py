@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from slipwave.friction import Law, rate_of
+from slipwave.friction import Law, rates
 from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis, values_at
 
 
@@ -70,5 +70,4 @@ class HistoryObserver:
 def named_columns(law: Law, samples: Sequence[Array] | Array) -> dict[str, Array]:
     """Samples by name, with the slip rate (V*) in place of the rate unknown."""
     time, z, psi, mu, y = samples
-    rate = np.array([rate_of(law, value) for value in z], dtype=float)
-    return {"time": time, "slip_rate": rate, "psi": psi, "stress": mu, "elastic_stress": y}
+    return {"time": time, "slip_rate": rates(law, z), "psi": psi, "stress": mu, "elastic_stress": y}

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from slipwave.compiled import njit
-from slipwave.friction import Law, rate_of, respond, steady_state, unknown_of
+from slipwave.friction import rates, respond, steady_state, unknown_of
 from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
 from slipwave.observe.stages import LATE, Seen, Stage, StageFigures, figures_of, stages_of
 from slipwave.scene import Scene
@@ -41,12 +40,12 @@ class ProtocolObserver:
             return
         time = pieces.time[:, None] + pieces.length[:, None] * self._points
         middle = np.repeat((pieces.time + 0.5 * pieces.length)[:, None], self._points.size, axis=1)
-        slip = self._scene.transit * pieces.length[:, None] * (_rates(self._scene.law, pieces.z) @ self._sums.T)
+        slip = self._scene.transit * pieces.length[:, None] * (rates(self._scene.law, pieces.z) @ self._sums.T)
         begun = self._slip + np.concatenate(([0.0], np.cumsum(slip[:-1, -1])))
         columns = (
             time,
             pieces.mu @ self._rows.T,
-            _rates(self._scene.law, pieces.z @ self._rows.T),
+            rates(self._scene.law, pieces.z @ self._rows.T),
             slip[:, :-1] + begun[:, None],
         )
         self._slip = float(begun[-1] + slip[-1, -1])
@@ -120,12 +119,3 @@ def _integrals(basis: Basis, points: Array) -> Array:
     places, weights = np.polynomial.legendre.leggauss(basis.nodes.size)
     inner = 0.5 * (1.0 + places)
     return np.stack([0.5 * point * (weights @ interpolation_matrix(basis, point * inner)) for point in points])
-
-
-@njit
-def _rates(law: Law, unknowns: Array) -> Array:
-    rates = np.empty(unknowns.shape)
-    for k in range(unknowns.shape[0]):
-        for j in range(unknowns.shape[1]):
-            rates[k, j] = rate_of(law, unknowns[k, j])
-    return rates

@@ -7,6 +7,7 @@ from functools import partial
 import pytest
 
 import slipwave
+from slipwave.observe import follow
 from slipwave.scene.slab import GripFace, ReflectingFace
 from validation import benchmark
 from validation.benchmark import Race, last, main, measure, races
@@ -86,7 +87,7 @@ def test_a_damaged_record_is_passed_over(tmp_path):
 def test_the_races_are_told_apart_and_run():
     """Names are the keys under which ratios are compared from one day to the next."""
     named = {race.name: race for race in races()}
-    assert len(named) == len([*races()]) == 35
+    assert len(named) == len([*races()]) == 36
     for name in ("fd: grip over rigid face", "slipwave --help over bare Python"):
         ratio = measure(named[name], rounds=1)
         assert 0.0 < ratio["low"] == ratio["median"] == ratio["high"]
@@ -123,6 +124,17 @@ def test_both_sides_of_a_ratio_differ_only_in_what_it_is_named_after():
             race = named[f"delay: {name} round trips over alike"]
             exact = Setting("delay", tolerance=1e-9)
             assert (march(race.first), march(race.second)) == ((exact, scene, 200.0, 1.0), (exact, pairs()["alike"], 200.0, 1.0))
+
+
+def test_granite_is_marched_with_and_without_leaps():
+    race = {race.name: race for race in races()}["delay: every transit of two cycles of granite over leaps"]
+    (every, end, seen), (leaping, same, events) = race.first().args, race.second().args
+    assert end == same == 1.6e5
+    assert every.scene == leaping.scene
+    assert (every.time, every.settings) == (leaping.time, leaping.settings)
+    for solver, observers in ((every, seen), (leaping, events)):
+        follow(solver, 6e3, observers)
+    assert every.skipped == 0 < leaping.skipped
 
 
 def test_the_plain_program_runs_as_long_and_as_exactly_as_the_model_it_races():
