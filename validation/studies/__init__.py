@@ -23,6 +23,7 @@ STUDIES = {
     "bifurcation": "bifurcation",
     "snaking": "snaking",
     "period-against-delay": "period_against_delay",
+    "special-curves": "special_curves",
     "period-doubling": "period_doubling",
     "claims": "claims",
     "planted-faults": "planted_faults",

@@ -1,0 +1,188 @@
+"""The Hopf point, the first fold, the first torus point and the first period doubling, in two parameters."""
+
+import math
+from itertools import chain
+from typing import Any
+
+import numpy as np
+
+from reduced.parameters import with_parameter
+from validation.branches.curve import Curve, CurvePoint, trace
+from validation.branches.follow import begin, first_special
+from validation.branches.parameter import over_range
+from validation.branches.record import Branch
+from validation.references.onset import onset_of
+from validation.references.published import reference
+from validation.studies.bifurcation.branches import scene_at
+from validation.study import Budget, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge, table
+from validation.study.bounds import bounded
+from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
+
+NAME = "special-curves"
+QUESTION = "How do the points where orbits are born and change their stability depend on ε and V?"
+SCENES = ("paper",)
+SECONDS = (5.0, 40.0)
+
+_TOLERANCE = 1e-6
+_RANGE = (-2.73, -2.3)
+_KINDS = {"LP": ("first fold", "-"), "NS": ("first torus point", "--"), "PD": ("first period doubling", ":")}
+_QUICK = (("delay", "LP", (2.3, 1.7)),)
+_FULL = (
+    ("delay", "LP", (2.3, 1.7)),
+    ("kelvin-voigt", "LP", (2.3, 1.7)),
+    ("delay", "NS", (2.06, 1.97)),
+    ("kelvin-voigt", "PD", (2.02, 1.97)),
+)
+"""Model, kind and the values of log10 V towards which its curve is followed."""
+
+_MOST = {True: 12, False: 24}
+_SAME = 1e-10  # 1e-12 was measured; meshes differ
+_KNOWN = 5e-9
+
+Key = tuple[str, str]
+
+
+def run(budget: Budget) -> StudyResult:
+    """Follow the curves from V = 100 in both directions; find the end of one again as an orbit at V = 100."""
+    plan, found = _QUICK if budget.quick else _FULL, dict[Key, list[CurvePoint]]()
+    for count, (model, kind, ends) in enumerate(plan, 1):
+        up, down = (_curve(model, kind, end, _MOST[budget.quick]) for end in ends)
+        found[model, kind] = [*reversed(down[1:]), *up]
+        budget.report(count / (len(plan) + 1))
+    end = found["delay", "LP"][-1]
+    return StudyResult(
+        answer=_answer(found),
+        figures=(Figure("curves", _CAPTION, lambda: _diagram(found)),),
+        tables=(_table(found),),
+        verdicts=(_same(end, _fold_at(end)), _known(found["delay", "LP"]), _subcritical(found)),
+        notes=() if budget.quick else (_TURNS,),
+        numbers={f"{model} {kind} at V = 100": Number(_start(points).first, 3e-9) for (model, kind), points in found.items()},
+    )
+
+
+def _curve(model: str, kind: str, end: float, most: int) -> list[CurvePoint]:
+    first = over_range(f"log10_r={_RANGE[0]}:{_RANGE[1]}", scene_at(-2.68))
+    curve = Curve(kind, first, over_range(f"log10_V=2:{end}", scene_at(-2.68)), model, _TOLERANCE)
+    for _ in trace(curve, most):
+        pass
+    return curve.points
+
+
+def _start(points: list[CurvePoint]) -> CurvePoint:
+    return min(points, key=lambda point: abs(point.second - 2.0))
+
+
+def _fold_at(point: CurvePoint) -> float:
+    """log10 r of the first fold at V = 100 and at the epsilon that has the product epsilon V of `point`."""
+    scene = scene_at(-2.68)
+    raised = with_parameter(scene, "epsilon", scene.upper.epsilon * 10.0 ** (point.second - 2.0))
+    shift = point.second - 2.0
+    over = over_range(f"log10_r={_RANGE[0] + shift}:{_RANGE[1] + shift}", raised)
+    branch = Branch(over, "delay", _TOLERANCE)
+    return float(first_special(branch, begin(branch), "LP")[0].point.parameter)
+
+
+def _same(point: CurvePoint, again: float) -> Verdict:
+    return bounded(
+        "Only the products εV and rV matter: the fold at V is that at V = 100 with ε and r larger by V/100",
+        Evidence.EXACT,
+        abs(point.first + point.second - 2.0 - again),
+        _SAME,
+        f"log_{{10}} r of the end of the delay system’s fold curve, V = {10.0**point.second:.1f}, against a branch of its own",
+    )
+
+
+def _known(points: list[CurvePoint]) -> Verdict:
+    known = reference()["special"]["delay"]["first fold"]["log10_r"]
+    off = abs(_start(points).first - known)
+    return bounded(
+        "The fold curve passes the known fold", Evidence.WITNESS, off, _KNOWN, "log_{10} r at V = 100, lifted shooting"
+    )
+
+
+def _below(model: str, point: CurvePoint) -> float:
+    """How far below the Hopf point, relative in r."""
+    scene = scene_at(-2.68)
+    onset = onset_of(scene.law, scene.upper.epsilon, 10.0**point.second)
+    critical = onset.r_delay if model == "delay" else onset.r_kelvin_voigt
+    return float(1.0 - 10.0**point.first / critical)
+
+
+def _subcritical(found: dict[Key, list[CurvePoint]]) -> Verdict:
+    folds = {model: points for (model, kind), points in found.items() if kind == "LP"}
+    depths = [_below(model, point) for model, points in folds.items() for point in points]
+    places = [point.second for point in chain.from_iterable(folds.values())]
+    return Verdict(
+        "P8 The Hopf point is very mildly subcritical, at other V (and so at other ε) too",
+        Evidence.PAPER,
+        "a fold just below r_{c}",
+        f"{100 * min(depths):.2f} to {100 * max(depths):.2f} % below r_{{c}}",
+        judge(min(depths) > 0.0 and max(depths) < 0.01, Outcome.FINDING),
+        f"{len(depths)} folds at V from {10.0 ** min(places):.0f} to {10.0 ** max(places):.0f}; at fixed V that is ε from "
+        f"{2.8e-7 * 10.0 ** min(places):.2g} to {2.8e-7 * 10.0 ** max(places):.2g}".replace("e-05", " · 10^{-5}"),
+    )
+
+
+def _answer(found: dict[Key, list[CurvePoint]]) -> str:
+    depths = [_below("delay", point) for point in found["delay", "LP"]]
+    return (
+        "Through the products εV and rV alone. The first fold stays beside the Hopf point, "
+        f"{100 * min(depths):.2f} to {100 * max(depths):.2f} % below it in r in the exact system."
+    )
+
+
+def _table(found: dict[Key, list[CurvePoint]]) -> Table:
+    rows = [
+        (f"{_KINDS[kind][0]}, {model}", 10.0**point.second, point.first, point.period, *point.multiplier)
+        for (model, kind), points in found.items()
+        for point in points[:: max(1, len(points) // 8)]
+    ]
+    heading = "point | V [V*] .6g | log_{10} r .10f | T [transits] .7f | Re .6f | Im .6f"
+    return table("curves", "Points of the curves at ε = 2.8 · 10^{−5}, with the multiplier that passes.", heading, rows)
+
+
+def _diagram(found: dict[Key, list[CurvePoint]]) -> Drawing:
+    """Folds relative to the Hopf point; their period; and, where there are any, torus points and period doublings over V."""
+    figure, far = canvas(WIDTH, 4.2), {key: points for key, points in found.items() if key[1] != "LP"}
+    near, period, *others = np.atleast_1d(figure.subplots(1, 3 if far else 2)).tolist()
+    for (model, kind), points in found.items():
+        label, dashes = _KINDS[kind]
+        look = {"color": pen(model).color, "linestyle": dashes, "label": f"{label}, {pen(model).label}"}
+        velocity = [10.0**point.second for point in points]
+        if kind == "LP":
+            near.plot(velocity, [-100.0 * _below(model, point) for point in points], **look)
+            period.plot(velocity, [point.period for point in points], **look)
+        else:
+            others[0].plot(velocity, [point.first for point in points], **look)
+    _hopf(near, period)
+    near.set(ylabel="$r/r_c - 1$ (%)")
+    period.set(ylabel="$T$ (transits)")
+    for axes in others:
+        axes.set(ylabel=r"$\log_{10} r$")
+    for axes in (near, period, *others):
+        axes.set_xlabel("$V$")
+        axes.grid(True)
+    lines = [line for axes in (near, *others) for line in axes.get_lines()]
+    figure.legend(handles=lines, loc="outside upper left", ncols=2)
+    return figure
+
+
+def _hopf(near: Axes, period: Axes) -> None:
+    """The Hopf point, by the closed form (39), as far as the folds reach."""
+    grey: Any = {"color": "#777777", "linewidth": 0.9, "label": "Hopf point (39)"}
+    near.axhline(0.0, **grey)
+    low, high = period.dataLim.intervalx
+    scene, grid = scene_at(-2.68), np.linspace(low, high, 40)
+    closed = [onset_of(scene.law, scene.upper.epsilon, float(velocity)) for velocity in grid]
+    period.plot(grid, [2.0 * math.pi / (one.omega_c * one.r_delay) for one in closed], **grey)
+
+
+_CAPTION = (
+    "Special points over V at ε = 2.8 · 10^{−5}; by the products εV and rV these are their curves over ε too. Folds: r relative "
+    "to the Hopf point of each system, and the period, with T = 2π/(ω_{c} r_{c}) of the Hopf point in grey. In a full report "
+    "also the first torus point of the delay system and the first period doubling of the ODE."
+)
+_TURNS = (
+    "The curves of the first torus point and of the first period doubling turn back in V just below 100 and lead towards the "
+    "second point of their pair: at smaller V the unstable window between both is gone. The paper’s V lies beside such turns."
+)
