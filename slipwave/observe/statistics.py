@@ -39,6 +39,11 @@ class RunStatistics:
     v_min: float
     margins: Margins = field(default_factory=Margins)
 
+    def values(self) -> dict[str, float]:
+        """The figures by name: means and extremes."""
+        means = {name: float(getattr(self, name).mean) for name in ("period", "stress_drop", "elastic_stress_drop")}
+        return means | {"v_max": self.v_max, "v_min": self.v_min}
+
 
 def summarise(events: Events, repeat: bool = True) -> RunStatistics:
     """Statistics of all cycles in `events`; their means have margins unless the cycles `repeat`."""

@@ -26,7 +26,7 @@ RUN_KEYS = {
     "final",
     "energy",
 }
-RUN_KEYS |= {"verdict", "multiplicity", "rotation_number", "rate", "margins", "ended", "failures", "wall_s"}
+RUN_KEYS |= {"verdict", "multiplicity", "rotation_number", "rate", "margins", "ended", "reasons", "failures", "wall_s"}
 
 FAST = ["--set", "drive.velocity=2000", "--until", "200"]
 """Cycles of four transits, which repeat after 100."""

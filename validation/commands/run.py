@@ -155,7 +155,11 @@ def _print(result: "RunResult") -> None:
     for note in result.notes:
         print(f"note: {note}")
     march = f" ({done.solver.settings['time']} in time)" if "time" in done.solver.settings else ""
-    print(f"model {done.solver.model}{march}, {done.until:g} transits: {events_in_words(done.starts, done.verdict)}")
+    print(
+        f"model {done.solver.model}{march}, {done.until:g} transits: {events_in_words(done.starts, done.verdict, result.needed)}"
+    )
+    for line in result.reasons:
+        print(line)
     if done.ended in ENDED:
         print(ENDED[done.ended])
     if done.verdict and done.verdict.repeats:

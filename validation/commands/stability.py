@@ -48,6 +48,7 @@ def _print(result: "StabilityResult") -> None:
     verdict = "stable" if found.stable else f"unstable: {found.unstable_roots} growing roots (certified count)"
     verdict = "neutral" if found.stable is None else verdict
     print(f"model {found.model}: steady sliding is {verdict} at V = {found.velocity:g}")
+    print(result.reason)
     for note in result.notes:
         print(f"note: {note}")
     print()
@@ -57,7 +58,7 @@ def _print(result: "StabilityResult") -> None:
         ["critical epsilon", figures(found.epsilon_c, 12), f"scene {figures(scene.upper.epsilon, 10)}"],
         ["limit of the fast roots, Re s [V*/L]", figures(found.essential_abscissa, 10), ""],
     ]
-    print_table(["", "critical", "here"], rows)
+    print_table(["", "critical", "here"], [*rows, *_in_si(result)])
     print()
     roots = [
         [f"{figures(root.real, 8)} {root.imag:+.8g} i", figures(abs(root.imag) * scene.transit / (2.0 * math.pi), 6)]
@@ -65,3 +66,23 @@ def _print(result: "StabilityResult") -> None:
         if root.imag >= 0.0
     ]
     print_table(["leading roots s [V*/L], conjugates left out", "cycles per transit"], roots)
+
+
+def _in_si(result: "StabilityResult") -> list[list[str]]:
+    """Rows of the table for a scene with units."""
+    from validation.output import figures
+
+    scene, found = result.scene, result.physical
+    if found is None or scene.units is None:
+        return []
+    slabs = "thickness" if scene.alike else "upper thickness, both scaled together"
+    return [
+        [f"critical {slabs} [m]", figures(found.critical_thickness, 9), f"scene {figures(found.thickness, 9)}"],
+        [
+            "critical normal stress [Pa]",
+            figures(found.critical_normal_stress, 9),
+            f"scene {figures(scene.units.normal_stress, 9)}",
+        ],
+        ["growth time of the leading root [s]", "", figures(found.growth_time, 9)],
+        ["frequency of the leading root [Hz]", "", figures(found.frequency, 9)],
+    ]

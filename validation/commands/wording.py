@@ -58,16 +58,16 @@ def _with_units(
     return (heading, rows) if units else (heading[:-1], [row[:-1] for row in rows])
 
 
-def events_in_words(count: int | None, verdict: Verdict | None) -> str:
-    """The number of slip events of a run and its verdict, in one line."""
+def events_in_words(count: int | None, verdict: Verdict | None, needed: float = math.nan) -> str:
+    """The number of slip events of a run and its verdict, in one line; `needed` is the length of a run that is not too short."""
     if count is None or verdict is None:
         return "events were not watched (run.record is empty)"
-    return f"{count} slip event{'s' if count != 1 else ''}; {verdict_in_words(verdict)}"
+    return f"{count} slip event{'s' if count != 1 else ''}; {verdict_in_words(verdict, needed)}"
 
 
-def verdict_in_words(verdict: Verdict) -> str:
+def verdict_in_words(verdict: Verdict, needed: float) -> str:
     """The verdict on the second half of a run, with the reason."""
-    change, needed = f"{abs(verdict.change):.2g}", f"{float(f'{verdict.needed:.2g}'):g}"
+    change, longer = f"{abs(verdict.change):.2g}", f"{float(f'{needed:.2g}'):g}"
     reasons = {
         "steady": "v is V within 1e-6",
         "decaying": f"the drop of elastic stress falls by {change} of itself from the first of its events to the last",
@@ -77,7 +77,7 @@ def verdict_in_words(verdict: Verdict) -> str:
         "torus": f"its cycles never repeat but follow one phase, {verdict.rotation or 0.0:.4f} of a turn in each",
         "irregular": "its cycles do not repeat",
         "driven": "V changes or is zero there",
-        "too short": f"too few cycles to judge; try --until {needed}",
+        "too short": f"too few cycles to judge; try --until {longer}",
     }
     reason = reasons[verdict.kind]
     counted = f", {verdict.cycles} complete cycle{'s' if verdict.cycles != 1 else ''}," if verdict.kind in _COUNTED else ""

@@ -14,6 +14,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.step.flow import Cycle
+from validation.door.in_si import cycle_in_si
 from validation.door.motion_figure import motion_figure
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Result, finite, scene_of, told
@@ -83,7 +84,7 @@ class OrbitResult(Result):
             "wall_s": done.wall_s,
             "notes": [*doubts(scene), *done.notes],
         }
-        return dict(finite(result | ({"si": _in_si(orbit.values(), scene)} if scene.units else {})))
+        return dict(finite(result | cycle_in_si(orbit.values(), scene)))
 
 
 def orbit(
@@ -117,15 +118,3 @@ def _motion(cycle: Cycle, nodes: Array, scene: Scene) -> dict[str, Array]:
     rows = np.stack([values.ravel() for values in (time, *pieces[2:])])
     rows = rows[:, np.flatnonzero(np.diff(rows[0], prepend=-1.0) > 0.0)]
     return {name if name == "time" else f"interface_{name}": values for name, values in named_columns(scene.law, rows).items()}
-
-
-def _in_si(values: dict[str, float], scene: Scene) -> dict[str, float]:
-    units = scene.units
-    assert units is not None
-    transit = scene.transit * units.time
-    return {
-        "period_s": values["period"] * transit,
-        **{f"{name}_Pa": values[name] * units.normal_stress for name in ("stress_drop", "elastic_stress_drop")},
-        **{f"{name}_m_per_s": values[name] * units.reference_velocity for name in ("v_max", "v_min")},
-        "transit_s": transit,
-    }

@@ -14,6 +14,7 @@ from slipwave.input.stored import recall
 from slipwave.observe import Solver
 from slipwave.observe.foresight import DAY
 from slipwave.scene.doubts import doubts
+from validation.door.in_si import cycle_in_si
 from validation.door.motion_figure import motion_axes, motion_figure
 from validation.door.protocol_figure import protocol_figure
 from validation.door.provenance import SCHEMA, provenance
@@ -25,6 +26,7 @@ from validation.run.determinacy import amplified_rounding
 from validation.run.event_table import write_events
 from validation.run.history_file import Kept
 from validation.run.length import Length, length_of, require_cycles
+from validation.run.reasons import needed, reasons
 from validation.run.recording import Records, Wanted, records_of
 from validation.run.resuming import require_checkpoint
 from validation.run.run_dataset import run_dataset, write_run
@@ -71,9 +73,10 @@ class RunResult(Result):
             "final": asdict(done.final) if done.final else None,
             "energy": self.energy,
             "ended": done.ended,
+            "reasons": self.reasons,
             "failures": done.solver.failures,
             "wall_s": done.wall_s,
-        }
+        } | cycle_in_si(found.values(), done.solver.scene)
         if "time" in done.solver.settings:
             result["time"] = done.solver.settings["time"]
         if self.choice:
@@ -85,6 +88,16 @@ class RunResult(Result):
             "notes": [*doubts(done.solver.scene), *self.notes],
         }
         return dict(finite(result | {name: value for name, value in more.items() if value}))
+
+    @cached_property
+    def reasons(self) -> list[str]:
+        """Why the motion is what it is, and what would change it, in words."""
+        return reasons(self.done, one_port_of(self.done.solver.model))
+
+    @property
+    def needed(self) -> float:
+        """Length (transits) of a run with enough cycles, if this one is too short."""
+        return needed(self.done, one_port_of(self.done.solver.model))
 
     @property
     def energy(self) -> dict[str, float] | None:

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 from reduced.families import DELAY
 from reduced.stability import Stability, analyse
+from reduced.stability.physical import PhysicalStability, in_si
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Result, finite, scene_of
 from validation.registry.families import one_port_of
+from validation.run.reasons import on_stability
 from validation.study.drawing import Drawing, canvas, styled
 
 if TYPE_CHECKING:
@@ -24,6 +26,9 @@ _CRITICAL = {
     "log10_r_c": "log10 of the critical round trip",
     "epsilon_c": "critical epsilon",
 }
+
+
+_PHYSICAL = {"critical_thickness": "m", "critical_normal_stress": "Pa", "growth_time": "s", "frequency": "Hz"}
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -52,7 +57,26 @@ class StabilityResult(Result):
             "essential_abscissa": found.essential_abscissa,
             "notes": [*doubts(self.scene), *self.notes],
         }
-        return dict(finite(result))
+        return dict(
+            finite(
+                result
+                | (
+                    {"si": {f"{name}_{unit}": getattr(self.physical, name) for name, unit in _PHYSICAL.items()}}
+                    if self.physical
+                    else {}
+                )
+            )
+        )
+
+    @property
+    def reason(self) -> str:
+        """Whether steady sliding is stable and what would change that, in words."""
+        return on_stability(self.scene, self.found)
+
+    @cached_property
+    def physical(self) -> PhysicalStability | None:
+        """The same in SI, None for a scene without units."""
+        return in_si(self.scene, self.found)
 
     @cached_property
     def dataset(self) -> "xarray.Dataset":

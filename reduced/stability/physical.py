@@ -1,0 +1,68 @@
+"""The stability of steady sliding in SI: how thick the slabs, or how large the normal stress, must be for it to be lost.
+
+A normal stress multiplied by s divides both epsilons by s. Round trips and the clock L/V* do not depend on it, and faces are
+relative to the slabs, so the critical one is sigma epsilon/epsilon_c. Both thicknesses multiplied by s multiply both round trips
+by s. A testing machine stays the same machine: relative to thicker slabs its spring is stiffer and its mass smaller.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+from reduced.stability.analyse import Stability
+from reduced.stability.critical import critical_factor
+from reduced.stability.friction import friction_slopes
+from slipwave.scene import Scene
+from slipwave.scene.slab import MachineFace, Slab
+
+
+@dataclass(frozen=True)
+class PhysicalStability:
+    """NaN for values that do not exist.
+
+    `thickness` (m) and `critical_thickness` (m) of the upper slab, both slabs scaled together; steady sliding is stable below.
+    `critical_normal_stress` (Pa): stable below. `growth_time` (s) of the leading disturbance, in which it grows by a factor e,
+    negative if it decays; `frequency` (Hz) at which it oscillates.
+    """
+
+    thickness: float
+    critical_thickness: float
+    critical_normal_stress: float
+    growth_time: float
+    frequency: float
+
+
+def in_si(scene: Scene, found: Stability) -> PhysicalStability | None:
+    """`found`, which is the stability of `scene`, in SI; None for a scene without units."""
+    units, leading = scene.units, found.leading_roots[0]
+    if units is None:
+        return None
+    material = scene.upper.material
+    thickness = 0.5 * scene.transit * units.time * material.wave_speed if material else math.nan
+    return PhysicalStability(
+        thickness=thickness,
+        critical_thickness=thickness * _critical_factor(scene, found),
+        critical_normal_stress=units.normal_stress * scene.upper.epsilon / found.epsilon_c,
+        growth_time=units.time / leading.real if leading.real else math.inf,
+        frequency=abs(leading.imag) / (2.0 * math.pi * units.time),
+    )
+
+
+def thickened(scene: Scene, factor: float) -> Scene:
+    """The scene with both slabs `factor` times as thick, of the same material, held by the same machines."""
+    return replace(scene, upper=_thickened(scene.upper, factor), lower=_thickened(scene.lower, factor))
+
+
+def _thickened(slab: Slab, factor: float) -> Slab:
+    face = slab.face
+    if isinstance(face, MachineFace):
+        face = replace(face, stiffness=face.stiffness * factor, mass=face.mass / factor)
+    return replace(slab, round_trip=slab.round_trip * factor, face=face)
+
+
+def _critical_factor(scene: Scene, found: Stability) -> float:
+    """By how much both thicknesses must be multiplied for the first loss of stability."""
+    if not any(isinstance(slab.face, MachineFace) for slab in scene.slabs):
+        return float(10.0**found.log10_r_c) / scene.transit
+    if not friction_slopes(scene.law, scene.velocity).weakening:
+        return math.nan
+    return critical_factor(lambda factor: thickened(scene, factor), found.model)[0]

@@ -1,0 +1,103 @@
+"""The reason below a run's verdict, and its figures in SI, against values by hand."""
+
+import json
+import math
+from typing import Any
+
+import pytest
+
+import slipwave
+from slipwave.observe import Spread
+from validation.cli import main
+from validation.registry.build import build
+from validation.run.reasons import engineering, reasons
+from validation.run.simulate import simulate
+
+GRANITE = {
+    "interface": {
+        "law": "ageing",
+        "a_star": 0.6,
+        "a": 0.01,
+        "b": 0.015,
+        "normal_stress": 5e6,
+        "memory_length": 1e-5,
+        "reference_velocity": 1e-6,
+    },
+    "slab": {"density": 2700.0, "shear_modulus": 30e9, "thickness": 0.2},
+    "drive": {"velocity": 1.0},
+}
+
+
+def told(*settings: str, until: float, scene: Any = "paper") -> list[str]:
+    return list(slipwave.run(scene, "delay", until=until, settings=settings).summary["reasons"])
+
+
+def test_a_stable_sample_says_what_would_make_it_slip() -> None:
+    (line,) = told(until=5e4, scene=GRANITE)[-1:]
+    assert line.endswith("it would slip with slabs over 6 m (here 200 mm) or a normal stress over 150 MPa (here 5 MPa)")
+    assert "(8.92 s)" in line  # of the slower root of a s^2 + (a - b + k) s + k = 0, k = 0.15, on the clock of 10 s
+    assert pytest.approx((0.145 - math.sqrt(0.145**2 - 4 * 0.01 * 0.15)) / 0.02, rel=1e-3) == 10.0 / 8.92
+
+
+def test_a_run_without_cycles_says_how_long_one_takes() -> None:
+    lines = told(until=20.0)
+    assert lines[0] == "a cycle is expected to take about 69 transits"
+    assert lines[1].startswith("steady sliding is unstable; a disturbance grows by a factor e in 542 transits; ")
+
+
+def test_a_decaying_run_says_how_fast() -> None:
+    """At r = 10^-2.75 the leading root decays by e in 228 transits, and so does the motion."""
+    lines = told("slab.log10_r=-2.75", until=3000.0)
+    assert lines[0] == "it changes by a factor e in 228 transits"
+    assert lines[1].startswith(
+        "steady sliding is stable; a disturbance decays by a factor e in 228 transits; it would slip with r over"
+    )
+
+
+def test_strengthening_friction_is_always_stable() -> None:
+    assert told("interface.b=0.01", until=300.0)[-1] == (
+        "steady sliding is always stable: friction does not weaken with the slip rate (a >= b)"
+    )
+
+
+def test_unlike_slabs_are_scaled_together() -> None:
+    (line,) = told("upper.r=0.002", "lower.r=0.004", until=50.0, scene="unlike")[-1:]
+    assert "r of the upper slab, both slabs scaled together, over 0.00239 (here 0.002)" in line
+
+
+def test_a_spread_larger_than_the_mean_is_remarked_on() -> None:
+    from dataclasses import replace
+
+    done = simulate(build("delay", slipwave.read("paper", ["drive.velocity=2000"]), tolerance=1e-5), 200.0)
+    assert reasons(done, "delay") == []
+    wide = replace(done, statistics=replace(done.statistics, period=Spread(10.0, 11.0)))
+    assert reasons(wide, "delay") == ["the std of period exceeds the mean: cycles differ so much that a mean says little"]
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"), [(1.5e8, "Pa", "150 MPa"), (5.99999997, "m", "6 m"), (999.9, "s", "1 ks"), (0.2, "", "0.2")]
+)
+def test_three_figures_and_a_prefix(value: float, unit: str, text: str) -> None:
+    assert engineering(value, unit) == text
+
+
+def test_figures_of_a_run_in_si(capsys: pytest.CaptureFixture[str]) -> None:
+    """paper-si: one transit is 2 thickness/c, L/V* = 0.9 s, sigma = 1000 Pa, V* = 1e-6 m/s."""
+    words = ["run", "paper-si", "--set", "drive.velocity=2000", "--until", "200", "--json"]
+    assert main(words) == 0
+    found = json.loads(capsys.readouterr().out)
+    transit = 2.0 * 0.03357797353158276 / math.sqrt(1e6 / 784.0)
+    assert found["si"] == pytest.approx(
+        {
+            "period_s": found["period"]["mean"] * transit,
+            "stress_drop_Pa": 1e3 * found["stress_drop"]["mean"],
+            "elastic_stress_drop_Pa": 1e3 * found["elastic_stress_drop"]["mean"],
+            "v_max_m_per_s": 1e-6 * found["v_max"],
+            "v_min_m_per_s": 1e-6 * found["v_min"],
+            "transit_s": transit,
+        },
+        rel=1e-12,
+    )
+    assert main([*words[:-3], "--until", "2", "--json"]) == 0
+    short = json.loads(capsys.readouterr().out)["si"]
+    assert (short["period_s"], short["transit_s"]) == (None, pytest.approx(transit, rel=1e-12))

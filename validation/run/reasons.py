@@ -1,0 +1,113 @@
+"""Why a run's motion is what it is, and what would change it, in words: from the stability of steady sliding."""
+
+import math
+from dataclasses import replace
+
+from reduced.stability import Stability, analyse, friction_slopes, scaled
+from reduced.stability.physical import in_si
+from slipwave.scene import Scene
+from validation.run.length import UntilSettled
+from validation.run.outlook import outlook
+from validation.run.simulate import Run
+
+_TOGETHER = ", both slabs scaled together,"
+_PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n"}
+
+
+def reasons(run: Run, model: str) -> list[str]:
+    """Lines on the verdict of a run: why it slides steadily, decays, grows or has no cycles, and what its figures are worth.
+    `model` is one with the one-port of the model that ran."""
+    verdict, scene = run.verdict, run.solver.scene
+    if verdict is None or run.failed:
+        return []
+    if verdict.repeats:
+        return _on_spreads(run)
+    if verdict.kind not in ("steady", "decaying", "growing", "too short") or scene.drive.velocities[-1] == 0.0:
+        return []
+    final = scene if scene.drive.is_constant else scaled(scene, velocity=scene.drive.velocities[-1])
+    found = analyse(final, model)
+    changes = [f"it changes by a factor e in {_time(1.0 / abs(verdict.rate), scene)}"] if math.isfinite(verdict.rate) else []
+    return [
+        *changes,
+        *([_on_cycles(run, model)] if verdict.kind == "too short" and not found.stable else []),
+        on_stability(final, found),
+    ]
+
+
+def on_stability(scene: Scene, found: Stability) -> str:
+    """Whether steady sliding of `scene` is stable, and what would change that; `found` is its stability."""
+    if not friction_slopes(scene.law, scene.velocity).weakening:
+        known = scene.law._asdict()
+        equal = " (a >= b)" if "a" in known and "b" in known and known["a"] >= known["b"] else ""
+        return f"steady sliding is always stable: friction does not weaken with the slip rate{equal}"
+    word = {True: "stable", False: "unstable", None: "neutral"}[found.stable]
+    leading = found.leading_roots[0].real * scene.transit
+    if found.stable is None:
+        return f"steady sliding is {word}"
+    change = f"a disturbance {'decays' if found.stable else 'grows'} by a factor e in {_time(1.0 / abs(leading), scene)}"
+    return "; ".join(filter(None, [f"steady sliding is {word}", change, what_would_change(scene, found)]))
+
+
+def what_would_change(scene: Scene, found: Stability) -> str:
+    """The thickness or normal stress, or r or epsilon, beyond which steady sliding is no longer what it is; empty if there is
+    none, or if it is neutral."""
+    physical = in_si(scene, found)
+    if physical is not None and scene.units is not None:
+        slabs = "slabs" if scene.alike else f"an upper slab{_TOGETHER}"
+        limits = [
+            (slabs, physical.thickness, physical.critical_thickness, "m", 1),
+            ("a normal stress", scene.units.normal_stress, physical.critical_normal_stress, "Pa", 1),
+        ]
+    else:
+        together = "" if scene.alike else f" of the upper slab{_TOGETHER}"
+        limits = [
+            (f"r{together}", scene.transit, 10.0**found.log10_r_c, "", 1),
+            (f"epsilon{together}", scene.upper.epsilon, found.epsilon_c, "", -1),
+        ]
+    wanted = [_limit(*limit) for limit in limits if _is_beyond(limit[1] - limit[2], limit[4], found.stable)]
+    return f"{'it would slip' if found.stable else 'it would slide steadily'} with {' or '.join(wanted)}" if wanted else ""
+
+
+def _is_beyond(distance: float, sign: int, stable: bool | None) -> bool:
+    """Whether the present value lies on its side of the limit: below it if stable, for a quantity that destabilises."""
+    return math.isfinite(distance) and stable is not None and (sign * distance < 0.0) == stable
+
+
+def _limit(name: str, here: float, critical: float, unit: str, sign: int) -> str:
+    return f"{name} {'over' if here < critical else 'under'} {engineering(critical, unit)} (here {engineering(here, unit)})"
+
+
+def engineering(value: float, unit: str) -> str:
+    """Three figures, with a prefix to a unit: 150 MPa, 6 m."""
+    if not unit or value == 0.0:
+        return f"{value:.3g}"
+    power = min(9, max(-9, 3 * math.floor(math.log10(abs(float(f"{value:.3g}"))) / 3.0)))
+    return f"{value / 10.0**power:.3g} {_PREFIXES[power]}{unit}"
+
+
+def needed(run: Run, model: str) -> float:
+    """Length (transits) with which a run too short would have enough cycles: from those it has, else from what is expected.
+    `model` as for `reasons`."""
+    verdict, scene = run.verdict, run.solver.scene
+    if verdict is None or verdict.cycles or verdict.kind != "too short":
+        return verdict.needed if verdict else math.nan
+    settled = UntilSettled(replace(scene, until=None), outlook(scene, model))
+    return max(verdict.needed, next(settled.ends(0.0)))
+
+
+def _on_cycles(run: Run, model: str) -> str:
+    period = outlook(run.solver.scene, model).period
+    return f"a cycle is expected to take about {_time(period, run.solver.scene)}"
+
+
+def _on_spreads(run: Run) -> list[str]:
+    """A remark on every figure whose spread exceeds its mean."""
+    known = {name.replace("_", " "): getattr(run.statistics, name) for name in ("period", "stress_drop", "elastic_stress_drop")}
+    wide = [name for name, one in known.items() if one.std > one.mean]
+    return [f"the std of {' and '.join(wide)} exceeds the mean: cycles differ so much that a mean says little"] if wide else []
+
+
+def _time(transits: float, scene: Scene) -> str:
+    """A time in transits and, for a scene with units, in seconds."""
+    seconds = f" ({engineering(transits * scene.transit * scene.units.time, 's')})" if scene.units else ""
+    return f"{transits:.3g} transits{seconds}"
