@@ -21,7 +21,8 @@ from slipwave.step.guess import DONE
 
 _SLOW = 0.98  # of V, at most, in a stick: v never reaches V in the transits left out, and y rises through all of them
 _SHARE = 0.03  # of the tolerance: error of a leap; a stick has some hundred leaps
-_GENTLE = 0.03  # largest change of ln v and psi in a transit that may be left out
+_PRICE = 1000  # steps of the march that take as long as a leap
+_COVERED = 0.1  # change of ln v and psi over a leap, as a rule: 0.03 at a tolerance of 1e-9, 0.15 at 1e-6
 _SHORTEST, _LONGEST = 4, 4096
 _SHRINK, _SAFETY, _GROW = 0.2, 0.8, 2.0
 _PAUSE, _LONGEST_PAUSE = 64, 2048  # transits marched before the next try to leap; doubled by a try that fails
@@ -31,7 +32,8 @@ class LeapingDelay(Delay):
     """`Delay`, to its `tolerance`, which also does what `Leaping` asks for.
 
     A leap is made only in a stick: v is below V in all of its transits, and V is constant. So v_min is the only figure of a cycle
-    that may lie in the transits left out; the slowest one of these is then marched too. `skipped` counts those left out.
+    that may lie in the transits left out; the slowest one of these is then marched too. `skipped` counts those left out. None is
+    tried where the motion changes so fast that it would save no time.
     """
 
     def __init__(self, scene: Scene, tolerance: float = 1e-9) -> None:
@@ -82,7 +84,7 @@ class LeapingDelay(Delay):
             self._give_up()
             return
         self._waiting = pieces
-        if self._sticks(start, pieces) and self._size(pieces, change) < _GENTLE:
+        if self._sticks(start, pieces) and _PRICE * self._size(pieces, change) < _COVERED * self.steps:
             self._past = self._past.then(start, change, float(pieces.z.min()))
         else:
             self._give_up()
