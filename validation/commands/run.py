@@ -142,7 +142,7 @@ def _window(text: str | None) -> tuple[float, float] | None:
 
 def _print(result: "RunResult") -> None:
     from validation.commands.header import header
-    from validation.commands.wording import ENDED, events_in_words, statistics_rows
+    from validation.commands.wording import ENDED, events_in_words, margins_in_words, statistics_rows
     from validation.door.run import grid_in_words
     from validation.output import figures, print_table
     from validation.run.stage_table import stage_rows
@@ -165,6 +165,8 @@ def _print(result: "RunResult") -> None:
     if done.verdict and done.verdict.repeats:
         print()
         print_table(*statistics_rows(done.statistics, done.solver.scene))
+        for line in margins_in_words(done.statistics, done.solver.scene):
+            print(line)
     if result.records.protocol:
         print()
         print_table(*stage_rows(result.records.protocol.figures, done.solver.scene))

@@ -58,6 +58,15 @@ def _with_units(
     return (heading, rows) if units else (heading[:-1], [row[:-1] for row in rows])
 
 
+def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
+    """A line with the intervals of the means of cycles that never repeat; none if they do."""
+    if math.isnan(found.margins.period):
+        return []
+    seconds = f" ({figures(found.margins.period * scene.transit * scene.units.time, 3)} s)" if scene.units else ""
+    period, drop = figures(found.margins.period, 3), figures(found.margins.stress_drop, 3)
+    return [f"the mean of an endless run lies within (95 %): period +- {period} transits{seconds}, stress drop +- {drop}"]
+
+
 def events_in_words(count: int | None, verdict: Verdict | None, needed: float = math.nan) -> str:
     """The number of slip events of a run and its verdict, in one line; `needed` is the length of a run that is not too short."""
     if count is None or verdict is None:
