@@ -4,6 +4,7 @@ import json
 import logging
 import math
 from collections.abc import Callable
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ import slipwave as sw
 from slipwave.input import SceneSource
 from validation.cli import main
 from validation.door.branch import BranchResult
-from validation.door.result import Result
+from validation.door.result import KEYWORDS, Result
 from validation.door.run import RunResult
 
 FAST: dict[str, Any] = {"drive.velocity": 2000}
@@ -108,7 +109,8 @@ def test_a_scene_of_a_program_has_no_keys_to_change() -> None:
         (lambda: sw.run("paper", model="dely"), 'did you mean "delay"'),
         (lambda: sw.run("paper", "delay", cells=8), "takes no cells"),
         (lambda: sw.run("paper", until=-5.0), r"run\.until = -5"),
-        (lambda: sw.run("paper", untill=5.0), "untill"),
+        (lambda: sw.run("paper", untill=5.0), "untill = 5.0: neither an option nor a key of a scene; did you mean until"),
+        (lambda: sw.run("paper", modle="delay"), "modle = 'delay': neither an option nor a key .*; did you mean model"),
         (lambda: sw.run("paper", "delay", fields=True), "fields: model delay has no grid"),
         (lambda: sw.stability("paper", slab={"epsilom": 1.0}), r"did you mean epsilon"),
         (lambda: sw.compare("paper", "delay,delay"), "more than once"),
@@ -180,3 +182,8 @@ def test_the_names_of_the_door() -> None:
     assert set(sw.__all__) <= set(dir(sw))
     with pytest.raises(AttributeError, match="'slipwave' has no attribute 'runn'"):
         sw.runn  # noqa: B018
+
+
+def test_the_options_that_are_guessed_from_are_those_there_are() -> None:
+    functions = [getattr(sw, name) for name in ("run", "stability", "orbit", "branch", "compare", "bench")]
+    assert sorted({name for function in functions for name in signature(function).parameters} - {"changes"}) == KEYWORDS

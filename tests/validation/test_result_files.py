@@ -79,7 +79,7 @@ def test_thinning_and_window_keep_what_they_say(tmp_path: Path) -> None:
 
 
 def test_a_run_that_goes_on_keeps_the_same_samples(tmp_path: Path) -> None:
-    saving: dict[str, Any] = {"checkpoint": tmp_path / "run.npz", "checkpoint_every": 10.0, "every": 7}
+    saving: dict[str, Any] = {"checkpoint": str(tmp_path / "run.npz"), "checkpoint_every": 10.0, "every": 7}
     sw.run("paper", "block8", until=30, **saving)
     resumed = sw.run("paper", "block8", until=60, **saving).dataset
     straight = sw.run("paper", "block8", until=60, every=7).dataset

@@ -17,7 +17,7 @@ from validation.branches.parameter import over_range
 from validation.branches.record import Branch, BranchPoint, SpecialPoint
 from validation.branches.stored import read, write
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Result, deliver, finite, scene_of, told
+from validation.door.result import Result, as_path, deliver, finite, scene_of, told
 from validation.registry.flows import flowing
 from validation.registry.orbits import require_tolerance
 from validation.run.progress import progress
@@ -89,8 +89,8 @@ def branch(
     *,
     tol: float = 1e-6,
     cells: int | None = None,
-    out: Path | None = None,
-    resume: Path | None = None,
+    out: str | Path | None = None,
+    resume: str | Path | None = None,
     stop_at: str | None = None,
     switch: str | None = None,
     longest_period: float | None = None,
@@ -108,6 +108,7 @@ def branch(
 
     Raises SceneError for wrong input; NumericsError where the branch cannot be followed, with the part before as its `result`.
     """
+    out, resume = as_path(out), as_path(resume)
     require_tolerance(tol)
     limits, doubled = limits_of(stop_at, longest_period, most_points), is_doubled(switch)
     parameter = over_range(_range_text(over), scene_of(source, settings, changes))

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.files import whole_or_absent
 from slipwave.input import SceneSource, read, read_scene
+from slipwave.input.wording import nearest, shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.study.drawing import Drawing, styled
@@ -72,10 +73,57 @@ class Stopped(KeyboardInterrupt):
         self.result = result
 
 
+KEYWORDS = [
+    "cells",
+    "cfl",
+    "checkpoint",
+    "checkpoint_every",
+    "cycles",
+    "every",
+    "fields",
+    "interface",
+    "longest_period",
+    "model",
+    "models",
+    "most_points",
+    "most_seconds",
+    "out",
+    "over",
+    "resume",
+    "samples",
+    "settings",
+    "source",
+    "stop_at",
+    "switch",
+    "time",
+    "tol",
+    "until",
+    "window",
+]
+"""What the functions of the door take besides the tables of a scene."""
+
+
+def as_path(path: str | Path | None) -> Path | None:
+    """A path of the user's as a `Path`."""
+    return None if path is None else Path(path)
+
+
+def _require_known(changes: Mapping[str, Any]) -> None:
+    """Raises SceneError for a keyword that is neither an option nor a table of a scene, naming the nearest."""
+    from slipwave.input.schema import SceneTable
+
+    for key in changes:
+        if key.partition(".")[0] not in SceneTable.model_fields:
+            guess = nearest(key, [*KEYWORDS, *SceneTable.model_fields])
+            hint = f"; did you mean {guess}?" if guess else ""
+            raise SceneError(f"{shorten(key)[1:-1]} = {shorten(changes[key])}: neither an option nor a key of a scene{hint}")
+
+
 def scene_of(source: SceneSource, settings: Iterable[str], changes: Mapping[str, Any], until: float | str | None = None) -> Scene:
     """The scene of a call: `source` with `settings` ("key=value"), `changes` and, if given, another length (transits, or a text
     with a unit of time). Tells what is doubtful about it."""
     length = [] if until is None else [f"run.until={until}"]
+    _require_known(changes)
     scene = read_scene(read(source, [*settings, *length]), **changes)
     for line in doubts(scene):
         told.warning("note: %s", line)

@@ -18,7 +18,7 @@ from validation.door.in_si import cycle_in_si
 from validation.door.motion_figure import motion_axes, motion_figure
 from validation.door.protocol_figure import protocol_figure
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Result, deliver, finite, scene_of, told
+from validation.door.result import Result, as_path, deliver, finite, scene_of, told
 from validation.registry import build as models
 from validation.registry.default_grid import judged, note_on
 from validation.registry.families import Built, Options, one_port_of
@@ -170,8 +170,8 @@ def run(
     every: int | None = None,
     window: tuple[float, float] | None = None,
     fields: bool | None = None,
-    samples: Path | None = None,
-    checkpoint: Path | None = None,
+    samples: str | Path | None = None,
+    checkpoint: str | Path | None = None,
     checkpoint_every: float | None = None,
     most_seconds: float = DAY,
     settings: Iterable[str] = (),
@@ -208,6 +208,7 @@ def run(
     model, options = recall(source, "run", model, given)
     scene = scene_of(source, settings, changes, until)
     cycles = options.get("cycles")
+    checkpoint, samples = as_path(checkpoint), as_path(samples)
     require_cycles(scene, cycles)
     require_checkpoint(checkpoint, checkpoint_every)
     numerical = Options(cells=options["cells"], cfl=options["cfl"], tolerance=options["tol"], time=options["time"])
