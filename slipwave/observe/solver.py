@@ -71,6 +71,10 @@ class Solver(Resumable, Protocol):
 class Leaping(Solver, Protocol):
     """A solver that can leave out whole transits of a stick."""
 
+    @property
+    def skipped(self) -> int:
+        """Transits that it has left out so far."""
+
     def leap(self, until: float, end: float) -> Pieces:
         """As `advance`, but with gaps between pieces (see `slipwave.observe.pieces`) where v stays below V and no figure of a
         cycle lies. `end` is that of the run (transits), which never falls into a gap."""

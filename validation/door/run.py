@@ -13,6 +13,7 @@ from slipwave.input import SceneSource
 from slipwave.input.stored import recall
 from slipwave.observe import Solver
 from slipwave.observe.foresight import DAY
+from slipwave.observe.solver import Leaping
 from slipwave.scene.doubts import doubts
 from validation.door.in_si import cycle_in_si
 from validation.door.motion_figure import motion_axes, motion_figure
@@ -79,6 +80,8 @@ class RunResult(Result):
         } | cycle_in_si(found.values(), done.solver.scene)
         if "time" in done.solver.settings:
             result["time"] = done.solver.settings["time"]
+        if isinstance(done.solver, Leaping) and done.solver.skipped:
+            result["left_out"] = done.solver.skipped
         if self.choice:
             result["grid"] = {name: getattr(self.choice, name) for name in ("cells", "step", "quantity", "error_estimate")}
         stages = self.records.protocol.figures if self.records.protocol else []
