@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from reduced.continuation.mesh import Family, refined, roughness
 from reduced.continuation.point import Metric, Point, point_near
 from reduced.continuation.special import Special, between
@@ -119,17 +121,14 @@ def _predicted(plane: Plane, before: OnCurve, last: OnCurve, centre: Place) -> A
     if before is not last and before.special.point.unknowns.size == guess.size:
         share = plane.chord(last.place, centre)[1] / plane.chord(before.place, last.place)[1]
         guess = guess + share * (guess - _deviation(before))
-    guess[:-2] += last.special.point.closed.flow.of(plane.scene_at(*centre)).steady
-    guess[-1] = 0.0
-    return guess
+    steady = last.special.point.closed.flow.of(plane.scene_at(*centre)).steady
+    return np.concatenate([guess[:-2] + steady, [guess[-2], 0.0]])
 
 
 def _deviation(known: OnCurve) -> Array:
     """Unknowns, less the state of steady sliding."""
     point = known.special.point
-    unknowns = point.unknowns.copy()
-    unknowns[:-2] -= point.closed.flow.steady
-    return unknowns
+    return np.asarray(point.unknowns - np.append(point.closed.flow.steady, [0.0, 0.0]))
 
 
 def _beside(family: Family, point: Point, kind: str) -> Special:

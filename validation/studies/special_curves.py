@@ -14,7 +14,7 @@ from validation.branches.record import Branch
 from validation.references.onset import onset_of
 from validation.references.published import reference
 from validation.studies.bifurcation.branches import scene_at
-from validation.study import Budget, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge, table
+from validation.study import Budget, Cell, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
 
@@ -133,12 +133,18 @@ def _answer(found: dict[Key, list[CurvePoint]]) -> str:
 
 def _table(found: dict[Key, list[CurvePoint]]) -> Table:
     rows = [
-        (f"{_KINDS[kind][0]}, {model}", 10.0**point.second, point.first, point.period, *point.multiplier)
+        (f"{_KINDS[kind][0]}, {model}", 10.0**point.second, point.first, point.period, *_passing(kind, point))
         for (model, kind), points in found.items()
         for point in points[:: max(1, len(points) // 8)]
     ]
     heading = "point | V [V*] .6g | log_{10} r .10f | T [transits] .7f | Re .6f | Im .6f"
     return table("curves", "Points of the curves at ε = 2.8 · 10^{−5}, with the multiplier that passes.", heading, rows)
+
+
+def _passing(kind: str, point: CurvePoint) -> tuple[Cell, Cell]:
+    """The multiplier that passes; the imaginary part of a real one is rounding."""
+    real, imaginary = point.multiplier
+    return real, imaginary if kind == "NS" else None
 
 
 def _diagram(found: dict[Key, list[CurvePoint]]) -> Drawing:
