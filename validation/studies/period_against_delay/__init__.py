@@ -59,7 +59,6 @@ def _numbers(listed: list[Periods]) -> dict[str, Number]:
     numbers: dict[str, Number] = {}
     for one in listed:
         numbers |= {f"{model} T at {one.log10_r:g}": Number(found[0], 1e-8) for model, found in one.orbits.items()}
-        numbers |= {f"{model} mean T at {one.log10_r:g}": Number(mean.value, 0.05) for model, mean in one.means.items()}
     return numbers
 
 
