@@ -15,4 +15,6 @@ class NumericsError(ArithmeticError):
     """The numerics failed: one line saying what, where and when (exit 3). `result` is what the door had computed by then, None if
     nothing."""
 
-    result: Any = None
+    def __init__(self, message: str, result: Any = None) -> None:
+        super().__init__(message)
+        self.result = result

@@ -68,7 +68,7 @@ def saved_time(path: Path) -> float:
 
 
 class Checkpoints:
-    """Marks of a run to `until` (transits, may be set later anew): saves `solver` and `observers` to `path` every `every`
+    """Marks of a run to `until` (transits): saves `solver` and `observers` to `path` every `every`
     transits."""
 
     def __init__(self, solver: Solver, observers: Mapping[str, Resumable], path: Path, until: float, every: float) -> None:
@@ -76,6 +76,10 @@ class Checkpoints:
         self._solver, self._observers, self._path, self._every = solver, observers, path, every
         self._due = 0.0
         self._schedule()
+
+    def prolong(self, until: float) -> None:
+        """The run goes on to `until` (transits)."""
+        self.until = until
 
     @property
     def due(self) -> float:

@@ -22,7 +22,7 @@ def require_time(solver: Solver, until: float, most: float = DAY) -> None:
 
 
 class Foresight:
-    """Observer of a run to `until` (transits, may be set later anew); raises SceneError as soon as it predicts more than `most`
+    """Observer of a run to `until` (transits); raises SceneError as soon as it predicts more than `most`
     seconds for the run."""
 
     spans_gaps = True
@@ -41,6 +41,10 @@ class Foresight:
         if self._pieces >= self._next:
             self._next *= 2
             _require(self._solver, self.until, self._expected(self.until), self._most)
+
+    def prolong(self, until: float) -> None:
+        """The run goes on to `until` (transits)."""
+        self.until = until
 
     def seconds(self, until: float) -> float:
         """Predicted time of a run to `until` (transits) from where this one began, from the pieces so far; 0 before them."""

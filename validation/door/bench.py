@@ -49,8 +49,7 @@ class BenchResult(Result):
     def dataset(self) -> "xarray.Dataset":
         """Wall time and errors of each run by `trial`, with its model and setting."""
         data = table_of(self.summary["models"], "trial")
-        data.attrs = provenance("bench", self.scene, self.reference.solver.model, {})
-        return data
+        return data.assign_attrs(provenance("bench", self.scene, self.reference.solver.model, {}))
 
     def plot(self) -> Drawing:
         """Error of the period against wall time, a line for each model; runs without cycles are left out."""

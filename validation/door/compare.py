@@ -58,8 +58,7 @@ class CompareResult(Result):
     def dataset(self) -> "xarray.Dataset":
         """The figures of each run by `model`: means, spreads and errors."""
         data = table_of(self.summary["models"], "model")
-        data.attrs = provenance("compare", self.scene, ",".join(data["model"].values.tolist()), self.options)
-        return data
+        return data.assign_attrs(provenance("compare", self.scene, ",".join(data["model"].values.tolist()), self.options))
 
     def plot(self) -> Drawing:
         """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model, the reference dashed on

@@ -135,9 +135,7 @@ def deliver(result: Delivered, failed: str, stopped: bool = False) -> Delivered:
     if stopped:
         raise Stopped(failed, result)
     if failed:
-        error = NumericsError(failed)
-        error.result = result
-        raise error
+        raise NumericsError(failed, result)
     return result
 
 

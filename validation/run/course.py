@@ -49,10 +49,11 @@ class Course:
 
     def _stretch(self, end: float) -> None:
         require_time(self.solver, end, self._most)
-        self.until, self.final, self._work.until = end, None, end
+        self.until, self.final = end, None
+        self._work.prolong(end)
         for mark in self._marks:
             if isinstance(mark, Checkpoints):
-                mark.until = end
+                mark.prolong(end)
         with progress(f"{self.solver.scene.name}, {self.solver.model}", end) as report:
             self.final = follow(self.solver, end, self._observers, report, self._marks)
 

@@ -32,7 +32,7 @@ _FIRST = 16.0  # expected cycles, half of them judged
 _LONGER = 1.25  # from one look to the next
 _DIES_OUT = 16.0  # decay times until 1e-7 of a disturbance is left
 _LEFT = 40.0  # growth times in which rounding alone leaves steady sliding
-_MANY = 24  # cycles that never repeat: a half has enough of them for margins
+_MANY = 16  # cycles that never repeat: a half has enough of them for margins
 _STEP = 1.02  # from one look for cycles to the next, if a cycle is shorter
 
 
@@ -88,7 +88,7 @@ class Until:
 class UntilSettled:
     """Until the motion is no longer a transient, as far as can be told.
 
-    Cycles that repeat are settled if there are 8 or more, cycles that never repeat if there are 24 or more, and if the means of
+    Cycles that repeat are settled if there are 8 or more, cycles that never repeat if there are 16 or more, and if the means of
     period and stress drop over the earlier and the later half of them agree: within 1e-3, or within the margins of cycles that
     never repeat. What returns to steady sliding is settled if steady sliding is stable, what the drive changes is so at once.
     """

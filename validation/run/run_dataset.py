@@ -66,7 +66,7 @@ def _cycles(done: Run, facts: Mapping[str, Any]) -> "xarray.Dataset":
     found = xarray.Dataset(variables("event", columns, EVENTS, done.solver.scene))
     judged = {"multiplicity": done.verdict.multiplicity, "rotation_number": done.verdict.rotation}
     known = {name: value for name, value in judged.items() if value is not None}
-    found.attrs = {**facts, **ended, "events": done.starts, "verdict": done.verdict.kind, **known}
+    found = found.assign_attrs({**facts, **ended, "events": done.starts, "verdict": done.verdict.kind, **known})
     return found.set_coords([name for name in found if str(name).startswith("event_time")])
 
 
