@@ -5,6 +5,8 @@ import math
 import pytest
 from hypothesis import HealthCheck, settings
 
+from slipwave.friction import LAWS
+
 # no deadline: the first call may compile
 _COMMON = {"deadline": None, "print_blob": True, "suppress_health_check": [HealthCheck.too_slow]}
 
@@ -22,3 +24,12 @@ def pytest_addoption(parser):
 def no_progress(monkeypatch):
     """Tests of what is printed must not depend on how long it took: no test waits for progress unless it says so."""
     monkeypatch.setattr("validation.run.progress.PATIENCE", math.inf)
+
+
+@pytest.fixture(autouse=True)
+def no_law_left_behind():
+    """A friction law that a test registers is gone after it: no test may depend on what its process ran before."""
+    kept = dict(LAWS)
+    yield
+    for name in set(LAWS) - set(kept):
+        del LAWS[name]
