@@ -8,20 +8,8 @@ import slipwave
 from reduced.stability import analyse
 from reduced.stability.physical import in_si, thickened
 from slipwave.scene import Scene
+from tests.granite import GRANITE
 
-GRANITE = {
-    "interface": {
-        "law": "ageing",
-        "a_star": 0.6,
-        "a": 0.01,
-        "b": 0.015,
-        "normal_stress": 5e6,
-        "memory_length": 1e-5,
-        "reference_velocity": 1e-6,
-    },
-    "slab": {"density": 2700.0, "shear_modulus": 30e9, "thickness": 10.0},
-    "drive": {"velocity": 1.0},
-}
 MACHINE = GRANITE | {
     "slab": GRANITE["slab"] | {"thickness": 0.2, "face": {"kind": "machine", "stiffness": 1.6e9, "impedance": 2e6, "mass": 400.0}}
 }

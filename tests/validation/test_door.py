@@ -4,7 +4,6 @@ import json
 import logging
 import math
 from collections.abc import Callable
-from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ import slipwave as sw
 from slipwave.input import SceneSource
 from validation.cli import main
 from validation.door.branch import BranchResult
-from validation.door.result import KEYWORDS, Result
+from validation.door.result import Result
 from validation.door.run import RunResult
 
 FAST: dict[str, Any] = {"drive.velocity": 2000}
@@ -184,6 +183,7 @@ def test_the_names_of_the_door() -> None:
         sw.runn  # noqa: B018
 
 
-def test_the_options_that_are_guessed_from_are_those_there_are() -> None:
-    functions = [getattr(sw, name) for name in ("run", "stability", "orbit", "branch", "compare", "bench")]
-    assert sorted({name for function in functions for name in signature(function).parameters} - {"changes"}) == KEYWORDS
+@pytest.mark.parametrize(("mistyped", "meant"), [("untill", "until"), ("stop_att", "stop_at"), ("allong", "along")])
+def test_a_mistyped_option_is_answered_by_the_nearest_of_all_functions(mistyped: str, meant: str) -> None:
+    with pytest.raises(sw.SceneError, match=f"^{mistyped} = 3: neither an option nor a key of a scene; did you mean {meant}\\?$"):
+        sw.stability("paper", **{mistyped: 3})

@@ -7,22 +7,9 @@ import pytest
 import slipwave
 from reduced.stability import characteristic, leading_roots
 from slipwave.observe import EventObserver, follow
+from tests.granite import GRANITE
 from validation.registry.build import build
 from validation.run.outlook import outlook, stress_released
-
-GRANITE = {
-    "interface": {
-        "law": "ageing",
-        "a_star": 0.6,
-        "a": 0.01,
-        "b": 0.015,
-        "normal_stress": 5e6,
-        "memory_length": 1e-5,
-        "reference_velocity": 1e-6,
-    },
-    "slab": {"density": 2700.0, "shear_modulus": 30e9, "thickness": 10.0},
-    "drive": {"velocity": 1.0},
-}
 
 
 @pytest.mark.parametrize("name", ["paper", "paper-2.3", "rock", "grip", "layered", "unlike-irrational"])

@@ -8,24 +8,11 @@ import pytest
 
 import slipwave
 from slipwave.observe import Spread
+from tests.granite import THIN as GRANITE
 from validation.cli import main
 from validation.registry.build import build
 from validation.run.reasons import engineering, reasons
 from validation.run.simulate import simulate
-
-GRANITE = {
-    "interface": {
-        "law": "ageing",
-        "a_star": 0.6,
-        "a": 0.01,
-        "b": 0.015,
-        "normal_stress": 5e6,
-        "memory_length": 1e-5,
-        "reference_velocity": 1e-6,
-    },
-    "slab": {"density": 2700.0, "shear_modulus": 30e9, "thickness": 0.2},
-    "drive": {"velocity": 1.0},
-}
 
 
 def told(*settings: str, until: float, scene: Any = "paper") -> list[str]:

@@ -5,6 +5,7 @@ import logging
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -73,39 +74,17 @@ class Stopped(KeyboardInterrupt):
         self.result = result
 
 
-KEYWORDS = [
-    "cells",
-    "cfl",
-    "checkpoint",
-    "checkpoint_every",
-    "cycles",
-    "every",
-    "fields",
-    "interface",
-    "longest_period",
-    "model",
-    "models",
-    "most_points",
-    "most_seconds",
-    "out",
-    "over",
-    "resume",
-    "samples",
-    "settings",
-    "source",
-    "stop_at",
-    "switch",
-    "time",
-    "tol",
-    "until",
-    "window",
-]
-"""What the functions of the door take besides the tables of a scene."""
-
-
 def as_path(path: str | Path | None) -> Path | None:
     """A path of the user's as a `Path`."""
     return None if path is None else Path(path)
+
+
+def _options() -> list[str]:
+    """What the functions of the door take besides the tables of a scene."""
+    import slipwave
+
+    door = [found for name in slipwave.__all__ if (found := getattr(slipwave, name)).__module__.startswith("validation.door.")]
+    return sorted({name for function in door for name in signature(function).parameters} - {"changes"})
 
 
 def _require_known(changes: Mapping[str, Any]) -> None:
@@ -114,7 +93,7 @@ def _require_known(changes: Mapping[str, Any]) -> None:
 
     for key in changes:
         if key.partition(".")[0] not in SceneTable.model_fields:
-            guess = nearest(key, [*KEYWORDS, *SceneTable.model_fields])
+            guess = nearest(key, [*_options(), *SceneTable.model_fields])
             hint = f"; did you mean {guess}?" if guess else ""
             raise SceneError(f"{shorten(key)[1:-1]} = {shorten(changes[key])}: neither an option nor a key of a scene{hint}")
 
