@@ -9,6 +9,7 @@ import hashlib
 from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
 SOLVER_ROOMS = ("slipwave", "reduced", "fullwave")
@@ -49,14 +50,36 @@ def inside(path: Path) -> bool:
     return path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in _ROOMS
 
 
-@cache
 def program(path: Path) -> str:
     """The syntax tree of a Python file as text, without docstrings, comments and line numbers; read once per process."""
+    return _read(path).program
+
+
+def imported_names(path: Path) -> tuple[str, ...]:
+    """Modules that a file imports; for `from a import b` both a and a.b (the project has no relative imports)."""
+    return _read(path).imports
+
+
+class _Read(NamedTuple):
+    """A file's `program` and `imported_names`."""
+
+    program: str
+    imports: tuple[str, ...]
+
+
+@cache
+def _read(path: Path) -> _Read:
+    """Both from one parse and one walk, because every start of the program waits for it."""
     tree = ast.parse(path.read_bytes())
+    names: list[str] = []
     for node in ast.walk(tree):
         if isinstance(node, _DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
             node.body = node.body[1:]
-    return ast.dump(tree)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names += [node.module, *(f"{node.module}.{name.name}" for name in node.names)]
+        elif isinstance(node, ast.Import):
+            names += [name.name for name in node.names]
+    return _Read(ast.dump(tree), tuple(names))
 
 
 @cache
@@ -66,18 +89,6 @@ def _imported(path: Path, packages: bool) -> set[Path]:
     solves = any(path.is_relative_to(ROOT / room) for room in SOLVER_ROOMS)
     names = (name for name in imported_names(path) if not (solves and name.startswith("validation.")))
     return {file for name in names for file in _files(name, packages)}
-
-
-@cache
-def imported_names(path: Path) -> tuple[str, ...]:
-    """Modules that a file imports; for `from a import b` both a and a.b (the project has no relative imports)."""
-    names: list[str] = []
-    for node in ast.walk(ast.parse(path.read_bytes())):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            names += [node.module, *(f"{node.module}.{name.name}" for name in node.names)]
-        elif isinstance(node, ast.Import):
-            names += [name.name for name in node.names]
-    return tuple(names)
 
 
 def _files(name: str, packages: bool) -> Iterator[Path]:

@@ -29,6 +29,7 @@ import numba
 import numpy as np
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from slipwave.sources import digest_of, import_closure, inside
@@ -61,7 +62,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The function compiled for `sig`, or None."""
-        target_context.refresh()
+        rtsys.initialize(target_context)  # all that loading needs of refresh(), which imports every part of numba
         path = None
         try:
             path = self._path(sig, target_context.codegen())

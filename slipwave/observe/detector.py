@@ -10,7 +10,7 @@ import numpy as np
 
 from slipwave.compiled import inlined, njit
 from slipwave.friction.law import Law
-from slipwave.observe.extrema import differentiate, evaluate, find_root, overshoot, raise_record, raise_record_within
+from slipwave.observe.extrema import bounds, differentiate, evaluate, find_root, overshoot, raise_record, raise_record_within
 from slipwave.observe.pieces import Array, Basis, Pieces
 from slipwave.observe.rise import RISING, SLOTS, begin_rise, date_rise, follow_rise, room_for_rise
 from slipwave.observe.swings import BEGIN, COLUMNS, DATE, DIRECTION, END, RECORDS, thin
@@ -74,9 +74,7 @@ def _turns(derivative: Array, y: Array, k: int, direction: float, left: float) -
 @inlined
 def _near(values: Array, k: int, running: Array, slot: int) -> bool:
     """Whether piece k may raise the record running[slot] of the maximum or running[slot + 1] of -minimum (see `raise_record`)."""
-    top, bottom = values[k, 0], values[k, 0]
-    for j in range(1, values.shape[1]):
-        top, bottom = max(top, values[k, j]), min(bottom, values[k, j])
+    bottom, top = bounds(values[k])
     reach = overshoot(top - bottom, values.shape[1])
     return not (top + reach <= running[slot] and reach - bottom <= running[slot + 1])
 
@@ -95,7 +93,8 @@ def _split(
 ) -> tuple[float, int]:
     """Complete the swings that end in piece k; returns (point where the running one begins, number of swings)."""
     y, slopes = pieces.y[k], scratch[0]
-    if y.max() - y.min() <= _FLAT * abs(y[0]):
+    bottom, top = bounds(y)
+    if top - bottom <= _FLAT * abs(y[0]):
         if memory.running[DIRECTION] * (y[y.size - 1] - memory.last[0]) < 0.0:
             count = _turn(pieces, k, basis, 0.0, floor, memory, swings, count)
         return 0.0, count

@@ -72,10 +72,18 @@ def _peak(basis: Basis, values: Array, slopes: Array, sign: float, at: int) -> f
 def _trusted(peak: float, values: Array, sign: float) -> float:
     """`peak`, or the largest nodal value if `peak` exceeds that by more than a smooth signal can (`overshoot`): then the
     polynomial oscillates at a steep front (in ln v by decades)."""
-    top, bottom = sign * values[0], sign * values[0]
+    bottom, top = bounds(values)
+    highest = top if sign > 0.0 else -bottom
+    return peak if peak - highest <= overshoot(top - bottom, values.size) else float(highest)
+
+
+@inlined
+def bounds(values: Array) -> tuple[float, float]:
+    """The smallest and the largest value; a loop, because loading numba's own min() and max() takes a fifth of a second."""
+    bottom, top = values[0], values[0]
     for j in range(1, values.size):
-        top, bottom = max(top, sign * values[j]), min(bottom, sign * values[j])
-    return peak if peak - top <= overshoot(top - bottom, values.size) else float(top)
+        bottom, top = min(bottom, values[j]), max(top, values[j])
+    return bottom, top
 
 
 @inlined

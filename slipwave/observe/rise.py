@@ -13,7 +13,7 @@ import numpy as np
 from slipwave.compiled import njit
 from slipwave.friction import rate_of, unknown_of
 from slipwave.friction.law import Law
-from slipwave.observe.extrema import evaluate, find_root
+from slipwave.observe.extrema import bounds, evaluate, find_root
 from slipwave.observe.pieces import Array, Basis
 
 # slots of the memory of a rise: start of the fall (transits), level of z, whether v reached a new maximum in the latest piece,
@@ -95,7 +95,7 @@ def _keep(time: float, length: float, z: Array, memory: Array, kept: Array) -> i
         memory[FRONT] = 0.0
     kept[end, _TIME] = time
     kept[end, _LENGTH] = length
-    kept[end, _LOWEST] = z.min()
+    kept[end, _LOWEST] = bounds(z)[0]
     for j in range(z.size):
         kept[end, HEAD + j] = z[j]
     memory[KEPT] = end + 1

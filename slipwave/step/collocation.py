@@ -12,6 +12,7 @@ Nodes: TypeAlias = tuple[float, ...]
 """Nodes as a tuple, from which compiled code knows their number."""
 
 
+_POLISHED = 2  # Newton steps that take the roots of a companion matrix to half an ulp
 _ROUNDING = 1e-13  # rounding error of the stability function as computed here
 
 
@@ -69,9 +70,8 @@ def highest_coefficient(nodes: Array) -> Array:
 
 def radau_nodes(stages: int) -> Array:
     """Right Radau points on (0, 1]: the end, and the roots of Jacobi's P^(1,0) of stages - 1, shifted."""
-    from scipy.special import roots_jacobi  # imported here to keep start-up fast
-
-    nodes = np.ones(stages)
-    if stages > 1:
-        nodes[:-1] = 0.5 * (roots_jacobi(stages - 1, 1.0, 0.0)[0] + 1.0)
-    return nodes
+    difference = legendre.Legendre.basis(stages - 1) - legendre.Legendre.basis(stages)  # (1 - x) P^(1,0), up to a factor
+    slope, points = difference.deriv(), np.sort(difference.roots().real)[:-1]
+    for _ in range(_POLISHED):
+        points = points - difference(points) / slope(points)
+    return np.append(0.5 * (points + 1.0), 1.0)

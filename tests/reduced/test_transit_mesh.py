@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.special import roots_jacobi
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
@@ -14,6 +15,13 @@ from slipwave.observe import EventObserver, follow
 from slipwave.step.collocation import radau_nodes
 
 ODD = ["drive.velocity=[[0.0, 100.0], [20.3, 100.0], [41.17, 200.0]]"]
+
+
+@pytest.mark.parametrize("stages", range(2, 13))
+def test_radau_nodes_are_the_roots_of_a_jacobi_polynomial(stages):
+    nodes = radau_nodes(stages)
+    assert nodes[-1] == 1.0
+    assert np.abs(nodes[:-1] - 0.5 * (roots_jacobi(stages - 1, 1.0, 0.0)[0] + 1.0)).max() < 4e-16
 
 
 def test_cuts_are_the_knots_and_their_arrivals():

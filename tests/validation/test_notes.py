@@ -5,12 +5,13 @@ import math
 from typing import Any
 
 import pytest
+from scipy.special import wofz
 
 import slipwave
 from slipwave.observe import follow
 from validation.cli import main
 from validation.registry.build import build
-from validation.run.determinacy import amplified_rounding
+from validation.run.determinacy import _tail, amplified_rounding
 
 STIFF = ["interface.a=0.0296", "interface.b=0.0591", "drive.velocity=80", "slab.epsilon=7.2e-5", "slab.r=0.0124"]
 """Thirty-two cells of sbp:6 end at ln v = -6.27 after 60 transits where the delay system has -5.31."""
@@ -50,6 +51,11 @@ def test_the_leading_root_is_the_same_with_and_without_its_echoes() -> None:
         found = amplified_rounding(scene, "delay", 40.0)
         assert found is not None
         assert found.growth == pytest.approx(34.7107438 * r, rel=1e-4)
+
+
+@pytest.mark.parametrize("x", [-6.0, -1.5, 0.0, 4.0, 25.9, 26.1, 300.0, 4.0 + 2.0j])
+def test_the_tail_of_a_nudge_is_that_of_the_faddeeva_function(x: complex) -> None:
+    assert _tail(x) == pytest.approx(complex(wofz(1j * x)), rel=1e-12)
 
 
 def test_a_scene_that_is_determined_says_nothing() -> None:

@@ -26,6 +26,10 @@ _NO_ECHO = 20.0
 """Growth per transit from which the leading root is real, found from the right: its echoes are e^-20 of it."""
 
 
+_ERFC_ENDS = 26.0
+"""Beyond it erfc(x) underflows."""
+
+
 @dataclass(frozen=True)
 class Amplified:
     """Rounding over the start's own disturbance: `share` of the growing amplitude; `growth` per transit."""
@@ -76,12 +80,19 @@ def _rounding(scene: Scene) -> float:
 
 def _share(scene: Scene, growth: complex) -> float:
     """Rounding over what the start leaves, both carried back to t = 0."""
-    from scipy.special import wofz
-
     start = scene.start
     if start.kind is StartKind.JUMP:
         left = abs(start.jump_size)
     else:
-        tail = complex(wofz(1j * (0.5 * growth - NUDGE_CENTRE)))
+        tail = _tail(0.5 * growth - NUDGE_CENTRE)
         left = abs(start.nudge_size * 0.5 * math.sqrt(math.pi) * math.exp(-(NUDGE_CENTRE**2)) * tail)
     return _rounding(scene) / left if left > 0.0 else math.inf
+
+
+def _tail(x: complex) -> complex:
+    """w(i x) = e^(x^2) erfc(x)."""
+    if x.imag == 0.0 and abs(x.real) < _ERFC_ENDS:
+        return math.exp(x.real**2) * math.erfc(x.real)
+    from scipy.special import wofz  # a fifth of a second, which few scenes need
+
+    return complex(wofz(1j * x))
