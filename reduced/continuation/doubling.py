@@ -6,11 +6,11 @@ import scipy.linalg
 from reduced.continuation.mesh import Family
 from reduced.continuation.point import Metric, Point, point_near
 from reduced.continuation.special import Special
+from reduced.orbit.returns import difference_of_parts
 from slipwave.errors import NumericsError
-from slipwave.observe.pieces import Array, lagrange_basis, values_at
+from slipwave.observe.pieces import Array
 
 _AMPLITUDES = (3e-3, 1e-3, 1e-4)  # of the largest component of the state; the first with which Newton's method converges
-_SAMPLES = 200
 _ALIKE = 0.1  # difference of the halves, over the amplitude, below which the orbit is a simple one
 _NEAR = 1e-3  # distance of the multiplier from -1
 
@@ -54,7 +54,4 @@ def _displaced(family: Family, simple: Point, shape: Array, amplitude: float, me
 
 def difference_of_halves(point: Point) -> float:
     """Largest difference of z and psi between the first and the second half of an orbit; 0 if it is a simple one, twice."""
-    cycle, basis = point.closed.cycle, lagrange_basis(point.closed.flow.nodes)
-    times = np.linspace(0.0, 0.5, _SAMPLES, endpoint=False)[1:] * cycle.period
-    first, second = (np.array(values_at(cycle.pieces, basis, times + shift)[:2]) for shift in (0.0, 0.5 * cycle.period))
-    return float(np.abs(second - first).max())
+    return difference_of_parts(point.closed.cycle, point.closed.flow.nodes, 2)

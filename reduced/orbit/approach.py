@@ -1,10 +1,11 @@
 """Bring a run near a periodic orbit, so that Newton's method can take over: some cycles are enough, settled or not."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from reduced.orbit.returns import Section, closest_returns
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events, Solver, follow
 from slipwave.observe.pieces import Array
@@ -26,13 +27,14 @@ Freeze = Callable[[Marched, float], tuple[Flow, Array]]
 
 
 class Guess(NamedTuple):
-    """Where Newton's method begins: a `state` of `flow`, between two slip events where the motion is smooth, and a `period`;
-    whether the run had `settled` on it."""
+    """Where Newton's method begins: a `state` of `flow`, between two slip events where the motion is smooth, and a `period` of
+    so many `cycles`; whether the run had `settled` on it."""
 
     flow: Flow
     state: Array
     period: float
     settled: bool
+    cycles: int = 1
 
 
 def approach(
@@ -46,6 +48,21 @@ def approach(
 
     Raises NumericsError if the run makes no cycles within `most` transits, or returns to steady sliding.
     """
+    return next(guesses(solver, freeze, most, progress))
+
+
+def guesses(
+    solver: Marched,
+    freeze: "Freeze[Marched]",
+    most: float = MOST_TRANSITS,
+    progress: Callable[[float], None] | None = None,
+    near: float | None = None,
+) -> Iterator[Guess]:
+    """The guess of `approach`, and after it, if the cycles keep changing, those of the run's closest returns, of one cycle or of
+    as many as take about the period `near` (transits), which then comes before all others. An irregular motion comes near to
+    many unstable orbits, and the mean of its cycles to none.
+
+    Raises NumericsError as `approach` does."""
     observer = EventObserver(solver.scene, solver.nodes)
     events = observer.events()
     while not (_settled(events) or (events.period.size >= _CYCLES and not _drifts(events))):
@@ -55,10 +72,17 @@ def approach(
         follow(solver, min(most, solver.time + _STRETCH), [observer], progress)
         events = observer.events(0.5 * solver.time)
         _require_motion(solver, events)
-    if _settled(events) or _drifts(events):
+    period = float(events.period.mean())
+    cycles = 1 if near is None else max(1, round(near / period))
+    if cycles == 1 and (_settled(events) or _drifts(events)):
         period = float(events.period[-1])
-        return Guess(*_between(solver, observer, freeze, period), period, _settled(events))
-    return _mean(solver, observer, freeze, float(events.period.mean()))
+        yield Guess(*_between(solver, observer, freeze, period), period, _settled(events))
+        return
+    sections = _sections(solver, observer, freeze, period)
+    if near is None:
+        yield _mean(sections)
+    for section, returned in closest_returns(sections, cycles, near):
+        yield Guess(section.flow, section.state, returned, False, cycles)
 
 
 def _settled(events: Events) -> bool:
@@ -75,19 +99,21 @@ def _drifts(events: Events) -> bool:
     return bool((changes > 0.0).all() or (changes < 0.0).all())
 
 
-def _mean(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]", period: float) -> Guess:
-    """The mean of the states halfway after the next events."""
-    begin = float(observer.dates()[-1])
-    flow, state = _between(solver, observer, freeze, period)
-    states = [state]
-    while len(states) < _CYCLES:
-        other, state = _between(solver, observer, freeze, period)
-        if other.size != flow.size:  # the solver has refined its mesh
-            flow, states = other, []
-        states.append(state)
-    dates = observer.dates()
-    count = int((dates > begin + 1e-6).sum())
-    return Guess(flow, np.mean(states, axis=0), (float(dates[-1]) - begin) / count if count else period, False)
+def _sections(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]", period: float) -> list[Section]:
+    """The motion halfway after the next events, all on one mesh."""
+    sections: list[Section] = []
+    while len(sections) < _CYCLES:
+        flow, state = _between(solver, observer, freeze, period)
+        if sections and flow.size != sections[0].flow.size:  # the solver has refined its mesh
+            sections = []
+        sections.append(Section(flow, state, float(observer.dates()[-1])))
+    return sections
+
+
+def _mean(sections: list[Section]) -> Guess:
+    """The mean of all states and periods."""
+    period = (sections[-1].date - sections[0].date) / (len(sections) - 1)
+    return Guess(sections[0].flow, np.mean([section.state for section in sections], axis=0), period, False)
 
 
 def _between(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]", period: float) -> tuple[Flow, Array]:

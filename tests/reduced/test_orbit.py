@@ -11,6 +11,7 @@ from reduced.orbit import periodic_orbit
 from reduced.orbit.closing import by_parameter, close, close_family
 from reduced.orbit.figures import amplitude, figures
 from reduced.orbit.multipliers import floquet, multipliers
+from reduced.orbit.returns import Section, closest_returns, repeats_sooner
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Pieces
 from slipwave.step.collocation import radau
@@ -134,6 +135,22 @@ def test_figures_of_a_polynomial_motion():
         rel=1e-13,
     )
     assert amplitude(cycle) == pytest.approx(largest, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("cycles", "sooner"), [(1, False), (2, False), (3, True), (4, False), (6, True)], ids=lambda value: str(value)
+)
+def test_a_motion_that_repeats_after_a_third(cycles, sooner):
+    cycle, nodes = motion([*[lambda t: np.sin(math.pi * t)] * 4], 6.0, pieces=60)
+    assert repeats_sooner(cycle, nodes, cycles) is sooner
+
+
+def test_the_closest_returns_come_first():
+    sections = [Section(None, np.array([x, 0.0]), date) for x, date in [(0.0, 0.0), (3.0, 10.0), (2.5, 19.0), (2.6, 31.0)]]
+    returns = [(first.date, time) for first, time in closest_returns(sections)]
+    assert returns == [(19.0, 12.0), (10.0, 9.0), (0.0, 10.0)]
+    assert [time for _, time in closest_returns(sections, cycles=2)] == [21.0, 19.0]
+    assert [time for _, time in closest_returns(sections, near=9.6)] == [9.0, 10.0]
 
 
 def test_the_trivial_multiplier_is_split_off():

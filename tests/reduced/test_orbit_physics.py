@@ -3,6 +3,7 @@ against themselves, and in other scenes where they are orbits too."""
 
 import dataclasses
 import math
+from contextlib import suppress
 from functools import lru_cache
 from types import SimpleNamespace
 
@@ -15,9 +16,11 @@ from reduced.impedance import reduction_of
 from reduced.ode.march import ReducedModel
 from reduced.orbit import approach as approaching
 from reduced.orbit import periodic_orbit
-from reduced.orbit.approach import approach
+from reduced.orbit.approach import approach, guesses
 from reduced.orbit.closing import close
 from reduced.orbit.figures import figures
+from reduced.orbit.multipliers import floquet
+from reduced.orbit.returns import repeats_sooner
 from slipwave import read
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import lagrange_basis, values_at
@@ -68,6 +71,43 @@ def test_a_run_on_a_torus_is_averaged():
     assert not guess.settled
     assert guess.period == pytest.approx(79.3225, abs=0.02)
     assert largest(guess.state - close(*guess[:3]).cycle.start) < 0.15
+
+
+def returns(model, log10_r, near=None):
+    """Orbits from the run's closest returns, those of Newton's failures left out."""
+    scene = read("paper", {"slab.log10_r": log10_r})
+    if model == "delay":
+        found = guesses(DelayNetwork(scene, tolerance=1e-6), delay.frozen, near=near)
+    else:
+        solver = ReducedModel(scene, reduction_of(scene, model), 1e-6)
+        found = guesses(solver, lambda solver, period: ode.frozen(solver, period, 1e-9), near=near)
+    for guess in found:
+        with suppress(NumericsError):
+            yield close(*guess[:3]), guess.cycles
+
+
+@pytest.mark.slow
+def test_an_irregular_run_comes_near_to_unstable_orbits():
+    """At log10 r = -2.5 the mean of its cycles leads to none; the run's periods lie between 90 and 99."""
+    one, cycles = next(returns("delay", -2.5, near=91.0))
+    assert cycles == 1
+    assert 88.0 < one.cycle.period < 99.0
+    assert one.residual < 1e-11
+    assert np.abs(floquet(one.monodromy)[0][0]) > 2.0
+
+
+def test_an_orbit_of_two_cycles_is_found_beside_the_simple_one():
+    """The ODE's run at log10 r = -2.59 settles on the doubled orbit, whose period is nearly twice that of the simple one."""
+    closed = found("kelvin-voigt", -2.59).closed
+    assert floquet(closed.monodromy)[0][0] < -1.2
+    twice = close(closed.flow, closed.cycle.start, 2.0 * closed.cycle.period)
+    assert repeats_sooner(twice.cycle, closed.flow.nodes, 2)
+    for one, cycles in returns("kelvin-voigt", -2.59, near=158.0):
+        if not repeats_sooner(one.cycle, one.flow.nodes, cycles):
+            break
+    assert cycles == 2
+    assert one.cycle.period == pytest.approx(2.0 * closed.cycle.period, rel=1e-3)
+    assert np.abs(floquet(one.monodromy)[0]).max() < 1.0
 
 
 def test_no_orbit_near_a_run():

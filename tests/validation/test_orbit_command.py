@@ -2,13 +2,19 @@
 
 import json
 import math
+import re
 
 import pytest
 
+from reduced.orbit.closing import close
+from tests.orbit_by_hand import SUBCRITICAL, FlowByHand
+from validation.branches import at_scene
 from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
-from validation.references.published import half_digit, reference_orbit
+from validation.references.published import half_digit, reference, reference_orbit
 
 RATES = {"v_max", "v_min"}
+ODE = ("--model", "kelvin-voigt")
+STABLE = ("--set", "slab.log10_r=-2.72", "start.size=0")
 
 
 def orbit(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, object]:
@@ -72,6 +78,28 @@ def test_a_start_on_the_orbit_is_no_other_scene(capsys):
     assert changed["period"] == pytest.approx(reference_orbit("kelvin-voigt", -2.68)["period"], rel=1e-6)
 
 
+def test_a_run_that_leads_to_none_gives_way_to_the_branch(capsys):
+    """Between the fold and the Hopf point the run returns to steady sliding, and two orbits coexist: the small unstable one has
+    a period between those of both points, the stable one a longer one than the fold's."""
+    hopf, fold = 49.66821032, reference()["special"]["kelvin-voigt"]["first fold"]["period"]
+    found = orbit(capsys, "paper", *ODE, "--set", "slab.log10_r=-2.7001", "--tol", "1e-6")
+    assert found["stable"] is True
+    unstable = float(re.search(r"periods ([\d.]+) \(unstable\):", "".join(found["notes"]))[1])
+    assert hopf < unstable < fold < found["period"] < unstable + 5.0
+
+
+@pytest.mark.parametrize(("near", "s", "other", "word"), [(5.9, 0.2, 0.8, "stable"), (5.1, 0.8, 0.2, "unstable")])
+def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word):
+    """Two orbits coexist at p = -0.16, known in closed form."""
+    flow = FlowByHand(SUBCRITICAL, -0.16)
+    both = [close(flow, 1.01 * SUBCRITICAL.state(size), SUBCRITICAL.period(size)) for size in (0.2, 0.8)]
+    monkeypatch.setattr(at_scene, "_primary", lambda *_: both)
+    found = at_scene.orbit_of("by hand", flow.scene, 1e-8, near=near)
+    assert found.found.orbit.period.value == pytest.approx(SUBCRITICAL.period(s), rel=1e-10)
+    assert found.found.multipliers.stable is (s == 0.8)
+    assert f"have the periods {SUBCRITICAL.period(other):.7g} ({word})" in "".join(found.notes)
+
+
 @pytest.mark.parametrize(
     ("words", "status", "said"),
     [
@@ -81,8 +109,12 @@ def test_a_start_on_the_orbit_is_no_other_scene(capsys):
         (["paper", "--cells", "4"], INPUT_WRONG, "model delay takes no cells"),
         (["paper", "--tol", "1e-20"], INPUT_WRONG, "tol = 1e-20: must lie in [1e-11, 0.01]"),
         (["paper", "--tol", "nan"], INPUT_WRONG, "tol = nan"),
-        (["paper", "--set", "slab.log10_r=-2.72"], NUMERICS_FAILED, "each smaller than the one before"),
-        (["paper", "--set", "start.size=0"], NUMERICS_FAILED, "made 0 cycles"),
+        (["paper", "--near-period", "0"], INPUT_WRONG, "near_period = 0: must be above 0"),
+        (
+            ["paper", *ODE, "--set", "slab.log10_r=-2.72"],
+            NUMERICS_FAILED,
+            "has none here: it was followed from log10_r = -2.69955",
+        ),
         (["paper", "--model", "quasistatic"], NUMERICS_FAILED, "it runs away"),
     ],
 )

@@ -16,6 +16,10 @@ _ROUNDING = 1e-12  # those below are noise
 OrbitTolerance = Annotated[
     float | None, typer.Option("--tol", help="requested relative error of period, drops and slip rates (default 1e-8)")
 ]
+NearPeriod = Annotated[
+    float | None,
+    typer.Option("--near-period", metavar="TRANSITS", help="where orbits coexist: the one with the period nearest to this"),
+]
 OutFile = Annotated[Path | None, typer.Option(metavar="FILE.nc", help="write the motion over one period and the multipliers")]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw the motion over one period: .png, .pdf or .svg")]
 
@@ -26,6 +30,7 @@ def orbit(
     source: SceneName,
     model: Model = "auto",
     tol: OrbitTolerance = None,
+    near_period: NearPeriod = None,
     settings: Settings = None,
     law: Law = None,
     cells: Cells = None,
@@ -35,7 +40,8 @@ def orbit(
 ) -> None:
     """The periodic orbit that a run of the scene leads to, stable or not: figures with errors, and Floquet multipliers.
 
-    A full wave marches exactly in time; its orbit is that of its grid.
+    Where several orbits coexist, a run leads to one at most: --near-period finds the others. A full wave marches exactly in
+    time; its orbit is that of its grid.
     """
     import slipwave
     from validation.output import FIGURES, attempt, conclude, print_json, printed, require_writable
@@ -44,7 +50,7 @@ def orbit(
         if path is not None:
             require_writable(path, kinds, option)
 
-    result = slipwave.orbit(source, model, tol=tol, cells=cells, settings=settings or ())
+    result = slipwave.orbit(source, model, tol=tol, near_period=near_period, cells=cells, settings=settings or ())
     tasks = [lambda: printed(lambda: print_json(result.summary) if json else _print(result.found))]
     if out is not None:
         tasks.append(lambda: result.to_netcdf(out))

@@ -14,12 +14,13 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.step.flow import Cycle
+from validation.branches.at_scene import orbit_of
 from validation.door.in_si import cycle_in_si
 from validation.door.motion_figure import motion_figure
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Result, finite, scene_of, told
-from validation.registry.flows import moving
-from validation.registry.orbits import OrbitFound, find_orbit, require_tolerance
+from validation.registry.flows import flowing
+from validation.registry.orbits import OrbitFound, require_tolerance
 from validation.run.quantities import EVENTS, INTERFACE, variables
 from validation.study.drawing import Drawing, styled
 
@@ -92,23 +93,27 @@ def orbit(
     model: str = "auto",
     *,
     tol: float | None = None,
+    near_period: float | None = None,
     cells: int | None = None,
     settings: Iterable[str] = (),
     **changes: Any,
 ) -> OrbitResult:
     """The periodic orbit that a run of the scene leads to, stable or not, to the relative error `tol` (default 1e-8), and its
-    Floquet multipliers. The scene is changed by `settings` and `changes` as in `slipwave.run`; a netCDF file of an orbit is
-    computed again. A full wave (`cells` per slab) marches exactly in time.
+    Floquet multipliers. Where several coexist, `near_period` (transits) asks for the one with the period nearest to it; a run
+    that leads to none gives way to the branch of orbits that begins where steady sliding loses its stability. The scene is
+    changed by `settings` and `changes` as in `slipwave.run`; a netCDF file of an orbit is computed again. A full wave (`cells`
+    per slab) marches exactly in time.
 
     Raises SceneError for wrong input, NumericsError if there is no orbit.
     """
-    model, options = recall(source, "orbit", model, {"tol": tol, "cells": cells})
+    model, options = recall(source, "orbit", model, {"tol": tol, "cells": cells, "near_period": near_period})
     tol, cells = options["tol"] or TOLERANCE, options["cells"]
     require_tolerance(tol)
-    chosen = moving(model, scene_of(source, settings, changes), tol, cells)
-    if chosen.why:
-        told.info("model auto: %s (%s)", chosen.solver.model, chosen.why)
-    return OrbitResult(find_orbit(chosen, tol), options | {"tol": tol})
+    scene = scene_of(source, settings, changes)
+    name, why = flowing(model, scene)
+    if why:
+        told.info("model auto: %s (%s)", name, why)
+    return OrbitResult(orbit_of(name, scene, tol, cells, options["near_period"]), options | {"tol": tol})
 
 
 def _motion(cycle: Cycle, nodes: Array, scene: Scene) -> dict[str, Array]:

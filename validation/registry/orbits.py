@@ -1,11 +1,15 @@
 """The periodic orbit of a scene, by a run that comes near it and Newton's method from there."""
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from reduced.orbit import PeriodicOrbit, periodic_orbit
-from reduced.orbit.approach import MOST_TRANSITS, approach
-from slipwave.errors import SceneError
+from reduced.orbit.approach import MOST_TRANSITS, Guess, guesses
+from reduced.orbit.closing import Closed, close
+from reduced.orbit.returns import repeats_sooner
+from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
 from slipwave.step.flow import Flow
 from validation.registry.flows import Moving
@@ -13,17 +17,26 @@ from validation.run.progress import progress
 
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-11, 1e-2
 _MESHES = 6.0
+_SAME = 1e-6  # relative difference of two periods on one mesh that count as one orbit's
+
+
+class Other(NamedTuple):
+    """Another orbit of the same scene: its `period` (transits) and the number of `unstable` multipliers."""
+
+    period: float
+    unstable: int
 
 
 @dataclass(frozen=True)
 class OrbitFound:
-    """The orbit `found` to `tolerance` from a run of `transits` that had `settled` or not; run time in seconds."""
+    """The orbit `found` to `tolerance`, and `source`, how it was found if not from a run that had settled on it; `others` that
+    were found with it; run time in seconds."""
 
     found: PeriodicOrbit
     tolerance: float
-    transits: float
-    settled: bool
+    source: str
     wall_s: float
+    others: tuple[Other, ...] = ()
 
     @property
     def flow(self) -> Flow:
@@ -41,8 +54,11 @@ class OrbitFound:
         notes = [self.found.multipliers.reason] if self.found.multipliers.reason else []
         if not self.found.settled:
             notes.append(f"the requested error of {self.tolerance:g} was not reached on the finest mesh: see error_estimate")
-        if not self.settled:
-            notes.append(f"found from a run of {self.transits:.0f} transits that had not settled: its cycles still changed")
+        if self.source:
+            notes.append(self.source)
+        if self.others:
+            told = ", ".join(f"{other.period:.7g} ({'unstable' if other.unstable else 'stable'})" for other in self.others)
+            notes.append(f"other orbits of this scene have the periods {told}: --near-period finds one of them")
         return notes
 
 
@@ -55,10 +71,55 @@ def require_tolerance(tolerance: float) -> None:
 def find_orbit(model: Moving, tolerance: float) -> OrbitFound:
     """The orbit that the scene's own start leads to, or comes near to. Raises NumericsError if there is none."""
     began, solver = time.perf_counter(), model.solver
-    label = f"{solver.scene.name}, {solver.model}"
-    with progress(f"{label}, on the way to an orbit", MOST_TRANSITS) as report:
-        guess = approach(solver, model.freeze, progress=report)
-    with progress(f"{label}, orbit", _MESHES) as report:
+    failed: NumericsError | None = None
+    for guess in _guesses(model):
+        try:
+            found = refined(solver.scene, guess, tolerance)
+        except NumericsError as reason:
+            failed = failed or reason
+            continue
+        return OrbitFound(found, tolerance, _source(solver.time, guess), time.perf_counter() - began)
+    assert failed is not None
+    raise failed
+
+
+def orbits_near(model: Moving, period: float) -> list[Closed]:
+    """The different orbits to which the motion of the scene returns most closely after about the `period` (transits), on its own
+    mesh. Raises NumericsError if there is none."""
+    found: list[Closed] = []
+    failed = NumericsError(f"{model.solver.model}: the run does not come back to its state after about {period:g} transits")
+    for guess in _guesses(model, period):
+        try:
+            one = close(*guess[:3])
+        except NumericsError as reason:
+            failed = reason
+            continue
+        known = any(abs(one.cycle.period / other.cycle.period - 1.0) < _SAME for other in found)
+        if not known and not repeats_sooner(one.cycle, one.flow.nodes, guess.cycles):
+            found.append(one)
+    if not found:
+        raise failed
+    return found
+
+
+def _guesses(model: Moving, near: float | None = None) -> Iterator[Guess]:
+    """`guesses` with progress."""
+    solver = model.solver
+    with progress(f"{solver.scene.name}, {solver.model}, on the way to an orbit", MOST_TRANSITS) as report:
+        yield from guesses(solver, model.freeze, progress=report, near=near)
+
+
+def refined(scene: Scene, guess: Guess, tolerance: float) -> PeriodicOrbit:
+    """The orbit at a guess, to the `tolerance`, with progress. Raises NumericsError if there is none."""
+    with progress(f"{scene.name}, {guess.flow.model}, orbit", _MESHES) as report:
         done = iter(range(int(_MESHES) + 1))
-        found = periodic_orbit(*guess[:3], tolerance, lambda _: report(float(next(done))))
-    return OrbitFound(found, tolerance, solver.time, guess.settled, time.perf_counter() - began)
+        return periodic_orbit(*guess[:3], tolerance, lambda _: report(float(next(done))))
+
+
+def _source(transits: float, guess: Guess) -> str:
+    if guess.settled:
+        return ""
+    return (
+        f"found from a run of {transits:.0f} transits that had not settled: its cycles still changed; --near-period looks for "
+        "other orbits"
+    )

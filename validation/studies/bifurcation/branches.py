@@ -9,6 +9,7 @@ import numpy as np
 
 import slipwave
 from reduced.continuation.branch import Control, follow_branch
+from reduced.continuation.crossing import crosses, orbit_between
 from reduced.continuation.hopf import from_hopf
 from reduced.continuation.mesh import Family
 from reduced.continuation.onset import Onset, onsets
@@ -16,7 +17,7 @@ from reduced.continuation.point import Point
 from reduced.continuation.special import Special
 from reduced.continuation.start import metric_for
 from reduced.orbit.approach import approach
-from reduced.orbit.closing import Closed, close
+from reduced.orbit.closing import Closed
 from reduced.orbit.figures import figures
 from reduced.parameters import with_parameter
 from slipwave.observe.pieces import Array
@@ -69,8 +70,8 @@ class Branch:
         """All orbits of the branch at one r, in order, each by Newton's method from the points on both sides."""
         found: list[Closed] = []
         for left, right in pairwise(self.points):
-            if (left.parameter - log10_r) * (right.parameter - log10_r) <= 0.0:
-                found.append(_between(left, right, log10_r))
+            if crosses(left, right, log10_r):
+                found.append(orbit_between(left, right, log10_r, right.closed.flow.of(scene_at(log10_r))))
         return [one for n, one in enumerate(found) if n == 0 or abs(one.cycle.period / found[n - 1].cycle.period - 1.0) > _ROUND]
 
 
@@ -135,11 +136,3 @@ def parts(corners: list[Corner]) -> Iterator[tuple[bool, list[Corner]]]:
 def column(corners: list[Corner], value: Callable[[Corner], float]) -> Array:
     """A number of each corner."""
     return np.array([value(corner) for corner in corners])
-
-
-def _between(left: Point, right: Point, log10_r: float) -> Closed:
-    """The orbit at `log10_r` between two points, whose meshes may differ."""
-    same = left.unknowns.size == right.unknowns.size
-    along = right.unknowns - left.unknowns if same else right.tangent
-    guess = right.unknowns + (log10_r - right.parameter) / along[-1] * along
-    return close(right.closed.flow.of(scene_at(log10_r)), guess[:-2], float(guess[-2]))
