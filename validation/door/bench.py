@@ -64,7 +64,8 @@ class BenchResult(Result):
                     look = pen(model)
                     axes.plot(*pairs, color=look.color, marker=look.marker, linestyle=look.dashes, label=model)
             axes.set_title(f"{self.scene.name}: run time against error")
-            axes.legend()
+            if axes.get_lines():
+                axes.legend()
             return figure
 
 
