@@ -13,7 +13,7 @@ import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.fields.files import profile, sheet, write_field
 from fullwave.fields.picture import picture
-from fullwave.fields.record import record_field
+from fullwave.fields.record import FieldRecord, record_field
 from fullwave.finite_difference import Leapfrog
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver, follow
@@ -240,3 +240,20 @@ def test_frames_lie_closer_than_the_pieces_of_a_march_of_high_order():
     at = np.argmin(np.abs(field.time - other.time))
     assert field.time[at] == pytest.approx(other.time, abs=1e-9)
     assert field.lower.stress[at] == pytest.approx(other.snapshot().lower.stress, abs=1e-7)
+
+
+@pytest.mark.parametrize("name", ["alike", "unlike", "everything"])
+def test_a_record_that_goes_on_is_the_one_of_a_run_in_one_piece(name):
+    """Depths, times and both fields of both slabs."""
+    straight, first, later = (Leapfrog(SCENES[name], 32, 0.9) for _ in range(3))
+    whole, begun, resumed = (FieldRecord(solver, 20.0, 24.0, 1 / 8) for solver in (straight, first, later))
+    follow(straight, 24.0, marks=[whole])
+    follow(first, 22.0, marks=[begun])
+    later.restore(first.state())
+    resumed.restore(begun.state())
+    follow(later, 24.0, marks=[resumed])
+    assert resumed.field.time.tolist() == whole.field.time.tolist()
+    assert resumed.field.slabs.keys() == whole.field.slabs.keys()
+    for mine, wanted in zip(resumed.field.slabs.values(), whole.field.slabs.values(), strict=True):
+        for part in ("depth", "velocity", "stress"):
+            assert np.array_equal(getattr(mine, part), getattr(wanted, part)), part

@@ -13,7 +13,7 @@ from slipwave.errors import SceneError
 from slipwave.observe import HistoryObserver, Pieces, follow
 from validation.cli import INPUT_WRONG, main
 from validation.registry.build import build
-from validation.run.history_file import HistoryFile
+from validation.run.history_file import HistoryFile, Kept
 
 PAPER = slipwave.read("paper")
 NODES = np.linspace(0.0, 1.0, 5)
@@ -137,3 +137,27 @@ def test_a_prolonged_run_has_the_whole_history(tmp_path: Path, capsys: pytest.Ca
     assert out == ""
     assert "run.npz.samples' is not the one that belongs to it" in err
     assert len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("every", [1, 2, 3, 7])
+@pytest.mark.parametrize("window", [(0.0, np.inf), (1.3, 3.6)])
+def test_thinned_samples_go_on_where_they_stopped(tmp_path: Path, every: int, window: tuple[float, float]) -> None:
+    """The checkpoint lies after any part of a run: before, within or after the window."""
+    parts = [pieces(first, 100 + first) for first in range(5)]
+    kept = Kept(every, *window)
+    whole = HistoryFile(PAPER.law, NODES, tmp_path / "whole", 9.0, kept=kept)
+    for part in parts:
+        whole.scan(part)
+    wanted = [part["time"] for part in whole.parts()]
+    for stop in range(1, 5):
+        first, second = (HistoryFile(PAPER.law, NODES, tmp_path / f"{stop}", 9.0, kept=kept) for _ in range(2))
+        for part in parts[:stop]:
+            first.scan(part)
+        saved = first.state()
+        first.close()
+        second.restore(saved)
+        for part in parts[stop:]:
+            second.scan(part)
+        assert np.array_equal(np.concatenate([part["time"] for part in second.parts()]), np.concatenate(wanted))
+        second.close()
+    whole.close()

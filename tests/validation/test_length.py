@@ -89,6 +89,11 @@ def test_steady_sliding_is_settled_where_it_is_stable_or_nothing_disturbs_it() -
     assert UntilCycles(5, UNSTABLE).ended(slides) is None
 
 
+@pytest.mark.parametrize(("cycles", "ended"), [(4, None), (5, "cycles"), (6, "cycles")])
+def test_a_number_of_cycles_is_enough_when_it_is_reached(cycles: int, ended: str | None) -> None:
+    assert UntilCycles(5, UNSTABLE).ended(judged(np.ones(cycles))) == ended
+
+
 def test_stretches_begin_with_the_expected_cycles_and_grow_by_a_quarter() -> None:
     ends = list(itertools.islice(UntilSettled(PAPER, UNSTABLE).ends(0.0), 3))
     assert ends == [26.0 + 16 * 80.0, 1.25 * (26.0 + 16 * 80.0), 1.25**2 * (26.0 + 16 * 80.0)]

@@ -9,7 +9,9 @@ from typing import Any
 import pytest
 
 import slipwave
+from slipwave.observe.stages import StageFigures
 from validation.cli import main
+from validation.run.stage_table import stage_rows
 
 SCENE = {
     "slab.thickness": "10 m",
@@ -95,3 +97,28 @@ def test_the_figure_is_friction_against_time_and_slip() -> None:
 def test_another_kind_of_file_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "paper", "--until", "1", "--events", "events.txt"]) == 2
     assert "--events" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["paper", "paper-si"])
+def test_every_column_of_the_table_has_the_figure_that_its_heading_names(name: str) -> None:
+    scene = slipwave.read(name)
+    units = scene.units
+    second, metre, rate = (scene.transit * 0.9, 0.9e-6, 1e-6) if units else (1.0, 1.0, 1.0)
+    clock, length, speed = ("s", "m", "m/s") if units else ("transits", "L", "V*")
+    stage = StageFigures("step", 10.0, 20.0, 3.0, 0.61, 0.012, 0.017, 1.3, 0.021, 0.026)
+    heading, rows = stage_rows([stage], scene)
+    told = dict(zip(heading[1:], map(float, rows[0][1:]), strict=True))
+    assert (heading[0], rows[0][0]) == ("stage", "step")
+    assert told == pytest.approx(
+        {
+            f"from [{clock}]": 10.0 * second,
+            f"V [{speed}]": 3.0 * rate,
+            "steady": 0.61,
+            "direct": 0.012,
+            "evolution": 0.017,
+            f"slip to 1/e [{length}]": 1.3 * metre,
+            "relaxation": 0.021,
+            "healing": 0.026,
+        },
+        rel=1e-5,
+    )

@@ -13,6 +13,7 @@ import slipwave as sw
 from slipwave.friction.law import LAWS
 from slipwave.input.source import gallery_names
 from validation.cli import INPUT_WRONG, main
+from validation.door.provenance import provenance
 
 ROOT = Path(__file__).resolve().parents[2]
 SHORT: dict[str, Any] = {"drive.velocity": 2000, "slab.thickness": 0.0335}
@@ -145,6 +146,26 @@ def test_a_branch_file_and_its_dataset_agree(tmp_path: Path) -> None:
         assert one["point_period"].values.tolist() == data["point_period"].values.tolist()
         assert sw.read(tmp_path / "a.nc").digest == sw.read("paper").digest == one.attrs["scene_digest"]
         assert json.loads(one.attrs["options"])["over"] == "log10_r=-2.72:-2.68"
+
+
+def test_a_file_has_the_numbers_of_every_slab() -> None:
+    """Those of the scenes unlike and paper-si: one transit is 2 thickness/c, L/V* = 0.9 s."""
+    facts = provenance("run", sw.read("unlike"), "delay", {})
+    numbers = {name: facts[name] for name in facts if name.partition("_")[0] in ("epsilon", "r", "V", "transit")}
+    assert numbers == {
+        "epsilon_upper": 2.8e-5,
+        "epsilon_lower": 8.4e-5,
+        "r_upper": 0.00244,
+        "r_lower": 0.00488,
+        "V": 100.0,
+        "transit_in_friction_time": 0.00244,
+    }
+    facts = provenance("run", sw.read("paper-si"), "delay", {})
+    transit = 2.0 * 0.03357797353158276 / (1e6 / 784.0) ** 0.5
+    wanted = {"V": 100.0, "transit_s": transit, "r": transit / 0.9, "transit_in_friction_time": transit / 0.9}
+    wanted |= {"memory_length_m": 0.9e-6, "reference_velocity_m_per_s": 1e-6, "normal_stress_Pa": 1e3}
+    assert {name: facts[name] for name in wanted} == pytest.approx(wanted, rel=1e-12)
+    assert facts["epsilon"] == pytest.approx((784.0 * 1e6) ** 0.5 * 1e-6 / 1e3, rel=1e-12)
 
 
 UNITS = {"1", "s", "Pa", "m s-1"}

@@ -1,0 +1,35 @@
+"""The error told for a default grid: that of the march that ran, against the same march on two thirds of the cells."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import slipwave as sw
+from slipwave.observe import follow
+from validation.registry.build import build
+
+SCENE = sw.read("paper", {"drive.velocity": 2000, "run.until": 9.0})
+"""Too short for cycles, so that the state at its end is compared."""
+
+
+@pytest.mark.parametrize(
+    ("model", "options"),
+    [
+        ("fd", {}),
+        ("fd", {"cfl": 0.5}),
+        ("dg:3", {}),
+        ("dg:3", {"time": "explicit"}),
+        ("dg:3", {"time": "exact"}),
+        ("sbp:4", {"cfl": 0.4, "time": "explicit"}),
+    ],
+)
+def test_the_estimate_is_that_of_the_march_that_ran(model: str, options: dict[str, Any]) -> None:
+    grid = sw.run(SCENE, model, **options).summary["grid"]
+    fine = build(model, SCENE, **options)
+    assert (grid["cells"], grid["step"]) == (fine.cells, fine.step)  # type: ignore[attr-defined]
+    fewer = build(model, SCENE, cells=int(grid["cells"] / 1.5), **options)
+    ends = [follow(solver, 9.0) for solver in (fine, fewer)]
+    now, before = (np.array([end.ln_v, end.psi]) for end in ends)
+    assert grid["quantity"] == "final state"
+    assert grid["error_estimate"] == pytest.approx(np.abs((now - before) / now).max(), rel=1e-6)
