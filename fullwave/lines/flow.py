@@ -1,23 +1,28 @@
 """A grid over one period (`Flow`), propagated exactly between friction's steps: the semi-discrete full wave's own motion."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
 
 from fullwave.lines.blocks import state_size
 from fullwave.lines.exact import LONGEST, STAGES, ExactMarch
+from fullwave.lines.kernel import STEPS_PER_PIECE
 from fullwave.lines.march import MethodOfLines
 from fullwave.lines.matrix import motion_of
 from fullwave.lines.propagator import LinearSlabs, impedance_at, to_legendre
 from fullwave.lines.step_maps import StepMaps, at_nodes
-from fullwave.lines.system import System
+from fullwave.lines.system import ELASTIC, System
+from fullwave.lines.system import PSI as SCALAR_PSI
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
+from slipwave.observe.solver import State
 from slipwave.scene import Scene
 from slipwave.step.collocation import radau
-from slipwave.step.flow import Flow
+from slipwave.step.flow import Cycle, Flow
 from slipwave.step.linear_port import LinearPort, blank_port
 from slipwave.step.march import PSI
+from slipwave.step.place import Place, stepper_state
 from slipwave.step.port_flow import flow_near
 from slipwave.threads import one_thread
 
@@ -71,6 +76,10 @@ class GridResponse:
         """The state with the `values` that the exact march propagates, and psi."""
         return np.append(values * self._impedance, psi)
 
+    def values(self, state: Array) -> Array:
+        """The inverse of `state`, but for psi."""
+        return np.asarray(state[:-1] / self._impedance)
+
     def _maps_of(self, longest: float) -> StepMaps:
         """Those of the last length are kept: of a port, shorter steps may be needed later."""
         if self._maps is None or self._maps[0] != longest:
@@ -87,3 +96,22 @@ def frozen(solver: MethodOfLines, period: float, tolerance: float) -> tuple[Flow
     memory = solver.state()
     state = response.state(memory["values"], float(memory["now"][PSI]))
     return flow_near(response, state, period, tolerance, LONGEST), state
+
+
+def placed(solver: MethodOfLines, cycle: Cycle, place: Place) -> State:
+    """The state of `solver`, which may march exactly or explicitly, at the start of `cycle`, a motion of the exact march."""
+    values = GridResponse(solver.scene, solver.system_of, solver.model).values(cycle.start)
+    if solver.settings["time"] == ExactMarch.name:
+        return stepper_state(solver.state(), place) | {"values": values}
+    return explicit_state(solver, values, place)
+
+
+def explicit_state(solver: MethodOfLines, values: Array, place: Place) -> State:
+    """The same for the explicit march, at the end of its first piece beyond the time of `place`."""
+    system, saved = solver.system, solver.state()
+    whole = np.zeros_like(saved["state"])
+    whole[motion_of(system).moving] = values
+    whole[system.interface.size + SCALAR_PSI], whole[system.interface.size + ELASTIC] = place.psi, place.elastic
+    pieces = math.ceil(place.time / solver.transits_per_piece - 1e-9)
+    counts = np.array([STEPS_PER_PIECE * pieces, 0.0])
+    return {"counts": counts, "state": whole, "unknowns": np.full_like(saved["unknowns"], place.z)}

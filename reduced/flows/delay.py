@@ -175,16 +175,21 @@ class DelayFlow:
     def _psi_row(self, fraction: float) -> Array:
         return np.asarray(interpolation_matrix(self._with_left, np.array([fraction]))[0])
 
+    def memory_of(self, start: Array) -> tuple[Array, Array, int]:
+        """Ring of waves, with room for one step more than a state, faces, and ring index of the next step: those of
+        `NetworkMemory` at `start`."""
+        waves, tops, _ = self._parts(start[:, None])
+        return np.ascontiguousarray(np.moveaxis(waves[..., 0], 0, 2)), tops[..., 0], self.kept
+
     def _memory(self, start: Array) -> NetworkMemory:
-        """The memory of the march; the ring has room for one step more than a state."""
-        waves, tops, psi = self._parts(start[:, None])
+        """The memory of the march."""
+        waves, tops, cursor = self.memory_of(start)
         now = np.zeros(3)
-        now[PSI], now[ELASTIC] = psi[0], self.scene.steady_stress
+        now[PSI], now[ELASTIC] = start[-1], self.scene.steady_stress
         guess, steady = np.full((2, NODES), now[PSI]), np.full(NODES, self._network.base)
         z = unknown_of(self.scene.law, self.scene.velocity)
         first_guess(self.scene.law, self.scene.impedance, steady, now[PSI], z, guess[UNKNOWN])
-        ring = np.ascontiguousarray(np.moveaxis(waves[..., 0], 0, 2))
-        return NetworkMemory(ring, tops[..., 0], guess, now, np.array([self.kept]))
+        return NetworkMemory(waves, tops, guess, now, np.array([cursor]))
 
     def _within_last(self, memory: NetworkMemory, pieces: Pieces, first: float, fraction: float) -> Array:
         """The state at `fraction` of the last step of a march with these `pieces`; psi was `first` at its start."""

@@ -10,11 +10,13 @@ from reduced.ode.port import SLIP_RATE, SPRING, ReducedPort
 from reduced.ode.reduction import Reduction
 from reduced.ode.step_tables import impedance_at, step_port
 from slipwave.observe.pieces import Array
+from slipwave.observe.solver import State
 from slipwave.scene import Scene
 from slipwave.step.collocation import Collocation, radau
-from slipwave.step.flow import Flow
+from slipwave.step.flow import Cycle, Flow
 from slipwave.step.linear_port import LinearPort, blank_port
 from slipwave.step.march import PSI
+from slipwave.step.place import Place, stepper_state
 from slipwave.step.port_flow import flow_near
 
 
@@ -60,6 +62,14 @@ class ReducedResponse:
         face = [spring - self.scene.steady_stress, self.scene.upper.epsilon * (slip_rate - self.scene.velocity)]
         return np.append(np.concatenate([face, modes.T.ravel()])[self.kept], psi)
 
+    def memory(self, state: Array) -> tuple[Array, Array]:
+        """The inverse of `state`, but for psi: `face` (spring's stress and slip rate) and `modes` (N, 2) of a `ReducedModel`."""
+        values = np.zeros(self.kept.size)
+        values[self.kept] = state[:-1]
+        spring, slip_rate = values[:2].tolist()
+        face = np.array([spring + self.scene.steady_stress, slip_rate / self.scene.upper.epsilon + self.scene.velocity])
+        return face, values[2:].reshape(2, -1).T
+
 
 def frozen(solver: ReducedModel, period: float, tolerance: float) -> tuple[Flow, Array]:
     """The flow of `solver` on a mesh that suits the next `period` (transits) to `tolerance`, and its present state."""
@@ -73,6 +83,13 @@ def frozen(solver: ReducedModel, period: float, tolerance: float) -> tuple[Flow,
     face, psi = memory["face"], float(memory["now"][PSI])
     state = response.state(float(face[SPRING]), float(face[SLIP_RATE]), memory["modes"], psi)
     return flow_near(response, state, period, tolerance, LONGEST), state
+
+
+def placed(solver: ReducedModel, cycle: Cycle, place: Place) -> State:
+    """The state of `solver` at the start of `cycle`, which is one of its own flows."""
+    response = ReducedResponse(solver.scene, lambda _: solver.reduction, solver.nodes.size)
+    face, modes = response.memory(cycle.start)
+    return stepper_state(solver.state(), place) | {"face": face, "modes": modes}
 
 
 def _kept(reduction: Reduction) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 from reduced.orbit.returns import Section, closest_returns
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events, Solver, follow
+from slipwave.observe.foresight import Foresight
 from slipwave.observe.pieces import Array
 from slipwave.step.flow import Flow
 
@@ -62,14 +63,14 @@ def guesses(
     as many as take about the period `near` (transits), which then comes before all others. An irregular motion comes near to
     many unstable orbits, and the mean of its cycles to none.
 
-    Raises NumericsError as `approach` does."""
-    observer = EventObserver(solver.scene, solver.nodes)
+    Raises NumericsError as `approach` does, and SceneError if the run would take too long."""
+    observer, foresight = EventObserver(solver.scene, solver.nodes), Foresight(solver, most)
     events = observer.events()
     while not (_settled(events) or (events.period.size >= _CYCLES and not _drifts(events))):
         if solver.time >= most:
             _require_orbit(solver, events, most)
             break
-        follow(solver, min(most, solver.time + _STRETCH), [observer], progress)
+        follow(solver, min(most, solver.time + _STRETCH), [observer, foresight], progress)
         events = observer.events(0.5 * solver.time)
         _require_motion(solver, events)
     period = float(events.period.mean())

@@ -77,7 +77,7 @@ def test_the_way_to_an_orbit_is_shown_and_judged(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr("validation.run.progress._LINE_INTERVAL", -1.0)
     words = ["run", "paper", "--model", "delay", "--until", "20", "--set", "start.kind=orbit"]
     assert main(words) == 0
-    assert capsys.readouterr().err.startswith("paper, delay, on the way to its orbit: ")
+    assert capsys.readouterr().err.startswith("paper, delay, on the way to an orbit: ")
     monkeypatch.setattr("slipwave.observe.foresight._ENOUGH", 1000)
     monkeypatch.setattr(DelayMarch, "seconds_per_piece", DAY)
     assert main(words) == INPUT_WRONG

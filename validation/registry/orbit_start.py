@@ -1,7 +1,8 @@
-"""The start `orbit`: the model is marched until it has settled on its own periodic orbit, and the clock is set to zero there.
+"""The start `orbit`: the model begins on its own periodic orbit, stable or not; the clock is zero at a slip event there.
 
-This finds stable orbits only. If the cycles keep changing (a torus, chaos) or end (steady sliding), the run is refused with the
-reason.
+Newton's method finds the orbit. Only a leapfrog, whose motion over a period is no differentiable map, is marched until it has
+settled: that finds stable orbits alone. If its cycles keep changing (a torus, chaos) or end (steady sliding), the run is refused
+with the reason.
 """
 
 import dataclasses
@@ -18,6 +19,9 @@ from slipwave.observe.snapshot import FieldSolver, Snapshot
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
 from validation.measure.settle import MOST_TRANSITS, NoCycle, settle
+from validation.registry.families import family_of
+from validation.registry.flows import has_flow
+from validation.registry.orbit_place import place_on_orbit
 from validation.run.progress import progress
 
 _TOLERANCE = 1e-9
@@ -37,11 +41,15 @@ class OnOrbit:
         self.seconds_per_piece, self.transits_per_piece = solver.seconds_per_piece, solver.transits_per_piece
 
     def begin(self) -> None:
-        """March onto the orbit and up to the next slip event, which becomes t = 0.
+        """Go onto the orbit and march to the next slip event, which becomes t = 0.
 
-        Raises SceneError if the drive changes (there is no orbit then), NumericsError if the model does not settle.
+        Raises SceneError if the drive changes (there is no orbit then), NumericsError if no orbit is found.
         """
-        follow(self._solver, _next_event(self._solver))
+        if not self.scene.drive.is_constant:
+            raise SceneError("start.kind = 'orbit': needs a constant drive.velocity; with a ramp use 'nudge' or 'jump'")
+        family = family_of(self.model)
+        assert family is not None
+        follow(self._solver, place_on_orbit(self._solver) if has_flow(family) else _next_event(self._solver))
         self._origin, self._ledger = self._solver.time, _entries(self._solver.energy())
 
     @property
@@ -117,8 +125,6 @@ def _entries(ledger: Energy | None) -> Array:
 def _next_event(solver: Solver) -> float:
     """Date of the first slip event to come, on the settled orbit that `solver` is marched to."""
     scene = solver.scene
-    if not scene.drive.is_constant:
-        raise SceneError("start.kind = 'orbit': needs a constant drive.velocity; with a ramp use 'nudge' or 'jump'")
     try:
         require_time(solver, MOST_TRANSITS)
         with progress(f"{scene.name}, {solver.model}, on the way to its orbit", MOST_TRANSITS) as report:
