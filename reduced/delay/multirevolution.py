@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
+from slipwave.observe.pieces import Array, barycentric_weights
 
 ORDER = 6
 
@@ -45,9 +45,11 @@ class Past(NamedTuple):
         return first + 1.0 + float(lowest.argmin()) if lowest.min() < self.lowest[-2:].min() else None
 
     def _rows(self, first: float, last: float) -> Array:
-        """Weights (k, p) of the polynomial's values at the transits `first` to `last` - 1."""
+        """Weights (k, p) of the polynomial's values at the transits `first` to `last` - 1, of which none was marched."""
         end, span = self.number[-1], self.number[-1] - self.number[0]
-        return interpolation_matrix(lagrange_basis((self.number - end) / span), (np.arange(first, last) - end) / span)
+        marched, at = (self.number - end) / span, (np.arange(first, last) - end) / span
+        terms = barycentric_weights(marched) / (at[:, None] - marched)
+        return np.asarray(terms / terms.sum(axis=1, keepdims=True))
 
 
 def no_past(size: int) -> Past:

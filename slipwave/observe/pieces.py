@@ -51,11 +51,18 @@ def lagrange_basis(nodes: Array) -> Basis:
     nodes = np.asarray(nodes, dtype=float)
     gaps = nodes[:, None] - nodes[None, :]
     np.fill_diagonal(gaps, 1.0)
-    weights = 1.0 / gaps.prod(axis=1)
+    weights = barycentric_weights(nodes)
     derivative = weights[None, :] / weights[:, None] / gaps
     np.fill_diagonal(derivative, 0.0)
     np.fill_diagonal(derivative, -derivative.sum(axis=1))
     return Basis(nodes, weights, derivative)
+
+
+def barycentric_weights(nodes: Array) -> Array:
+    """One weight for each of the `nodes`, any distinct numbers."""
+    gaps = nodes[:, None] - nodes
+    np.fill_diagonal(gaps, 1.0)
+    return np.asarray(1.0 / gaps.prod(axis=1))
 
 
 def values_at(pieces: Pieces, basis: Basis, times: Array) -> list[Array]:
