@@ -126,6 +126,7 @@ ELEMENTS = FullWave(
     default=4,
     suited=degree_for,
     grids=(2, 4, 8),
+    extra="fem",
     pens={None: Pen("full wave, elements", "#009e73", "-", "^")},
     order_bulk=lambda p: p + p % 2,
     order_interface=lambda p: p + 1,

@@ -10,6 +10,7 @@ from enum import StrEnum
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from slipwave.extras import missing, require
 from slipwave.features import FEATURES, features_of, in_words
 
 if TYPE_CHECKING:
@@ -43,7 +44,8 @@ class Family:
     """`pattern` is the name as shown (`modal:N`), `made_by` the "module:name" of the function that makes a member, `error` the
     distance from the wave physics in words. `numbers` are allowed after the colon, and `default` is used in examples. If the name
     may be given without a number, `suited` chooses one for a tolerance. `tolerances` are the least and the largest allowed one.
-    `pens` are keyed by number, with None for all others. `grids` are the cells per slab that a benchmark tries."""
+    `pens` are keyed by number, with None for all others. `grids` are the cells per slab that a benchmark tries. `extra` installs
+    libraries that it needs, if a light install leaves them out (`slipwave.extras`)."""
 
     pattern: str
     made_by: str
@@ -57,6 +59,7 @@ class Family:
     options: tuple[str, ...] = ("tolerance",)
     tolerances: tuple[float, float] = (1e-14, 0.1)
     grids: tuple[int, ...] = ()
+    extra: str = ""
     pens: Mapping[int | None, Pen] = field(default_factory=dict)
 
     @property
@@ -83,9 +86,16 @@ class Family:
         return self.default if tolerance is None or self.suited is None else self.suited(tolerance)
 
     def maker(self) -> Callable[..., Any]:
-        """The function that makes a member; imports the solver."""
+        """The function that makes a member; imports the solver. Raises SceneError if a library of its `extra` is missing."""
+        if self.extra:
+            require(self.extra, f"model = {self.example!r}")
         made: Callable[..., Any] = getattr(import_module(self.module), self.made_by.partition(":")[2])
         return made
+
+    @property
+    def is_installed(self) -> bool:
+        """Whether the libraries that it needs are there."""
+        return not (self.extra and missing(self.extra))
 
     def refusal(self, scene: "Scene") -> str:
         """Why this family cannot compute `scene`; empty if it can."""

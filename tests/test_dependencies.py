@@ -9,9 +9,12 @@ from pathlib import Path
 
 from packaging.requirements import Requirement
 
+from slipwave.extras import EXTRAS
+
 ROOT = Path(__file__).parents[1]
 ROOMS = ("slipwave", "reduced", "fullwave", "validation")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+EXTRA = PROJECT["project"]["optional-dependencies"]
 ENGINES = {"netcdf4"}
 """Loaded by name by a package that is imported (xarray's engine)."""
 
@@ -50,13 +53,37 @@ def needed(names: list[str]) -> set[str]:
     return found
 
 
+def lines_of(extra: str) -> list[str]:
+    """Requirements of an extra; those of other extras of slipwave, which it includes, in their place."""
+    lines = []
+    for line in EXTRA[extra]:
+        included = Requirement(line).extras if plain(Requirement(line).name) == "slipwave" else None
+        lines += [line] if included is None else [one for name in sorted(included) for one in lines_of(name)]
+    return lines
+
+
+def names(lines: list[str]) -> set[str]:
+    return {plain(Requirement(line).name) for line in lines}
+
+
 def test_what_is_imported_is_declared_and_what_is_declared_is_imported() -> None:
-    assert {plain(Requirement(line).name) for line in PROJECT["project"]["dependencies"]} == imported() | ENGINES
+    assert names([*PROJECT["project"]["dependencies"], *lines_of("report")]) == imported() | ENGINES
+
+
+def test_extras_install_the_modules_that_are_said_to_need_them() -> None:
+    providers = packages_distributions()
+    for extra, modules in EXTRAS.items():
+        own = [line for line in EXTRA[extra] if not line.startswith("slipwave[")]
+        assert names(own) == {plain(providers[module][0]) for module in modules}
+    page = (ROOT / "docs" / "install.md").read_text(encoding="utf-8")
+    for extra, modules in EXTRAS.items():
+        assert f"| `{extra}` | {', '.join(f'`{name}`' for name in modules)} |" in page
+    assert set(names(lines_of("report"))) == {plain(providers[name][0]) for modules in EXTRAS.values() for name in modules}
 
 
 def test_the_lock_file_holds_all_that_is_needed_and_nothing_else() -> None:
     lines = [line for line in (ROOT / "requirements.lock").read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
     assert all(re.fullmatch(r"[\w.-]+==[\w.]+", line) for line in lines)
     project = PROJECT["project"]
-    asked = project["dependencies"] + project["optional-dependencies"]["test"] + PROJECT["build-system"]["requires"]
+    asked = project["dependencies"] + lines_of("test") + PROJECT["build-system"]["requires"]
     assert sorted(plain(line.partition("==")[0]) for line in lines) == sorted(needed(asked))

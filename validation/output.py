@@ -9,10 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from slipwave.errors import Interrupted, NumericsError, SceneError
+from slipwave.extras import require
 from slipwave.files import reason_of
 
 FIGURES = (".png", ".pdf", ".svg")
 """Kinds of file that figures are drawn to."""
+
+_EXTRA = dict.fromkeys(FIGURES, "plot") | dict.fromkeys((".nc", ".vtu", ".xdmf"), "files")
 
 
 def attempt(*tasks: Callable[[], None]) -> list[str]:
@@ -78,13 +81,16 @@ def require_folder(folder: Path) -> None:
 
 
 def require_writable(path: Path, suffixes: tuple[str, ...], option: str = "--out") -> None:
-    """Make sure, before anything is computed, that `path` can become a file of one of these kinds."""
+    """Make sure, before anything is computed, that `path` can become a file of one of these kinds: that it can be written, and
+    that the library that writes it is installed."""
     try:
         problem = _problem(path, suffixes)
     except (OSError, ValueError) as error:
         problem = reason_of(error)
     if problem:
         raise SceneError(f"{option} = {str(path)!r}: {problem}")
+    if path.suffix in _EXTRA:
+        require(_EXTRA[path.suffix], f"{option} = {str(path)!r}")
 
 
 def _problem(path: Path, suffixes: tuple[str, ...]) -> str:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from fullwave.fields.record import Field
 from slipwave.errors import SceneError
+from slipwave.extras import require
 from slipwave.files import whole_or_absent
 from slipwave.observe.pieces import Array
 
@@ -29,6 +30,7 @@ def write_field(path: Path, field: Field) -> None:
     }
     if path.suffix not in writers:
         raise SceneError(f"fields = {str(path)!r}: the name must end in {', '.join(writers)}")
+    require("files", f"fields = {str(path)!r}")
     with whole_or_absent(path) as temporary:
         writers[path.suffix](temporary, field)
 

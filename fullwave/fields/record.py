@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from slipwave.errors import SceneError
+from slipwave.extras import require
 from slipwave.observe import Final, follow
 from slipwave.observe.follow import Observer
 from slipwave.observe.pieces import SAME, Array
@@ -54,6 +55,7 @@ class Field:
 
     def dataset(self) -> "xarray.Dataset":
         """The record as a Dataset with names, units and coordinates."""
+        require("files", "a dataset of fields")
         import xarray
 
         variables: dict[str, object] = {}

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from slipwave.errors import SceneError
+from slipwave.extras import require
 from slipwave.files import reason_of
 from slipwave.input.source import parse_toml
 from slipwave.input.wording import one_line, shorten
@@ -32,9 +33,10 @@ def is_stored(source: object) -> bool:
 def read_stored(path: str | Path) -> Stored:
     """What the file holds. Raises SceneError if it is no file of this program's results, and if its friction law is one of the
     user's own that is not loaded, or that has changed since."""
+    label = f"SCENE = {shorten(str(path))}"
+    require("files", label)
     from netCDF4 import Dataset
 
-    label = f"SCENE = {shorten(str(path))}"
     if not Path(path).is_file():
         raise SceneError(f"{label}: no such file")
     try:

@@ -18,10 +18,13 @@ def report(
 ) -> None:
     """Run the studies whose scene, code or settings changed and write DIR/index.html."""
     from slipwave.errors import Interrupted
+    from slipwave.extras import EXTRAS, require
     from validation.output import require_folder
     from validation.report.build import make_report
     from validation.report.red import RedReport
 
+    for extra in EXTRAS:  # the studies draw, write files and use every model
+        require(extra, "the report")
     require_folder(out)
     try:
         print(make_report(out=out, quick=quick, only=only or None))

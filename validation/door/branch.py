@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from slipwave.errors import NumericsError
+from slipwave.extras import require
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
@@ -60,6 +61,7 @@ class BranchResult(Result):
     @cached_property
     def dataset(self) -> "xarray.Dataset":
         """The points by `point` and the special points by `special`, at their values of the parameter."""
+        require("files", "a dataset")
         import xarray
 
         found, scene = self.found, self.found.over.base
@@ -109,6 +111,8 @@ def branch(
     Raises SceneError for wrong input; NumericsError where the branch cannot be followed, with the part before as its `result`.
     """
     out, resume = as_path(out), as_path(resume)
+    if out is not None or resume is not None:
+        require("files", "the file of a branch")
     require_tolerance(tol)
     limits, doubled = limits_of(stop_at, longest_period, most_points), is_doubled(switch)
     parameter = over_range(_range_text(over), scene_of(source, settings, changes))

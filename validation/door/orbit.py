@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from slipwave.extras import require
 from slipwave.input import SceneSource
 from slipwave.input.stored import recall
 from slipwave.observe.history import named_columns
@@ -41,6 +42,7 @@ class OrbitResult(Result):
     @cached_property
     def dataset(self) -> "xarray.Dataset":
         """The motion over one period by `time` from 0, multipliers by `multiplier`, and the orbit's figures with their errors."""
+        require("files", "a dataset")
         import xarray
 
         closed, scene = self.found.found.closed, self.found.scene

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
+from slipwave.extras import require
 from slipwave.files import whole_or_absent
 from slipwave.input import SceneSource, read, read_scene
 from slipwave.input.wording import nearest, shorten
@@ -147,6 +148,7 @@ def _scalars(facts: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 def table_of(rows: Sequence[Mapping[str, Any]], dimension: str) -> "xarray.Dataset":
     """The rows of a summary as variables over `dimension`: numbers and words by their dotted keys, NaN where there is none."""
+    require("files", "a dataset")
     import xarray
 
     flat = [dict(_leaves(row)) for row in rows]

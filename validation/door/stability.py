@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from reduced.families import DELAY
 from reduced.stability import Stability, analyse
 from reduced.stability.physical import PhysicalStability, in_si
+from slipwave.extras import require
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
@@ -82,6 +83,8 @@ class StabilityResult(Result):
     def dataset(self) -> "xarray.Dataset":
         """The leading roots by `root`, and the critical values."""
         import numpy as np
+
+        require("files", "a dataset")
         import xarray
 
         roots = np.asarray(self.found.leading_roots, dtype=complex)

@@ -25,8 +25,8 @@ def families() -> list[Family]:
 
 
 def honouring(scene: Scene) -> list[Family]:
-    """The families that can do `scene`."""
-    return [family for family in families() if not family.refusal(scene)]
+    """The families of this installation that can do `scene`."""
+    return [family for family in families() if family.is_installed and not family.refusal(scene)]
 
 
 def resolve(model: str, scene: Scene, among: Collection[Family] = FAMILIES) -> tuple[str, str]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from slipwave.errors import SceneError
+from slipwave.extras import require
 from slipwave.files import whole_or_absent
 from slipwave.scene import Scene
 from validation.run.history_file import HistoryFile
@@ -25,11 +26,11 @@ if TYPE_CHECKING:
 
 def run_dataset(done: Run, facts: Mapping[str, Any], history: HistoryFile | None = None) -> "xarray.Dataset":
     """The run with the attributes `facts`: cycles by `event`, and the history, all of it in memory, by `time`."""
-    import xarray
-
     data = _cycles(done, facts)
     if history is None:
         return data
+    import xarray
+
     scene, parts = done.solver.scene, [_renamed(part) for part in history.parts()]
     columns = {name: np.concatenate([np.empty(0), *(part[name] for part in parts)]) for name in INTERFACE}
     time, values = {"time": columns.pop("time")}, variables("time", columns, INTERFACE, scene, twins=False)
@@ -56,6 +57,7 @@ def _cycles(done: Run, facts: Mapping[str, Any]) -> "xarray.Dataset":
 
     `multiplicity` is there only if the run is periodic, `rotation_number` only on a torus: a netCDF attribute cannot be empty.
     """
+    require("files", "a dataset")
     import xarray
 
     ended: dict[str, Any] = {"until_transits": done.until, "failures": done.solver.failures}

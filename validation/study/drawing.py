@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from slipwave.extras import require
 from slipwave.family import Pen
 from validation.registry.families import family_of
 
@@ -69,6 +70,7 @@ def grid_pens(models: Iterable[str]) -> dict[str, Pen]:
 
 def canvas(width: float = WIDTH, height: float = 4.0) -> Drawing:
     """An empty figure whose axes arrange themselves; sizes in inches. Draw inside `styled()`, as the report does."""
+    require("plot", "a figure")
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
@@ -76,6 +78,7 @@ def canvas(width: float = WIDTH, height: float = 4.0) -> Drawing:
 
 def styled() -> Any:
     """Context in which axes and lines take the house style."""
+    require("plot", "a figure")
     import matplotlib as mpl
 
     return mpl.rc_context(STYLE)

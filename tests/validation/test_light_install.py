@@ -1,0 +1,67 @@
+"""Without the libraries of the extras: what needs none of them works, what does says in one line what to install."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from slipwave.extras import EXTRAS
+
+HIDDEN = sorted(name for modules in EXTRAS.values() for name in (*modules, "pandas"))
+SCRIPT = f"""
+import contextlib, io, json, sys
+from importlib.abc import MetaPathFinder
+
+class Hides(MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name.partition(".")[0] in {HIDDEN}:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+
+sys.meta_path.insert(0, Hides())
+import slipwave
+from validation.cli import main
+
+found = {{}}
+for line in sys.stdin.read().splitlines():
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        status = main(line.split())
+    found[line] = status, out.getvalue(), err.getvalue()
+motion = slipwave.run("paper", model="block8", until=5)
+try:
+    motion.dataset
+except slipwave.SceneError as error:
+    found["dataset"] = str(error)
+print(json.dumps(found))
+"""
+WORK = {
+    "run paper --model block8 --until 60 --json": ("events", 1),
+    "run paper --model auto --until 5 --json": ("model", "delay"),
+    "stability paper --json": ("unstable_roots", 2),
+    "orbit paper --model block8 --tol 1e-3 --json": ("period", pytest.approx(76.610300, rel=1e-6)),
+}
+NO_FILES = "needs xarray and netCDF4 and meshio: pip install 'slipwave[files]'"
+REFUSED = {
+    "run paper --plot run.png": "--plot = 'run.png': needs matplotlib: pip install 'slipwave[plot]'",
+    "run paper --out run.nc": f"--out = 'run.nc': {NO_FILES}",
+    "run paper --model dg:3 --fields last.vtu": f"--fields = 'last.vtu': {NO_FILES}",
+    "run run.nc": f"SCENE = 'run.nc': {NO_FILES}",
+    "run paper --model fem:4": "model = 'fem:4': needs skfem: pip install 'slipwave[fem]'",
+    "compare paper --models delay,fd": "--out = 'compare.png': needs matplotlib: pip install 'slipwave[plot]'",
+    "report --quick": f"the report: {NO_FILES}",
+}
+
+
+def test_a_light_install_runs_and_says_what_it_lacks(tmp_path):
+    words = "\n".join([*WORK, *REFUSED])
+    done = subprocess.run([sys.executable, "-c", SCRIPT], input=words, capture_output=True, text=True, check=True, cwd=tmp_path)
+    found = json.loads(done.stdout)
+    for line, (key, value) in WORK.items():
+        status, out, err = found[line]
+        assert status == 0, err
+        assert json.loads(out)[key] == value
+    for line, told in REFUSED.items():
+        assert found[line] == [2, "", f"slipwave: {told}\n"]
+    assert found["dataset"] == f"a dataset: {NO_FILES}"
+    assert list(tmp_path.iterdir()) == []
