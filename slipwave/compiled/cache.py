@@ -3,8 +3,9 @@
 One file holds one function compiled for one set of argument types. Its name is a digest of all that shapes the machine code: the
 argument types, the processor, the versions of Python, numpy, numba and llvmlite, and the program text of these modules: the
 function's own, those of its arguments' classes, those of the functions that compiled code chooses by class (`add_choices`, for
-example friction laws), and every module that these import. A file begins with a digest of its contents; if that does not match,
-the file is deleted. If the folder cannot be read or written, functions are compiled without it, and one line on stderr says so.
+example friction laws), and every module that these import. A user's own classes and functions, which may be chosen as well,
+count by what they are (`frozen`). A file begins with a digest of its contents; if that does not match, the file is deleted. If
+the folder cannot be read or written, functions are compiled without it, and one line on stderr says so.
 
 The folder is `$NUMBA_CACHE_DIR` if that variable is set, else `$XDG_CACHE_HOME/slipwave` (default ~/.cache). Files that were not
 used for a month are removed. numba's own cache, which a user's functions may use, is left alone.
@@ -22,7 +23,7 @@ import uuid
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import llvmlite  # type: ignore[import-untyped]
 import numba
@@ -32,6 +33,7 @@ from numba.core.compiler import CompileResult
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
+from slipwave.compiled.frozen import frozen
 from slipwave.sources import digest_of, import_closure, inside
 
 _STARTED = time.time()
@@ -102,12 +104,12 @@ class DiskCache(NullCache):  # type: ignore[misc]
             _tell(f"cannot be written ({error})")
 
     def _path(self, sig: Any, codegen: Any) -> Path | None:
-        """File for the code of `sig`; None if the code depends on foreign modules or on a file edited since the process began."""
-        sources = _sources(_file_of(self._function), set(_classes(getattr(sig, "args", sig))))
-        if sources is None:
+        """File for the code of `sig`; None if it depends on what cannot be known, or on a file edited since the process began."""
+        made_from = _made_from(_file_of(self._function), set(_classes(getattr(sig, "args", sig))))
+        if made_from is None:
             return None
         name = f"{self._function.__module__}.{self._function.__qualname__}"
-        facts = f"{name} {sig} {codegen.magic_tuple()} {_VERSIONS} {_program(sources)}"
+        facts = f"{name} {sig} {codegen.magic_tuple()} {_VERSIONS} {_program(made_from.sources)} {made_from.foreign}"
         return folder() / f"{name}-{hashlib.sha256(facts.encode()).hexdigest()[:24]}{_SUFFIX}"
 
 
@@ -137,19 +139,31 @@ def _classes(kinds: Iterable[Any]) -> Iterator[type]:
         yield from _classes(getattr(kind, "types", ()))
 
 
-def _sources(start: Path, classes: set[type]) -> tuple[Path, ...] | None:
-    """The files whose text shapes code compiled in `start` for arguments of `classes`, sorted; None if one of them is outside the
-    project or too new. A choice counts if its class is in `classes` or in one of the files."""
+class _MadeFrom(NamedTuple):
+    """The project's files whose text shapes a function's code, sorted, and what a user's own functions bring into it."""
+
+    sources: tuple[Path, ...]
+    foreign: str
+
+
+def _made_from(start: Path, classes: set[type]) -> _MadeFrom | None:
+    """What shapes code compiled in `start` for arguments of `classes`; None if that cannot be known, or a file is too new. A
+    choice counts if its class is in `classes` or in one of the files."""
     found: tuple[Path, ...] = ()
-    starts = {start, *map(_home_of, classes)}
-    while not starts <= set(found):
-        if not all(inside(path) for path in starts):
+    chosen: set[Callable[..., Any]] = set()
+    while True:
+        homes = {start: start} | {thing: _home_of(thing) for thing in classes} | {thing: _file_of(thing) for thing in chosen}
+        brought = frozen([thing for thing, home in homes.items() if not inside(home)])
+        if brought is None:
             return None
-        found = _closure(frozenset(starts.union(found)))
+        starts = brought.files.union(home for home in homes.values() if inside(home))
+        if starts <= set(found):
+            break
+        found = _closure(starts.union(found))
         pairs = [pair for owner, choices in _choices if owner in found for pair in choices()]
-        starts = {_file_of(function) for kind, function in pairs if kind in classes or _home_of(kind) in found}
+        chosen = {function for kind, function in pairs if kind in classes or _home_of(kind) in found}
     # a file edited after the start is no longer the text that this process has imported
-    return None if any(path.stat().st_mtime > _STARTED for path in found) else found
+    return None if any(path.stat().st_mtime > _STARTED for path in found) else _MadeFrom(found, brought.text)
 
 
 def _home_of(kind: type) -> Path:

@@ -85,8 +85,8 @@ def register(
 ) -> None:
     """Make a law known to every solver under `name`.
 
-    A law from outside this package is checked first (its derivatives against finite differences, its steady state against G = 0)
-    and is compiled in each process, never read from the disk cache. Raises SceneError naming the first wrong function.
+    A law from outside this package is checked first: its derivatives against finite differences, its steady state against G = 0.
+    Raises SceneError naming the first wrong function.
     """
     law = Registered(parameters, respond, steady_state, rate_of, unknown_of)
     if Path(respond.__code__.co_filename).parent != HOUSE:

@@ -2,6 +2,7 @@
 
 import hashlib
 import importlib.util
+import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,8 +29,9 @@ def load_laws(path: Path) -> list[str]:
     assert spec is not None
     assert spec.loader is not None
     before = dict(LAWS)
+    module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)  # where compiled code on disk looks for its classes
     try:
-        spec.loader.exec_module(importlib.util.module_from_spec(spec))
+        spec.loader.exec_module(module)
     except SceneError:
         raise
     except Exception as error:

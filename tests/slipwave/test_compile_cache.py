@@ -191,23 +191,38 @@ class Foreign(NamedTuple):
     knot: float
 
 
+UNKNOWN = object()
+
+
+def names_what_cannot_be_told() -> object:
+    return UNKNOWN
+
+
 @pytest.mark.parametrize("kind", [Pieces, Foreign])
-def test_a_choice_from_outside_the_house_keeps_its_callers_off_the_disk(
+def test_a_choice_that_cannot_be_told_keeps_its_callers_off_the_disk(
     kind: type, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    choices = (compile_cache._file_of(njit), lambda: [(kind, ask)])
+    choices = (compile_cache._file_of(njit), lambda: [(kind, names_what_cannot_be_told)])
     monkeypatch.setattr(compile_cache, "_choices", [*compile_cache._choices, choices])
     monkeypatch.setattr(compile_cache, "_home_of", lambda kind: Path(swings.__file__) if kind is Pieces else Path(__file__))
     expected = [0, 0] if kind is Pieces else [0, 1]  # the other is chosen for a class that these callers never see
     assert [ask(), ask()] == [(ANSWER, hits) for hits in expected]
 
 
-def test_a_class_from_outside_the_house_keeps_code_for_it_off_the_disk() -> None:
+def test_a_class_from_outside_the_house_counts_by_what_it_is() -> None:
+    class Local(NamedTuple):
+        """No other process can find it."""
+
+        knot: float
+
     kinds = set(compile_cache._classes([typeof((1.0, (Foreign(1.0), 2.0)))]))
     assert kinds == {Foreign}
     here = compile_cache._file_of(njit)
-    assert compile_cache._sources(here, kinds) is None
-    assert compile_cache._sources(here, set()) is not None
+    alone, with_foreign = (compile_cache._made_from(here, classes) for classes in (set(), kinds))
+    assert alone is not None
+    assert with_foreign is not None
+    assert (alone.foreign, with_foreign.foreign) == ("", f"{__name__}.Foreign ('knot',)")
+    assert compile_cache._made_from(here, {Local}) is None
 
 
 def test_code_for_one_kind_of_grid_does_not_depend_on_another() -> None:
@@ -215,7 +230,8 @@ def test_code_for_one_kind_of_grid_does_not_depend_on_another() -> None:
     import fullwave.finite_element
 
     kernel = ROOT / "fullwave" / "lines" / "kernel.py"
-    sources = compile_cache._sources(kernel, {fullwave.discontinuous.Elements})
-    assert sources is not None
+    made_from = compile_cache._made_from(kernel, {fullwave.discontinuous.Elements})
+    assert made_from is not None
+    sources = made_from.sources
     assert {ROOT / "fullwave" / "discontinuous.py", ROOT / "fullwave" / "lines" / "viscosity.py"} <= set(sources)
     assert ROOT / "fullwave" / "finite_element.py" not in sources

@@ -205,20 +205,19 @@ def test_a_law_by_file_is_recorded_and_asked_for(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    Path("mine.py").write_text(LAW.read_text())
     words = ("--model", "block8", "--set", "interface.law=cutoff", "interface.cutoff=1e-4", "--until", "20")
     monkeypatch.delitem(LAWS, "cutoff", raising=False)
     assert main(["run", "paper", *words]) == INPUT_WRONG
     capsys.readouterr()
-    first = command(capsys, "run", "paper", *words, "--law", "mine.py", "--out", "run.nc")
-    assert command(capsys, "run", "run.nc", "--law", "mine.py") == first
+    first = command(capsys, "run", "paper", *words, "--law", str(LAW), "--out", "run.nc")
+    assert command(capsys, "run", "run.nc", "--law", str(LAW)) == first
     assert command(capsys, "run", "paper", "--model", "block8", "--until", "20")["final"] != first["final"]
     Path("other.py").write_text(LAW.read_text().replace("cutoff: float = 1e-3", "cutoff: float = 2e-3"))
     assert main(["run", "run.nc", "--law", "other.py"]) == INPUT_WRONG
     assert "was computed with another friction law 'cutoff': digest" in capsys.readouterr().err
     monkeypatch.delitem(LAWS, "cutoff")
     assert main(["run", "run.nc"]) == INPUT_WRONG
-    assert "needs the friction law 'cutoff' of the file mine.py" in capsys.readouterr().err
+    assert "needs the friction law 'cutoff' of the file own_law.py" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,101 @@
+"""What a user's own functions bring into compiled code: their bytecode and the values that they name, which numba freezes.
+
+A file of the project is known by its text (`slipwave.sources`). A user's file may compute its constants in any way, so its
+functions are known by what they are when they are compiled.
+"""
+
+import inspect
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from slipwave.sources import inside
+
+_LIBRARIES = ("math", "cmath", "numpy")
+_PLAIN = (bool, int, float, complex, str, bytes, type(None))
+
+
+class Frozen(NamedTuple):
+    """All that a user's functions and classes bring into compiled code, as text, and the project's files that they call."""
+
+    text: str
+    files: frozenset[Path]
+
+
+class _Unknown(Exception):
+    """A value that compiled code may take in and that cannot be written as text."""
+
+
+def frozen(things: Iterable[Any]) -> Frozen | None:
+    """What the functions and classes `things` bring into compiled code; None if it cannot be known.
+
+    Known are numbers, texts, arrays, tuples of them, functions of math and numpy, named tuples of an imported module, and
+    functions that name nothing else.
+    """
+    walk = _Walk()
+    try:
+        text = "\n".join(sorted("\n".join(walk.value(thing)) for thing in things))
+    except _Unknown:
+        return None
+    return Frozen(text, frozenset(walk.files))
+
+
+class _Walk:
+    """Follows what functions name, each once."""
+
+    def __init__(self) -> None:
+        self.files: set[Path] = set()
+        self._met: set[FunctionType] = set()
+
+    def value(self, value: Any) -> Iterator[str]:
+        """Parts of the text of any value. Raises _Unknown."""
+        value = getattr(value, "py_func", value)
+        match value:
+            case FunctionType():
+                yield from self._function(value)
+            case type():
+                yield from self._named_tuple(value)
+            case tuple():
+                yield str(len(value))
+                for one in value:
+                    yield from self.value(one)
+            case np.ndarray() if value.dtype != object:
+                yield f"{value.dtype} {value.shape} {value.tobytes().hex()}"
+            case ModuleType() | BuiltinFunctionType() | np.ufunc() if _library(value) in _LIBRARIES:
+                yield f"{_library(value)} {value.__name__}"
+            case _ if type(value) in _PLAIN or isinstance(value, np.generic):
+                yield f"{type(value).__name__} {value!r}"
+            case _:
+                raise _Unknown
+
+    def _function(self, function: FunctionType) -> Iterator[str]:
+        path = Path(function.__code__.co_filename).resolve()
+        if inside(path):
+            self.files.add(path)
+        elif function not in self._met:
+            self._met.add(function)
+            yield from self._code(function.__code__)
+            yield from self.value(function.__defaults__)
+            found = inspect.getclosurevars(function)
+            for name, value in sorted({**found.globals, **found.nonlocals}.items()):
+                yield name
+                yield from self.value(value)
+
+    def _code(self, code: CodeType) -> Iterator[str]:
+        yield f"{code.co_name} {code.co_code.hex()} {code.co_names} {code.co_varnames} {code.co_freevars}"
+        yield from self.value(code.co_consts)
+
+    def _named_tuple(self, kind: type) -> Iterator[str]:
+        home = sys.modules.get(kind.__module__)
+        if kind.__module__ == "__main__" or getattr(home, kind.__qualname__, None) is not kind or not hasattr(kind, "_fields"):
+            raise _Unknown
+        yield f"{kind.__module__}.{kind.__qualname__} {kind._fields}"
+
+
+def _library(value: Any) -> str:
+    name = value.__name__ if isinstance(value, ModuleType) else getattr(value, "__module__", None) or "numpy"
+    return str(name).partition(".")[0]

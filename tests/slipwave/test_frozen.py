@@ -1,0 +1,124 @@
+"""Code compiled with a user's own law is kept on disk, and never used after anything that shaped it has changed."""
+
+import math
+import types
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from slipwave.compiled import njit
+from slipwave.compiled.frozen import frozen
+from slipwave.friction import LAWS, ageing
+from slipwave.friction.own import load_laws
+from slipwave.step.guess import first_guess
+
+MINE = """
+import math
+from pathlib import Path
+from typing import NamedTuple
+from slipwave.friction import register
+FACTOR = float(Path(__file__).with_suffix(".txt").read_text())
+
+class Mine(NamedTuple):
+    a_star: float = 0.369
+    a: float = 0.0349
+    b: float = 0.0489
+
+def respond(law, z, psi):
+    v = math.exp(z)
+    return v, v, law.a_star + FACTOR * law.a * z + law.b * psi, FACTOR * law.a, law.b, math.exp(-psi) - v, -v, -math.exp(-psi)
+
+def steady_state(law, v):
+    return -math.log(v)
+
+register("mine", Mine, respond, steady_state)
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
+    return tmp_path
+
+
+def ask(folder: Path, text: str, factor: float) -> tuple[float, int]:
+    """A guess by the law of a file `text` that reads `factor` from another file, and whether its code came from the disk."""
+    path = folder / "mine.py"
+    path.write_text(text)
+    path.with_suffix(".txt").write_text(str(factor))
+    assert load_laws(path) == ["mine"]
+    fresh: Any = njit(first_guess.py_func)  # type: ignore[attr-defined]
+    guess = np.empty(3)
+    fresh(LAWS["mine"].parameters(0.369, 0.0349, 0.0489), 1.4e-5, np.full(3, 0.3), -4.6, 1.0, guess)
+    return guess[0], sum(fresh.stats.cache_hits.values())
+
+
+def test_code_of_a_law_is_found_again_until_the_law_changes(folder: Path) -> None:
+    first, hits = ask(folder, MINE, 1.0)
+    assert hits == 0
+    assert ask(folder, MINE, 1.0) == (first, 1)
+    other, hits = ask(folder, MINE, 1.5)
+    assert (hits, other == first) == (0, False)
+    other, hits = ask(folder, MINE.replace("law.a_star +", "0.01 + law.a_star +"), 1.0)
+    assert (hits, other == first) == (0, False)
+    assert ask(folder, MINE, 1.0) == (first, 1)
+
+
+def test_code_that_takes_what_cannot_be_told_is_compiled_each_time(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    settings = types.ModuleType("settings_of_mine")
+    monkeypatch.setitem(__import__("sys").modules, "settings_of_mine", settings)
+    text = MINE.replace("import math\n", "import math\nimport settings_of_mine\n").replace(
+        "FACTOR *", "settings_of_mine.factor *"
+    )
+    answers = []
+    for settings.factor in (1.0, 1.5):  # type: ignore[attr-defined]
+        answer, hits = ask(folder, text, 1.0)
+        assert hits == 0
+        answers.append(answer)
+    assert answers[0] != answers[1]
+
+
+def made(constant: object, default: float = 1.0, bound: float = 2.0) -> Callable[..., Any]:
+    """A function of a user's, which names the global `constant`."""
+    scope: dict[str, Any] = {"constant": constant, "exp": math.exp, "np": np}
+    exec(
+        compile(
+            f"def maker(bound):\n def f(x, y={default}):\n  return exp(x) + np.sin(y) * constant * bound\n return f",
+            "mine",
+            "exec",
+        ),
+        scope,
+    )
+    function: Callable[..., Any] = scope["maker"](bound)
+    return function
+
+
+@pytest.mark.parametrize("constant", [0.5, 1, -0.0, True, (1.0, 2.0), np.array([1.0, 3.0]), np.float32(0.5), made(0.25)])
+def test_every_value_that_is_frozen_counts(constant: object) -> None:
+    plain, one = frozen([made(0.0)]), frozen([made(constant)])
+    assert plain is not None
+    assert one is not None
+    assert one == frozen([made(constant)])
+    assert one != plain
+    assert len({one, frozen([made(constant, default=1.5)]), frozen([made(constant, bound=2.5)])}) == 3
+
+
+def test_arrays_count_to_the_last_bit() -> None:
+    assert frozen([made(np.array([1.0, 3.0]))]) != frozen([made(np.array([1.0, np.nextafter(3.0, 4.0)]))])
+    assert frozen([made(np.zeros(4))]) != frozen([made(np.zeros((2, 2)))])
+
+
+@pytest.mark.parametrize(
+    "constant", [{}, [1.0], object(), types.ModuleType("mine"), made({}), types.SimpleNamespace, lambda x: lambda: x]
+)
+def test_what_cannot_be_told_is_never_kept(constant: object) -> None:
+    assert frozen([made(constant)]) is None
+
+
+def test_files_of_the_project_that_a_law_calls_are_named() -> None:
+    found = frozen([made(ageing.respond)])
+    assert found is not None
+    assert [path.name for path in found.files] == ["ageing.py"]
