@@ -9,7 +9,7 @@ from validation.references.published import reference, reference_orbit
 from validation.registry.build import build
 from validation.study import Budget, Evidence, Figure, Omission, StudyResult, Table, Verdict, table
 from validation.study.bounds import bounded
-from validation.study.drawing import WIDTH, Drawing, canvas, pen
+from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
 from validation.study.text import plain
 from validation.work_precision import Point, Setting, cheapest, time_final, time_run
 
@@ -35,11 +35,9 @@ def run(budget: Budget) -> StudyResult:
     """Time the ladder of settings of every model, then race."""
     paper = slipwave.read("paper")
     exact = settle(build("delay", paper, tolerance=1e-13), tolerance=1e-10).orbit.values()  # beyond every setting below
-    settings = _settings(budget.quick)
-    points = []
-    for count, setting in enumerate(settings):
-        points.append(time_run(setting, paper, TRANSITS, exact, repeats=2 if budget.quick else 5))
-        budget.report(0.5 * (count + 1) / len(settings))
+    repeats = 2 if budget.quick else 5
+    settings = budget.each(_settings(budget.quick), end=0.5)
+    points = [time_run(setting, paper, TRANSITS, exact, repeats) for setting in settings]
     rivals = [plain_kelvin_voigt(paper, TRANSITS, tolerance) for tolerance in ((1e-10,) if budget.quick else (1e-8, 1e-9, 1e-10))]
     ours = _race_points(points)
     return StudyResult(
@@ -224,8 +222,7 @@ def work_precision(points: list[Point]) -> Drawing:
             markerfacecolor="white" if half else style.color,
             label=style.label + (f", CFL {name[1]:g}" if name[1] else "") + (f", {name[2]} in time" if name[2] else ""),
         )
-    axes.grid(True)
-    axes.set_axisbelow(True)
+    ruled(axes)
     axes.set(xlabel="run time (ms)", ylabel="relative error of the period")
     figure.legend(loc="outside right center")
     return figure

@@ -11,7 +11,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.measure.settle import settle
 from validation.registry.build import build
-from validation.study import Budget, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge, table
+from validation.study import Budget, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, of_paper, table
 from validation.study.bounds import bounded
 from validation.study.drawing import WIDTH, Drawing, canvas, pen
 from validation.study.text import plain
@@ -63,11 +63,7 @@ def run(budget: Budget) -> StudyResult:
     """Measure the errors of the onset and of the period while epsilon, and with it r, falls."""
     paper = slipwave.read("paper")
     onsets = measure_onsets(paper)
-    cycles = []
-    scales = _QUICK if budget.quick else _FULL
-    for count, scale in enumerate(scales):
-        cycles.append(measure_cycle(paper, scale))
-        budget.report((count + 1) / len(scales))
+    cycles = [measure_cycle(paper, scale) for scale in budget.each(_QUICK if budget.quick else _FULL)]
     onset_verdicts, cycle_verdict = _onset_verdicts(onsets), _cycle_verdict(cycles)
     return StudyResult(
         answer=_answer(onsets, cycles, cycle_verdict.outcome is Outcome.PASS),
@@ -182,13 +178,13 @@ def _next_term(model: str, theta: float) -> float:
 def _cycle_verdict(cycles: list[CycleErrors]) -> Verdict:
     first, last = cycles[0], cycles[-1]
     shrink = abs(last.errors["kelvin-voigt"] / first.errors["kelvin-voigt"])
-    return Verdict(
+    return of_paper(
         "The paper’s ODE tends to the exact system as r → 0: in the period of the cycle",
-        Evidence.ASYMPTOTIC,
         f"error falls with θ from {first.theta:.3f} to {last.theta:.3f}",
         f"{plain(first.errors['kelvin-voigt'], '.1e')} → {plain(last.errors['kelvin-voigt'], '.1e')}",
-        judge(shrink < 0.5 * last.theta / first.theta, Outcome.FINDING),
+        shrink < 0.5 * last.theta / first.theta,
         f"v_{{max}} r stays near {last.swiftness:.1f}: during an event the expansion in r has no small parameter",
+        evidence=Evidence.ASYMPTOTIC,
     )
 
 

@@ -67,13 +67,12 @@ def _measure(cells: tuple[int, ...], budget: Budget) -> Errors:
     exact = settle(build("delay", smooth, tolerance=1e-11), tolerance=1e-10).orbit.values()
     finals = {_SMOOTH: (smooth, _psi("delay", smooth)), _JUMP: (jump, _psi("delay", jump))}
     errors: Errors = {name: {} for name in (*SYMBOLS, *finals)}
-    for count, cfl in enumerate(CFLS):
+    for cfl in budget.each(CFLS):
         orbits = [settle(build("fd", smooth, cells=n, cfl=cfl), tolerance=1e-10).orbit.values() for n in cells]
         for name in SYMBOLS:
             errors[name][cfl] = np.array([orbit[name] / exact[name] - 1.0 for orbit in orbits])
         for name, (start, known) in finals.items():
             errors[name][cfl] = np.array([_psi("fd", start, n, cfl) - known for n in cells])
-        budget.report((count + 1) / len(CFLS))
     return errors
 
 

@@ -5,7 +5,7 @@ import math
 import slipwave
 from slipwave.scene import Scene
 from validation.references.onset import Onset, onset_of
-from validation.study import Budget, Cell, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge, table
+from validation.study import Budget, Cell, Evidence, Figure, Number, StudyResult, Table, Verdict, of_paper, table
 from validation.study.bounds import bounded
 from validation.study.drawing import Axes, Drawing, canvas
 
@@ -100,12 +100,11 @@ def _verdicts(paper: Scene, same: Scene) -> tuple[Verdict, ...]:
     agrees = abs(printed / _TABLE_1["epsilon"] - 1) < 5e-3
     return (
         bounded("SI input and (ε, r) input give the same scene", Evidence.EXACT, gap, _ROUNDING),
-        Verdict(
+        of_paper(
             "Table 1’s paper material has the ε that the paper computes with",
-            Evidence.PAPER,
             "ε = 2.8 · 10^{-5}",
             f"{printed * 1e5:.3f} · 10^{{-5}}",
-            judge(agrees, Outcome.FINDING),
+            agrees,
             "ρ = 800 kg/m³ as printed gives 1 % more; the scenes here use ε = 2.8 · 10^{-5}, that is ρ = 784 kg/m³",
         ),
     )

@@ -14,7 +14,7 @@ from validation.branches.record import Branch
 from validation.references.onset import onset_of
 from validation.references.published import reference
 from validation.studies.bifurcation.branches import scene_at
-from validation.study import Budget, Cell, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, judge, table
+from validation.study import Budget, Cell, Evidence, Figure, Number, StudyResult, Table, Verdict, of_paper, table
 from validation.study.bounds import bounded
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
 
@@ -45,10 +45,9 @@ Key = tuple[str, str]
 def run(budget: Budget) -> StudyResult:
     """Follow the curves from V = 100 in both directions; find the end of one again as an orbit at V = 100."""
     plan, found = _QUICK if budget.quick else _FULL, dict[Key, list[CurvePoint]]()
-    for count, (model, kind, ends) in enumerate(plan, 1):
+    for model, kind, ends in budget.each(plan, end=len(plan) / (len(plan) + 1)):
         up, down = (_curve(model, kind, end, _MOST[budget.quick]) for end in ends)
         found[model, kind] = [*reversed(down[1:]), *up]
-        budget.report(count / (len(plan) + 1))
     end = found["delay", "LP"][-1]
     return StudyResult(
         answer=_answer(found),
@@ -112,12 +111,11 @@ def _subcritical(found: dict[Key, list[CurvePoint]]) -> Verdict:
     folds = {model: points for (model, kind), points in found.items() if kind == "LP"}
     depths = [_below(model, point) for model, points in folds.items() for point in points]
     places = [point.second for point in chain.from_iterable(folds.values())]
-    return Verdict(
+    return of_paper(
         "P8 The Hopf point is very mildly subcritical, at other V (and so at other ε) too",
-        Evidence.PAPER,
         "a fold just below r_{c}",
         f"{100 * min(depths):.2f} to {100 * max(depths):.2f} % below r_{{c}}",
-        judge(min(depths) > 0.0 and max(depths) < 0.01, Outcome.FINDING),
+        min(depths) > 0.0 and max(depths) < 0.01,
         f"{len(depths)} folds at V from {10.0 ** min(places):.0f} to {10.0 ** max(places):.0f}; at fixed V that is ε from "
         f"{2.8e-7 * 10.0 ** min(places):.2g} to {2.8e-7 * 10.0 ** max(places):.2g}".replace("e-05", " · 10^{-5}"),
     )

@@ -13,16 +13,18 @@ Texts may hold the small markup of `validation.study.text`: x_{sub}, 10^{-9}, *e
 
 import math
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Protocol, TypeAlias, TypeVar
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
 Cell: TypeAlias = float | int | str | None
 """One entry of a table; None prints as a dash."""
+
+Item = TypeVar("Item")
 
 
 class Outcome(StrEnum):
@@ -50,6 +52,12 @@ class Budget:
 
     quick: bool = False
     report: Callable[[float], None] = field(default=lambda share: None, compare=False)
+
+    def each(self, items: Collection[Item], end: float = 1.0) -> Iterator[Item]:
+        """The items of the study's first part, which ends at the share `end`; reports after each how far it is."""
+        for count, item in enumerate(items, 1):
+            yield item
+            self.report(end * count / len(items))
 
 
 @dataclass(frozen=True)
@@ -170,3 +178,8 @@ class Study(Protocol):
 def judge(holds: bool, otherwise: Outcome = Outcome.FAIL) -> Outcome:
     """PASS if the claim holds, else `otherwise`."""
     return Outcome.PASS if holds else otherwise
+
+
+def of_paper(claim: str, expected: str, ours: str, holds: bool, remark: str = "", evidence: Evidence = Evidence.PAPER) -> Verdict:
+    """The verdict on a claim of the paper's: one that does not hold is a finding, no failure of this program."""
+    return Verdict(claim, evidence, expected, ours, judge(holds, Outcome.FINDING), remark)

@@ -76,6 +76,13 @@ def canvas(width: float = WIDTH, height: float = 4.0) -> Drawing:
     return Figure(figsize=(width, height), layout="constrained")
 
 
+def ruled(*every: Axes) -> None:
+    """Draw a grid behind what the axes show."""
+    for axes in every:
+        axes.grid(True)
+        axes.set_axisbelow(True)
+
+
 def styled() -> Any:
     """Context in which axes and lines take the house style."""
     require("plot", "a figure")

@@ -22,10 +22,8 @@ _WAVES = {True: (-2.69, -2.68), False: (-2.69, -2.68, -2.67, -2.66)}
 
 def run(budget: Budget) -> StudyResult:
     """Follow the branches from their Hopf points; find the full wave's own orbits."""
-    branches: dict[str, Branch] = {}
-    for model, (highest, longest) in _ENDS[budget.quick].items():
-        branches[model] = branch_of(model, highest, longest)
-        budget.report(len(branches) / (len(_ENDS[budget.quick]) + 1))
+    ends = _ENDS[budget.quick]
+    branches = {model: branch_of(model, *ends[model]) for model in budget.each(ends, end=len(ends) / (len(ends) + 1))}
     waves = [wave_orbit(branches["delay"], log10_r) for log10_r in _WAVES[budget.quick]]
     return StudyResult(
         answer=_answer(branches),

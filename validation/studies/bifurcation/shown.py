@@ -10,7 +10,7 @@ from slipwave.observe.pieces import Array
 from validation.studies.bifurcation.branches import Branch, Corner, column, figures_of, parts
 from validation.studies.bifurcation.waves import COMPARED, WAVE, WaveOrbit
 from validation.study import Cell, Table, table
-from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
+from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen, ruled
 from validation.study.text import plain
 
 NAMES = {"HB": "Hopf point", "LP": "fold", "PD": "period doubling", "NS": "torus point"}
@@ -82,9 +82,7 @@ def diagram(branches: Iterable[Branch], waves: Iterable[WaveOrbit]) -> Drawing:
                 draw_special(axes, branch, name)
         near.plot([one.log10_r for one in waves], [one.wave[name] for one in waves], "o", **_WAVE)
         near.set(ylabel=_LABELS[name], xlim=(_LEFT, _ZOOM))
-        for axes in (near, far):
-            axes.grid(True)
-            axes.set_axisbelow(True)
+        ruled(near, far)
     for axes in panels[-1]:
         axes.set_xlabel(r"$\log_{10} r$")
     figure.legend(handles=[*_keys(cornered, waves)], loc="outside upper left", ncols=4, handlelength=2.4)

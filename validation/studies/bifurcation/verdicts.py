@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from validation.references.published import half_digit, reference
 from validation.studies.bifurcation.branches import Branch, unaccounted
 from validation.studies.bifurcation.waves import WAVE, WaveOrbit
-from validation.study import Evidence, Outcome, Verdict, judge
+from validation.study import Evidence, Verdict, judge, of_paper
 from validation.study.bounds import bounded
 
 _PUBLISHED = {"first fold": "LP", "first period doubling": "PD", "first torus point": "NS"}
@@ -69,12 +69,11 @@ def mildly_subcritical(branches: Iterable[Branch]) -> Verdict:
         one.kind == "LP" and (one.unstable_before, one.unstable_after) == (1, 0) and turned[model] > 0.0
         for model, one in first.items()
     )
-    return Verdict(
+    return of_paper(
         "P8 The Hopf point is very mildly subcritical; the branch becomes stable at a saddle-node",
-        Evidence.PAPER,
         "a fold just below r_{c}",
         ", ".join(f"{100 * share:.2f} % below r_{{c}} ({model})" for model, share in turned.items()),
-        judge(holds, Outcome.FINDING),
+        holds,
         "unstable orbits lead from the Hopf point back to the fold, where one multiplier passes 1 inwards",
     )
 
@@ -86,13 +85,12 @@ def bubbles(ode: Branch) -> tuple[Verdict, Verdict]:
     paper, torus = reference()["paper"]["log10_r_torus"], ode.of_kind("NS")[0].point.parameter
     claim = "P9 The ODE’s orbits lose stability in pairs of period doublings split by saddle-nodes, then at a torus point"
     return (
-        Verdict(claim, Evidence.PAPER, " ".join(_BUBBLES), " ".join(until), judge(until == _BUBBLES, Outcome.FINDING), _P9),
-        Verdict(
+        of_paper(claim, " ".join(_BUBBLES), " ".join(until), until == _BUBBLES, _P9),
+        of_paper(
             "P9 The torus point of the ODE lies at r = 10^{-2.468}",
-            Evidence.PAPER,
             f"10^{{{paper}}}",
             f"10^{{{torus:.6f}}}",
-            judge(abs(torus - paper) <= half_digit(paper), Outcome.FINDING),
+            abs(torus - paper) <= half_digit(paper),
             f"the paper’s r is {100 * abs(10.0 ** (paper - torus) - 1.0):.2f} % larger; AUTO-07p confirms ours",
         ),
     )
@@ -106,12 +104,11 @@ def unlike(delay: Branch, ode: Branch) -> Verdict:
     }
     words = {"PD": "period doubling", "NS": "torus"}
     told = {model: f"{words[one.kind]} at {one.point.parameter:.4f}".replace("-", "−") for model, one in lost.items()}
-    return Verdict(
+    return of_paper(
         "P14 The delay system has bifurcations similar to the ODE’s",
-        Evidence.PAPER,
         "similar",
         "; ".join(f"{model}: first a {point}" for model, point in told.items()),
-        judge(lost["delay"].kind == lost["kelvin-voigt"].kind, Outcome.FINDING),
+        lost["delay"].kind == lost["kelvin-voigt"].kind,
         "Hopf point and first fold are alike, what follows is not. Folds, period doublings, torus points of the branches shown: "
         f"{_tally(delay)} in the delay system, {_tally(ode)} in the ODE",
     )

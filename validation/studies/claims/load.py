@@ -14,7 +14,7 @@ import numpy as np
 import slipwave
 from slipwave.observe.pieces import Array
 from validation.studies.claims.runs import DEEP, Branch, Deep, Ripples, recurrence, spread, where
-from validation.study import Evidence, Outcome, Verdict, judge
+from validation.study import Evidence, Outcome, Verdict, of_paper
 from validation.study.bounds import bounded
 
 _CLOSES = 2e-6  # sixteen samples a piece; 1.6e-7 was measured
@@ -52,12 +52,11 @@ def _proportional(branch: Branch) -> Verdict:
     ).T
     power = float(np.polyfit(np.log(drops), np.log(periods), 1)[0])
     shares = drops / _rate() / periods
-    return Verdict(
+    return of_paper(
         "P12 The period is proportional to the elastic drop: T ~ Δy/((ε/r) V) along the branch",
-        Evidence.PAPER,
         f"T ∝ Δy^{{1 ± {_PROPORTIONAL:g}}}",
         f"T ∝ Δy^{{{power:.2f}}}",
-        judge(abs(power - 1.0) <= _PROPORTIONAL, Outcome.FINDING),
+        abs(power - 1.0) <= _PROPORTIONAL,
         f"delay system; Δy/(εV) is {100 * shares[0]:.0f} % of T at the smallest r and {100 * shares[-1]:.0f} % at the largest, "
         f"{where(branch)}",
     )
@@ -68,14 +67,14 @@ def _nearly_equal(deep: Deep) -> Verdict:
     period = float(np.mean(deep.events.period))
     share = float(np.mean(deep.events.elastic_stress_drop)) / _rate() / period
     most = 1.0 - 1.0 / period
-    return Verdict(
+    return of_paper(
         "P12 T ~ Δy/((ε/r) V) to within a tenth, deep inside the stick-slip domain",
-        Evidence.ASYMPTOTIC,
         f"Δy/(εVT) from {1.0 - _NEARLY:.2f} to {most:.3f}",
         f"{share:.3f}",
-        judge(1.0 - _NEARLY < share < most, Outcome.FINDING),
+        1.0 - _NEARLY < share < most,
         f"delay system, means over {deep.events.period.size} cycles at log_{{10}} r = −{-DEEP:g}; an event takes at least "
         "one transit",
+        evidence=Evidence.ASYMPTOTIC,
     )
 
 
@@ -97,12 +96,11 @@ def _sizes(deep: Deep) -> dict[str, Array]:
 
 def _aperiodic(ode: Deep) -> Verdict:
     found = {name: recurrence(values) for name, values in _sizes(ode).items()}
-    return Verdict(
+    return of_paper(
         "P13 At r = 10^{-2.3} the ODE is irregular",
-        Evidence.PAPER,
         f"above {_IRREGULAR:g}",
         ", ".join(f"{value:.2f}" for value in found.values()),
-        judge(min(found.values()) > _IRREGULAR, Outcome.FINDING),
+        min(found.values()) > _IRREGULAR,
         f"distance of {ode.events.period.size} cycles from repeating after up to 12 cycles, in T, Δμ and ln v_{{max}}: 0 for a "
         "periodic orbit, 1 for a sequence without memory",
     )
@@ -125,12 +123,11 @@ def _contrast(deep: dict[str, Deep]) -> Verdict:
         for name in _CONTRAST
     }
     largest = {model: float(run.events.v_max.max()) for model, run in deep.items()}
-    return Verdict(
+    return of_paper(
         "P13 At r = 10^{-2.3} the ODE’s drops, periods and events vary more than the delay system’s",
-        Evidence.PAPER,
         ", ".join(f"{times:g}" for times in _CONTRAST.values()) + " times or more",
         ", ".join(f"{value:.1f}" for value in ratios.values()) + " times",
-        judge(all(ratios[name] > times for name, times in _CONTRAST.items()), Outcome.FINDING),
+        all(ratios[name] > times for name, times in _CONTRAST.items()),
         "spreads (standard deviation over mean) of T, Δμ and v_{max}; largest v_{max} "
         f"{largest['kelvin-voigt']:.0e} against {largest['delay']:.0e} V*",
     )

@@ -1,20 +1,20 @@
 """The runs that the claims are compared with: orbits along the stable branch, long runs deep inside it, ripples."""
 
-from collections.abc import Callable
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 import slipwave
-from slipwave.observe import EventObserver, Events, HistoryObserver, follow
+from slipwave.observe import Events, HistoryObserver, follow
 from slipwave.observe.orbit import Orbit
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.measure.cycle import Cycle
+from validation.measure.cycle import Cycle, watch
 from validation.measure.ripples import ripple_period
 from validation.measure.settle import Settled, one_cycle, settle
 from validation.references.onset import Onset, onset_of
 from validation.registry.build import build
+from validation.study import Budget
 
 LOG10_R = {
     True: (-2.695, -2.69, -2.685, -2.68, -2.67, -2.665, -2.66),
@@ -60,15 +60,14 @@ class Ripples(NamedTuple):
     loading: Loading
 
 
-def settle_branch(quick: bool, report: Callable[[float], None]) -> Branch:
+def settle_branch(budget: Budget) -> Branch:
     """Every model's orbit, from the scene's own nudge, at every log10 r at which all of them settle."""
     branch: Branch = {}
-    for count, log10_r in enumerate(LOG10_R[quick]):
+    for log10_r in budget.each(LOG10_R[budget.quick], end=0.6):
         found = {model: _settled(model, {"slab.log10_r": log10_r}) for model in MODELS}
         orbits = {model: settled.orbit for model, settled in found.items() if settled.unrest < _RESTLESS}
         if len(orbits) == len(MODELS):
             branch[log10_r] = orbits
-        report((count + 1) / len(LOG10_R[quick]))
     return branch
 
 
@@ -84,9 +83,8 @@ def _settled(model: str, changes: dict[str, float]) -> Settled:
 def run_deep(model: str, until: float) -> Deep:
     """Run `model` at log10 r = -2.3 to `until` (transits)."""
     solver = build(model, slipwave.read("paper-2.3"), tolerance=1e-9)
-    observer = EventObserver(solver.scene, solver.nodes)
     history = HistoryObserver(solver.scene.law, solver.nodes)
-    follow(solver, _SHOWN[0], [observer])
+    observer = watch(solver, _SHOWN[0])
     follow(solver, _SHOWN[1], [observer, history])
     follow(solver, until, [observer])
     time, _, _, stress, _ = history.samples(per_piece=8)

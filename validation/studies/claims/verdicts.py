@@ -10,7 +10,7 @@ from validation.references.published import half_digit, reference
 from validation.studies.claims.load import irregular, load
 from validation.studies.claims.runs import Branch, Deep, Ripples, onset_at, where
 from validation.studies.stability_boundaries.verdicts import error_of_27
-from validation.study import Evidence, Outcome, Verdict, judge
+from validation.study import Evidence, Verdict, judge, of_paper
 from validation.study.bounds import bounded
 
 _ROUNDING = 2e-14  # 7e-16 was measured
@@ -24,7 +24,9 @@ def all_verdicts(branch: Branch, deep: dict[str, Deep], ripples: dict[str, Rippl
         *_onset(),
         *_periods(branch),
         *_ripples(ripples),
-        *_branch_claims(branch),
+        _blocks(branch),
+        _order_of_periods(branch),
+        _gaps(branch),
         *load(branch, deep, ripples),
         *irregular(deep),
     )
@@ -81,12 +83,11 @@ def _ripples(ripples: dict[str, Ripples]) -> tuple[Verdict, ...]:
             _RIPPLES,
             f"relative; measured on the orbits: {ode:.5f} for {FAST_PERIOD_KELVIN_VOIGT:.5f}, and {delay:.5f}",
         ),
-        Verdict(
+        of_paper(
             claim,
-            Evidence.PAPER,
             "28 % too high",
             f"{100 * (delay / ode - 1):.0f} % in frequency",
-            judge(abs(delay / ode - 1.28) < 0.05, Outcome.FINDING),
+            abs(delay / ode - 1.28) < 0.05,
             slip,
         ),
     )
@@ -96,19 +97,14 @@ def _error(branch: Branch, model: str, name: str) -> float:
     return abs(branch[-2.68][model].values()[name] / branch[-2.68]["delay"].values()[name] - 1.0)
 
 
-def _branch_claims(branch: Branch) -> tuple[Verdict, ...]:
-    return _blocks(branch), _order_of_periods(branch), _gaps(branch)
-
-
 def _blocks(branch: Branch) -> Verdict:
     symbols = {"period": "T", "elastic_stress_drop": "Δy", "stress_drop": "Δμ"}
     closer = {symbol: _error(branch, "block8", name) < _error(branch, "block12", name) for name, symbol in symbols.items()}
-    return Verdict(
+    return of_paper(
         "P6 The ρh/8 block lies closer to the exact orbit than ρh/12",
-        Evidence.PAPER,
         "perhaps",
         ", ".join(f"{symbol} {'yes' if yes else 'no'}" for symbol, yes in closer.items()),
-        judge(all(closer.values()), Outcome.FINDING),
+        all(closer.values()),
         "at r = 10^{-2.68}",
     )
 
@@ -118,12 +114,11 @@ def _order_of_periods(branch: Branch) -> Verdict:
         [orbits[model].period.value for model in ("kelvin-voigt", "delay", "block8", "block12")] for orbits in branch.values()
     ]
     held = [t[0] < t[1] < min(t[2:]) for t in periods]
-    return Verdict(
+    return of_paper(
         f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} for {where(branch)}",
-        Evidence.PAPER,
         f"at {len(held)} of {len(held)} r",
         f"at {sum(held)} of {len(held)} r",
-        judge(all(held), Outcome.FINDING),
+        all(held),
         "where runs of all four models settle: from just beyond the onset to where the exact orbit loses stability. The paper "
         "claims it for the whole primary branch",
     )
@@ -137,12 +132,11 @@ def _gaps(branch: Branch) -> Verdict:
     exceed = all(min(gap) > 0.0 for gap in gaps.values())
     grows = {symbol: all(later > sooner for sooner, later in pairwise(gap)) for symbol, gap in gaps.items()}
     listed = "; ".join(f"{symbol} {', '.join(f'{100 * value:.1f}' for value in gap)} %" for symbol, gap in gaps.items())
-    return Verdict(
+    return of_paper(
         f"P11 Stress drops of the delay system exceed the ODE’s, by a relative gap that grows with r, {where(branch)}",
-        Evidence.PAPER,
         "larger, gap grows",
         ("larger" if exceed else "not larger") + "".join(f"; {symbol} {_growth(yes)}" for symbol, yes in grows.items()),
-        judge(exceed and all(grows.values()), Outcome.FINDING),
+        exceed and all(grows.values()),
         f"relative gaps along r: {listed}",
     )
 

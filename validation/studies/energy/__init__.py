@@ -18,10 +18,10 @@ SECONDS = (8.0, 9.0)
 
 def run(budget: Budget) -> StudyResult:
     """Measure the residual of every family's ledger, then follow the entries over two cycles."""
-    residuals = {}
-    for count, ladder in enumerate(LADDERS):
-        residuals[ladder.model] = np.array([residual_of(ladder.model, cells, "rigid faces") for cells in ladder.cells])
-        budget.report(0.5 * (count + 1) / len(LADDERS))
+    residuals = {
+        ladder.model: np.array([residual_of(ladder.model, cells, "rigid faces") for cells in ladder.cells])
+        for ladder in budget.each(LADDERS, end=0.5)
+    }
     high = {(model, name): residual_of(model, cells, name) for model, cells in HIGH.items() for name in BOUNDARIES}
     shown = {name: history_of(name, 4 if budget.quick else 8) for name in BOUNDARIES}
     orders = {ladder.model: order_of(ladder.cells, residuals[ladder.model]) for ladder in LADDERS if ladder.derived}

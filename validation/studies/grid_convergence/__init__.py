@@ -49,10 +49,7 @@ _PAPER = Course(-2.6, until=200.0, window=20.0, density=1, slack=0.0)
 def run(budget: Budget) -> StudyResult:
     """Climb every ladder, fit its orders; then the figure's grids, the paper's orbit and the error in time."""
     chosen = _QUICK if budget.quick else tuple(LADDERS)
-    climbs: list[Climb] = []
-    for model in chosen:
-        climbs.append(_climb(model))
-        budget.report(0.7 * len(climbs) / len(chosen))
+    climbs = [_climb(model) for model in budget.each(chosen, end=0.7)]
     curves = {model: _curve(model, climbs) for model in _DRAWN}
     promises, marches = _promises(), both_marches()
     return StudyResult(

@@ -8,7 +8,7 @@ from slipwave.observe.pieces import Array
 from validation.measure.grid_ladders import GENTLE, ROUGH, STEEP
 from validation.measure.orders import QUANTITIES, Climb
 from validation.study import Cell, Table, table
-from validation.study.drawing import WIDTH, Drawing, canvas, grid_pens
+from validation.study.drawing import WIDTH, Drawing, canvas, grid_pens, ruled
 
 _FLOOR = 1e-14
 _SCENES = {GENTLE.log10_r: "s", ROUGH.log10_r: "r", STEEP.log10_r: "t"}
@@ -66,8 +66,6 @@ def convergence_and_cost(curves: Mapping[str, tuple[Array, Array, Array]]) -> Dr
     left.set_xlabel("points per slab")
     right.set_xlabel("run time (ms)")
     left.set_ylabel("error of the state")
-    for axes in (left, right):
-        axes.grid(True)
-        axes.set_axisbelow(True)
+    ruled(left, right)
     figure.legend(loc="outside upper left", ncols=4, handlelength=3.0)
     return figure

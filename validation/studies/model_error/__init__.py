@@ -21,11 +21,10 @@ def run(budget: Budget) -> StudyResult:
     """Settle the delay system and every reduction over the range of r in which its orbit is periodic."""
     grid = _QUICK if budget.quick else _FULL
     runs: Runs = {}
-    for count, model in enumerate(("delay", *MODELS, "quasidynamic", "fitted:4")):
+    for model in budget.each(("delay", *MODELS, "quasidynamic", "fitted:4")):
         warm_up(Setting(model), scene_at(-2.68))
         few = model in ("quasidynamic", "fitted:4")
         runs[model] = {log10_r: orbit_of(model, log10_r) for log10_r in (SHOWN if few else grid)}
-        budget.report((count + 1) / (len(MODELS) + 3))
     return StudyResult(
         answer=_answer(runs),
         figures=(Figure("errors", _CAPTION, lambda: errors_over_r(curves(runs))),),

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from slipwave.observe.pieces import Array
 from validation.studies.model_error.runs import MODELS, MOST, RESTLESS, SHOWN, Runs, error, orbit_of, states
 from validation.study import Cell, Omission, Table, table
-from validation.study.drawing import WIDTH, Drawing, canvas, pen
+from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
 from validation.study.text import plain
 
 _BEYOND = (-2.65, -2.6, -2.5)
@@ -64,8 +64,7 @@ def errors_over_r(curves: Mapping[str, tuple[Array, Array, Array]]) -> Drawing:
             )
     for axes, title in zip(panels, ("period $T$", r"stress drop $\Delta\mu$"), strict=True):
         axes.set(title=title, xlabel=r"$\log_{10} r$")
-        axes.grid(True)
-        axes.set_axisbelow(True)
+        ruled(axes)
     panels[0].set_ylabel("relative error")
     figure.legend(handles=panels[0].get_lines(), loc="outside upper left", ncols=4, handlelength=3.0)
     return figure

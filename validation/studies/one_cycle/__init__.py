@@ -27,10 +27,7 @@ _WAVE = 5e-4  # leapfrog with these cells; 2e-4 was measured
 
 def run(budget: Budget) -> StudyResult:
     """Settle every model, lay one cycle of each over the others, compare."""
-    runs = {}
-    for count, model in enumerate(MODELS):
-        runs[model] = run_model(model)
-        budget.report((count + 1) / len(MODELS))
+    runs = {model: run_model(model) for model in budget.each(MODELS)}
     cycles = {model: own.cycle for model, own in runs.items()}
     errors = {model: error(own, runs["delay"], "period") for model, own in runs.items()}
     escape = _quasistatic()

@@ -1,6 +1,6 @@
 """The period of stick-slip over the delay r, the paper's Fig 8, from the onset to log10 r = -2.3."""
 
-from validation.studies.bifurcation.branches import FAR, Branch, branch_of, scene_at
+from validation.studies.bifurcation.branches import FAR, branch_of, scene_at
 from validation.studies.period_against_delay.law import MASSES, period_of
 from validation.studies.period_against_delay.runs import Periods, orbit, periods_at, settled_period
 from validation.studies.period_against_delay.shown import mean_table, period_table, periods_over_r
@@ -27,10 +27,7 @@ _RUN = (("delay", -2.69), ("delay", -2.68), ("kelvin-voigt", -2.69))
 def run(budget: Budget) -> StudyResult:
     """Follow both branches, find the blocks' orbits, and run where no orbit is stable."""
     quick = budget.quick
-    branches: dict[str, Branch] = {}
-    for count, (model, ends) in enumerate(_ENDS[quick].items(), 1):
-        branches[model] = branch_of(model, *ends)
-        budget.report(0.35 * count)
+    branches = {model: branch_of(model, *_ENDS[quick][model]) for model in budget.each(_ENDS[quick], end=0.7)}
     listed = [periods_at(log10_r, branches, _UNTIL[quick]) for log10_r in _GRID[quick]]
     budget.report(0.9)
     ratios = {model: {x: orbit(model, x).cycle.period / period_of(scene_at(x), model) for x in _THICK} for model in MASSES}
@@ -56,10 +53,7 @@ def _answer(listed: list[Periods]) -> str:
 
 
 def _numbers(listed: list[Periods]) -> dict[str, Number]:
-    numbers: dict[str, Number] = {}
-    for one in listed:
-        numbers |= {f"{model} T at {one.log10_r:g}": Number(found[0], 1e-8) for model, found in one.orbits.items()}
-    return numbers
+    return {f"{model} T at {one.log10_r:g}": Number(found[0], 1e-8) for one in listed for model, found in one.orbits.items()}
 
 
 _CAPTION = (

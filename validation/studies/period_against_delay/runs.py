@@ -5,9 +5,9 @@ from typing import NamedTuple
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import Closed, close
 from reduced.orbit.multipliers import floquet
-from slipwave.observe import EventObserver, follow
 from slipwave.observe.orbit import Estimate
 from validation.measure.correlated import mean_of
+from validation.measure.cycle import watch
 from validation.measure.settle import settle
 from validation.registry.build import build
 from validation.registry.flows import moving
@@ -57,10 +57,7 @@ def orbit(model: str, log10_r: float) -> Closed:
 
 def run(model: str, log10_r: float, until: float) -> tuple[Estimate, int]:
     """Mean period of the cycles of a run after its transient, and their number."""
-    solver = build(model, scene_at(log10_r), tolerance=1e-7)
-    observer = EventObserver(solver.scene, solver.nodes)
-    follow(solver, until, [observer])
-    periods = observer.events(_TRANSIENT).period
+    periods = watch(build(model, scene_at(log10_r), tolerance=1e-7), until).events(_TRANSIENT).period
     return mean_of(periods), periods.size
 
 

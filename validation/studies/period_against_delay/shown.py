@@ -8,7 +8,7 @@ from validation.studies.bifurcation.shown import draw_branch, special_keys
 from validation.studies.period_against_delay.law import MASSES, period_of
 from validation.studies.period_against_delay.runs import WAVES, Periods
 from validation.study import Cell, Table, table
-from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
+from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen, ruled
 
 _TICKS = (50, 60, 70, 80, 90, 100, 120, 140)
 _LOWEST, _HIGHEST = 47.0, 145.0
@@ -79,9 +79,7 @@ def periods_over_r(branches: dict[str, Branch], listed: list[Periods], ratios: d
     left.minorticks_off()
     right.axhline(1.0, **_LAW)
     right.set(xlabel=r"$\log_{10} r$", title="$T$ of the blocks over the law")
-    for axes in (left, right):
-        axes.grid(True)
-        axes.set_axisbelow(True)
+    ruled(left, right)
     figure.legend(handles=_keys(), loc="outside upper left", ncols=4, handlelength=2.4)
     return figure
 

@@ -8,7 +8,7 @@ from validation.references.published import half_digit, reference
 from validation.studies.bifurcation.branches import Branch
 from validation.studies.period_against_delay.law import MASSES
 from validation.studies.period_against_delay.runs import WAVES, Periods
-from validation.study import Evidence, Outcome, Verdict, judge
+from validation.study import Evidence, Verdict, judge, of_paper
 from validation.study.bounds import bounded
 
 _ONSET = 1e-12  # 3e-16 was measured; the onset is bracketed to 1e-13
@@ -21,12 +21,11 @@ def order(listed: list[Periods]) -> Verdict:
     """P7 over the whole range of r."""
     held = [_in_order(one) for one in listed]
     means = sum(bool(one.means) for one in listed)
-    return Verdict(
+    return of_paper(
         f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} {_where(listed)}",
-        Evidence.PAPER,
         f"at {len(held)} of {len(held)} r",
         f"at {sum(held)} of {len(held)} r",
-        judge(all(held), Outcome.FINDING),
+        all(held),
         f"all orbits that are known at an r, stable or not; at {means} r, where no orbit of a model is stable, also the mean "
         "over a long run, with two standard errors",
     )

@@ -11,7 +11,7 @@ from reduced.continuation.special import Special
 from reduced.continuation.start import from_orbit, metric_for
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import approach
-from slipwave.observe import EventObserver, follow
+from validation.measure.cycle import watch
 from validation.registry.flows import moving
 from validation.studies.bifurcation.branches import RANGE, scene_at
 
@@ -43,9 +43,7 @@ def doubled() -> Doubled:
     model = moving(MODEL, scene_at(AT), _TOLERANCE)
     single = periodic_orbit(*approach(model.solver, model.freeze)[:3], _TOLERANCE)
     settled = moving(MODEL, scene_at(AT), _TOLERANCE)
-    observer = EventObserver(settled.solver.scene, settled.solver.nodes)
-    follow(settled.solver, _MARCHED, [observer])
-    twice = float(observer.events().period[-2:].sum())
+    twice = float(watch(settled.solver, _MARCHED).events().period[-2:].sum())
     double = periodic_orbit(*settled.freeze(settled.solver, twice), twice, _TOLERANCE)
     primary, special = _both_ways(single, 1e9)
     bubble, _ = _both_ways(double, _NEAR)

@@ -11,7 +11,7 @@ from slipwave.observe.pieces import Array
 from validation.studies.bifurcation.shown import MARKS
 from validation.studies.period_doubling.runs import AT, Doubled
 from validation.study import Table, table
-from validation.study.drawing import WIDTH, Drawing, canvas, pen
+from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
 from validation.study.text import plain
 
 _DOUBLE = "#d55e00"
@@ -58,9 +58,7 @@ def planes(found: Doubled) -> Drawing:
     places = [[one.point.parameter, one.point.closed.cycle.period] for one in found.special]
     axes.plot(*np.array(places).T, MARKS["PD"], color=single["color"], markerfacecolor="white", label="period doubling")
     axes.set(xlabel=r"$\log_{10} r$", ylabel="$T$, half of the doubled $T$")
-    for one in grid.values():
-        one.grid(True)
-        one.set_axisbelow(True)
+    ruled(*grid.values())
     handles = [*grid["stress"].get_lines(), axes.get_lines()[-1]]
     figure.legend(handles=handles, loc="outside upper left", ncols=3, handlelength=2.6)
     return figure

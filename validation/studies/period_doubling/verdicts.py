@@ -2,7 +2,7 @@
 
 from validation.references.published import half_digit, reference
 from validation.studies.period_doubling.runs import AT, Doubled, end
-from validation.study import Evidence, Outcome, Verdict, judge
+from validation.study import Evidence, Verdict, of_paper
 from validation.study.bounds import bounded
 
 _PERIOD = 3e-5  # transits; 2.6e-6 was measured, the digits of r in the reference
@@ -42,12 +42,11 @@ def p10(found: Doubled) -> Verdict:
     known = reference()["paper"]["T_unstable_ode"]
     period, lead = found.single.orbit.period.value, float(found.single.multipliers.values[0].real)
     holds = abs(period - known) <= half_digit(known) and found.single.multipliers.stable is False and lead < -1.0
-    return Verdict(
+    return of_paper(
         "P10 At r = 10^{-2.59} the primary orbit with T = 79.09 is unstable, and a doubled orbit beside it is stable",
-        Evidence.PAPER,
         f"T = {known}",
         f"T = {period:.6f}",
-        judge(holds and found.double.multipliers.stable is True, Outcome.FINDING),
+        holds and found.double.multipliers.stable is True,
         f"multiplier {lead:.5f} of the primary orbit; the doubled one has T = {found.double.orbit.period.value:.6f}, half of it "
         f"is {0.5 * found.double.orbit.period.value:.6f}".replace("-", "−"),
     )

@@ -13,7 +13,7 @@ from validation.studies.bifurcation.shown import draw_branch, draw_special, spec
 from validation.studies.bifurcation.waves import COMPARED
 from validation.studies.snaking.runs import Run
 from validation.study import Cell, Table, table
-from validation.study.drawing import WIDTH, Drawing, canvas
+from validation.study.drawing import WIDTH, Drawing, canvas, ruled
 from validation.study.text import plain
 
 _LEAST = 74.0
@@ -92,9 +92,7 @@ def snake(branch: Branch, runs: Iterable[Run]) -> Drawing:
     left.set_xlim(r.min() - 0.002, r.max() + 0.002)
     right.step(column(corners, lambda one: float(one.unstable)), period, color="#111111", linewidth=1.0, where="pre")
     right.set(xlabel="count outside", xticks=(0, 1, 2))
-    for axes in (left, right):
-        axes.grid(True)
-        axes.set_axisbelow(True)
+    ruled(left, right)
     handles = [*special_keys(("LP", "NS")), *left.containers[:1]]
     labels = ["unstable", "fold", "torus point", "direct run, all its periods"]
     figure.legend(handles, labels, loc="outside upper left", ncols=4, handlelength=2.4)

@@ -40,13 +40,9 @@ class Found(NamedTuple):
 def answer(found: Found) -> str:
     """One sentence with the figures that matter."""
     stiff = [value for shares in found.limits.values() for value, decade in zip(shares, found.decades, strict=True) if decade > 0]
-    outcomes = [outcome for by_family in found.attacks.values() for outcome in by_family.values()]
-    silent = sum(
-        outcome.silently_wrong(*ATTACKS[name].right)
-        for name, by_family in found.attacks.items()
-        for outcome in by_family.values()
-    )
-    stopped = sum(bool(outcome.message) for outcome in outcomes)
+    outcomes = [(name, outcome) for name, by_family in found.attacks.items() for outcome in by_family.values()]
+    silent = sum(outcome.silently_wrong(*ATTACKS[name].right) for name, outcome in outcomes)
+    stopped = sum(bool(outcome.message) for _, outcome in outcomes)
     return (
         f"The step limit lies at {min(stiff):.2f} to {max(stiff):.2f} of the declared one however stiff friction is; of "
         f"{len(outcomes)} attacks {len(outcomes) - stopped - silent} end right, {stopped} with a message, {silent} silently "

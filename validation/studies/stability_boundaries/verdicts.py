@@ -21,7 +21,7 @@ from reduced.stability import (
 )
 from slipwave.scene import Scene
 from validation.studies.stability_boundaries.measured import TRACED, Curves
-from validation.study import Evidence, Outcome, Verdict, judge
+from validation.study import Evidence, Outcome, Verdict, judge, of_paper
 from validation.study.bounds import bounded
 from validation.study.text import plain
 
@@ -77,12 +77,11 @@ def error_of_27(prefix: str, slow: float, fast: float) -> tuple[Verdict, Verdict
             "read as: below a tenth of the error that is claimed for V = 10^{4}",
             otherwise=Outcome.FINDING,
         ),
-        Verdict(
+        of_paper(
             f"{prefix} it grows to the order of 10 % at V = 10^{{4}}",
-            Evidence.PAPER,
             f"{100 * low:.1f} to {100 * high:.1f} %",
             f"{100 * fast:.1f} %",
-            judge(low < fast < high, Outcome.FINDING),
+            low < fast < high,
             "read as: nearer to 10 % than to 1 % or 100 %, on a logarithmic scale",
         ),
     )
@@ -109,12 +108,11 @@ def fig_3(traced: dict[str, list[Boundary]], slopes: FrictionSlopes, paper: Scen
             _TRACED,
             f"{branches['delay']} branches of the delay system, {branches['kelvin-voigt']} of the ODE",
         ),
-        Verdict(
+        of_paper(
             "Fig 3: beyond r = √24/ω_{c} a second pair of roots of the ODE crosses",
-            Evidence.PAPER,
             f"from r = {plain(asymptote, '.5g')}",
             f"from r = {plain(second, '.5g')}",
-            judge(0.0 <= second / asymptote - 1.0 < _FIRST_TRACED and parted, Outcome.FINDING),
+            0.0 <= second / asymptote - 1.0 < _FIRST_TRACED and parted,
             "traced down to ε = 10^{-6}; the certified number of growing roots changes by 2 across every branch: "
             f"{'yes' if parted else 'no'}",
         ),

@@ -28,12 +28,11 @@ def run(budget: Budget) -> StudyResult:
     """March both scenes with every family, then time alike against unlike slabs."""
     grids = _grids(budget.quick)
     runs: dict[str, list[PairRun]] = {}
-    for count, name in enumerate(_PAIRS):
+    for name in budget.each(_PAIRS, end=0.9):
         scene = slipwave.read(name)
         runs[name] = [march(scene, "delay")]
         for model, cells, cfl in grids:
             runs[name].append(march(scene, model, cells, cfl))
-        budget.report(0.45 * (count + 1))
     timed = costs(repeats=5 if budget.quick else 9)
     shown = {name: (pair_runs[0].cycle, pair_runs[1].cycle) for name, pair_runs in runs.items()}
     return StudyResult(

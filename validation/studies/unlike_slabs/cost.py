@@ -80,25 +80,19 @@ def _words(model: str) -> str:
 
 def cost_verdicts(found: Costs) -> list[Verdict]:
     """Ratios against what is promised."""
-    verdicts = []
-    for model, limits in _LIMITS.items():
-        for pair, limit in limits.items():
-            ratio = found[model][pair] / found[model]["alike"]
-            verdicts.append(
-                Verdict(
-                    f"Cost of unlike slabs over alike ones: {'delay system' if model == 'delay' else 'full wave'}",
-                    Evidence.SELF,
-                    f"{limit:g} times at most"
-                    if model == "delay"
-                    else f"{_CELLS_RATIO:g} times, the ratio of the cells, within a tenth",
-                    f"{ratio:.1f} times",
-                    judge(ratio <= limit, Outcome.FINDING),
-                    f"`{model.partition(',')[0]}`, {_words(model)}, {pair} round trips"
-                    + (
-                        "; two slabs are marched instead of one, and the longer one has twice the cells"
-                        if model != "delay"
-                        else ""
-                    ),
-                )
-            )
-    return verdicts
+    return [
+        _cost_verdict(model, pair, found[model][pair] / found[model]["alike"], limit)
+        for model, limits in _LIMITS.items()
+        for pair, limit in limits.items()
+    ]
+
+
+def _cost_verdict(model: str, pair: str, ratio: float, limit: float) -> Verdict:
+    if model == "delay":
+        name, expected, why = "delay system", f"{limit:g} times at most", ""
+    else:
+        name, expected = "full wave", f"{_CELLS_RATIO:g} times, the ratio of the cells, within a tenth"
+        why = "; two slabs are marched instead of one, and the longer one has twice the cells"
+    claim, outcome = f"Cost of unlike slabs over alike ones: {name}", judge(ratio <= limit, Outcome.FINDING)
+    remark = f"`{model.partition(',')[0]}`, {_words(model)}, {pair} round trips{why}"
+    return Verdict(claim, Evidence.SELF, expected, f"{ratio:.1f} times", outcome, remark)

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from slipwave.observe import EventObserver, HistoryObserver, follow
+from slipwave.observe import HistoryObserver, follow
 from slipwave.scene import Scene
-from validation.measure.cycle import Cycle, cut
+from validation.measure.cycle import Cycle, cut, watch
 from validation.registry.build import build
 
 UNTIL = 600.0
@@ -31,8 +31,7 @@ class PairRun:
 def march(scene: Scene, model: str, cells: int | None = None, cfl: float | None = None) -> PairRun:
     """Run `model` on `scene` to UNTIL."""
     solver = build(model, scene, tolerance=1e-11) if model == "delay" else build(model, scene, cells=cells, cfl=cfl)
-    observer = EventObserver(scene, solver.nodes)
-    follow(solver, UNTIL - _WATCHED, [observer])
+    observer = watch(solver, UNTIL - _WATCHED)
     history = HistoryObserver(scene.law, solver.nodes)
     final = follow(solver, UNTIL, [observer, history])
     events = observer.events()
