@@ -17,8 +17,9 @@ _ROOMS = (*SOLVER_ROOMS, "validation")
 _DOCUMENTED = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 
 
+@cache
 def source_digest() -> str:
-    """Digest of every Python source file of the solvers."""
+    """Digest of every Python source file of the solvers, read once per process."""
     return digest_of(path for room in SOLVER_ROOMS for path in sorted((ROOT / room).rglob("*.py")))
 
 

@@ -10,7 +10,7 @@ from reduced.delay.march import DelayMarch
 from reduced.delay.transit_mesh import cuts_of, transit_mesh
 from slipwave.errors import SceneError
 from slipwave.friction import respond, unknown_of
-from slipwave.observe.pieces import Array, Pieces, empty_pieces
+from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
@@ -73,14 +73,14 @@ class Delay(DelayMarch):
         """March to the first end of a step at or beyond `until`, but at most one chunk; see `Solver`."""
         while not self._waiting.time.size:
             most = (_CHUNK if self._emit else _LONG_CHUNK) // self.steps
-            transits = min(max(1, math.ceil(until - self._memory.now[TIME] - 1e-9)), max(1, most))
+            transits = min(max(1, math.ceil(until - self._memory.now[TIME] - SAME)), max(1, most))
             pieces = empty_pieces(self.steps * (transits if self._emit else 1), self._stages)
             kept, verdict = self._march(transits, pieces)
             if self._emit or verdict == DONE:
                 self._waiting = Pieces(*(array[: kept * self.steps] for array in pieces))
             if verdict != DONE and not self._waiting.time.size:  # return known pieces first: refining may raise an error
                 self._refine(verdict)
-        count = max(1, int(np.searchsorted(self._waiting.time, until - 1e-9)))
+        count = max(1, int(np.searchsorted(self._waiting.time, until - SAME)))
         first, self._waiting = (Pieces(*(array[part] for array in self._waiting)) for part in (slice(count), slice(count, None)))
         return first
 

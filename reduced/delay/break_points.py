@@ -17,7 +17,7 @@ from reduced.delay.network import DelayNetwork, tops_for
 from reduced.delay.transmission_lines import Lines
 from slipwave.errors import NumericsError
 from slipwave.friction import respond
-from slipwave.observe.pieces import Pieces, empty_pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.pieces import SAME, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
@@ -56,7 +56,7 @@ class DelayBreaks(DelayNetwork):
         """March to the first end of a step at or beyond `until`, but at most one chunk; see `Solver`."""
         pieces = empty_pieces(_PIECES, self._stages)
         k = 0
-        while k < _PIECES and self.time < until - 1e-9:
+        while k < _PIECES and self.time < until - SAME:
             if self._step(Pieces(*(array[k : k + 1] for array in pieces))):
                 k += 1
         return Pieces(*(array[:k] for array in pieces))

@@ -1,9 +1,10 @@
 """What all marches of the delay system share: the present state, the counters, and the errors if a step cannot be resolved."""
 
 import math
-from typing import Any, Protocol
+from typing import Any
 
-from reduced.delay.alike_kernel import PSI, TIME
+from reduced.delay.alike_kernel import PSI, TIME, AlikeMemory
+from reduced.delay.network_kernel import NetworkMemory
 from slipwave.errors import NumericsError
 from slipwave.friction import respond
 from slipwave.observe.ledger import Energy
@@ -11,16 +12,6 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.step.guess import TOO_STEEP
 from slipwave.step.rows import UNKNOWN
-
-
-class _Memory(Protocol):
-    @property
-    def now(self) -> Array:
-        """time (transits), psi, y."""
-
-    @property
-    def guess(self) -> Array:
-        """Nodal psi and z of the next step."""
 
 
 class DelayMarch:
@@ -32,7 +23,7 @@ class DelayMarch:
     failed_at = math.nan
     nodes: Array
     settings: dict[str, Any]
-    _memory: _Memory
+    _memory: AlikeMemory | NetworkMemory
     _steepest: float
 
     def __init__(self, scene: Scene) -> None:

@@ -20,6 +20,7 @@ from slipwave.step.guess import first_guess
 NODES = 8
 MAX_STEPS = 4096
 MOST_HALVINGS = 64  # more than MAX_STEPS allows
+SAME_PLACE = 1e-9  # of a step; two places that differ by less are one
 _FEWEST = 3.0
 _CHUNK = 2048
 
@@ -35,13 +36,13 @@ class DelayNetwork(DelayMarch):
 
     _memory: NetworkMemory
 
-    def __init__(self, scene: Scene, tolerance: float = 1e-9, nodes: int = NODES, lines: Lines | None = None) -> None:
+    def __init__(self, scene: Scene, tolerance: float = 1e-9, lines: Lines | None = None) -> None:
         super().__init__(scene)
-        self.settings = {"nodes": nodes, "tolerance": tolerance}
-        self._stages = nodes
-        self.nodes, self._matrices = collocation_matrices(nodes)
-        self._steepest = growth_limit(nodes, tolerance)
-        self._tolerances = (max(1e-3 * tolerance, 1e-14), dense_resolution(tolerance, nodes), self._steepest)
+        self.settings = {"nodes": NODES, "tolerance": tolerance}
+        self._stages = NODES
+        self.nodes, self._matrices = collocation_matrices(NODES)
+        self._steepest = growth_limit(NODES, tolerance)
+        self._tolerances = (max(1e-3 * tolerance, 1e-14), dense_resolution(tolerance, NODES), self._steepest)
         self._lines = lines or lines_of(scene)
         divisor = self._lines.divisor
         longest = min(1.0 / _FEWEST, float(self._lines.travel.min()))
@@ -103,19 +104,17 @@ class DelayNetwork(DelayMarch):
 
     def _march(self, origin: float, done: int, length: float, count: int, pieces: Pieces) -> tuple[int, int]:
         """March `count` steps of `length`, the first of which begins `done` such steps after `origin`; (steps kept, verdict)."""
-        rule = (self._matrices.integral, self._matrices.predict, self._matrices.predict_state, self._matrices.tail)
         scene = self.scene
         physics = (scene.law, self._network, scene.forcing, scene.drive.compiled)
         clock = (origin, done, length, count)
-        steps, iterations, verdict = march_network(
-            tuple(self.nodes), *physics, *rule, self._memory, *clock, *self._tolerances, pieces
-        )
+        march = (*physics, *self._matrices, self._memory, *clock, *self._tolerances)
+        steps, iterations, verdict = march_network(tuple(self.nodes), *march, pieces)
         self.iterations += iterations
         return steps, verdict
 
     def _compile(self, length: float) -> Network:
         """The lines in compiled form, with their delays in steps of `length`."""
-        return compiled(self.scene, self._lines, length, self.nodes, self._lines.divisor is not None)
+        return compiled(self.scene, self._lines, length, self.nodes)
 
     def _begin(self) -> NetworkMemory:
         """Memory at the start: steady sliding without waves, psi displaced if the start is a jump."""
@@ -153,14 +152,14 @@ class DelayNetwork(DelayMarch):
             raise self._unresolved(self.steps, verdict)
 
 
-def compiled(scene: Scene, lines: Lines, length: float, nodes: Array, whole: bool) -> Network:
-    """The lines of `scene` in compiled form for equal steps of `length` (transits); `whole` if all delays are whole steps."""
+def compiled(scene: Scene, lines: Lines, length: float, nodes: Array) -> Network:
+    """The lines of `scene` in compiled form for equal steps of `length` (transits)."""
     back, weights = delay_rows(lines.travel / length, nodes)
     return Network(
         lines.impedance,
         back,
         weights,
-        whole,
+        lines.divisor is not None,
         np.array(lines.first),
         np.array(lines.last),
         np.array([top.spring for top in lines.tops]),
@@ -187,7 +186,7 @@ def tops_for(lines: Lines, length: float, stages: int) -> tuple[Array, Array]:
 def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:
     """For delays of `steps_back` (L,) steps: how many steps back each node reads, (L, s), and its weights there, (L, s, s)."""
     place = nodes - steps_back[:, None]
-    back = -np.floor(place - 1e-9).astype(np.int64)
+    back = -np.floor(place - SAME_PLACE).astype(np.int64)
     local = np.clip(place + back, 0.0, 1.0)
     basis = lagrange_basis(nodes)
     snapped = np.array([[_snap(x, nodes) for x in row] for row in local])
@@ -197,4 +196,4 @@ def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:
 
 def _snap(point: float, nodes: Array) -> float:
     nearest = float(nodes[np.abs(nodes - point).argmin()])
-    return nearest if abs(nearest - point) < 1e-9 else point
+    return nearest if abs(nearest - point) < SAME_PLACE else point

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
+from slipwave.observe.pieces import SAME, Array, interpolation_matrix, lagrange_basis
 from slipwave.scene.drive import Drive
 
 _SAME = 1e-7
@@ -32,7 +32,7 @@ class TransitMesh:
     def resample(self, values: Array, nodes: Array, finer: "TransitMesh") -> Array:
         """Values (finer.steps, s) at the nodes of `finer` of the piecewise polynomial with nodal `values` (steps, s)."""
         at = finer.starts[:, None] + nodes * finer.lengths[:, None]
-        step = np.clip(np.searchsorted(self.starts, at - 1e-9, side="left") - 1, 0, self.steps - 1)
+        step = np.clip(np.searchsorted(self.starts, at - SAME, side="left") - 1, 0, self.steps - 1)
         local = np.clip((at - self.starts[step]) / self.lengths[step], 0.0, 1.0)
         weights = interpolation_matrix(lagrange_basis(nodes), local.ravel()).reshape(*at.shape, nodes.size)
         return np.asarray(np.einsum("isk,isk->is", weights, values[step]))

@@ -49,7 +49,7 @@ class Lines:
 
 def lines_of(scene: Scene) -> Lines:
     """The scene's slabs as lines. Raises SceneError for viscous slabs, whose waves disperse: no finite set of delays is exact."""
-    slabs = (scene.upper,) if scene.alike else (scene.upper, scene.lower)
+    slabs = scene.slabs
     for slab in slabs:
         if slab.viscosity is not None:
             raise SceneError(

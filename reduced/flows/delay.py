@@ -11,7 +11,7 @@ import numpy as np
 
 from reduced.delay.alike import collocation_matrices, dense_resolution
 from reduced.delay.alike_kernel import ELASTIC, PSI
-from reduced.delay.network import NODES, DelayNetwork, compiled
+from reduced.delay.network import NODES, SAME_PLACE, DelayNetwork, compiled
 from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, NetworkMemory, march_network
 from reduced.delay.transmission_lines import lines_of
 from reduced.flows.delay_kernel import logs_of_return, march_tangent
@@ -46,9 +46,9 @@ class DelayFlow:
         self._basis, self._with_left = _bases(NODES)
         self._lines = lines_of(scene)
         longest, divisor = min(1.0 / max(_FEWEST, per_transit), float(self._lines.travel.min())), self._lines.divisor
-        self.length = divisor / math.ceil(divisor / longest - 1e-9) if divisor else longest
-        self.kept = math.ceil(float(self._lines.travel.max()) / self.length - 1e-9)
-        self._network = compiled(scene, self._lines, self.length, self.nodes, divisor is not None)
+        self.length = divisor / math.ceil(divisor / longest - SAME_PLACE) if divisor else longest
+        self.kept = math.ceil(float(self._lines.travel.max()) / self.length - SAME_PLACE)
+        self._network = compiled(scene, self._lines, self.length, self.nodes)
         self._shape = (self._lines.travel.size, 2, self.kept, NODES)
         self.tops_remembered = np.array([(top.spring > 0.0, top.mass > 0.0) for top in self._lines.tops])
         self.size = math.prod(self._shape) + int(self.tops_remembered.sum()) + 1
@@ -73,30 +73,13 @@ class DelayFlow:
 
     def march(self, start: Array, period: float) -> Cycle:
         """As `Flow`."""
-        scene, rule = self.scene, self._matrices
-        steps, fraction = self._steps(period)
+        scene, (steps, fraction) = self.scene, self._steps(period)
         pieces = empty_pieces(steps, NODES)
         memory = self._memory(start)
-        done, iterations, verdict = march_network(
-            tuple(self.nodes),
-            scene.law,
-            self._network,
-            scene.forcing._replace(nudge=0.0),
-            scene.drive.compiled,
-            rule.integral,
-            rule.predict,
-            rule.predict_state,
-            rule.tail,
-            memory,
-            0.0,
-            0,
-            self.length,
-            steps,
-            _NEWTON,
-            _ANY,
-            _ANY,
-            pieces,
-        )
+        physics = (scene.law, self._network, scene.forcing._replace(nudge=0.0), scene.drive.compiled)
+        clock, tolerances = (0.0, 0, self.length, steps), (_NEWTON, _ANY, _ANY)
+        march = (*physics, *self._matrices, memory, *clock, *tolerances)
+        done, iterations, verdict = march_network(tuple(self.nodes), *march, pieces)
         if verdict != DONE:
             raise NumericsError(
                 f"delay: the step at {done * self.length:.6g} of {period:.6g} transits cannot be solved (scene {scene.name!r})"

@@ -11,7 +11,6 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping
-from functools import cache
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -104,12 +103,6 @@ class Checkpoints:
         self._due = self._every * (math.floor(self._solver.time / self._every + 1e-9) + 1)
 
 
-@cache
-def _sources() -> str:
-    """Digest of the solvers' sources, read once per process."""
-    return source_digest()
-
-
 def _facts(solver: Solver) -> dict[str, Any]:
     """What a checkpoint and the run that continues from it must have in common; the first difference is reported."""
     return {
@@ -117,7 +110,7 @@ def _facts(solver: Solver) -> dict[str, Any]:
         "scene": dataclasses.replace(solver.scene, until=0.0).digest,
         "model": solver.model,
         "settings": solver.settings,
-        "sources": _sources(),
+        "sources": source_digest(),
     }
 
 

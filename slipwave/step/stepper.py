@@ -81,16 +81,6 @@ class Stepper:
         return float(self._memory.now[TIME])
 
     @property
-    def z(self) -> float:
-        """The rate unknown now."""
-        return float(self._memory.now[END])
-
-    @property
-    def psi(self) -> float:
-        """The state now."""
-        return float(self._memory.now[PSI])
-
-    @property
     def longest(self) -> float:
         """Longest step (transits) between the last break and the next."""
         return float(self._port.length[0])
@@ -117,10 +107,10 @@ class Stepper:
         return Pieces(*(array[:steps] for array in pieces))
 
     def _refusal(self) -> NumericsError:
-        scene, reason = self._scene, f" ({self._reason})" if self._reason else ""
+        scene, now, reason = self._scene, self._memory.now, f" ({self._reason})" if self._reason else ""
         return NumericsError(
-            f"{self._model}: no step is short enough at t = {self.time:.6g} transits, v = {rate_of(scene.law, self.z):.3g} V*, "
-            f"psi = {self.psi:.4g}{reason} (scene {scene.name!r}, digest {scene.digest})"
+            f"{self._model}: no step is short enough at t = {now[TIME]:.6g} transits, v = {rate_of(scene.law, now[END]):.3g} V*, "
+            f"psi = {now[PSI]:.4g}{reason} (scene {scene.name!r}, digest {scene.digest})"
         )
 
     def state(self) -> State:

@@ -58,7 +58,7 @@ def test_mass_and_sources_are_told_apart(tmp_path, monkeypatch):
     save(tmp_path / "run.npz", FiniteElement(FAST))
     with pytest.raises(SceneError, match="mass is 'lumped', not 'consistent'"):
         load(tmp_path / "run.npz", FiniteElement(FAST, mass="consistent"))
-    monkeypatch.setattr(checkpoint, "_sources", lambda: "0123")
+    monkeypatch.setattr(checkpoint, "source_digest", lambda: "0123")
     with pytest.raises(SceneError, match="another version of the solvers"):
         load(tmp_path / "run.npz", FiniteElement(FAST))
 

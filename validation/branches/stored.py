@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -72,14 +71,8 @@ def _facts(branch: Branch) -> dict[str, Any]:
         "doubled": branch.doubled,
         "parameter": branch.over.name,
         "tolerance": branch.tolerance,
-        "sources": _sources(),
+        "sources": source_digest(),
     }
-
-
-@cache
-def _sources() -> str:
-    """Digest of the solvers' sources, read once per process."""
-    return source_digest()
 
 
 def _require_same(path: Path, facts: dict[str, Any], wanted: dict[str, Any]) -> None:
