@@ -5,6 +5,7 @@ import math
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +19,13 @@ FIGURES = (".png", ".pdf", ".svg")
 _EXTRA = dict.fromkeys(FIGURES, "plot") | dict.fromkeys((".nc", ".vtu", ".xdmf"), "files")
 
 
-def attempt(*tasks: Callable[[], None]) -> list[str]:
-    """Run all of `tasks`, even if some fail; returns one line for each that could not write its result."""
+def deliver(show: Callable[[], None], *files: tuple[Callable[[Path], None], Path | None]) -> list[str]:
+    """Show a result on stdout, then write it to those files that were asked for, each by its writer, even if some of this fails:
+    the disk may be full. Returns one line for each part that could not be written."""
     problems = []
-    for task in tasks:
+    for write in (partial(printed, show), *(partial(write, path) for write, path in files if path is not None)):
         try:
-            task()
+            write()
         except SceneError as error:
             problems.append(str(error))
     return problems
@@ -80,9 +82,11 @@ def require_folder(folder: Path) -> None:
         raise SceneError(f"--out = {str(folder)!r}: this folder cannot be written")
 
 
-def require_writable(path: Path, suffixes: tuple[str, ...], option: str = "--out") -> None:
-    """Make sure, before anything is computed, that `path` can become a file of one of these kinds: that it can be written, and
-    that the library that writes it is installed."""
+def require_writable(path: Path | None, suffixes: tuple[str, ...], option: str = "--out") -> None:
+    """Make sure, before anything is computed, that `path`, if one is given, can become a file of one of these kinds: that it can
+    be written, and that the library that writes it is installed."""
+    if path is None:
+        return
     try:
         problem = _problem(path, suffixes)
     except (OSError, ValueError) as error:

@@ -2,7 +2,9 @@
 
 from typing import Any
 
+import slipwave
 from validation.commands.options import Json, Law, SceneName, Settings, Until, Yes, most_seconds
+from validation.output import conclude, figures, print_json, print_table
 
 EXAMPLES = ("slipwave bench paper --until 1000",)
 
@@ -11,9 +13,7 @@ def bench(
     source: SceneName, until: Until = None, settings: Settings = None, law: Law = None, yes: Yes = False, json: Json = False
 ) -> None:
     """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance."""
-    import slipwave
     from validation.door.result import delivered
-    from validation.output import conclude, print_json
 
     result, failed, stopped = delivered(
         lambda: slipwave.bench(source, until=until, settings=settings or (), most_seconds=most_seconds(yes))
@@ -27,7 +27,6 @@ def bench(
 
 def _print(summary: dict[str, Any]) -> None:
     from validation.commands.wording import without_errors, without_period
-    from validation.output import figures, print_table
 
     rows = summary["models"]
     heading = ["model", "setting", "wall s", "error T", "error drop"]

@@ -5,8 +5,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import slipwave
 from validation.branches import KINDS
 from validation.commands.options import Cells, Json, Law, Model, SceneName, Settings
+from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable
 
 if TYPE_CHECKING:
     from validation.branches.record import Branch
@@ -63,13 +65,11 @@ def branch(
     Special points: HB Hopf, LP fold, PD period doubling, NS torus. Where the range holds no Hopf point, the branch begins with
     the orbit that a run at an unstable end leads to.
     """
-    import slipwave
     from validation.door.result import delivered
-    from validation.output import FIGURES, attempt, conclude, print_json, printed, require_writable
 
-    for path, kinds, option in ((out, (".nc",), "--out"), (resume, (".nc",), "--resume"), (plot, FIGURES, "--plot")):
-        if path is not None:
-            require_writable(path, kinds, option)
+    require_writable(out, (".nc",))
+    require_writable(resume, (".nc",), "--resume")
+    require_writable(plot, FIGURES, "--plot")
     result, failed, stopped = delivered(
         lambda: slipwave.branch(
             source,
@@ -86,12 +86,12 @@ def branch(
             most_points=most_points,
         )
     )
-    tasks = []
+    problems = []
     if result.found.points or result.found.special:
-        tasks.append(lambda: printed(lambda: print_json(result.summary) if json else _print(result.found, result.wall_s)))
-        if plot is not None:
-            tasks.append(lambda: result.save_plot(plot))
-    conclude("; ".join([failed, *([_way_on(out or resume)] if stopped else [])]), attempt(*tasks), stopped)
+        problems = deliver(
+            lambda: print_json(result.summary) if json else _print(result.found, result.wall_s), (result.save_plot, plot)
+        )
+    conclude("; ".join([failed, *([_way_on(out or resume)] if stopped else [])]), problems, stopped)
 
 
 def _way_on(path: Path | None) -> str:
@@ -100,7 +100,6 @@ def _way_on(path: Path | None) -> str:
 
 def _print(found: "Branch", wall_s: float) -> None:
     from validation.commands.header import header
-    from validation.output import figures, print_table
 
     for line in header(found.over.base):
         print(line)
@@ -129,8 +128,6 @@ def _print(found: "Branch", wall_s: float) -> None:
 
 
 def _special_rows(found: "Branch") -> tuple[list[str], list[list[str]]]:
-    from validation.output import figures
-
     rows = [
         [
             f"{special.kind} {KINDS[special.kind]}",

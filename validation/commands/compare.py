@@ -5,6 +5,7 @@ from typing import Annotated, Any
 
 import typer
 
+import slipwave
 from validation.commands.options import (
     Cells,
     Cfl,
@@ -18,6 +19,7 @@ from validation.commands.options import (
     Yes,
     most_seconds,
 )
+from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable
 
 EXAMPLES = ("slipwave compare paper --models delay,kelvin-voigt,fd --out compare.png",)
 
@@ -39,9 +41,7 @@ def compare(
     json: Json = False,
 ) -> None:
     """Draw one cycle of each model in one figure; print periods and stress drops with their errors."""
-    import slipwave
     from validation.door.result import delivered
-    from validation.output import FIGURES, attempt, conclude, print_json, printed, require_writable
 
     require_writable(out, FIGURES)
     result, failed, stopped = delivered(
@@ -58,13 +58,12 @@ def compare(
         )
     )
     summary = result.summary | {"figure": str(out)}
-    problems = attempt(lambda: printed(lambda: print_json(summary) if json else _print(summary)), lambda: result.save_plot(out))
+    problems = deliver(lambda: print_json(summary) if json else _print(summary), (result.save_plot, out))
     conclude(failed, problems, stopped)
 
 
 def _print(summary: dict[str, Any]) -> None:
     from validation.commands.wording import without_errors, without_period
-    from validation.output import figures, print_table
 
     rows = summary["models"]
     heading = ["model", "period", "std", "stress drop", "elastic drop", "v_max", "v_min", "error T", "error drop", "wall s"]

@@ -5,9 +5,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import slipwave
 from validation.branches import KINDS
 from validation.commands.branch import BranchTolerance
 from validation.commands.options import Json, Law, Model, SceneName, Settings
+from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable
 
 if TYPE_CHECKING:
     from validation.branches.curve import Curve
@@ -44,26 +46,22 @@ def curve(
 
     The curve begins with the first point of its kind on the branch at the second parameter's first value.
     """
-    import slipwave
     from validation.door.result import delivered
-    from validation.output import FIGURES, attempt, conclude, print_json, printed, require_writable
 
-    if plot is not None:
-        require_writable(plot, FIGURES, "--plot")
+    require_writable(plot, FIGURES, "--plot")
     result, failed, stopped = delivered(
         lambda: slipwave.curve(source, of, over, along, model, settings=settings or (), tol=tol, most_points=most_points)
     )
-    tasks = []
+    problems = []
     if result.found.points:
-        tasks.append(lambda: printed(lambda: print_json(result.summary) if json else _print(result.found, result.wall_s)))
-        if plot is not None:
-            tasks.append(lambda: result.save_plot(plot))
-    conclude(failed, attempt(*tasks), stopped)
+        problems = deliver(
+            lambda: print_json(result.summary) if json else _print(result.found, result.wall_s), (result.save_plot, plot)
+        )
+    conclude(failed, problems, stopped)
 
 
 def _print(found: "Curve", wall_s: float) -> None:
     from validation.commands.header import header
-    from validation.output import figures, print_table
 
     for line in header(found.over.base):
         print(line)

@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import slipwave
 from validation.commands.options import Cells, Json, Law, Model, SceneName, Settings
+from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable
 
 if TYPE_CHECKING:
     from validation.registry.orbits import OrbitFound
@@ -43,26 +45,16 @@ def orbit(
     Where several orbits coexist, a run leads to one at most: --near-period finds the others. A full wave marches exactly in
     time; its orbit is that of its grid.
     """
-    import slipwave
-    from validation.output import FIGURES, attempt, conclude, print_json, printed, require_writable
-
-    for path, kinds, option in ((out, (".nc",), "--out"), (plot, FIGURES, "--plot")):
-        if path is not None:
-            require_writable(path, kinds, option)
-
+    require_writable(out, (".nc",))
+    require_writable(plot, FIGURES, "--plot")
     result = slipwave.orbit(source, model, tol=tol, near_period=near_period, cells=cells, settings=settings or ())
-    tasks = [lambda: printed(lambda: print_json(result.summary) if json else _print(result.found))]
-    if out is not None:
-        tasks.append(lambda: result.to_netcdf(out))
-    if plot is not None:
-        tasks.append(lambda: result.save_plot(plot))
-    conclude("", attempt(*tasks))
+    files = ((result.to_netcdf, out), (result.save_plot, plot))
+    conclude("", deliver(lambda: print_json(result.summary) if json else _print(result.found), *files))
 
 
 def _print(done: "OrbitFound") -> None:
     from validation.commands.header import header
     from validation.commands.wording import orbit_rows
-    from validation.output import figures, print_table
 
     multipliers, scene = done.found.multipliers, done.scene
     for line in header(scene):

@@ -5,6 +5,10 @@ from typing import Annotated
 
 import typer
 
+from slipwave.errors import Interrupted
+from slipwave.extras import EXTRAS, require
+from validation.output import require_folder
+
 EXAMPLES = (
     "slipwave report --quick",
     "slipwave report --only one-cycle --out reports",
@@ -17,9 +21,6 @@ def report(
     out: Annotated[Path, typer.Option(metavar="DIR", help="folder of the page and its data")] = Path("reports"),
 ) -> None:
     """Run the studies whose scene, code or settings changed and write DIR/index.html."""
-    from slipwave.errors import Interrupted
-    from slipwave.extras import EXTRAS, require
-    from validation.output import require_folder
     from validation.report.build import make_report
     from validation.report.red import RedReport
 

@@ -1,10 +1,14 @@
 """`slipwave run`: one model on one scene."""
 
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import slipwave
+from slipwave.errors import SceneError
+from slipwave.files import part_of
 from validation.commands.options import (
     Cells,
     Cfl,
@@ -19,6 +23,7 @@ from validation.commands.options import (
     Yes,
     most_seconds,
 )
+from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable
 
 if TYPE_CHECKING:
     from validation.door.run import RunResult
@@ -70,24 +75,14 @@ def run(
     json: Json = False,
 ) -> None:
     """Run one model on one scene; print events, periods and stress drops of the run's second half."""
-    from contextlib import closing
-
-    import slipwave
-    from slipwave.files import part_of
     from validation.door.result import delivered
-    from validation.output import FIGURES, attempt, conclude, print_json, printed, require_writable
     from validation.run.recording import FIELD_FILES
     from validation.run.resuming import way_on
 
-    files = (
-        (out, (".nc",), "--out"),
-        (fields, FIELD_FILES, "--fields"),
-        (plot, FIGURES, "--plot"),
-        (events, (".csv",), "--events"),
-    )
-    for path, kinds, option in files:
-        if path is not None:
-            require_writable(path, kinds, option)
+    require_writable(out, (".nc",))
+    require_writable(fields, FIELD_FILES, "--fields")
+    require_writable(plot, FIGURES, "--plot")
+    require_writable(events, (".csv",), "--events")
     result, failed, stopped = delivered(
         lambda: slipwave.run(
             source,
@@ -111,24 +106,14 @@ def run(
     )
     for note in result.notes:
         typer.echo(f"note: {note}", err=True)
+    files = ((result.write_events, events), (result.write_fields, fields), (result.to_netcdf, out), (result.save_plot, plot))
     with closing(result):
-        # printed first: writing the files may find a full disk
-        tasks = [lambda: printed(lambda: print_json(result.summary) if json else _print(result))]
-        if events is not None:
-            tasks.append(lambda: result.write_events(events))
-        if fields is not None:
-            tasks.append(lambda: result.write_fields(fields))
-        if out is not None:
-            tasks.append(lambda: result.to_netcdf(out))
-        if plot is not None:
-            tasks.append(lambda: result.save_plot(plot))
-        problems = attempt(*tasks)
+        problems = deliver(lambda: print_json(result.summary) if json else _print(result), *files)
     conclude("; ".join([failed, *([way_on(checkpoint)] if stopped else [])]), problems, stopped)
 
 
 def _window(text: str | None) -> tuple[float, float] | None:
     """The window A:B in transits."""
-    from slipwave.errors import SceneError
     from slipwave.input.wording import shorten
 
     if text is None:
@@ -144,7 +129,6 @@ def _print(result: "RunResult") -> None:
     from validation.commands.header import header
     from validation.commands.wording import ENDED, events_in_words, margins_in_words, statistics_rows
     from validation.door.run import grid_in_words
-    from validation.output import figures, print_table
     from validation.run.stage_table import stage_rows
 
     done, choice = result.done, result.choice

@@ -1,6 +1,8 @@
 """`slipwave show`: a scene as pure TOML; what else a file of results holds as comments."""
 
+import slipwave
 from validation.commands.options import Law, SceneName, Settings
+from validation.output import printed
 
 EXAMPLES = (
     "slipwave show paper > mine.toml",
@@ -10,12 +12,10 @@ EXAMPLES = (
 
 def show(source: SceneName, settings: Settings = None, law: Law = None) -> None:
     """Print the resolved scene as TOML, for a file of your own: slipwave show paper > mine.toml"""
-    import slipwave
     from slipwave.input.stored import is_stored, read_stored
     from slipwave.input.tables import to_toml
     from slipwave.input.wording import one_line
     from validation.commands.header import header
-    from validation.output import printed
 
     scene = slipwave.read(source, settings or ())
     facts = read_stored(source).facts if is_stored(source) else {}

@@ -1,11 +1,14 @@
 """`slipwave stability`: is steady sliding stable, where does it lose stability, and how do small disturbances grow?"""
 
+import math
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+import slipwave
 from reduced.families import DELAY, REDUCTIONS
 from validation.commands.options import Json, Law, SceneName, Settings
+from validation.output import figures, print_json, print_table, printed
 
 if TYPE_CHECKING:
     from validation.door.stability import StabilityResult
@@ -29,18 +32,12 @@ def stability(
     source: SceneName, model: StabilityModel = "delay", settings: Settings = None, law: Law = None, json: Json = False
 ) -> None:
     """Stability of steady sliding from the slabs' impedance alone, for any scene and model."""
-    import slipwave
-    from validation.output import print_json, printed
-
     result = slipwave.stability(source, model, settings=settings or ())
     printed(lambda: print_json(result.summary) if json else _print(result))
 
 
 def _print(result: "StabilityResult") -> None:
-    import math
-
     from validation.commands.header import header
-    from validation.output import figures, print_table
 
     scene, found = result.scene, result.found
     for line in header(scene):
@@ -70,8 +67,6 @@ def _print(result: "StabilityResult") -> None:
 
 def _in_si(result: "StabilityResult") -> list[list[str]]:
     """Rows of the table for a scene with units."""
-    from validation.output import figures
-
     scene, found = result.scene, result.physical
     if found is None or scene.units is None:
         return []

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from slipwave.errors import SceneError
 from slipwave.family import Family
@@ -12,7 +12,7 @@ from slipwave.observe.foresight import DAY
 from slipwave.scene import Scene
 from validation.door.conclusion import conclusion
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Result, deliver, finite, scene_of, table_of
+from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of
 from validation.registry import build as models
 from validation.registry.families import one_port_of
 from validation.run.difference import in_json
@@ -21,9 +21,6 @@ from validation.run.progress import progress
 from validation.run.simulate import Run, RunInterrupted, simulate
 from validation.study.drawing import Drawing, canvas, pen, styled
 from validation.work_precision import Setting, solver_of, warm_up
-
-if TYPE_CHECKING:
-    import xarray
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)
 _REFERENCE_TOLERANCE = 1e-11
@@ -46,7 +43,7 @@ class BenchResult(Result):
         return dict(finite(facts | {"models": rows}))
 
     @cached_property
-    def dataset(self) -> "xarray.Dataset":
+    def dataset(self) -> Dataset:
         """Wall time and errors of each run by `trial`, with its model and setting."""
         data = table_of(self.summary["models"], "trial")
         return data.assign_attrs(provenance("bench", self.scene, self.reference.solver.model, {}))

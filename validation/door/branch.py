@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from slipwave.errors import NumericsError
 from slipwave.extras import require
@@ -18,15 +18,12 @@ from validation.branches.parameter import over_range
 from validation.branches.record import Branch, BranchPoint, SpecialPoint
 from validation.branches.stored import read, write
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Result, as_path, deliver, finite, scene_of, told
+from validation.door.result import Dataset, Result, as_path, deliver, finite, scene_of, told
 from validation.registry.flows import flowing
 from validation.registry.orbits import require_tolerance
 from validation.run.progress import progress
 from validation.run.quantities import EVENTS, variables
 from validation.study.drawing import Drawing, styled
-
-if TYPE_CHECKING:
-    import xarray
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -59,7 +56,7 @@ class BranchResult(Result):
         return dict(finite(result | ({"failed": self.failed} if self.failed else {})))
 
     @cached_property
-    def dataset(self) -> "xarray.Dataset":
+    def dataset(self) -> Dataset:
         """The points by `point` and the special points by `special`, at their values of the parameter."""
         require("files", "a dataset")
         import xarray

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from slipwave.input import SceneSource
 from slipwave.observe import Solver
@@ -13,7 +13,7 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.door.conclusion import conclusion
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Result, deliver, finite, scene_of, table_of
+from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of
 from validation.measure.cycle import Cycle, CycleObserver
 from validation.registry.build import build_all
 from validation.registry.families import one_port_of
@@ -22,9 +22,6 @@ from validation.run.length import Until, length_of, second_half
 from validation.run.simulate import Run, RunInterrupted, simulate
 from validation.study.drawing import Drawing, canvas, styled
 from validation.work_precision import warm
-
-if TYPE_CHECKING:
-    import xarray
 
 _ON_TOP = {"color": "#111111", "linewidth": 0.9, "dashes": (4, 2), "zorder": 3}
 """How the reference is drawn: what it covers shows between the dashes."""
@@ -55,7 +52,7 @@ class CompareResult(Result):
         return dict(finite(facts | {"models": rows} | ({"notes": doubtful} if doubtful else {})))
 
     @cached_property
-    def dataset(self) -> "xarray.Dataset":
+    def dataset(self) -> Dataset:
         """The figures of each run by `model`: means, spreads and errors."""
         data = table_of(self.summary["models"], "model")
         return data.assign_attrs(provenance("compare", self.scene, ",".join(data["model"].values.tolist()), self.options))

@@ -4,7 +4,7 @@ import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import SceneSource
@@ -13,14 +13,11 @@ from validation.branches.curve import Curve, CurvePoint, require_curve, trace
 from validation.branches.curve_drawing import figure_of
 from validation.branches.parameter import over_range
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Result, deliver, finite, scene_of, table_of, told
+from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of, told
 from validation.registry.flows import flowing
 from validation.registry.orbits import require_tolerance
 from validation.run.progress import progress
 from validation.study.drawing import Drawing, styled
-
-if TYPE_CHECKING:
-    import xarray
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -51,7 +48,7 @@ class CurveResult(Result):
         return dict(finite(result | ({"failed": self.failed} if self.failed else {})))
 
     @cached_property
-    def dataset(self) -> "xarray.Dataset":
+    def dataset(self) -> Dataset:
         """The points by `point`."""
         rows = [_at(self.found, point) for point in self.found.points]
         rows = [row | dict(zip(("multiplier_re", "multiplier_im"), row.pop("multiplier"), strict=True)) for row in rows]

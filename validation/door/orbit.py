@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,17 +16,13 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.step.flow import Cycle
 from validation.branches.at_scene import orbit_of
-from validation.door.in_si import cycle_in_si
 from validation.door.motion_figure import motion_figure
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Result, finite, scene_of, told
+from validation.door.result import Dataset, Result, finite, scene_of, told
 from validation.registry.flows import flowing
 from validation.registry.orbits import OrbitFound, require_tolerance
-from validation.run.quantities import EVENTS, INTERFACE, variables
+from validation.run.quantities import EVENTS, INTERFACE, cycle_in_si, variables
 from validation.study.drawing import Drawing, styled
-
-if TYPE_CHECKING:
-    import xarray
 
 TOLERANCE = 1e-8
 """Relative error of an orbit's figures if none is requested."""
@@ -40,7 +36,7 @@ class OrbitResult(Result):
     options: Mapping[str, Any]
 
     @cached_property
-    def dataset(self) -> "xarray.Dataset":
+    def dataset(self) -> Dataset:
         """The motion over one period by `time` from 0, multipliers by `multiplier`, and the orbit's figures with their errors."""
         require("files", "a dataset")
         import xarray

@@ -21,7 +21,9 @@ from slipwave.scene.doubts import doubts
 from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
-    import xarray
+    from xarray import Dataset as Dataset
+else:  # xarray is loaded only when a dataset is made
+    Dataset = Any
 
 told = logging.getLogger("slipwave")
 """What is chosen for the user and how far long work has come, at level INFO; the command line prints it on stderr."""
@@ -37,7 +39,7 @@ class Result(ABC):
 
     @property
     @abstractmethod
-    def dataset(self) -> "xarray.Dataset":
+    def dataset(self) -> Dataset:
         """All arrays with coordinates and units; for a scene in SI also in SI. The attributes say where it comes from."""
 
     @abstractmethod
@@ -146,7 +148,7 @@ def _scalars(facts: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield key, f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def table_of(rows: Sequence[Mapping[str, Any]], dimension: str) -> "xarray.Dataset":
+def table_of(rows: Sequence[Mapping[str, Any]], dimension: str) -> Dataset:
     """The rows of a summary as variables over `dimension`: numbers and words by their dotted keys, NaN where there is none."""
     require("files", "a dataset")
     import xarray

@@ -15,11 +15,10 @@ from slipwave.observe import Solver
 from slipwave.observe.foresight import DAY
 from slipwave.observe.solver import Leaping
 from slipwave.scene.doubts import doubts
-from validation.door.in_si import cycle_in_si
 from validation.door.motion_figure import motion_axes, motion_figure
 from validation.door.protocol_figure import protocol_figure
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Result, as_path, deliver, finite, scene_of, told
+from validation.door.result import Dataset, Result, as_path, deliver, finite, scene_of, told
 from validation.registry import build as models
 from validation.registry.default_grid import judged, note_on
 from validation.registry.families import Built, Options, one_port_of
@@ -27,6 +26,7 @@ from validation.run.determinacy import amplified_rounding
 from validation.run.event_table import write_events
 from validation.run.history_file import Kept
 from validation.run.length import Length, length_of, require_cycles
+from validation.run.quantities import cycle_in_si
 from validation.run.reasons import needed, reasons
 from validation.run.recording import Records, Wanted, records_of
 from validation.run.resuming import require_checkpoint
@@ -36,8 +36,6 @@ from validation.run.stage_table import stage_results
 from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
-    import xarray
-
     from fullwave.adapt import Choice
 
 
@@ -112,7 +110,7 @@ class RunResult(Result):
         return {name: getattr(ledger, name) for name in ("input", "friction", "radiated", "stored", "residual", *viscous)}
 
     @cached_property
-    def dataset(self) -> "xarray.Dataset":
+    def dataset(self) -> Dataset:
         """Cycles by `event`; the interface's history by `time`, if it was kept. All of it is in memory."""
         return run_dataset(self.done, self._facts(), self.records.history)
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from reduced.families import DELAY
 from reduced.stability import Stability, analyse
@@ -13,14 +13,10 @@ from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Result, finite, scene_of
+from validation.door.result import Dataset, Result, finite, scene_of
 from validation.registry.families import one_port_of
 from validation.run.reasons import on_stability
 from validation.study.drawing import Drawing, canvas, styled
-
-if TYPE_CHECKING:
-    import xarray
-
 
 _CRITICAL = {
     "omega_c": "critical frequency, in V*/L",
@@ -80,7 +76,7 @@ class StabilityResult(Result):
         return in_si(self.scene, self.found)
 
     @cached_property
-    def dataset(self) -> "xarray.Dataset":
+    def dataset(self) -> Dataset:
         """The leading roots by `root`, and the critical values."""
         import numpy as np
 

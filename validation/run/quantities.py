@@ -67,6 +67,14 @@ def in_si(name: str, values: ArrayLike, quantity: Quantity, scene: Scene) -> dic
     return {f"{name}_{ending}": (np.asarray(values, dtype=float) * factor, {"long_name": quantity.meaning, "units": unit})}
 
 
+def cycle_in_si(values: Mapping[str, float], scene: Scene) -> dict[str, dict[str, float]]:
+    """{"si": the figures of a cycle in SI}, for the JSON of a scene with units; else nothing."""
+    if scene.units is None:
+        return {}
+    twins = {twin: float(size) for name in values for twin, (size, _) in in_si(name, values[name], EVENTS[name], scene).items()}
+    return {"si": twins | {"transit_s": scene.transit * scene.units.time}}
+
+
 def variables(
     dimension: str | tuple[str, ...],
     columns: Mapping[str, ArrayLike],

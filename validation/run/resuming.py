@@ -14,8 +14,7 @@ def require_checkpoint(path: Path | None, every: float | None) -> None:
         raise SceneError(f"--checkpoint-every = {every:g}: needs --checkpoint FILE")
     if every is not None and not (math.isfinite(every) and every > 0.0):
         raise SceneError(f"--checkpoint-every = {every:g}: must be a positive number of transits")
-    if path is not None:
-        require_writable(path, (".npz",), "--checkpoint")
+    require_writable(path, (".npz",), "--checkpoint")
 
 
 def way_on(path: Path | None) -> str:
