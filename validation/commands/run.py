@@ -71,17 +71,25 @@ def run(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="draw stress and slip rate over time: .png, .pdf or .svg")
     ] = None,
+    map_file: Annotated[
+        Path | None,
+        typer.Option("--return-map", metavar="FILE", help="draw the period of each cycle over that of the one before"),
+    ] = None,
+    lyapunov: Annotated[
+        bool, typer.Option("--lyapunov", help="how fast motions close by part: the largest Lyapunov exponent, by a second march")
+    ] = False,
     yes: Yes = False,
     json: Json = False,
 ) -> None:
     """Run one model on one scene; print events, periods and stress drops of the run's second half."""
-    from validation.door.result import delivered
+    from validation.door.result import delivered, save_drawing
     from validation.run.recording import FIELD_FILES
     from validation.run.resuming import way_on
 
     require_writable(out, (".nc",))
     require_writable(fields, FIELD_FILES, "--fields")
     require_writable(plot, FIGURES, "--plot")
+    require_writable(map_file, FIGURES, "--return-map")
     require_writable(events, (".csv",), "--events")
     result, failed, stopped = delivered(
         lambda: slipwave.run(
@@ -101,12 +109,19 @@ def run(
             samples=part_of(out, ".samples") if out is not None else None,
             checkpoint=checkpoint,
             checkpoint_every=checkpoint_every,
+            lyapunov=lyapunov,
             most_seconds=most_seconds(yes),
         )
     )
     for note in result.notes:
         typer.echo(f"note: {note}", err=True)
-    files = ((result.write_events, events), (result.write_fields, fields), (result.to_netcdf, out), (result.save_plot, plot))
+    files = (
+        (result.write_events, events),
+        (result.write_fields, fields),
+        (result.to_netcdf, out),
+        (result.save_plot, plot),
+        (lambda path: save_drawing(path, result.plot_return_map), map_file),
+    )
     with closing(result):
         problems = deliver(lambda: print_json(result.summary) if json else _print(result), *files)
     conclude("; ".join([failed, *([way_on(checkpoint)] if stopped else [])]), problems, stopped)
@@ -127,7 +142,7 @@ def _window(text: str | None) -> tuple[float, float] | None:
 
 def _print(result: "RunResult") -> None:
     from validation.commands.header import header
-    from validation.commands.wording import ENDED, events_in_words, margins_in_words, statistics_rows
+    from validation.commands.wording import ENDED, events_in_words, exponent_in_words, margins_in_words, statistics_rows
     from validation.door.run import grid_in_words
     from validation.run.stage_table import stage_rows
 
@@ -151,6 +166,8 @@ def _print(result: "RunResult") -> None:
         print_table(*statistics_rows(done.statistics, done.solver.scene))
         for line in margins_in_words(done.statistics, done.solver.scene):
             print(line)
+    if result.exponent is not None:
+        print(exponent_in_words(result.exponent))
     if result.records.protocol:
         print()
         print_table(*stage_rows(result.records.protocol.figures, done.solver.scene))

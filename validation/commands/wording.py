@@ -6,6 +6,7 @@ from dataclasses import fields
 from typing import Any
 
 from slipwave.observe import RunStatistics, Verdict
+from slipwave.observe.lyapunov import Exponent
 from slipwave.observe.orbit import Orbit
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
@@ -65,6 +66,15 @@ def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
     seconds = f" ({figures(found.margins.period * scene.transit * scene.units.time, 3)} s)" if scene.units else ""
     period, drop = figures(found.margins.period, 3), figures(found.margins.stress_drop, 3)
     return [f"the mean of an endless run lies within (95 %): period +- {period} transits{seconds}, stress drop +- {drop}"]
+
+
+def exponent_in_words(found: Exponent) -> str:
+    """A line with the largest Lyapunov exponent, and whether it differs from zero."""
+    known = f"largest Lyapunov exponent {figures(found.rate, 3)} +- {figures(found.margin, 2)} per transit (95 %)"
+    if abs(found.rate) <= found.margin:
+        return f"{known}: motions close by neither part nor join"
+    word = "part" if found.rate > 0.0 else "join"
+    return f"{known}: motions close by {word} by a factor e in {1.0 / abs(found.rate):.3g} transits"
 
 
 def events_in_words(count: int | None, verdict: Verdict | None, needed: float = math.nan) -> str:

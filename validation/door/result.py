@@ -54,8 +54,7 @@ class Result(ABC):
 
     def save_plot(self, path: str | Path) -> None:
         """Write the figure as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
-        with styled(), whole_or_absent(Path(path)) as temporary:
-            self.plot().savefig(temporary, dpi=150)
+        save_drawing(path, self.plot)
 
     def __repr__(self) -> str:
         shown = (f"{name} = {value}" for name, value in _scalars(self.summary))
@@ -75,6 +74,12 @@ class Stopped(KeyboardInterrupt):
     def __init__(self, message: str, result: Any) -> None:
         super().__init__(message)
         self.result = result
+
+
+def save_drawing(path: str | Path, draw: Callable[[], Drawing]) -> None:
+    """Write the figure that `draw` makes as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
+    with styled(), whole_or_absent(Path(path)) as temporary:
+        draw().savefig(temporary, dpi=150)
 
 
 def as_path(path: str | Path | None) -> Path | None:

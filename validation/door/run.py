@@ -8,17 +8,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fullwave.fields.files import write_field
-from slipwave.errors import SceneError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.input import SceneSource
 from slipwave.input.stored import recall
-from slipwave.observe import Solver
+from slipwave.observe import Events, Solver
 from slipwave.observe.foresight import DAY
+from slipwave.observe.lyapunov import Exponent
+from slipwave.observe.snapshot import FieldSolver
 from slipwave.observe.solver import Leaping
+from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.door.motion_figure import motion_axes, motion_figure
 from validation.door.protocol_figure import protocol_figure
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, as_path, deliver, finite, scene_of, told
+from validation.door.return_map import return_map
 from validation.registry import build as models
 from validation.registry.default_grid import judged, note_on
 from validation.registry.families import Built, Options, one_port_of
@@ -26,12 +30,13 @@ from validation.run.determinacy import amplified_rounding
 from validation.run.event_table import write_events
 from validation.run.history_file import Kept
 from validation.run.length import Length, length_of, require_cycles
+from validation.run.parting import exponent_of, require_constant
 from validation.run.quantities import cycle_in_si
 from validation.run.reasons import needed, reasons
 from validation.run.recording import Records, Wanted, records_of
 from validation.run.resuming import require_checkpoint
 from validation.run.run_dataset import run_dataset, write_run
-from validation.run.simulate import Run, RunInterrupted, simulate
+from validation.run.simulate import Run, RunInterrupted, second_half, simulate
 from validation.run.stage_table import stage_results
 from validation.study.drawing import Drawing, styled
 
@@ -42,18 +47,21 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, repr=False, eq=False)
 class RunResult(Result):
     """A run that is `done`, with what was kept of it on its way in `records`. `choice` is the grid that was chosen for a full
-    wave, `notes` are remarks on the numbers, `options` those of the call."""
+    wave, `notes` are remarks on the numbers, `options` those of the call; `exponent`, if asked for, is the largest Lyapunov
+    exponent of the motion from the end on."""
 
     done: Run
     records: Records
     choice: "Choice | None"
     notes: list[str]
     options: Mapping[str, Any]
+    exponent: Exponent | None = None
 
     @property
     def summary(self) -> dict[str, Any]:
         """The JSON of `slipwave run` (users rely on its keys). `grid` is there only if the user did not choose its cells,
-        `protocol`, its stages, only if the drive changes, `failed` only if the numerics failed."""
+        `protocol`, its stages, only if the drive changes, `lyapunov` only if it was asked for, `failed` only if the numerics
+        failed."""
         done, found = self.done, self.done.statistics
         result: dict[str, Any] = {
             "schema": SCHEMA,
@@ -85,6 +93,7 @@ class RunResult(Result):
         stages = self.records.protocol.figures if self.records.protocol else []
         more = {
             "protocol": stage_results(stages, done.solver.scene),
+            "lyapunov": self.exponent._asdict() if self.exponent else None,
             "failed": done.failed,
             "notes": [*doubts(done.solver.scene), *self.notes],
         }
@@ -140,6 +149,17 @@ class RunResult(Result):
             below.set_ylabel("largest slip rate / V*")
             return figure
 
+    def plot_return_map(self) -> Drawing:
+        """The period of each cycle of the run's second half over that of the one before. Raises SceneError for fewer than two
+        cycles."""
+        done, cycles = self.done, self.done.events
+        inside = cycles.time >= second_half(done.solver, done.until)
+        if inside.sum() < 2:
+            raise SceneError("a return map needs two complete cycles in the second half of the run")
+        title = f"{done.solver.scene.name}, {done.solver.model}: {done.kind}"
+        with styled():
+            return return_map(title, Events(*(column[inside] for column in cycles)))
+
     def _facts(self) -> dict[str, Any]:
         return provenance("run", self.done.solver.scene, self.done.solver.model, self.options)
 
@@ -174,6 +194,7 @@ def run(
     samples: str | Path | None = None,
     checkpoint: str | Path | None = None,
     checkpoint_every: float | None = None,
+    lyapunov: bool = False,
     most_seconds: float = DAY,
     settings: Iterable[str] = (),
     **changes: Any,
@@ -186,7 +207,8 @@ def run(
     interface's history, during the run in the file `samples` (default: a temporary one); `every` keeps one in so many samples and
     `window` those from begin to end (transits), and each of them asks for the history too. `fields` keeps the last 100 transits
     of a full wave. Both are kept as the scene records where None. A run that writes a `checkpoint` every so many transits goes on
-    from that file if it exists. If `source` is a netCDF file of an earlier run, it is run again: its model and its options hold
+    from that file if it exists. `lyapunov` asks for the largest Lyapunov exponent, by a second march beside the motion from the
+    end of the run on. If `source` is a netCDF file of an earlier run, it is run again: its model and its options hold
     where none are given.
 
     Raises SceneError for wrong input and for a run that is expected to take more than `most_seconds`; NumericsError if the
@@ -211,6 +233,8 @@ def run(
     cycles = options.get("cycles")
     checkpoint, samples = as_path(checkpoint), as_path(samples)
     require_cycles(scene, cycles)
+    if lyapunov:
+        require_constant(scene)
     require_checkpoint(checkpoint, checkpoint_every)
     numerical = Options(cells=options["cells"], cfl=options["cfl"], tolerance=options["tol"], time=options["time"])
     wanted = Wanted(options["interface"], fields, _kept(options["every"], options["window"]), samples)
@@ -222,11 +246,14 @@ def run(
     try:
         done, stopped = _march(built.solver, length, records, most_seconds)
         default = _default_grid(built.solver, options) if not done.failed else None
+        exponent, failed = None, done.failed
+        if lyapunov and not (failed or stopped):
+            exponent, failed, stopped = _exponent(done, scene, numerical, most_seconds)
     except BaseException:
         records.close()
         raise
     notes += note_on(default) if default else []
-    return deliver(RunResult(done, records, built.choice or default, notes, options), done.failed, stopped)
+    return deliver(RunResult(done, records, built.choice or default, notes, options, exponent), failed, stopped)
 
 
 def _kept(every: int | None, window: tuple[float, float] | None) -> Kept:
@@ -265,6 +292,21 @@ def _march(solver: Solver, length: Length, records: Records, most: float) -> tup
         return simulate(solver, length, records.observers, most, records.watch, records.marks), False
     except RunInterrupted as stop:
         return stop.run, True
+
+
+def _exponent(done: Run, scene: Scene, numerical: Options, most: float) -> tuple[Exponent | None, str, bool]:
+    """The exponent of a run, by a twin of its solver, or why there is none, and whether the user stopped it. A grid chosen
+    for a tolerance is not chosen again."""
+    solver = done.solver
+    if isinstance(solver, FieldSolver):
+        numerical = numerical | Options(cells=solver.cells, tolerance=None)
+    twin = models.prepare(solver.model, scene, True, **numerical).solver
+    try:
+        return exponent_of(done, twin, one_port_of(solver.model), most), "", False
+    except NumericsError as error:
+        return None, str(error), False
+    except KeyboardInterrupt:
+        return None, f"interrupted at t = {solver.time:.6g} transits, before the Lyapunov exponent was known", True
 
 
 def _doubts(solver: Solver, length: Length, tol: float | None) -> list[str]:

@@ -1,0 +1,138 @@
+"""The largest Lyapunov exponent of a motion: the mean rate at which a second motion close by departs from it.
+
+Both are marched side by side. After each interval, about a cycle, the distance is measured and the second motion is brought back
+along the difference of both states to the distance at which it began (Benettin et al., Meccanica 15, 1980). The exponent is the
+mean of the logarithm of the growth over its interval; neighbouring intervals depend on each other, so that its margin comes from
+batch means. It is zero for a motion that repeats or lies on a torus: a shift in time neither grows nor decays.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from slipwave.errors import NumericsError
+from slipwave.observe.follow import follow
+from slipwave.observe.foresight import DAY, Foresight
+from slipwave.observe.margin import margin_of_mean
+from slipwave.observe.pieces import SAME, Array
+from slipwave.observe.solver import Solver, State
+
+WHOLE = 2.0
+"""Transits: every march of equal or halved steps has a step that ends at their multiples."""
+
+INTERVALS = 200
+"""Intervals over which the growth is averaged."""
+
+TRANSIENT = 40
+"""Intervals before them, until the difference has turned to where it grows most."""
+
+_DISTANCE = (
+    1e-6  # of the change of the state in WHOLE transits: far above the errors of the marches, and small enough to be linear
+)
+_BOOKS = {"counts", "stretch", "origin", "waiting", "leaps", "past", "past.incoming", "arrivals", "ledger"}
+"""Entries of a solver's state that are no part of the motion."""
+
+
+class Exponent(NamedTuple):
+    """`rate` per transit with half the width of its 95 % interval, `margin`, over so many `transits`."""
+
+    rate: float
+    margin: float
+    transits: float
+
+
+class _Marches:
+    """The solver and its twin, marched together to the same times; never over a gap, which they might leave out differently."""
+
+    def __init__(self, solver: Solver, twin: Solver, until: float, most_seconds: float) -> None:
+        self._both = [(one, _Guard(one, until, most_seconds)) for one in (solver, twin)]
+
+    def to(self, time: float, count: int = 2) -> None:
+        """March the first `count` of them to `time` (transits), or to the first end of a piece beyond."""
+        for one, guard in self._both[:count]:
+            follow(one, time, [guard])
+
+
+class _Guard(Foresight):
+    spans_gaps = False
+
+
+def largest_exponent(
+    solver: Solver,
+    twin: Solver,
+    cycle: float,
+    progress: Callable[[float], None] | None = None,
+    intervals: int = INTERVALS,
+    most_seconds: float = DAY,
+) -> Exponent:
+    """The exponent of the motion of `solver` from now on, over so many `intervals` of about a `cycle` (transits); `twin` is
+    another solver of the same scene and model, whose own state is lost. Progress is in intervals.
+
+    Raises NumericsError where a march fails, and for a solver that does not move; SceneError if it would take more than
+    `most_seconds`.
+    """
+    interval, time = WHOLE * max(1, round(cycle / WHOLE)), WHOLE * math.ceil(solver.time / WHOLE + SAME)
+    marches = _Marches(solver, twin, time + (TRANSIENT + intervals) * interval, most_seconds)
+    marches.to(time, 1)
+    before = _moving(solver)
+    time += WHOLE
+    marches.to(time, 1)
+    difference = {name: array - before[name] for name, array in _moving(solver).items()}
+    scales = {name: _scale(array, before[name]) for name, array in difference.items()}
+    if not any(scales.values()):
+        raise NumericsError(
+            f"{solver.model}: it slides steadily within rounding at t = {solver.time:.6g} transits, so that no exponent can be "
+            f"measured; slipwave stability gives the rate of small disturbances (scene {solver.scene.name!r})"
+        )
+    rates: list[float] = []
+    for count in range(TRANSIENT + intervals):
+        _place_beside(solver, twin, difference, _DISTANCE / _size(difference, scales))
+        time += interval
+        marches.to(time)
+        difference = _difference(solver, twin)
+        rates.append(math.log(_size(difference, scales) / _DISTANCE) / interval)
+        if progress is not None:
+            progress(count + 1.0)
+    kept = np.array(rates[TRANSIENT:])
+    return Exponent(float(kept.mean()), margin_of_mean(kept), intervals * interval)
+
+
+def _moving(solver: Solver) -> State:
+    """What moves: all of the state but the clock and the books."""
+    time = solver.time
+    return {name: np.where(array == time, 0.0, array) for name, array in solver.state().items() if name not in _BOOKS}
+
+
+def _difference(solver: Solver, twin: Solver) -> State:
+    """Twin less solver. Raises NumericsError if their steps differ."""
+    ours, theirs = _moving(solver), _moving(twin)
+    if abs(solver.time - twin.time) > SAME or any(array.shape != theirs[name].shape for name, array in ours.items()):
+        raise NumericsError(
+            f"{solver.model}: two motions close by take different steps near t = {solver.time:.6g} transits, so that they cannot "
+            f"be compared (scene {solver.scene.name!r})"
+        )
+    return {name: theirs[name] - array for name, array in ours.items()}
+
+
+def _place_beside(solver: Solver, twin: Solver, difference: State, share: float) -> None:
+    """Put the twin at this share of a `difference` from the solver."""
+    state = solver.state()
+    moved = {name: array + share * difference[name] for name, array in state.items() if name in difference}
+    twin.restore(state | moved)
+
+
+def _size(difference: State, scales: dict[str, float]) -> float:
+    """Largest component of a difference, each array in units of its scale."""
+    return max(_largest(array) / scales[name] for name, array in difference.items() if scales[name])
+
+
+def _scale(difference: Array, values: Array) -> float:
+    """The largest component of a difference of values; 0 if `_DISTANCE` times that is lost in their rounding."""
+    lost = np.finfo(float).eps * _largest(values)
+    return _largest(difference) if _DISTANCE * _largest(difference) > lost else 0.0
+
+
+def _largest(array: Array) -> float:
+    return float(np.abs(array).max(initial=0.0))
