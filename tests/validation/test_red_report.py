@@ -1,10 +1,12 @@
 """Red means red: a failing verdict, a number off its baseline or a broken study ends the command with status 3, and says so."""
 
 import json
+import math
 import os
 import re
 import subprocess
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from fake_studies import result
@@ -13,6 +15,7 @@ from validation.cli import NUMERICS_FAILED, main
 from validation.report import baseline
 from validation.report.build import make_report
 from validation.report.red import RedReport
+from validation.report.store import Stored, save
 from validation.study import Evidence, Number, Outcome, StudyResult, Verdict
 
 ROOT = Path(__file__).parents[2]
@@ -95,6 +98,31 @@ def test_baseline_tells_what_moved(fake, kept, tmp_path):
         make_report(tmp_path / "other")
     assert red.value.lines == ["first: T: expected 73 within 1e-06, found 73.001"]
     assert '<td class="n">73</td><td class="n">73.001</td>' in red.value.page.read_text()
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "moves"),
+    [
+        (math.nan, math.nan, False),
+        (math.nan, 1.0, True),
+        (1.0, math.nan, True),
+        (math.inf, math.inf, False),
+        (math.inf, 1.0, True),
+        (1.0, math.inf, True),
+        (1.0, 1.0 + 2e-6, True),
+        (1.0, 1.0 - 2e-6, True),
+        (-1.0, -1.0 - 0.9e-6, False),
+        (0.0, 0.0, False),
+    ],
+)
+def test_a_number_that_comes_or_goes_has_moved(kept, tmp_path, before, now, moves):
+    """By more than its tolerance, 1e-6 of the larger one; a baseline holds numbers that JSON lacks too."""
+    study = SimpleNamespace(NAME="first", QUESTION="?")
+    store = tmp_path / "out" / "data"
+    save(store, study, "key", StudyResult("", numbers={"T": Number(before)}), 0.0)
+    baseline.take(tmp_path / "out", kept)
+    found = baseline.moved(Stored("first", "?", 0.0, True, StudyResult("", numbers={"T": Number(now)})), quick=False)
+    assert [change.name for change in found] == ["T"] * moves
 
 
 def test_what_a_quick_report_leaves_out_is_no_change(fake, kept, tmp_path):

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from slipwave.sources import ROOT
-from validation.report.store import Stored
-from validation.study import Number
+from validation.report.store import Stored, numbers_of
 
 FOLDER = ROOT / "reports" / "baseline"
 
@@ -32,7 +31,7 @@ def compare(stored: Stored, quick: bool, folder: Path = FOLDER) -> list[Change] 
     path = folder / f"{stored.name}.json"
     if stored.result is None or not path.exists():
         return None
-    before = {name: Number(**entry) for name, entry in json.loads(path.read_text(encoding="utf-8")).items()}
+    before = numbers_of(json.loads(path.read_text(encoding="utf-8")))
     now = stored.result.numbers
     changes = [Change(stored.name, name, None, n.value, n.tolerance) for name, n in now.items() if name not in before]
     if not quick:

@@ -143,10 +143,15 @@ def _stored(folder: Path, study: Study, record: dict[str, Any]) -> Stored:
         tables=tuple(_table(table) for table in record["tables"]),
         verdicts=tuple(_verdict(verdict) for verdict in record["verdicts"]),
         notes=tuple(record["notes"]),
-        numbers={name: Number(_revive(n["value"]), n["tolerance"]) for name, n in record["numbers"].items()},
+        numbers=numbers_of(record["numbers"]),
         omissions=tuple(Omission(**omission) for omission in record["omissions"]),
     )
     return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, result, pictures)
+
+
+def numbers_of(record: dict[str, Any]) -> dict[str, Number]:
+    """Numbers by name as they were written, those too that JSON lacks."""
+    return {name: Number(_revive(entry["value"]), entry["tolerance"]) for name, entry in record.items()}
 
 
 def _table(record: dict[str, Any]) -> Table:

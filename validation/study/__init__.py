@@ -128,10 +128,10 @@ class Number:
     tolerance: float = 1e-6
 
     def differs(self, other: float) -> bool:
-        """True if `other` is further away than the tolerance; two NaN are equal."""
-        if math.isnan(self.value) or math.isnan(other):
-            return math.isnan(self.value) != math.isnan(other)
-        return abs(self.value - other) > self.tolerance * max(abs(self.value), abs(other))
+        """True if `other` is further away than the tolerance; two NaN are equal, and so are two equal infinities."""
+        if math.isfinite(self.value) and math.isfinite(other):
+            return abs(self.value - other) > self.tolerance * max(abs(self.value), abs(other))
+        return self.value != other and not (math.isnan(self.value) and math.isnan(other))
 
 
 @dataclass(frozen=True)
