@@ -1,12 +1,13 @@
 """Grids chosen from a tolerance: the estimate bounds the true error, refusals are clear."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from leapfrog_scenes import SCENES
 
-from fullwave.adapt import _Outcome, _probed_until, degree_for, to_tolerance
+from fullwave.adapt import _Outcome, _probed_until, degree_for, judge_grid, to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import NumericsError, SceneError
@@ -104,3 +105,24 @@ def test_estimate_of_a_slow_series_is_more_than_its_last_difference(monkeypatch)
     _, choice = to_tolerance(SCENES["alike"], 0.02, Slow)
     assert choice.error_estimate == pytest.approx(1.0 / choice.cells, rel=0.15)
     assert choice.error_estimate <= 0.02
+
+
+@pytest.mark.parametrize(
+    ("fine", "coarse", "quantity", "error"),
+    [
+        (("cycles", [70.0, 0.1]), ("cycles", [71.4, 0.101]), "cycles", 0.02),
+        (("final state", [4.0, -5.0]), ("final state", [4.0, -5.05]), "final state", 0.01),
+        (("cycles", [70.0, 0.1]), ("final state", [4.0, -5.0]), "cycles", np.inf),
+        (("final state", [4.0, -5.0]), ("cycles", [70.0, 0.1]), "final state", np.inf),
+        (("cycles", [70.0, 0.1]), None, "cycles", np.inf),
+        (None, ("cycles", [70.0, 0.1]), "final state", np.inf),
+    ],
+)
+def test_a_default_grid_is_judged_by_its_own_probe(monkeypatch, fine, coarse, quantity, error):
+    """Relative to the values on the finer grid."""
+    outcomes = {name: found and _Outcome(found[0], np.array(found[1])) for name, found in (("fine", fine), ("coarse", coarse))}
+    monkeypatch.setattr("fullwave.adapt._probe", lambda solver: outcomes[solver.model])
+    solvers = [SimpleNamespace(model=name, step=step, settings={}) for name, step in (("fine", 0.1), ("coarse", 0.15))]
+    found = judge_grid(12, *solvers)
+    assert (found.cells, found.step, found.quantity) == (12, 0.1, quantity)
+    assert found.error_estimate == pytest.approx(error, rel=1e-12)

@@ -153,6 +153,21 @@ def test_a_rise_of_more_pieces_than_are_kept_is_dated_to_one_of_them() -> None:
     assert len(found.state()["rise"]) <= 1 << 16
 
 
+def test_of_a_long_rise_above_half_its_height_every_other_piece_is_kept_to_its_end() -> None:
+    """133 000 pieces of a fall in which v rises slowly from 0.6 to 1.15, then to 2: it passes 1 long after the fall began, and
+    before the room was full."""
+    pieces, passage = 399_000, 1.0 + 0.5 * (1.0 - 0.6) / (1.15 - 0.6)
+
+    def elastic(t: Array) -> Array:
+        return np.interp(t, [0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 0.0, 1.0])
+
+    def unknown(t: Array) -> Array:
+        return np.log(np.interp(t, [0.0, 1.0, 1.5, 2.0, 3.0], [0.5, 0.6, 1.15, 2.0, 0.5]))
+
+    found = watch(Motion(elastic, unknown, 3.0), pieces=pieces, chunk=7_000)
+    assert found.dates() == pytest.approx([passage], abs=8 * 3.0 / pieces)
+
+
 def test_a_jump_between_two_pieces_is_an_event_at_the_joint() -> None:
     def above(t: Array) -> Array:
         return np.where((t % PERIOD <= 10.0) & (t % PERIOD > 0.0), -1.0, 1.0)

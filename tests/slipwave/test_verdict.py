@@ -93,6 +93,12 @@ def test_a_run_that_is_too_short_is_told_how_long_it_should_be():
     assert found.needed == pytest.approx(2 * 5 * 80.0)
 
 
+def test_it_is_told_by_its_longest_cycle():
+    period = np.array([70.0, 90.0])
+    cycles = Events(np.cumsum(period), period, *np.ones((4, 2)))
+    assert judge_motion(cycles, np.ones(3), True, False, 300.0).needed == pytest.approx(2 * 5 * 90.0)
+
+
 @pytest.mark.parametrize("number", [0.0631, 0.2632, 0.41421, 0.44])
 def test_the_rotation_number_of_a_known_torus(number):
     phase = 2.0 * np.pi * number * np.arange(40)

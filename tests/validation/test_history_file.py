@@ -104,12 +104,18 @@ def test_more_than_the_disk_has_is_refused_early(tmp_path: Path, monkeypatch: py
     roomy.close()
 
 
-def test_the_file_of_a_run_holds_the_solvers_own_samples(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("block", [997, 50_000])
+def test_the_file_of_a_run_holds_the_solvers_own_samples(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, block: int
+) -> None:
+    """Written in several blocks and in one."""
+    monkeypatch.setattr("validation.run.history_file._BLOCK", block)
     out = tmp_path / "x.nc"
     assert main(["run", "paper", "--model", "delay", "--until", "150", "--out", str(out), *INTERFACE]) == 0
     solver = build("delay", slipwave.read("paper", {"run.until": 150.0}))
     history = HistoryObserver(solver.scene.law, solver.nodes)
     follow(solver, 150.0, [history])
+    assert 2 * 997 < history.columns()["time"].size < 50_000
     with xarray.open_dataset(out) as data:
         for name, values in history.columns().items():
             assert np.array_equal(data["time" if name == "time" else f"interface_{name}"].values, values)

@@ -11,6 +11,7 @@ import pytest
 import slipwave
 from slipwave.observe.stages import StageFigures
 from validation.cli import main
+from validation.door.protocol_figure import protocol_figure
 from validation.run.stage_table import stage_rows
 
 SCENE = {
@@ -122,3 +123,16 @@ def test_every_column_of_the_table_has_the_figure_that_its_heading_names(name: s
         },
         rel=1e-5,
     )
+
+
+def test_the_slip_of_the_figure_is_the_integral_of_the_slip_rate() -> None:
+    """Exact where the rate is linear between samples; a jump of it takes no time."""
+    scene = slipwave.read("paper")
+    time, rate, stress = [0.0, 1.0, 1.0, 3.0], [1.0, 3.0, 10.0, 4.0], [0.6, 0.61, 0.63, 0.62]
+    stages = [StageFigures("start", 0.0, 1.0, 1.0), StageFigures("step", 1.0, 3.0, 10.0)]
+    by_time, by_slip = protocol_figure(scene, "delay", {"time": time, "stress": stress, "slip_rate": rate}, stages).axes
+    clock, slip = (axes.lines[-1].get_xdata() for axes in (by_time, by_slip))
+    assert clock.tolist() == pytest.approx([scene.transit * moment for moment in time], rel=1e-14)
+    assert slip.tolist() == pytest.approx([scene.transit * slipped for slipped in (0.0, 2.0, 2.0, 16.0)], rel=1e-14)
+    assert by_time.lines[0].get_xdata()[0] == pytest.approx(scene.transit, rel=1e-14)
+    assert by_slip.lines[0].get_xdata()[0] == pytest.approx(2.0 * scene.transit, rel=1e-14)

@@ -69,6 +69,14 @@ def test_a_file_is_run_again_with_the_same_numbers(
     assert sw.read("first.nc").digest == sw.read("paper-si", {**SHORT, "run.until": 150.0}).digest
 
 
+def test_what_is_given_goes_before_what_the_file_holds(tmp_path: Path) -> None:
+    """The model, the length, a key of the scene, an option; what is not given is the file's."""
+    sw.run("paper", "kelvin-voigt", until=20, tol=1e-4, **{"slab.log10_r": -2.6}).to_netcdf(tmp_path / "x.nc")
+    same, other = sw.run(tmp_path / "x.nc"), sw.run(tmp_path / "x.nc", "block8", until=12, tol=1e-5, **{"slab.r": 0.002})
+    facts = [(one.done.solver.model, one.done.until, one.options["tol"], one.done.solver.scene.transit) for one in (same, other)]
+    assert facts == [("kelvin-voigt", 20.0, 1e-4, 10.0**-2.6), ("block8", 12.0, 1e-5, 0.002)]
+
+
 def test_thinning_and_window_keep_what_they_say(tmp_path: Path) -> None:
     whole = sw.run("paper", "block8", until=60, interface=True).dataset
     part = sw.run("paper", "block8", until=60, every=7, window=(20.0, 45.5)).dataset

@@ -1,0 +1,71 @@
+"""Every column and row of a printed table has the figure that its heading names, of figures that all differ."""
+
+import re
+from typing import Any
+
+import pytest
+
+import slipwave as sw
+from validation.branches import KINDS
+from validation.branches.curve import Curve, CurvePoint
+from validation.branches.parameter import Over
+from validation.cli import main
+from validation.commands import bench, curve
+
+PAPER = sw.read("paper")
+
+
+def table(lines: list[str], heading: list[str]) -> list[dict[str, str]]:
+    """The rows below the line that begins with these words; cells are two blanks or more apart."""
+    (head,) = [k for k, line in enumerate(lines) if line.split()[: len(heading[0].split())] == heading[0].split()]
+    assert re.split(r"\s{2,}", lines[head].strip()) == heading
+    cells = [re.split(r"\s{2,}", line.strip()) for line in lines[head + 1 : lines.index("", head)]]
+    return [dict(zip(heading, row, strict=True)) for row in cells]
+
+
+def test_a_curve_of_special_points(capsys: pytest.CaptureFixture[str]) -> None:
+    over, second = (Over(PAPER, name, -3.0, 200.0, lambda value: PAPER) for name in ("log10_r", "V"))
+    points = [CurvePoint(-2.7, 101.5, 59.25, 0.125, 0.25, 900.0, 20.0, 3e-9, 1, 0, (-0.5, 0.75))] * 2
+    curve._print(Curve("NS", over, second, "delay", 1e-6, points=points), 0.25)
+    out = capsys.readouterr().out
+    assert f"NS {KINDS['NS']}, 2 points" in out
+    rows = table(out.splitlines(), ["log10_r", "V", "period", "stress drop", "bracket", "multiplier"])
+    told = {"log10_r": "-2.7", "V": "101.5", "period": "59.25", "stress drop": "0.125", "bracket": "3e-09"}
+    assert rows == [told | {"multiplier": "-0.500000 +- 0.750000 i"}] * 2
+
+
+def test_run_time_against_error(capsys: pytest.CaptureFixture[str]) -> None:
+    def row(model: str, setting: dict[str, float], errors: tuple[float, float]) -> dict[str, Any]:
+        error = dict(zip(("period", "stress_drop"), errors, strict=True))
+        return {"model": model, "setting": setting, "wall_s": 0.5, "error": error, "verdict": "periodic"}
+
+    rows = [row("fd", {"cells": 64}, (1e-3, 2e-3)), row("delay", {"tolerance": 1e-7}, (3e-7, 4e-7))]
+    bench._print({"models": rows, "until": 200.0, "reference": "delay", "conclusion": "a conclusion"})
+    lines = capsys.readouterr().out.splitlines()
+    assert table(lines, ["model", "setting", "wall s", "error T", "error drop"]) == [
+        {"model": "fd", "setting": "cells 64", "wall s": "0.5", "error T": "0.001", "error drop": "0.002"},
+        {"model": "delay", "setting": "tolerance 1e-07", "wall s": "0.5", "error T": "3e-07", "error drop": "4e-07"},
+    ]
+    assert lines[-2:] == ["200 transits; relative errors of the second half's mean against delay (tight)", "a conclusion"]
+
+
+def test_stability_in_si(capsys: pytest.CaptureFixture[str]) -> None:
+    found = sw.stability("paper-si")
+    si = found.summary["si"]
+    assert main(["stability", "paper-si"]) == 0
+    rows = [re.split(r"\s{2,}", line.strip()) for line in capsys.readouterr().out.splitlines()]
+    told = {
+        row[0]: [float(text.removeprefix("scene ")) for text in row[1:]]
+        for row in rows
+        if row[0].endswith(("[m]", "[Pa]", "[s]", "[Hz]"))
+    }
+    assert told == {
+        "critical thickness [m]": pytest.approx([si["critical_thickness_m"], 0.03357797353158276], rel=1e-8),
+        "critical normal stress [Pa]": pytest.approx([si["critical_normal_stress_Pa"], 1e3], rel=1e-8),
+        "growth time of the leading root [s]": pytest.approx([si["growth_time_s"]], rel=1e-8),
+        "frequency of the leading root [Hz]": pytest.approx([si["frequency_Hz"]], rel=1e-8),
+    }
+    root = complex(*found.summary["leading_roots"][0])
+    assert (si["growth_time_s"], si["frequency_Hz"]) == pytest.approx(
+        (0.9 / root.real, abs(root.imag) / (2.0 * 3.141592653589793 * 0.9)), rel=1e-12
+    )
