@@ -16,7 +16,6 @@ from slipwave.scene import Scene
 from validation.measure.cycle import watch
 from validation.measure.settle import estimate
 from validation.registry.build import build
-from validation.registry.families import Options
 from validation.run.timing import timed
 
 _WARM_UP = 2.0  # transits
@@ -77,8 +76,7 @@ def cheapest(points: Sequence[Point], error: float) -> Point | None:
 
 def solver_of(setting: Setting, scene: Scene) -> Solver:
     """The solver that `setting` asks for, at the start of `scene`."""
-    options = Options(cells=setting.cells, cfl=setting.cfl, tolerance=setting.tolerance, time=setting.time)
-    return build(setting.model, scene, **options)
+    return build(setting.model, scene, cells=setting.cells, cfl=setting.cfl, tolerance=setting.tolerance, time=setting.time)
 
 
 def march_of(setting: Setting, scene: Scene, transits: float, begin: float = 0.0) -> "partial[Final]":

@@ -166,25 +166,17 @@ def _marches_agree(points: list[Point]) -> Verdict:
     """The two marches of one grid share neither step nor friction solve."""
     period = {(p.setting.cells, p.setting.time): p.period for p in points if p.setting.model == _ELEMENTS}
     apart = max(abs(period[cells, "exact"] / found - 1.0) for (cells, march), found in period.items() if march == "explicit")
-    return bounded(
-        "The exact and the explicit march of one grid find the same period",
-        Evidence.WITNESS,
-        apart,
-        _SAME_PERIOD,
-        f"largest relative difference of the periods, {_ELEMENTS} on {len(period) // 2} grids",
-    )
+    claim = "The exact and the explicit march of one grid find the same period"
+    remark = f"largest relative difference of the periods, {_ELEMENTS} on {len(period) // 2} grids"
+    return bounded(claim, Evidence.WITNESS, apart, _SAME_PERIOD, remark)
 
 
 def _right(ours: list[Point]) -> Verdict:
     """Our own run at the smallest tolerance, in the race's setting."""
     best = min(ours, key=lambda point: point.setting.tolerance or 1.0)
-    return bounded(
-        "The Kelvin–Voigt run of the race has the period of other programs",
-        Evidence.WITNESS,
-        abs(best.period_error),
-        _OUR_ERROR,
-        f"at {best.setting.words}",
-    )
+    claim = "The Kelvin–Voigt run of the race has the period of other programs"
+    remark = f"at {best.setting.words}"
+    return bounded(claim, Evidence.WITNESS, abs(best.period_error), _OUR_ERROR, remark)
 
 
 _CAPTION = (

@@ -96,14 +96,12 @@ def characteristics(field: Field) -> float:
 
 def _straight(off: float, cells: int) -> Verdict:
     """`off`: the value of `characteristics`."""
-    return bounded(
-        "Waves cross the slabs on straight characteristics, unchanged",
-        Evidence.EXACT,
-        off,
-        _CURVED,
+    claim = "Waves cross the slabs on straight characteristics, unchanged"
+    remark = (
         f"`{_MODEL}`, {cells} cells a slab: outgoing wave at each depth against that of the interface one travel time before; "
-        "largest difference over its range",
+        "largest difference over its range"
     )
+    return bounded(claim, Evidence.EXACT, off, _CURVED, remark)
 
 
 def _stop(event: Event) -> float:
@@ -114,14 +112,9 @@ def _stop(event: Event) -> float:
 
 def _stopped(event: Event) -> Verdict:
     stop = _stop(event)
-    return bounded(
-        "The wave of the fastest slip, back from the outer face after one transit, ends the event",
-        Evidence.EXACT,
-        abs(stop - 1.0),
-        _LATE,
-        "shown: transits from the fastest moment until v falls below V; judged: how far they are from one",
-        f"{stop:.3f}",
-    )
+    claim = "The wave of the fastest slip, back from the outer face after one transit, ends the event"
+    remark = "shown: transits from the fastest moment until v falls below V; judged: how far they are from one"
+    return bounded(claim, Evidence.EXACT, abs(stop - 1.0), _LATE, remark, f"{stop:.3f}")
 
 
 def _lasting(event: Event) -> float:
@@ -134,13 +127,9 @@ def _driven_face(event: Event) -> Verdict:
     """The outer face moves with the drive, whatever the waves do."""
     field = event.field
     off = float(np.abs(field.upper.velocity[:, -1] / (0.5 * field.scene.velocity) - 1.0).max())
-    return bounded(
-        "The rigid outer face keeps the drive’s velocity through the event",
-        Evidence.EXACT,
-        off,
-        _MOVED,
-        "largest relative difference from V/2 in the window; the scheme imposes the face weakly",
-    )
+    claim = "The rigid outer face keeps the drive’s velocity through the event"
+    remark = "largest relative difference from V/2 in the window; the scheme imposes the face weakly"
+    return bounded(claim, Evidence.EXACT, off, _MOVED, remark)
 
 
 def _arrivals(event: Event) -> Table:

@@ -23,13 +23,9 @@ def published(branch: Branch) -> Verdict:
         if name in known and found:
             off.append(abs(found[0].point.parameter - known[name]["log10_r"]))
     others = "AUTO-07p" if branch.model == "kelvin-voigt" else "lifted shooting and DDE-BIFTOOL"
-    return bounded(
-        f"Special points of `{branch.model}` are where other programs find them",
-        Evidence.WITNESS,
-        max(off),
-        _DIGITS,
-        f"log_{{10}} r of {len(off)} points, Hopf point included, against {others}",
-    )
+    claim = f"Special points of `{branch.model}` are where other programs find them"
+    remark = f"log_{{10}} r of {len(off)} points, Hopf point included, against {others}"
+    return bounded(claim, Evidence.WITNESS, max(off), _DIGITS, remark)
 
 
 def index(branches: Iterable[Branch]) -> Verdict:
@@ -51,13 +47,9 @@ def index(branches: Iterable[Branch]) -> Verdict:
 def same_orbits(waves: Iterable[WaveOrbit]) -> Verdict:
     """The full wave's orbits against the delay system's."""
     listed = list(waves)
-    return bounded(
-        "The full wave’s own orbits lie on the delay system’s branch",
-        Evidence.WITNESS,
-        max(one.apart for one in listed),
-        _WAVES,
-        f"largest relative difference of T, Δμ and Δy, `{WAVE}` at {len(listed)} values of r",
-    )
+    claim = "The full wave’s own orbits lie on the delay system’s branch"
+    remark = f"largest relative difference of T, Δμ and Δy, `{WAVE}` at {len(listed)} values of r"
+    return bounded(claim, Evidence.WITNESS, max(one.apart for one in listed), _WAVES, remark)
 
 
 def mildly_subcritical(branches: Iterable[Branch]) -> Verdict:

@@ -36,14 +36,12 @@ def _identity(ripples: dict[str, Ripples]) -> Verdict:
     parts = {model: ripple.loading for model, ripple in ripples.items()}
     off = max(abs((part.drop + part.falling + part.slipped) / part.period - 1.0) for part in parts.values())
     delay = parts["delay"]
-    return bounded(
-        "P12 The period is Δy/(εV) + (time in which y falls) + (slip while y rises)/V",
-        Evidence.EXACT,
-        off,
-        _CLOSES,
+    claim = "P12 The period is Δy/(εV) + (time in which y falls) + (slip while y rises)/V"
+    remark = (
         f"relative, both systems at r = 10^{{-2.68}}; delay system: {delay.period:.2f} = {delay.drop:.2f} + {delay.falling:.2f} "
-        f"+ {delay.slipped:.2f} transits",
+        f"+ {delay.slipped:.2f} transits"
     )
+    return bounded(claim, Evidence.EXACT, off, _CLOSES, remark)
 
 
 def _proportional(branch: Branch) -> Verdict:
@@ -107,14 +105,9 @@ def _aperiodic(ode: Deep) -> Verdict:
 
 
 def _constant(delay: Deep) -> Verdict:
-    return bounded(
-        "P13 At r = 10^{-2.3} the delay system’s stress drops are nearly constant",
-        Evidence.PAPER,
-        spread(delay.events.stress_drop),
-        _CONSTANT,
-        f"standard deviation over mean, {delay.events.period.size} cycles",
-        otherwise=Outcome.FINDING,
-    )
+    claim = "P13 At r = 10^{-2.3} the delay system’s stress drops are nearly constant"
+    remark = f"standard deviation over mean, {delay.events.period.size} cycles"
+    return bounded(claim, Evidence.PAPER, spread(delay.events.stress_drop), _CONSTANT, remark, otherwise=Outcome.FINDING)
 
 
 def _contrast(deep: dict[str, Deep]) -> Verdict:

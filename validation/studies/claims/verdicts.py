@@ -114,14 +114,12 @@ def _order_of_periods(branch: Branch) -> Verdict:
         [orbits[model].period.value for model in ("kelvin-voigt", "delay", "block8", "block12")] for orbits in branch.values()
     ]
     held = [t[0] < t[1] < min(t[2:]) for t in periods]
-    return of_paper(
-        f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} for {where(branch)}",
-        f"at {len(held)} of {len(held)} r",
-        f"at {sum(held)} of {len(held)} r",
-        all(held),
+    claim = f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} for {where(branch)}"
+    remark = (
         "where runs of all four models settle: from just beyond the onset to where the exact orbit loses stability. The paper "
-        "claims it for the whole primary branch",
+        "claims it for the whole primary branch"
     )
+    return of_paper(claim, f"at {len(held)} of {len(held)} r", f"at {sum(held)} of {len(held)} r", all(held), remark)
 
 
 def _gaps(branch: Branch) -> Verdict:

@@ -22,14 +22,9 @@ def order_verdict(ladder: EnergyLadder, found: Fit) -> Verdict:
     """The order of a family that does not conserve, with its 95 % interval, against the order of its squared jumps."""
     assert ladder.derived is not None
     short = shortfall(found, ladder.derived, _ALLOWANCE)
-    return Verdict(
-        "Energy losses of the other families have the order of their squared jumps",
-        Evidence.EXACT,
-        f"{ladder.derived:g}",
-        with_interval(found),
-        judge(not short),
-        f"`{ladder.model}`",
-    )
+    claim = "Energy losses of the other families have the order of their squared jumps"
+    remark = f"`{ladder.model}`"
+    return Verdict(claim, Evidence.EXACT, f"{ladder.derived:g}", with_interval(found), judge(not short), remark)
 
 
 def with_interval(found: Fit) -> str:
@@ -40,10 +35,6 @@ def with_interval(found: Fit) -> str:
 def closes(name: str, residuals: dict[str, float]) -> Verdict:
     """Families of high degree on one scene."""
     worst = max(residuals, key=lambda model: abs(residuals[model]))
-    return bounded(
-        "Ledgers of high degree close to rounding",
-        Evidence.EXACT,
-        abs(residuals[worst]),
-        _CLOSED[name],
-        f"{name}; worst of {', '.join(residuals)}: `{worst}`",
-    )
+    claim = "Ledgers of high degree close to rounding"
+    remark = f"{name}; worst of {', '.join(residuals)}: `{worst}`"
+    return bounded(claim, Evidence.EXACT, abs(residuals[worst]), _CLOSED[name], remark)

@@ -133,13 +133,9 @@ _REMARKS = {"fem:1": ": the same numbers as `sbp:2`, not an independent witness"
 
 def _promise(model: str, off: float) -> Verdict:
     cells, allowed = _PROMISED[model]
-    return bounded(
-        "Discretisations of the wave agree with the delay system on period and stress drop",
-        Evidence.WITNESS,
-        off,
-        allowed,
-        f"`{model}` with {cells} cells a slab, log_{{10}} r = −2.6",
-    )
+    claim = "Discretisations of the wave agree with the delay system on period and stress drop"
+    remark = f"`{model}` with {cells} cells a slab, log_{{10}} r = −2.6"
+    return bounded(claim, Evidence.WITNESS, off, allowed, remark)
 
 
 _NOTES = (

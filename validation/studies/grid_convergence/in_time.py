@@ -116,34 +116,21 @@ def time_verdicts(found: list[Marches]) -> list[Verdict]:
 
 def _order_verdict(one: Marches) -> Verdict:
     short = shortfall(one.order, one.declared, tolerance=0.5, at_least=True, widest=1.0)
-    return Verdict(
-        "On one grid the explicit march approaches the exact one at the order of its Runge-Kutta method",
-        Evidence.WITNESS,
-        f"{one.declared} or more",
-        one.order.rounded,
-        judge(not short),
-        f"`{one.model}` with {_GRIDS[one.model]} cells, Courant numbers from {COURANT[0]:.2f} down to {COURANT[-1]:.2f}",
-    )
+    claim = "On one grid the explicit march approaches the exact one at the order of its Runge-Kutta method"
+    remark = f"`{one.model}` with {_GRIDS[one.model]} cells, Courant numbers from {COURANT[0]:.2f} down to {COURANT[-1]:.2f}"
+    return Verdict(claim, Evidence.WITNESS, f"{one.declared} or more", one.order.rounded, judge(not short), remark)
 
 
 def _agreement(one: Marches) -> Verdict:
-    return bounded(
-        "The exact and the explicit march of one grid agree in every output",
-        Evidence.WITNESS,
-        one.apart,
-        _APART[one.model],
-        f"`{one.model}` with {_GRIDS[one.model]} cells; the worst of {len(QUANTITIES)} quantities",
-    )
+    claim = "The exact and the explicit march of one grid agree in every output"
+    remark = f"`{one.model}` with {_GRIDS[one.model]} cells; the worst of {len(QUANTITIES)} quantities"
+    return bounded(claim, Evidence.WITNESS, one.apart, _APART[one.model], remark)
 
 
 def _requested(found: list[Marches]) -> Verdict:
-    return bounded(
-        "The exact march keeps the error requested of it, measured by the explicit march of the same grid",
-        Evidence.WITNESS,
-        max(one.excess for one in found),
-        _EXCESS,
-        f"the largest excess; requests from {plain(REQUESTS[0], '.0e')} to {plain(REQUESTS[-1], '.0e')}",
-    )
+    claim = "The exact march keeps the error requested of it, measured by the explicit march of the same grid"
+    remark = f"the largest excess; requests from {plain(REQUESTS[0], '.0e')} to {plain(REQUESTS[-1], '.0e')}"
+    return bounded(claim, Evidence.WITNESS, max(one.excess for one in found), _EXCESS, remark)
 
 
 TIME_NOTE = (

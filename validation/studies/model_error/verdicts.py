@@ -30,14 +30,9 @@ def all_verdicts(runs: Runs) -> tuple[Verdict, ...]:
 def target(runs: Runs, model: str) -> Verdict:
     """Whether `model` keeps its promise at log10 r = -2.68."""
     off, limit = abs(error(runs, model, -2.68, "period")), TARGETS[model]
-    return Verdict(
-        "The slabs’ exact modes give the period of the paper’s scene",
-        Evidence.WITNESS,
-        f"below {plain(limit, '.0e')}",
-        plain(off, ".1e"),
-        judge(off < limit),
-        f"`{model}` at log_{{10}} r = −2.68, against the delay system",
-    )
+    claim = "The slabs’ exact modes give the period of the paper’s scene"
+    remark = f"`{model}` at log_{{10}} r = −2.68, against the delay system"
+    return Verdict(claim, Evidence.WITNESS, f"below {plain(limit, '.0e')}", plain(off, ".1e"), judge(off < limit), remark)
 
 
 def _paper(runs: Runs) -> Verdict:
@@ -83,13 +78,9 @@ def fitted_modes(model: str) -> Verdict:
     modes = [(0.0, known.spring), *((w, 0.5 * residue) for w, residue in zip(known.frequencies, known.residues, strict=True))]
     nearest = [(int(np.argmin(np.abs(poles - 1j * w))), w, residue) for w, residue in modes]
     off = max(max(abs(poles[k] - 1j * w), abs(residues[k] / residue - 1.0)) for k, w, residue in nearest)
-    return bounded(
-        "A rational fit of the exact impedance of alike slabs finds their modes",
-        Evidence.EXACT,
-        float(off),
-        _FITTED,
-        f"poles (per transit) and residues of AAA against spring and modes of `{model}`, which knows them in closed form",
-    )
+    claim = "A rational fit of the exact impedance of alike slabs finds their modes"
+    remark = f"poles (per transit) and residues of AAA against spring and modes of `{model}`, which knows them in closed form"
+    return bounded(claim, Evidence.EXACT, float(off), _FITTED, remark)
 
 
 def _no_modes() -> Verdict:

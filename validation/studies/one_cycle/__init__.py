@@ -106,13 +106,9 @@ def _beside(model: str, ours: dict[str, float], known: dict[str, float]) -> Verd
 
 def _full_wave(runs: dict[str, CycleRun]) -> Verdict:
     off = max(abs(error(runs["fd"], runs["delay"], name)) for name in SYMBOLS)
-    return bounded(
-        "The full wave runs on the delay system’s orbit",
-        Evidence.WITNESS,
-        off,
-        _WAVE,
-        f"leapfrog with {CELLS} cells at CFL {CFL}; the next study shows how the difference vanishes",
-    )
+    claim = "The full wave runs on the delay system’s orbit"
+    remark = f"leapfrog with {CELLS} cells at CFL {CFL}; the next study shows how the difference vanishes"
+    return bounded(claim, Evidence.WITNESS, off, _WAVE, remark)
 
 
 def _runaway(escape: str) -> Verdict:

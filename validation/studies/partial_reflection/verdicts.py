@@ -20,13 +20,9 @@ def last_alive(leaks: tuple[float, ...], ends: list[str]) -> tuple[float, float]
 def agreement(pairs: list[Pair], quick: bool) -> Verdict:
     """Delay system and full wave on grips."""
     off = max(abs(off) for pair in pairs for off in pair.differences)
-    return bounded(
-        "Slabs in grips: delay system and full wave agree",
-        Evidence.WITNESS,
-        off,
-        _PROMISED[quick],
-        "period, drop and largest rate of the last complete cycle; `dg:7`",
-    )
+    claim = "Slabs in grips: delay system and full wave agree"
+    remark = "period, drop and largest rate of the last complete cycle; `dg:7`"
+    return bounded(claim, Evidence.WITNESS, off, _PROMISED[quick], remark)
 
 
 def dies(leaks: tuple[float, ...], ends: list[str], period: float) -> Verdict:

@@ -21,14 +21,12 @@ def order(listed: list[Periods]) -> Verdict:
     """P7 over the whole range of r."""
     held = [_in_order(one) for one in listed]
     means = sum(bool(one.means) for one in listed)
-    return of_paper(
-        f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} {_where(listed)}",
-        f"at {len(held)} of {len(held)} r",
-        f"at {sum(held)} of {len(held)} r",
-        all(held),
+    claim = f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} {_where(listed)}"
+    remark = (
         f"all orbits that are known at an r, stable or not; at {means} r, where no orbit of a model is stable, also the mean "
-        "over a long run, with two standard errors",
+        "over a long run, with two standard errors"
     )
+    return of_paper(claim, f"at {len(held)} of {len(held)} r", f"at {sum(held)} of {len(held)} r", all(held), remark)
 
 
 def _in_order(one: Periods) -> bool:
@@ -64,13 +62,9 @@ def known(listed: list[Periods]) -> Verdict:
         for one in listed
         if one.log10_r == entry["log10_r"] and model in one.orbits
     }
-    return bounded(
-        "Periods are those of other programs",
-        Evidence.WITNESS,
-        max(off.values()),
-        _KNOWN,
-        f"{len(off)} orbits of four models, against AUTO-07p, variational shooting and lifted shooting",
-    )
+    claim = "Periods are those of other programs"
+    remark = f"{len(off)} orbits of four models, against AUTO-07p, variational shooting and lifted shooting"
+    return bounded(claim, Evidence.WITNESS, max(off.values()), _KNOWN, remark)
 
 
 def settled(listed: list[Periods], runs: dict[tuple[str, float], float]) -> Verdict:
@@ -87,13 +81,9 @@ def at_onset(branches: dict[str, Branch]) -> Verdict:
     closed = onset_of(scene.law, scene.upper.epsilon, scene.velocity)
     critical = {"delay": closed.r_delay, "kelvin-voigt": closed.r_kelvin_voigt}
     off = [abs(branches[model].onset.period * closed.omega_c * r / (2.0 * math.pi) - 1.0) for model, r in critical.items()]
-    return bounded(
-        "The curves begin with T = 2π/(ω_{c} r_{c})",
-        Evidence.EXACT,
-        max(off),
-        _ONSET,
-        "relative; roots of the characteristic equation against ω_{c} (20) and r_{c} (27), (39)",
-    )
+    claim = "The curves begin with T = 2π/(ω_{c} r_{c})"
+    remark = "relative; roots of the characteristic equation against ω_{c} (20) and r_{c} (27), (39)"
+    return bounded(claim, Evidence.EXACT, max(off), _ONSET, remark)
 
 
 def thick(ratios: dict[str, dict[float, float]]) -> Verdict:
@@ -101,10 +91,6 @@ def thick(ratios: dict[str, dict[float, float]]) -> Verdict:
     places = list(ratios["block8"])
     began, ended = (max(abs(found[place] - 1.0) for found in ratios.values()) for place in (places[0], places[-1]))
     where = f"relative difference at log_{{10}} r = {places[-1]:g}; it is {began:.3f} at {places[0]:g}".replace("-", "−")
-    return bounded(
-        "The blocks’ periods approach the law T = Δy/(εV) with the full overshoot as the slabs become thick",
-        Evidence.ASYMPTOTIC,
-        ended,
-        _THICK,
-        f"{where}. No number of the law is fitted",
-    )
+    claim = "The blocks’ periods approach the law T = Δy/(εV) with the full overshoot as the slabs become thick"
+    remark = f"{where}. No number of the law is fitted"
+    return bounded(claim, Evidence.ASYMPTOTIC, ended, _THICK, remark)

@@ -28,13 +28,9 @@ def published(found: Doubled) -> Verdict:
 
 def as_run(found: Doubled) -> Verdict:
     """The doubled orbit against a run that settles on it."""
-    return bounded(
-        "A direct run settles on the doubled orbit",
-        Evidence.WITNESS,
-        abs(found.last_two / found.double.orbit.period.value - 1.0),
-        _RUN,
-        "relative difference of two cycles of a run from the doubled period by Newton’s method",
-    )
+    claim = "A direct run settles on the doubled orbit"
+    remark = "relative difference of two cycles of a run from the doubled period by Newton’s method"
+    return bounded(claim, Evidence.WITNESS, abs(found.last_two / found.double.orbit.period.value - 1.0), _RUN, remark)
 
 
 def p10(found: Doubled) -> Verdict:
@@ -58,10 +54,6 @@ def closes(found: Doubled) -> Verdict:
     bubble = found.bubble
     ends = (end(bubble[1], bubble[0]), end(bubble[-2], bubble[-1]))
     off = max(abs(one - other) for one, other in zip(ends, doublings, strict=True)) if len(doublings) == 2 else float("nan")
-    return bounded(
-        "P9 The doubled orbits connect the two period doublings of the pair: their branch is a closed bubble",
-        Evidence.EXACT,
-        off,
-        _ENDS,
-        "log_{10} r; where the doubled orbits’ multiplier reaches 1, against where the single orbit’s passes −1",
-    )
+    claim = "P9 The doubled orbits connect the two period doublings of the pair: their branch is a closed bubble"
+    remark = "log_{10} r; where the doubled orbits’ multiplier reaches 1, against where the single orbit’s passes −1"
+    return bounded(claim, Evidence.EXACT, off, _ENDS, remark)

@@ -132,14 +132,12 @@ def advice_verdict(advice: dict[str, Advice]) -> Verdict:
     """Whether more cells cured the runs that asked for them."""
     allowed = {model: _CURED.get(model, _CURED_OTHERS) for model in advice}
     worst = max(advice, key=lambda model: advice[model].error / allowed[model])
-    return bounded(
-        "A run that asks for more cells is right once it has them",
-        Evidence.WITNESS,
-        advice[worst].error,
-        allowed[worst],
+    claim = "A run that asks for more cells is right once it has them"
+    remark = (
         f"ψ, V = 10^{{5}} V*, 400 transits; {sum(advised.stopped > 0 for advised in advice.values())} of {len(advice)} families "
-        f"asked; shown: `{worst}`, the closest to its limit",
+        f"asked; shown: `{worst}`, the closest to its limit"
     )
+    return bounded(claim, Evidence.WITNESS, advice[worst].error, allowed[worst], remark)
 
 
 def noise_verdict(noise: dict[str, float], transits: float) -> Verdict:
