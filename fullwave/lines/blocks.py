@@ -13,7 +13,7 @@ from fullwave.lines.viscosity import Elastic, Viscous
 from fullwave.options import MOST_CELLS, require_whole
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
+from slipwave.scene.slab import KelvinVoigtViscosity, StandardLinearViscosity
 
 
 class Section(NamedTuple):
@@ -51,17 +51,12 @@ class BlockGrid:
     blocks: tuple[Block, ...]
 
 
-def marched_slabs(scene: Scene) -> tuple[Slab, ...]:
-    """One slab for an alike pair (the motion is antisymmetric), else both."""
-    return (scene.upper,) if scene.alike else (scene.upper, scene.lower)
-
-
 def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:
     """The layers of the slabs that are marched. `cells` is the number in the slab with the shorter round trip; the other slab has
     so many that its cells are not longer, and every layer has at least `fewest`. Raises SceneError naming cells and the allowed
     range."""
     require_whole("cells", cells, fewest, MOST_CELLS)
-    slabs = marched_slabs(scene)
+    slabs = scene.slabs
     shortest = min(slab.round_trip for slab in slabs)
     sections = []
     for index, slab in enumerate(slabs):
@@ -87,7 +82,7 @@ def shortest_cell(sections: list[Section]) -> float:
 
 def assemble(scene: Scene, grid: BlockGrid) -> System:
     """Join the blocks of `grid` to each other, to the interface and to the outer faces of `scene`."""
-    slabs = marched_slabs(scene)
+    slabs = scene.slabs
     chains = [[block for block in grid.blocks if block.section.slab == index] for index in range(len(slabs))]
     medium = _medium(scene, grid)
     slots, facts = _traces(chains, medium)
@@ -127,7 +122,7 @@ def _traces(chains: list[list[Block]], medium: Elastic | Viscous) -> tuple[NDArr
 
 def _tops(scene: Scene, chains: list[list[Block]], facts: Array) -> Array:
     columns = []
-    for index, (slab, chain) in enumerate(zip(marched_slabs(scene), chains, strict=True)):
+    for index, (slab, chain) in enumerate(zip(scene.slabs, chains, strict=True)):
         held, impedance = slab.termination.in_transits(scene.transit), chain[-1].section.impedance
         if held.is_rigid:
             columns.append((1.0, 0.0, 0.0, 0.0, 0.0, 0.0))
@@ -152,7 +147,7 @@ def energy_weight(grid: BlockGrid) -> Array:
 
 
 def _medium(scene: Scene, grid: BlockGrid) -> Elastic | Viscous:
-    slabs = marched_slabs(scene)
+    slabs = scene.slabs
     if all(slab.viscosity is None for slab in slabs):
         return Elastic()
     rate, fraction, delay, total, spare = (np.zeros(grid.size) for _ in range(5))
@@ -169,8 +164,8 @@ def _medium(scene: Scene, grid: BlockGrid) -> Elastic | Viscous:
 
 
 def _interface(scene: Scene, facts: Array, size: int, viscous: bool) -> Interface:
-    sides = len(marched_slabs(scene))
-    has_mass = any(slab.termination.mass > 0.0 for slab in marched_slabs(scene))
+    sides = len(scene.slabs)
+    has_mass = any(slab.termination.mass > 0.0 for slab in scene.slabs)
     joints = facts.shape[1] // 2 - sides
     copies = 2.0 if sides == 1 else 1.0
     ends = slice(2 * joints, 2 * joints + sides)

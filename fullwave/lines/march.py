@@ -5,7 +5,7 @@ from typing import Any, Literal, TypeAlias, TypedDict
 import numpy as np
 
 from fullwave.families import FullWave
-from fullwave.lines.blocks import Section, assemble, marched_slabs, sections_of, state_size
+from fullwave.lines.blocks import Section, assemble, sections_of, state_size
 from fullwave.lines.budget import enough_memory, march_work, require_few_unknowns, require_memory
 from fullwave.lines.exact import EXACT_TOLERANCE, ExactMarch
 from fullwave.lines.explicit import ExplicitMarch
@@ -72,7 +72,7 @@ class MethodOfLines:
 
     def _set_up(self, build: Builder, sections: list[Section], limit: float, time: TimeMarch, resolution: float) -> None:
         scene, method = self.scene, self.method
-        viscous = any(slab.viscosity is not None for slab in marched_slabs(scene))
+        viscous = any(slab.viscosity is not None for slab in scene.slabs)
         require_memory(sections, build, method.stages, viscous)
         self.grid = build(sections)
         self.system = assemble(scene, self.grid)

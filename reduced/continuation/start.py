@@ -10,8 +10,6 @@ from reduced.orbit.closing import Closed, by_parameter
 from slipwave.observe.pieces import Array
 from slipwave.observe.solver import State
 
-__all__ = ["Stored", "from_orbit", "from_stored", "metric_for", "stored"]
-
 
 @dataclass(frozen=True)
 class Stored:

@@ -1,15 +1,14 @@
 """The slab pair as a one-port: its exact impedance, its reductions, and their passivity (MODEL.md section 3)."""
 
 from reduced.impedance.jet import Complex, Jet
-from reduced.impedance.models import Passivity, check_passivity, impedance, is_exact, ratio_of
+from reduced.impedance.models import check_passivity, impedance, is_exact, ratio_of
 from reduced.impedance.of_reduction import poles_and_residues, taylor_poles
-from reduced.impedance.reduce import reduce_scene, reduction_of
+from reduced.impedance.reduce import reduction_of
 from reduced.impedance.transmission_line import Ratio, pair_ratio, slab_ratio
 
 __all__ = [
     "Complex",
     "Jet",
-    "Passivity",
     "Ratio",
     "check_passivity",
     "impedance",
@@ -17,7 +16,6 @@ __all__ = [
     "pair_ratio",
     "poles_and_residues",
     "ratio_of",
-    "reduce_scene",
     "reduction_of",
     "slab_ratio",
     "taylor_poles",

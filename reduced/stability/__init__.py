@@ -1,9 +1,9 @@
 """Stability of steady sliding, from the impedance alone: spectrum, critical values and boundaries, for every scene and model."""
 
-from reduced.parameters import PARAMETERS, scaled, with_parameter
+from reduced.parameters import scaled, with_parameter
 from reduced.stability.analyse import Stability, analyse
 from reduced.stability.boundary import Boundary, boundary
-from reduced.stability.characteristic import Characteristic, characteristic
+from reduced.stability.characteristic import characteristic
 from reduced.stability.critical import critical_epsilon, critical_round_trip, critical_velocity
 from reduced.stability.error_laws import ErrorLaw, error_law
 from reduced.stability.essential import essential_abscissa
@@ -11,9 +11,7 @@ from reduced.stability.friction import FrictionSlopes, friction_slopes
 from reduced.stability.spectrum import follow_root, leading_roots, unstable_count
 
 __all__ = [
-    "PARAMETERS",
     "Boundary",
-    "Characteristic",
     "ErrorLaw",
     "FrictionSlopes",
     "Stability",

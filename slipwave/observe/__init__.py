@@ -1,7 +1,7 @@
 """Observers reduce a run to events, period, drops and extrema during the run, piece by piece."""
 
 from slipwave.observe.events import EventObserver, Events
-from slipwave.observe.follow import Final, final_state, follow
+from slipwave.observe.follow import Final, follow
 from slipwave.observe.history import HistoryObserver
 from slipwave.observe.ledger import Energy
 from slipwave.observe.pieces import Pieces
@@ -20,7 +20,6 @@ __all__ = [
     "Solver",
     "Spread",
     "Verdict",
-    "final_state",
     "follow",
     "judge_motion",
     "slides_at",

@@ -79,8 +79,8 @@ def _number(text: str, word: str, option: str) -> float:
 
 def _reader(name: str, base: Scene, ends: tuple[float, float]) -> Callable[[float], Scene]:
     """The scene with a value of its key. A short name without a key in this scene, as epsilon of unlike slabs or in SI, changes
-    both slabs by the same factor. One with a key is read with it at both `ends`, so that a wrong value is told by its key, and
-    set in the scene in between, which takes a hundredth of the time."""
+    both slabs by the same factor. One with a key is read with it at both `ends`, so that an error names the key of a wrong value,
+    and set in the scene in between, which takes a hundredth of the time."""
     if name not in PARAMETERS:
         return _keyed(name, base)
     key = next((key for key, short in _SHORT.items() if short == name), "")

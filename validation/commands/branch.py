@@ -99,12 +99,9 @@ def _way_on(path: Path | None) -> str:
 
 
 def _print(found: "Branch", wall_s: float) -> None:
-    from validation.commands.header import header
+    from validation.commands.header import print_header
 
-    for line in header(found.over.base):
-        print(line)
-    for note in found.notes:
-        print(f"note: {note}")
+    print_header(found.over.base, found.notes)
     points = found.shown
     low, high = found.over.ends
     print(f"model {found.model}: {len(points)} orbits over {found.over.name} from {low:g} to {high:g}")

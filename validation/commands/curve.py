@@ -7,7 +7,7 @@ import typer
 
 import slipwave
 from validation.branches import KINDS
-from validation.commands.branch import BranchTolerance
+from validation.commands.branch import BranchTolerance, Most
 from validation.commands.options import Json, Law, Model, SceneName, Settings
 from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable
 
@@ -23,7 +23,6 @@ OverText = Annotated[
 AndText = Annotated[
     str, typer.Option("--and", metavar="KEY=FROM:TO", help="the second parameter; the curve begins at FROM and leads towards TO")
 ]
-Most = Annotated[int, typer.Option("--most-points", help="stop after so many points")]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw the curve: .png, .pdf or .svg")]
 
 EXAMPLES = ("slipwave curve paper --of LP --over log10_r=-2.72:-2.68 --and V=100:120 --plot fold.png",)
@@ -61,12 +60,9 @@ def curve(
 
 
 def _print(found: "Curve", wall_s: float) -> None:
-    from validation.commands.header import header
+    from validation.commands.header import print_header
 
-    for line in header(found.over.base):
-        print(line)
-    for note in found.notes:
-        print(f"note: {note}")
+    print_header(found.over.base, found.notes)
     print(f"model {found.model}: {found.kind} {KINDS[found.kind]}, {len(found.points)} points")
     print()
     points = found.points

@@ -1,6 +1,7 @@
 """What a command prints first: the scene in numbers, those of its slabs and faces, its units, and what is doubtful about them."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import fields
 
 from slipwave.friction.law import name_of
@@ -10,6 +11,12 @@ from slipwave.scene.drive import Drive
 from slipwave.scene.slab import FACES, Face, KelvinVoigtViscosity, RigidFace, Slab, Viscosity
 from slipwave.scene.units import Units
 from validation.output import figures
+
+
+def print_header(scene: Scene, notes: Iterable[str] = ()) -> None:
+    """Print the header of `scene`, and `notes` on the numbers that follow."""
+    for line in [*header(scene), *(f"note: {note}" for note in notes)]:
+        print(line)
 
 
 def header(scene: Scene) -> list[str]:

@@ -53,14 +53,11 @@ def orbit(
 
 
 def _print(done: "OrbitFound") -> None:
-    from validation.commands.header import header
+    from validation.commands.header import print_header
     from validation.commands.wording import orbit_rows
 
     multipliers, scene = done.found.multipliers, done.scene
-    for line in header(scene):
-        print(line)
-    for note in done.notes:
-        print(f"note: {note}")
+    print_header(scene, done.notes)
     verdict = {True: "stable", False: "unstable", None: "its stability is not decided"}[multipliers.stable]
     print(f"model {done.flow.model}: periodic orbit, {verdict}; it closes to {figures(done.found.closed.residual, 2)}")
     print()

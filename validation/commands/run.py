@@ -141,14 +141,13 @@ def _window(text: str | None) -> tuple[float, float] | None:
 
 
 def _print(result: "RunResult") -> None:
-    from validation.commands.header import header
+    from validation.commands.header import print_header
     from validation.commands.wording import ENDED, events_in_words, exponent_in_words, margins_in_words, statistics_rows
     from validation.door.run import grid_in_words
     from validation.run.stage_table import stage_rows
 
     done, choice = result.done, result.choice
-    for line in header(done.solver.scene):
-        print(line)
+    print_header(done.solver.scene)
     if choice is not None:  # the default grid tried no others
         print(f"{'grid chosen for the tolerance' if choice.tried else 'default grid'}: {grid_in_words(choice)}")
     for note in result.notes:

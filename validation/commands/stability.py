@@ -37,11 +37,10 @@ def stability(
 
 
 def _print(result: "StabilityResult") -> None:
-    from validation.commands.header import header
+    from validation.commands.header import print_header
 
     scene, found = result.scene, result.found
-    for line in header(scene):
-        print(line)
+    print_header(scene)
     verdict = "stable" if found.stable else f"unstable: {found.unstable_roots} growing roots (certified count)"
     verdict = "neutral" if found.stable is None else verdict
     print(f"model {found.model}: steady sliding is {verdict} at V = {found.velocity:g}")

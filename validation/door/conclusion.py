@@ -40,8 +40,8 @@ def _cheapest(rows: Iterable[_Row]) -> _Row | None:
     return min(rows, key=lambda row: float(row["wall_s"]), default=None)
 
 
-def _ratio(dear: _Row, cheap: _Row) -> str:
-    return f"{dear['wall_s'] / cheap['wall_s']:.2g}"
+def _ratio(costly: _Row, cheap: _Row) -> str:
+    return f"{costly['wall_s'] / cheap['wall_s']:.2g}"
 
 
 def _error(row: _Row) -> str:

@@ -1,9 +1,7 @@
 """The motion of the interface in a figure: stress and slip rate over time, with second axes in SI where the scene has units."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from slipwave.scene import Scene
+from validation.door.result import Dataset
 from validation.run.quantities import INTERFACE, si_factor
 from validation.study.drawing import Axes, Drawing, canvas
 
@@ -11,12 +9,12 @@ _LABELS = {"time": "time / transits", "stress": "friction stress / normal stress
 _SI_LABELS = {"time": "time / s", "stress": "friction stress / Pa", "slip_rate": "slip rate / (m/s)"}
 
 
-def motion_axes(scene: Scene, title: str, time: str = _LABELS["time"]) -> tuple[Drawing, Axes, Axes]:
+def motion_axes(scene: Scene, title: str) -> tuple[Drawing, Axes, Axes]:
     """(figure, panel of stress, panel of slip rate) without curves. Call it inside `styled()`."""
     figure = canvas(height=5.2)
     above, below = figure.subplots(2, 1, sharex=True)
     above.set(title=title, ylabel=_LABELS["stress"])
-    below.set(ylabel=_LABELS["slip_rate"], xlabel=time, yscale="log")
+    below.set(ylabel=_LABELS["slip_rate"], xlabel=_LABELS["time"], yscale="log")
     if scene.units is not None:
         _second(above, "x", "time", scene)
         _second(above, "y", "stress", scene)
@@ -24,11 +22,11 @@ def motion_axes(scene: Scene, title: str, time: str = _LABELS["time"]) -> tuple[
     return figure, above, below
 
 
-def motion_figure(scene: Scene, title: str, columns: Mapping[str, Any]) -> Drawing:
-    """`columns`: time, stress and slip_rate, arrays of equal length. Call it inside `styled()`."""
+def motion_figure(scene: Scene, title: str, data: Dataset) -> Drawing:
+    """The history of the interface in the dataset of a result. Call it inside `styled()`."""
     figure, above, below = motion_axes(scene, title)
     for axes, name in ((above, "stress"), (below, "slip_rate")):
-        axes.plot(columns["time"], columns[name], color="#111111", linewidth=0.9)
+        axes.plot(data["time"].values, data[f"interface_{name}"].values, color="#111111", linewidth=0.9)
     return figure
 
 

@@ -57,10 +57,9 @@ class OrbitResult(Result):
     def plot(self) -> Drawing:
         """Stress and slip rate over one period."""
         data, scene = self.dataset, self.found.scene
-        names = {"time": "time", "stress": "interface_stress", "slip_rate": "interface_slip_rate"}
         title = f"{scene.name}, {self.found.flow.model}: periodic orbit, T = {float(data['period']):.6g} transits"
         with styled():
-            return motion_figure(scene, title, {name: data[label].values for name, label in names.items()})
+            return motion_figure(scene, title, data)
 
     @property
     def summary(self) -> dict[str, Any]:

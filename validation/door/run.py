@@ -29,14 +29,14 @@ from validation.registry.families import Built, Options, one_port_of
 from validation.run.determinacy import amplified_rounding
 from validation.run.event_table import write_events
 from validation.run.history_file import Kept
-from validation.run.length import Length, length_of, require_cycles
+from validation.run.length import Length, length_of, require_cycles, second_half
 from validation.run.parting import exponent_of, require_constant
 from validation.run.quantities import cycle_in_si
 from validation.run.reasons import needed, reasons
 from validation.run.recording import Records, Wanted, records_of
 from validation.run.resuming import require_checkpoint
 from validation.run.run_dataset import run_dataset, write_run
-from validation.run.simulate import Run, RunInterrupted, second_half, simulate
+from validation.run.simulate import Run, RunInterrupted, simulate
 from validation.run.stage_table import stage_results
 from validation.study.drawing import Drawing, styled
 
@@ -137,11 +137,9 @@ class RunResult(Result):
         title = f"{scene.name}, {done.solver.model}: {done.kind or 'events not watched'}"
         with styled():
             if "interface_stress" in data:
-                names = {"time": "time", "stress": "interface_stress", "slip_rate": "interface_slip_rate"}
-                columns = {name: data[label].values for name, label in names.items()}
                 if self.records.protocol is not None:
-                    return protocol_figure(scene, done.solver.model, columns, self.records.protocol.figures)
-                return motion_figure(scene, title, columns)
+                    return protocol_figure(scene, done.solver.model, data, self.records.protocol.figures)
+                return motion_figure(scene, title, data)
             figure, above, below = motion_axes(scene, title)
             for axes, name in ((above, "stress_drop"), (below, "v_max")) if "event_time" in data.coords else ():
                 axes.plot(data["event_time"], data[name], ".", color="#111111")

@@ -16,7 +16,7 @@ from slipwave.observe import Solver
 from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
-from validation.registry.families import DELAY, FAMILIES, OPTIONS, Built, Options, Request, family_of, make
+from validation.registry.families import DELAY, FAMILIES, OPTIONS, Built, Options, family_of, given, make
 
 
 def families() -> list[Family]:
@@ -76,19 +76,18 @@ def prepare(model: str, scene: Scene, resumed: bool = False, **options: Unpack[O
     return built._replace(solver=orbiting)
 
 
-def requested(model: str, scene: Scene, **options: Unpack[Options]) -> tuple[Family, Scene, Request]:
-    """What `make` needs for a full name: its family, the scene, and the number after the colon with the options. Raises
-    SceneError as `prepare` does."""
+def requested(model: str, scene: Scene, **options: Unpack[Options]) -> tuple[Family, Scene, int | None, Options]:
+    """What `make` needs for a full name: its family, the scene, the number after the colon, and the options. Raises SceneError as
+    `prepare` does."""
     family, number = _parse(model)
-    request = Request(number, **options)
-    _require_options(model, family, request)
+    _require_options(model, family, options)
     if number is None:
-        request = request._replace(number=family.chosen(request.tolerance))
+        number = family.chosen(options.get("tolerance"))
     refusal = family.refusal(scene)
     if refusal:
         able = ", ".join(other.pattern for other in honouring(scene)) or "none of this installation"
         raise SceneError(f"model = {model!r}: cannot do {refusal} (scene {scene.name!r}); models that can: {able}")
-    return family, scene, request
+    return family, scene, number, options
 
 
 def build_all(models: str, scene: Scene, **options: Unpack[Options]) -> list[Solver]:
@@ -101,19 +100,19 @@ def build_all(models: str, scene: Scene, **options: Unpack[Options]) -> list[Sol
     if repeated:
         raise SceneError(f"models = {models!r}: {repeated[0]} is named more than once")
     found = [_parse(name)[0] for name in names]
-    given = Request(**options).given(*OPTIONS)
-    for option, value in given.items():
+    known = given(options, *OPTIONS)
+    for option, value in known.items():
         if not any(option in family.options for family in found):
             raise SceneError(f"{option} = {value}: none of the models {models} takes it")
     return [
-        build(name, scene, **{option: value for option, value in given.items() if _takes(family, option, given)})
+        build(name, scene, **{option: value for option, value in known.items() if _takes(family, option, known)})
         for name, family in zip(names, found, strict=True)
     ]
 
 
-def _takes(family: Family, option: str, given: dict[str, Any]) -> bool:
+def _takes(family: Family, option: str, known: dict[str, Any]) -> bool:
     """Whether this one of several models is given the option. With cells given, a grid has no use for a tolerance."""
-    return option in family.options and not (option == "tolerance" and "cells" in given and "cells" in family.options)
+    return option in family.options and not (option == "tolerance" and "cells" in known and "cells" in family.options)
 
 
 def _parse(model: str) -> tuple[Family, int | None]:
@@ -141,14 +140,14 @@ def _numbers(allowed: range | tuple[int, ...]) -> str:
     return f"one of {', '.join(str(number) for number in allowed)}"
 
 
-def _require_options(model: str, family: Family, request: Request) -> None:
-    for name in OPTIONS:
-        value = getattr(request, name)
-        if value is not None and name not in family.options:
+def _require_options(model: str, family: Family, options: Options) -> None:
+    for name, value in given(options, *OPTIONS).items():
+        if name not in family.options:
             takers = ", ".join(other.pattern for other in families() if name in other.options)
             raise SceneError(f"{name} = {value}: model {model} takes no {name}; models that do: {takers}")
-    if request.time == "exact" and request.cfl is not None:
-        raise SceneError(f"cfl = {request.cfl:g}: the exact march has no step limit; leave it out, or choose --time explicit")
+    cfl, tolerance = options.get("cfl"), options.get("tolerance")
+    if options.get("time") == "exact" and cfl is not None:
+        raise SceneError(f"cfl = {cfl:g}: the exact march has no step limit; leave it out, or choose --time explicit")
     least, most = family.tolerances
-    if request.tolerance is not None and not least <= request.tolerance <= most:
-        raise SceneError(f"tolerance = {request.tolerance:g}: must lie in [{least:g}, {most:g}] for model {model}")
+    if tolerance is not None and not least <= tolerance <= most:
+        raise SceneError(f"tolerance = {tolerance:g}: must lie in [{least:g}, {most:g}] for model {model}")

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from slipwave.observe import Solver
     from slipwave.scene import Scene
 
-__all__ = ["DELAY", "FAMILIES", "GRIDS", "OPTIONS", "Built", "Options", "Request", "family_of", "grid_of", "make", "one_port_of"]
+__all__ = ["DELAY", "FAMILIES", "GRIDS", "OPTIONS", "Built", "Options", "family_of", "given", "grid_of", "make", "one_port_of"]
 
 FAMILIES: tuple[Family, ...] = (*WITHOUT_GRID, *GRIDS)
 """Cheapest first; `auto` takes the first that is exact."""
@@ -33,18 +33,9 @@ class Options(TypedDict, total=False):
     time: str | None
 
 
-class Request(NamedTuple):
-    """What is asked of a family: the number after the colon and the numerical options, None where left to the model."""
-
-    number: int | None = None
-    cells: int | None = None
-    cfl: float | None = None
-    tolerance: float | None = None
-    time: str | None = None
-
-    def given(self, *names: str) -> dict[str, Any]:
-        """The options among `names` that were set, as keyword arguments."""
-        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+def given(options: Options, *names: str) -> dict[str, Any]:
+    """The options among `names` that were set, as keyword arguments."""
+    return {name: value for name in names if (value := options.get(name)) is not None}
 
 
 class Built(NamedTuple):
@@ -73,30 +64,32 @@ def grid_of(model: str) -> tuple[FullWave, int]:
     return facts_of(name), int(number or 0)
 
 
-def make(family: Family, scene: "Scene", request: Request) -> Built:
-    """A solver of the requested member of `family`; SceneError for an option out of range or a scene it cannot do."""
+def make(family: Family, scene: "Scene", number: int | None, options: Options) -> Built:
+    """A solver of the member of `family` with this number after the colon; SceneError for an option out of range or a scene it
+    cannot do."""
     if family in GRIDS:
-        return _on_a_grid(family, scene, request)
+        return _on_a_grid(family, scene, number, options)
     if family is DELAY:
-        return Built(family.maker()(scene, **request.given("tolerance")))
+        return Built(family.maker()(scene, **given(options, "tolerance")))
     from reduced.impedance import reduction_of
     from reduced.ode.march import ReducedModel
 
-    return Built(ReducedModel(scene, reduction_of(scene, family.called(request.number)), **request.given("tolerance")))
+    return Built(ReducedModel(scene, reduction_of(scene, family.called(number)), **given(options, "tolerance")))
 
 
-def _on_a_grid(family: Family, scene: "Scene", request: Request) -> Built:
+def _on_a_grid(family: Family, scene: "Scene", number: int | None, options: Options) -> Built:
     """A full wave on the requested grid, or on one that is fine enough for the tolerance."""
-    number = () if request.number is None else (request.number,)
+    numbers = () if number is None else (number,)
 
     def member(scene: "Scene", **options: Any) -> Any:
         """The member with its number, on a grid of its own or with its options."""
-        return family.maker()(scene, *number, **options)
+        return family.maker()(scene, *numbers, **options)
 
-    if request.tolerance is None:
-        return Built(member(scene, **request.given("cells", "cfl", "time")))
-    if request.cells is not None:
-        raise SceneError(f"tolerance = {request.tolerance:g}: chooses the cells itself; leave out cells = {request.cells}")
+    tolerance, cells = options.get("tolerance"), options.get("cells")
+    if tolerance is None:
+        return Built(member(scene, **given(options, "cells", "cfl", "time")))
+    if cells is not None:
+        raise SceneError(f"tolerance = {tolerance:g}: chooses the cells itself; leave out cells = {cells}")
     from fullwave.adapt import to_tolerance
 
-    return Built(*to_tolerance(scene, request.tolerance, member, **request.given("cfl", "time")))
+    return Built(*to_tolerance(scene, tolerance, member, **given(options, "cfl", "time")))

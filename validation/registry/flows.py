@@ -46,7 +46,8 @@ def moving(model: str, scene: Scene, tolerance: float, cells: int | None = None)
     model, why = flowing(model, scene)
     if scene.start.kind is StartKind.ORBIT:
         scene = replace(scene, start=replace(scene.start, kind=StartKind.NUDGE))
-    known, scene, request = requested(model, scene, cells=cells, time="exact" if family_of(model) in GRIDS else None)
+    asked = requested(model, scene, cells=cells, time="exact" if family_of(model) in GRIDS else None)
+    known, scene, *_ = asked
     if known is DELAY:
         from reduced.delay.network import DelayNetwork
         from reduced.flows.delay import frozen as frozen_delay
@@ -55,10 +56,10 @@ def moving(model: str, scene: Scene, tolerance: float, cells: int | None = None)
     if known in GRIDS:
         from fullwave.lines.flow import frozen as frozen_grid
 
-        return Moving(make(known, scene, request).solver, partial(frozen_grid, tolerance=tolerance), why)
+        return Moving(make(*asked).solver, partial(frozen_grid, tolerance=tolerance), why)
     from reduced.flows.ode import frozen as frozen_reduction
 
-    return Moving(make(known, scene, request).solver, partial(frozen_reduction, tolerance=tolerance), why)
+    return Moving(make(*asked).solver, partial(frozen_reduction, tolerance=tolerance), why)
 
 
 def flowing(model: str, scene: Scene) -> tuple[str, str]:

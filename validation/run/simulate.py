@@ -11,9 +11,7 @@ from slipwave.observe.follow import Mark, Observer
 from slipwave.observe.foresight import DAY
 from slipwave.observe.verdict import Kind
 from validation.run.course import Course
-from validation.run.length import Ended, Length, Until, second_half
-
-__all__ = ["Run", "RunInterrupted", "second_half", "simulate"]
+from validation.run.length import Ended, Length, Until
 
 
 @dataclass(frozen=True)
