@@ -49,13 +49,13 @@ def common(
 
 
 class _OnStderr(logging.Handler):
-    """Prints what the door tells, line by line."""
+    """Prints what the door logs, line by line."""
 
     def emit(self, record: logging.LogRecord) -> None:
         typer.echo(record.getMessage(), err=True)
 
 
-_TOLD = _OnStderr()
+_ON_STDERR = _OnStderr()
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -123,9 +123,9 @@ def _prepare_streams() -> None:
     """Discard output to a closed stream, and escape characters that the terminal's encoding lacks."""
     sys.stdout = sys.stdout or io.StringIO()
     sys.stderr = sys.stderr or io.StringIO()
-    told = logging.getLogger("slipwave")
-    told.addHandler(_TOLD)
-    told.setLevel(logging.INFO)
+    log = logging.getLogger("slipwave")
+    log.addHandler(_ON_STDERR)
+    log.setLevel(logging.INFO)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 

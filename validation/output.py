@@ -7,11 +7,13 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.extras import require
 from slipwave.files import reason_of
+
+Row = TypeVar("Row")
 
 FIGURES = (".png", ".pdf", ".svg")
 """Kinds of file that figures are drawn to."""
@@ -57,6 +59,12 @@ def printed(show: Callable[[], None]) -> None:
 def print_json(result: Mapping[str, Any]) -> None:
     """`result` as JSON on stdout."""
     print(json.dumps(result, indent=2, allow_nan=False))
+
+
+def thinned(rows: Sequence[Row], most: int) -> list[Row]:
+    """At most `most` of the rows at equal distances, and the last one."""
+    every = max(1, math.ceil(len(rows) / most))
+    return [row for n, row in enumerate(rows) if n % every == 0 or n == len(rows) - 1]
 
 
 def print_table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

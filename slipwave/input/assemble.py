@@ -156,8 +156,8 @@ def _drive(table: schema.DriveTable, units: Units | None, transit: float) -> Dri
     velocities = [in_reference_velocity(key, v, units, LATER_VELOCITY if k else VELOCITY) for k, (_, v) in enumerate(given)]
     is_rising = all(earlier <= later for earlier, later in pairwise(times))
     if not is_rising or any(times[k] == times[k - 2] for k in range(2, len(times))):
-        told = f"{key}: times = {shorten(times)} (transits of the upper slab)"
-        raise SceneError(f"{told}: must be rising; the same time twice is a step")
+        given_times = f"{key}: times = {shorten(times)} (transits of the upper slab)"
+        raise SceneError(f"{given_times}: must be rising; the same time twice is a step")
     return Drive(tuple(times), tuple(velocities))
 
 

@@ -20,7 +20,7 @@ def outer_face(key: str, table: FaceTable, units: Units | None, epsilon: float, 
         area = _area(key, table, units)
         for name, value in given.items():
             if isinstance(value, Quantity):
-                require_units(f"{key}.{name}", _told(value), units, "relative to the slab")
+                require_units(f"{key}.{name}", _as_given(value), units, "relative to the slab")
             if isinstance(table, MachineTable) or isinstance(value, Quantity):
                 one = slab[name] * units.face[name] if units else 1.0
                 lowest = RELATIVE if isinstance(table, GripTable) and name == "stiffness" else NON_NEGATIVE
@@ -43,7 +43,7 @@ def _per_area(key: str, name: str, given: float | Quantity, area: float | None) 
         return given.value
     if area is None:
         example = KINDS[_PER_AREA[given.unit]][1]
-        raise SceneError(f'{key}.{name} = {_told(given)}: must come with {key}.area, or be per area, as in "{example}"')
+        raise SceneError(f'{key}.{name} = {_as_given(given)}: must come with {key}.area, or be per area, as in "{example}"')
     return given.value / area
 
 
@@ -51,9 +51,9 @@ def _relative(key: str, given: float | Quantity, result: float, allowed: Range) 
     """`result`, which follows from `given`. Raises SceneError naming `key` if it is not `allowed`."""
     if not allowed.low <= result <= allowed.high:
         relative = "" if result == given else f" is {result:.9g} relative to the slab, which"
-        raise SceneError(f"{key} = {_told(given)}:{relative} must be {allowed}")
+        raise SceneError(f"{key} = {_as_given(given)}:{relative} must be {allowed}")
     return result
 
 
-def _told(given: float | Quantity) -> str:
+def _as_given(given: float | Quantity) -> str:
     return f'"{given.text}"' if isinstance(given, Quantity) else f"{given:g}"

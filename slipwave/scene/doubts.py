@@ -11,7 +11,7 @@ from slipwave.scene.units import Units
 
 @dataclass(frozen=True)
 class Plausible:
-    """What `things` have, from `low` to `high` in the first of `sizes`, units by their size; `usual` tells which unit is likely
+    """What `things` have, from `low` to `high` in the first of `sizes`, units by their size; `usual` says which unit is likely
     where a value is outside."""
 
     things: str
@@ -28,9 +28,9 @@ class Plausible:
         meant = [size for size in self.sizes if self.low <= value * self.sizes[size] <= self.high]
         meant.sort(key=lambda size: abs(math.log(value * self.sizes[size] / self.usual)))
         hint = f"; did you mean {value:g} {meant[0]}?" if meant else ""
-        yield f"{key} = {value:.4g} {unit}{remark}: {self.things} have {self._told(self.low)} to {self._told(self.high)}{hint}"
+        yield f"{key} = {value:.4g} {unit}{remark}: {self.things} have {self._sized(self.low)} to {self._sized(self.high)}{hint}"
 
-    def _told(self, value: float) -> str:
+    def _sized(self, value: float) -> str:
         fitting = [unit for unit, size in self.sizes.items() if size <= value] or [min(self.sizes, key=self.sizes.__getitem__)]
         unit = max(fitting, key=self.sizes.__getitem__)
         return f"{value / self.sizes[unit]:g} {unit}"

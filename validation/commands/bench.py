@@ -26,9 +26,8 @@ def bench(
 
 
 def _print(summary: dict[str, Any]) -> None:
-    from validation.commands.wording import without_errors, without_period
+    from validation.commands.wording import remarks
 
-    rows = summary["models"]
     heading = ["model", "setting", "wall s", "error T", "error drop"]
     table = [
         [
@@ -38,14 +37,10 @@ def _print(summary: dict[str, Any]) -> None:
             figures(row["error"]["period"], 3),
             figures(row["error"]["stress_drop"], 3),
         ]
-        for row in rows
+        for row in summary["models"]
     ]
     print_table(heading, table)
     against = f"relative errors of the second half's mean against {summary['reference']} (tight)"
     print(f"\n{summary['until']:g} transits; {against}")
-    for line in [*without_errors(rows), *without_period(rows)]:
+    for line in remarks(summary):
         print(line)
-    for reason in {row["model"]: row["failed"] for row in rows if "failed" in row}.values():
-        print(f"failed: {reason}")
-    if summary["conclusion"]:
-        print(summary["conclusion"])

@@ -8,7 +8,7 @@ import typer
 import slipwave
 from validation.branches import KINDS
 from validation.commands.options import Cells, Json, Law, Model, SceneName, Settings
-from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable
+from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable, thinned
 
 if TYPE_CHECKING:
     from validation.branches.record import Branch
@@ -109,8 +109,6 @@ def _print(found: "Branch", wall_s: float) -> None:
     if found.shown_special:
         print_table(*_special_rows(found))
         print()
-    every = max(1, -(-len(points) // _LISTED))
-    listed = points[::every] + ([points[-1]] if points and (len(points) - 1) % every else [])
     heading = [found.over.name, "period", "stress drop", "elastic stress drop", "v_max", "v_min", "stable"]
     table = [
         [
@@ -118,7 +116,7 @@ def _print(found: "Branch", wall_s: float) -> None:
             *(figures(getattr(point, name), 7) for name in ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")),
             {True: "yes", False: f"no ({point.unstable})", None: "not decided"}[point.stable],
         ]
-        for point in listed
+        for point in thinned(points, _LISTED)
     ]
     print_table(heading, table)
     print(f"\nperiods in transits; wall time {wall_s:.3g} s")

@@ -63,9 +63,8 @@ def compare(
 
 
 def _print(summary: dict[str, Any]) -> None:
-    from validation.commands.wording import without_errors, without_period
+    from validation.commands.wording import remarks
 
-    rows = summary["models"]
     heading = ["model", "period", "std", "stress drop", "elastic drop", "v_max", "v_min", "error T", "error drop", "wall s"]
     table = [
         [
@@ -80,15 +79,10 @@ def _print(summary: dict[str, Any]) -> None:
             figures(row["error"]["stress_drop"], 3),
             figures(row["wall_s"], 3),
         ]
-        for row in rows
+        for row in summary["models"]
     ]
     print_table(heading, table)
     against = f"relative errors against {summary['reference']}"
     print(f"\nperiods in transits, means over the second half, {against}; figure: {summary['figure']}")
-    for line in [*without_errors(rows), *without_period(rows)]:
+    for line in remarks(summary):
         print(line)
-    for row in rows:
-        if "failed" in row:
-            print(f"failed: {row['failed']}")
-    if summary["conclusion"]:
-        print(summary["conclusion"])

@@ -9,7 +9,7 @@ import slipwave
 from validation.branches import KINDS
 from validation.commands.branch import BranchTolerance, Most
 from validation.commands.options import Json, Law, Model, SceneName, Settings
-from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable
+from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable, thinned
 
 if TYPE_CHECKING:
     from validation.branches.curve import Curve
@@ -65,8 +65,6 @@ def _print(found: "Curve", wall_s: float) -> None:
     print_header(found.over.base, found.notes)
     print(f"model {found.model}: {found.kind} {KINDS[found.kind]}, {len(found.points)} points")
     print()
-    points = found.points
-    every = max(1, -(-len(points) // _LISTED))
     rows = [
         [
             figures(point.first, 11),
@@ -76,8 +74,7 @@ def _print(found: "Curve", wall_s: float) -> None:
             figures(point.bracket, 2),
             f"{point.multiplier[0]:.6f} +- {abs(point.multiplier[1]):.6f} i",
         ]
-        for n, point in enumerate(points)
-        if n % every == 0 or n == len(points) - 1
+        for point in thinned(found.points, _LISTED)
     ]
     print_table([found.over.name, found.second.name, "period", "stress drop", "bracket", "multiplier"], rows)
     print(f"\nperiods in transits; wall time {wall_s:.3g} s")

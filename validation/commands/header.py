@@ -77,9 +77,9 @@ def _viscosity(viscosity: Viscosity, units: Units | None) -> str:
     return f"{kind}: {_values(viscosity)}" + (f" ({figures(viscosity.time * units.time, 6)} s)" if units else "")
 
 
-def _values(told: Face | Viscosity) -> str:
+def _values(part: Face | Viscosity) -> str:
     """The fields of a dataclass as in "stiffness 2, impedance 0.5"."""
-    return ", ".join(f"{field.name} {getattr(told, field.name):g}" for field in fields(told))  # type: ignore[arg-type]
+    return ", ".join(f"{field.name} {getattr(part, field.name):g}" for field in fields(part))  # type: ignore[arg-type]
 
 
 def _units(scene: Scene, units: Units) -> list[str]:

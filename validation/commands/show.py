@@ -19,6 +19,6 @@ def show(source: SceneName, settings: Settings = None, law: Law = None) -> None:
 
     scene = slipwave.read(source, settings or ())
     facts = read_stored(source).facts if is_stored(source) else {}
-    told = [f"{name} = {value}" for name, value in facts.items() if name != "scene_toml"]
-    comments = [f"# {one_line(line)}" for line in [*header(scene), *told]]
+    stored = [f"{name} = {value}" for name, value in facts.items() if name != "scene_toml"]
+    comments = [f"# {one_line(line)}" for line in [*header(scene), *stored]]
     printed(lambda: print("\n".join([*comments, "", to_toml(scene)]), end=""))

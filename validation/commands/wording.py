@@ -104,6 +104,13 @@ def verdict_in_words(verdict: Verdict, needed: float) -> str:
     return f"the second half{counted} is {kind}: {reason}"
 
 
+def remarks(summary: Mapping[str, Any]) -> list[str]:
+    """The lines below a table of models: whose figures are missing and why, what failed, and the conclusion."""
+    rows = summary["models"]
+    failed = {row["model"]: f"failed: {row['failed']}" for row in rows if "failed" in row}
+    return [*without_errors(rows), *without_period(rows), *failed.values(), *filter(None, [summary["conclusion"]])]
+
+
 def without_errors(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """One line for each verdict without period and errors (a transient has none), with its models."""
     models: dict[str, list[str]] = {}

@@ -13,7 +13,7 @@ from validation.branches.curve import Curve, CurvePoint, require_curve, trace
 from validation.branches.curve_drawing import figure_of
 from validation.branches.parameter import over_range
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of, told
+from validation.door.result import Dataset, Result, deliver, finite, log, scene_of, table_of
 from validation.registry.flows import flowing
 from validation.registry.orbits import require_tolerance
 from validation.run.progress import progress
@@ -91,7 +91,7 @@ def curve(
     require_curve(of, *parameters)
     name, why = flowing(model, scene)
     if why:
-        told.info("model auto: %s (%s)", name, why)
+        log.info("model auto: %s (%s)", name, why)
     options = {"of": of, "over": over, "and": along, "tol": tol, "most_points": most_points}
     found, failed, stopped, began = Curve(of, *parameters, name, tol), "", False, time.perf_counter()
     try:

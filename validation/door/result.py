@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 else:  # xarray is loaded only when a dataset is made
     Dataset = Any
 
-told = logging.getLogger("slipwave")
+log = logging.getLogger("slipwave")
 """What is chosen for the user and how far long work has come, at level INFO; the command line prints it on stderr."""
 
 
@@ -113,7 +113,7 @@ def scene_of(source: SceneSource, settings: Iterable[str], changes: Mapping[str,
     _require_known(changes)
     scene = read_scene(read(source, [*settings, *length]), **changes)
     for line in doubts(scene):
-        told.warning("note: %s", line)
+        log.warning("note: %s", line)
     return scene
 
 

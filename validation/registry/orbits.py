@@ -57,8 +57,8 @@ class OrbitFound:
         if self.source:
             notes.append(self.source)
         if self.others:
-            told = ", ".join(f"{other.period:.7g} ({'unstable' if other.unstable else 'stable'})" for other in self.others)
-            notes.append(f"other orbits of this scene have the periods {told}: --near-period finds one of them")
+            periods = ", ".join(f"{other.period:.7g} ({'unstable' if other.unstable else 'stable'})" for other in self.others)
+            notes.append(f"other orbits of this scene have the periods {periods}: --near-period finds one of them")
         return notes
 
 

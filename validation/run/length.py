@@ -86,7 +86,7 @@ class Until:
 
 @dataclass(frozen=True)
 class UntilSettled:
-    """Until the motion is no longer a transient, as far as can be told.
+    """Until the motion is no longer a transient, as far as its cycles show.
 
     Cycles that repeat are settled if there are 8 or more, cycles that never repeat if there are 16 or more, and if the means of
     period and stress drop over the earlier and the later half of them agree: within 1e-3, or within the margins of cycles that

@@ -23,7 +23,7 @@ _NEUTRAL = 1e-9
 @dataclass(frozen=True)
 class Outlook:
     """`rate`: at which a disturbance of steady sliding grows or (below 0) decays in the end, per transit; `period`: expected of
-    a cycle, in transits. `stable` is None if neither can be told, because the rate is 0 within rounding or V ends at 0."""
+    a cycle, in transits. `stable` is None if it is unknown, because the rate is 0 within rounding or V ends at 0."""
 
     stable: bool | None
     rate: float

@@ -95,11 +95,11 @@ def unlike(delay: Branch, ode: Branch) -> Verdict:
         for branch in (delay, ode)
     }
     words = {"PD": "period doubling", "NS": "torus"}
-    told = {model: f"{words[one.kind]} at {one.point.parameter:.4f}".replace("-", "−") for model, one in lost.items()}
+    first = {model: f"{words[one.kind]} at {one.point.parameter:.4f}".replace("-", "−") for model, one in lost.items()}
     return of_paper(
         "P14 The delay system has bifurcations similar to the ODE’s",
         "similar",
-        "; ".join(f"{model}: first a {point}" for model, point in told.items()),
+        "; ".join(f"{model}: first a {point}" for model, point in first.items()),
         lost["delay"].kind == lost["kelvin-voigt"].kind,
         "Hopf point and first fold are alike, what follows is not. Folds, period doublings, torus points of the branches shown: "
         f"{_tally(delay)} in the delay system, {_tally(ode)} in the ODE",

@@ -42,13 +42,13 @@ def _where(listed: list[Periods]) -> str:
 def printed(listed: list[Periods]) -> Verdict:
     """The periods that the paper prints at log10 r = -2.68."""
     paper, here = reference()["paper"], next(one for one in listed if one.log10_r == -2.68)
-    told = {model: (here.orbits[model][0], paper[name]) for model, name in (("kelvin-voigt", "T_ode"), ("delay", "T_dde"))}
+    pairs = {model: (here.orbits[model][0], paper[name]) for model, name in (("kelvin-voigt", "T_ode"), ("delay", "T_dde"))}
     return Verdict(
         "The paper’s periods at log_{10} r = −2.68 lie on the curves",
         Evidence.PAPER,
-        ", ".join(f"{known:g} ({model})" for model, (_, known) in told.items()),
-        ", ".join(f"{ours:.4f}" for ours, _ in told.values()),
-        judge(all(abs(ours - known) <= half_digit(known) for ours, known in told.values())),
+        ", ".join(f"{known:g} ({model})" for model, (_, known) in pairs.items()),
+        ", ".join(f"{ours:.4f}" for ours, _ in pairs.values()),
+        judge(all(abs(ours - known) <= half_digit(known) for ours, known in pairs.values())),
         "half of the last printed digit is allowed",
     )
 

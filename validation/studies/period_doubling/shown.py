@@ -27,8 +27,8 @@ def orbit_table(found: Doubled) -> Table:
 
 
 def _row(name: str, orbit: PeriodicOrbit) -> tuple[str | float, ...]:
-    told = ", ".join(plain(float(value.real), ".5f") for value in orbit.multipliers.values[:2])
-    return (name, *orbit.orbit.values().values(), told)
+    multipliers = ", ".join(plain(float(value.real), ".5f") for value in orbit.multipliers.values[:2])
+    return (name, *orbit.orbit.values().values(), multipliers)
 
 
 def planes(found: Doubled) -> Drawing:

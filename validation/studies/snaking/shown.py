@@ -73,8 +73,8 @@ def coexisting_table(found: dict[float, list[Closed]]) -> Table:
 def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
     values, found = floquet(closed.monodromy)[0], figures_of(closed)
     lead = values[0]
-    told = plain(lead.real, ".4f") + (f" ± {plain(abs(lead.imag), '.4f')} i" if lead.imag else "")
-    return (log10_r, *(found[name] for name in COMPARED), float((np.abs(values) > 1.0).sum()), told)
+    multiplier = plain(lead.real, ".4f") + (f" ± {plain(abs(lead.imag), '.4f')} i" if lead.imag else "")
+    return (log10_r, *(found[name] for name in COMPARED), float((np.abs(values) > 1.0).sum()), multiplier)
 
 
 def snake(branch: Branch, runs: Iterable[Run]) -> Drawing:
