@@ -21,14 +21,17 @@ from validation.commands.options import (
 )
 from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable
 
+Models = Annotated[
+    str, typer.Option(metavar="M1,M2,...", help="the models; the reference is delay if it is among them, else the first")
+]
+OutFile = Annotated[Path, typer.Option(metavar="FILE.png", help="the overlay figure")]
+
 EXAMPLES = ("slipwave compare paper --models delay,kelvin-voigt,fd --out compare.png",)
 
 
 def compare(
     source: SceneName,
-    models: Annotated[
-        str, typer.Option(metavar="M1,M2,...", help="the models; the reference is delay if it is among them, else the first")
-    ],
+    models: Models,
     until: Until = None,
     settings: Settings = None,
     law: Law = None,
@@ -36,7 +39,7 @@ def compare(
     cfl: Cfl = None,
     time: TimeMarch = None,
     tol: Tolerance = None,
-    out: Annotated[Path, typer.Option(metavar="FILE.png", help="the overlay figure")] = Path("compare.png"),
+    out: OutFile = Path("compare.png"),
     yes: Yes = False,
     json: Json = False,
 ) -> None:

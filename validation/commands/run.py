@@ -28,6 +28,29 @@ from validation.output import FIGURES, conclude, deliver, figures, print_json, p
 if TYPE_CHECKING:
     from validation.door.run import RunResult
 
+CycleCount = Annotated[
+    int | None, typer.Option(metavar="N", help="end when the second half of the run has N complete cycles, not --until")
+]
+OutFile = Annotated[Path | None, typer.Option(metavar="FILE.nc", help="write events, and the interface and fields if recorded")]
+FieldFile = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="full wave: write velocity and stress of the last 100 transits, .vtu, .xdmf or .nc"),
+]
+EventFile = Annotated[Path | None, typer.Option(metavar="FILE.csv", help="write the slip events, in s and Pa for scenes in SI")]
+CheckpointFile = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="save checkpoints here during the run, and go on from FILE if it exists")
+]
+CheckpointEvery = Annotated[float | None, typer.Option(metavar="TRANSITS", help="time between checkpoints (default 1000)")]
+Every = Annotated[int | None, typer.Option(metavar="N", help="keep one in N samples of the interface's history")]
+Window = Annotated[str | None, typer.Option(metavar="A:B", help="keep the interface's history from A to B transits only")]
+Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw stress and slip rate over time: .png, .pdf or .svg")]
+MapFile = Annotated[
+    Path | None, typer.Option("--return-map", metavar="FILE", help="draw the period of each cycle over that of the one before")
+]
+Lyapunov = Annotated[
+    bool, typer.Option("--lyapunov", help="how fast motions close by part: the largest Lyapunov exponent, by a second march")
+]
+
 EXAMPLES = (
     "slipwave run paper --model modal:2 --set slab.log10_r=-2.6 --plot run.png",
     "slipwave run paper --out run.nc --every 10",
@@ -39,45 +62,23 @@ def run(
     source: SceneName,
     model: Model = "auto",
     until: Until = None,
-    cycles: Annotated[
-        int | None, typer.Option(metavar="N", help="end when the second half of the run has N complete cycles, not --until")
-    ] = None,
+    cycles: CycleCount = None,
     settings: Settings = None,
     law: Law = None,
     cells: Cells = None,
     cfl: Cfl = None,
     time: TimeMarch = None,
     tol: Tolerance = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FILE.nc", help="write events, and the interface and fields if recorded")
-    ] = None,
-    fields: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="full wave: write velocity and stress of the last 100 transits, .vtu, .xdmf or .nc"),
-    ] = None,
-    events: Annotated[
-        Path | None, typer.Option(metavar="FILE.csv", help="write the slip events, in s and Pa for scenes in SI")
-    ] = None,
-    checkpoint: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="save checkpoints here during the run, and go on from FILE if it exists")
-    ] = None,
-    checkpoint_every: Annotated[
-        float | None, typer.Option(metavar="TRANSITS", help="time between checkpoints (default 1000)")
-    ] = None,
-    every: Annotated[int | None, typer.Option(metavar="N", help="keep one in N samples of the interface's history")] = None,
-    window: Annotated[
-        str | None, typer.Option(metavar="A:B", help="keep the interface's history from A to B transits only")
-    ] = None,
-    plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="draw stress and slip rate over time: .png, .pdf or .svg")
-    ] = None,
-    map_file: Annotated[
-        Path | None,
-        typer.Option("--return-map", metavar="FILE", help="draw the period of each cycle over that of the one before"),
-    ] = None,
-    lyapunov: Annotated[
-        bool, typer.Option("--lyapunov", help="how fast motions close by part: the largest Lyapunov exponent, by a second march")
-    ] = False,
+    out: OutFile = None,
+    fields: FieldFile = None,
+    events: EventFile = None,
+    checkpoint: CheckpointFile = None,
+    checkpoint_every: CheckpointEvery = None,
+    every: Every = None,
+    window: Window = None,
+    plot: Plot = None,
+    map_file: MapFile = None,
+    lyapunov: Lyapunov = False,
     yes: Yes = False,
     json: Json = False,
 ) -> None:
