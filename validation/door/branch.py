@@ -18,7 +18,7 @@ from validation.branches.parameter import over_range
 from validation.branches.record import Branch, BranchPoint, SpecialPoint
 from validation.branches.stored import read, write
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Dataset, Result, as_path, deliver, finite, log, scene_of
+from validation.door.result import Dataset, Result, announced, as_path, deliver, finite, scene_of
 from validation.registry.flows import flowing
 from validation.registry.orbits import require_tolerance
 from validation.run.progress import progress
@@ -113,9 +113,7 @@ def branch(
     require_tolerance(tol)
     limits, doubled = limits_of(stop_at, longest_period, most_points), is_doubled(switch)
     parameter = over_range(_range_text(over), scene_of(source, settings, changes))
-    name, why = flowing(model, parameter.base)
-    if why:
-        log.info("model auto: %s (%s)", name, why)
+    name = announced(*flowing(model, parameter.base))
     options = {"tol": tol, "cells": cells, "stop_at": stop_at, "switch": switch, "longest_period": longest_period}
     options |= {"over": _range_text(over), "most_points": most_points}
     found, failed, stopped, began = Branch(parameter, name, tol, cells, doubled), "", False, time.perf_counter()

@@ -13,7 +13,7 @@ from validation.branches.curve import Curve, CurvePoint, require_curve, trace
 from validation.branches.curve_drawing import figure_of
 from validation.branches.parameter import over_range
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Dataset, Result, deliver, finite, log, scene_of, table_of
+from validation.door.result import Dataset, Result, announced, deliver, finite, scene_of, table_of
 from validation.registry.flows import flowing
 from validation.registry.orbits import require_tolerance
 from validation.run.progress import progress
@@ -89,9 +89,7 @@ def curve(
     scene = scene_of(source, settings, changes)
     parameters = over_range(over, scene), over_range(along, scene, "--and")
     require_curve(of, *parameters)
-    name, why = flowing(model, scene)
-    if why:
-        log.info("model auto: %s (%s)", name, why)
+    name = announced(*flowing(model, scene))
     options = {"of": of, "over": over, "and": along, "tol": tol, "most_points": most_points}
     found, failed, stopped, began = Curve(of, *parameters, name, tol), "", False, time.perf_counter()
     try:

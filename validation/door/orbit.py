@@ -18,7 +18,7 @@ from slipwave.step.flow import Cycle
 from validation.branches.at_scene import orbit_of
 from validation.door.motion_figure import motion_figure
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Dataset, Result, finite, log, scene_of
+from validation.door.result import Dataset, Result, announced, finite, scene_of
 from validation.registry.flows import flowing
 from validation.registry.orbits import OrbitFound, require_tolerance
 from validation.run.quantities import EVENTS, INTERFACE, cycle_in_si, variables
@@ -107,9 +107,7 @@ def orbit(
     tol, cells = options["tol"] or TOLERANCE, options["cells"]
     require_tolerance(tol)
     scene = scene_of(source, settings, changes)
-    name, why = flowing(model, scene)
-    if why:
-        log.info("model auto: %s (%s)", name, why)
+    name = announced(*flowing(model, scene))
     return OrbitResult(orbit_of(name, scene, tol, cells, options["near_period"]), options | {"tol": tol})
 
 

@@ -117,6 +117,13 @@ def scene_of(source: SceneSource, settings: Iterable[str], changes: Mapping[str,
     return scene
 
 
+def announced(model: str, why: str) -> str:
+    """`model`; the log says why `auto` chose it, if it did."""
+    if why:
+        log.info("model auto: %s (%s)", model, why)
+    return model
+
+
 def deliver(result: Delivered, failed: str, stopped: bool = False) -> Delivered:
     """`result`. Raises NumericsError if `failed` says what failed, Stopped if the user stopped it; both hold the result."""
     if stopped:

@@ -21,7 +21,7 @@ from slipwave.scene.doubts import doubts
 from validation.door.motion_figure import motion_axes, motion_figure
 from validation.door.protocol_figure import protocol_figure
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Dataset, Result, as_path, deliver, finite, log, scene_of
+from validation.door.result import Dataset, Result, announced, as_path, deliver, finite, log, scene_of
 from validation.door.return_map import return_map
 from validation.registry import build as models
 from validation.registry.default_grid import judged, note_on
@@ -280,8 +280,7 @@ def _tell(built: Built) -> None:
     """Report what was chosen for the user."""
     if built.choice is not None:
         log.info("%s: %s", built.solver.model, grid_in_words(built.choice))
-    if built.why:
-        log.info("model auto: %s (%s)", built.solver.model, built.why)
+    announced(built.solver.model, built.why)
 
 
 def _march(solver: Solver, length: Length, records: Records, most: float) -> tuple[Run, bool]:
