@@ -54,21 +54,24 @@ class Field:
         return {"upper": self.upper} | ({"lower": self.lower} if self.lower is not None else {})
 
     def dataset(self) -> "xarray.Dataset":
-        """The record as a Dataset with names, units and coordinates."""
+        """The record as a Dataset with names and coordinates; values are numbers without units, `in_units_of` says of what."""
         require("files", "a dataset of fields")
         import xarray
 
         variables: dict[str, object] = {}
-        coordinates: dict[str, object] = {"time": ("time", self.time, {"long_name": "time", "units": "transit"})}
+        coordinates: dict[str, object] = {"time": ("time", self.time, _notes("time", "transit"))}
         for name, slab in self.slabs.items():
             depth = f"{name}_depth"
-            place = {"long_name": f"depth in the {name} slab, 0 at the interface", "units": "fraction of its travel time"}
+            place = _notes(f"depth in the {name} slab, 0 at the interface", "travel time through the slab")
             coordinates[depth] = (depth, slab.depth, place)
-            motion = {"long_name": f"velocity in the {name} slab, positive along the upper face's drive", "units": "V*"}
-            load = {"long_name": f"shear stress in the {name} slab", "units": "normal stress"}
+            motion = _notes(f"velocity in the {name} slab, positive along the upper face's drive", "V*")
+            load = _notes(f"shear stress in the {name} slab", "normal stress")
             variables[f"{name}_velocity"] = (("time", depth), slab.velocity, motion)
             variables[f"{name}_stress"] = (("time", depth), slab.stress, load)
-        return xarray.Dataset(variables, coordinates, self._facts())
+        found = xarray.Dataset(variables, coordinates, self._facts())
+        for coordinate in found.coords.values():
+            coordinate.encoding["_FillValue"] = None  # of a coordinate no value is missing
+        return found
 
     def _facts(self) -> dict[str, str | float]:
         facts: dict[str, str | float] = {
@@ -82,6 +85,10 @@ class Field:
         if self.lower is None:
             facts["lower_slab"] = "mirror image of the upper: same stress, opposite velocity"
         return facts
+
+
+def _notes(meaning: str, unit: str) -> dict[str, str]:
+    return {"long_name": meaning, "units": "1", "in_units_of": unit}
 
 
 class FieldRecord:

@@ -6,7 +6,9 @@ from contextlib import closing
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import xarray
 
 import slipwave
 from slipwave.observe.stages import StageFigures
@@ -40,6 +42,26 @@ def test_the_json_has_every_stage_with_si() -> None:
     assert si["slip_to_recovery_m"] == pytest.approx(step["slip_to_recovery"] * 1e-5, rel=1e-12)
     assert (si["healing_Pa"], step["healing"]) == (None, None)
     assert hold["si"]["relaxation_Pa"] > 0.0
+
+
+def test_a_file_has_the_stages_of_the_json(tmp_path: Path) -> None:
+    path = tmp_path / "steps.nc"
+    result = slipwave.run("velocity-steps", "quasidynamic", **SCENE)
+    result.to_netcdf(path)
+    stages = result.summary["protocol"]
+    with xarray.open_dataset(path) as data:
+        assert (data.attrs["ended"], data.attrs["reasons"]) == ("until", "; ".join(result.reasons))
+        assert data["stage_kind"].values.tolist() == ["start", "step", "hold"]
+        assert data["stage_stick_slips"].values.tolist() == [0, 0, 0]
+        sizes = {"direct_effect": "Pa", "evolution": "Pa", "relaxation": "Pa", "slip_to_recovery": "m", "start": "s", "end": "s"}
+        for name, unit in sizes.items():
+            plain, twin = (
+                [math.nan if one is None else one for one in column]
+                for column in ([stage[name] for stage in stages], [stage["si"][f"{name}_{unit}"] for stage in stages])
+            )
+            np.testing.assert_array_equal(data[f"stage_{name}"], plain)
+            np.testing.assert_allclose(data[f"stage_{name}_{unit}"], twin, rtol=1e-15)
+        assert data["stage_velocity_m_per_s"].values.tolist() == pytest.approx([1e-6, 3e-6, 0.0], rel=1e-14)
 
 
 def test_a_scene_of_one_velocity_has_no_stages() -> None:
@@ -130,7 +152,8 @@ def test_the_slip_of_the_figure_is_the_integral_of_the_slip_rate() -> None:
     scene = slipwave.read("paper")
     time, rate, stress = [0.0, 1.0, 1.0, 3.0], [1.0, 3.0, 10.0, 4.0], [0.6, 0.61, 0.63, 0.62]
     stages = [StageFigures("start", 0.0, 1.0, 1.0), StageFigures("step", 1.0, 3.0, 10.0)]
-    by_time, by_slip = protocol_figure(scene, "delay", {"time": time, "stress": stress, "slip_rate": rate}, stages).axes
+    history = {"interface_stress": ("time", stress), "interface_slip_rate": ("time", rate)}
+    by_time, by_slip = protocol_figure(scene, "delay", xarray.Dataset(history, {"time": time}), stages).axes
     clock, slip = (axes.lines[-1].get_xdata() for axes in (by_time, by_slip))
     assert clock.tolist() == pytest.approx([scene.transit * moment for moment in time], rel=1e-14)
     assert slip.tolist() == pytest.approx([scene.transit * slipped for slipped in (0.0, 2.0, 2.0, 16.0)], rel=1e-14)

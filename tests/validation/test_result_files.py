@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import xarray
 import slipwave as sw
 from slipwave.friction.law import LAWS
 from slipwave.input.source import gallery_names
+from slipwave.observe.statistics import Margins
 from validation.cli import INPUT_WRONG, main
 from validation.door.provenance import provenance
 
@@ -176,34 +178,58 @@ def test_a_file_has_the_numbers_of_every_slab() -> None:
     assert facts["epsilon"] == pytest.approx((784.0 * 1e6) ** 0.5 * 1e-6 / 1e3, rel=1e-12)
 
 
-UNITS = {"1", "s", "Pa", "m s-1"}
+def test_a_file_has_the_margins_of_motion_that_never_repeats(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    result = sw.run("paper-si", "kelvin-voigt", until=200, **SHORT)
+    assert result.done.verdict is not None
+    assert "period_margin" not in result.dataset
+    margins = Margins(0.25, 0.5, 0.125)
+    wanders = replace(result.done, verdict=result.done.verdict._replace(kind="irregular"))
+    irregular = replace(result, done=replace(wanders, statistics=replace(wanders.statistics, margins=margins)))
+    irregular.to_netcdf(tmp_path / "x.nc")
+    with xarray.open_dataset(tmp_path / "x.nc") as data:
+        assert [float(data[f"{name}_margin"]) for name in asdict(margins)] == [0.25, 0.5, 0.125]
+        assert float(data["period_margin_s"]) == pytest.approx(0.25 * data.attrs["transit_s"], rel=1e-14)
+        assert float(data["stress_drop_margin_Pa"]) == pytest.approx(500.0, rel=1e-14)
+
+
+UNITS = {"1", "s", "Pa", "m", "m s-1"}
 """The units in use: UDUNITS knows them."""
+RAMP: dict[str, Any] = {"drive.velocity": [[0.0, 100.0], [2.0, 100.0], [2.0, 120.0]], "run.record": ["events", "fields"]}
+
+
+def require_cf(data: xarray.Dataset) -> None:
+    """Of the CF conventions: names (2.3), no missing coordinate values (2.5.1), units (3.1), long names (3.2), rising coordinates
+    (1.2)."""
+    for name, variable in data.variables.items():
+        assert str(name).isidentifier()
+        assert variable.attrs["long_name"]
+        assert variable.attrs.get("units") in UNITS or variable.dtype.kind in "OU", name
+        if name in data.dims:
+            assert "_FillValue" not in variable.attrs
+            assert (np.diff(variable.values) > 0.0).all()
 
 
 @pytest.mark.parametrize("scene", ["paper", "paper-si"])
 def test_files_follow_the_cf_conventions(scene: str, tmp_path: Path) -> None:
-    """Checked by hand with compliance-checker 6.1 (cf:1.11), whose only finding is the name `time`: it expects a calendar date.
-    The rules: names (2.3), no missing coordinate values (2.5.1), global attributes (2.6), units (3.1), long names (3.2), rising
-    coordinates (1.2)."""
+    """Checked by hand with compliance-checker 6.1 (cf:1.11), whose only finding is the name `time`: it expects a date."""
     path = tmp_path / "x.nc"
     works = [
         sw.run(scene, "block8", until=100, interface=True, every=5),
         sw.orbit(scene, "block8", tol=1e-4),
         sw.branch(scene, "V=100:110", "block8", tol=1e-4, most_points=2),
         sw.stability(scene),
+        sw.run(scene, "dg:3", cells=2, until=4, **RAMP),
     ]
     for work in works:
         work.to_netcdf(path)
         with xarray.open_dataset(path, decode_cf=False) as data:
             assert data.attrs["Conventions"] == "CF-1.11"
             assert {"title", "institution", "source", "history", "references"} <= set(data.attrs)
-            for name, variable in data.variables.items():
-                assert str(name).isidentifier()
-                assert variable.attrs["long_name"]
-                assert variable.attrs.get("units") in UNITS or variable.dtype.kind in "OU", name
-                if name in data.dims:
-                    assert "_FillValue" not in variable.attrs
-                    assert (np.diff(variable.values) > 0.0).all()
+            assert ("stage_velocity" in data) == (work is works[-1])
+            require_cf(data)
+    with xarray.open_dataset(path, group="fields", decode_cf=False) as data:
+        assert {"time", "upper_depth", "upper_velocity", "upper_stress"} == set(data.variables)
+        require_cf(data)
 
 
 LAW = ROOT / "examples" / "own_law.py"

@@ -168,9 +168,9 @@ def _print(result: "RunResult") -> None:
             print(line)
     if result.exponent is not None:
         print(exponent_in_words(result.exponent))
-    if result.records.protocol:
+    if result.stages:
         print()
-        print_table(*stage_rows(result.records.protocol.figures, done.solver.scene))
+        print_table(*stage_rows(result.stages, done.solver.scene))
     if done.final:
         state = {"ln v": done.final.ln_v, "psi": done.final.psi, "mu": done.final.mu}
         print("\nat the end: " + ", ".join(f"{name} = {figures(value, 12)}" for name, value in state.items()))

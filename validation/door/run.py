@@ -16,6 +16,7 @@ from slipwave.observe.foresight import DAY
 from slipwave.observe.lyapunov import Exponent
 from slipwave.observe.snapshot import FieldSolver
 from slipwave.observe.solver import Leaping
+from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.door.motion_figure import motion_axes, motion_figure
@@ -90,14 +91,18 @@ class RunResult(Result):
             result["left_out"] = done.solver.skipped
         if self.choice:
             result["grid"] = {name: getattr(self.choice, name) for name in ("cells", "step", "quantity", "error_estimate")}
-        stages = self.records.protocol.figures if self.records.protocol else []
         more = {
-            "protocol": stage_results(stages, done.solver.scene),
+            "protocol": stage_results(self.stages, done.solver.scene),
             "lyapunov": self.exponent._asdict() if self.exponent else None,
             "failed": done.failed,
             "notes": [*doubts(done.solver.scene), *self.notes],
         }
         return dict(finite(result | {name: value for name, value in more.items() if value}))
+
+    @property
+    def stages(self) -> list[StageFigures]:
+        """The stages of a protocol with their figures; none if V never changes."""
+        return self.records.protocol.figures if self.records.protocol else []
 
     @cached_property
     def reasons(self) -> list[str]:
@@ -120,15 +125,16 @@ class RunResult(Result):
 
     @cached_property
     def dataset(self) -> Dataset:
-        """Cycles by `event`; the interface's history by `time`, if it was kept. All of it is in memory."""
-        return run_dataset(self.done, self._facts(), self.records.history)
+        """Cycles by `event`, stages of a protocol by `stage`; the interface's history by `time`, if it was kept, all of it in
+        memory."""
+        return run_dataset(self.done, self._facts(), self.stages, self.records.history)
 
     def to_netcdf(self, path: str | Path) -> None:
         """Write the dataset, block by block, and the fields as a group if the scene records them. Raises SceneError if the file
         cannot be written."""
         record = self.records.fields if "fields" in self.done.solver.scene.record else None
         field = record.field if record is not None and self.done.final is not None else None
-        write_run(Path(path), self.done, self._facts(), self.records.history, field)
+        write_run(Path(path), self.done, self._facts(), self.stages, self.records.history, field)
 
     def plot(self) -> Drawing:
         """Stress and slip rate over time, or of a protocol friction over time and slip, if the history was kept
@@ -138,7 +144,7 @@ class RunResult(Result):
         with styled():
             if "interface_stress" in data:
                 if self.records.protocol is not None:
-                    return protocol_figure(scene, done.solver.model, data, self.records.protocol.figures)
+                    return protocol_figure(scene, done.solver.model, data, self.stages)
                 return motion_figure(scene, title, data)
             figure, above, below = motion_axes(scene, title)
             for axes, name in ((above, "stress_drop"), (below, "v_max")) if "event_time" in data.coords else ():
@@ -159,7 +165,8 @@ class RunResult(Result):
             return return_map(title, Events(*(column[inside] for column in cycles)))
 
     def _facts(self) -> dict[str, Any]:
-        return provenance("run", self.done.solver.scene, self.done.solver.model, self.options)
+        facts = provenance("run", self.done.solver.scene, self.done.solver.model, self.options)
+        return facts | {"ended": self.done.ended or "failed", "reasons": "; ".join(self.reasons)}
 
     def write_events(self, path: str | Path) -> None:
         """Write one line for each complete cycle to a .csv file, in SI if the scene has units."""

@@ -13,7 +13,7 @@ from slipwave.scene import Scene
 
 
 class Quantity(NamedTuple):
-    """What it is, and what 1 of it means: "transit", "normal stress", "V*"; nothing for a pure number."""
+    """What it is, and what 1 of it means: "transit", "normal stress", "V*", "L"; nothing for a pure number."""
 
     meaning: str
     unit: str = ""
@@ -27,6 +27,21 @@ EVENTS = {
     "v_max": Quantity("largest slip rate of the cycle", "V*"),
     "v_min": Quantity("smallest slip rate of the cycle", "V*"),
 }
+_MARGIN = "half the width of the 95 % interval of the mean over the second half: "
+MARGINS = {
+    f"{name}_margin": Quantity(_MARGIN + name, EVENTS[name].unit) for name in ("period", "stress_drop", "elastic_stress_drop")
+}
+STAGES = {
+    "stage_start": Quantity("beginning of the stage", "transit"),
+    "stage_end": Quantity("end of the stage", "transit"),
+    "stage_velocity": Quantity("V of the drive", "V*"),
+    "stage_steady_stress": Quantity("friction stress at the end of a settled stage", "normal stress"),
+    "stage_direct_effect": Quantity("peak minus the friction stress before the step", "normal stress"),
+    "stage_evolution": Quantity("peak minus the new steady stress", "normal stress"),
+    "stage_slip_to_recovery": Quantity("slip from the peak to where 1/e of its distance from the steady stress is left", "L"),
+    "stage_relaxation": Quantity("friction stress before the hold minus that at its end", "normal stress"),
+    "stage_healing": Quantity("peak after the hold minus the friction stress before it", "normal stress"),
+}
 INTERFACE = {
     "time": Quantity("time", "transit"),
     "interface_slip_rate": Quantity("slip rate v", "V*"),
@@ -34,7 +49,7 @@ INTERFACE = {
     "interface_stress": Quantity("friction stress mu", "normal stress"),
     "interface_elastic_stress": Quantity("elastic stress y", "normal stress"),
 }
-_SI = {"transit": ("s", "s"), "normal stress": ("Pa", "Pa"), "V*": ("m s-1", "m_per_s")}
+_SI = {"transit": ("s", "s"), "normal stress": ("Pa", "Pa"), "V*": ("m s-1", "m_per_s"), "L": ("m", "m")}
 """Unit in SI, and how names of values in it end."""
 
 
@@ -43,7 +58,12 @@ def si_factor(quantity: Quantity, scene: Scene) -> float | None:
     units = scene.units
     if units is None or not quantity.unit:
         return None
-    sizes = {"transit": scene.transit * units.time, "normal stress": units.normal_stress, "V*": units.reference_velocity}
+    sizes = {
+        "transit": scene.transit * units.time,
+        "normal stress": units.normal_stress,
+        "V*": units.reference_velocity,
+        "L": units.memory_length,
+    }
     return sizes[quantity.unit]
 
 

@@ -1,9 +1,10 @@
-"""A run as an `xarray.Dataset` and as a netCDF file: cycles if events were watched, the interface's history if it was kept, its
-provenance, and the fields of a full-wave run's last transits as the group "fields".
+"""A run as an `xarray.Dataset` and as a netCDF file: cycles if events were watched, the stages of a protocol, the interface's
+history if it was kept, its provenance, and the fields of a full-wave run's last transits as the group "fields".
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +13,10 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import whole_or_absent
+from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
 from validation.run.history_file import HistoryFile
-from validation.run.quantities import EVENTS, INTERFACE, attributes, in_si, variables
+from validation.run.quantities import EVENTS, INTERFACE, MARGINS, STAGES, attributes, in_si, variables
 from validation.run.simulate import Run
 
 if TYPE_CHECKING:
@@ -24,9 +26,11 @@ if TYPE_CHECKING:
     from fullwave.fields.record import Field
 
 
-def run_dataset(done: Run, facts: Mapping[str, Any], history: HistoryFile | None = None) -> "xarray.Dataset":
-    """The run with the attributes `facts`: cycles by `event`, and the history, all of it in memory, by `time`."""
-    data = _cycles(done, facts)
+def run_dataset(
+    done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures] = (), history: HistoryFile | None = None
+) -> "xarray.Dataset":
+    """The run with the attributes `facts`: cycles by `event`, stages by `stage`, the history, all of it in memory, by `time`."""
+    data = _figures(done, facts, stages)
     if history is None:
         return data
     import xarray
@@ -37,7 +41,14 @@ def run_dataset(done: Run, facts: Mapping[str, Any], history: HistoryFile | None
     return data.merge(xarray.Dataset(values, variables("time", time, INTERFACE, scene)))
 
 
-def write_run(path: Path, done: Run, facts: Mapping[str, Any], history: HistoryFile | None, field: "Field | None" = None) -> None:
+def write_run(
+    path: Path,
+    done: Run,
+    facts: Mapping[str, Any],
+    stages: Sequence[StageFigures],
+    history: HistoryFile | None,
+    field: "Field | None" = None,
+) -> None:
     """Write the run to `path`, which is whole or absent; the history passes through memory in blocks.
 
     Raises SceneError if the file, or the history before, could not be written.
@@ -45,11 +56,29 @@ def write_run(path: Path, done: Run, facts: Mapping[str, Any], history: HistoryF
     if history is not None and history.problem:
         raise SceneError(history.problem)
     with whole_or_absent(path) as temporary:
-        _cycles(done, facts).to_netcdf(temporary, engine="netcdf4")
+        _figures(done, facts, stages).to_netcdf(temporary, engine="netcdf4")
         if history is not None:
             _append_history(temporary, history, done.solver.scene)
         if field is not None:
             field.dataset().to_netcdf(temporary, mode="a", group="fields", engine="netcdf4")
+
+
+def _figures(done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures]) -> "xarray.Dataset":
+    """Cycles, margins of their means and stages, as far as there are any."""
+    scene, found = done.solver.scene, _cycles(done, facts)
+    if done.verdict and done.verdict.wanders:
+        margins = {f"{name}_margin": value for name, value in asdict(done.statistics.margins).items()}
+        found = found.assign(variables((), margins, MARGINS, scene))
+    if stages:
+        rows = [asdict(stage) for stage in stages]
+        columns = {name: [row[name.removeprefix("stage_")] for row in rows] for name in STAGES}
+        numbers = {name: np.array(column, dtype=float) for name, column in columns.items()}  # None becomes NaN
+        found = found.assign(variables("stage", numbers, STAGES, scene))
+        kinds = np.array([row["kind"] for row in rows], dtype=object)
+        found["stage_kind"] = ("stage", kinds, {"long_name": "kind of the stage"})
+        stick_slips = [int(row["stick_slips"]) for row in rows]
+        found["stage_stick_slips"] = ("stage", stick_slips, {"long_name": "1 if the stage stick-slips", "units": "1"})
+    return found
 
 
 def _cycles(done: Run, facts: Mapping[str, Any]) -> "xarray.Dataset":
