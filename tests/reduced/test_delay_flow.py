@@ -185,6 +185,17 @@ def test_another_mesh_keeps_the_motion(kind):
     np.testing.assert_allclose(motion, sampled(flow, cycle, times), rtol=0.0, atol=5e-13)
 
 
+@pytest.mark.parametrize("per_transit", [1.0, 7.3, 49.0])
+@pytest.mark.parametrize("kind", ["alike", "unlike", "irrational"])
+def test_a_mesh_that_was_stored_is_the_same_to_the_bit(kind, per_transit):
+    """A branch that goes on from its file goes on to the same points."""
+    flow = DelayFlow(read(*SCENES[kind]), per_transit)
+    again = flow.on_mesh(flow.mesh_state())
+    assert (again.length, again.kept, again.size) == (flow.length, flow.kept, flow.size)
+    start = flow.steady + 1e-5 * np.cos(np.arange(flow.size))
+    assert np.array_equal(again.march(start, 1.7).end, flow.march(start, 1.7).end)
+
+
 def test_roughness_says_how_short_steps_must_be():
     """It is above 1 where a mesh cannot show the motion, and falls with the mesh."""
     found = []
