@@ -58,6 +58,16 @@ class OnCurve(NamedTuple):
     special: Special
 
 
+class Reached(NamedTuple):
+    """Where a curve can go on: its last two points, at its beginning twice the first; the direction of the step between them, at
+    the beginning that of the next one; and the length of the next step."""
+
+    before: OnCurve
+    last: OnCurve
+    direction: Place
+    length: float
+
+
 class Steps(NamedTuple):
     """Lengths of steps in the plane, in units of its scales: the `first`, `shortest` and `longest`."""
 
@@ -69,18 +79,23 @@ class Steps(NamedTuple):
 STEPS = Steps()
 
 
-def follow_curve(plane: Plane, start: OnCurve, towards: Place, tolerance: float, steps: Steps = STEPS) -> Iterator[OnCurve]:
-    """The points of the curve after `start`, which was found on a branch in the first parameter, at first in the direction
-    `towards`, without end; on meshes that keep relative errors of the figures below `tolerance`.
+def beginning(start: OnCurve, towards: Place, steps: Steps = STEPS) -> Reached:
+    """The beginning of a curve at `start`, which was found on a branch in the first parameter, at first in the direction
+    `towards`."""
+    return Reached(start, start, towards, steps.first)
+
+
+def follow_curve(plane: Plane, reached: Reached, tolerance: float, steps: Steps = STEPS) -> Iterator[Reached]:
+    """The curve point after point beyond what is `reached`, without end; on meshes that keep relative errors of the figures below
+    `tolerance`.
 
     Raises NumericsError where the curve cannot be followed; what came before has been yielded.
     """
-    before, last, direction, length = start, start, towards, steps.first
     while True:
-        new = _next(plane, before, last, direction, length, tolerance, steps.shortest)
-        direction, used = plane.chord(last.place, new.place)
-        before, last, length = last, new, min(steps.longest, _GROWTH * used)
-        yield new
+        new = _next(plane, *reached, tolerance, steps.shortest)
+        direction, used = plane.chord(reached.last.place, new.place)
+        reached = Reached(reached.last, new, direction, min(steps.longest, _GROWTH * used))
+        yield reached
 
 
 def _next(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from reduced.continuation.branch import follow_branch
-from reduced.continuation.curve import METRIC, STEPS, OnCurve, Plane, Steps, follow_curve
+from reduced.continuation.curve import METRIC, STEPS, OnCurve, Plane, Steps, beginning, follow_curve
 from reduced.continuation.hopf import from_hopf
 from reduced.continuation.mesh import Family
 from reduced.continuation.point import direction
@@ -46,7 +46,9 @@ def curve(kind, made, s, towards, count, steps=STEPS, ahead=9.0):
     found = (special for step in follow_branch(family, first, METRIC, lambda point: True, 1e-8) for special in step.special)
     special = next(one for one in found if one.kind == kind)
     start = OnCurve((special.point.parameter, 0.0), special)
-    return start, list(itertools.islice(follow_curve(plane, start, towards, 1e-8, steps), count))
+    return start, [
+        one.last for one in itertools.islice(follow_curve(plane, beginning(start, towards, steps), 1e-8, steps), count)
+    ]
 
 
 def leaning(q):
@@ -103,7 +105,8 @@ def test_folds_depend_on_two_products_alone():
     (fold,) = next(step.special for step in steps if step.special)
     plane = Plane(lambda p, v: with_parameter(family(p).scene, "V", v), (0.4, 100.0))
     start = OnCurve((fold.point.parameter, 100.0), fold)
-    for (p, v), special in itertools.islice(follow_curve(plane, start, (0.0, 1.0), 1e-6, Steps(0.02)), 4):
+    steps = follow_curve(plane, beginning(start, (0.0, 1.0), Steps(0.02)), 1e-6, Steps(0.02))
+    for (p, v), special in (one.last for one in itertools.islice(steps, 4)):
         point, share = special.point, v / 100.0
         epsilon = with_parameter(base, "epsilon", 2.8e-5 * share)
         other = Family(point.closed.flow.of(epsilon), lambda q, scene=epsilon: with_parameter(scene, "log10_r", q))

@@ -4,6 +4,7 @@ import json
 import math
 
 import pytest
+import xarray
 from matplotlib.image import imread
 
 import slipwave as sw
@@ -43,9 +44,12 @@ def test_a_curve_ends_at_the_edge_of_its_ranges():
     assert result.dataset.attrs["command"] == "curve"
 
 
-def test_hopf_points_are_those_of_the_closed_form():
-    """r_c = (2/omega_c) atan(r_* omega_c/2) (39) at every V, and T = 2 pi/(omega_c r_c)."""
-    points = sw.curve("paper", "HB", "log10_r=-2.8:-2.6", "V=90:110", "delay").summary["points"]
+def test_hopf_points_are_those_of_the_closed_form(tmp_path):
+    """r_c = (2/omega_c) atan(r_* omega_c/2) (39) at every V, and T = 2 pi/(omega_c r_c); the file holds them."""
+    file = tmp_path / "hopf.nc"
+    points = sw.curve("paper", "HB", "log10_r=-2.8:-2.6", "V=90:110", "delay", out=file).summary["points"]
+    with xarray.open_dataset(file) as data:
+        assert data["period"].values.tolist() == [point["period"] for point in points]
     law = sw.read("paper").law
     assert len(points) > 5
     for point in points:
@@ -76,3 +80,30 @@ def test_a_curve_needs_a_beginning(capsys):
     words = ("--of", "PD", "--over", "log10_r=-2.72:-2.695", "--and", "V=100:200", "--tol", "1e-4")
     assert main(["curve", "paper", *words]) == NUMERICS_FAILED
     assert "no period doubling was found on the branch over log10_r from -2.72 to -2.695" in capsys.readouterr().err
+
+
+FOLDS = ("paper", "LP", "log10_r=-2.72:-2.69", "V=100:120", "kelvin-voigt")
+
+
+def test_a_curve_goes_on_to_the_same_points(tmp_path):
+    """Stopped after one point and after three, when the secant is part of the state; then the whole file is as without a stop."""
+    file, whole = tmp_path / "part.nc", tmp_path / "whole.nc"
+    expected = sw.curve(*FOLDS, tol=1e-4, most_points=4, out=whole).found.points
+    assert len(expected) == 4
+    for most in (1, 3, 4):
+        found = sw.curve(*FOLDS, tol=1e-4, most_points=most, out=file, resume=file if most > 1 else None)
+        assert found.found.points == expected[:most]
+        assert found.summary["notes"] == [f"stopped after {most} points: --most-points goes further"]
+    with xarray.open_dataset(file) as resumed, xarray.open_dataset(whole) as direct:
+        assert resumed["point_multiplier_re"].values.tolist() == direct["point_multiplier_re"].values.tolist()
+        assert resumed["point_second"].values.tolist() == [point.second for point in expected]
+
+
+def test_a_file_of_another_curve_is_refused(tmp_path, capsys):
+    file = tmp_path / "one.nc"
+    sw.curve(*FOLDS, tol=1e-4, most_points=1, out=file)
+    words = ["curve", "paper", "--of", "LP", "--model", "kelvin-voigt", "--tol", "1e-4", "--resume", str(file)]
+    assert main([*words, "--over", "log10_r=-2.72:-2.69", "--and", "V=100:130"]) == INPUT_WRONG
+    assert "rectangle is [['log10_r', -2.72, -2.69], ['V', 100.0, 120.0]]; this curve has" in capsys.readouterr().err
+    assert main([*words, "--of", "HB", "--over", "log10_r=-2.72:-2.69", "--and", "V=100:120"]) == INPUT_WRONG
+    assert "--resume: a curve of Hopf points is computed at once" in capsys.readouterr().err

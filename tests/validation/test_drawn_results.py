@@ -117,7 +117,7 @@ def test_a_branch_shows_its_figures_and_where_stability_is_not_decided() -> None
 
 def test_a_curve_has_both_parameters_and_the_period_in_their_places() -> None:
     points = [CurvePoint(row[0], 100.0 + k, *row[1:], 1e-9, 1, 0, (0.6, 0.8)) for k, row in enumerate(orbits(3))]
-    found = CurveResult(Curve("NS", *RANGES, "delay", 1e-6, points=points), {}, 1.0)
+    found = CurveResult(Curve("NS", *RANGES, "delay", 1e-6, points=points), None, {}, 1.0)
     first, second, period = ([getattr(point, name) for point in points] for name in ("first", "second", "period"))
     left, right = found.plot().axes
     assert (values(left), values(right)) == ([(first, second)], [(period, second)])

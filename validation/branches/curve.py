@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from reduced.continuation.curve import OnCurve, Plane, follow_curve
+from reduced.continuation.curve import OnCurve, Plane, Reached, beginning, follow_curve
 from reduced.orbit.closing import TOLERANCE
 from reduced.orbit.figures import figures
 from reduced.parameters import PARAMETERS, with_parameter
@@ -75,18 +75,9 @@ def require_curve(kind: str, over: Over, second: Over) -> None:
         raise SceneError(f"--and {shorten(second.name)}: must be another parameter than --over")
 
 
-def trace(curve: Curve, most: int) -> Iterator[int]:
-    """Record point after point, at most so many; yields their number. Ends where the curve leaves the rectangle.
-
-    Raises NumericsError if there is no such point where the curve begins, and where it cannot be followed.
-    """
-    if curve.kind == "HB":
-        return _onsets(curve)
-    return _special(curve, most)
-
-
-def _onsets(curve: Curve) -> Iterator[int]:
-    """Hopf points lie on the boundary of stability of steady sliding; the multiplier of its oscillation is 1 there."""
+def trace_onsets(curve: Curve) -> None:
+    """Record the Hopf points, which are not followed: they lie on the boundary of stability of steady sliding; the multiplier of
+    its oscillation is 1 there. Raises NumericsError if there are none."""
     names, port = (curve.over.name, curve.second.name), one_port_of(curve.model)
     for found in boundary(curve.over.base, port, names, (curve.over.ends, curve.second.ends)):
         for first, second, omega in zip(found.first.tolist(), found.second.tolist(), found.omega.tolist(), strict=True):
@@ -95,26 +86,39 @@ def _onsets(curve: Curve) -> Iterator[int]:
             scene = curve.plane.scene_at(first, second)
             period, rate = 2.0 * math.pi / (omega * scene.transit), scene.velocity
             curve.points.append(CurvePoint(first, second, period, 0.0, 0.0, rate, rate, 0.0, 0, 2, (1.0, 0.0)))
-        yield len(curve.points)
     if not curve.points:
         raise NumericsError(f"{curve.model}: steady sliding does not lose stability in this rectangle")
 
 
-def _special(curve: Curve, most: int) -> Iterator[int]:
+def begin_curve(curve: Curve) -> Reached:
+    """Record the first point of the curve, on the branch at the second parameter's first value. Raises NumericsError if there is
+    none."""
     branch = Branch(curve.at_first(), curve.model, curve.tolerance)
     special, _ = first_special(branch, begin(branch), curve.kind)
-    last = OnCurve((special.point.parameter, curve.second.first), special)
     towards = (0.0, math.copysign(1.0, curve.second.last - curve.second.first))
-    points = follow_curve(curve.plane, last, towards, curve.tolerance)
-    shares = (1.0, curve.plane.scale[0])  # of the bracket: the first point was found on a branch, the others on lines
-    while curve.over.holds(last.place[0]) and curve.second.holds(last.place[1]):
-        curve.points.append(_point(last, shares[bool(curve.points)]))
-        yield len(curve.points)
-        if len(curve.points) >= most:
-            curve.notes.append(f"stopped after {most} points: --most-points goes further")
+    reached = beginning(OnCurve((special.point.parameter, curve.second.first), special), towards)
+    _record(curve, reached.last)
+    return reached
+
+
+def trace(curve: Curve, reached: Reached, most: int) -> Iterator[Reached]:
+    """Record point after point, until there are so many or the curve leaves the rectangle; yields where it can go on.
+
+    Raises NumericsError where the curve cannot be followed."""
+    steps = follow_curve(curve.plane, reached, curve.tolerance)
+    while len(curve.points) < most:
+        further = next(steps)
+        if not (curve.over.holds(further.last.place[0]) and curve.second.holds(further.last.place[1])):
+            curve.notes.append("the curve leaves the rectangle of both ranges")
             return
-        last = next(points)
-    curve.notes.append("the curve leaves the rectangle of both ranges")
+        _record(curve, further.last)
+        yield further
+    curve.notes.append(f"stopped after {len(curve.points)} points: --most-points goes further")
+
+
+def _record(curve: Curve, last: OnCurve) -> None:
+    """Add a point to the curve. The first was found on a branch, the others on lines, where brackets are shares of a scale."""
+    curve.points.append(_point(last, curve.plane.scale[0] if curve.points else 1.0))
 
 
 def _point(one: OnCurve, share: float) -> CurvePoint:

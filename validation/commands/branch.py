@@ -91,10 +91,11 @@ def branch(
         problems = deliver(
             lambda: print_json(result.summary) if json else _print(result.found, result.wall_s), (result.save_plot, plot)
         )
-    conclude("; ".join([failed, *([_way_on(out or resume)] if stopped else [])]), problems, stopped)
+    conclude("; ".join([failed, *([way_on(out or resume)] if stopped else [])]), problems, stopped)
 
 
-def _way_on(path: Path | None) -> str:
+def way_on(path: Path | None) -> str:
+    """How to go on after an interruption."""
     return f"--resume {path} goes on from there" if path else "no file was kept: --out FILE.nc keeps one to go on from"
 
 

@@ -7,7 +7,7 @@ import typer
 
 import slipwave
 from validation.branches import KINDS
-from validation.commands.branch import BranchTolerance, Most
+from validation.commands.branch import BranchTolerance, Most, OutFile, ResumeFile, way_on
 from validation.commands.options import Json, Law, Model, SceneName, Settings
 from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable, thinned
 
@@ -37,6 +37,8 @@ def curve(
     tol: BranchTolerance = 1e-6,
     settings: Settings = None,
     law: Law = None,
+    out: OutFile = None,
+    resume: ResumeFile = None,
     most_points: Most = 100,
     plot: Plot = None,
     json: Json = False,
@@ -47,16 +49,29 @@ def curve(
     """
     from validation.door.result import delivered
 
+    require_writable(out, (".nc",))
+    require_writable(resume, (".nc",), "--resume")
     require_writable(plot, FIGURES, "--plot")
     result, failed, stopped = delivered(
-        lambda: slipwave.curve(source, of, over, along, model, settings=settings or (), tol=tol, most_points=most_points)
+        lambda: slipwave.curve(
+            source,
+            of,
+            over,
+            along,
+            model,
+            settings=settings or (),
+            tol=tol,
+            out=out,
+            resume=resume,
+            most_points=most_points,
+        )
     )
     problems = []
     if result.found.points:
         problems = deliver(
             lambda: print_json(result.summary) if json else _print(result.found, result.wall_s), (result.save_plot, plot)
         )
-    conclude(failed, problems, stopped)
+    conclude("; ".join([failed, *([way_on(out or resume)] if stopped else [])]), problems, stopped)
 
 
 def _print(found: "Curve", wall_s: float) -> None:

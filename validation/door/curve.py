@@ -1,19 +1,22 @@
 """`slipwave.curve`: a special point of branches of orbits followed in two parameters."""
 
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
+from reduced.continuation.curve import Reached
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import SceneSource
 from slipwave.scene.doubts import doubts
-from validation.branches.curve import Curve, CurvePoint, require_curve, trace
+from validation.branches.curve import Curve, CurvePoint, begin_curve, require_curve, trace, trace_onsets
 from validation.branches.curve_drawing import figure_of
 from validation.branches.parameter import over_range
+from validation.branches.stored_curve import read, write
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Dataset, Result, announced, deliver, finite, scene_of, table_of
+from validation.door.result import Dataset, Result, announced, as_path, deliver, finite, scene_of, table_of
 from validation.registry.flows import flowing
 from validation.registry.orbits import require_tolerance
 from validation.run.progress import progress
@@ -22,10 +25,11 @@ from validation.study.drawing import Drawing, styled
 
 @dataclass(frozen=True, repr=False, eq=False)
 class CurveResult(Result):
-    """The curve that was `found`, the options of the call, and run time in seconds; `failed` says why it ended early, or is
-    empty."""
+    """The curve that was `found`, where it can go on (`reached`), the options of the call, and run time in seconds; `failed` says
+    why it ended early, or is empty."""
 
     found: Curve
+    reached: Reached | None
     options: Mapping[str, Any]
     wall_s: float
     failed: str = ""
@@ -52,13 +56,20 @@ class CurveResult(Result):
         """The points by `point`."""
         rows = [_at(self.found, point) for point in self.found.points]
         rows = [row | dict(zip(("multiplier_re", "multiplier_im"), row.pop("multiplier"), strict=True)) for row in rows]
-        facts = provenance("curve", self.found.over.base, self.found.model, self.options)
-        return table_of(rows, "point").assign_attrs(facts)
+        return table_of(rows, "point").assign_attrs(_facts(self.found, self.options))
 
     def plot(self) -> Drawing:
         """The plane of both parameters, and the period."""
         with styled():
             return figure_of(self.found)
+
+    def to_netcdf(self, path: str | Path) -> None:
+        """Write the curve and, where there is one, the point from which it can go on. Raises SceneError if the file cannot be
+        written."""
+        if self.reached is None:
+            super().to_netcdf(path)
+        else:
+            write(Path(path), self.found, self.reached, not self.failed, _facts(self.found, self.options))
 
 
 def curve(
@@ -69,6 +80,8 @@ def curve(
     model: str = "auto",
     *,
     tol: float = 1e-6,
+    out: str | Path | None = None,
+    resume: str | Path | None = None,
     most_points: int = 100,
     settings: Iterable[str] = (),
     **changes: Any,
@@ -78,12 +91,16 @@ def curve(
 
     `over` is the branch's parameter with its range, as "log10_r=-2.72:-2.30"; `along` the second one, as "V=100:200": the curve
     begins on the branch at its first value and is followed in this direction until it leaves one of the ranges, or for
-    `most_points`. It may turn back in both parameters. `tol` is the requested relative error of the figures.
+    `most_points`. It may turn back in both parameters. `tol` is the requested relative error of the figures. Each point
+    is written to the file `out` as it is computed; `resume` goes on from such a file in the same ranges.
 
     Raises SceneError for wrong input; NumericsError where there is no such point or the curve cannot be followed, with the part
     before as its `result`.
     """
+    out, resume = as_path(out), as_path(resume)
     require_tolerance(tol)
+    if resume is not None and of == "HB":
+        raise SceneError("--resume: a curve of Hopf points is computed at once; leave it out")
     if most_points < 1:
         raise SceneError(f"--most-points = {most_points}: must be at least 1")
     scene = scene_of(source, settings, changes)
@@ -92,15 +109,43 @@ def curve(
     name = announced(*flowing(model, scene))
     options = {"of": of, "over": over, "and": along, "tol": tol, "most_points": most_points}
     found, failed, stopped, began = Curve(of, *parameters, name, tol), "", False, time.perf_counter()
+    reached: Reached | None = None
     try:
-        with progress(f"{scene.name}, {name}, points of the curve", most_points) as report:
-            for count in trace(found, most_points):
-                report(count)
+        for step in _steps(found, most_points, out or resume, resume, _facts(found, options)):
+            reached = step
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:
         failed, stopped = f"interrupted after {len(found.points)} points", True
-    return deliver(CurveResult(found, options, time.perf_counter() - began, failed), failed, stopped)
+    result = CurveResult(found, reached, options, time.perf_counter() - began, failed)
+    if out is not None and reached is None and found.points:
+        result.to_netcdf(out)
+    return deliver(result, failed, stopped)
+
+
+def _facts(found: Curve, options: Mapping[str, Any]) -> dict[str, Any]:
+    """The attributes of a curve's file."""
+    return provenance("curve", found.over.base, found.model, options)
+
+
+def _steps(found: Curve, most: int, path: Path | None, resume: Path | None, facts: Mapping[str, Any]) -> Iterator[Reached]:
+    """Fill the curve and, after each point, its file; yields where the curve can go on. Hopf points are recorded at once."""
+    if found.kind == "HB":
+        trace_onsets(found)
+        return
+
+    def keep(reached: Reached, complete: bool) -> Reached:
+        if path is not None:
+            write(path, found, reached, complete, facts)
+        return reached
+
+    with progress(f"{found.over.base.name}, {found.model}, points of the curve", most) as report:
+        reached = last = keep(read(resume, found) if resume is not None else begin_curve(found), False)
+        yield last
+        for last in trace(found, reached, most):
+            yield keep(last, False)
+            report(len(found.points))
+    keep(last, True)
 
 
 def _at(found: Curve, point: CurvePoint) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from reduced.parameters import with_parameter
-from validation.branches.curve import Curve, CurvePoint, trace
+from validation.branches.curve import Curve, CurvePoint, begin_curve, trace
 from validation.branches.follow import begin, first_special
 from validation.branches.parameter import over_range
 from validation.branches.record import Branch
@@ -62,7 +62,7 @@ def run(budget: Budget) -> StudyResult:
 def _curve(model: str, kind: str, end: float, most: int) -> list[CurvePoint]:
     first = over_range(f"log10_r={_RANGE[0]}:{_RANGE[1]}", scene_at(-2.68))
     curve = Curve(kind, first, over_range(f"log10_V=2:{end}", scene_at(-2.68)), model, _TOLERANCE)
-    for _ in trace(curve, most):
+    for _ in trace(curve, begin_curve(curve), most):
         pass
     return curve.points
 
