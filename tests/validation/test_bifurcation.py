@@ -10,6 +10,7 @@ from shown import quick
 from validation.studies import bifurcation
 from validation.studies.bifurcation import verdicts
 from validation.studies.bifurcation.branches import Corner, branch_of, parts, unaccounted
+from validation.studies.bifurcation.shown import structure_table
 from validation.studies.bifurcation.waves import WaveOrbit
 from validation.study import Outcome
 
@@ -129,4 +130,21 @@ def test_coexisting_orbits_are_all_found():
 
 def test_what_is_omitted_is_said(result):
     assert any(omission.what.startswith("P9") for omission in result.omissions)
-    assert bifurcation._ENDS[False].keys() - bifurcation._ENDS[True].keys() == {"modal:1"}
+    assert bifurcation._ENDS[False].keys() - bifurcation._ENDS[True].keys() == {"modal:1", "modal:2", "modal:4"}
+
+
+def test_how_much_of_the_structure_a_model_has():
+    delay = made("delay", special("LP", -2.7002), special("LP", -2.66), special("NS", -2.65))
+    ode = made("kelvin-voigt", special("LP", -2.7001), special("PD", -2.6))
+    rows = {str(row[0]): row[1:] for row in structure_table(delay, [ode]).rows}
+    assert rows["Hopf point"] == (-2.7, 0.0)
+    assert rows["fold 1"] == (-2.7002, pytest.approx(1e-4))
+    assert rows["fold 2"] == (-2.66, None)
+    assert rows["torus point 1"] == (-2.65, None)
+    assert rows["period doubling 1"] == (None, None)
+
+
+@pytest.mark.parametrize(("last", "outcome"), [(-2.7002 - 1e-7, "pass"), (-2.7002 - 9e-7, "fail")])
+def test_modes_converge(last, outcome):
+    delay, *modal = (made(f"modal:{n}", special("LP", place)) for n, place in enumerate((-2.7002, -2.7002 + 1e-6, last)))
+    assert verdicts.modes_converge(delay, modal).outcome == outcome

@@ -18,6 +18,9 @@ MARKS = {"HB": "s", "LP": ".", "PD": "D", "NS": "*"}
 SIZES = {"HB": 5.5, "LP": 3.5, "PD": 3.5, "NS": 5.0}
 _LABELS = {"period": "$T$ (transits)", "stress_drop": r"$\Delta\mu$", "elastic_stress_drop": r"$\Delta y$"}
 _THIN = 0.8
+_OVERLAID = {"modal:2": "#e69f00", "modal:4": "#009e73"}  # colours of branches that lie on the delay system's, drawn below it
+_BELOW = 1.5
+_COUNTED = {"LP": 9, "NS": 2, "PD": 1}  # special points of each kind that are compared
 _ROUNDING = 1e-11  # brackets (log10 r) below this are not shown
 _APART = 1e-6  # distance, as a share of the curve's size, of points that count as two
 _FINE = 6  # points of a curve for each interval between points of the branch
@@ -60,6 +63,32 @@ def _width(bracket: float) -> str:
     return plain(bracket, ".0e") if bracket > _ROUNDING else f"below {plain(_ROUNDING, '.0e')}"
 
 
+def structure_table(delay: Branch, others: Iterable[Branch]) -> Table:
+    """How far the special points of other models are from those of the delay system, kind by kind in order."""
+    listed = [*others]
+    rows: list[tuple[Cell, ...]] = [
+        (NAMES["HB"], delay.onset.parameter, *(one.onset.parameter - delay.onset.parameter for one in listed))
+    ]
+    for kind, n in ((kind, n) for kind, count in _COUNTED.items() for n in range(count)):
+        place, *places = (_place(one, kind, n) for one in (delay, *listed))
+        rows.append((f"{NAMES[kind]} {n + 1}", place, *(_apart(other, place) for other in places)))
+    columns = " | ".join(f"{one.model} [log_{{10}} r] .1e" for one in listed)
+    caption = (
+        "Special points of the delay system, and how far those of other models are from them in log_{10} r; empty: the model has "
+        "none of that number, or none up to where its branch was followed. Each kind is counted along the branch."
+    )
+    return table("structure", caption, f"point | delay [log_{{10}} r] .7f | {columns}", rows)
+
+
+def _place(branch: Branch, kind: str, n: int) -> float | None:
+    found = branch.of_kind(kind)
+    return found[n].point.parameter if n < len(found) else None
+
+
+def _apart(one: float | None, other: float | None) -> float | None:
+    return None if one is None or other is None else one - other
+
+
 def wave_table(orbits: Iterable[WaveOrbit]) -> Table:
     """Period and drops of the full wave and their distance from the delay system's."""
     rows = [(one.log10_r, *(one.wave[name] for name in COMPARED), one.apart) for one in orbits]
@@ -91,11 +120,16 @@ def diagram(branches: Iterable[Branch], waves: Iterable[WaveOrbit]) -> Drawing:
 
 def draw_branch(axes: Axes, model: str, corners: list[Corner], name: str) -> None:
     """A figure of all orbits over log10 r: stable ones solid, unstable ones thin and dotted."""
-    look = pen(model)
+    look, color = pen(model), _color(model)
     for stable, part in parts(corners):
         dashes, width = ("-", look.width) if stable else ((0, (1.5, 1.2)), _THIN)
         x, y = column(part, lambda one: one.log10_r), column(part, lambda one: one.figures[name])
-        axes.plot(*_smooth(x, y), color=look.color, linestyle=dashes, linewidth=width)
+        order = _BELOW if model in _OVERLAID else None
+        axes.plot(*_smooth(x, y), color=color, linestyle=dashes, linewidth=width, zorder=order)
+
+
+def _color(model: str) -> str:
+    return _OVERLAID.get(model, pen(model).color)
 
 
 def _smooth(x: Array, y: Array) -> tuple[Array, Array]:
@@ -112,7 +146,7 @@ def _smooth(x: Array, y: Array) -> tuple[Array, Array]:
 
 def draw_special(axes: Axes, branch: Branch, name: str) -> None:
     """The special points with their marks."""
-    color = pen(branch.model).color
+    color = _color(branch.model)
     for kind in ("LP", "PD", "NS"):
         found = [(one.point.parameter, figures_of(one.point.closed)[name]) for one in branch.of_kind(kind)]
         if found:
@@ -141,7 +175,7 @@ def _keys(models: Iterable[str], waves: Iterable[WaveOrbit]) -> Iterator[Any]:
 
     for model in models:
         look = pen(model)
-        yield Line2D([], [], color=look.color, linewidth=look.width, label=look.label)
+        yield Line2D([], [], color=_color(model), linewidth=look.width, label=look.label)
     yield from special_keys(NAMES)
     if waves:
         yield Line2D([], [], marker="o", label=f"full wave, {WAVE}", **_WAVE)

@@ -1,6 +1,7 @@
 """What the branches must show: published special points, the index, the full wave's orbits, and the paper's P8, P9 and P14."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
 
 from validation.references.published import half_digit, reference
 from validation.studies.bifurcation.branches import Branch, unaccounted
@@ -85,6 +86,20 @@ def bubbles(ode: Branch) -> tuple[Verdict, Verdict]:
             abs(torus - paper) <= half_digit(paper),
             f"the paper’s r is {100 * abs(10.0 ** (paper - torus) - 1.0):.2f} % larger; AUTO-07p confirms ours",
         ),
+    )
+
+
+def modes_converge(delay: Branch, modal: Sequence[Branch]) -> Verdict:
+    """The first fold of the delay system by ever more modes; `modal` has the fewest first."""
+    fold = delay.of_kind("LP")[0].point.parameter
+    off = [abs(branch.of_kind("LP")[0].point.parameter - fold) for branch in modal]
+    return Verdict(
+        "The more exact modes a reduction keeps, the nearer its first fold is to the delay system’s",
+        Evidence.ASYMPTOTIC,
+        "each distance below half the one before",
+        ", ".join(f"{one:.1e}" for one in off),
+        judge(all(later < 0.5 * earlier for earlier, later in pairwise(off))),
+        f"in log_{{10}} r, {', '.join(f'`{branch.model}`' for branch in modal)}",
     )
 
 
