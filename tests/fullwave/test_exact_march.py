@@ -9,7 +9,6 @@ import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.lines import exact
-from fullwave.lines.blocks import marched_slabs
 from fullwave.lines.grid_ports import GridPorts
 from fullwave.lines.propagator import doubled, short_step, shortest_halving, to_legendre
 from fullwave.lines.system import GRIP, IMPEDANCE, MASS, SCALARS, SPRING
@@ -77,7 +76,7 @@ def test_steps_end_on_knots_and_their_arrivals():
     while solver.time < 20.0:
         pieces = solver.advance(20.0)
         ends += list(pieces.time + pieces.length)
-    travels = [0.5 * slab.round_trip / solver.scene.transit for slab in marched_slabs(solver.scene)]
+    travels = [0.5 * slab.round_trip / solver.scene.transit for slab in solver.scene.slabs]
     for knot in (5.3, 11.17):
         for delay in (0.0, *travels):
             assert np.abs(np.array(ends) - knot - delay).min() < 1e-9
