@@ -234,6 +234,30 @@ def test_a_file_of_another_branch_is_refused(whole, capsys):
     assert "model is 'kelvin-voigt'; this branch has 'delay'" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("fact", "changes"),
+    [
+        ("scene", {"over": over_range(RANGE, slipwave.read("paper", {"interface.a": 0.03491}))}),
+        ("model", {"model": "modal:1"}),
+        ("cells", {"cells": 9}),
+        ("doubled", {"doubled": True}),
+        ("parameter", {"over": over_range("V=100:110", "paper")}),
+        ("tolerance", {"tolerance": 1e-5}),
+        ("sources", {}),
+    ],
+)
+def test_every_fact_of_another_branch_is_refused(whole, monkeypatch, fact, changes):
+    """Another range of the same parameter is none."""
+    path, own = whole[1] / "x.nc", Branch(over_range("log10_r=-2.71:-2.6", "paper"), "kelvin-voigt", 1e-4)
+    if fact == "sources":
+        read(path, own)
+        monkeypatch.setattr("validation.branches.stored.source_digest", lambda: "of another version")
+    other = replace(own, **changes, points=[], special=[], notes=[])
+    with pytest.raises(slipwave.SceneError, match=rf"x\.nc': {fact} is "):
+        read(path, other)
+    assert other.points == []
+
+
 @pytest.mark.parametrize("source", ["paper", "grip", "viscous", "layered", "machine"])
 @pytest.mark.parametrize(("name", "key"), [("log10_r", "slab.log10_r"), ("epsilon", "slab.epsilon"), ("V", "drive.velocity")])
 def test_a_parameter_that_is_set_gives_the_scene_that_is_read(source, name, key):

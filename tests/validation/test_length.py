@@ -1,5 +1,6 @@
 """Where runs end that have no length of their own: on sequences of cycles whose nature is known, and on motions."""
 
+import dataclasses
 import itertools
 import json
 import math
@@ -15,7 +16,7 @@ from slipwave.observe.checkpoint import Checkpoints
 from slipwave.observe.pieces import Pieces
 from validation.cli import main
 from validation.registry.build import build
-from validation.run.length import Judged, Until, UntilCycles, UntilSettled, halves_agree
+from validation.run.length import Judged, Until, UntilCycles, UntilSettled, halves_agree, length_of
 from validation.run.outlook import Outlook, outlook
 from validation.run.simulate import RunInterrupted, simulate
 
@@ -103,6 +104,17 @@ def test_stretches_begin_with_the_expected_cycles_and_grow_by_a_quarter() -> Non
     assert next(UntilSettled(changing, UNSTABLE).ends(0.0)) == 600.0 + ends[0]
     assert max(UntilSettled(PAPER, UNSTABLE).ends(0.0)) < 1e9
     assert list(Until(5.0).ends(7.0)) == [5.0]
+
+
+def test_the_length_of_a_scene() -> None:
+    """So many cycles, else the scene's, else until it is settled or, where nothing is watched, until the first look at that."""
+    open_end, expected = dataclasses.replace(PAPER, until=None), outlook(PAPER, "delay")
+    assert length_of(PAPER, "delay", 7) == UntilCycles(7, expected)
+    assert length_of(dataclasses.replace(PAPER, until=12.0), "delay") == Until(12.0)
+    settled = UntilSettled(open_end, expected)
+    assert (length_of(open_end, "delay"), settled.most_seconds) == (settled, 300.0)
+    assert length_of(dataclasses.replace(open_end, record=frozenset()), "delay") == Until(next(settled.ends(0.0)))
+    assert length_of(open_end, "block8") == UntilSettled(open_end, outlook(PAPER, "block8")) != settled
 
 
 def test_a_run_ends_when_its_cycles_repeat() -> None:
