@@ -33,8 +33,9 @@ CALLS: dict[str, tuple[str, dict[str, Any]]] = {
     "--longest-period 90 --most-points 8": GRID
     | {"over": "V=1:2", "out": Path("o.nc"), "resume": Path("r.nc"), "stop_at": "LP", "switch": "PD"}
     | {"longest_period": 90.0, "most_points": 8},
-    "curve --of LP --over V=1:2 --and r=3:4 --model block8 --tol 1e-4 --most-points 8": {"of": "LP", "over": "V=1:2"}
-    | {"along": "r=3:4", "model": "block8", "tol": 1e-4, "most_points": 8},
+    "curve --of LP --over V=1:2 --and r=3:4 --model block8 --tol 1e-4 --most-points 8 --out o.nc --resume r.nc": {"of": "LP"}
+    | {"over": "V=1:2", "along": "r=3:4", "model": "block8", "tol": 1e-4, "most_points": 8}
+    | {"out": Path("o.nc"), "resume": Path("r.nc")},
 }
 """A command with all of its options, and all that the function of its name is called with."""
 
