@@ -1,5 +1,7 @@
 """Values that were given with a unit, in the units of the scene (15)."""
 
+from fractions import Fraction
+
 from slipwave.errors import SceneError
 from slipwave.input.number import Range
 from slipwave.input.quantity import Quantity
@@ -14,6 +16,11 @@ def require_units(key: str, given: str, units: Units | None, instead: str) -> Un
         keys = f"interface.{', '.join(UNIT_KEYS[:-1])} and {UNIT_KEYS[-1]}"
         raise SceneError(f"{key} = {given}: must come with {keys} (SI), or be {instead}")
     return units
+
+
+def quotient(value: float, unit: float) -> float:
+    """value/unit, correctly rounded, for the decimal numbers that they print as: 1e-5/1e-6 is 10, not 10.000000000000002."""
+    return float(Fraction(repr(value)) / Fraction(repr(unit)))
 
 
 def in_time(key: str, given: float | Quantity, units: Units | None, allowed: Range) -> float:
@@ -37,7 +44,7 @@ def in_reference_velocity(key: str, given: float | Quantity, units: Units | None
     if not isinstance(given, Quantity):
         return given
     one = require_units(key, f'"{given.text}"', units, "a number in V*").reference_velocity
-    return _allowed(key, given, given.value / one, "V*", allowed)
+    return _allowed(key, given, quotient(given.value, one), "V*", allowed)
 
 
 def _allowed(key: str, given: Quantity, result: float, unit: str, allowed: Range) -> float:

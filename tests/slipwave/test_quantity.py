@@ -113,6 +113,15 @@ def test_a_scene_with_units_is_read_again_from_its_tables() -> None:
     assert slipwave.read(scene, {"name": "again"}).until == scene.until
 
 
+@pytest.mark.parametrize(
+    ("given", "one", "wanted"),
+    [("10 um/s", "1 um/s", 10.0), ("3 um/s", "1 um/s", 3.0), ("7 mm/s", "0.7 mm/s", 10.0), ("1 um/s", "3 um/s", 1.0 / 3.0)],
+)
+def test_a_velocity_in_units_is_the_exact_multiple_of_the_reference(given: str, one: str, wanted: float) -> None:
+    """1e-5/1e-6 is 10.000000000000002 in binary."""
+    assert slipwave.read(GRANITE, {"interface.reference_velocity": one, "drive.velocity": given}).velocity == wanted
+
+
 def test_set_takes_units_without_quotes() -> None:
     scene = slipwave.read(GRANITE, ["interface.normal_stress=10 MPa", "run.until=60s", 'drive.velocity=[["0 s", "2 um/s"]]'])
     assert scene.units is not None

@@ -11,7 +11,9 @@ import pytest
 
 import slipwave as sw
 from slipwave.input import SceneSource
+from slipwave.scene.doubts import doubts
 from validation.cli import main
+from validation.door.bench import BenchResult
 from validation.door.branch import BranchResult
 from validation.door.result import Result
 from validation.door.run import RunResult
@@ -187,3 +189,11 @@ def test_the_names_of_the_door() -> None:
 def test_a_mistyped_option_is_answered_by_the_nearest_of_all_functions(mistyped: str, meant: str) -> None:
     with pytest.raises(sw.SceneError, match=f"^{mistyped} = 3: neither an option nor a key of a scene; did you mean {meant}\\?$"):
         sw.stability("paper", **{mistyped: 3})
+
+
+@pytest.mark.parametrize(("changes", "count"), [({}, 0), ({"interface.normal_stress": 0.1}, 1)])
+def test_a_bench_tells_what_is_doubtful_about_its_scene(changes: dict[str, float], count: int) -> None:
+    scene = sw.read("paper-si", changes)
+    found = BenchResult(scene, sw.run(scene, "block8", until=1).done, [])
+    assert found.summary.get("notes", []) == doubts(scene)
+    assert len(doubts(scene)) == count

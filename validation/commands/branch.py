@@ -16,21 +16,23 @@ if TYPE_CHECKING:
 _LISTED = 12  # points in the table
 
 OverText = Annotated[
-    str,
+    str | None,
     typer.Option(
         "--over",
         metavar="KEY=FROM:TO",
         help="the parameter: log10_r, epsilon, V, a, b, or any key of the scene, as upper.epsilon",
     ),
 ]
-BranchTolerance = Annotated[float, typer.Option("--tol", help="requested relative error of period, drops and slip rates")]
+BranchTolerance = Annotated[
+    float | None, typer.Option("--tol", help="requested relative error of period, drops and slip rates (default 1e-6)")
+]
 OutFile = Annotated[Path | None, typer.Option(metavar="FILE.nc", help="write each point here as it is computed")]
 ResumeFile = Annotated[
     Path | None, typer.Option(metavar="FILE.nc", help="go on from the last point in this file, and write the further ones to it")
 ]
 StopAt = Annotated[str | None, typer.Option(metavar="|".join(KINDS), help="stop at the first special point of this kind")]
 Longest = Annotated[float | None, typer.Option("--longest-period", metavar="TRANSITS", help="stop at this period")]
-Most = Annotated[int, typer.Option("--most-points", help="stop after so many points")]
+Most = Annotated[int | None, typer.Option("--most-points", help="stop after so many points (default 2000)")]
 Switch = Annotated[
     str | None,
     typer.Option(
@@ -40,14 +42,17 @@ Switch = Annotated[
 ]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw the branch: .png, .pdf or .svg")]
 
-EXAMPLES = ("slipwave branch paper --model kelvin-voigt --over log10_r=-2.72:-2.60 --plot branch.png",)
+EXAMPLES = (
+    "slipwave branch paper --model kelvin-voigt --over log10_r=-2.72:-2.60 --plot branch.png",
+    "slipwave branch branch.nc",
+)
 
 
 def branch(
     source: SceneName,
-    over: OverText,
+    over: OverText = None,
     model: Model = "auto",
-    tol: BranchTolerance = 1e-6,
+    tol: BranchTolerance = None,
     settings: Settings = None,
     law: Law = None,
     cells: Cells = None,
@@ -56,14 +61,14 @@ def branch(
     stop_at: StopAt = None,
     switch: Switch = None,
     longest_period: Longest = None,
-    most_points: Most = 2000,
+    most_points: Most = None,
     plot: Plot = None,
     json: Json = False,
 ) -> None:
     """Follow periodic orbits from where steady sliding loses stability, stable or not, through folds.
 
     Special points: HB Hopf, LP fold, PD period doubling, NS torus. Where the range holds no Hopf point, the branch begins with
-    the orbit that a run at an unstable end leads to.
+    the orbit that a run at an unstable end leads to. A file of an earlier branch as SCENE is computed again.
     """
     from validation.door.result import delivered
 

@@ -7,7 +7,7 @@ import typer
 
 import slipwave
 from validation.branches import KINDS
-from validation.commands.branch import BranchTolerance, Most, OutFile, ResumeFile, way_on
+from validation.commands.branch import OutFile, ResumeFile, way_on
 from validation.commands.options import Json, Law, Model, SceneName, Settings
 from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable, thinned
 
@@ -23,6 +23,8 @@ OverText = Annotated[
 AndText = Annotated[
     str, typer.Option("--and", metavar="KEY=FROM:TO", help="the second parameter; the curve begins at FROM and leads towards TO")
 ]
+CurveTolerance = Annotated[float, typer.Option("--tol", help="requested relative error of period, drops and slip rates")]
+Most = Annotated[int, typer.Option("--most-points", help="stop after so many points")]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw the curve: .png, .pdf or .svg")]
 
 EXAMPLES = ("slipwave curve paper --of LP --over log10_r=-2.72:-2.68 --and V=100:120 --plot fold.png",)
@@ -34,7 +36,7 @@ def curve(
     over: OverText,
     along: AndText,
     model: Model = "auto",
-    tol: BranchTolerance = 1e-6,
+    tol: CurveTolerance = 1e-6,
     settings: Settings = None,
     law: Law = None,
     out: OutFile = None,

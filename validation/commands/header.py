@@ -24,7 +24,7 @@ def header(scene: Scene) -> list[str]:
     parameters = ", ".join(f"{key} {value:g}" for key, value in zip(scene.law._fields, scene.law, strict=True))
     lines = [f"scene {scene.name}: {name_of(scene.law)} law ({parameters}), {_drive(scene.drive)}, digest {scene.digest}"]
     pairs = [("slabs", scene.upper)] if scene.alike else [("upper", scene.upper), ("lower", scene.lower)]
-    lines += [f"{label}: {line}" for label, slab in pairs for line in _slab(slab, scene.units)]
+    lines += [f"{label}: {line}" for label, slab in pairs for line in _slab(slab, scene.units, scene.alike)]
     if scene.units:
         lines += _units(scene, scene.units)
     return lines + [f"note: {line}" for line in doubts(scene)]
@@ -35,11 +35,11 @@ def _drive(drive: Drive) -> str:
     return f"V = {drive.initial:g}{changes}"
 
 
-def _slab(slab: Slab, units: Units | None) -> list[str]:
-    """Its numbers, and in a scene with units the same in SI."""
+def _slab(slab: Slab, units: Units | None, alike: bool) -> list[str]:
+    """Its numbers, and in a scene with units the same in SI. The round trip of `alike` slabs is the transit, told once below."""
     lines = [f"epsilon {figures(slab.epsilon)}, r {figures(slab.round_trip)} = 10^{math.log10(slab.round_trip):.6g}"]
     if units:
-        lines.append(_in_si(slab, units))
+        lines.append(_in_si(slab, units, alike))
     if not isinstance(slab.face, RigidFace):
         lines.append(_face(slab.face) + (_face_in_si(slab, units) if units and not slab.termination.is_rigid else ""))
     if slab.viscosity:
@@ -50,9 +50,9 @@ def _slab(slab: Slab, units: Units | None) -> list[str]:
     return lines
 
 
-def _in_si(slab: Slab, units: Units) -> str:
-    impedance = slab.epsilon * units.face["impedance"]
-    facts = [f"impedance {figures(impedance, 6)} Pa s/m", f"transit {figures(slab.round_trip * units.time, 6)} s"]
+def _in_si(slab: Slab, units: Units, alike: bool) -> str:
+    facts = [f"impedance {figures(slab.epsilon * units.face['impedance'], 6)} Pa s/m"]
+    facts += [] if alike else [f"round trip {figures(slab.round_trip * units.time, 6)} s"]
     if slab.material:
         speed = slab.material.wave_speed
         thickness = 0.5 * slab.round_trip * units.time * speed

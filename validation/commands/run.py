@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 import slipwave
-from slipwave.errors import SceneError
 from slipwave.files import part_of
 from validation.commands.options import (
     Cells,
@@ -42,7 +41,7 @@ CheckpointFile = Annotated[
 ]
 CheckpointEvery = Annotated[float | None, typer.Option(metavar="TRANSITS", help="time between checkpoints (default 1000)")]
 Every = Annotated[int | None, typer.Option(metavar="N", help="keep one in N samples of the interface's history")]
-Window = Annotated[str | None, typer.Option(metavar="A:B", help="keep the interface's history from A to B transits only")]
+Window = Annotated[str | None, typer.Option(metavar="A:B", help="keep only the history from A to B, in transits or as 10s:60s")]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw stress and slip rate over time: .png, .pdf or .svg")]
 MapFile = Annotated[
     Path | None, typer.Option("--return-map", metavar="FILE", help="draw the period of each cycle over that of the one before")
@@ -105,7 +104,7 @@ def run(
             tol=tol,
             interface=True if plot is not None else None if out is not None else False,
             every=every,
-            window=_window(window),
+            window=window,
             fields=True if fields is not None else None if out is not None else False,
             samples=part_of(out, ".samples") if out is not None else None,
             checkpoint=checkpoint,
@@ -126,19 +125,6 @@ def run(
     with closing(result):
         problems = deliver(lambda: print_json(result.summary) if json else _print(result), *files)
     conclude("; ".join([failed, *([way_on(checkpoint)] if stopped else [])]), problems, stopped)
-
-
-def _window(text: str | None) -> tuple[float, float] | None:
-    """The window A:B in transits."""
-    from slipwave.input.wording import shorten
-
-    if text is None:
-        return None
-    try:
-        begin, end = (float(word) for word in text.split(":"))
-    except ValueError:
-        raise SceneError(f"--window {shorten(text)}: must be A:B, two numbers of transits") from None
-    return begin, end
 
 
 def _print(result: "RunResult") -> None:

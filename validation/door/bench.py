@@ -10,6 +10,7 @@ from slipwave.family import Family
 from slipwave.input import SceneSource
 from slipwave.observe.foresight import DAY
 from slipwave.scene import Scene
+from slipwave.scene.doubts import doubts
 from validation.door.conclusion import conclusion
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of
@@ -36,11 +37,13 @@ class BenchResult(Result):
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave bench` (users rely on its keys), with errors as `slipwave compare`, without sign."""
+        """The JSON of `slipwave bench` (users rely on its keys), with errors as `slipwave compare`, without sign;
+        `notes` are there only if the scene is doubtful."""
         rows = [_row(run, setting, self.reference) for run, setting in self.runs]
         facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.reference.until}
         facts |= {"reference": self.reference.solver.model, "conclusion": conclusion(finite(rows))}
-        return dict(finite(facts | {"models": rows}))
+        doubtful = doubts(self.scene)
+        return dict(finite(facts | {"models": rows} | ({"notes": doubtful} if doubtful else {})))
 
     @cached_property
     def dataset(self) -> Dataset:

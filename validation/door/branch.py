@@ -7,9 +7,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.extras import require
 from slipwave.input import SceneSource
+from slipwave.input.stored import recall
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.branches.drawing import figure_of
@@ -24,6 +25,8 @@ from validation.registry.orbits import require_tolerance
 from validation.run.progress import progress
 from validation.run.quantities import EVENTS, variables
 from validation.study.drawing import Drawing, styled
+
+_DEFAULTS = {"tol": 1e-6, "most_points": 2000}
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -83,17 +86,17 @@ class BranchResult(Result):
 
 def branch(
     source: SceneSource,
-    over: str | Mapping[str, tuple[float, float]],
+    over: str | Mapping[str, tuple[float, float]] | None = None,
     model: str = "auto",
     *,
-    tol: float = 1e-6,
+    tol: float | None = None,
     cells: int | None = None,
     out: str | Path | None = None,
     resume: str | Path | None = None,
     stop_at: str | None = None,
     switch: str | None = None,
     longest_period: float | None = None,
-    most_points: int = 2000,
+    most_points: int | None = None,
     settings: Iterable[str] = (),
     **changes: Any,
 ) -> BranchResult:
@@ -101,22 +104,27 @@ def branch(
     `slipwave.read_scene`.
 
     `over` is the parameter with its range: "log10_r=-2.72:-2.30" or {"log10_r": (-2.72, -2.30)}. `tol` is the requested relative
-    error of the figures. Each point is written to the file `out` as it is computed; `resume` goes on from such a file. The branch
-    ends at the first special point of the kind `stop_at` (HB, LP, PD, NS), at `longest_period` (transits), or after
-    `most_points`. With `switch` = "PD" it is that of the orbits of twice the period.
+    error of the figures (default 1e-6). Each point is written to the file `out` as it is computed; `resume` goes on from such a
+    file. The branch ends at the first special point of the kind `stop_at` (HB, LP, PD, NS), at `longest_period` (transits), or
+    after `most_points` (default 2000). With `switch` = "PD" it is that of the orbits of twice the period. If `source` is a
+    netCDF file of a branch, it is computed again: its model, range and options hold where none are given.
 
     Raises SceneError for wrong input; NumericsError where the branch cannot be followed, with the part before as its `result`.
     """
     out, resume = as_path(out), as_path(resume)
     if out is not None or resume is not None:
         require("files", "the file of a branch")
-    require_tolerance(tol)
-    limits, doubled = limits_of(stop_at, longest_period, most_points), is_doubled(switch)
-    parameter = over_range(_range_text(over), scene_of(source, settings, changes))
+    given = {"over": _range_text(over), "tol": tol, "cells": cells, "stop_at": stop_at, "switch": switch}
+    model, options = recall(source, "branch", model, given | {"longest_period": longest_period, "most_points": most_points})
+    options |= {name: value for name, value in _DEFAULTS.items() if options[name] is None}
+    require_tolerance(options["tol"])
+    limits = limits_of(options["stop_at"], options["longest_period"], options["most_points"])
+    if options["over"] is None:
+        raise SceneError("--over: missing; must be KEY=FROM:TO, as in log10_r=-2.72:-2.60")
+    parameter = over_range(options["over"], scene_of(source, settings, changes))
     name = announced(*flowing(model, parameter.base))
-    options = {"tol": tol, "cells": cells, "stop_at": stop_at, "switch": switch, "longest_period": longest_period}
-    options |= {"over": _range_text(over), "most_points": most_points}
-    found, failed, stopped, began = Branch(parameter, name, tol, cells, doubled), "", False, time.perf_counter()
+    found = Branch(parameter, name, options["tol"], options["cells"], is_doubled(options["switch"]))
+    failed, stopped, began = "", False, time.perf_counter()
     head: Head | None = None
     try:
         for step in _steps(found, limits, out or resume, resume, branch_facts(found, options)):
@@ -133,8 +141,8 @@ def branch_facts(found: Branch, options: Mapping[str, Any]) -> dict[str, Any]:
     return provenance("branch", found.over.base, found.model, options) | {"parameter": found.over.name}
 
 
-def _range_text(over: str | Mapping[str, tuple[float, float]]) -> str:
-    if isinstance(over, str):
+def _range_text(over: str | Mapping[str, tuple[float, float]] | None) -> str | None:
+    if over is None or isinstance(over, str):
         return over
     return ",".join(f"{name}={first!r}:{last!r}" for name, (first, last) in over.items())
 

@@ -1,6 +1,5 @@
 """`slipwave.run`: one model on one scene."""
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -29,7 +28,6 @@ from validation.registry.default_grid import judged, note_on
 from validation.registry.families import Built, Options, one_port_of
 from validation.run.determinacy import amplified_rounding
 from validation.run.event_table import write_events
-from validation.run.history_file import Kept
 from validation.run.length import Length, length_of, require_cycles, second_half
 from validation.run.parting import exponent_of, require_constant
 from validation.run.quantities import cycle_in_si
@@ -39,6 +37,7 @@ from validation.run.resuming import require_checkpoint
 from validation.run.run_dataset import run_dataset, write_run
 from validation.run.simulate import Run, RunInterrupted, simulate
 from validation.run.stage_table import stage_results
+from validation.run.window import Window, kept_of
 from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
@@ -194,7 +193,7 @@ def run(
     tol: float | None = None,
     interface: bool | None = None,
     every: int | None = None,
-    window: tuple[float, float] | None = None,
+    window: Window | None = None,
     fields: bool | None = None,
     samples: str | Path | None = None,
     checkpoint: str | Path | None = None,
@@ -209,12 +208,12 @@ def run(
     `until` is in transits, or a text with a unit of time ("60 s"); `cycles` ends the run when its second half has so many.
     Without them the scene gives the length, or the run ends when its motion is settled (`validation.run.length`). `cells`, `cfl`
     and `time` ("exact" or "explicit") are for full waves; `tol` is the requested relative error. `interface` keeps the
-    interface's history, during the run in the file `samples` (default: a temporary one); `every` keeps one in so many samples and
-    `window` those from begin to end (transits), and each of them asks for the history too. `fields` keeps the last 100 transits
-    of a full wave. Both are kept as the scene records where None. A run that writes a `checkpoint` every so many transits goes on
-    from that file if it exists. `lyapunov` asks for the largest Lyapunov exponent, by a second march beside the motion from the
-    end of the run on. If `source` is a netCDF file of an earlier run, it is run again: its model and its options hold
-    where none are given.
+    interface's history, during the run in the file `samples` (default: a temporary one); `every` keeps one in so many samples
+    and `window` those from begin to end, as (20, 45) or "20:45" in transits or "10s:60s", and each of them asks for the history
+    too. `fields` keeps the last 100 transits of a full wave. Both are kept as the scene records where None. A run that writes a
+    `checkpoint` every so many transits goes on from that file if it exists. `lyapunov` asks for the largest Lyapunov exponent,
+    by a second march beside the motion from the end of the run on. If `source` is a netCDF file of an earlier run, it is run
+    again: its model and its options hold where none are given.
 
     Raises SceneError for wrong input and for a run that is expected to take more than `most_seconds`; NumericsError if the
     numerics fail, with the result so far as its `result`.
@@ -242,7 +241,7 @@ def run(
         require_constant(scene)
     require_checkpoint(checkpoint, checkpoint_every)
     numerical = Options(cells=options["cells"], cfl=options["cfl"], tolerance=options["tol"], time=options["time"])
-    wanted = Wanted(options["interface"], fields, _kept(options["every"], options["window"]), samples)
+    wanted = Wanted(options["interface"], fields, kept_of(options["every"], options["window"], scene), samples)
     built = models.prepare(model, scene, checkpoint is not None and checkpoint.exists(), **numerical)
     _tell(built)
     length = length_of(scene, one_port_of(built.solver.model), cycles)
@@ -259,16 +258,6 @@ def run(
         raise
     notes += note_on(default) if default else []
     return deliver(RunResult(done, records, built.choice or default, notes, options, exponent), failed, stopped)
-
-
-def _kept(every: int | None, window: tuple[float, float] | None) -> Kept:
-    """Which samples of the history are kept. Raises SceneError for a choice that makes no sense."""
-    if every is not None and every < 1:
-        raise SceneError(f"every = {every}: must be 1 or more: one in so many samples is kept")
-    begin, end = window or (0.0, math.inf)
-    if not 0.0 <= begin < end:
-        raise SceneError(f"window = {begin:g}:{end:g}: must be BEGIN:END in transits, BEGIN before END and not negative")
-    return Kept(every or 1, begin, end)
 
 
 def _default_grid(solver: Solver, options: Mapping[str, Any]) -> "Choice | None":
