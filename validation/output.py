@@ -1,6 +1,5 @@
 """Results on their way out: tables and JSON on stdout, and whether a file can be written."""
 
-import json
 import math
 import os
 import sys
@@ -58,6 +57,8 @@ def printed(show: Callable[[], None]) -> None:
 
 def print_json(result: Mapping[str, Any]) -> None:
     """`result` as JSON on stdout."""
+    import json  # imported here to keep start-up fast
+
     print(json.dumps(result, indent=2, allow_nan=False))
 
 
