@@ -2,10 +2,16 @@
 
 import numpy as np
 
+from reduced.orbit.closing import Closed
 from slipwave.friction import Law, rate_of
 from slipwave.observe.extrema import extrema
 from slipwave.observe.pieces import Array, lagrange_basis
 from slipwave.step.flow import Cycle
+
+
+def figures_of(closed: Closed) -> dict[str, float]:
+    """The `figures` of a closed cycle."""
+    return figures(closed.flow.scene.law, closed.cycle, closed.flow.nodes)
 
 
 def figures(law: Law, cycle: Cycle, nodes: Array) -> dict[str, float]:

@@ -45,6 +45,11 @@ def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
     return Multipliers(isolated, defect, radius, stable, reason)
 
 
+def count_unstable(closed: Closed) -> int:
+    """The number of all multipliers of `closed` outside the unit circle."""
+    return int((np.abs(floquet(closed.monodromy)[0]) > 1.0).sum())
+
+
 def floquet(monodromy: Array) -> tuple[Complex, float]:
     """Eigenvalues, largest modulus first, without the one nearest to 1; and its distance from 1."""
     values = np.linalg.eigvals(monodromy).astype(complex)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 from reduced.orbit.closing import Closed, close
-from reduced.orbit.figures import amplitude, figures
+from reduced.orbit.figures import amplitude, figures_of
 from reduced.orbit.multipliers import Multipliers, multipliers
 from slipwave.errors import NumericsError
 from slipwave.observe.orbit import Estimate, Orbit
@@ -63,7 +63,7 @@ def _moving(closed: Closed) -> Closed:
 
 
 def _estimates(coarse: Closed, fine: Closed) -> Orbit:
-    before, now = (figures(one.flow.scene.law, one.cycle, one.flow.nodes) for one in (coarse, fine))
+    before, now = figures_of(coarse), figures_of(fine)
     share = FINER**fine.flow.nodes.size - 1.0
     return Orbit(
         **{name: Estimate(value, max(abs(value - before[name]) / share, _ROUNDING * abs(value))) for name, value in now.items()}

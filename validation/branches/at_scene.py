@@ -3,13 +3,12 @@ stability as r grows (the primary branch), and the one that a run leads to."""
 
 import math
 import time
-from itertools import pairwise
 
-from reduced.continuation.crossing import crosses, orbit_between
+from reduced.continuation.crossing import orbits_at
 from reduced.continuation.point import Point
 from reduced.orbit.approach import Guess
 from reduced.orbit.closing import Closed
-from reduced.orbit.multipliers import floquet
+from reduced.orbit.multipliers import count_unstable
 from reduced.parameters import with_parameter
 from reduced.stability.critical import critical_round_trip
 from slipwave.errors import NumericsError, SceneError
@@ -28,7 +27,6 @@ _BACK = 0.002  # how far back beyond the onset, where orbits of smaller r than t
 _LONGER = 5.0  # transits, beyond the period asked for: pairs of folds recur after about one
 _MOST = 400  # points
 _TOLERANCE = 1e-6
-_ROUND = 1e-9  # relative difference of two periods that count as one orbit's
 _SEVERAL = 1.5  # ratio of periods from which a motion of several cycles is meant
 _FROM_BRANCH = "found on the branch of orbits that begins where steady sliding loses its stability as r grows"
 _FROM_RUN = "found where a run of the scene comes back near to its own state"
@@ -46,7 +44,7 @@ def orbit_of(model: str, scene: Scene, tolerance: float, cells: int | None = Non
     except NumericsError as reason:
         began = time.perf_counter()
         orbits = _primary(model, scene, cells, math.inf, str(reason))
-        return _chosen(orbits, min(orbits, key=_unstable), scene, tolerance, began, _FROM_BRANCH)
+        return _chosen(orbits, min(orbits, key=count_unstable), scene, tolerance, began, _FROM_BRANCH)
 
 
 def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near: float) -> OrbitFound:
@@ -68,7 +66,7 @@ def _chosen(orbits: list[Closed], one: Closed, scene: Scene, tolerance: float, b
     """One of several orbits to the requested tolerance; the others are named."""
     cycle = one.cycle
     found = refined(scene, Guess(one.flow.of(scene), cycle.start, cycle.period, False), tolerance)
-    others = tuple(Other(other.cycle.period, _unstable(other)) for other in orbits if other is not one)
+    others = tuple(Other(other.cycle.period, count_unstable(other)) for other in orbits if other is not one)
     return OrbitFound(found, tolerance, source, time.perf_counter() - began, others)
 
 
@@ -79,12 +77,7 @@ def _primary(model: str, scene: Scene, cells: int | None, longest: float, reason
     here = math.log10(scene.transit)
     said = f"{reason}; " if reason else ""
     points, ended = _points(model, scene, cells, here, longest, said)
-    orbits: list[Closed] = []
-    for left, right in pairwise(points):
-        if crosses(left, right, here):
-            one = orbit_between(left, right, here, right.closed.flow.of(scene))
-            if not orbits or abs(one.cycle.period / orbits[-1].cycle.period - 1.0) > _ROUND:
-                orbits.append(one)
+    orbits = orbits_at(points, here, scene)
     if not orbits:
         raise NumericsError(
             f"{said}the branch of orbits that begins where steady sliding loses its stability has none here: {ended}"
@@ -117,7 +110,3 @@ def _points(model: str, scene: Scene, cells: int | None, here: float, longest: f
         points,
         f"it was followed from log10_r = {onset:.7g} over {low} to {high}, to a period of {points[-1].closed.cycle.period:.4g}",
     )
-
-
-def _unstable(one: Closed) -> int:
-    return int((abs(floquet(one.monodromy)[0]) > 1.0).sum())

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from reduced.continuation.curve import OnCurve, Plane, Reached, beginning, follow_curve
 from reduced.orbit.closing import TOLERANCE
-from reduced.orbit.figures import figures
+from reduced.orbit.figures import figures_of
 from reduced.parameters import PARAMETERS, with_parameter
 from reduced.stability.boundary import boundary
 from slipwave.errors import NumericsError, SceneError
@@ -122,12 +122,10 @@ def _record(curve: Curve, last: OnCurve) -> None:
 
 
 def _point(one: OnCurve, share: float) -> CurvePoint:
-    special = one.special
-    closed, passing = special.point.closed, special.multiplier
-    known = figures(closed.flow.scene.law, closed.cycle, closed.flow.nodes)
+    special, passing = one.special, one.special.multiplier
     return CurvePoint(
         *one.place,
-        **known,
+        **figures_of(special.point.closed),
         bracket=max(share * special.bracket, TOLERANCE),
         unstable_before=special.unstable_before,
         unstable_after=special.unstable_after,

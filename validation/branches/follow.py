@@ -115,8 +115,7 @@ def follow(branch: Branch, head: Head, limits: Limits) -> Iterator[Head]:
 
 def record(branch: Branch, point: Point) -> None:
     """Add a point to the branch."""
-    closed = point.closed
-    branch.points.append(point_of(point.parameter, closed.flow, closed.cycle, point.unstable))
+    branch.points.append(point_of(point))
     if branch.points[-1].stable is None and _UNDECIDED not in branch.notes:
         branch.notes.append(_UNDECIDED)
 

@@ -1,13 +1,12 @@
 """What is kept of a branch: its points, its special points, and remarks."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from reduced.continuation.point import Point
 from reduced.continuation.special import Special
-from reduced.orbit.figures import figures
+from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import NEUTRAL
-from slipwave.step.flow import Cycle, Flow
 from validation.branches.parameter import Over
 
 
@@ -69,26 +68,22 @@ class Branch:
         return [special for special in self.special if self.over.holds(special.value)]
 
 
-def point_of(value: float, flow: Flow, cycle: Cycle, unstable: int) -> BranchPoint:
+def point_of(point: Point) -> BranchPoint:
     """The record of an orbit."""
-    neutral = flow.essential_radius(cycle) > 1.0 - NEUTRAL
-    return BranchPoint(value, **_figures(flow, cycle), unstable=unstable, stable=None if neutral else unstable == 0)
+    closed, unstable = point.closed, point.unstable
+    neutral = closed.flow.essential_radius(closed.cycle) > 1.0 - NEUTRAL
+    known = figures_of(closed)
+    return BranchPoint(point.parameter, **known, unstable=unstable, stable=None if neutral else unstable == 0)
 
 
 def special_of(found: Special, place: int) -> SpecialPoint:
     """The record of a special point after so many points."""
-    closed = found.point.closed
-    known = _figures(closed.flow, closed.cycle)
     return SpecialPoint(
         found.kind,
         found.point.parameter,
-        **known,
+        **figures_of(found.point.closed),
         bracket=found.bracket,
         unstable_before=found.unstable_before,
         unstable_after=found.unstable_after,
         place=place,
     )
-
-
-def _figures(flow: Flow, cycle: Cycle) -> Mapping[str, float]:
-    return figures(flow.scene.law, cycle, flow.nodes)

@@ -3,13 +3,12 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
 
 import numpy as np
 
 import slipwave
 from reduced.continuation.branch import Control, follow_branch
-from reduced.continuation.crossing import crosses, orbit_between
+from reduced.continuation.crossing import orbits_at
 from reduced.continuation.hopf import from_hopf
 from reduced.continuation.mesh import Family
 from reduced.continuation.onset import Onset, onsets
@@ -18,7 +17,7 @@ from reduced.continuation.special import Special
 from reduced.continuation.start import metric_for
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import Closed
-from reduced.orbit.figures import figures
+from reduced.orbit.figures import figures_of
 from reduced.parameters import with_parameter
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -33,8 +32,6 @@ FAR = 200.0
 TOLERANCE = 1e-7
 STEPS = Control(longest=0.02)
 """A step changes the period by 0.4 transits at most. Folds come in pairs, about one pair per transit; longer steps miss some."""
-
-_ROUND = 1e-9  # difference of two periods that count as one orbit's, relative
 
 
 @dataclass(frozen=True)
@@ -67,12 +64,8 @@ class Branch:
         return [special for special in self.special if special.kind in kinds]
 
     def orbits_at(self, log10_r: float) -> list[Closed]:
-        """All orbits of the branch at one r, in order, each by Newton's method from the points on both sides."""
-        found: list[Closed] = []
-        for left, right in pairwise(self.points):
-            if crosses(left, right, log10_r):
-                found.append(orbit_between(left, right, log10_r, right.closed.flow.of(scene_at(log10_r))))
-        return [one for n, one in enumerate(found) if n == 0 or abs(one.cycle.period / found[n - 1].cycle.period - 1.0) > _ROUND]
+        """All orbits of the branch at one r, in order."""
+        return orbits_at(self.points, log10_r, scene_at(log10_r))
 
 
 def branch_of(model: str, highest: float, longest: float, tolerance: float = TOLERANCE, steps: Control = STEPS) -> Branch:
@@ -101,11 +94,6 @@ def _paper() -> Scene:
 def scene_at(log10_r: float) -> Scene:
     """The paper's scene at another r."""
     return with_parameter(_paper(), "log10_r", log10_r)
-
-
-def figures_of(closed: Closed) -> dict[str, float]:
-    """Period, drops and rates of an orbit."""
-    return figures(closed.flow.scene.law, closed.cycle, closed.flow.nodes)
 
 
 def unaccounted(branch: Branch) -> int:

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from reduced.continuation.special import Special
+from reduced.orbit.figures import figures_of
 from slipwave.observe.pieces import Array
-from validation.studies.bifurcation.branches import Branch, Corner, column, figures_of, parts
+from validation.studies.bifurcation.branches import Branch, Corner, column, parts
 from validation.studies.bifurcation.waves import COMPARED, WAVE, WaveOrbit
 from validation.study import Cell, Table, table
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen, ruled

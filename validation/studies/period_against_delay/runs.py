@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import Closed, close
-from reduced.orbit.multipliers import floquet
+from reduced.orbit.multipliers import count_unstable
 from slipwave.observe.orbit import Estimate
 from validation.measure.correlated import mean_of
 from validation.measure.cycle import watch
@@ -43,7 +43,7 @@ def periods_at(log10_r: float, branches: dict[str, Branch], until: float) -> Per
     """All models at one r; runs last `until` (transits)."""
     closed = {model: branches[model].orbits_at(log10_r) for model in WAVES} | {model: [orbit(model, log10_r)] for model in MASSES}
     orbits = {model: [one.cycle.period for one in found] for model, found in closed.items() if found}
-    unstable = {model: min(_unstable(one) for one in found) for model, found in closed.items() if found}
+    unstable = {model: min(count_unstable(one) for one in found) for model, found in closed.items() if found}
     runs = {model: run(model, log10_r, until) for model in WAVES if unstable.get(model, 1)}
     means, cycles = {model: mean for model, (mean, _) in runs.items()}, {model: count for model, (_, count) in runs.items()}
     return Periods(log10_r, orbits, unstable, means, cycles)
@@ -64,7 +64,3 @@ def run(model: str, log10_r: float, until: float) -> tuple[Estimate, int]:
 def settled_period(model: str, log10_r: float) -> float:
     """The period on which a direct run settles."""
     return settle(build(model, scene_at(log10_r), tolerance=1e-10), tolerance=1e-9).orbit.period.value
-
-
-def _unstable(closed: Closed) -> int:
-    return int((abs(floquet(closed.monodromy)[0]) > 1.0).sum())

@@ -7,8 +7,9 @@ import numpy as np
 
 from reduced.continuation.special import Special
 from reduced.orbit.closing import Closed
-from reduced.orbit.multipliers import floquet
-from validation.studies.bifurcation.branches import Branch, Corner, column, figures_of, parts
+from reduced.orbit.figures import figures_of
+from reduced.orbit.multipliers import count_unstable, floquet
+from validation.studies.bifurcation.branches import Branch, Corner, column, parts
 from validation.studies.bifurcation.shown import draw_branch, draw_special, special_keys
 from validation.studies.bifurcation.waves import COMPARED
 from validation.studies.snaking.runs import Run
@@ -71,10 +72,9 @@ def coexisting_table(found: dict[float, list[Closed]]) -> Table:
 
 
 def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
-    values, found = floquet(closed.monodromy)[0], figures_of(closed)
-    lead = values[0]
+    lead, found = floquet(closed.monodromy)[0][0], figures_of(closed)
     multiplier = plain(lead.real, ".4f") + (f" ± {plain(abs(lead.imag), '.4f')} i" if lead.imag else "")
-    return (log10_r, *(found[name] for name in COMPARED), float((np.abs(values) > 1.0).sum()), multiplier)
+    return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), multiplier)
 
 
 def snake(branch: Branch, runs: Iterable[Run]) -> Drawing:
