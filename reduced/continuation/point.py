@@ -86,8 +86,9 @@ def direction(closed: Closed, along: Array, metric: Metric) -> Array:
     """The branch's tangent at `closed`, oriented as `along`: the change of (x, T, p) that keeps the motion closed."""
     size = closed.velocity.size
     border = np.zeros((2, size + 2))
-    border[0, :size] = closed.velocity / np.abs(closed.velocity).max()
+    border[0, :size] = closed.velocity
     border[1] = metric.weights(size) * along
+    border /= np.abs(border).max(axis=1, keepdims=True)  # the metric's unit is not to make the matrix look singular
     matrix = np.vstack([np.column_stack([closed.monodromy - np.eye(size), closed.velocity, closed.drift]), border])
     try:
         tangent = scipy.linalg.solve(matrix, np.append(np.zeros(size + 1), 1.0))

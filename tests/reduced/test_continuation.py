@@ -102,6 +102,7 @@ def snake_folds(highest):
     return [(SNAKE.g(x / 6.0), x / 6.0) for x in values if 0.6 < x < 6.0 * highest]
 
 
+@pytest.mark.filterwarnings("error::scipy.linalg.LinAlgWarning")
 @pytest.mark.parametrize("longest", [0.2, 5.0])
 def test_a_branch_that_folds_back_and_forth_is_never_reversed(longest):
     """However long the steps may be, s grows, every fold is found once, and the counts alternate."""

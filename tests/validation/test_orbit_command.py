@@ -6,7 +6,10 @@ import re
 
 import pytest
 
+import slipwave as sw
 from reduced.orbit.closing import close
+from slipwave.errors import NumericsError
+from tests.granite import GRANITE
 from tests.orbit_by_hand import SUBCRITICAL, FlowByHand
 from validation.branches import at_scene
 from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
@@ -123,3 +126,9 @@ def test_what_has_no_orbit_is_told_in_one_line(capsys, words, status, said):
     out, err = capsys.readouterr()
     assert out == ""
     assert said in err.splitlines()[-1]
+
+
+def test_a_branch_of_long_periods_is_not_begun():
+    """Granite blocks of 10 m: a cycle takes tens of thousands of transits, a branch of such orbits would take hours."""
+    with pytest.raises(NumericsError, match=r"made 0 cycles .* not followed: their periods are [\d.]+e\+04 transits"):
+        sw.orbit(GRANITE, "block8")

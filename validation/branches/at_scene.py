@@ -26,6 +26,7 @@ _BEYOND = 0.03  # in log10 r: how far a branch is followed beyond the scene's r,
 _BACK = 0.002  # how far back beyond the onset, where orbits of smaller r than the onset's were left behind
 _LONGER = 5.0  # transits, beyond the period asked for: pairs of folds recur after about one
 _MOST = 400  # points
+_LONGEST = 600.0  # transits; a branch of such orbits takes minutes
 _TOLERANCE = 1e-6
 _SEVERAL = 1.5  # ratio of periods from which a motion of several cycles is meant
 _FROM_BRANCH = "found on the branch of orbits that begins where steady sliding loses its stability as r grows"
@@ -87,9 +88,15 @@ def _primary(model: str, scene: Scene, cells: int | None, longest: float, reason
 
 def _points(model: str, scene: Scene, cells: int | None, here: float, longest: float, said: str) -> tuple[list[Point], str]:
     """The points of the primary branch, and how far it was followed, in words."""
-    critical, _ = critical_round_trip(scene, one_port_of(model))
+    critical, omega = critical_round_trip(scene, one_port_of(model))
     if not critical > 0.0:
         raise NumericsError(f"{said}steady sliding of {model} never loses its stability as r grows: no branch of orbits begins")
+    period = 2.0 * math.pi / (omega * critical)
+    if period > _LONGEST:
+        raise NumericsError(
+            f"{said}the branch of orbits that begins where steady sliding loses its stability is not followed: their periods are "
+            f"{period:.3g} transits there, over {_LONGEST:g}, and each has to be marched; slipwave run leaps over long sticks"
+        )
     onset = math.log10(critical)
     first, last = (onset + _BACK, here - _BEYOND) if here < onset else (onset - _BEYOND, here + _BEYOND)
     branch = Branch(Over(scene, _NAME, first, last, lambda value: with_parameter(scene, _NAME, value)), model, _TOLERANCE, cells)
