@@ -14,7 +14,15 @@ from validation.cli import main
 
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 FILE = re.compile(r"Write `([^`]+)`:\s*$")
-PAGES = ("notebook.md", "output-files.md", "protocols.md", "testing-machine.md", "troubleshooting.md", "unlike-slabs.md")
+PAGES = (
+    "notebook.md",
+    "output-files.md",
+    "own-slab.md",
+    "protocols.md",
+    "testing-machine.md",
+    "troubleshooting.md",
+    "unlike-slabs.md",
+)
 LONG = ("first-sample.md",)
 
 

@@ -115,3 +115,26 @@ def test_two_grids_that_find_other_cycles_have_no_error(capsys: pytest.CaptureFi
     assert result["grid"]["error_estimate"] is None
     assert "estimated error unknown, a coarser grid finds other cycles" in result["notes"][0]
     assert math.isfinite(result["final"]["psi"])
+
+
+@pytest.mark.parametrize(
+    ("model", "jump", "options", "told"),
+    [
+        ("fd", 1.0, {"cells": 8}, False),
+        ("fd", 1.01, {"cells": 8}, True),
+        ("dg:3", 1.01, {"cells": 2}, True),
+        ("dg:3", 1.01, {"cells": 2, "time": "exact"}, False),
+        ("delay", 1.01, {}, False),
+        ("block8", 1.01, {}, False),
+    ],
+)
+def test_a_step_of_the_drive_beside_a_time_step_is_told(model: str, jump: float, options: dict[str, Any], told: bool) -> None:
+    drive = [[0.0, 100.0], [jump, 100.0], [jump, 120.0]]
+    found = slipwave.run("paper", model, until=2, **options, **{"drive.velocity": drive})
+    assert any(note.startswith("steps of V are placed to within one time step (") for note in found.notes) == told
+
+
+def test_the_time_step_that_is_told_is_that_of_the_grid() -> None:
+    ramp = {"drive.velocity": [[0.0, 100.0], [1.01, 100.0], [1.01, 120.0]]}
+    (note,) = slipwave.run("paper", "fd", until=2, cells=8, **ramp).notes
+    assert float(note.split("(")[1].split(" transits")[0]) == pytest.approx(1.0 / 16.0, rel=1e-2)

@@ -28,6 +28,7 @@ from validation.registry.default_grid import judged, note_on
 from validation.registry.families import Built, Options, one_port_of
 from validation.run.determinacy import amplified_rounding
 from validation.run.event_table import write_events
+from validation.run.late_steps import late_steps
 from validation.run.length import Length, length_of, require_cycles, second_half
 from validation.run.parting import exponent_of, require_constant
 from validation.run.quantities import cycle_in_si
@@ -305,4 +306,4 @@ def _exponent(done: Run, scene: Scene, numerical: Options, most: float) -> tuple
 def _doubts(solver: Solver, length: Length, tol: float | None) -> list[str]:
     """Warnings about the result that are known before the run."""
     amplified = amplified_rounding(solver.scene, one_port_of(solver.model), length.until, tol)
-    return [amplified.note] if amplified else []
+    return [*([amplified.note] if amplified else []), *late_steps(solver)]
