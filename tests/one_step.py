@@ -1,8 +1,8 @@
 """One collocated friction step of five nodes, solved by itself."""
 
-import numba
 import numpy as np
 
+from slipwave.compiled import njit
 from slipwave.step.collocation import radau
 from slipwave.step.newton import solve_step
 from slipwave.step.rows import FORCED, RATE, STATE, UNKNOWN, WORK_ROWS
@@ -13,7 +13,7 @@ S = len(NODES)
 COUPLED = np.tril(np.random.default_rng(5).uniform(0.2, 1.0, (S, S)))
 
 
-@numba.njit
+@njit
 def _solve(nodes, law, impedance, h, psi, incoming, integral, guess, work, system):
     return solve_step(nodes, law, impedance, h, psi, incoming, 0, integral, 1e-13, guess, work, system)
 

@@ -105,7 +105,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
 
     def _path(self, sig: Any, codegen: Any) -> Path | None:
         """File for the code of `sig`; None if it depends on what cannot be known, or on a file edited since the process began."""
-        made_from = _made_from(_file_of(self._function), set(_classes(getattr(sig, "args", sig))))
+        made_from = _made_from(self._function, set(_classes(getattr(sig, "args", sig))))
         if made_from is None:
             return None
         name = f"{self._function.__module__}.{self._function.__qualname__}"
@@ -146,13 +146,15 @@ class _MadeFrom(NamedTuple):
     foreign: str
 
 
-def _made_from(start: Path, classes: set[type]) -> _MadeFrom | None:
-    """What shapes code compiled in `start` for arguments of `classes`; None if that cannot be known, or a file is too new. A
+def _made_from(function: Callable[..., Any], classes: set[type]) -> _MadeFrom | None:
+    """What shapes `function` compiled for arguments of `classes`; None if that cannot be known, or a file is too new. A
     choice counts if its class is in `classes` or in one of the files."""
+    if function.__module__ not in sys.modules:  # where compiled code on disk looks for the function
+        return None
     found: tuple[Path, ...] = ()
-    chosen: set[Callable[..., Any]] = set()
+    functions = {function}
     while True:
-        homes = {start: start} | {thing: _home_of(thing) for thing in classes} | {thing: _file_of(thing) for thing in chosen}
+        homes = {thing: _home_of(thing) for thing in classes} | {thing: _file_of(thing) for thing in functions}
         brought = frozen([thing for thing, home in homes.items() if not inside(home)])
         if brought is None:
             return None
@@ -161,7 +163,7 @@ def _made_from(start: Path, classes: set[type]) -> _MadeFrom | None:
             break
         found = _closure(starts.union(found))
         pairs = [pair for owner, choices in _choices if owner in found for pair in choices()]
-        chosen = {function for kind, function in pairs if kind in classes or _home_of(kind) in found}
+        functions = {function, *(version for kind, version in pairs if kind in classes or _home_of(kind) in found)}
     # a file edited after the start is no longer the text that this process has imported
     return None if any(path.stat().st_mtime > _STARTED for path in found) else _MadeFrom(found, brought.text)
 

@@ -217,20 +217,40 @@ def test_a_class_from_outside_the_house_counts_by_what_it_is() -> None:
 
     kinds = set(compile_cache._classes([typeof((1.0, (Foreign(1.0), 2.0)))]))
     assert kinds == {Foreign}
-    here = compile_cache._file_of(njit)
-    alone, with_foreign = (compile_cache._made_from(here, classes) for classes in (set(), kinds))
+    alone, with_foreign = (compile_cache._made_from(njit, classes) for classes in (set(), kinds))
     assert alone is not None
     assert with_foreign is not None
     assert (alone.foreign, with_foreign.foreign) == ("", f"{__name__}.Foreign ('knot',)")
-    assert compile_cache._made_from(here, {Local}) is None
+    assert compile_cache._made_from(njit, {Local}) is None
+
+
+FACTOR = 2.0
+
+
+def own(x: float) -> float:
+    return FACTOR * x
+
+
+def ask_own() -> tuple[float, int]:
+    fresh: Any = njit(own)
+    return fresh(3.0), sum(fresh.stats.cache_hits.values())
+
+
+def test_a_function_of_the_users_is_kept_until_what_it_names_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert [ask_own(), ask_own()] == [(6.0, 0), (6.0, 1)]
+    monkeypatch.setitem(globals(), "FACTOR", 4.0)
+    assert [ask_own(), ask_own()] == [(12.0, 0), (12.0, 1)]
+    monkeypatch.setattr(own, "__module__", "nowhere")
+    assert [ask_own(), ask_own()] == [(12.0, 0)] * 2
 
 
 def test_code_for_one_kind_of_grid_does_not_depend_on_another() -> None:
     import fullwave.discontinuous
     import fullwave.finite_element
+    from fullwave.lines.kernel import march
 
-    kernel = ROOT / "fullwave" / "lines" / "kernel.py"
-    made_from = compile_cache._made_from(kernel, {fullwave.discontinuous.Elements})
+    kernel: Any = march
+    made_from = compile_cache._made_from(kernel.py_func, {fullwave.discontinuous.Elements})
     assert made_from is not None
     sources = made_from.sources
     assert {ROOT / "fullwave" / "discontinuous.py", ROOT / "fullwave" / "lines" / "viscosity.py"} <= set(sources)

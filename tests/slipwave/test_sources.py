@@ -61,7 +61,8 @@ def test_only_files_of_the_four_rooms_are_inside() -> None:
 
 @pytest.mark.parametrize("room", ["slipwave", "reduced", "fullwave"])
 def test_the_digest_of_the_solvers_sees_each_of_their_rooms(room: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    before, read = sources.source_digest(), sources.program
+    digest = sources.source_digest.__wrapped__  # not the one that this process keeps
+    before, read = digest(), sources.program
     edited = min((ROOT / room).rglob("*.py"))
     monkeypatch.setattr(sources, "program", lambda path: read(path) + "edited" * (path == edited))
-    assert sources.source_digest() != before
+    assert digest() != before
