@@ -52,6 +52,7 @@ class _OnStderr(logging.Handler):
     """Prints what the door logs, line by line."""
 
     def emit(self, record: logging.LogRecord) -> None:
+        """Print one message."""
         typer.echo(record.getMessage(), err=True)
 
 

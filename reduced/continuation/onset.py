@@ -53,6 +53,7 @@ def _between(scene_at: Callable[[float], Scene], low: float, high: float, below:
     crossing = complex(roots[np.abs(roots.real).argmin()])
 
     def root(value: float) -> complex:
+        """The root of the spectrum that crosses the imaginary axis."""
         return complex(polish(characteristic(scene_at(value), model).jet, np.array([crossing]))[0])
 
     try:

@@ -76,6 +76,7 @@ def frozen(solver: ReducedModel, period: float, tolerance: float) -> tuple[Flow,
     scene, name, known = solver.scene, solver.model, solver.reduction
 
     def reduce(other: Scene) -> Reduction:
+        """The reduction of a scene of the family; that of the solver serves where the slabs are the same."""
         return known if other.slabs == scene.slabs and other.transit == scene.transit else reduction_of(other, name)
 
     response = ReducedResponse(scene, reduce, solver.nodes.size)

@@ -77,6 +77,7 @@ def close_family(
     scale = 1.0 / max(float(np.abs(along).max()), 1e-300)
 
     def evaluate(unknowns: Array) -> _At:
+        """What is left of the equations, by a march over the period."""
         start, time = unknowns[: state.size], float(unknowns[state.size])
         if not 0.5 * period < time < 2.0 * period:
             raise NumericsError(f"a period of {time:.6g} transits is far from {period:.6g}, where the search began")
@@ -91,12 +92,14 @@ def close_family(
         return _At(unknowns, residual, flow, cycle)
 
     def bordered(monodromy: Array, *columns: Array) -> Array:
+        """The derivative of the equations, from the monodromy matrix and the columns of period and parameter."""
         border = np.zeros((1, guess.size))
         border[0, : state.size] = scale * along
         rows = [np.column_stack([monodromy - np.eye(state.size), *columns]), border]
         return np.vstack(rows if weights is None else [*rows, weights[None]])
 
     def derivative(at: _At) -> Array:
+        """The derivative after a march."""
         columns = [at.flow.velocity(at.cycle)]
         if free:
             columns.append(by_parameter(flow_at, at.cycle, float(at.unknowns[-1])))

@@ -151,6 +151,7 @@ def _steps(found: Branch, limits: Limits, path: Path | None, resume: Path | None
     """Fill the branch and, after each point, its file; yields where the branch can go on."""
 
     def keep(head: Head, complete: bool) -> Head:
+        """Write the file, if one is wanted."""
         if path is not None:
             write(path, found, head, complete, facts)
         return head

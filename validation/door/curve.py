@@ -135,6 +135,7 @@ def _steps(found: Curve, most: int, path: Path | None, resume: Path | None, fact
         return
 
     def keep(reached: Reached, complete: bool) -> Reached:
+        """Write the file, if one is wanted."""
         if path is not None:
             write(path, found, reached, complete, facts)
         return reached

@@ -57,6 +57,7 @@ def _marching(solver: Solver, course: Course) -> Callable[[], Measured]:
     history = HistoryObserver(solver.scene.law, solver.nodes, last[0], last[-1])
 
     def march() -> Measured:
+        """March, and detect the events."""
         follow(solver, course.until, [events, history])
         cycles = events.events(_FIRST_QUARTER * course.until)
         return {name: getattr(cycles, name) for name in OUTPUTS} | {"state": history.at(last)[1:4].T}

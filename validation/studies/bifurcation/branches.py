@@ -77,6 +77,7 @@ def branch_of(model: str, highest: float, longest: float, tolerance: float = TOL
     first = from_hopf(family, onset.parameter, onset.period, metric)
 
     def inside(point: Point) -> bool:
+        """Whether the branch is followed on from here."""
         return point.parameter < highest and point.closed.cycle.period < longest
 
     points, found = [first], list[Special]()

@@ -62,6 +62,7 @@ def _both_ways(orbit: PeriodicOrbit, largest: float) -> tuple[list[Point], list[
     family = Family(flow, scene_at)
 
     def inside(point: Point) -> bool:
+        """Whether the branch is followed on from here."""
         return _BEYOND[0] < point.parameter < _BEYOND[1] and float(np.abs(point.multipliers[0])) < largest
 
     begin = from_orbit(family, orbit.closed, AT, _BEYOND[1], metric)
