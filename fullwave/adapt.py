@@ -9,8 +9,8 @@ the probe are compared instead.
 
 The estimate holds for the length of the probe. In a chaotic run it becomes invalid at the rate at which nearby motions diverge. A
 start with a jump is of order 1 in every scheme, needs many cells, and is refused if these are too many. With a ramped drive the
-convergence is only of second order and irregular, because kinks fall at different places within the steps of each grid: one small
-difference proves nothing. The estimate is then at least the previous difference divided by 1.5^2.
+convergence of explicit steps is only of second order and irregular, because kinks fall at different places within the steps of
+each grid: one small difference proves nothing. The estimate is then at least the previous difference divided by 1.5^2.
 """
 
 import math
@@ -22,7 +22,6 @@ import numpy as np
 
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.families import GALERKIN, degree_for
-from fullwave.lines.exact import EXACT_TOLERANCE
 from fullwave.lines.march import MethodOfLines
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, follow
@@ -38,7 +37,6 @@ PROBE = 400.0
 """Transits of a probe after the last knot of the drive, unless the scene ends earlier."""
 
 _RATIO = 1.5
-_SHARE_OF_TIME = 0.1  # of the tolerance, for the steps of the exact march
 _LEAST_GAIN = 0.25  # smallest g - 1 used: rounding makes differences stagnate although the error is small
 _MOST_OUTLOOK = math.log(1e6)  # largest logarithm of the growth in cells to which a trend is extrapolated
 _KINKED_GAIN = _RATIO**2  # gain of a refinement at order 2
@@ -81,8 +79,6 @@ def to_tolerance(
         raise SceneError(f"tolerance = {tolerance!r}: must lie in [{least:g}, {most:g}]")
     if kind is DiscontinuousGalerkin:
         options = {"degree": degree_for(tolerance)} | options
-    if options.get("time") == "exact":
-        options = {"resolution": min(EXACT_TOLERANCE, _SHARE_OF_TIME * tolerance)} | options
     coarsest = first_accepted(lambda cells: kind(scene, cells=cells, **options), range(2, _MOST_NEEDED))
     cells = coarsest.cells if coarsest else _MOST_NEEDED
     tried: list[tuple[int, float]] = []

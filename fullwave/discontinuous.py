@@ -92,12 +92,16 @@ class DiscontinuousGalerkin(MethodOfLines):
         scene: Scene,
         degree: int = GALERKIN.usual,
         cells: int = GALERKIN.cells,
-        cfl: float = GALERKIN.cfl,
+        cfl: float | None = None,
         **march: Unpack[Marching],
     ) -> None:
         require_whole("degree", degree, GALERKIN.numbers[0], GALERKIN.numbers[-1])
         self.degree = degree
         sections = sections_of(scene, cells, 1)
         build = partial(element_grid, degree=degree)
-        limit = courant_limit(degree) * shortest_cell(sections)
+
+        def limit() -> float:
+            """Longest stable step (transits) of elastic waves."""
+            return courant_limit(degree) * shortest_cell(sections)
+
         super().__init__(scene, GALERKIN, degree, build, sections, limit, cfl, **march)

@@ -110,6 +110,9 @@ class Leapfrog:
         self._sample = max(self._sample, 0) + STEPS_PER_PIECE * pieces.time.size
         return pieces
 
+    def keep_ledger(self) -> None:
+        """As `FieldSolver`; it is always kept."""
+
     def energy(self) -> Energy:
         """Ledger since t = 0, in units of sigma L."""
         return energy_of(self.scene, self._memory, list(zip(self._sides, self._grids, strict=True)))
@@ -122,7 +125,7 @@ class Leapfrog:
             self._fill(empty_pieces(0, self.nodes.size))
         return snapshot_of(self.scene, self.time, self._memory, self._sides, self._grids)
 
-    def keep_frames(self) -> None:
+    def keep_frames(self, interval: float) -> None:
         """As `FieldSolver`; does nothing, because four steps of a leapfrog are short."""
 
     def frames(self) -> list[Snapshot]:

@@ -161,7 +161,7 @@ class FiniteElement(MethodOfLines):
         scene: Scene,
         degree: int = ELEMENTS.usual,
         cells: int = ELEMENTS.cells,
-        cfl: float = ELEMENTS.cfl,
+        cfl: float | None = None,
         mass: str = "lumped",
         **march: Unpack[Marching],
     ) -> None:
@@ -175,5 +175,9 @@ class FiniteElement(MethodOfLines):
         self.degree, self.mass = degree, mass
         sections = sections_of(scene, cells, 1)
         build = partial(mesh_grid, degree=degree, mass=mass)
-        limit = min(courant_limit(degree, mass, sample_cells(degree, s.cells)) * s.length / s.cells for s in sections)
+
+        def limit() -> float:
+            """Longest stable step (transits) of elastic waves."""
+            return min(courant_limit(degree, mass, sample_cells(degree, s.cells)) * s.length / s.cells for s in sections)
+
         super().__init__(scene, ELEMENTS, degree, build, sections, limit, cfl, **march)

@@ -131,12 +131,16 @@ class SummationByParts(MethodOfLines):
         scene: Scene,
         order: int = BY_PARTS.usual,
         cells: int = BY_PARTS.cells,
-        cfl: float = BY_PARTS.cfl,
+        cfl: float | None = None,
         **march: Unpack[Marching],
     ) -> None:
         if order not in BY_PARTS.numbers:
             raise SceneError(f"order = {order!r}: must be one of {', '.join(map(str, BY_PARTS.numbers))}")
         sections = sections_of(scene, cells, fewest_cells(order))
         build = partial(difference_grid, order=order)
-        limit = min(courant_limit(order, min(s.cells, _SAMPLE_CELLS)) * s.length / s.cells for s in sections)
+
+        def limit() -> float:
+            """Longest stable step (transits) of elastic waves."""
+            return min(courant_limit(order, min(s.cells, _SAMPLE_CELLS)) * s.length / s.cells for s in sections)
+
         super().__init__(scene, BY_PARTS, order, build, sections, limit, cfl, **march)

@@ -26,6 +26,7 @@ from slipwave.scene import Scene
 from slipwave.scene.slab import Face, GripFace, KelvinVoigtViscosity, ReflectingFace
 from validation.output import print_table
 from validation.references.lsoda import plain_kelvin_voigt
+from validation.registry.families import explicit_time
 from validation.report.provenance import provenance
 from validation.run.timing import in_turn
 from validation.studies.unlike_slabs.cost import pairs
@@ -66,10 +67,10 @@ def races() -> Iterator[Race]:
     paper = slipwave.read("paper")
     unlike = dataclasses.replace(paper, lower=dataclasses.replace(paper.lower, epsilon=1.001 * paper.lower.epsilon))
     for model, cells in GRIDS.items():
-        base = Setting(model, cells=cells)
+        base = Setting(model, cells=cells, time=explicit_time(model))
         once = _run(base, paper, 20.0)
         yield Race(f"{model}: twice the transits", _run(base, paper, 40.0), once)
-        yield Race(f"{model}: four times the cells", _run(Setting(model, cells=4 * cells), paper, 20.0), once)
+        yield Race(f"{model}: four times the cells", _run(dataclasses.replace(base, cells=4 * cells), paper, 20.0), once)
         yield Race(f"{model}: unlike slabs over alike", _run(base, unlike, 20.0), once)
         yield Race(f"{model}: grip over rigid face", _run(base, _faced(paper, GripFace(100.0, 10.0)), 20.0), once)
         yield Race(f"{model}: reflection over rigid face", _run(base, _faced(paper, ReflectingFace(0.999)), 20.0), once)

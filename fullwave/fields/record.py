@@ -116,7 +116,7 @@ class FieldRecord:
     def act(self) -> None:
         """As `Mark`."""
         if not self._shots:
-            self._solver.keep_frames()
+            self._solver.keep_frames(self._interval)
             self._shots.append(self._solver.snapshot())
             return
         for frame in self._solver.frames():  # always keeps the last one, from which the next sample is counted
@@ -143,7 +143,7 @@ class FieldRecord:
         rows = tables(state, {"samples": (-1, 1 + sum(sizes))}, self._solver.model)["samples"]
         self._shots = [_shot(row, sizes, now) for row in rows[rows[:, 0] >= self._start - SAME]]
         if self._shots:
-            self._solver.keep_frames()
+            self._solver.keep_frames(self._interval)
 
 
 def _values(shot: Snapshot) -> tuple[Array, Array, Array, Array]:

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from fullwave.lines.budget import PRODUCTS_PER_SECOND
+from fullwave.lines.budget import PRODUCTS_PER_SECOND, steps_at_once
 from fullwave.lines.grid_port import FRICTION, INPUT, RADIATED, VISCOUS
 from fullwave.lines.grid_ports import DRIVE_TERMS, GridPorts
 from fullwave.lines.propagator import halves
@@ -14,18 +14,18 @@ from slipwave.observe.pieces import Array, Pieces
 from slipwave.observe.restoring import tables
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
-from slipwave.step.stepper import Stepper
+from slipwave.step.stepper import CHUNK, Stepper
 
 STAGES = 8
 LONGEST = 1.0
 """Longest step (transits)."""
 
-EXACT_TOLERANCE = 1e-9
-"""Relative error of the figures of a cycle to which steps resolve friction."""
+EXACT_TOLERANCE = 1e-12
+"""Relative error of the figures of a cycle to which steps resolve friction: what is left is the error of the grid. 1e-9 would
+take half the time."""
 
 _FIRST = 0.125
 _STEP_SECONDS = 2e-6
-_FRAME = 1.0 / 32.0  # longest time (transits) between two frames
 
 
 class ExactMarch:
@@ -40,10 +40,11 @@ class ExactMarch:
         self._scene, self._layout, self._model = scene, values, model
         self.settings = {"stages": STAGES, "resolution": tolerance}
         self._ports = GridPorts(scene, system, values.size, STAGES)
-        self._stepper = Stepper(scene, model, self._ports, STAGES, tolerance, LONGEST, _FIRST)
+        at_once = min(CHUNK, steps_at_once(self._products))
+        self._stepper = Stepper(scene, model, self._ports, STAGES, tolerance, LONGEST, _FIRST, most_steps=at_once)
         self.nodes = self._stepper.nodes
         self._frames: list[tuple[float, Array]] = []
-        self._keeps_frames = False
+        self._frame = math.inf
         self.begin_from(values)
 
     @property
@@ -54,8 +55,13 @@ class ExactMarch:
     @property
     def seconds_per_piece(self) -> float:
         """Approximate cost of a step."""
+        return _STEP_SECONDS + self._products / PRODUCTS_PER_SECOND
+
+    @property
+    def _products(self) -> float:
+        """Products in a step."""
         size = self._ports.values.size
-        return _STEP_SECONDS + size * (size + 3 * STAGES) / PRODUCTS_PER_SECOND
+        return float(size * (size + 3 * STAGES))
 
     @property
     def values(self) -> Array:
@@ -71,11 +77,17 @@ class ExactMarch:
         """As `Solver`."""
         before = self._ports.values.copy()
         pieces = self._stepper.advance(until)
-        self._frames = self._between(before, pieces) if self._keeps_frames else []
+        self._frames = self._between(before, pieces) if math.isfinite(self._frame) else []
         return pieces
 
-    def work_done(self) -> tuple[float, float, float, float]:
-        """Work of the drive, heat of friction, radiation and viscous heat since t = 0."""
+    def keep_ledger(self) -> None:
+        """From now on work and heat are added up, step by step."""
+        self._ports.keep_ledger()
+
+    def work_done(self) -> tuple[float, float, float, float] | None:
+        """Work of the drive, heat of friction, radiation and viscous heat since t = 0; None unless they are kept."""
+        if not self._ports.keeps_ledger[0]:
+            return None
         ledger = self._ports.ledger
         return float(ledger[INPUT]), float(ledger[FRICTION]), float(ledger[RADIATED]), float(ledger[VISCOUS])
 
@@ -91,20 +103,21 @@ class ExactMarch:
         for name, array in own.items():
             array[...] = saved[name]
 
-    def keep_frames(self) -> None:
-        """From now on `frames` has states inside the steps, which are too long for a picture of waves."""
-        self._keeps_frames = True
+    def keep_frames(self, interval: float) -> None:
+        """From now on `frames` has states inside the steps, at most `interval` (transits) apart: steps are too long for a picture
+        of waves."""
+        self._frame = interval
 
     def frames(self) -> list[tuple[float, Array]]:
         """(time, values) within and at the ends of the last advance's steps, where kept."""
         return self._frames
 
     def _between(self, values: Array, pieces: Pieces) -> list[tuple[float, Array]]:
-        """States at times at most `_FRAME` apart: the known slip rate drives steps of finer levels."""
+        """States at times at most `_frame` apart: the known slip rate drives steps of finer levels."""
         known = self._ports.known(self._stepper.longest)
         frames = []
         for time, length, z in zip(pieces.time, pieces.length, pieces.z, strict=True):
-            depth = max(0, math.ceil(math.log2(length / _FRAME) - 1e-9))
+            depth = max(0, math.ceil(math.log2(length / self._frame) - 1e-9))
             fine = known.maps.find(round(math.log2(self._stepper.longest / length)) + depth)
             for k, part in enumerate(self._parts(float(time), float(length), z, depth)):
                 values = values + fine.change @ values + fine.forced @ part

@@ -99,6 +99,9 @@ class ExplicitMarch:
             fastest = max(fastest, relaxation)
         return fastest
 
+    def keep_ledger(self) -> None:
+        """It is always kept: its entries are integrated like the grid's values, at hardly any cost."""
+
     def work_done(self) -> tuple[float, float, float, float]:
         """Work of the drive, heat of friction, radiation and viscous heat since t = 0, integrated with the motion."""
         scalars = self.values[self._system.interface.size :]
@@ -108,7 +111,7 @@ class ExplicitMarch:
         """Take all values that are integrated."""
         self.values[:] = values
 
-    def keep_frames(self) -> None:
+    def keep_frames(self, interval: float) -> None:
         """From now on `frames` has every step: high-order steps are long, and pieces of eight are too long for a picture."""
         self._keeps_frames = True
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from slipwave.compiled import inlined, njit
+from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
 from slipwave.scene.forcing import Forcing
 from slipwave.step.collocation import Nodes
@@ -32,8 +32,8 @@ class GridPort(NamedTuple):
 
     The moments: of all tractions (two), of the slip at faces under a dead load, then those of each dashpot's slip (s each).
 
-    It remembers the grid's `values` (n,) and the `ledger` (4,); `vector` and `spare` (n + 2 s,) and `taken` (m,)
-    are scratch."""
+    It remembers the grid's `values` (n,) and, where `keeps_ledger` (1,) is true, the `ledger` (4,); `vector` and `spare`
+    (n + 2 s,) and `taken` (m,) are scratch."""
 
     length: Array
     ready: NDArray[np.bool_]
@@ -47,6 +47,7 @@ class GridPort(NamedTuple):
     forcing: Forcing
     power: Power
     constant_drive: bool
+    keeps_ledger: NDArray[np.bool_]
     values: Array
     ledger: Array
     vector: Array
@@ -80,26 +81,27 @@ def _take_in(port, nodes, level, integral, incoming, work):  # type: ignore[no-u
     for j in range(s):
         vector[n + j] = work[RATE, j] - port.forcing.velocity
         vector[n + s + j] = 0.5 * (work[DRIVE, j] - port.forcing.velocity)
-    _keep_ledger(
-        nodes,
-        port.length[level],
-        port.impedance,
-        port.moments,
-        level,
-        rows,
-        vector,
-        port.taken,
-        port.forcing,
-        port.power,
-        integral,
-        incoming,
-        work,
-        port.ledger,
-    )
-    if port.heat.size:
-        port.ledger[VISCOUS] += (
-            port.power.copies * port.length[level] * port.forcing.transit * _heat(port.heat, level, rows, vector, port.spare)
+    if port.keeps_ledger[0]:
+        _keep_ledger(
+            nodes,
+            port.length[level],
+            port.impedance,
+            port.moments,
+            level,
+            rows,
+            vector,
+            port.taken,
+            port.forcing,
+            port.power,
+            integral,
+            incoming,
+            work,
+            port.ledger,
         )
+        if port.heat.size:
+            port.ledger[VISCOUS] += (
+                port.power.copies * port.length[level] * port.forcing.transit * _heat(port.heat, level, rows, vector, port.spare)
+            )
     _propagate(port.change, level, rows, vector, values)
 
 
@@ -130,7 +132,7 @@ def _propagate(change: Array, level: int, rows: int, vector: Array, values: Arra
             values[k] += vector[i] * change[level, i, k]
 
 
-@inlined
+@njit
 def _keep_ledger(
     nodes: Nodes,
     length: float,

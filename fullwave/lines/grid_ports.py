@@ -59,14 +59,24 @@ class GridPorts:
         self._padded, self.ledger = _aligned(-(-self.slots.size // _LANES) * _LANES), np.zeros(4)
         self._padded[:] = 0.0
         self.values = self._padded[: self.slots.size]
+        self.keeps_ledger = np.zeros(1, dtype=np.bool_)
         self.to_legendre = to_legendre(radau(stages).nodes)
         self._known: dict[str, Known] = {}
         self._most_known = max(2, min(_MOST_KNOWN, int(MOST_BYTES / (8.0 * _HELD * self.values.size**2))))
 
+    def keep_ledger(self) -> None:
+        """From now on the `ledger` is kept."""
+        if self._dissipation and not self.keeps_ledger[0]:
+            for known in self._known.values():
+                known.port.ready[:] = False  # their maps know no heat
+                known.maps.forget(self._dissipation)
+        self.keeps_ledger[0] = True
+
     def known(self, longest: float) -> Known:
         """What is known of steps of `longest` (transits) and its halves."""
         key = f"{longest:.12e}"  # stretches of equal length differ by rounding
-        known = self._known.pop(key, None) or Known(StepMaps(self.slabs, self._dissipation, longest), self._blank(longest))
+        dissipation = self._dissipation if self.keeps_ledger[0] else None
+        known = self._known.pop(key, None) or Known(StepMaps(self.slabs, dissipation, longest), self._blank(longest))
         self._known[key] = known  # the last used is the last to be forgotten
         if len(self._known) > self._most_known:
             del self._known[next(iter(self._known))]
@@ -93,6 +103,7 @@ class GridPorts:
             self._scene.forcing,
             self._power,
             self._scene.drive.is_constant,
+            self.keeps_ledger,
             self._padded,
             self.ledger,
             np.zeros(rows),

@@ -1,6 +1,7 @@
 """What all method-of-lines families share: grid, ledger, fields, and the march in time, exact or explicit."""
 
-from typing import Any, Literal, TypeAlias, TypedDict
+from collections.abc import Callable
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from fullwave.lines.readout import Shape, impose_fields, snapshot_of, stored_ene
 from fullwave.lines.runge_kutta import RungeKutta, method_of
 from fullwave.lines.scene_limits import Builder, relaxation_limit, spectral_limit
 from fullwave.lines.system import ELASTIC, PSI, System
+from fullwave.lines.time_march import TimeMarch, cheaper_march
 from fullwave.options import require_cfl
 from slipwave.errors import SceneError
 from slipwave.observe import Energy, Pieces
@@ -20,14 +22,11 @@ from slipwave.observe.snapshot import Snapshot
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
 
-TimeMarch: TypeAlias = Literal["exact", "explicit"]
-"""How a grid is marched in time."""
-
 
 class Marching(TypedDict, total=False):
     """Options of `MethodOfLines` that are the same for every family."""
 
-    time: TimeMarch
+    time: TimeMarch | None
     resolution: float
 
 
@@ -41,9 +40,10 @@ class MethodOfLines:
     (slipwave.observe.snapshot).
 
     `time` "exact" propagates the slabs without error in time, in steps that resolve friction to `resolution`, the relative error
-    of the figures of a cycle. "explicit" takes Runge-Kutta steps: `limit` is the longest stable one (transits) of elastic waves,
-    and the step is the share `cfl` of the smallest limit, this one or that of outer faces, viscosity or friction's state. Raises
-    SceneError naming cfl and its allowed range, or cells if the memory is too small (`budget`).
+    of the figures of a cycle. "explicit" takes Runge-Kutta steps: `limit()` is the longest stable one (transits) of elastic
+    waves, and the step is the share `cfl` of the smallest limit, this one or that of outer faces, viscosity or friction's state.
+    With None it is "explicit" if `cfl` is given, else the cheaper one (`cheaper_march`). Raises SceneError naming time or cfl and
+    its allowed range, or cells if the memory is too small (`budget`).
     """
 
     mass: str | None = None
@@ -55,33 +55,37 @@ class MethodOfLines:
         number: int,
         build: Builder,
         sections: list[Section],
-        limit: float,
-        cfl: float,
-        time: TimeMarch = "explicit",
+        limit: Callable[[], float],
+        cfl: float | None,
+        time: TimeMarch | None = None,
         resolution: float = EXACT_TOLERANCE,
     ) -> None:
-        require_cfl(cfl)
-        if time not in ("exact", "explicit"):
+        if time not in (None, "exact", "explicit"):
             raise SceneError(f"time = {time!r}: must be exact or explicit")
-        self.scene, self.model, self.cfl = scene, family.called(number), float(cfl)
+        if cfl is not None:
+            require_cfl(cfl)
+            time = time or "explicit"
+        self.scene, self.model, self.cfl = scene, family.called(number), float(family.cfl if cfl is None else cfl)
         self.method, self._order = method_for(family, number), family.order_bulk(number)
         self.sections, self._build = tuple(sections), build
         with enough_memory(sections[0].asked):
             self._set_up(build, sections, limit, time, resolution)
         self.nodes = self._march.nodes
 
-    def _set_up(self, build: Builder, sections: list[Section], limit: float, time: TimeMarch, resolution: float) -> None:
+    def _set_up(
+        self, build: Builder, sections: list[Section], limit: Callable[[], float], time: TimeMarch | None, resolution: float
+    ) -> None:
         scene, method = self.scene, self.method
         viscous = any(slab.viscosity is not None for slab in scene.slabs)
         require_memory(sections, build, method.stages, viscous)
         self.grid = build(sections)
         self.system = assemble(scene, self.grid)
         values = np.zeros(state_size(self.system))
-        if time == "exact":
+        if (time or cheaper_march(scene, values.size)) == "exact":
             require_few_unknowns(self.cells, values.size)
             self._march: ExactMarch | ExplicitMarch = ExactMarch(scene, self.system, values, self.model, resolution)
             return
-        step = self.cfl * min(limit, relaxation_limit(self.system, method))
+        step = self.cfl * min(limit(), relaxation_limit(self.system, method))
         if viscous or self.system.interface.heavy:
             step = min(step, self.cfl * spectral_limit(scene, build, sections, method))
         values[self.grid.size + PSI] = scene.steady_psi + scene.start.jump_size
@@ -139,10 +143,17 @@ class MethodOfLines:
         """March towards `until` (transits), at most one chunk."""
         return self._march.advance(until)
 
-    def energy(self) -> Energy:
-        """Ledger since t = 0, in units of sigma L. Work and heat are integrated with the motion, never taken from a difference,
-        so that it closes at the order of the scheme."""
-        supplied, friction, radiated, viscous = self._march.work_done()
+    def keep_ledger(self) -> None:
+        """As `FieldSolver`."""
+        self._march.keep_ledger()
+
+    def energy(self) -> Energy | None:
+        """Ledger since t = 0, in units of sigma L; None unless it is kept. Work and heat are integrated with the motion, never
+        taken from a difference, so that it closes at the order of the scheme."""
+        work = self._march.work_done()
+        if work is None:
+            return None
+        supplied, friction, radiated, viscous = work
         stored = stored_energy(self.grid, self.system, self._march.values)
         return Energy(supplied, friction, radiated, viscous, stored)
 
@@ -150,9 +161,9 @@ class MethodOfLines:
         """Velocity and stress at the nodes at `time`."""
         return snapshot_of(self.grid, self.system, self.time, self._march.values)
 
-    def keep_frames(self) -> None:
+    def keep_frames(self, interval: float) -> None:
         """As `FieldSolver`."""
-        self._march.keep_frames()
+        self._march.keep_frames(interval)
 
     def frames(self) -> list[Snapshot]:
         """As `FieldSolver`."""

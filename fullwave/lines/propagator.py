@@ -15,6 +15,7 @@ follows from it by products of matrices (`doubled`). The change of x is kept ins
 would lose its digits beside 1, and doubling would multiply the error.
 """
 
+import math
 from dataclasses import dataclass
 from functools import cache
 
@@ -68,9 +69,6 @@ def shortest_halving(slabs: LinearSlabs, length: float) -> int:
 def short_step(slabs: LinearSlabs, length: float) -> StepMap:
     """The map of a step of `length` (transits) so short that the norm of length * L is at most 1/2, by Taylor series."""
     step = length * slabs.rates
-    change = np.zeros_like(step)
-    for m in range(_TERMS, 0, -1):
-        change = step @ (np.eye(step.shape[0]) + change) / m
     inputs, outputs = [length * slabs.inputs], [slabs.outputs]
     for _ in range(1, _TERMS):
         inputs.append(step @ inputs[-1])
@@ -88,7 +86,18 @@ def short_step(slabs: LinearSlabs, length: float) -> StepMap:
         ]
         for o, rows in enumerate(slabs.output_terms)
     ]
-    return StepMap(change, np.hstack(forced), np.vstack(free), np.block(through))
+    return StepMap(_grown(step), np.hstack(forced), np.vstack(free), np.block(through))
+
+
+def _grown(step: Array) -> Array:
+    """e^step - 1 by Taylor series, in six products instead of fifteen (Paterson and Stockmeyer, SIAM J. Comput. 2, 1973)."""
+    powers = [np.eye(step.shape[0]), step, step @ step]
+    powers.append(step @ powers[2])
+    fourth = powers[2] @ powers[2]
+    change = fourth / math.factorial(_TERMS)
+    for least in range(_TERMS - 4, 0, -4):
+        change = fourth @ (change + sum(power / math.factorial(least + k) for k, power in enumerate(powers)))
+    return np.asarray(change + sum(power / math.factorial(k) for k, power in enumerate(powers) if k))
 
 
 @cache

@@ -20,6 +20,12 @@ class StepMaps:
         self._maps: dict[int, StepMap] = {}
         self.heats: dict[int, Array] = {}
 
+    def forget(self, dissipation: Dissipation | None) -> None:
+        """Make all maps again when they are needed, with the heats by `dissipation`."""
+        self._dissipation = dissipation
+        self._maps.clear()
+        self.heats.clear()
+
     def find(self, level: int) -> StepMap:
         """The map of a level; makes those of levels between it and a shorter one for which a series holds."""
         with one_thread():

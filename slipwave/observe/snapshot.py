@@ -39,14 +39,18 @@ class FieldSolver(Solver, Protocol):
     def step(self) -> float:
         """Length of a step, in transits."""
 
-    def energy(self) -> Energy:
-        """Ledger since t = 0."""
+    def keep_ledger(self) -> None:
+        """From now on `energy` returns the ledger; called before the first step. Where nothing is gained, it is always kept."""
+
+    def energy(self) -> Energy | None:
+        """Ledger since t = 0, if it is kept."""
 
     def snapshot(self) -> Snapshot:
         """The fields now."""
 
-    def keep_frames(self) -> None:
-        """From now on `frames` returns the fields of every step, if the solver's pieces are that short."""
+    def keep_frames(self, interval: float) -> None:
+        """From now on `frames` returns the fields at the ends of steps, if pieces are longer, and within steps that are longer
+        than `interval` (transits), if these can be divided."""
 
     def frames(self) -> list[Snapshot]:
         """The fields at the ends of the last advance's steps, if they are kept; at least those at the present time."""

@@ -52,7 +52,7 @@ class Ports(Protocol):
 class Stepper:
     """Collocated steps of `stages` Radau nodes, of lengths `longest`/2^k or, between two breaks, their distance over powers of
     two. `tolerance` is the requested relative error of the figures of a cycle. Errors name the `model`; `reason`: why no step may
-    be short enough for it."""
+    be short enough for it. `most_steps` are taken in one call of compiled code."""
 
     def __init__(
         self,
@@ -64,8 +64,10 @@ class Stepper:
         longest: float,
         first: float,
         reason: str = "",
+        most_steps: int = CHUNK,
     ) -> None:
         self._scene, self._model, self._reason = scene, model, reason
+        self._most_steps = most_steps
         self._ports, self._tolerance, self._longest = ports, tolerance, longest
         rule, self._rule, self._shape = rule_of(stages)
         self.nodes = rule.nodes
@@ -87,11 +89,11 @@ class Stepper:
 
     def advance(self, until: float) -> Pieces:
         """As `Solver`; NumericsError if no step is short enough."""
-        pieces = empty_pieces(CHUNK, self.nodes.size)
+        pieces = empty_pieces(self._most_steps, self.nodes.size)
         if self.time > self._stop - SAME:
             self._take_stretch(self._stop, float(self._port.length[self._memory.levels[NEXT]]))
         scene, steps, ended = self._scene, 0, NOT_READY
-        while ended == NOT_READY and steps < CHUNK:
+        while ended == NOT_READY and steps < self._most_steps:
             left = Pieces(*(array[steps:] for array in pieces))
             physics = (scene.law, scene.forcing, scene.drive.compiled, self._port)
             stretch = (self._origin, self._stop, self._limits)

@@ -225,10 +225,18 @@ def test_picture_of_one_event(tmp_path):
     assert (tmp_path / "event.png").stat().st_size > 5000
 
 
+@pytest.mark.parametrize("interval", [1 / 16, 1 / 128])
+def test_steps_that_are_exact_in_time_are_divided_as_finely_as_asked(interval):
+    solver = DiscontinuousGalerkin(SCENES["unlike"], degree=5, cells=2, time="exact")
+    field, _ = record_field(solver, 10.0, 13.0, interval)
+    assert np.diff(field.time).max() < 1.001 * interval
+    assert solver.step > 8.0 * interval
+
+
 def test_frames_lie_closer_than_the_pieces_of_a_march_of_high_order():
     """Eight steps of order 8 are half a transit: the record has every step, and the run is the same to the bit."""
     chosen = SCENES["unlike"]
-    solver, plain = (DiscontinuousGalerkin(chosen, degree=5, cells=2) for _ in range(2))
+    solver, plain = (DiscontinuousGalerkin(chosen, degree=5, cells=2, time="explicit") for _ in range(2))
     field, final = record_field(solver, 10.0, 13.0)
     assert np.diff(field.time).max() < 1.001 * max(solver.step, 1 / 32)
     assert follow(plain, 13.0) == final

@@ -11,6 +11,7 @@ from slipwave.observe import follow
 from slipwave.scene.slab import GripFace, ReflectingFace
 from validation import benchmark
 from validation.benchmark import Race, last, main, measure, races
+from validation.registry.families import explicit_time
 from validation.run import timing
 from validation.run.timing import in_turn, timed
 from validation.studies.unlike_slabs.cost import pairs
@@ -104,12 +105,13 @@ def test_both_sides_of_a_ratio_differ_only_in_what_it_is_named_after():
     named = {race.name: race for race in races()}
     paper = slipwave.read("paper")
     for model, cells in {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}.items():
-        once = (Setting(model, cells=cells), paper, 20.0, 1.0)
+        one = Setting(model, cells=cells, time=explicit_time(model))
+        once = (one, paper, 20.0, 1.0)
         unlike = replace(paper, lower=replace(paper.lower, epsilon=1.001 * paper.lower.epsilon))
         faced = [replace(paper.upper, face=face) for face in (GripFace(100.0, 10.0), ReflectingFace(0.999))]
         wanted = {
             "twice the transits": (once[0], paper, 40.0, 1.0),
-            "four times the cells": (Setting(model, cells=4 * cells), paper, 20.0, 1.0),
+            "four times the cells": (replace(one, cells=4 * cells), paper, 20.0, 1.0),
             "unlike slabs over alike": (once[0], unlike, 20.0, 1.0),
             "grip over rigid face": (once[0], replace(paper, upper=faced[0], lower=faced[0]), 20.0, 1.0),
             "reflection over rigid face": (once[0], replace(paper, upper=faced[1], lower=faced[1]), 20.0, 1.0),

@@ -121,7 +121,7 @@ def test_a_grid_chosen_for_a_tolerance_is_told_with_its_error(capsys: pytest.Cap
     assert result["grid"]["quantity"] == "cycles"
     assert 0.0 < result["grid"]["error_estimate"] <= 1e-4
     assert main(words) == 0
-    line = f"grid chosen for the tolerance: {result['grid']['cells']} cells, steps of {result['grid']['step']:.4g}"
+    line = f"grid chosen for the tolerance: {result['grid']['cells']} cells, steps of at most {result['grid']['step']:.4g}"
     assert line in capsys.readouterr().out
 
 

@@ -111,7 +111,7 @@ def test_which_code_is_common_is_read_from_the_imports(monkeypatch):
     assert shared("delay", "fem") == ()
     assert len(code_table().rows) == 10
     note = code_note()
-    assert "`sbp`, `fem` and `dg` have 22 modules in common, among them the right-hand side with its faces" in note
+    assert "`sbp`, `fem` and `dg` have 23 modules in common, among them the right-hand side with its faces" in note
     assert "8 modules in common with them, but not the right-hand side" in note
     assert "no solver modules in common with any of them" in note
 

@@ -15,16 +15,17 @@ from slipwave.family import Family
 from slipwave.observe.foresight import DAY, require_time
 from validation.cli import INPUT_WRONG, main
 from validation.registry.build import build
-from validation.registry.families import GRIDS
+from validation.registry.families import GRIDS, explicit_time
 from validation.run.simulate import simulate
 
 
 @pytest.mark.parametrize("family", GRIDS, ids=lambda family: family.name)
 def test_a_run_of_a_day_goes_and_a_longer_one_does_not(family: Family, monkeypatch: pytest.MonkeyPatch) -> None:
-    solver = build(family.example, slipwave.read("paper"))
+    march = explicit_time(family.example)
+    solver = build(family.example, slipwave.read("paper"), time=march)
     pieces = 4000.0 / solver.advance(1e-6).length[0]  # type: ignore[attr-defined]
     kind = Leapfrog if family.name == "fd" else MethodOfLines
-    fresh = build(family.example, slipwave.read("paper"))
+    fresh = build(family.example, slipwave.read("paper"), time=march)
     monkeypatch.setattr(kind, "seconds_per_piece", 0.999 * DAY / pieces)
     require_time(fresh, 4000.0)
     monkeypatch.setattr(kind, "seconds_per_piece", 1.001 * DAY / pieces)
@@ -55,7 +56,7 @@ def test_a_run_of_a_day_goes_and_a_longer_one_does_not(family: Family, monkeypat
 )
 def test_length_and_cost_of_a_piece(scene: str, model: str, cells: int | None, transits: float, seconds: float) -> None:
     """What the prediction is made of: several of the longest stable steps, and the seconds they were measured to take."""
-    solver = build(model, slipwave.read(scene), cells=cells)
+    solver = build(model, slipwave.read(scene), cells=cells, time=explicit_time(model) if cells else None)
     assert solver.transits_per_piece == pytest.approx(transits, rel=1e-5, nan_ok=True)
     assert solver.seconds_per_piece == pytest.approx(seconds, rel=1e-5)
 

@@ -111,7 +111,7 @@ def test_a_default_grid_that_will_do_tells_its_error(capsys: pytest.CaptureFixtu
 
 def test_two_grids_that_find_other_cycles_have_no_error(capsys: pytest.CaptureFixture[str]) -> None:
     settings = [word for setting in STIFF for word in ("--set", setting)]
-    result, _ = answer(capsys, "paper", "--model", "sbp:6", *settings, "--until", "600")
+    result, _ = answer(capsys, "paper", "--model", "sbp:6", "--time", "explicit", *settings, "--until", "600")
     assert result["grid"]["error_estimate"] is None
     assert "estimated error unknown, a coarser grid finds other cycles" in result["notes"][0]
     assert math.isfinite(result["final"]["psi"])

@@ -55,7 +55,7 @@ def outcome(words):
 def test_killed_run_goes_on_to_the_same_bits(tmp_path, at, count):
     """Killed on its way into compiled code, or as a checkpoint was to take the place of the one before."""
     file = tmp_path / "run.npz"
-    words = [*BASE, "--cells", "8", "--until", "500"]
+    words = [*BASE, "--time", "explicit", "--cells", "8", "--until", "500"]
     saving = [*words, "--checkpoint", str(file), "--checkpoint-every", "50"]
     done = subprocess.run([sys.executable, "-c", KILLED, at, str(count), *saving], capture_output=True, check=False)
     assert done.returncode == -signal.SIGKILL

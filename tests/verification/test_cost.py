@@ -14,6 +14,7 @@ from slipwave.observe import follow
 from slipwave.scene.slab import GripFace, ReflectingFace
 from tests.compiled_work import count_calls
 from validation.registry.build import build
+from validation.registry.families import explicit_time
 
 PAPER = slipwave.read("paper")
 GRIDS = {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}
@@ -28,7 +29,7 @@ def cost(monkeypatch):
 
     def count(model, scene, cells, transits=TRANSITS):
         calls.clear()
-        follow(build(model, scene, cells=cells), transits)
+        follow(build(model, scene, cells=cells, time=explicit_time(model)), transits)
         (values,) = {call.values for call in calls}
         return sum(call.steps for call in calls), values
 
@@ -77,11 +78,11 @@ def test_a_rigid_face_costs_nothing(model, face, cost):
 
 def peak(model, cells, transits):
     """Most memory (bytes) that a run holds at once, the solver included, with everything compiled."""
-    follow(build(model, PAPER, cells=cells), 0.1)
+    follow(build(model, PAPER, cells=cells, time=explicit_time(model)), 0.1)
     gc.collect()
     tracemalloc.start()
     try:
-        follow(build(model, PAPER, cells=cells), transits)
+        follow(build(model, PAPER, cells=cells, time=explicit_time(model)), transits)
         return tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
@@ -91,7 +92,7 @@ def peak(model, cells, transits):
 def test_memory_does_not_grow_with_the_run(model):
     """What a chunk of samples takes is all that a long run holds beside the grid: keeping its samples, four numbers a step, would
     take the 800 transits' ten times what is allowed for the interpreter's own coming and going."""
-    solver = build(model, PAPER, cells=GRIDS[model])
+    solver = build(model, PAPER, cells=GRIDS[model], time=explicit_time(model))
     samples = 4 * 8 * 800.0 / solver.step
     short, long = (peak(model, GRIDS[model], transits) for transits in (400.0, 1200.0))
     print(f"{model}: {short / 1e3:.0f} kB, {long / 1e3:.0f} kB for three times as long, {samples / 1e3:.0f} kB of samples more")

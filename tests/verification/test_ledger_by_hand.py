@@ -17,6 +17,7 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, Slab, StandardLinearViscosity
 from validation.registry.build import build
+from validation.registry.families import explicit_time
 
 PAPER = slipwave.read("paper")
 E, R = PAPER.upper.epsilon, PAPER.upper.round_trip
@@ -102,7 +103,8 @@ def test_every_entry(name, family):
     upper, lower = SCENES[name]
     chosen = dataclasses.replace(PAPER, upper=upper, lower=lower, drive=RAMP)
     model, _, time = family.partition(" ")
-    solver = build(model, chosen, cells=FAMILIES[family], time=time or None)
+    solver = build(model, chosen, cells=FAMILIES[family], time=time or explicit_time(model))
+    solver.keep_ledger()
     field, _ = record_field(solver, 0.0, END, 1.0 / 64.0)
     ledger, wanted = solver.energy(), by_hand(chosen, field)
     allowed = 5e-3 if family == "fd" else 1e-4

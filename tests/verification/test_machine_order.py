@@ -22,9 +22,9 @@ SCENE = dataclasses.replace(PAPER, upper=SLAB, lower=SLAB)
 END = 12.0
 FAMILIES = {
     "fd": (partial(Leapfrog, SCENE, cfl=0.9), (32, 64, 128, 256), 2, 5e-8),
-    "sbp:2": (partial(SummationByParts, SCENE, 2), (32, 64, 128, 256), 2, 2e-8),
-    "fem:2": (partial(FiniteElement, SCENE, 2), (8, 12, 16, 24, 32), 4, 3e-12),
-    "dg:2": (partial(DiscontinuousGalerkin, SCENE, 2), (8, 12, 16, 24, 32), 4, 5e-11),
+    "sbp:2": (partial(SummationByParts, SCENE, 2, time="explicit"), (32, 64, 128, 256), 2, 2e-8),
+    "fem:2": (partial(FiniteElement, SCENE, 2, time="explicit"), (8, 12, 16, 24, 32), 4, 3e-12),
+    "dg:2": (partial(DiscontinuousGalerkin, SCENE, 2, time="explicit"), (8, 12, 16, 24, 32), 4, 5e-11),
 }
 
 

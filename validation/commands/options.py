@@ -74,7 +74,8 @@ TimeMarch: TypeAlias = Annotated[
     typer.Option(
         "--time",
         metavar="exact|explicit",
-        help="full wave: propagate the slabs exactly in time, in steps that resolve friction, or by explicit steps (default)",
+        help="full wave: propagate the slabs exactly in time, in steps that resolve friction, or by explicit steps; by default "
+        "exactly, but explicitly with --cfl, after a jump and on large grids",
     ),
 ]
 Tolerance: TypeAlias = Annotated[

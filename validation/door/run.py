@@ -245,6 +245,8 @@ def run(
     wanted = Wanted(options["interface"], fields, kept_of(options["every"], options["window"], scene), samples)
     built = models.prepare(model, scene, checkpoint is not None and checkpoint.exists(), **numerical)
     _tell(built)
+    if isinstance(built.solver, FieldSolver):
+        built.solver.keep_ledger()
     length = length_of(scene, one_port_of(built.solver.model), cycles)
     notes = _doubts(built.solver, length, options["tol"])
     records = records_of(built.solver, length.until, wanted, checkpoint, checkpoint_every)

@@ -14,7 +14,20 @@ if TYPE_CHECKING:
     from slipwave.observe import Solver
     from slipwave.scene import Scene
 
-__all__ = ["DELAY", "FAMILIES", "GRIDS", "OPTIONS", "Built", "Options", "family_of", "given", "grid_of", "make", "one_port_of"]
+__all__ = [
+    "DELAY",
+    "FAMILIES",
+    "GRIDS",
+    "OPTIONS",
+    "Built",
+    "Options",
+    "explicit_time",
+    "family_of",
+    "given",
+    "grid_of",
+    "make",
+    "one_port_of",
+]
 
 FAMILIES: tuple[Family, ...] = (*WITHOUT_GRID, *GRIDS)
 """Cheapest first; `auto` takes the first that is exact."""
@@ -62,6 +75,12 @@ def grid_of(model: str) -> tuple[FullWave, int]:
     """The full wave of a full name, as `dg:7`, and its number (0 if it has none). Raises KeyError for any other name."""
     name, _, number = model.partition(":")
     return facts_of(name), int(number or 0)
+
+
+def explicit_time(model: str) -> str | None:
+    """The option `time` with which a full wave that has two marches takes explicit steps, whatever is cheaper: it then shares
+    neither step nor friction solve with the delay system, and can witness for it."""
+    return "explicit" if "time" in grid_of(model)[0].options else None
 
 
 def make(family: Family, scene: "Scene", number: int | None, options: Options) -> Built:

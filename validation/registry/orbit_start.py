@@ -97,13 +97,18 @@ class FieldsOnOrbit(OnOrbit):
         super().__init__(solver)
         self.cells, self.step = solver.cells, solver.step
 
+    def keep_ledger(self) -> None:
+        """From now on `energy` returns the ledger since the start on the orbit."""
+        self._solver.keep_ledger()
+        self._ledger = _entries(self._solver.energy())
+
     def snapshot(self) -> Snapshot:
         """The fields now."""
         return self._on_clock(self._solver.snapshot())
 
-    def keep_frames(self) -> None:
-        """From now on `frames` has the fields of every step."""
-        self._solver.keep_frames()
+    def keep_frames(self, interval: float) -> None:
+        """As `FieldSolver`."""
+        self._solver.keep_frames(interval)
 
     def frames(self) -> list[Snapshot]:
         """The fields at the ends of the last advance's steps, where kept."""

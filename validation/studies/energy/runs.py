@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 import slipwave
-from slipwave.observe import follow
+from slipwave.observe import Energy, follow
 from slipwave.observe.pieces import Array
 from slipwave.observe.snapshot import FieldSolver
 from validation.measure.cycle import watch
 from validation.measure.order_fit import Fit, fit
 from validation.registry.build import build_full_wave
-from validation.registry.families import grid_of
+from validation.registry.families import explicit_time, grid_of
 
 ENTRIES = ("input", "friction", "stored", "radiated", "viscous")
 """Entries of the ledger, in the order in which they are shown."""
@@ -77,9 +77,9 @@ class History:
 
 def residual_of(model: str, cells: int, name: str) -> float:
     """Residual of the ledger after `UNTIL` transits, relative to the largest entry."""
-    solver = build_full_wave(model, slipwave.read(BOUNDARIES[name]), cells=cells)
+    solver = build_full_wave(model, slipwave.read(BOUNDARIES[name]), cells=cells, time=explicit_time(model))
     follow(solver, UNTIL)
-    return solver.energy().residual
+    return _ledger(solver).residual
 
 
 def order_of(cells: tuple[int, ...], residual: Array) -> Fit:
@@ -90,6 +90,7 @@ def order_of(cells: tuple[int, ...], residual: Array) -> Fit:
 def history_of(name: str, cells: int) -> History:
     """The ledger's entries over two cycles of the settled orbit, from the end of a run on; linear between ends of steps."""
     solver = build_full_wave("dg:7", slipwave.read(BOUNDARIES[name]), cells=cells, time="exact")
+    solver.keep_ledger()
     period = float(watch(solver, 2400.0).events().period[-1])
     begin = solver.time
     moments = np.linspace(begin, begin + 2.0 * period, 1000)
@@ -103,6 +104,13 @@ def history_of(name: str, cells: int) -> History:
     return History(period, moments - begin, dict(zip(ENTRIES, found, strict=True)))
 
 
-def _entries(solver: FieldSolver) -> tuple[float, ...]:
+def _ledger(solver: FieldSolver) -> Energy:
     energy = solver.energy()
+    if energy is None:
+        raise ValueError(f"{solver.model}: keeps no ledger")
+    return energy
+
+
+def _entries(solver: FieldSolver) -> tuple[float, ...]:
+    energy = _ledger(solver)
     return (solver.time, *(getattr(energy, entry) for entry in ENTRIES))

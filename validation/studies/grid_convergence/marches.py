@@ -9,7 +9,7 @@ from slipwave.scene import Scene
 from validation.measure.grid_ladders import Course
 from validation.measure.orders import Measured, measure
 from validation.registry.build import build
-from validation.registry.families import grid_of
+from validation.registry.families import explicit_time, grid_of
 
 RESOLUTION = 1e-13
 _STEPS = 32
@@ -27,6 +27,6 @@ def without_error_in_time(model: str, scene: Scene, cells: int, resolution: floa
     with `options`: grids are large, and explicit steps of order 4 leave 3 % of the error in space on 48 cells, less on finer."""
     family, number = grid_of(model)
     if family.order_interface(number) <= 2:
-        return build(model, scene, cells=cells, **options)
+        return build(model, scene, cells=cells, **options, time=explicit_time(model))
     solver: Solver = family.maker()(scene, number, cells=cells, time="exact", resolution=resolution)
     return solver

@@ -10,6 +10,7 @@ from slipwave.scene import Scene
 from validation.measure.cycle import watch
 from validation.measure.settle import NoCycle, settle
 from validation.registry.build import build
+from validation.registry.families import explicit_time
 
 LOG10_R, LOG10_R_BARE = -2.6, -2.66
 """log10 r of the runs with grips alone, and of those with bare coefficients."""
@@ -78,7 +79,8 @@ def pair_of(stiffness: float, impedance: float, quick: bool) -> Pair:
 
 
 def _last(scene: Scene, model: str, cells: int | None, tolerance: float | None) -> Point:
-    events = watch(build(model, scene, cells=cells, tolerance=tolerance), UNTIL).events()
+    march = None if model == "delay" else explicit_time(model)
+    events = watch(build(model, scene, cells=cells, tolerance=tolerance, time=march), UNTIL).events()
     return Point(float(events.period[-1]), float(events.stress_drop[-1]), float(events.v_max[-1]))
 
 

@@ -11,6 +11,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, RunStatistics, Solver, follow, summarise
 from slipwave.scene import Scene
 from validation.registry.build import build
+from validation.registry.families import explicit_time
 from validation.studies.stability_attacks.limits import ATTACKED
 from validation.studies.stability_attacks.limits import CELLS as COARSE
 from validation.study.text import plain
@@ -113,7 +114,7 @@ def _course(solver: Solver, until: float) -> _Course:
 
 def _outcome(model: str, cells: int, scene: Scene, exact: _Course, until: float) -> AttackOutcome:
     try:
-        ours = _course(build(model, scene, cells=cells), until)
+        ours = _course(build(model, scene, cells=cells, time=explicit_time(model)), until)
     except (SceneError, NumericsError) as error:
         return AttackOutcome(math.nan, message=str(error))
     off = max(abs(psi - theirs) for psi, theirs in zip(ours.psis, exact.psis, strict=True))

@@ -13,8 +13,8 @@ from validation.work_precision import Setting, march_of, warm_up
 _MODELS: dict[str, tuple[float, dict[str, Any]]] = {
     "delay": (600.0, {"tolerance": 1e-9}),
     "delay, loose": (600.0, {"tolerance": 1e-6}),
-    "dg:7": (200.0, {"cells": 4}),
-    "dg:7, finer": (60.0, {"cells": 8}),
+    "dg:7": (200.0, {"cells": 4, "time": "explicit"}),
+    "dg:7, finer": (60.0, {"cells": 8, "time": "explicit"}),
     "fd": (200.0, {"cells": 128, "cfl": 0.5}),
 }
 """Row -> transits timed and options."""

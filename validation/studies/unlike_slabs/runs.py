@@ -6,6 +6,7 @@ from slipwave.observe import HistoryObserver, follow
 from slipwave.scene import Scene
 from validation.measure.cycle import Cycle, cut, watch
 from validation.registry.build import build
+from validation.registry.families import explicit_time
 
 UNTIL = 600.0
 _WATCHED = 140.0  # transits before UNTIL that are kept for the picture
@@ -30,7 +31,10 @@ class PairRun:
 
 def march(scene: Scene, model: str, cells: int | None = None, cfl: float | None = None) -> PairRun:
     """Run `model` on `scene` to UNTIL."""
-    solver = build(model, scene, tolerance=1e-11) if model == "delay" else build(model, scene, cells=cells, cfl=cfl)
+    if model == "delay":
+        solver = build(model, scene, tolerance=1e-11)
+    else:
+        solver = build(model, scene, cells=cells, cfl=cfl, time=explicit_time(model))
     observer = watch(solver, UNTIL - _WATCHED)
     history = HistoryObserver(scene.law, solver.nodes)
     final = follow(solver, UNTIL, [observer, history])
