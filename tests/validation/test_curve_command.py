@@ -2,12 +2,17 @@
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
 import xarray
 from matplotlib.image import imread
 
 import slipwave as sw
+from validation.branches import stored_curve
+from validation.branches.curve import Curve
+from validation.branches.parameter import over_range
+from validation.branches.points_file import write_points
 from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
 from validation.references.onset import onset_of
 
@@ -107,3 +112,30 @@ def test_a_file_of_another_curve_is_refused(tmp_path, capsys):
     assert "rectangle is [['log10_r', -2.72, -2.69], ['V', 100.0, 120.0]]; this curve has" in capsys.readouterr().err
     assert main([*words, "--of", "HB", "--over", "log10_r=-2.72:-2.69", "--and", "V=100:120"]) == INPUT_WRONG
     assert "--resume: a curve of Hopf points is computed at once" in capsys.readouterr().err
+
+
+FIRST, SECOND = (over_range(text, "paper") for text in ("log10_r=-2.72:-2.68", "V=100:120"))
+
+
+@pytest.mark.parametrize(
+    ("fact", "changes"),
+    [
+        ("scene", {"over": over_range("log10_r=-2.72:-2.68", sw.read("paper", {"interface.a": 0.03491}))}),
+        ("model", {"model": "kelvin-voigt"}),
+        ("type", {"kind": "NS"}),
+        ("rectangle", {"over": over_range("log10_r=-2.72:-2.69", "paper")}),
+        ("rectangle", {"second": over_range("V=100:121", "paper")}),
+        ("rectangle", {"second": over_range("epsilon=100:120", "paper")}),
+        ("tolerance", {"tolerance": 1e-5}),
+        ("sources", {}),
+    ],
+)
+def test_every_fact_of_another_curve_is_refused(tmp_path, monkeypatch, fact, changes):
+    path, own = tmp_path / "x.nc", Curve("LP", FIRST, SECOND, "delay", 1e-6)
+    write_points(path, stored_curve._facts(own), [], False, {}, lambda file: None)
+    with pytest.raises(sw.SceneError, match="is no file of a curve, or damaged"):  # no points, but the same facts
+        stored_curve.read(path, own)
+    if fact == "sources":
+        monkeypatch.setattr("validation.branches.stored_curve.source_digest", lambda: "of another version")
+    with pytest.raises(sw.SceneError, match=rf"x\.nc': {fact} is "):
+        stored_curve.read(path, replace(own, **changes))
