@@ -30,4 +30,4 @@ def test_every_key_has_a_row(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "paper", "--model", "dg:7", "--until", "10", "--json", "--set", "slab.r=0.1"]) == 0
     printed = set(json.loads(capsys.readouterr().out))
     documented = {key for row in rows("The JSON of `run --json`") for key in re.findall("`(\\w+)`", row[0])}
-    assert documented == printed | {"failed", "si", "left_out"}
+    assert documented == printed | {"failed", "si", "left_out", "lyapunov", "protocol"}
