@@ -23,7 +23,7 @@ import slipwave
 from slipwave.files import whole_or_absent
 from slipwave.observe import EventObserver, HistoryObserver, follow
 from slipwave.scene import Scene
-from slipwave.scene.slab import Face, GripFace, KelvinVoigtViscosity, ReflectingFace
+from slipwave.scene.slab import Face, GripFace, KelvinVoigtViscosity, ReflectingFace, StandardLinearViscosity, Viscosity
 from validation.output import print_table
 from validation.references.lsoda import plain_kelvin_voigt
 from validation.registry.families import explicit_time
@@ -40,6 +40,8 @@ _ROCK = {
     "law": "ageing", "a_star": 0.6, "a": 0.01, "b": 0.015,
     "normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6,
 }  # fmt: skip
+
+_LARGE = Setting("dg:7", cells=31, time="explicit")
 
 Work = Callable[[], Callable[[], object]]
 
@@ -92,16 +94,30 @@ def races() -> Iterator[Race]:
 def _exact_races(paper: Scene, unlike: Scene) -> Iterator[Race]:
     """The exact march on a grid with errors of 1e-9, against the delay system and with what a scene may add."""
     fine, delay = Setting("dg:8", cells=4, time="exact"), Setting("delay", tolerance=1e-9)
-    viscous = dataclasses.replace(paper.upper, viscosity=KelvinVoigtViscosity(0.05 * paper.upper.round_trip))
     once = _run(fine, paper, 200.0)
     yield Race("exact march, dg:8: time of the delay system", once, _run(delay, paper, 200.0))
     yield Race("exact march, dg:8: unlike slabs over alike", _run(fine, unlike, 200.0), once)
     yield Race("exact march, dg:8: grip over rigid face", _run(fine, _faced(paper, GripFace(100.0, 10.0)), 200.0), once)
-    yield Race(
-        "exact march, dg:8: Kelvin-Voigt over elastic",
-        _run(fine, dataclasses.replace(paper, upper=viscous, lower=viscous), 200.0),
-        once,
-    )
+    time = 0.05 * paper.upper.round_trip
+    viscosities: dict[str, Viscosity] = {
+        "Kelvin-Voigt": KelvinVoigtViscosity(time),
+        "standard linear": StandardLinearViscosity(time, 0.5),
+    }
+    for name, viscosity in viscosities.items():
+        slab = dataclasses.replace(paper.upper, viscosity=viscosity)
+        viscous = dataclasses.replace(paper, upper=slab, lower=slab)
+        yield Race(f"exact march, dg:8: {name} over elastic", _run(fine, viscous, 200.0), once)
+    gentle = slipwave.read("paper", ["slab.log10_r=-2.6"])  # errors of psi(600): 5e-10 and 1e-11
+    finer = Setting("dg:16", cells=2, time="exact")
+    yield Race("exact march: psi(600) to 1e-11 over 1e-9", _run(finer, gentle, 599.0), _run(fine, gentle, 599.0))
+    yield Race("exact march: set-up of 500 unknowns over a transit of their explicit march", _set_up, _run(_LARGE, paper, 1.0))
+
+
+def _set_up() -> Callable[[], object]:
+    """Making the solver and the tables of its first step; compiled code is loaded."""
+    paper = slipwave.read("paper")
+    solver_of(dataclasses.replace(_LARGE, time="exact"), paper).advance(1e-6)
+    return lambda: solver_of(dataclasses.replace(_LARGE, time="exact"), paper).advance(1e-6)
 
 
 def _granite(every: bool) -> Callable[[], object]:

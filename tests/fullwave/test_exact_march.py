@@ -193,6 +193,25 @@ def test_the_coupled_step_of_other_families_never_gains_energy(member):
         assert worst_gain(kind(hard_scene("1 : 1000"), **grid, time="exact"), 40.0, (0, 5, 8)) < 1.0
 
 
+@pytest.mark.parametrize("member", MEMBERS)
+@pytest.mark.parametrize("name", ["alike", "1 : 1000"])
+def test_noise_in_locked_slabs_gains_no_energy_in_a_million_transits(name, member):
+    """An absolutely still interface (unlike slabs are welded): 25,000 steps of 40 transits, from noise on the whole grid."""
+    with one_thread():
+        kind, grid = MEMBERS[member]
+        solver = kind(hard_scene(name), **grid, time="exact")
+        ports = solver._march._ports
+        weight = energy_matrix(solver)[np.ix_(ports.slots, ports.slots)]
+        change = ports.known(40.0).maps.find(0).change
+        values = np.random.default_rng(5).standard_normal(ports.values.size)
+        energies = [values @ weight @ values]
+        for _ in range(25_000):
+            values += change @ values
+            energies.append(values @ weight @ values)
+    print(max(energies) / energies[0] - 1.0, energies[-1] / energies[0])
+    assert max(energies) < (1.0 + 1e-9) * energies[0]
+
+
 def sampled(slabs, length):
     """Stress at the nodes of a step, from the grid's values and from u at the nodes, without projection."""
     nodes = radau(exact.STAGES).nodes
@@ -224,7 +243,7 @@ def test_without_projection_the_coupled_step_gains_energy():
 
 
 def test_any_slip_rate_and_a_long_hold():
-    """V = 1e9 V*, and a locked interface that nothing drives for 1e5 transits: bounded without a step limit."""
+    """V = 1e9 V*, and an interface that nothing drives for 2000 transits: bounded without a step limit."""
     fast = DiscontinuousGalerkin(slipwave.read("paper", ["drive.velocity=1e9", "start.size=0.01"]), 5, 3, time="exact")
     assert np.isfinite(follow(fast, 20.0).psi)
     held = DiscontinuousGalerkin(

@@ -88,7 +88,7 @@ def test_a_damaged_record_is_passed_over(tmp_path):
 def test_the_races_are_told_apart_and_run():
     """Names are the keys under which ratios are compared from one day to the next."""
     named = {race.name: race for race in races()}
-    assert len(named) == len([*races()]) == 36
+    assert len(named) == len([*races()]) == 39
     for name in ("fd: grip over rigid face", "slipwave --help over bare Python"):
         ratio = measure(named[name], rounds=1)
         assert 0.0 < ratio["low"] == ratio["median"] == ratio["high"]
