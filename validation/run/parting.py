@@ -2,10 +2,11 @@
 
 import math
 
-from slipwave.errors import SceneError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import Solver
 from slipwave.observe.foresight import DAY
 from slipwave.observe.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
+from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from validation.run.outlook import outlook
 from validation.run.progress import progress
@@ -22,8 +23,15 @@ def exponent_of(done: Run, twin: Solver, model: str, most_seconds: float = DAY) 
     """The exponent of the motion from the end of a run on; `twin` is another solver of its scene, and `model` one with the
     one-port of the model that ran.
 
-    Raises as `largest_exponent`."""
+    Raises NumericsError for a run whose cycles do not represent its motion: a disturbance of steady sliding fades or grows as
+    `slipwave stability` says, and a transient has no exponent; else as `largest_exponent`."""
     solver = done.solver
+    if done.verdict is not None and not done.verdict.repeats:
+        advice = "run longer" if done.verdict.kind in ("too short", "settling") else "slipwave stability gives its rate"
+        raise NumericsError(
+            f"{solver.model}: a Lyapunov exponent is measured of runs with the verdict {', '.join(REPEATING[:-1])} or "
+            f"{REPEATING[-1]}; this one is {done.verdict.kind}: {advice} (scene {solver.scene.name!r})"
+        )
     period = float(done.events.period[-1]) if done.events.period.size else outlook(solver.scene, model).period
     cycle = period if math.isfinite(period) else 1.0
     with progress(f"{solver.scene.name}, {solver.model}, beside a second motion", float(TRANSIENT + INTERVALS)) as report:
