@@ -122,8 +122,8 @@ def test_two_grids_that_find_other_cycles_have_no_error(capsys: pytest.CaptureFi
     [
         ("fd", 1.0, {"cells": 8}, False),
         ("fd", 1.01, {"cells": 8}, True),
-        ("dg:3", 1.01, {"cells": 2}, True),
-        ("dg:3", 1.01, {"cells": 2, "time": "exact"}, False),
+        ("dg:3", 1.01, {"cells": 2, "time": "explicit"}, True),
+        ("dg:3", 1.01, {"cells": 2}, False),
         ("delay", 1.01, {}, False),
         ("block8", 1.01, {}, False),
     ],

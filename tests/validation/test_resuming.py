@@ -51,16 +51,23 @@ def outcome(words):
     return result
 
 
+TO_KILL = [*BASE, "--time", "explicit", "--cells", "8", "--until", "500"]
+
+
+@pytest.fixture(scope="module")
+def uninterrupted():
+    return outcome(TO_KILL)
+
+
 @pytest.mark.parametrize(("at", "count"), [("march", 9), ("march", 14), ("replace", 5)])
-def test_killed_run_goes_on_to_the_same_bits(tmp_path, at, count):
+def test_killed_run_goes_on_to_the_same_bits(tmp_path, uninterrupted, at, count):
     """Killed on its way into compiled code, or as a checkpoint was to take the place of the one before."""
     file = tmp_path / "run.npz"
-    words = [*BASE, "--time", "explicit", "--cells", "8", "--until", "500"]
-    saving = [*words, "--checkpoint", str(file), "--checkpoint-every", "50"]
+    saving = [*TO_KILL, "--checkpoint", str(file), "--checkpoint-every", "50"]
     done = subprocess.run([sys.executable, "-c", KILLED, at, str(count), *saving], capture_output=True, check=False)
     assert done.returncode == -signal.SIGKILL
     assert file.exists()
-    assert outcome(saving) == outcome(words)
+    assert outcome(saving) == uninterrupted
 
 
 def test_prolonged_run_equals_one_that_never_stopped(tmp_path, capsys):

@@ -1,7 +1,9 @@
 import json
+from functools import cache
 
 import pytest
 
+import slipwave
 from validation import cli
 from validation.cli import main
 
@@ -77,13 +79,19 @@ def test_taylor_is_shown_to_be_unusable(capsys: pytest.CaptureFixture[str]) -> N
     assert found["unstable_roots"] == 2
 
 
+@cache
+def critical(scene: str, model: str) -> float:
+    """r at which steady sliding is neutral."""
+    return float(10.0 ** slipwave.stability(scene, model).summary["log10_r_c"])
+
+
 @pytest.mark.parametrize("share", [1e-9, -1e-9, 1e-12, 0.0])
 @pytest.mark.parametrize("scene", ["paper", "unlike", "grip", "viscous", "slip-law", "layered"])
 @pytest.mark.parametrize("model", ["delay", "quasidynamic", "fitted:3"])
 def test_a_root_on_the_axis_is_neutral_and_no_verdict(
     capsys: pytest.CaptureFixture[str], scene: str, model: str, share: float
 ) -> None:
-    r_c = 10.0 ** answer(capsys, scene, "--model", model)["log10_r_c"]
+    r_c = critical(scene, model)
     table = "upper" if scene.startswith("unlike") else "slab"
     ratio = 2.0 if table == "upper" else 1.0
     settings = [f"{table}.r={r_c * (1.0 + share):.17g}"] + (
@@ -95,8 +103,9 @@ def test_a_root_on_the_axis_is_neutral_and_no_verdict(
     assert found["stable"] is None
     assert found["unstable_roots"] == 0
     assert ["neutral within rounding" in note for note in found["notes"]] == [True]
-    assert main(["stability", *words]) == 0
-    assert "steady sliding is neutral at V = " in capsys.readouterr().out
+    if share == 0.0:
+        assert main(["stability", *words]) == 0
+        assert "steady sliding is neutral at V = " in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("share", "stable"), [(1e-5, False), (-1e-5, True)])
