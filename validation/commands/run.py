@@ -25,7 +25,7 @@ from validation.commands.options import (
 from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable
 
 if TYPE_CHECKING:
-    from validation.door.run import RunResult
+    from validation.door.run_result import RunResult
 
 CycleCount = Annotated[
     int | None, typer.Option(metavar="N", help="end when the second half of the run has N complete cycles, not --until")

@@ -1,0 +1,170 @@
+"""What `slipwave.run` gives back."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fullwave.fields.files import write_field
+from slipwave.errors import SceneError
+from slipwave.observe import Events
+from slipwave.observe.lyapunov import Exponent
+from slipwave.observe.solver import Leaping
+from slipwave.observe.stages import StageFigures
+from slipwave.scene.doubts import doubts
+from validation.door.motion_figure import motion_axes, motion_figure
+from validation.door.protocol_figure import protocol_figure
+from validation.door.provenance import SCHEMA, provenance
+from validation.door.result import Dataset, Result, finite
+from validation.door.return_map import return_map
+from validation.registry.families import one_port_of
+from validation.run.event_table import write_events
+from validation.run.length import second_half
+from validation.run.quantities import cycle_in_si
+from validation.run.reasons import needed, reasons
+from validation.run.recording import Records
+from validation.run.run_dataset import run_dataset, write_run
+from validation.run.simulate import Run
+from validation.run.stage_table import stage_results
+from validation.study.drawing import Drawing, styled
+
+if TYPE_CHECKING:
+    from fullwave.adapt import Choice
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class RunResult(Result):
+    """A run that is `done`, with what was kept of it on its way in `records`. `choice` is the grid that was chosen for a full
+    wave, `notes` are remarks on the numbers, `options` those of the call; `exponent`, if asked for, is the largest Lyapunov
+    exponent of the motion from the end on."""
+
+    done: Run
+    records: Records
+    choice: "Choice | None"
+    notes: list[str]
+    options: Mapping[str, Any]
+    exponent: Exponent | None = None
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The JSON of `slipwave run` (users rely on its keys). `grid` is there only if the user did not choose its cells,
+        `protocol`, its stages, only if the drive changes, `lyapunov` only if it was asked for, `failed` only if the numerics
+        failed."""
+        done, found = self.done, self.done.statistics
+        result: dict[str, Any] = {
+            "schema": SCHEMA,
+            "scene": done.solver.scene.name,
+            "model": done.solver.model,
+            "until": done.until,
+            "events": done.starts,
+            "verdict": done.kind,
+            "multiplicity": done.verdict.multiplicity if done.verdict else None,
+            "rotation_number": done.verdict.rotation if done.verdict else None,
+            "rate": done.verdict.rate if done.verdict else None,
+            **{name: asdict(getattr(found, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
+            "v_max": found.v_max,
+            "v_min": found.v_min,
+            "margins": asdict(found.margins) if done.verdict and done.verdict.wanders else None,
+            "final": asdict(done.final) if done.final else None,
+            "energy": self.energy,
+            "ended": done.ended,
+            "reasons": self.reasons,
+            "failures": done.solver.failures,
+            "wall_s": done.wall_s,
+        } | cycle_in_si(found.values(), done.solver.scene)
+        if "time" in done.solver.settings:
+            result["time"] = done.solver.settings["time"]
+        if isinstance(done.solver, Leaping) and done.solver.skipped:
+            result["left_out"] = done.solver.skipped
+        if self.choice:
+            result["grid"] = {name: getattr(self.choice, name) for name in ("cells", "step", "quantity", "error_estimate")}
+        more = {
+            "protocol": stage_results(self.stages, done.solver.scene),
+            "lyapunov": self.exponent._asdict() if self.exponent else None,
+            "failed": done.failed,
+            "notes": [*doubts(done.solver.scene), *self.notes],
+        }
+        return dict(finite(result | {name: value for name, value in more.items() if value}))
+
+    @property
+    def stages(self) -> list[StageFigures]:
+        """The stages of a protocol with their figures; none if V never changes."""
+        return self.records.protocol.figures if self.records.protocol else []
+
+    @cached_property
+    def reasons(self) -> list[str]:
+        """Why the motion is what it is, and what would change it, in words."""
+        return reasons(self.done, one_port_of(self.done.solver.model))
+
+    @property
+    def needed(self) -> float:
+        """Length (transits) of a run with enough cycles, if this one is too short."""
+        return needed(self.done, one_port_of(self.done.solver.model))
+
+    @property
+    def energy(self) -> dict[str, float] | None:
+        """The energy ledger since t = 0 by name; None for models that keep none and for a run that failed."""
+        ledger = self.done.energy
+        if ledger is None:
+            return None
+        viscous = ["viscous"] * any(slab.viscosity for slab in self.done.solver.scene.slabs)
+        return {name: getattr(ledger, name) for name in ("input", "friction", "radiated", "stored", "residual", *viscous)}
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """Cycles by `event`, stages of a protocol by `stage`; the interface's history by `time`, if it was kept, all of it in
+        memory."""
+        return run_dataset(self.done, self._facts(), self.stages, self.records.history)
+
+    def to_netcdf(self, path: str | Path) -> None:
+        """Write the dataset, block by block, and the fields as a group if the scene records them. Raises SceneError if the file
+        cannot be written."""
+        record = self.records.fields if "fields" in self.done.solver.scene.record else None
+        field = record.field if record is not None and self.done.final is not None else None
+        write_run(Path(path), self.done, self._facts(), self.stages, self.records.history, field)
+
+    def plot(self) -> Drawing:
+        """Stress and slip rate over time, or of a protocol friction over time and slip, if the history was kept
+        (`interface=True`); else the stress drop and the largest slip rate of each cycle."""
+        done, data, scene = self.done, self.dataset, self.done.solver.scene
+        title = f"{scene.name}, {done.solver.model}: {done.kind or 'events not watched'}"
+        with styled():
+            if "interface_stress" in data:
+                if self.records.protocol is not None:
+                    return protocol_figure(scene, done.solver.model, data, self.stages)
+                return motion_figure(scene, title, data)
+            figure, above, below = motion_axes(scene, title)
+            for axes, name in ((above, "stress_drop"), (below, "v_max")) if "event_time" in data.coords else ():
+                axes.plot(data["event_time"], data[name], ".", color="#111111")
+            above.set_ylabel("stress drop / normal stress")
+            below.set_ylabel("largest slip rate / V*")
+            return figure
+
+    def plot_return_map(self) -> Drawing:
+        """The period of each cycle of the run's second half over that of the one before. Raises SceneError for fewer than two
+        cycles."""
+        done, cycles = self.done, self.done.events
+        inside = cycles.time >= second_half(done.solver, done.until)
+        if inside.sum() < 2:
+            raise SceneError("a return map needs two complete cycles in the second half of the run")
+        title = f"{done.solver.scene.name}, {done.solver.model}: {done.kind}"
+        with styled():
+            return return_map(title, Events(*(column[inside] for column in cycles)))
+
+    def _facts(self) -> dict[str, Any]:
+        facts = provenance("run", self.done.solver.scene, self.done.solver.model, self.options)
+        return facts | {"ended": self.done.ended or "failed", "reasons": "; ".join(self.reasons)}
+
+    def write_events(self, path: str | Path) -> None:
+        """Write one line for each complete cycle to a .csv file, in SI if the scene has units."""
+        write_events(Path(path), self.done.events, self.done.solver.scene)
+
+    def write_fields(self, path: str | Path) -> None:
+        """Write velocity and stress of the last transits to a .vtu, .xdmf or .nc file; nothing if the run kept none."""
+        if self.records.fields is not None and self.done.final is not None:
+            write_field(Path(path), self.records.fields.field)
+
+    def close(self) -> None:
+        """Remove the temporary file that holds the interface's history."""
+        self.records.close()
