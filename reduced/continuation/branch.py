@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 from reduced.continuation.mesh import MOST_REFINEMENTS, Family, refined, roughness, too_rough
 from reduced.continuation.point import FlowAt, Metric, Point, point_near
-from reduced.continuation.special import Special, between
+from reduced.continuation.special import Special, between, trend_of
 from slipwave.errors import NumericsError
+from slipwave.observe.pieces import Array
 
 TOLERANCE = 1e-6
 """Relative error of the figures along a branch. With it the 37 special points of the paper's delay system up to T = 85 lie within
@@ -58,8 +59,9 @@ def follow_branch(
     Raises NumericsError if no step is short enough or no mesh fine enough; what came before has been yielded.
     """
     point, size, refinements = first, control.first, 0
+    trend: Array | None = None
     while inside(point):
-        new, special, used = _longest_step(family, point, metric, size, control)
+        new, special, used = _longest_step(family, point, metric, size, control, trend)
         if roughness(new, tolerance) > 1.0:
             if refinements == MOST_REFINEMENTS:
                 raise too_rough(new, tolerance)
@@ -71,7 +73,7 @@ def follow_branch(
         easy = angle < _EASY * LARGEST_ANGLE and new.closed.iterations <= _EASY_ITERATIONS
         size = min(control.longest, used * (_GROWTH if easy else 1.0))
         yield Step(new, special, size)
-        point = new
+        point, trend = new, trend_of(point, new, used)
 
 
 def _refined(family: Family, point: Point, metric: Metric, tolerance: float) -> tuple[Family, Point]:
@@ -86,7 +88,7 @@ def _refined(family: Family, point: Point, metric: Metric, tolerance: float) -> 
 
 
 def _longest_step(
-    flow_at: FlowAt, point: Point, metric: Metric, size: float, control: Control
+    flow_at: FlowAt, point: Point, metric: Metric, size: float, control: Control, trend: Array | None
 ) -> tuple[Point, tuple[Special, ...], float]:
     """(the next point, special points on the way, length of the step): the longest of `size`, its half, its quarter ..."""
     reason = "it turns too sharply"
@@ -94,7 +96,7 @@ def _longest_step(
         try:
             new = point_near(flow_at, point.unknowns + size * point.tangent, point.tangent, metric, point)
             if is_smooth(point, new, metric):
-                return new, between(flow_at, point, new, metric), size
+                return new, between(flow_at, point, new, metric, trend), size
         except NumericsError as failed:
             reason = str(failed)
         size *= 0.5

@@ -16,11 +16,14 @@ from reduced.continuation.point import FlowAt, Metric, Point, point_near
 from reduced.orbit.closing import TOLERANCE
 from reduced.orbit.multipliers import Complex
 from slipwave.errors import NumericsError
+from slipwave.observe.pieces import Array
 
 _BRACKET = 1e-9  # half of a bracket's length in the branch's metric
 _MOST_WIDENINGS = 10
 _CLOSE = 0.01  # of half a bracket, to which the place is found
 _REAL = 1e-9  # imaginary part below which a multiplier is real
+_WATCHED = 4  # moduli
+_NARROWEST = 2e-4  # interval, in the branch's metric, that is not searched for a pair of points of one kind
 
 
 class Unaccounted(NumericsError):
@@ -41,16 +44,22 @@ class Special:
     multiplier: complex
 
 
-def between(flow_at: FlowAt, left: Point, right: Point, metric: Metric) -> tuple[Special, ...]:
-    """The special points between two neighbours of a branch, in order. Raises Unaccounted if they do not explain the change of
-    the number of unstable multipliers."""
+def between(flow_at: FlowAt, left: Point, right: Point, metric: Metric, trend: Array | None = None) -> tuple[Special, ...]:
+    """The special points between two neighbours of a branch, in order. `trend`, from before `left`, tells where a pair of them
+    may lie that leaves the number of unstable multipliers as it was. Raises Unaccounted if they do not explain the change of that
+    number."""
+
+    def halves(middle: Point) -> tuple[Special, ...]:
+        """What lies in both halves."""
+        beyond = trend_of(left, middle, metric.length(middle.unknowns - left.unknowns))
+        return between(flow_at, left, middle, metric, trend) + between(flow_at, middle, right, metric, beyond)
+
     if not _differ(left, right):
-        if not _may_turn(left, right, metric):
+        crosses = _may_cross(left, right, metric, trend)
+        if not crosses and not _may_turn(left, right, metric):
             return ()
         middle = _middle(flow_at, left, right, metric)
-        if not _differ(left, middle):
-            return ()
-        return between(flow_at, left, middle, metric) + between(flow_at, middle, right, metric)
+        return halves(middle) if crosses or _differ(left, middle) else ()
     tests = [kind for kind, test in _TESTS.items() if test(left, right)]
     if len(tests) == 1 and _change(tests[0], left, right):
         return (_locate(flow_at, left, right, metric, tests[0]),)
@@ -59,8 +68,29 @@ def between(flow_at: FlowAt, left: Point, right: Point, metric: Metric) -> tuple
             f"the number of unstable multipliers changes from {left.unstable} to {right.unstable} near parameter = "
             f"{left.parameter:.10g}, and no single special point explains it"
         )
-    middle = _middle(flow_at, left, right, metric)
-    return between(flow_at, left, middle, metric) + between(flow_at, middle, right, metric)
+    return halves(_middle(flow_at, left, right, metric))
+
+
+def trend_of(left: Point, right: Point, length: float) -> Array:
+    """How fast the largest moduli of multipliers that may pass the unit circle elsewhere than at 1 grow along the branch."""
+    return (_moduli(right) - _moduli(left)) / length
+
+
+def _moduli(point: Point) -> Array:
+    """The largest moduli of complex pairs and of real multipliers below zero, in order."""
+    values = point.multipliers
+    turning = np.abs(values[(values.imag >= _REAL) | ((np.abs(values.imag) < _REAL) & (values.real < 0.0))])
+    return np.append(np.sort(turning)[::-1], np.zeros(_WATCHED))[:_WATCHED]
+
+
+def _may_cross(left: Point, right: Point, metric: Metric, trend: Array | None) -> bool:
+    """Whether a modulus that goes on by its trend would pass 1 before `right`, where it lies on the same side of 1 as at `left`:
+    it may have passed and come back. A modulus that bends back stays below the line of its trend."""
+    length = metric.length(right.unknowns - left.unknowns)
+    if trend is None or length < _NARROWEST:
+        return False
+    begin = _moduli(left)
+    return bool(((begin - 1.0) * (begin + length * trend - 1.0) < 0.0).any())
 
 
 def _differ(left: Point, right: Point) -> bool:
