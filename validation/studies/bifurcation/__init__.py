@@ -103,7 +103,8 @@ _HOW = (
 )
 _FOLDS = (
     "The branch of the delay system is cut where a new ripple has entered the cycle several times; it folds about once per "
-    "transit of T, and pairs of folds go on. With one exact mode of the slabs (`modal:1`) the folds are there, with two "
-    "(`modal:2`) the torus points too; the paper’s ODE has other bifurcations altogether."
+    "transit of T, and pairs of folds go on. With one exact mode of the slabs (`modal:1`) the folds are there, and the torus "
+    "points begin a ripple later; with two (`modal:2`) they begin where the delay system’s do; the paper’s ODE has other "
+    "bifurcations altogether."
 )
 _P9 = Omission("P9, period doublings and torus of the ODE.", "The quick report ends its branch after two doublings.")
