@@ -36,16 +36,16 @@ def frozen(things: Iterable[Any]) -> Frozen | None:
     Known are numbers, texts, arrays, tuples of them, functions of math and numpy, named tuples of an imported module, and
     functions that name nothing else.
     """
-    walk = _Walk()
+    walks = [(_Walk(), thing) for thing in things]  # one for each, so that their order changes nothing
     try:
-        text = "\n".join(sorted("\n".join(walk.value(thing)) for thing in things))
+        text = "\n".join(sorted("\n".join(walk.value(thing)) for walk, thing in walks))
     except _Unknown:
         return None
-    return Frozen(text, frozenset(walk.files))
+    return Frozen(text, frozenset().union(*(walk.files for walk, _ in walks)))
 
 
 class _Walk:
-    """Follows what functions name, each once."""
+    """Follows what a function names, each function once."""
 
     def __init__(self) -> None:
         self.files: set[Path] = set()
@@ -79,7 +79,7 @@ class _Walk:
         elif function not in self._met:
             self._met.add(function)
             yield from self._code(function.__code__)
-            yield from self.value(function.__defaults__)
+            yield from self.value((function.__defaults__, *sorted((function.__kwdefaults__ or {}).items())))
             found = inspect.getclosurevars(function)
             for name, value in sorted({**found.globals, **found.nonlocals}.items()):
                 yield name
@@ -97,5 +97,7 @@ class _Walk:
 
 
 def _library(value: Any) -> str:
-    name = value.__name__ if isinstance(value, ModuleType) else getattr(value, "__module__", None) or "numpy"
+    if isinstance(value, np.ufunc):
+        return "numpy"
+    name = value.__name__ if isinstance(value, ModuleType) else value.__module__
     return str(name).partition(".")[0]

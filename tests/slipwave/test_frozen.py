@@ -122,3 +122,10 @@ def test_files_of_the_project_that_a_law_calls_are_named() -> None:
     found = frozen([made(ageing.respond)])
     assert found is not None
     assert [path.name for path in found.files] == ["ageing.py"]
+
+
+def test_the_order_of_what_is_told_does_not_count() -> None:
+    """Two functions that call a third; sets of them have another order in each process."""
+    shared = made(0.25)
+    first, second = made(shared, default=1.5), made(shared, default=2.5)
+    assert frozen([first, second]) == frozen([second, first]) is not None
