@@ -1,6 +1,8 @@
 """A scene divided into blocks: the data from which every method-of-lines family builds its `System`."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -50,6 +52,29 @@ class BlockGrid:
     size: int
     blocks: tuple[Block, ...]
 
+    @cached_property
+    def chains(self) -> tuple["Chain", ...]:
+        """The marched slabs, the upper first."""
+        slabs = sorted({block.section.slab for block in self.blocks})
+        return tuple(chain_of([block for block in self.blocks if block.section.slab == slab]) for slab in slabs)
+
+
+class Chain(NamedTuple):
+    """The blocks of one slab, from the interface outwards: its different nodes, as shares of the thickness (m,), the node of
+    every value of the blocks (n,), n >= m, and the values of each node (m,): two where blocks or elements meet, else one."""
+
+    blocks: tuple[Block, ...]
+    depth: Array
+    node: NDArray[np.int64]
+    values: NDArray[np.int64]
+
+
+def chain_of(blocks: list[Block]) -> Chain:
+    """`blocks` joined: values within 1e-12 of the thickness belong to one node."""
+    depth = np.concatenate([block.depth for block in blocks])
+    places, node, values = np.unique(np.round(depth / depth[-1], 12), return_inverse=True, return_counts=True)
+    return Chain(tuple(blocks), places, node, values)
+
 
 def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:
     """The layers of the slabs that are marched. `cells` is the number in the slab with the shorter round trip; the other slab has
@@ -82,8 +107,7 @@ def shortest_cell(sections: list[Section]) -> float:
 
 def assemble(scene: Scene, grid: BlockGrid) -> System:
     """Join the blocks of `grid` to each other, to the interface and to the outer faces of `scene`."""
-    slabs = scene.slabs
-    chains = [[block for block in grid.blocks if block.section.slab == index] for index in range(len(slabs))]
+    chains = [chain.blocks for chain in grid.chains]
     medium = _medium(scene, grid)
     slots, facts = _traces(chains, medium)
     return System(
@@ -105,7 +129,7 @@ def state_size(system: System) -> int:
     return heavy + LANES if heavy else size + SCALARS + size * isinstance(system.medium, Viscous)
 
 
-def _traces(chains: list[list[Block]], medium: Elastic | Viscous) -> tuple[NDArray[np.int64], Array]:
+def _traces(chains: Sequence[tuple[Block, ...]], medium: Elastic | Viscous) -> tuple[NDArray[np.int64], Array]:
     near, far = (0, -1.0), (-1, 1.0)
     ends: list[tuple[Block, int, float]] = []
     for chain in chains:
@@ -120,7 +144,7 @@ def _traces(chains: list[list[Block]], medium: Elastic | Viscous) -> tuple[NDArr
     return slots, facts
 
 
-def _tops(scene: Scene, chains: list[list[Block]], facts: Array) -> Array:
+def _tops(scene: Scene, chains: Sequence[tuple[Block, ...]], facts: Array) -> Array:
     columns = []
     for index, (slab, chain) in enumerate(zip(scene.slabs, chains, strict=True)):
         held, impedance = slab.termination.in_transits(scene.transit), chain[-1].section.impedance

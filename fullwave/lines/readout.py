@@ -5,7 +5,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from fullwave.lines.blocks import Block, BlockGrid
+from fullwave.lines.blocks import Block, BlockGrid, Chain
 from fullwave.lines.system import GRIP, IMPEDANCE, MASS, SCALARS, SPRING, System
 from fullwave.lines.viscosity import Viscous
 from slipwave.observe.pieces import Array
@@ -54,20 +54,18 @@ def _excess(norm: Any, change: Array, mean: float) -> float:
 
 def snapshot_of(grid: BlockGrid, system: System, time: float, state: Array) -> Snapshot:
     """Fields of both slabs at `time`; if one slab is marched, it gives both."""
-    shots = [_slab_fields(grid, system, state, slab) for slab in range(system.interface.sides)]
+    shots = [_slab_fields(chain, system, state, 1.0 - 2.0 * slab) for slab, chain in enumerate(grid.chains)]
     lower = shots[1] if len(shots) == 2 else SlabSnapshot(shots[0].depth, -shots[0].velocity, shots[0].stress)
     return Snapshot(time, shots[0], lower)
 
 
-def _slab_fields(grid: BlockGrid, system: System, state: Array, slab: int) -> SlabSnapshot:
-    """Fields of a marched slab in the upper slab's direction of drive; the two values at a joint are averaged."""
-    blocks = [block for block in grid.blocks if block.section.slab == slab]
-    depth = np.concatenate([block.depth for block in blocks])
-    velocity = np.concatenate([state[block.velocity] for block in blocks]) + 0.5 * system.forcing.velocity
-    stress = np.concatenate([block.section.impedance * _total_stress(block, system, state) for block in blocks])
-    places, where, counts = np.unique(np.round(depth / depth[-1], 12), return_inverse=True, return_counts=True)
-    means = [np.bincount(where, values) / counts for values in (velocity, stress + system.forcing.steady_stress)]
-    return SlabSnapshot(places, means[0] if slab == 0 else -means[0], means[1])
+def _slab_fields(chain: Chain, system: System, state: Array, sign: float) -> SlabSnapshot:
+    """Fields of a marched slab; `sign` turns its velocity into the upper slab's direction of drive. The two values at a joint are
+    averaged."""
+    velocity = np.concatenate([state[block.velocity] for block in chain.blocks]) + 0.5 * system.forcing.velocity
+    stress = np.concatenate([block.section.impedance * _total_stress(block, system, state) for block in chain.blocks])
+    means = [np.bincount(chain.node, field) / chain.values for field in (velocity, stress + system.forcing.steady_stress)]
+    return SlabSnapshot(chain.depth, sign * means[0], means[1])
 
 
 def _total_stress(block: Block, system: System, state: Array) -> Array:

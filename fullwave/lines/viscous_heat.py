@@ -45,19 +45,19 @@ def short_heat(slabs: LinearSlabs, power: Dissipation, length: float) -> Array:
     """G of a step so short that a Taylor series holds (`propagator.short_step`), by Gauss quadrature in time."""
     n, terms = slabs.rates.shape[0], slabs.input_terms
     points, weights = legendre.leggauss(_TERMS // 2 + max(terms))
+    points, weights = 0.5 * (points + 1.0), 0.5 * weights
     step = length * slabs.rates
     free = [np.eye(n)]
     for m in range(1, _TERMS):
         free.append(step @ free[-1] / m)
+    series = np.stack(free)
+    driven = series @ (length * slabs.inputs)
     form = np.zeros((n + sum(terms), n + sum(terms)))
-    for point, weight in zip(0.5 * (points + 1.0), 0.5 * weights, strict=True):
-        moved = np.zeros((n, sum(terms)))
-        inner = 0.5 * (points + 1.0)
-        for past, share in zip(point * inner, 0.5 * weights * point, strict=True):
-            left = sum((point - past) ** m * free[m] for m in range(_TERMS)) @ (length * slabs.inputs)
-            moved += share * left @ _values(terms, past)
-        whole = sum(point**m * free[m] for m in range(_TERMS))
-        now = np.vstack([np.hstack([whole, moved]), np.hstack([np.zeros((len(terms), n)), _values(terms, point)])])
+    for point, weight, powers in zip(points, weights, np.vander(points, _TERMS, increasing=True), strict=True):
+        past = point * points
+        left = np.tensordot(np.vander(point - past, _TERMS, increasing=True), driven, axes=1)
+        moved = np.tensordot(point * weights, left @ _values(terms, past), axes=1)
+        now = np.block([[np.tensordot(powers, series, axes=1), moved], [np.zeros((len(terms), n)), _values(terms, point)]])
         rows = power.rows @ now
         form += weight * rows.T @ (power.weight[:, None] * rows)
     return form
@@ -74,8 +74,11 @@ def doubled_heat(slabs: LinearSlabs, half: StepMap, heat: Array) -> Array:
     return form
 
 
-def _values(terms: tuple[int, ...], time: float) -> Array:
-    """(i, p): values of the inputs at `time` in [0, 1] from their coefficients."""
-    rows = [legendre.legvander(np.array([2.0 * time - 1.0]), count - 1) for count in terms]
-    values: Array = scipy.linalg.block_diag(*rows)
+def _values(terms: tuple[int, ...], time: Array | float) -> Array:
+    """(..., i, p): values of the inputs at `time` (...) in [0, 1] from their coefficients."""
+    values = np.zeros((*np.shape(time), len(terms), sum(terms)))
+    begin = 0
+    for row, count in enumerate(terms):
+        values[..., row, begin : begin + count] = legendre.legvander(2.0 * np.asarray(time) - 1.0, count - 1)
+        begin += count
     return values
