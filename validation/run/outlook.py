@@ -13,6 +13,7 @@ It is right within a factor of two or so: it chooses how far to march before the
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 from slipwave.scene import Scene
 
@@ -30,6 +31,7 @@ class Outlook:
     period: float
 
 
+@lru_cache(maxsize=32)
 def outlook(scene: Scene, model: str) -> Outlook:
     """The outlook of `scene` at the velocity with which its drive ends; `model` is one with the one-port of the model that
     runs."""
