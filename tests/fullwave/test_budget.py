@@ -131,6 +131,23 @@ def test_a_grid_beyond_the_memory_is_refused_at_once(kind, options, monkeypatch)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - used < 100_000
 
 
+@pytest.mark.parametrize(("kind", "options"), [(DiscontinuousGalerkin, {"degree": 6}), (FiniteElement, {"degree": 3})])
+def test_memory_told_is_that_of_so_many_cells(kind, options, monkeypatch):
+    """Of the cells that are not probed too: what 5000 take is what 3000 take and, in proportion, the 2000 between."""
+    told = {}
+    monkeypatch.setattr(budget, "require_bytes", lambda cells, needed: told.update({cells: needed}))
+    monkeypatch.setattr(fullwave.lines.march, "assemble", lambda *arguments: pytest.fail("was assembled"))
+    built = {}
+    bytes_of = budget._bytes
+    monkeypatch.setattr(
+        budget, "_bytes", lambda grid, *rest: built.setdefault(grid.blocks[0].section.cells, bytes_of(grid, *rest))
+    )
+    with pytest.raises(pytest.fail.Exception):
+        kind(PAPER, cells=5000, **options)
+    few, more = sorted(built)
+    assert told[5000] == pytest.approx(5000.0 * (built[more] - built[few]) / (more - few), rel=1e-12)
+
+
 def test_the_other_slab_counts_too():
     """Cells are those of the faster slab; a slower one takes many more."""
     slow = dataclasses.replace(PAPER.upper, round_trip=3000.0 * PAPER.upper.round_trip)

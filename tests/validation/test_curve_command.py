@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from importlib import import_module
 
 import pytest
 import xarray
@@ -90,11 +91,16 @@ def test_a_curve_needs_a_beginning(capsys):
 FOLDS = ("paper", "LP", "log10_r=-2.72:-2.69", "V=100:120", "kelvin-voigt")
 
 
-def test_a_curve_goes_on_to_the_same_points(tmp_path):
-    """Stopped after one point and after three, when the secant is part of the state; then the whole file is as without a stop."""
+def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):
+    """Stopped after one point and after three, when the secant is part of the state; then the whole file is as without a stop.
+    Until the last point is there, the file says that it is not complete."""
     file, whole = tmp_path / "part.nc", tmp_path / "whole.nc"
+    complete = []
+    write = import_module("validation.door.curve").write
+    monkeypatch.setattr("validation.door.curve.write", lambda *parts: [complete.append(parts[3]), write(*parts)])
     expected = sw.curve(*FOLDS, tol=1e-4, most_points=4, out=whole).found.points
     assert len(expected) == 4
+    assert complete == [False] * 4 + [True]
     for most in (1, 3, 4):
         found = sw.curve(*FOLDS, tol=1e-4, most_points=most, out=file, resume=file if most > 1 else None)
         assert found.found.points == expected[:most]

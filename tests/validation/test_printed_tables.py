@@ -25,26 +25,30 @@ def table(lines: list[str], heading: list[str]) -> list[dict[str, str]]:
 
 def test_a_curve_of_special_points(capsys: pytest.CaptureFixture[str]) -> None:
     over, second = (Over(PAPER, name, -3.0, 200.0, lambda value: PAPER) for name in ("log10_r", "V"))
-    points = [CurvePoint(-2.7, 101.5, 59.25, 0.125, 0.25, 900.0, 20.0, 3e-9, 1, 0, (-0.5, 0.75))] * 2
+    points = [
+        CurvePoint(
+            -2.12345678987, 101.512345678, 59.123456789123, 0.123456789123, 0.25, 900.0, 20.0, 3.4567e-9, 1, 0, (-0.5, 0.75)
+        )
+    ] * 2
     curve._print(Curve("NS", over, second, "delay", 1e-6, points=points), 0.25)
     out = capsys.readouterr().out
     assert f"NS {KINDS['NS']}, 2 points" in out
     rows = table(out.splitlines(), ["log10_r", "V", "period", "stress drop", "bracket", "multiplier"])
-    told = {"log10_r": "-2.7", "V": "101.5", "period": "59.25", "stress drop": "0.125", "bracket": "3e-09"}
-    assert rows == [told | {"multiplier": "-0.500000 +- 0.750000 i"}] * 2
+    told = {"log10_r": "-2.1234567899", "V": "101.51235", "period": "59.1234568", "stress drop": "0.1234568"}
+    assert rows == [told | {"bracket": "3.5e-09", "multiplier": "-0.500000 +- 0.750000 i"}] * 2
 
 
 def test_run_time_against_error(capsys: pytest.CaptureFixture[str]) -> None:
     def row(model: str, setting: dict[str, float], errors: tuple[float, float]) -> dict[str, Any]:
         error = dict(zip(("period", "stress_drop"), errors, strict=True))
-        return {"model": model, "setting": setting, "wall_s": 0.5, "error": error, "verdict": "periodic"}
+        return {"model": model, "setting": setting, "wall_s": 0.512345, "error": error, "verdict": "periodic"}
 
-    rows = [row("fd", {"cells": 64}, (1e-3, 2e-3)), row("delay", {"tolerance": 1e-7}, (3e-7, 4e-7))]
+    rows = [row("fd", {"cells": 64}, (1.23456e-3, 2.34567e-3)), row("delay", {"tolerance": 1e-7}, (3e-7, 4e-7))]
     bench._print({"models": rows, "until": 200.0, "reference": "delay", "conclusion": "a conclusion"})
     lines = capsys.readouterr().out.splitlines()
     assert table(lines, ["model", "setting", "wall s", "error T", "error drop"]) == [
-        {"model": "fd", "setting": "cells 64", "wall s": "0.5", "error T": "0.001", "error drop": "0.002"},
-        {"model": "delay", "setting": "tolerance 1e-07", "wall s": "0.5", "error T": "3e-07", "error drop": "4e-07"},
+        {"model": "fd", "setting": "cells 64", "wall s": "0.512", "error T": "0.00123", "error drop": "0.00235"},
+        {"model": "delay", "setting": "tolerance 1e-07", "wall s": "0.512", "error T": "3e-07", "error drop": "4e-07"},
     ]
     assert lines[-2:] == ["200 transits; relative errors of the second half's mean against delay (tight)", "a conclusion"]
 
