@@ -1,4 +1,4 @@
-"""The delay system of alike plain slabs with leaps over the transits of long sticks.
+"""The delay system of alike plain slabs with leaps over the transits of long sticks, and of the slow rise of v after them.
 
 A stick may last 1e5 transits. The waves of the last event stay trapped in the slabs and modulate the slip rate in every one of
 them, so a march needs as many steps in each. But each transit is almost the same as the one before: `multirevolution`.
@@ -19,21 +19,23 @@ from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.step.guess import DONE
 
-_SLOW = 0.98  # of V, at most, in a stick: v never reaches V in the transits left out, and y rises through all of them
+_SLOW = 0.98  # of V, at most, in a stick
 _SHARE = 0.03  # of the tolerance: error of a leap; a stick has some hundred leaps
-_PRICE = 1000  # steps of the march that take as long as a leap
+_PRICE = 500  # steps of the march that take as long as a leap
 _COVERED = 0.1  # change of ln v and psi over a leap, as a rule: 0.03 at a tolerance of 1e-9, 0.15 at 1e-6
 _SHORTEST, _LONGEST = 4, 4096
 _SHRINK, _SAFETY, _GROW = 0.2, 0.8, 2.0
+_EXTREMES = 6
 _PAUSE, _LONGEST_PAUSE = 64, 2048  # transits marched before the next try to leap; doubled by a try that fails
 
 
 class LeapingDelay(Delay):
     """`Delay`, to its `tolerance`, which also does what `Leaping` asks for.
 
-    A leap is made only in a stick: v is below V in all of its transits, and V is constant. So v_min is the only figure of a cycle
-    that may lie in the transits left out; the slowest one of these is then marched too. `skipped` counts those left out. None is
-    tried where the motion changes so fast that it would save no time.
+    Leaps begin in a stick: v is below V (in a hold, below V before it) in all of a transit. They go on while v rises slowly
+    towards the next event, and end where the motion changes so fast that they would save no time. V is constant in them. Where z,
+    mu or y comes to its maximum or minimum in a transit that is left out, that transit is marched too. `skipped` counts those
+    left out.
     """
 
     def __init__(self, scene: Scene, tolerance: float = 1e-9) -> None:
@@ -57,26 +59,26 @@ class LeapingDelay(Delay):
 
     def state(self) -> State:
         """As `Delay`, and `leaps`: transits skipped, length of the next leap, when to try again, pause after that; `past`:
-        number, change of psi and of y, and lowest z of the latest transits; `past.incoming`: changes of the incoming wave."""
-        number, change, lowest = self._past
+        number, change of phi and of y, and extremes of the latest transits; `past.incoming`: changes of the incoming wave."""
+        number, change, highest = self._past
         return super().state() | {
             "leaps": np.array([self.skipped, self._length, self._next_try, self._pause], dtype=float),
-            "past": np.column_stack([number, change[:, -2:], lowest]),
+            "past": np.column_stack([number, change[:, -2:], highest]),
             "past.incoming": change[:, :-2].reshape(-1, self._stages),
         }
 
     def restore(self, state: State) -> None:
         """As `Solver`."""
         leaps = whole_numbers(state, "leaps", (0, 1, 0, 1))
-        saved = tables(state, {"past": (-1, 4), "past.incoming": (-1, self._stages)}, self.model)
+        saved = tables(state, {"past": (-1, 3 + _EXTREMES), "past.incoming": (-1, self._stages)}, self.model)
         super().restore(state)
-        number, of_psi, of_y, lowest = saved["past"].T
-        waves = saved["past.incoming"].reshape(number.size, self._memory.incoming.size)
-        self._past = Past(number, np.column_stack([waves, of_psi, of_y]), lowest)
+        number, states, highest = np.split(saved["past"], [1, 3], axis=1)
+        waves = saved["past.incoming"].reshape(len(number), self._memory.incoming.size)
+        self._past = Past(number.ravel(), np.column_stack([waves, states]), highest)
         self.skipped, self._length, self._next_try, self._pause = leaps
 
     def _walk(self) -> None:
-        """March the next transit of what may be a stick; if it is none, leave it to the ordinary march."""
+        """March the next transit of what may be a stick; where none begins or goes on, leave it to the ordinary march."""
         start = float(self._memory.now[TIME])
         pieces, change, verdict = self._transit()
         if verdict != DONE:
@@ -84,8 +86,8 @@ class LeapingDelay(Delay):
             self._give_up()
             return
         self._waiting = pieces
-        if self._sticks(start, pieces) and _PRICE * self._size(pieces, change) < _COVERED * self.steps:
-            self._past = self._past.then(start, change, float(pieces.z.min()))
+        if self._rests(start) and self._is_slow(start, pieces) and _PRICE * self._size(pieces, change) < _COVERED * self.steps:
+            self._past = self._past.then(start, change, _extremes(pieces))
         else:
             self._give_up()
 
@@ -100,20 +102,23 @@ class LeapingDelay(Delay):
         predicted = past.total(start + 1.0, target)
         self._place(before, predicted, target)
         pieces, change, verdict = self._transit()
-        longer, error = past.then(target, change, float(pieces.z.min())), math.inf
-        if verdict == DONE and self.failures == failures and self._sticks(target, pieces):
-            error = self._size(pieces, longer.total(start + 1.0, target) - predicted)
+        error = math.inf
+        if verdict == DONE and self.failures == failures and self._is_slow(target, pieces):
+            error = self._size(pieces, past.error(start + 1.0, target, change))
         self._length = min(_LONGEST, int((target - start) * self._scale(error)))
+        pays = self._length > target - start or self._length * self.steps >= _PRICE
         if not error <= self._allowed:
             self._memory, self.failures = before, failures
-            if self._length < _SHORTEST:
+            if not pays:
                 self._give_up()
             return False
-        self._past, self._length, self._pause = longer, max(self._length, _SHORTEST), _PAUSE
-        between = longer.slowest(start, target)
-        parts = [pieces] if between is None else [self._visit(before, past, between), pieces]
-        self._waiting = Pieces(*(np.concatenate(rows) for rows in zip(*parts, strict=True)))
-        self.skipped += int(target - start) - len(parts)
+        self._past = past.then(target, change, _extremes(pieces))
+        self._length, self._pause = max(self._length, _SHORTEST), _PAUSE
+        visited = [self._visit(before, past, number) for number in self._past.peaks(start, target)]
+        self._waiting = Pieces(*map(np.concatenate, zip(*visited, pieces, strict=True))) if visited else pieces
+        self.skipped += int(target - start) - len(visited) - 1
+        if not pays:
+            self._give_up()
         return True
 
     def _visit(self, before: AlikeMemory, past: Past, number: float) -> Pieces:
@@ -126,24 +131,36 @@ class LeapingDelay(Delay):
 
     def _place(self, before: AlikeMemory, change: Array, number: float) -> None:
         """Go to the beginning of the transit `number`, by the `change` of the state since the memory `before`."""
-        state = _state_of(before) + change
-        self._memory = self._remember(state[:-2].reshape(before.incoming.shape), np.array([number, *state[-2:]]))
+        incoming = before.incoming + change[:-2].reshape(before.incoming.shape)
+        psi = before.now[PSI] + math.log1p(change[-2] * math.exp(-before.now[PSI]))
+        self._memory = self._remember(incoming, np.array([number, psi, before.now[ELASTIC] + change[-1]]))
 
     def _transit(self) -> tuple[Pieces, Array, int]:
-        """March one transit of a stick; returns its pieces, the change of the state, and the verdict of the march.
+        """March one transit; returns its pieces, the change of the state (wave, phi, y), and the verdict of the march.
 
-        The change of the wave is eps (V - v): the difference of two waves would have a thousand times larger rounding errors."""
+        phi is taken in place of psi, because it grows linearly in a stick. The change of the wave is eps (V - v): the difference
+        of two waves would have a thousand times larger rounding errors."""
         pieces, before = empty_pieces(self.steps, self._stages), self._memory.now.copy()
         _, verdict = self._march(1, pieces)
         velocity = self.scene.drive.at(before[TIME])
         wave = self.scene.upper.epsilon * (velocity - rates(self.scene.law, pieces.z))
-        return pieces, np.concatenate((wave.ravel(), (self._memory.now - before)[[PSI, ELASTIC]])), verdict
+        now = self._memory.now
+        phi = math.exp(before[PSI]) * math.expm1(now[PSI] - before[PSI])
+        return pieces, np.concatenate((wave.ravel(), (phi, now[ELASTIC] - before[ELASTIC]))), verdict
 
-    def _sticks(self, start: float, pieces: Pieces) -> bool:
-        """Whether v is below V in all of the transit that begins at `start`, and V is constant until its waves have returned."""
-        velocity = self.scene.drive.at(start)
-        rests = velocity > 0.0 and self.scene.drive.at(start + 2.0) == velocity and self._next_kink(start) >= start + 2.0
-        return rests and bool(pieces.z.max() < unknown_of(self.scene.law, _SLOW * velocity))
+    def _is_slow(self, start: float, pieces: Pieces) -> bool:
+        """Whether the transit that begins at `start` is one of a stick, or of the rise of v that follows it."""
+        highest = float(pieces.z.max())
+        if self._past.number.size and highest > self._past.highest[-1, 0]:
+            return True
+        drive = self.scene.drive
+        paces = [drive.initial, *(v for t, v in zip(drive.times, drive.velocities, strict=True) if t <= start and v > 0.0)]
+        return highest < unknown_of(self.scene.law, _SLOW * paces[-1])
+
+    def _rests(self, start: float) -> bool:
+        """Whether V is constant until the waves of the transit that begins at `start` have returned."""
+        drive = self.scene.drive
+        return drive.at(start + 2.0) == drive.at(start) and self._next_kink(start) >= start + 2.0
 
     def _next_kink(self, time: float) -> float:
         """The next time (transits) at which V has a kink; infinite if there is none."""
@@ -151,8 +168,9 @@ class LeapingDelay(Delay):
 
     def _size(self, pieces: Pieces, change: Array) -> float:
         """The largest change of psi, of y and of ln v (that of the wave over F_z) that a `change` of the state amounts to."""
-        friction_z = respond(self.scene.law, float(pieces.z[-1, -1]), float(pieces.psi[-1, -1]))[3]
-        return float(max(np.abs(change[:-2]).max() / friction_z, np.abs(change[-2:]).max()))
+        psi = float(pieces.psi[-1, -1])
+        friction_z = respond(self.scene.law, float(pieces.z[-1, -1]), psi)[3]
+        return float(max(np.abs(change[:-2]).max() / friction_z, abs(change[-2]) * math.exp(-psi), abs(change[-1])))
 
     def _scale(self, error: float) -> float:
         """How much longer the next leap can be than one with this `error`."""
@@ -165,9 +183,10 @@ class LeapingDelay(Delay):
         self._pause = min(2 * self._pause, _LONGEST_PAUSE)
 
     def _nothing(self) -> Past:
-        return no_past(self._memory.incoming.size + 2)
+        return no_past(self._memory.incoming.size + 2, _EXTREMES)
 
 
-def _state_of(memory: AlikeMemory) -> Array:
-    """Incoming wave at the nodes, psi and y (m,)."""
-    return np.concatenate((memory.incoming.ravel(), memory.now[[PSI, ELASTIC]]))
+def _extremes(pieces: Pieces) -> Array:
+    """The largest z, mu, y and the largest -z, -mu, -y at the nodes."""
+    values = (pieces.z, pieces.mu, pieces.y)
+    return np.array([*(value.max() for value in values), *(-value.min() for value in values)])

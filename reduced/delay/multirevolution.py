@@ -10,6 +10,7 @@ Mechanics 11, 1975; Petzold, SIAM J. Numer. Anal. 18, 1981), of order ORDER in N
 oldest is the implicit Adams method of that order; the difference of both is the estimated error of the leap.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -20,38 +21,57 @@ ORDER = 6
 
 
 class Past(NamedTuple):
-    """The latest transits of a stick that were marched, at most ORDER: `number` (p,), the `change` (p, m) of the state in each,
-    and the `lowest` (p,) rate unknown at its nodes."""
+    """The latest transits that were marched, at most ORDER: `number` (p,), the `change` (p, m) of the state in each, and the
+    `highest` (p, q) values of q quantities in it."""
 
     number: Array
     change: Array
-    lowest: Array
+    highest: Array
 
-    def then(self, number: float, change: Array, lowest: float) -> "Past":
+    def then(self, number: float, change: Array, highest: Array) -> "Past":
         """With one more transit, without those that are too old."""
-        longer = (np.append(self.number, number), np.vstack([self.change, change]), np.append(self.lowest, lowest))
+        longer = (np.append(self.number, number), np.vstack([self.change, change]), np.vstack([self.highest, highest]))
         return Past(*(values[-ORDER:] for values in longer))
 
     def total(self, first: float, last: float) -> Array:
         """Sum (m,) of the changes in the transits `first` to `last` - 1."""
-        return np.asarray(self._rows(first, last).sum(axis=0) @ self.change)
+        nodes, weights = sum_rule(last - first)
+        return np.asarray(weights @ self._rows(first + nodes) @ self.change)
 
-    def slowest(self, first: float, last: float) -> float | None:
-        """The transit between the last two that were marched, `first` and `last`, in which the rate unknown comes to its minimum;
-        None if it does not, or if it did not fall before."""
-        if self.lowest[-2] >= self.lowest[-3]:
-            return None
-        lowest = self._rows(first + 1.0, last) @ self.lowest
-        return first + 1.0 + float(lowest.argmin()) if lowest.min() < self.lowest[-2:].min() else None
+    def error(self, first: float, last: float, change: Array) -> Array:
+        """What `total` changes by (m,) if the transit `last`, marched since with this `change`, takes the place of the oldest.
+        Both polynomials agree in the others, so that their difference is known from that in the transit `last`."""
+        (nodes, weights), others = sum_rule(last - first), self.number[1:]
+        shares = np.prod((first + nodes[:, None] - others) / (last - others), axis=1)
+        return np.asarray(weights @ shares * (change - self._rows(np.array([last]))[0] @ self.change))
 
-    def _rows(self, first: float, last: float) -> Array:
-        """Weights (k, p) of the polynomial's values at the transits `first` to `last` - 1, of which none was marched."""
+    def peaks(self, first: float, last: float) -> list[float]:
+        """The transits between the last two that were marched, `first` and `last`, in which a quantity that rose before comes to
+        its maximum, in order."""
+        inside = np.arange(first + 1.0, last)
+        rising = self.highest[-2] > self.highest[-3]
+        if not (inside.size and rising.any()):
+            return []
+        turned = rising & (self._rows(inside[-1:])[0] @ self.highest > self.highest[-1])
+        courses = self._rows(inside) @ self.highest[:, turned] if turned.any() else np.empty((inside.size, 0))
+        return sorted({float(inside[course.argmax()]) for course in courses.T})
+
+    def _rows(self, at: Array) -> Array:
+        """Weights (k, p) of the polynomial's values `at` transits of which none was marched."""
         end, span = self.number[-1], self.number[-1] - self.number[0]
-        marched, at = (self.number - end) / span, (np.arange(first, last) - end) / span
-        terms = barycentric_weights(marched) / (at[:, None] - marched)
-        return np.asarray(terms / terms.sum(axis=1, keepdims=True))
+        marched = (self.number - end) / span
+        terms = barycentric_weights(marched) / ((at[:, None] - end) / span - marched)
+        return np.asarray(terms / terms.sum(axis=1)[:, None])
 
 
-def no_past(size: int) -> Past:
+def sum_rule(count: float) -> tuple[Array, Array]:
+    """Nodes and weights (3,) with which the sum of a polynomial of degree ORDER - 1 over 0, 1, .. `count` - 1 is exact: Gauss's
+    rule for sums, from the roots of the discrete Chebyshev polynomial of degree 3."""
+    reach = math.sqrt(max(3.0 * count**2 - 7.0, 1.0) / 20.0)
+    outer = count * (count**2 - 1.0) / (24.0 * reach**2)
+    return 0.5 * (count - 1.0) + reach * np.array([-1.0, 0.0, 1.0]), np.array([outer, count - 2.0 * outer, outer])
+
+
+def no_past(size: int, quantities: int) -> Past:
     """No transit yet of a state of `size` numbers."""
-    return Past(np.empty(0), np.empty((0, size)), np.empty(0))
+    return Past(np.empty(0), np.empty((0, size)), np.empty((0, quantities)))

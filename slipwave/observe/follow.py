@@ -24,7 +24,7 @@ class Final:
 
 class Observer(Protocol):
     """Anything that reads the pieces of a run. One that needs no transits in which nothing but sticking happens has an attribute
-    `spans_gaps` that is true: then they may be left out."""
+    `spans_gaps` that is true, for as long as it does not need them: then they may be left out."""
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces, in order."""
@@ -56,12 +56,13 @@ def follow(
     converge; the observers have then seen the pieces before that.
     """
     pieces: Pieces | None = None
-    leaper = solver if isinstance(solver, Leaping) and all(getattr(one, "spans_gaps", False) for one in observers) else None
+    leaper = solver if isinstance(solver, Leaping) else None
     _act(solver, marks)
     while solver.time < until - SAME:
         stop = min([until, *(mark.due for mark in marks)])
         stop = max(stop, solver.time + 2.0 * SAME)
-        pieces = leaper.leap(stop, until) if leaper else solver.advance(stop)
+        spanned = all(getattr(one, "spans_gaps", False) for one in observers)
+        pieces = leaper.leap(stop, until) if leaper and spanned else solver.advance(stop)
         _require_finite(solver, pieces)
         for observer in observers:
             observer.scan(_before_failure(solver, pieces))

@@ -1,6 +1,7 @@
 """Measures the stages of a laboratory protocol during a run (`stages`): memory does not grow with the run."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,14 @@ LEFT = math.exp(-1.0)
 _POINTS = 33  # of a piece, its ends included
 
 
+class Sampling(NamedTuple):
+    """`points` of a piece; rows that evaluate its polynomial there, and rows that integrate it from 0 to them and to 1."""
+
+    points: Array
+    rows: Array
+    sums: Array
+
+
 class ProtocolObserver:
     """Reads the pieces of a run of `scene` to `until` (transits)."""
 
@@ -25,9 +34,16 @@ class ProtocolObserver:
         self._slip, self._last = 0.0, math.nan
         # pieces of a grid hold equal steps and are not cut at jumps of V: between their nodes they would overshoot
         self._cut = nodes[0] > 0.0
-        self._points = np.linspace(0.0, 1.0, _POINTS) if self._cut else nodes
-        self._rows = interpolation_matrix(self._basis, self._points)
-        self._sums = _integrals(self._basis, np.append(self._points, 1.0))
+        self._coarse = _sampling(self._basis, np.append(0.0, nodes) if self._cut else nodes)
+        self._fine = _sampling(self._basis, np.linspace(0.0, 1.0, _POINTS)) if self._cut else self._coarse
+
+    @property
+    def spans_gaps(self) -> bool:
+        """Whether a hold has begun that is not over: of a hold, only the end has a figure."""
+        return any(
+            stage.kind == "hold" and -math.inf < seen.reached < stage.end
+            for stage, seen in zip(self.stages, self._seen, strict=True)
+        )
 
     @property
     def figures(self) -> list[StageFigures]:
@@ -38,14 +54,15 @@ class ProtocolObserver:
         """Take the next pieces of the run, in order."""
         if not self.stages or not pieces.time.size:
             return
-        time = pieces.time[:, None] + pieces.length[:, None] * self._points
-        middle = np.repeat((pieces.time + 0.5 * pieces.length)[:, None], self._points.size, axis=1)
-        slip = self._scene.transit * pieces.length[:, None] * (rates(self._scene.law, pieces.z) @ self._sums.T)
+        points, rows, sums = self._fine if self._looks_for_peaks(pieces) else self._coarse
+        time = pieces.time[:, None] + pieces.length[:, None] * points
+        middle = np.repeat((pieces.time + 0.5 * pieces.length)[:, None], points.size, axis=1)
+        slip = self._scene.transit * pieces.length[:, None] * (rates(self._scene.law, pieces.z) @ sums.T)
         begun = self._slip + np.concatenate(([0.0], np.cumsum(slip[:-1, -1])))
         columns = (
             time,
-            pieces.mu @ self._rows.T,
-            rates(self._scene.law, pieces.z @ self._rows.T),
+            pieces.mu @ rows.T,
+            rates(self._scene.law, pieces.z @ rows.T),
             slip[:, :-1] + begun[:, None],
         )
         self._slip = float(begun[-1] + slip[-1, -1])
@@ -56,6 +73,15 @@ class ProtocolObserver:
             inside = (place >= stage.start) & (place < stage.end) & (samples[0] <= stage.end + 1e-9)
             if inside.any():
                 self._take(k, stage, samples[:, inside], min(now, stage.end))
+
+    def _looks_for_peaks(self, pieces: Pieces) -> bool:
+        """Whether the peak of a stage, or where the stress has come back after it, may lie in `pieces`."""
+        begin, end = pieces.time[0], pieces.time[-1] + pieces.length[-1]
+        for stage, seen in zip(self.stages, self._seen, strict=True):
+            inside = stage.kind in ("step", "slide") and stage.start < end and begin < stage.end
+            if inside and (math.isnan(seen.recovered) or (stage.sign * pieces.mu).max() >= stage.sign * seen.peak):
+                return True
+        return False
 
     def _take(self, k: int, stage: Stage, samples: Array, reached: float) -> None:
         time, mu, rate, slip = samples
@@ -112,6 +138,10 @@ def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array) -> See
     k = max(first + int(back[0]), 1)
     share = over[k - 1] / (over[k - 1] - over[k]) if over[k - 1] > over[k] else 1.0
     return seen._replace(recovered=float(slip[k - 1] + share * (slip[k] - slip[k - 1])))
+
+
+def _sampling(basis: Basis, points: Array) -> Sampling:
+    return Sampling(points, interpolation_matrix(basis, points), _integrals(basis, np.append(points, 1.0)))
 
 
 def _integrals(basis: Basis, points: Array) -> Array:

@@ -14,6 +14,7 @@ from slipwave.observe.checkpoint import Checkpoints
 from slipwave.observe.follow import Mark
 from slipwave.observe.history import HistoryObserver
 from slipwave.observe.pieces import Pieces, lagrange_basis, values_at
+from slipwave.observe.protocol import ProtocolObserver
 from slipwave.scene import Scene
 
 CYCLE = 80_000.0
@@ -64,19 +65,20 @@ def both(request: pytest.FixtureRequest) -> tuple[float, LeapingDelay, tuple[Eve
 
 
 def test_a_cycle_has_the_figures_of_the_march_without_leaps(both):
-    """Measured: 0.16 to 0.7 of the tolerance at 1e-6, 0.3 to 1.3 at 1e-8; for v_min, the value of one transit, 2 to 3."""
+    """Measured: 0.03 to 0.5 of the tolerance; for v_min, the value of one transit, 0.8 to 1.1."""
     tolerance, leaping, (ours, _, end), every, wanted = both
     found, known = ours.events(), every.events()
     assert leaping.skipped > 50_000
     assert found.time.size == known.time.size == 1
     for name in ("period", "stress_drop", "elastic_stress_drop", "v_max"):
-        assert getattr(found, name) == pytest.approx(getattr(known, name), rel=10.0 * tolerance), name
-    assert found.v_min == pytest.approx(known.v_min, rel=30.0 * tolerance)
-    assert end.psi == pytest.approx(wanted.psi, abs=20.0 * tolerance)
+        assert getattr(found, name) == pytest.approx(getattr(known, name), rel=5.0 * tolerance), name
+    assert found.v_min == pytest.approx(known.v_min, rel=10.0 * tolerance)
+    assert end.psi == pytest.approx(wanted.psi, abs=5.0 * tolerance)
 
 
-def test_only_whole_transits_of_the_stick_are_left_out(both):
-    _, leaping, (_, seen, _), _, _ = both
+def test_only_whole_transits_without_events_are_left_out(both):
+    """Of the stick and, where it pays, of the rise of v after it, in which y falls."""
+    tolerance, leaping, (ours, seen, _), _, _ = both
     pieces = seen.pieces
     ends = pieces.time + pieces.length
     gap = np.flatnonzero(pieces.time[1:] - ends[:-1] > 1e-9)
@@ -84,8 +86,11 @@ def test_only_whole_transits_of_the_stick_are_left_out(both):
     assert lengths == pytest.approx(np.round(lengths), abs=1e-9)
     assert lengths.sum() == pytest.approx(leaping.skipped)
     assert pieces.time[gap + 1] == pytest.approx(np.round(pieces.time[gap + 1]), abs=1e-9)
-    assert max(pieces.z[gap].max(), pieces.z[gap + 1].max()) < 0.0  # ln V
-    assert (pieces.y[gap + 1, 0] > pieces.y[gap, -1]).all()
+    assert all(((pieces.time < date) & (date < ends)).any() for date in ours.dates())
+    rising = pieces.y[gap + 1, 0] > pieces.y[gap, -1]
+    assert lengths[rising].sum() > 50_000
+    assert (lengths[~rising].sum() > 500) == (tolerance == 1e-6)
+    assert pieces.z[gap + 1].max() < 1.0
 
 
 def test_a_time_in_a_gap_has_no_value(both):
@@ -109,12 +114,13 @@ def test_one_observer_that_needs_every_transit_gets_them():
 
 @pytest.mark.parametrize("end", [40_000.0, 40_000.4, 40_001.0])
 def test_a_run_that_ends_in_a_stick_ends_where_it_should(end):
-    """Measured: 1.5e-7 in psi; up to 3.3e-6 in mu, which is that of a wave that comes 1.4e-4 transits early or late."""
+    """Measured: 1.5e-7 in psi; up to 5.1e-5 in mu, which is that of a wave that comes 2e-3 transits early or late, 4e-8 of a
+    period."""
     leaping, plain = (kind(granite(), tolerance=1e-6) for kind in (LeapingDelay, Delay))
     found, known = follow(leaping, end), follow(plain, end)
     assert leaping.skipped > 20_000
     assert found.psi == pytest.approx(known.psi, abs=2e-6)
-    assert found.mu == pytest.approx(known.mu, abs=4e-5)
+    assert found.mu == pytest.approx(known.mu, abs=5e-4)
 
 
 @pytest.mark.parametrize("stop", [33_000.0, 60_000.0])
@@ -154,7 +160,7 @@ def test_marks_do_not_change_the_motion(tmp_path: Path):
     [
         ([[30_000.25, 1.0], [30_010.5, 2.0]], True),
         ([[30_000.0, 1.0], [35_000.0, 3.0]], False),  # 1000 transits are left
-        ([[20_000.0, 1.0], [20_100.0, 0.0]], False),
+        ([[20_000.0, 1.0], [20_100.0, 0.0]], True),
         ([[30_000.0, 1.0], [30_000.5, 1.3], [30_001.0, 1.0]], True),
     ],
     ids=["step", "long ramp", "hold", "pulse"],
@@ -166,7 +172,7 @@ def test_no_leap_crosses_a_change_of_the_drive(velocity, leaps_again):
     _, seen, found = watched(leaping, 36_000.0)
     known = follow(plain, 36_000.0)
     assert found.psi == pytest.approx(known.psi, abs=2e-6)
-    assert found.mu == pytest.approx(known.mu, abs=4e-5)
+    assert found.mu == pytest.approx(known.mu, abs=5e-4)
     pieces = seen.pieces
     begins, ends = pieces.time[1:], (pieces.time + pieces.length)[:-1]
     gap = begins - ends > 1e-9
@@ -174,6 +180,20 @@ def test_no_leap_crosses_a_change_of_the_drive(velocity, leaps_again):
     assert gap[ends < first].any()
     assert not (gap & (begins > first - 1.0) & (ends < last)).any()
     assert gap[ends >= last].any() == leaps_again
+
+
+def test_a_hold_is_leapt_over_and_has_the_figures_of_every_transit():
+    """Steady sliding, a hold, and sliding again: the wave of each step goes round through all of it."""
+    knots = [[0.0, 1.0], [300.5, 1.0], [300.5, 0.0], [6000.25, 0.0], [6000.25, 1.0]]
+    scene = slipwave.read(granite_table() | {"drive": {"velocity": knots}, "start": {"size": 0.0}})
+    leaping, plain = (kind(scene, tolerance=1e-6) for kind in (LeapingDelay, Delay))
+    protocols = [ProtocolObserver(scene, plain.nodes, 7000.0) for _ in range(2)]
+    ends = [follow(solver, 7000.0, [one]) for solver, one in zip((leaping, plain), protocols, strict=True)]
+    assert 4500 < leaping.skipped < 5700
+    assert ends[0].psi == pytest.approx(ends[1].psi, abs=2e-6)
+    (_, hold, slide), (_, known, later) = (one.figures for one in protocols)
+    assert hold.relaxation == pytest.approx(known.relaxation, rel=1e-6)
+    assert slide.healing == pytest.approx(later.healing, rel=1e-6)
 
 
 def test_another_scene_has_the_same_figures_too():

@@ -1,10 +1,13 @@
 """The stages that a drive has."""
 
+import math
+
 import numpy as np
 import pytest
 
-from slipwave.observe.pieces import lagrange_basis
-from slipwave.observe.protocol import _integrals
+import slipwave
+from slipwave.observe.pieces import Pieces, lagrange_basis
+from slipwave.observe.protocol import ProtocolObserver, _integrals
 from slipwave.observe.stages import stages_of
 from slipwave.scene.drive import Drive, steady_drive
 
@@ -36,3 +39,30 @@ def test_polynomials_are_integrated_exactly() -> None:
     nodes, points = np.array([0.1, 0.5, 1.0]), np.array([0.0, 0.3, 1.0])
     rows = _integrals(lagrange_basis(nodes), points)
     assert rows @ nodes**2 == pytest.approx(points**3 / 3.0, abs=1e-15)
+
+
+def test_a_peak_between_nodes_is_found_also_after_the_stress_has_come_back() -> None:
+    """Two parabolas over nodes that miss their peaks, in pieces of their own, and a fall to the steady stress between them."""
+    scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 60})
+    nodes, steady = np.array([0.2, 0.5, 1.0]), scene.steady_stress
+    observer = ProtocolObserver(scene, nodes, 60.0)
+
+    def take(time: float, velocity: float, mu: list[float]) -> None:
+        shape = np.full((1, 3), math.log(velocity))
+        observer.scan(Pieces(np.array([time]), np.array([10.0]), shape, shape, np.array([mu]), shape))
+
+    take(10.0, 100.0, [steady] * 3)
+    for time, peak in ((20.0, 0.02), (40.0, 0.03)):
+        take(time, 300.0, list(steady + peak - 0.1 * (nodes - 0.75) ** 2))
+        take(time + 10.0, 300.0, [steady - 0.02] * 3)
+        assert observer.figures[1].direct_effect == pytest.approx(peak, abs=1e-12)
+
+
+def test_transits_may_be_left_out_in_a_hold_alone() -> None:
+    scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 0], [40, 0], [40, 100]], "run.until": 60})
+    observer, shape = ProtocolObserver(scene, np.array([0.5, 1.0]), 60.0), np.zeros((1, 2))
+    spans = []
+    for time in (0.0, 10.0, 20.0, 30.0, 40.0):
+        observer.scan(Pieces(np.array([time]), np.array([10.0]), shape, shape, shape, shape))
+        spans.append(observer.spans_gaps)
+    assert spans == [False, False, True, False, False]

@@ -3,6 +3,7 @@
 from itertools import pairwise
 
 import numpy as np
+import pytest
 from order import assert_order
 
 from reduced.delay.multirevolution import ORDER, Past, no_past
@@ -29,7 +30,7 @@ EVERY = every_transit()
 
 def known(number):
     """The latest ORDER transits, of these numbers, as the march knows them."""
-    return Past(np.array(number, dtype=float), np.array([change(EVERY[n]) for n in number]), np.zeros(ORDER))
+    return Past(np.array(number, dtype=float), np.array([change(EVERY[n]) for n in number]), np.zeros((ORDER, 1)))
 
 
 def leapt(length):
@@ -38,17 +39,19 @@ def leapt(length):
     past, state = known(number[:ORDER]), EVERY[number[ORDER - 1]]
     for now, target in pairwise(number[ORDER - 1 :].tolist()):
         state = state + past.change[-1] + past.total(now + 1.0, target)
-        past = past.then(target, change(state), 0.0)
+        past = past.then(target, change(state), np.zeros(1))
     return state
 
 
 def estimate(length):
-    """The difference between both sums over a leap from the middle."""
+    """Of a leap from the middle; it is the difference between both sums."""
     middle = LAST // 2
     past = known(middle + length * np.arange(1 - ORDER, 1))
-    longer = past.then(middle + length, change(EVERY[middle + length]), 0.0)
+    longer = past.then(middle + length, change(EVERY[middle + length]), np.zeros(1))
     first, target = middle + 1.0, middle + length
-    return np.abs(longer.total(first, target) - past.total(first, target)).max()
+    found = past.error(first, target, longer.change[-1])
+    assert found == pytest.approx(longer.total(first, target) - past.total(first, target), abs=1e-15)
+    return np.abs(found).max()
 
 
 def test_leaps_have_the_declared_order():
@@ -61,12 +64,23 @@ def test_the_estimated_error_of_a_leap_is_one_order_smaller():
     print(errors, assert_order(errors, LENGTHS, ORDER + 1, tolerance=0.3, absolute=1e-10))
 
 
-def test_sums_are_exact_for_polynomials_and_the_lowest_value_is_found():
-    """Transits at unequal distances, as the control of the error makes them."""
-    past = no_past(1)
-    for n in (7.0, 11.0, 12.0, 20.0, 44.0, 60.0):  # falls until 51
-        past = past.then(n, np.array([(n / 50.0) ** 5 - n]), (n - 51.3) ** 2)
-    ahead = np.arange(61.0, 150.0)
-    assert abs(past.total(61.0, 150.0)[0] / np.sum((ahead / 50.0) ** 5 - ahead) - 1.0) < 1e-11
-    assert past.slowest(44.0, 60.0) == 51.0
-    assert past.slowest(20.0, 44.0) is None
+@pytest.mark.parametrize("last", [62.0, 63.0, 64.0, 150.0])
+def test_sums_are_exact_for_polynomials(last):
+    """Transits at unequal distances, as the control of the error makes them; sums of one, two, three and many terms."""
+    past = no_past(1, 1)
+    for n in (7.0, 11.0, 12.0, 20.0, 44.0, 60.0):
+        past = past.then(n, np.array([(n / 50.0) ** 5 - n]), np.zeros(1))
+    ahead = np.arange(61.0, last)
+    assert abs(past.total(61.0, last)[0] / np.sum((ahead / 50.0) ** 5 - ahead) - 1.0) < 1e-10
+
+
+def test_peaks_between_two_transits_are_found():
+    """Two of four quantities turn at 51.3 and 44.8, one turned before 44, one rises all the time; twice the same counts once."""
+    past = no_past(1, 5)
+    for n in (7.0, 11.0, 12.0, 20.0, 44.0, 60.0):
+        past = past.then(
+            n, np.zeros(1), np.array([-((n - 51.3) ** 2), -((n - 44.8) ** 2), -((n - 30.0) ** 2), n, 2 * n - n**2 / 102.6])
+        )
+    assert past.peaks(44.0, 60.0) == [45.0, 51.0]
+    assert past.peaks(59.0, 60.0) == []
+    assert past._replace(highest=-past.highest).peaks(44.0, 60.0) == []
