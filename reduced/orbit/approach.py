@@ -15,7 +15,9 @@ from slipwave.step.flow import Flow
 MOST_TRANSITS = 6000.0
 """Length of a run that is given up if it makes no cycles."""
 
-_ALIKE = 1e-3  # relative change of period and size from cycle to cycle at which Newton's method takes over
+_ALIKE = (1e-3, 1e-4, 1e-5)
+"""Relative changes of period and size from cycle to cycle at which Newton's method takes over: the first, unless it fails."""
+
 _LAST = 3
 _CYCLES = 24  # after so many that still change, it starts from the mean of so many more
 _STRETCH = 200.0
@@ -59,25 +61,22 @@ def guesses(
     progress: Callable[[float], None] | None = None,
     near: float | None = None,
 ) -> Iterator[Guess]:
-    """The guess of `approach`, and after it, if the cycles keep changing, those of the run's closest returns, of one cycle or of
-    as many as take about the period `near` (transits), which then comes before all others. An irregular motion comes near to
-    many unstable orbits, and the mean of its cycles to none.
+    """The guess of `approach`, and after it, if the cycles settle, those of the run when they have settled further: cycles hardly
+    change beside a fold either, where an orbit is near at another parameter. If the cycles keep changing, those of the run's
+    closest returns, of one cycle or of as many as take about the period `near` (transits), which then comes before all others. An
+    irregular motion comes near to many unstable orbits, and the mean of its cycles to none.
 
     Raises NumericsError as `approach` does, and SceneError if the run would take too long."""
     observer, foresight = EventObserver(solver.scene, solver.nodes), Foresight(solver, most)
-    events = observer.events()
-    while not (_settled(events) or (events.period.size >= _CYCLES and not _drifts(events))):
-        if solver.time >= most:
-            _require_orbit(solver, events, most)
+    for alike in _ALIKE:
+        events = _cycles(solver, (observer, foresight), alike, most, progress)
+        period = float(events.period.mean())
+        cycles = 1 if near is None else max(1, round(near / period))
+        if cycles > 1 or not (_settled(events, alike) or _drifts(events)):
             break
-        follow(solver, min(most, solver.time + _STRETCH), [observer, foresight], progress)
-        events = observer.events(0.5 * solver.time)
-        _require_motion(solver, events)
-    period = float(events.period.mean())
-    cycles = 1 if near is None else max(1, round(near / period))
-    if cycles == 1 and (_settled(events) or _drifts(events)):
         period = float(events.period[-1])
-        yield Guess(*_between(solver, observer, freeze, period), period, _settled(events))
+        yield Guess(*_between(solver, observer, freeze, period), period, _settled(events, alike))
+    else:
         return
     sections = _sections(solver, observer, freeze, period)
     if near is None:
@@ -86,12 +85,32 @@ def guesses(
         yield Guess(section.flow, section.state, returned, False, cycles)
 
 
-def _settled(events: Events) -> bool:
-    """Whether the last cycles are alike in length and size: near the onset small cycles keep their length while they grow."""
+def _cycles(
+    solver: Solver,
+    observers: tuple[EventObserver, Foresight],
+    alike: float,
+    most: float,
+    progress: Callable[[float], None] | None,
+) -> Events:
+    """The late cycles of `solver`, marched on until they are `alike`, or so many that they will not become so."""
+    observer, _ = observers
+    events = observer.events(0.5 * solver.time)
+    while not (_settled(events, alike) or (events.period.size >= _CYCLES and not _drifts(events))):
+        if solver.time >= most:
+            _require_orbit(solver, events, most)
+            break
+        follow(solver, min(most, solver.time + _STRETCH), observers, progress)
+        events = observer.events(0.5 * solver.time)
+        _require_motion(solver, events)
+    return events
+
+
+def _settled(events: Events, alike: float) -> bool:
+    """Whether the last cycles are `alike` in length and size: near the onset small cycles keep their length while they grow."""
     if events.time.size < _LAST:
         return False
     lasts = (events.period[-_LAST:], events.elastic_stress_drop[-_LAST:])
-    return all(float(np.abs(np.diff(last)).max()) < _ALIKE * float(last[-1]) for last in lasts)
+    return all(float(np.abs(np.diff(last)).max()) < alike * float(last[-1]) for last in lasts)
 
 
 def _drifts(events: Events) -> bool:
@@ -121,7 +140,7 @@ def _between(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]"
     """March to the middle between two slip events, half a period after the first to come; its flow and state."""
     last = float(observer.dates()[-1])
     if last + 0.5 * period <= solver.time + 1e-6:
-        follow(solver, last + 1.2 * period, [observer])
+        follow(solver, max(last + 1.2 * period, solver.time + 0.05 * period), [observer])
         while float(observer.dates()[-1]) == last:
             if solver.time > last + _LATE * period:
                 raise NumericsError(f"{solver.model}: no slip event came for {_LATE:g} periods (scene {solver.scene.name!r})")

@@ -48,7 +48,7 @@ def periodic_orbit(
         finer, start = coarse.flow.remeshed(coarse.cycle, FINER)
         fine = _moving(close(finer, start, coarse.cycle.period))
         found = PeriodicOrbit(fine, _estimates(coarse, fine), multipliers(fine, coarse), True)
-        if _relative_error(found.orbit) < tolerance:
+        if relative_error(found.orbit) < tolerance:
             return found
         coarse = fine
     assert found is not None
@@ -70,6 +70,7 @@ def _estimates(coarse: Closed, fine: Closed) -> Orbit:
     )
 
 
-def _relative_error(orbit: Orbit) -> float:
+def relative_error(orbit: Orbit) -> float:
+    """The largest relative error of its figures."""
     estimates: list[Estimate] = [getattr(orbit, field.name) for field in fields(orbit)]
     return max(one.error / abs(one.value) for one in estimates)

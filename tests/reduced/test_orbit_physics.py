@@ -225,6 +225,13 @@ def test_an_orbit_is_one_of_much_thicker_slabs_too(turns):
     assert wrong == pytest.approx([5.304e-6 * turns, 5.304e-5 * turns], rel=0.01, abs=1e-10)
 
 
+def test_a_run_that_creeps_past_a_lost_orbit_is_followed_on():
+    """At log10 r = -2.675 cycles of 74.68 transits hardly change for a while, and no orbit is near. It has 74.93245
+    (by continuation from -2.68); the first guess leads nowhere."""
+    one, _ = next(returns("delay", -2.675))
+    assert one.cycle.period == pytest.approx(74.93244964, abs=1e-7)
+
+
 def test_no_event_is_waited_for_without_end(monkeypatch):
     solver = SimpleNamespace(time=100.0, model="delay", scene=SimpleNamespace(name="still"))
     observer = SimpleNamespace(dates=lambda: np.array([10.0]))
@@ -232,3 +239,18 @@ def test_no_event_is_waited_for_without_end(monkeypatch):
     with pytest.raises(NumericsError, match=r"delay: no slip event came for 10 periods \(scene 'still'\)"):
         approaching._between(solver, observer, lambda *_: pytest.fail("frozen"), 50.0)
     assert 510.0 < solver.time < 520.0
+
+
+def test_an_event_long_ago_is_no_reason_to_march_backwards(monkeypatch):
+    """A run whose last event lies more than 1.2 periods back: marched on from where it is."""
+    solver = SimpleNamespace(time=600.0, model="delay", scene=SimpleNamespace(name="still"))
+    marched = []
+
+    def follow(one, until, _):
+        marched.append(until - one.time)
+        one.time = until
+
+    monkeypatch.setattr(approaching, "follow", follow)
+    with pytest.raises(NumericsError, match="no slip event came for 10 periods"):
+        approaching._between(solver, SimpleNamespace(dates=lambda: np.array([100.0])), lambda *_: None, 60.0)
+    assert min(marched) > 0.0

@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from slipwave.observe.orbit import Estimate
 from validation.measure.grid_ladders import LADDERS
 from validation.measure.order_fit import fit
 from validation.measure.orders import QUANTITIES, Climb
 from validation.measure.settle import SYMBOLS
 from validation.studies import grid_convergence, leapfrog_convergence
+from validation.studies.grid_convergence import orbits
 from validation.studies.grid_convergence.code import code_note, code_table, shared
 from validation.studies.grid_convergence.shown import convergence_and_cost, finest_table, orders_table
 from validation.studies.leapfrog_convergence import ladders
@@ -73,10 +75,51 @@ def test_the_leapfrogs_answer_follows_its_orders():
     assert leapfrog_convergence._answer(fits_of(leapfrog_errors(0.1, 1.0))).startswith("No: from the smooth start at orders 0.10")
 
 
-@pytest.mark.parametrize(("model", "limit"), [("dg:7", 8e-12), ("fem:7", 2e-11), ("sbp:6", 2e-9)])
-def test_agreement_on_the_papers_orbit(model, limit):
-    outcomes = [grid_convergence._promise(model, off).outcome for off in (0.9 * limit, 3.0 * limit, np.inf)]
-    assert outcomes == [Outcome.PASS, Outcome.FAIL, Outcome.FAIL]
+GRIDS = [orbits.GridOrbit("sbp:6", cells, 1e-3 * cells**-6.0, 1e-2 * cells**-6.0) for cells in (24, 32)]
+
+
+@pytest.mark.parametrize(("quick", "model"), [(quick, model) for quick, known in orbits.FAMILIES.items() for model in known])
+def test_agreement_on_the_grids_own_orbit(quick, model):
+    """Both figures on both sides of their limits."""
+    limits = orbits.FAMILIES[quick][model].allowed
+
+    def outcomes(*shares):
+        last = orbits.GridOrbit(model, 8, *(share * limit for share, limit in zip(shares, limits, strict=True)))
+        return [verdict.outcome for verdict in orbits._agreement(last, limits)]
+
+    assert outcomes(0.9, 0.9) == [Outcome.PASS] * 2
+    assert outcomes(3.0, 0.9) == [Outcome.FAIL, Outcome.PASS]
+    assert outcomes(0.9, np.inf) == [Outcome.PASS, Outcome.FAIL]
+
+
+@pytest.mark.parametrize(("order", "outcome"), [(6.01, "pass"), (8.0, "pass"), (5.9, "fail")])
+def test_orbits_must_converge_at_the_declared_order(order, outcome):
+    family = [one._replace(stress_drop=1e-2 * (one.cells / 24) ** -order) for one in GRIDS]
+    assert orbits.order_of(family, "stress_drop") == pytest.approx(order)
+    assert orbits.order_of(family, "period") == pytest.approx(6.0)
+    assert orbits._order([one._replace(period=one.stress_drop) for one in family]).outcome == outcome
+
+
+def test_an_order_ends_where_rounding_begins():
+    """The finest error above the floor counts; the second grid in any case."""
+    family = [orbits.GridOrbit("dg:7", cells, error, error) for cells, error in ((2, 1e-4), (4, 1e-7), (8, 1e-10), (16, 2e-13))]
+    assert orbits.order_of(family, "period") == pytest.approx(np.log(1e6) / np.log(4.0))
+    assert orbits.order_of([family[0], family[3]], "period") == pytest.approx(np.log(5e8) / np.log(8.0))
+
+
+def beside(off, error=0.0, cycles=0):
+    """Periods 80 and drops 0.2, the wave's period off by a share, both periods known to an error."""
+    wave = (Estimate(80.0 * (1.0 + off), error), Estimate(0.2, 1e-3))
+    return orbits.Beside(-2.5, wave, (Estimate(80.0, error), Estimate(0.2, 1e-3)), cycles)
+
+
+def test_the_full_wave_as_r_grows():
+    assert [next(orbits._grown([beside(off)])).outcome for off in (4.5e-10, -15e-10)] == [Outcome.PASS, Outcome.FAIL]
+    far = [[*orbits._grown([beside(0.0), beside(off, 0.1, 50)])][1].outcome for off in (0.0069, -0.0072)]
+    assert far == [Outcome.PASS, Outcome.FAIL]  # four standard errors of 0.1 sqrt(2) are 0.0071 of 80
+    rows = orbits.growth_table([beside(2e-10), beside(0.00177, 0.1, 50)]).rows
+    assert rows[0][5:] == ("2 · 10^{−10}", None)
+    assert rows[1][5:] == ("1.0 standard errors", 50)
 
 
 def climbed(model="sbp:4", order=4.0):
@@ -86,13 +129,12 @@ def climbed(model="sbp:4", order=4.0):
 
 
 def test_the_grids_answer_follows_errors_and_orders():
-    fine = {"sbp:6": 1e-10, "fem:7": 1e-12, "dg:7": 3e-13}
+    fine = [one._replace(stress_drop=1e-10) for one in GRIDS]
     curves = {"fd": (CELLS, np.array([1e-3, 2e-3, 3e-3, 4e-3]), np.array([1e-2, 1e-3, 9e-5, 1e-5]))}
     told = grid_convergence._answer([climbed()], fine, curves)
-    assert told.startswith("They do: in period and stress drop summation by parts to 1 · 10^{−10}")
+    assert told.startswith("They do: in period and stress drop of their own orbits summation by parts to 1 · 10^{−10};")
     assert "every family tried reaches its order" in told
     assert told.endswith("An error of the state below 1 · 10^{−4} costs 3 ms with `fd`.")
-    assert grid_convergence._answer([climbed()], fine | {"dg:7": 1e-9}, curves).startswith("Not all:")
     assert "1 of 2 families miss their order" in grid_convergence._answer([climbed(), climbed(order=3.5)], fine, curves)
 
 

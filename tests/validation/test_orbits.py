@@ -9,6 +9,7 @@ import pytest
 import slipwave
 from slipwave.observe import EventObserver, HistoryObserver, Pieces, follow
 from slipwave.observe.snapshot import FieldSolver
+from validation.branches.over_r import cycle_of, cycles_in_turn, late_cycles, own_orbit
 from validation.measure.settle import NoCycle, one_cycle, settle
 from validation.references.published import reference_orbit
 from validation.registry.build import build
@@ -151,3 +152,30 @@ def test_the_elastic_stress_of_an_orbit_is_that_of_a_settled_run(model: str) -> 
         follow(solver, begin + 80.0, [history])
         extremes.append([bound(history.columns()["elastic_stress"]) for bound in (np.min, np.max)])
     assert extremes[1] == pytest.approx(extremes[0], abs=1e-5)
+
+
+@pytest.mark.parametrize("model", ["delay", "kelvin-voigt"])
+def test_the_cycle_of_an_orbit_is_that_of_a_settled_run(model: str) -> None:
+    """From its event on, with some transits ahead of it and past its end."""
+    scene = slipwave.read("paper")
+    found = cycle_of(own_orbit(model, scene, 1e-8).closed, before=3.0, after=2.0)
+    run = one_cycle(settle(build(model, scene, tolerance=1e-9), tolerance=1e-7), before=3.0, after=2.0)
+    assert found.period == pytest.approx(run.period, rel=1e-6)
+    assert [found.time.min(), found.time.max()] == pytest.approx([-3.0, found.period + 2.0], abs=0.05)
+    assert np.diff(found.time).min() > 0.0
+    calm = (run.time > 3.0) & (run.time < 60.0)
+    assert np.interp(run.time[calm], found.time, found.stress) == pytest.approx(run.stress[calm], abs=1e-4)
+    at_event = [np.interp(0.0, cycle.time, cycle.slip_rate) / cycle.slip_rate.max() for cycle in (found, run)]
+    assert at_event == pytest.approx([0.5, 0.5], abs=0.05)
+
+
+def test_cycles_of_a_run_in_turn() -> None:
+    """Beyond its torus point; the delay system's periods end between 79.122 and 79.544."""
+    scene = slipwave.read("paper", ["slab.log10_r=-2.65"])
+    cycles = cycles_in_turn("delay", scene, 3, longest=80.0)
+    assert len(cycles) == 3
+    assert all(79.0 < cycle.period < 79.7 for cycle in cycles)
+    assert len({cycle.period for cycle in cycles}) == 3
+    assert all(0.0 <= cycle.time.min() < 0.1 and 0.0 <= cycle.period - cycle.time.max() < 0.1 for cycle in cycles)
+    late = late_cycles("delay", scene, 2200.0).period
+    assert late[:3] == pytest.approx([cycle.period for cycle in cycles], rel=1e-12)

@@ -5,7 +5,8 @@ from pathlib import Path
 
 from reduced.stability import analyse
 from validation.registry.families import one_port_of
-from validation.studies.model_error.runs import MODELS, SHOWN, scene_at
+from validation.studies.bifurcation.branches import scene_at
+from validation.studies.model_error.runs import MODELS, SHOWN
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

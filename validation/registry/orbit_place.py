@@ -35,7 +35,7 @@ def place_on_orbit(solver: Solver) -> float:
     except NumericsError as reason:
         raise NumericsError(f"start.kind = 'orbit': {reason}") from None
     solver.restore(_state(solver, closed))
-    return solver.time + _first_event(closed)
+    return solver.time + first_event(closed)
 
 
 def _state(solver: Any, closed: Closed) -> State:
@@ -64,8 +64,8 @@ def _place(closed: Closed) -> Place:
     return Place(BEGIN, float(z[0]), float(cycle.start[-1]), float(y[0] + (mu - y).mean()))
 
 
-def _first_event(closed: Closed) -> float:
-    """Date (transits from its start) of the orbit's first slip event."""
+def first_event(closed: Closed) -> float:
+    """Date (transits from its start) of the first slip event of a `closed` orbit."""
     cycle, flow = closed.cycle, closed.flow
     observer = EventObserver(flow.scene, flow.nodes)
     within = cycle.pieces.time + cycle.pieces.length <= cycle.period + 1e-9

@@ -1,7 +1,7 @@
 """Branches of periodic orbits in log10 r, from the Hopf point on; the paper's material at V = 100."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -28,6 +28,8 @@ RANGE = (-2.72, -2.3)
 
 FAR = 200.0
 """A period (transits) that no branch of these reaches."""
+
+_NEAR_ONSET, _LARGE_NUDGE = -2.697, 2.0
 
 TOLERANCE = 1e-7
 STEPS = Control(longest=0.02)
@@ -95,6 +97,12 @@ def _paper() -> Scene:
 def scene_at(log10_r: float) -> Scene:
     """The paper's scene at another r."""
     return with_parameter(_paper(), "log10_r", log10_r)
+
+
+def begun_at(log10_r: float) -> Scene:
+    """The same; near the onset with a large nudge, for a small one grows for thousands of transits there."""
+    scene = scene_at(log10_r)
+    return scene if log10_r > _NEAR_ONSET else replace(scene, start=replace(scene.start, size=_LARGE_NUDGE))
 
 
 def unaccounted(branch: Branch) -> int:

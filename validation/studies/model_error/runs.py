@@ -1,69 +1,79 @@
-"""Settled orbits of every reduction and their errors against the delay system's, over r."""
+"""Orbits of every reduction and of the delay system, means where no orbit is stable, and the errors of both over r."""
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-import slipwave
 from reduced.impedance import reduction_of
+from slipwave.errors import NumericsError
+from slipwave.observe.orbit import Estimate
 from slipwave.observe.pieces import Array
-from slipwave.scene import Scene
-from validation.measure.settle import NoCycle, settle
+from validation.branches.over_r import late_cycles, own_orbit
+from validation.measure.correlated import mean_of
+from validation.measure.cycle import watch
 from validation.registry.build import build
+from validation.run.timing import timed
+from validation.studies.bifurcation.branches import begun_at, scene_at
 
 MODELS = ("block12", "block8", "kelvin-voigt", "modal:1", "modal:2", "modal:4", "modal:8")
 SHOWN = (-2.69, -2.68, -2.66)
-"""log10 r of the table."""
+"""log10 r of the table of orbits."""
 
-MOST = 9000.0
-"""Transits after which an orbit must have settled."""
-
-RESTLESS = 1e-6
-"""An orbit whose cycles still differ by more, relative, is not compared."""
+_TOLERANCE = 1e-9
+_TIMED = 1000.0  # transits
 
 
-class ModelRun(NamedTuple):
-    """A model's settled figures at one r, and milliseconds of processor time per 1000 transits."""
+class Figures(NamedTuple):
+    """Period and stress drop with their errors: of an orbit those of its computation, of a mean its standard error."""
 
-    period: float
-    drop: float
-    milliseconds: float
-
-
-Runs = dict[str, dict[float, ModelRun | None]]
-"""model -> log10 r -> its orbit; None where it found none."""
+    period: Estimate
+    drop: Estimate
 
 
-def scene_at(log10_r: float) -> Scene:
-    """The paper's scene at another r."""
-    return slipwave.read("paper", {"slab.log10_r": log10_r})
+Runs = dict[str, dict[float, Figures | None]]
+"""model -> log10 r -> its orbit, or its mean; None where it found none."""
 
 
-def orbit_of(model: str, log10_r: float) -> ModelRun | None:
-    """The settled orbit, None if there is none or it has not settled."""
+def orbit_of(model: str, log10_r: float) -> Figures | None:
+    """The model's own orbit by Newton's method; None if it has none."""
     try:
-        found = settle(build(model, scene_at(log10_r), tolerance=1e-10), tolerance=1e-9, most=MOST)
-    except NoCycle:
+        orbit = own_orbit(model, begun_at(log10_r), _TOLERANCE).orbit
+    except NumericsError:
         return None
-    if found.unrest >= RESTLESS:
-        return None
-    return ModelRun(found.orbit.period.value, found.orbit.stress_drop.value, 1e6 * found.seconds / found.transits)
+    return Figures(orbit.period, orbit.stress_drop)
 
 
-def error(runs: Runs, model: str, log10_r: float, quantity: str) -> float:
-    """Signed relative error of `period` or `drop` against the delay system; NaN where either has no orbit."""
+def mean_at(model: str, log10_r: float, until: float) -> Figures:
+    """Means over the cycles of a run of so many transits, its transient left out."""
+    cycles = late_cycles(model, scene_at(log10_r), until)
+    return Figures(mean_of(cycles.period), mean_of(cycles.stress_drop))
+
+
+def milliseconds_of(model: str) -> float:
+    """Processor time of 1000 transits at log10 r = -2.68."""
+    return 1e3 * timed(lambda: watch(build(model, scene_at(-2.68), tolerance=_TOLERANCE), _TIMED))[0]
+
+
+def error(runs: Runs, model: str, log10_r: float, quantity: str) -> Estimate:
+    """Signed relative error of `period` or `drop` against the delay system; NaN where either has none."""
     ours, exact = runs[model].get(log10_r), runs["delay"].get(log10_r)
     if ours is None or exact is None:
-        return math.nan
-    return float(getattr(ours, quantity) / getattr(exact, quantity) - 1.0)
+        return Estimate(math.nan, math.nan)
+    one, other = getattr(ours, quantity), getattr(exact, quantity)
+    ratio = one.value / other.value
+    return Estimate(ratio - 1.0, ratio * math.hypot(one.error / one.value, other.error / other.value))
 
 
-def curves(runs: Runs) -> dict[str, tuple[Array, Array, Array]]:
-    """By model: log10 r, absolute errors of period and drop."""
-    grid = np.array(list(runs["delay"]))
-    sizes = {model: np.abs([[error(runs, model, x, name) for x in grid] for name in ("period", "drop")]) for model in MODELS}
-    return {model: (grid, *both) for model, both in sizes.items()}
+def column(runs: Runs, model: str, quantity: str, part: Callable[[Estimate], float]) -> Array:
+    """A part of the errors of `model` at every r of the delay system."""
+    return np.array([part(error(runs, model, log10_r, quantity)) for log10_r in runs["delay"]])
+
+
+def sizes(runs: Runs, model: str, quantity: str) -> Array:
+    """Absolute errors of `model` at every r of the delay system."""
+    return np.abs(column(runs, model, quantity, lambda one: one.value))
 
 
 def states(model: str) -> int:

@@ -1,70 +1,112 @@
-"""The reductions' errors as a table and over r, and what is left out."""
+"""The reductions' errors as tables and over r, and what is left out."""
 
 from collections.abc import Mapping
 
-from slipwave.observe.pieces import Array
-from validation.studies.model_error.runs import MODELS, MOST, RESTLESS, SHOWN, Runs, error, orbit_of, states
+import numpy as np
+
+from validation.studies.model_error.runs import MODELS, SHOWN, Runs, column, error, sizes, states
 from validation.study import Cell, Omission, Table, table
-from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
-from validation.study.text import plain
+from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen, ruled
 
-_BEYOND = (-2.65, -2.6, -2.5)
+_QUANTITIES = {"period": "period $T$", "drop": r"stress drop $\Delta\mu$"}
+_SPREAD = 0.003  # log10 r: models beside each other at one r, so that their bars can be told apart
 
 
-def error_table(runs: Runs) -> Table:
+def error_table(orbits: Runs, times: Mapping[str, float]) -> Table:
     """Errors of period and drop, and the time of 1000 transits."""
     rows = []
     for model in ("delay", *MODELS, "fitted:4"):
-        cells: list[Cell] = [model, None if model == "delay" else states(model)]
-        for log10_r in SHOWN:
-            orbit = runs[model][log10_r]
-            cells += [None if model == "delay" else error(runs, model, log10_r, name) for name in ("period", "drop")]
-            cells += [orbit.milliseconds if orbit else None]
-        rows.append(cells)
-    each = [f"T, {log10_r:.2f} [relative] .1e | Δμ [relative] .1e | run [ms] .0f".replace("-", "−") for log10_r in SHOWN]
+        exact = model == "delay"
+        cells: list[Cell] = [model, None if exact else states(model)]
+        cells += [None if exact else error(orbits, model, x, name).value for x in SHOWN for name in _QUANTITIES]
+        rows.append([*cells, times[model]])
+    each = [f"T, {log10_r:.2f} [relative] .1e | Δμ [relative] .1e".replace("-", "−") for log10_r in SHOWN]
     caption = (
-        "Errors of period T and stress drop Δμ against the delay system at log_{10} r = −2.69, −2.68 and −2.66, and the time of "
-        "1000 transits at tolerance 10^{-10}, march and event detection. States: ψ, elastic stress, rate if there is mass, two "
-        "per mode; the delay system’s state is a function. A dash: no settled orbit."
+        "Errors of period T and stress drop Δμ of the orbits, by Newton’s method, against the delay system at log_{10} r = "
+        "−2.69, −2.68 and −2.66; and the time of 1000 transits at −2.68 and tolerance 10^{-10}, march and event detection. "
+        "States: ψ, elastic stress, rate if there is mass, two per mode; the delay system’s state is a function."
     )
-    return table("models", caption, " | ".join(["model | states .0f", *each]), rows, (0,))
+    return table("models", caption, " | ".join(["model | states .0f", *each, "run [ms] .0f"]), rows, (0,))
 
 
-def omissions(runs: Runs) -> tuple[Omission, ...]:
-    """Models and points without an orbit to compare."""
-    beyond = [log10_r for log10_r in _BEYOND if orbit_of("delay", log10_r) is None]
-    listed = ", ".join(f"{log10_r:g}".replace("-", "−") for log10_r in beyond)
+def mean_table(means: Runs) -> Table:
+    """Means of period and drop with their standard errors."""
+    rows = [
+        (model, log10_r, mean.period.value, mean.period.error, mean.drop.value, mean.drop.error)
+        for log10_r in means["delay"]
+        for model in ("delay", *MODELS)
+        if (mean := means[model][log10_r])
+    ]
+    heading = "model | log_{10} r .2f | mean T [transits] .5g | error .1e | mean Δμ [σ] .4f | error .1e"
+    caption = "Means over the cycles of a run where no orbit of the delay system is stable, each with its standard error."
+    return table("deep", caption, heading, rows)
+
+
+def omissions(orbits: Runs) -> tuple[Omission, ...]:
+    """Models without an orbit to compare."""
     lost = [
-        f"`{model}` at {x:g}".replace("-", "−") for model in ("delay", *MODELS) for x, orbit in runs[model].items() if not orbit
+        f"`{model}` at {x:g}".replace("-", "−") for model in ("delay", *MODELS) for x, orbit in orbits[model].items() if not orbit
     ]
-    left_out = [
-        Omission(
-            f"r beyond log_{{10}} r = {SHOWN[-1]:g}.".replace("-", "−"),
-            f"The delay system’s cycles keep changing by more than {plain(RESTLESS, '.0e')} after {MOST:.0f} transits at "
-            f"{listed}: no period to compare.",
-        )
-    ]
-    if not any(runs["quasidynamic"].values()):
+    left_out = [Omission("Quasi-static model.", "It has no limit cycle.")]
+    if not any(orbits["quasidynamic"].values()):
         left_out.append(Omission("Quasi-dynamic model.", "It slides steadily at every r shown; its onset lies above."))
-    left_out.append(Omission("Quasi-static model.", "It has no limit cycle."))
     if lost:
-        left_out.append(Omission("Points where a run had not settled.", f"After {MOST:.0f} transits: {', '.join(lost)}."))
+        left_out.append(Omission("Points where no orbit was found.", f"{', '.join(lost)}."))
     return tuple(left_out)
 
 
-def errors_over_r(curves: Mapping[str, tuple[Array, Array, Array]]) -> Drawing:
-    """`curves`: model -> (log10 r, error of the period, error of the drop); NaN leaves a gap."""
-    figure = canvas(WIDTH, 4.4)
-    panels = figure.subplots(1, 2, sharey=True)
-    for model, (log10_r, *errors) in curves.items():
-        look = pen(model)
-        for axes, sizes in zip(panels, errors, strict=True):
+def errors_over_r(orbits: Runs) -> Drawing:
+    """Absolute errors of the orbits' periods and drops; a missing orbit leaves a gap."""
+    figure, panels = _panels()
+    for axes, quantity in zip(panels, _QUANTITIES, strict=True):
+        for model in MODELS:
+            look = pen(model)
             axes.semilogy(
-                log10_r, sizes, color=look.color, linestyle=look.dashes, marker=look.marker, linewidth=1.1, label=look.label
+                list(orbits["delay"]),
+                sizes(orbits, model, quantity),
+                color=look.color,
+                linestyle=look.dashes,
+                marker=look.marker,
+                linewidth=1.1,
+                label=look.label,
             )
-    for axes, title in zip(panels, ("period $T$", r"stress drop $\Delta\mu$"), strict=True):
-        axes.set(title=title, xlabel=r"$\log_{10} r$")
-        ruled(axes)
     panels[0].set_ylabel("relative error")
     figure.legend(handles=panels[0].get_lines(), loc="outside upper left", ncols=4, handlelength=3.0)
     return figure
+
+
+def errors_of_means(means: Runs) -> Drawing:
+    """Signed differences of the means, in per cent, with two standard errors."""
+    figure, panels = _panels()
+    grid = np.array(list(means["delay"]))
+    for axes, quantity in zip(panels, _QUANTITIES, strict=True):
+        for place, model in enumerate(MODELS):
+            look, beside = pen(model), _SPREAD * (place - 0.5 * (len(MODELS) - 1))
+            values, bars = (
+                100.0 * column(means, model, quantity, part) for part in (lambda one: one.value, lambda one: 2.0 * one.error)
+            )
+            axes.errorbar(
+                grid + beside,
+                values,
+                bars,
+                color=look.color,
+                marker=look.marker,
+                linestyle="none",
+                capsize=2.0,
+                linewidth=1.0,
+                label=look.label,
+            )
+        axes.axhline(0.0, color="#111111", linewidth=0.8)
+    panels[0].set_ylabel("difference of the means (%)")
+    figure.legend(handles=panels[0].containers, loc="outside upper left", ncols=4, handlelength=3.0)
+    return figure
+
+
+def _panels() -> tuple[Drawing, list[Axes]]:
+    """Two panels side by side, period and drop over r."""
+    figure = canvas(WIDTH, 4.4)
+    panels = list(figure.subplots(1, 2, sharey=True))
+    for axes, title in zip(panels, _QUANTITIES.values(), strict=True):
+        axes.set(title=title, xlabel=r"$\log_{10} r$")
+        ruled(axes)
+    return figure, panels

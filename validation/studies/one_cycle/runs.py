@@ -1,27 +1,46 @@
-"""Every model on its settled orbit, with one cycle of it."""
+"""Every model on its own orbit, with one cycle of it; and some models as r grows."""
 
 from typing import NamedTuple
 
 import slipwave
-from slipwave.observe.orbit import Orbit
+from reduced.orbit import PeriodicOrbit, periodic_orbit
+from reduced.orbit.approach import approach
+from slipwave.observe.orbit import Estimate, Orbit
+from slipwave.scene import Scene
+from validation.branches.over_r import cycle_of, cycles_in_turn, late_cycles, own_orbit
+from validation.measure.correlated import mean_of
 from validation.measure.cycle import Cycle
-from validation.measure.settle import Settled, one_cycle, settle
+from validation.measure.settle import one_cycle, settle
 from validation.registry.build import build
+from validation.registry.flows import moving
+from validation.studies.bifurcation.branches import begun_at, scene_at
 
 LOG10_R = -2.68
 CELLS, CFL = 128, 0.5
+COMPARED = ("delay", "kelvin-voigt", "block12")
+"""Models that are followed as r grows."""
+
+_TOLERANCE = 1e-10
+_MARGIN = 4.0  # transits shown on either side of a cycle
+_UNTIL, _LONGEST = 10000.0, 130.0
+_IN_TURN = 6
 
 
 class CycleRun(NamedTuple):
-    """A model on its orbit and one cycle of it."""
+    """A model's orbit with errors of its computation, and one cycle of it."""
 
-    settled: Settled
+    orbit: Orbit
     cycle: Cycle
 
-    @property
-    def orbit(self) -> Orbit:
-        """Its figures."""
-        return self.settled.orbit
+
+class AtR(NamedTuple):
+    """A model at one r: period and stress drop of its stable orbit with its cycle or, where it has none, their means over so many
+    `cycles` of a run with standard errors, and some of these cycles."""
+
+    period: Estimate
+    drop: Estimate
+    drawn: list[Cycle]
+    cycles: int = 0
 
 
 def error(own: CycleRun, exact: CycleRun, quantity: str) -> float:
@@ -30,8 +49,28 @@ def error(own: CycleRun, exact: CycleRun, quantity: str) -> float:
 
 
 def run_model(model: str) -> CycleRun:
-    """Settle `model` on its orbit of the paper's scene, then follow one cycle."""
+    """The orbit of `model` in the paper's scene: by Newton's method, but for the leapfrog, whose steps cannot be fractions of a
+    period and which is run until it has settled."""
     scene = slipwave.read("paper")
-    solver = build(model, scene, cells=CELLS, cfl=CFL) if model == "fd" else build(model, scene, tolerance=1e-10)
-    settled = settle(solver, tolerance=1e-10)
-    return CycleRun(settled, one_cycle(settled, before=4.0, after=4.0, per_piece=2 if model == "fd" else 12))
+    if model == "fd":
+        settled = settle(build(model, scene, cells=CELLS, cfl=CFL), tolerance=_TOLERANCE)
+        return CycleRun(settled.orbit, one_cycle(settled, before=_MARGIN, after=_MARGIN, per_piece=2))
+    found = own_orbit(model, scene, _TOLERANCE)
+    return CycleRun(found.orbit, cycle_of(found.closed, _MARGIN, _MARGIN))
+
+
+def at_r(model: str, log10_r: float) -> AtR:
+    """The model's stable orbit, or a run if none is found."""
+    scene, found = scene_at(log10_r), _settled_orbit(model, begun_at(log10_r))
+    if found is not None:
+        return AtR(found.orbit.period, found.orbit.stress_drop, [cycle_of(found.closed, 0.0, 0.0)])
+    events = late_cycles(model, scene, _UNTIL)
+    drawn = cycles_in_turn(model, scene, _IN_TURN, _LONGEST)
+    return AtR(mean_of(events.period), mean_of(events.stress_drop), drawn, events.period.size)
+
+
+def _settled_orbit(model: str, scene: Scene) -> PeriodicOrbit | None:
+    """The orbit on which a run settles; None if its cycles keep changing."""
+    known = moving(model, scene, _TOLERANCE)
+    guess = approach(known.solver, known.freeze)
+    return periodic_orbit(*guess[:3], _TOLERANCE) if guess.settled else None

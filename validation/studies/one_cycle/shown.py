@@ -4,10 +4,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from reduced.orbit.periodic import relative_error
 from validation.measure.cycle import Cycle
 from validation.measure.settle import SYMBOLS
 from validation.references.published import reference_orbit
-from validation.studies.one_cycle.runs import LOG10_R, CycleRun, error
+from validation.studies.one_cycle.runs import COMPARED, LOG10_R, AtR, CycleRun, error
 from validation.study import Cell, Table, table
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
 
@@ -30,7 +31,8 @@ def drops(runs: dict[str, CycleRun]) -> Table:
     off = "error [relative] .1e"
     heading = f"model | T [transits] .9g | {off} | Δμ [σ] .7f | {off} | Δy [σ] .7f | {off}"
     caption = (
-        "The settled orbit at log_{10} r = −2.68, V = 100. T: time from one slip event to the next on the transit clock; Δμ: "
+        "The orbit at log_{10} r = −2.68, V = 100, by Newton’s method but for the leapfrog’s. T: time from one slip "
+        "event to the next on the transit clock; Δμ: "
         "largest minus smallest stress; Δy: the same for the elastic stress, y′ = ε (V − v). Errors are relative, against the "
         "delay system."
     )
@@ -38,19 +40,16 @@ def drops(runs: dict[str, CycleRun]) -> Table:
 
 
 def rates(runs: dict[str, CycleRun]) -> Table:
-    """Extreme slip rates, and how the run went."""
+    """Extreme slip rates, and the computation's own error."""
     names = ("v_max", "v_min")
     heading = (
-        "model | v_{max} [V*] .8g | error [relative] .1e | v_{min} [V*] .7g | error [relative] .1e | "
-        "cycles run .0f | unrest .0e | failed solves .0f"
+        "model | v_{max} [V*] .8g | error [relative] .1e | v_{min} [V*] .7g | error [relative] .1e | own error [relative] .0e"
     )
-    rows = (
-        (*_row(runs, model, names), own.settled.cycles, own.settled.unrest, own.settled.solver.failures)
-        for model, own in runs.items()
-    )
+    rows = ((*_row(runs, model, names), relative_error(own.orbit)) for model, own in runs.items())
     caption = (
-        "Largest and smallest slip rate v over the cycle, from the dense polynomials. *Unrest* is the largest relative spread "
-        "of any of the five quantities over the last four cycles when the run was stopped: what is left of the transient."
+        "Largest and smallest slip rate v over the cycle, from the dense polynomials. *Own error*: the largest relative error of "
+        "any of the five quantities by the difference of two meshes; for the leapfrog, which is run until it settles, half of "
+        "what its last four cycles differ by."
     )
     return table("rates", caption, heading, rows, (0,))
 
@@ -130,3 +129,41 @@ def _signed(error: float) -> str:
         return f"${100 * error:+.1f}$ %"
     mantissa, _, exponent = f"{error:+.0e}".partition("e")
     return rf"${mantissa}\cdot 10^{{{int(exponent)}}}$"
+
+
+def over_r_table(places: Mapping[float, Mapping[str, AtR]]) -> Table:
+    """Period and stress drop of the models as r grows."""
+    rows = [
+        (log10_r, model, one.period.value, one.period.error, one.drop.value, one.drop.error, one.cycles or None)
+        for log10_r, models in places.items()
+        for model, one in models.items()
+    ]
+    heading = "log_{10} r .3f | model | T [transits] .6g | error .0e | Δμ [σ] .4f | error .0e | cycles .0f"
+    caption = (
+        "Period and stress drop as r grows: of the stable orbit, with the error of its computation; or, where none is found, "
+        "means over so many cycles of a run, with standard errors that allow for the dependence of a cycle on those before it."
+    )
+    return table("growth", caption, heading, rows)
+
+
+def cycles_over_r(places: Mapping[float, Mapping[str, AtR]]) -> Drawing:
+    """One panel for each r: the elastic stress of the models over a cycle."""
+    figure = canvas(WIDTH, 2.4 * ((len(places) + 1) // 2) + 0.6)
+    grid = figure.subplots((len(places) + 1) // 2, 2, sharex=True, sharey=True, squeeze=False)
+    for axes, (log10_r, models) in zip(grid.flat, places.items(), strict=True):
+        for model, one in models.items():
+            style, share = pen(model), 1.0 if one.cycles == 0 else 0.5
+            for cycle in one.drawn:
+                height = cycle.elastic_stress - cycle.elastic_stress.min()
+                axes.plot(cycle.time, height, color=style.color, linestyle=style.dashes, linewidth=share * style.width)
+        axes.set_title(rf"$\log_{{10}} r = {log10_r:g}$")
+    for axes in grid[-1]:
+        axes.set_xlabel("time since the slip event (transits)")
+    for axes in grid[:, 0]:
+        axes.set_ylabel(r"$y$ above its least")
+    handles = [
+        grid[0, 0].plot([], [], color=pen(model).color, linestyle=pen(model).dashes, linewidth=pen(model).width)[0]
+        for model in COMPARED
+    ]
+    figure.legend(handles, [pen(model).label for model in COMPARED], loc="outside upper left", ncols=3, handlelength=3.2)
+    return figure

@@ -1,0 +1,54 @@
+"""What a model does as r grows: its own periodic orbit by Newton's method, stable or not; and, where no orbit is stable, the
+cycles of a long run."""
+
+import numpy as np
+
+from reduced.orbit import PeriodicOrbit
+from reduced.orbit.closing import Closed
+from slipwave.observe import EventObserver, Events, HistoryObserver, follow
+from slipwave.observe.pieces import lagrange_basis, values_at
+from slipwave.scene import Scene
+from validation.measure.cycle import Cycle, cut, watch
+from validation.registry.build import build
+from validation.registry.flows import moving
+from validation.registry.orbit_place import first_event
+from validation.registry.orbits import find_orbit
+
+_TRANSIENT = 1500.0  # transits
+_TOLERANCE = 1e-7  # of a run whose cycles never repeat
+_TURNS = (-1, 0, 1, 2)  # periods of an orbit, of which a cycle needs some
+
+
+def own_orbit(model: str, scene: Scene, tolerance: float, cells: int | None = None) -> PeriodicOrbit:
+    """The orbit of `model` that its run from the start of `scene` comes near to, with relative errors of the figures below
+    `tolerance`. Raises NumericsError if there is none."""
+    return find_orbit(moving(model, scene, tolerance, cells), tolerance).found
+
+
+def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -> Cycle:
+    """A closed orbit as the cycle of its first slip event, with `before` transits ahead of it and `after` transits past its end;
+    its elastic stress is known but for a constant."""
+    period, pieces = closed.cycle.period, closed.cycle.pieces
+    points = (np.arange(per_piece) + 0.5) / per_piece
+    once = (pieces.time[:, None] + pieces.length[:, None] * points).ravel()
+    once = once[once < period]
+    times = np.concatenate([once + turn * period for turn in _TURNS])
+    samples = np.stack([times, *values_at(pieces, lagrange_basis(closed.flow.nodes), np.mod(times, period))])
+    return cut(closed.flow.scene.law, samples, first_event(closed), period, before, after)
+
+
+def late_cycles(model: str, scene: Scene, until: float, cells: int | None = None) -> Events:
+    """The cycles of a run to `until` (transits) after its transient. Raises NumericsError as a run does."""
+    solver = build(model, scene, tolerance=_TOLERANCE) if cells is None else build(model, scene, cells=cells)
+    return watch(solver, until).events(_TRANSIENT)
+
+
+def cycles_in_turn(model: str, scene: Scene, count: int, longest: float, per_piece: int = 4) -> list[Cycle]:
+    """So many cycles of a run in turn, after its transient, if none is longer than `longest` (transits)."""
+    solver = build(model, scene, tolerance=_TOLERANCE)
+    end = _TRANSIENT + (count + 2) * longest
+    history, observer = HistoryObserver(scene.law, solver.nodes, _TRANSIENT), EventObserver(scene, solver.nodes)
+    follow(solver, end, [history, observer])
+    events, samples = observer.events(_TRANSIENT), history.samples(per_piece)
+    each = zip(events.time.tolist(), events.period.tolist(), strict=True)
+    return [cut(scene.law, samples, date, period) for date, period in each][:count]
