@@ -79,7 +79,7 @@ def _near(values: Array, k: int, running: Array, slot: int) -> bool:
     return not (top + reach <= running[slot] and reach - bottom <= running[slot + 1])
 
 
-@njit
+@inlined
 def _split(
     law: Law,
     pieces: Pieces,

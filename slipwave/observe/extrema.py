@@ -56,7 +56,7 @@ def differentiate(basis: Basis, values: Array, slopes: Array) -> None:
             slopes[i] += basis.derivative[i, j] * values[j]
 
 
-@njit
+@inlined
 def _peak(basis: Basis, values: Array, slopes: Array, sign: float, at: int) -> float:
     """Maximum of sign * polynomial between the neighbours of node `at`, where its nodal maximum lies; `slopes` is scratch."""
     n = values.size
@@ -93,7 +93,7 @@ def overshoot(spread: float, nodes: int) -> float:
     return 4.0 * spread / (nodes - 1) ** 2
 
 
-@njit
+@inlined
 def last_slope(basis: Basis, values: Array) -> float:
     """Slope of the polynomial at the last node."""
     slope = 0.0
@@ -116,14 +116,13 @@ def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot
             highest = j
         if values[j] < values[lowest]:
             lowest = j
-    top, bottom = values[highest], -values[lowest]
-    reach = overshoot(top + bottom, n)
-    if top + reach > memory[slot] and (highest < n - 1 or last_slope(basis, values) < 0.0):
-        top = _peak(basis, values, slopes, 1.0, highest)
-    if bottom + reach > memory[slot + 1] and (lowest < n - 1 or last_slope(basis, values) > 0.0):
-        bottom = _peak(basis, values, slopes, -1.0, lowest)
-    memory[slot] = max(memory[slot], top)
-    memory[slot + 1] = max(memory[slot + 1], bottom)
+    reach = overshoot(values[highest] - values[lowest], n)
+    for side in range(2):
+        sign, at = (-1.0, lowest) if side else (1.0, highest)
+        top = sign * values[at]
+        if top + reach > memory[slot + side] and (at < n - 1 or sign * last_slope(basis, values) < 0.0):
+            top = _peak(basis, values, slopes, sign, at)
+        memory[slot + side] = max(memory[slot + side], top)
 
 
 @njit
@@ -139,11 +138,12 @@ def extrema(basis: Basis, rows: Array) -> tuple[float, float]:
 def raise_record_within(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int, begin: float, end: float) -> None:
     """As `raise_record`, for the part [begin, end] of the piece only."""
     differentiate(basis, values, slopes)
-    memory[slot] = max(memory[slot], _peak_within(basis, values, slopes, 1.0, begin, end))
-    memory[slot + 1] = max(memory[slot + 1], _peak_within(basis, values, slopes, -1.0, begin, end))
+    for side in range(2):
+        peak = _peak_within(basis, values, slopes, 1.0 - 2.0 * side, begin, end)
+        memory[slot + side] = max(memory[slot + side], peak)
 
 
-@njit
+@inlined
 def _peak_within(basis: Basis, values: Array, slopes: Array, sign: float, begin: float, end: float) -> float:
     """Maximum of sign * polynomial over [begin, end], where `slopes` are those of the polynomial at the nodes."""
     n = values.size

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from slipwave.compiled import njit
+from slipwave.compiled import inlined, njit
 from slipwave.friction import rate_of, unknown_of
 from slipwave.friction.law import Law
 from slipwave.observe.extrema import bounds, evaluate, find_root
@@ -82,7 +82,7 @@ def _passage(basis: Basis, piece: Array, level: float, node: int) -> float:
     return find_root(basis, z, level, 0.0, basis.nodes[0]) if evaluate(basis, z, 0.0) < level <= z[0] else -1.0
 
 
-@njit
+@inlined
 def _keep(time: float, length: float, z: Array, memory: Array, kept: Array) -> int:
     """Append a piece and return its place. If there is no room, drop the pieces before the front, or else every other piece."""
     front, end = int(memory[FRONT]), int(memory[KEPT])
@@ -102,7 +102,7 @@ def _keep(time: float, length: float, z: Array, memory: Array, kept: Array) -> i
     return end
 
 
-@njit
+@inlined
 def _highest(entry: Array) -> int:
     """Node of the largest value of a kept piece."""
     best = 0

@@ -1,6 +1,7 @@
 """The compile cache is a convenience: whatever is wrong with its folder or files, the answer is the same and the run goes on."""
 
 import errno
+import gc
 import os
 import resource
 import subprocess
@@ -13,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from numba import typeof
+from numba.core import event
 
 from slipwave.compiled import cache as compile_cache
 from slipwave.compiled import njit
@@ -51,6 +53,44 @@ def kept(folder: Path) -> Path:
     """The one file in the cache."""
     (path,) = folder.iterdir()
     return path
+
+
+def test_a_constant_argument_is_compiled_like_any_other() -> None:
+    part: Any = njit(_scaled)
+
+    @njit
+    def whole(number: int) -> int:
+        return int(part(number, 2) + part(number, number))
+
+    assert whole(3) == 15
+    assert len(part.signatures) == 1
+
+
+def _scaled(number: int, factor: int) -> int:
+    return number * factor
+
+
+def test_garbage_is_not_searched_while_code_is_compiled() -> None:
+    part: Any = njit(_scaled)
+    collecting = []
+
+    class Watch(event.Listener):  # type: ignore[misc]
+        def on_start(self, event: event.Event) -> None:
+            collecting.append(gc.isenabled())
+
+        def on_end(self, event: event.Event) -> None:
+            collecting.append(gc.isenabled())
+
+    with event.install_listener("numba:compile", Watch()):
+        assert part(3, 2) == 6
+    assert collecting[0] is False
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        assert part(3.0, 2) == 6.0
+        assert not gc.isenabled()  # as it was
+    finally:
+        gc.enable()
 
 
 def test_what_was_compiled_is_found_again(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
