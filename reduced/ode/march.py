@@ -17,7 +17,7 @@ from slipwave.scene import Scene
 from slipwave.step.collocation import radau
 from slipwave.step.stepper import Stepper
 
-STAGES = 6
+STAGES = 8
 LONGEST = 2.0
 """Longest step (transits)."""
 
@@ -28,7 +28,7 @@ _FIRST = 0.125
 class ReducedModel:
     """Marches `reduction` of the scene's slab pair to `tolerance`, the requested relative error of the cycle's figures.
 
-    Radau IIA with 6 nodes (order 11 at step ends, L-stable), step lengths 2 / 2^level transits. Knots of the drive cause kinks of
+    Radau IIA with 8 nodes (order 15 at step ends, L-stable), step lengths 2 / 2^level transits. Knots of the drive cause kinks of
     the motion; between two knots, step lengths are their distance over powers of two, so that a step ends on each. `failures`
     counts unconverged solves; a step that cannot be solved at the shortest length raises NumericsError naming time and scene (a
     quasi-static model runs away).

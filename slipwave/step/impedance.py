@@ -9,15 +9,10 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from slipwave.compiled import inlined, njit
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
-from slipwave.step.rows import BY_Z, CHANGE, INCREMENT, INVERSE, MISMATCH, RATE, RATE_SLOPE, RATIO, SLOPE
-
-TOGETHER = 3e-3
-"""Influence of other nodes from which all are solved for together. Below, Newton's method takes it into account in the residual
-only and converges linearly, at this rate."""
+from slipwave.step.rows import BY_Z, INCREMENT, INVERSE, MISMATCH, RATE, RATE_SLOPE
 
 
 class Diagonal(NamedTuple):
@@ -61,12 +56,6 @@ def influence(impedance: Impedance, nodes: Nodes, work: Array) -> float:
     raise NotImplementedError(type(impedance))
 
 
-@by_class(inline=True)
-def couple(impedance: Impedance, nodes: Nodes, integral: Array, weak: bool, work: Array) -> None:
-    """work[CHANGE] <- change of psi, and the mismatch as if every other node's z had changed, for all nodes together."""
-    raise NotImplementedError(type(impedance))
-
-
 @own.register(Diagonal)
 def _own_of_diagonal(impedance, j):  # type: ignore[no-untyped-def]
     return impedance.value
@@ -80,11 +69,6 @@ def _others_of_diagonal(impedance, nodes, j, work):  # type: ignore[no-untyped-d
 @influence.register(Diagonal)
 def _influence_in_diagonal(impedance, nodes, work):  # type: ignore[no-untyped-def]
     return 0.0
-
-
-@couple.register(Diagonal)
-def _couple_diagonal(impedance, nodes, integral, weak, work):  # type: ignore[no-untyped-def]
-    return None
 
 
 @own.register(Full)
@@ -114,65 +98,3 @@ def _influence_in_full(impedance, nodes, work):  # type: ignore[no-untyped-def]
         work[INCREMENT, j] -= work[BY_Z, j] * stress * inverse
         largest = max(largest, size * inverse)
     return largest
-
-
-@couple.register(Full)
-def _couple_full(impedance, nodes, integral, weak, work):  # type: ignore[no-untyped-def]
-    _solve_together(nodes, impedance.matrix, impedance.state, impedance.rate, integral, weak, work)
-
-
-@njit
-def _solve_together(nodes: Nodes, matrix: Array, state: Array, rate: Array, integral: Array, weak: bool, work: Array) -> None:
-    """With B = h G_z, P = 1 - A h G_psi and c the right-hand side of psi, linearised friction and state are
-
-        (1 + kappa) dz + ratio dpsi = -mismatch,     dpsi = P^-1 (c + A B dz),
-
-    kappa_jl = K_jl v_z,l / (F_z,j + K_jj v_z,j) for l != j. dpsi is eliminated; if the state couples weakly, P = 1."""
-    s, rows = len(nodes), matrix.shape[0]  # equal; loops over rows are not to be unrolled
-    for j in range(rows):
-        total = work[CHANGE, j]
-        for m in range(s):
-            by_z = integral[m, j] * work[BY_Z, m]
-            state[j, m] = -integral[m, j] * work[SLOPE, m] - by_z * work[RATIO, m]
-            state[j, s + 1 + m] = by_z
-            total += by_z * work[MISMATCH, m]
-        state[j, j] += 1.0
-        state[j, s] = total
-    if not weak:
-        eliminate(state, 2 * s + 1)
-    for j in range(rows):
-        ratio, inverse = work[RATIO, j], work[INVERSE, j]
-        for m in range(s):
-            rate[j, m] = ratio * state[j, s + 1 + m] + matrix[j, m] * work[RATE_SLOPE, m] * inverse
-        rate[j, j] += 1.0 - matrix[j, j] * work[RATE_SLOPE, j] * inverse
-        rate[j, s] = -work[MISMATCH, j] - ratio * state[j, s]
-    eliminate(rate, s + 1)
-    for j in range(rows):
-        change = state[j, s]
-        for m in range(s):
-            change += state[j, s + 1 + m] * rate[m, s]
-        work[CHANGE, j] = change
-        work[MISMATCH, j] = -rate[j, s] - work[RATIO, j] * change
-
-
-@inlined
-def eliminate(system: Array, width: int) -> None:
-    """Replace the columns after the first n by M^-1 times them; M (n, n) are the first. Gauss-Jordan with pivoting; the innermost
-    loops have the constant length `width` of a row, which the compiler unrolls."""
-    n = system.shape[0]
-    for k in range(n):
-        pivot = k
-        for j in range(k + 1, n):
-            if abs(system[j, k]) > abs(system[pivot, k]):
-                pivot = j
-        if pivot != k:
-            for m in range(width):
-                system[k, m], system[pivot, m] = system[pivot, m], system[k, m]
-        inverse = 1.0 / system[k, k]
-        for m in range(width):
-            system[k, m] *= inverse
-        for j in range(n):
-            if j != k:
-                factor = system[j, k]
-                for m in range(width):
-                    system[j, m] -= factor * system[k, m]

@@ -3,7 +3,7 @@
     F(z_j, psi_j) + sum_l K_jl v(z_l) = S_j,     psi' = r G(z, psi) + nudge(t),
 
 with the incoming stress S at the step's nodes and the slabs' impedance K over the step (`slipwave.step.impedance`). z is
-eliminated node by node, which leaves a small linear system for psi; nodes that K couples strongly are solved for together.
+eliminated node by node, which leaves a small linear system (`slipwave.step.linear_system`).
 
 `nodes` is a tuple, so that the compiler knows their number and unrolls the small loops (a factor of 1.7 measured). The parts are
 inlined and take arrays one by one: calls, tuples of arrays and row views cost reference counting (a factor of 1.5 measured).
@@ -15,16 +15,15 @@ from slipwave.compiled import inlined
 from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
-from slipwave.step.impedance import TOGETHER, Impedance, couple, influence, own
+from slipwave.step.impedance import Impedance, influence, own
+from slipwave.step.linear_system import solve_changes
 from slipwave.step.rows import (
     BY_Z,
     CHANGE,
     FORCED,
-    FRESH,
     INCREMENT,
     INVERSE,
     MISMATCH,
-    PREVIOUS,
     RATE,
     RATE_SLOPE,
     RATIO,
@@ -37,8 +36,6 @@ from slipwave.step.rows import (
 
 _MAX_NEWTON = 25
 _LARGEST_CHANGE = 2.0
-_WEAK_COUPLING = 0.04
-_HARDLY_COUPLED = 1e-4
 
 
 @inlined
@@ -69,52 +66,8 @@ def linearise(
 
 
 @inlined
-def neumann(nodes: Nodes, integral: Array, work: Array, sweeps: int) -> None:
-    """change <- (1 + K + ... + K^sweeps) change; accurate enough for a Newton iteration if K = A diag(slope) is small."""
-    s = len(nodes)
-    for j in range(s):
-        work[PREVIOUS, j] = work[CHANGE, j]
-    for _ in range(sweeps):
-        for j in range(s):
-            work[FRESH, j] = work[CHANGE, j]
-        for k in range(s):
-            factor = work[SLOPE, k] * work[PREVIOUS, k]
-            for j in range(s):
-                work[FRESH, j] += integral[k, j] * factor
-        for j in range(s):
-            work[PREVIOUS, j] = work[FRESH, j]
-    for j in range(s):
-        work[CHANGE, j] = work[PREVIOUS, j]
-
-
-@inlined
-def eliminate(nodes: Nodes, integral: Array, work: Array, system: Array) -> None:
-    """change <- (1 - A diag(slope))^-1 change by Gaussian elimination; the diagonal dominates for any resolved step."""
-    s = len(nodes)
-    for k in range(s):
-        factor = work[SLOPE, k]
-        for j in range(s):
-            system[j, k] = -integral[k, j] * factor
-        system[k, k] += 1.0
-    for k in range(s):
-        inverse = 1.0 / system[k, k]
-        system[k, k] = inverse
-        for j in range(k + 1, s):
-            factor = system[j, k] * inverse
-            for m in range(k + 1, s):
-                system[j, m] -= factor * system[k, m]
-            work[CHANGE, j] -= factor * work[CHANGE, k]
-    for k in range(s - 1, -1, -1):
-        factor = work[CHANGE, k] * system[k, k]
-        work[CHANGE, k] = factor
-        for j in range(k):
-            work[CHANGE, j] -= system[j, k] * factor
-
-
-@inlined
-def correct(nodes: Nodes, guess: Array, left_out: float, work: Array) -> float:
-    """Apply the change to psi, z and v in place; returns an estimate of what the linear system neglects. `left_out` is the
-    largest relative coupling that it leaves out.
+def correct(nodes: Nodes, guess: Array, work: Array) -> float:
+    """Apply the change to psi, z and v in place; returns an estimate of what the linear system neglects.
 
     v is continued by v'' = v, exact for v = e^z and v = 2 c sinh z, so no exponential is evaluated again.
     """
@@ -131,7 +84,6 @@ def correct(nodes: Nodes, guess: Array, left_out: float, work: Array) -> float:
         odd = by_z * (1.0 + square * (1.0 / 6.0 + square / 120.0))
         work[RATE, j] = work[RATE, j] * even + work[RATE_SLOPE, j] * odd
         neglected = work[WEIGHT, j] * square + work[WEIGHT_STATE, j] * by_psi * by_psi + 1e-2 * square * square * abs(by_z)
-        neglected += left_out * (abs(by_z) + abs(by_psi))
         if not neglected <= error:  # NaN stays
             error = neglected
     return error
@@ -153,11 +105,7 @@ def solve_step(
     system: Array,
 ) -> int:
     """Newton for the step's nodal psi and z, which replace those in `guess`; nodal v in work[RATE]. Returns iterations, 0 =
-    failed.
-
-    z is eliminated node by node. The small system for psi is solved by a Neumann series if the state couples weakly, as during
-    stick, and by elimination otherwise.
-    """
+    failed."""
     s = len(nodes)
     for iteration in range(1, _MAX_NEWTON + 1):
         coupling = linearise(nodes, law, impedance, h, incoming, i, guess, work)
@@ -170,15 +118,8 @@ def solve_step(
             factor = work[INCREMENT, k]
             for j in range(s):
                 work[CHANGE, j] += integral[k, j] * factor
-        neglected = shared
-        if shared > TOGETHER:
-            neglected = coupling if coupling < _HARDLY_COUPLED else 0.0
-            couple(impedance, nodes, integral, neglected > 0.0, work)
-        elif coupling < _WEAK_COUPLING:
-            neumann(nodes, integral, work, 2 if coupling < 0.01 else 3)
-        else:
-            eliminate(nodes, integral, work, system)
-        error = correct(nodes, guess, neglected, work)
+        left = solve_changes(impedance, nodes, integral, coupling + shared, work, system)
+        error = left + correct(nodes, guess, work)
         if error < newton_tolerance:
             return iteration
     return 0

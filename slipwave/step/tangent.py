@@ -22,7 +22,8 @@ from slipwave.compiled.dispatch import by_class
 from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
-from slipwave.step.impedance import Diagonal, Full, Impedance, eliminate, own
+from slipwave.step.impedance import Diagonal, Full, Impedance, own
+from slipwave.step.linear_system import eliminate
 
 _RATE_BY_STRESS, _RATE_BY_PSI, _BY_STRESS, _BY_PSI = range(4)
 SLOPES = 4
