@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import slipwave
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import Pieces, follow
 from slipwave.observe.lyapunov import WHOLE, largest_exponent
 from validation.registry.build import build
@@ -44,6 +44,10 @@ class Logistic:
         return None
 
 
+class Slow(Logistic):
+    seconds_per_piece = 1.0
+
+
 def test_the_exponent_of_an_irregular_map() -> None:
     """ln 2 in a step of the map with r = 4."""
     found = largest_exponent(Logistic(4.0), Logistic(4.0), WHOLE)
@@ -62,6 +66,13 @@ def test_the_exponent_of_an_orbit_that_attracts() -> None:
 def test_what_stays_has_no_exponent() -> None:
     with pytest.raises(NumericsError, match="slides steadily within rounding at t = 4 transits"):
         largest_exponent(Logistic(2.0, 0.5), Logistic(2.0, 0.5), WHOLE)
+
+
+def test_work_without_end_is_refused_for_its_whole_length() -> None:
+    """1040 intervals of 200 pieces: of each solver, 1 s a piece."""
+    with pytest.raises(SceneError, match=r"model logistic: 416002 transits would take about \d"):
+        largest_exponent(Slow(4.0), Slow(4.0), 400.0, intervals=1000, most_seconds=2e5)
+    assert largest_exponent(Slow(4.0), Slow(4.0), 400.0, intervals=80, most_seconds=4e4).transits == 80 * 400.0
 
 
 def test_twins_must_take_the_same_steps() -> None:
