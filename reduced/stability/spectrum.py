@@ -15,6 +15,7 @@ _RIPPLES = 4.6
 """Leading roots are searched up to this many times pi per longer round trip: two pairs of reverberations."""
 
 _CROWD = 60
+_THINNEST_STRIP = 1e-9
 _DEEPEST_STRIP = 6.0
 _TRIES = 5
 
@@ -76,12 +77,14 @@ def _rectangle(problem: Characteristic, most: int) -> tuple[complex, int]:
     unit, wall = 1.0 / problem.longest, -0.9 * problem.leftmost
     left, top = min(0.3 * unit, wall), max(1.05 * problem.slopes.reach, _RIPPLES * np.pi * unit)
     found = _counted(problem, left, top)
-    while found[1] > _CROWD and left > 1e-9 * unit:
+    if found[1] > _CROWD and (growing := _counted(problem, _THINNEST_STRIP * unit, top))[1] > _CROWD:
+        left, found = _THINNEST_STRIP * unit, growing
+    while found[1] > _CROWD and left > _THINNEST_STRIP * unit:
         fewer = _counted(problem, left / 3.0, top)
         if fewer[1] < most:
             break
         left, found = left / 3.0, fewer
-    while found[1] > _CROWD:  # all fast roots lie in one thin strip: search only the slow ones
+    while found[1] > _CROWD:  # fast roots grow, or lie in one thin strip: search only the slow ones
         top /= 3.0
         found = _counted(problem, left, top)
     while found[1] < most and left < min(_DEEPEST_STRIP * unit, wall):

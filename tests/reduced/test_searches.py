@@ -49,6 +49,8 @@ SEARCHES: dict[str, Callable[[Scene, str], object]] = {
         ("leading roots", "viscous", "delay", 5569),
         ("leading roots", "machine", "delay", 7927),
         ("leading roots", "rock", "delay", 5045),
+        ("leading roots", "paper slab.r=1.6", "delay", 293768),
+        ("leading roots", "paper slab.r=3", "delay", 425180),
         ("leading roots", "paper", "modal:2", 4879),
         ("unstable roots", "reflection", "delay", 17515),
         ("boundary", "paper", "kelvin-voigt", 5775570),
@@ -64,5 +66,6 @@ def test_evaluations_are_as_many_as_measured(
         return variable(s)
 
     monkeypatch.setattr(Jet, "variable", staticmethod(counted))
-    SEARCHES[search](slipwave.read(scene), model)
+    name, *settings = scene.split()
+    SEARCHES[search](slipwave.read(name, settings), model)
     assert points[0] == pytest.approx(evaluations, rel=ROUNDING)

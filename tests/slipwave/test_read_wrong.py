@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import slipwave
 from slipwave.errors import NumericsError, SceneError
-from slipwave.input.wording import nearest
+from slipwave.input.wording import nearest, shorten
 from slipwave.scene import Scene
 
 LAYERS = [{"fraction": 0.5, "impedance": 1.0}, {"fraction": 0.5, "impedance": 2.0}]
@@ -233,6 +233,20 @@ def test_ramps(ramps: Any) -> None:
 )
 def test_layers(layers: Any) -> None:
     assert "upper.layers" in complaint(changed(FULL, "upper.layers", layers))
+
+
+@pytest.mark.parametrize(("excess", "accepted"), [(0.0, True), (9e-10, True), (-9e-10, True), (1.1e-9, False), (-1.1e-9, False)])
+def test_fractions_add_up_to_one_but_for_rounding(excess: float, accepted: bool) -> None:
+    scene = changed(FULL, "upper.layers", [LAYERS[0], LAYERS[1] | {"fraction": 0.5 + excess}])
+    if accepted:
+        assert sum(layer.fraction for layer in slipwave.read(scene).upper.layers) == pytest.approx(1.0, abs=1e-15)
+    else:
+        assert "must be fractions of the round trip that add up to 1, not " in complaint(scene)
+
+
+def test_what_is_nested_is_shown_to_the_second_level() -> None:
+    assert shorten([[[[1]], 2], 3]) == "[[[...], 2], 3]"
+    assert shorten(list(range(9))) == "[0, 1, 2, ...]"
 
 
 @pytest.mark.parametrize("text", ["", "=", "x", "=1", "slab", "slab..r=1", "slab.r", "slab r=1", "slab.r=", "slab.r=1 2", "é=1"])

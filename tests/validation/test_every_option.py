@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import typer
 
 import slipwave as sw
 from slipwave.errors import SceneError
-from validation.cli import INPUT_WRONG, main
+from validation.cli import INPUT_WRONG, app, main
 from validation.registry import build as models
 
 SETTINGS = " --set slab.r=0.002 drive.velocity=50"
@@ -66,6 +67,13 @@ def test_the_command_line_passes_every_option_on(words: str, calls: Callable[[st
     given = calls(words)
     assert given == PASSED | CALLS[words]
     assert given.keys() == known - {"changes"}
+
+
+def test_every_argument_and_option_says_what_it_is_for() -> None:
+    commands: dict[str, Any] = typer.main.get_command(app).commands  # type: ignore[attr-defined]
+    silent = [f"{name} {one.name}" for name, command in commands.items() for one in command.params if not one.help]
+    assert not silent
+    assert all(command.help and "slipwave " in command.epilog for command in commands.values())
 
 
 @pytest.mark.parametrize(

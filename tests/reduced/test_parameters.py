@@ -1,0 +1,48 @@
+"""Parameters by name: each takes the value, and all others keep theirs."""
+
+import pytest
+
+import slipwave
+from reduced.parameters import PARAMETERS, with_parameter
+
+MACHINE = {"kind": "machine", "stiffness": 1.5, "impedance": 0.5, "mass": 0.3}
+SCENES = {
+    "machine": slipwave.read("unlike", [f"upper.face.{key}={value}" for key, value in MACHINE.items()]),
+    "reflection": slipwave.read("reflection"),
+}
+OF_EVERY_SCENE = {
+    "r": lambda scene: scene.upper.round_trip,
+    "epsilon": lambda scene: scene.upper.epsilon,
+    "V": lambda scene: scene.velocity,
+    "a": lambda scene: scene.law.a,
+    "b": lambda scene: scene.law.b,
+    "ratio_r": lambda scene: scene.lower.round_trip / scene.upper.round_trip,
+    "ratio_epsilon": lambda scene: scene.lower.epsilon / scene.upper.epsilon,
+}
+OF_A_FACE = {
+    "machine": {
+        "grip_impedance": lambda scene: scene.upper.face.impedance,
+        "grip_stiffness": lambda scene: scene.upper.face.stiffness,
+        "machine_mass": lambda scene: scene.upper.face.mass,
+    },
+    "reflection": {"reflection": lambda scene: scene.upper.face.coefficient},
+}
+CASES = [
+    (kind, name)
+    for kind, face in OF_A_FACE.items()
+    for name in PARAMETERS
+    if name.removeprefix("log10_") in face | OF_EVERY_SCENE
+]
+
+
+def test_none_is_left_out() -> None:
+    assert {name for _, name in CASES} == set(PARAMETERS)
+
+
+@pytest.mark.parametrize(("kind", "name"), CASES)
+def test_it_takes_the_value_and_all_others_keep_theirs(kind: str, name: str) -> None:
+    scene, plain = SCENES[kind], name.removeprefix("log10_")
+    changed = with_parameter(scene, name, -0.5) if name != plain else with_parameter(scene, name, 0.125)
+    for other, read in (OF_EVERY_SCENE | OF_A_FACE[kind]).items():
+        wanted = (0.125 if name == plain else 10.0**-0.5) if other == plain else read(scene)
+        assert read(changed) == pytest.approx(wanted, rel=1e-14), other
