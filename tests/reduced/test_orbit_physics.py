@@ -1,5 +1,5 @@
 """Orbits of the delay system and of reductions against independent programs, by second methods
-against themselves, and in other scenes where they are orbits too."""
+against themselves."""
 
 import dataclasses
 import math
@@ -23,7 +23,6 @@ from reduced.orbit.multipliers import floquet
 from reduced.orbit.returns import repeats_sooner
 from slipwave import read
 from slipwave.errors import NumericsError
-from slipwave.observe.pieces import lagrange_basis, values_at
 from tests.closing import largest
 
 REFERENCE = {
@@ -191,38 +190,6 @@ def test_multipliers_by_differences_of_the_march():
     assert largest(measured - closed.monodromy) < 1e-5 * largest(closed.monodromy)
     expected = np.sort_complex(np.linalg.eigvals(closed.monodromy))
     assert np.sort_complex(np.linalg.eigvals(measured)) == pytest.approx(expected, abs=1e-5)
-
-
-def on_orbit(closed, times):
-    """What leaves the interface, mu - S - eps/2 (v - V), and psi at any times (transits of the orbit)."""
-    scene, cycle = closed.flow.scene, closed.cycle
-    z, psi, mu, _ = values_at(cycle.pieces, lagrange_basis(closed.flow.nodes), np.mod(times, cycle.period))
-    return mu - scene.steady_stress - 0.5 * scene.upper.epsilon * (np.exp(z) - scene.velocity), psi
-
-
-def in_thicker_slabs(closed, turns, period):
-    """Largest difference of psi from that of the orbit, after its motion was put into slabs 1 + `turns` * `period` times as thick
-    and marched over a period. A state holds what left the interface: in the last half transit outwards, before that inwards."""
-    flow, ratio = closed.flow, 1.0 + turns * period
-    other = delay.DelayFlow(read("paper", {"slab.r": flow.scene.transit * ratio}), ratio / flow.length)
-    ages = ((np.arange(other.kept)[:, None] - other.kept + other.nodes) * other.length).ravel()
-    outward, inward = (on_orbit(closed, (ages - earlier) * ratio)[0] for earlier in (0.0, 0.5))
-    start = np.r_[outward, inward, closed.cycle.start[-1]]
-    pieces = other.march(start, period / ratio).pieces
-    times = (pieces.time[:-1, None] + pieces.length[:-1, None] * other.nodes) * ratio
-    return largest(pieces.psi[:-1] - on_orbit(closed, times.ravel())[1].reshape(times.shape))
-
-
-@pytest.mark.parametrize("turns", [0, 1, 2, 3])
-def test_an_orbit_is_one_of_much_thicker_slabs_too(turns):
-    """r only sets the delay of the waves on the clock of friction: the motion of an orbit of T transits at r is that of one of
-    T/(1 + k T) transits at r (1 + k T), where waves are late by k periods more. Measured: 6e-12;
-    an error of the period enters k times."""
-    closed = found("delay", -2.68, 1e-11).closed
-    period = closed.cycle.period
-    assert in_thicker_slabs(closed, turns, period) < 1e-10
-    wrong = [in_thicker_slabs(closed, turns, period * (1.0 + change)) for change in (1e-8, 1e-7)]
-    assert wrong == pytest.approx([5.304e-6 * turns, 5.304e-5 * turns], rel=0.01, abs=1e-10)
 
 
 def test_a_run_that_creeps_past_a_lost_orbit_is_followed_on():

@@ -130,7 +130,7 @@ def test_coexisting_orbits_are_all_found():
 
 def test_what_is_omitted_is_said(result):
     assert any(omission.what.startswith("P9") for omission in result.omissions)
-    assert bifurcation._ENDS[False].keys() - bifurcation._ENDS[True].keys() == {"modal:1", "modal:2", "modal:4"}
+    assert bifurcation._ENDS[False].keys() - bifurcation._ENDS[True].keys() == {"modal:1", "modal:2", "modal:4", "modal:8"}
 
 
 def test_how_much_of_the_structure_a_model_has():

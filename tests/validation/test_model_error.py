@@ -68,7 +68,8 @@ def test_the_orbit_and_the_mean_of_the_torus(result):
     rows = {row[0]: row for row in result.tables[1].rows if row[1] == -2.65}
     for model in ("delay", "modal:8"):
         assert abs(rows[model][2] - 79.3225) < 2.0 * rows[model][3] < 0.1
-    assert rows["kelvin-voigt"][2:4] == pytest.approx([75.30034, 0.0], abs=1e-5)
+    assert rows["kelvin-voigt"][2] == pytest.approx(75.30034, abs=1e-5)
+    assert rows["kelvin-voigt"][3] is None
 
 
 @pytest.mark.parametrize(("off", "outcome"), [(0.019, "pass"), (-0.019, "pass"), (0.021, "fail"), (-0.021, "fail")])

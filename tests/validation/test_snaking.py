@@ -7,8 +7,12 @@ import pytest
 from roomy import too_roomy
 from shown import quick
 
+from slipwave.observe.orbit import Estimate
+from validation.branches.over_r import own_orbit
+from validation.studies.bifurcation.branches import scene_at
 from validation.studies.snaking import verdicts
-from validation.studies.snaking.runs import Run, multiplier_of
+from validation.studies.snaking.reappearance import in_thicker_slabs
+from validation.studies.snaking.runs import Attractor, Run, Torus, attractor, multiplier_of, passages
 from validation.study import Outcome
 
 
@@ -19,7 +23,7 @@ def result():
 
 def test_every_verdict_holds(result, as_recorded):
     assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
-    assert len(result.verdicts) == 6
+    assert len(result.verdicts) == 11
     as_recorded("snaking", result)
     assert too_roomy(result.verdicts) == []
 
@@ -96,3 +100,76 @@ def test_a_pair_of_folds_for_each_transit(growth, outcome):
     turns = [74.0, 75.0, 75.0 + growth]
     folds = [special("LP", -2.7, period) for turn in turns for period in (turn, turn + 0.3)]
     assert verdicts.once_per_transit(branch(special("LP", -2.7, 59.0), *folds)).outcome == outcome
+
+
+@pytest.fixture(scope="module")
+def exact():
+    return own_orbit("delay", scene_at(-2.68), 1e-11).closed
+
+
+@pytest.mark.parametrize("turns", [0, 1, 2, 3])
+def test_an_orbit_is_one_of_much_thicker_slabs_too(exact, turns):
+    """r only sets the delay of the waves on the clock of friction: the motion of an orbit of T transits at r is that of one of
+    T/(1 + k T) transits at r (1 + k T), where waves are late by k periods more. Measured: 6e-12;
+    an error of the period enters k times."""
+    period = exact.cycle.period
+    assert in_thicker_slabs(exact, turns, period) < 1e-10
+    wrong = [in_thicker_slabs(exact, turns, period * (1.0 + change)) for change in (1e-8, 1e-7)]
+    assert wrong == pytest.approx([5.304e-6 * turns, 5.304e-5 * turns], rel=0.01, abs=1e-10)
+
+
+@pytest.mark.parametrize(("residual", "outcome"), [(0.9e-10, "pass"), (3e-10, "fail")])
+def test_an_orbit_that_does_not_reappear_fails(residual, outcome):
+    assert verdicts.reappears({0: 1e-12, 1: residual}).outcome == outcome
+
+
+def attracted(last, period, settled=True, log10_r=-2.66):
+    return Attractor(0.5, run([last] * 8, settled)._replace(log10_r=log10_r), period)
+
+
+@pytest.mark.parametrize(
+    ("second", "outcomes"),
+    [
+        (attracted(78.0, 78.0), ["pass", "pass"]),
+        (attracted(77.0, 77.0), ["pass", "fail"]),
+        (attracted(78.0 + 5e-7, 78.0), ["fail", "pass"]),
+        (attracted(78.0, 78.0, settled=False), ["fail", "pass"]),
+        (attracted(78.0, 78.0, log10_r=-2.65), ["pass", "fail"]),
+    ],
+)
+def test_two_orbits_must_attract_runs_at_one_r(second, outcomes):
+    assert [verdict.outcome for verdict in verdicts.coexisting([attracted(77.0, 77.0), second])] == outcomes
+
+
+def test_a_run_is_compared_with_the_nearest_stable_orbit(monkeypatch):
+    monkeypatch.setattr("validation.studies.snaking.runs.run_at", lambda log10_r, size: run([78.4] * 8))
+    orbits = [orbit(77.0), orbit(78.3, multiplier=1.2 + 0.1j), orbit(79.0)]
+    assert attractor(-2.66, 2.0, orbits).orbit == 79.0
+
+
+def test_passages_of_a_level():
+    """Upwards, and once in a cycle though the motion ripples about the level."""
+    time = np.linspace(0.0, 320.0, 320001)
+    pulses = 2.0 * np.exp(-(((time % 80.0) - 40.0) ** 2) / 20.0)
+    ripples = 0.4 * np.sin(2.0 * np.pi * time) * (np.abs(pulses - 1.0) < 0.9)
+    found = passages(time, pulses + ripples - 3.0, -2.0)
+    assert (np.diff(np.sign(pulses + ripples - 1.0)) > 0).sum() > 4
+    assert found == pytest.approx(40.0 - np.sqrt(20.0 * np.log(2.0)) + 80.0 * np.arange(4), abs=1.5)
+    assert np.diff(found) == pytest.approx([80.0] * 3, abs=1e-6)
+
+
+TORUS = Torus(Estimate(79.323, 0.01), 79.1222, 79.5449, 0.26327)
+
+
+@pytest.mark.parametrize(
+    ("changes", "outcomes"),
+    [
+        ({}, ["pass", "pass"]),
+        ({"rotation": 0.2638}, ["fail", "pass"]),
+        ({"mean": Estimate(79.36, 0.01)}, ["pass", "fail"]),
+        ({"shortest": 79.025}, ["pass", "fail"]),
+        ({"longest": 79.65}, ["pass", "fail"]),
+    ],
+)
+def test_a_torus_off_the_known_one_fails(changes, outcomes):
+    assert [verdict.outcome for verdict in verdicts.on_torus(TORUS._replace(**changes))] == outcomes

@@ -4,11 +4,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from slipwave.observe.orbit import Estimate
 from validation.studies.model_error.runs import MODELS, SHOWN, Runs, column, error, sizes, states
 from validation.study import Cell, Omission, Table, table
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen, ruled
 
 _QUANTITIES = {"period": "period $T$", "drop": r"stress drop $\Delta\mu$"}
+_ALIKE = 1e-6  # relative standard error of cycles that repeat
 _SPREAD = 0.003  # log10 r: models beside each other at one r, so that their bars can be told apart
 
 
@@ -32,14 +34,21 @@ def error_table(orbits: Runs, times: Mapping[str, float]) -> Table:
 def mean_table(means: Runs) -> Table:
     """Means of period and drop with their standard errors."""
     rows = [
-        (model, log10_r, mean.period.value, mean.period.error, mean.drop.value, mean.drop.error)
+        (model, log10_r, mean.period.value, _scatter(mean.period), mean.drop.value, _scatter(mean.drop))
         for log10_r in means["delay"]
         for model in ("delay", *MODELS)
         if (mean := means[model][log10_r])
     ]
     heading = "model | log_{10} r .2f | mean T [transits] .5g | error .1e | mean Δμ [σ] .4f | error .1e"
-    caption = "Means over the cycles of a run where no orbit of the delay system is stable, each with its standard error."
+    caption = (
+        "Means over the cycles of a run where no orbit of the delay system is stable, each with its standard "
+        "error; a dash: the cycles are all alike."
+    )
     return table("deep", caption, heading, rows)
+
+
+def _scatter(mean: Estimate) -> Cell:
+    return mean.error if mean.error > _ALIKE * mean.value else None
 
 
 def omissions(orbits: Runs) -> tuple[Omission, ...]:

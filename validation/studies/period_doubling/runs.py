@@ -1,16 +1,23 @@
 """The ODE's orbit of T = 79.09, the doubled orbit beside it, and the branches of both as far as the period doublings."""
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from reduced.continuation.branch import Control, follow_branch
+from reduced.continuation.doubling import difference_of_halves
 from reduced.continuation.mesh import Family
 from reduced.continuation.point import Point
 from reduced.continuation.special import Special
 from reduced.continuation.start import from_orbit, metric_for
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import approach
+from reduced.orbit.closing import close
+from reduced.orbit.multipliers import floquet
+from validation.branches.follow import Head, Limits, begin, follow
+from validation.branches.parameter import over_range
+from validation.branches.record import Branch
 from validation.measure.cycle import watch
 from validation.registry.flows import moving
 from validation.studies.bifurcation.branches import RANGE, scene_at
@@ -24,6 +31,7 @@ _MARCHED = 6000.0
 _BEYOND = (-2.597, -2.578)  # log10 r just outside the pair of period doublings
 _NEAR = 0.997  # multiplier of doubled orbits above which their branch is taken to its end by a straight line
 _STEPS = Control(longest=0.02)
+_ROUGH = 1e-5  # of the other bubbles
 
 
 class Doubled(NamedTuple):
@@ -38,6 +46,7 @@ class Doubled(NamedTuple):
     bubble: list[Point]
 
 
+@cache
 def doubled() -> Doubled:
     """Both orbits by Newton's method from a run, and their branches in both directions."""
     model = moving(MODEL, scene_at(AT), _TOLERANCE)
@@ -72,3 +81,35 @@ def _both_ways(orbit: PeriodicOrbit, largest: float) -> tuple[list[Point], list[
     ]
     down, up = ([point for step in way for point in (*(one.point for one in step.special), step.point)] for way in ways)
     return [*down[::-1], begin, *up], [one for way in ways for step in way for one in step.special]
+
+
+class Bubble(NamedTuple):
+    """A branch of doubled orbits from the period doubling at log10 r = `born` to where its two halves become the same, `ends`;
+    there the simple orbit, half of it, has the `multiplier`; (log10 r, half of the period) of its `points`; its special points,
+    as (kind, log10 r)."""
+
+    born: float
+    ends: float
+    multiplier: float
+    points: list[tuple[float, float]]
+    special: list[tuple[str, float]]
+
+
+def bubble(low: float, high: float) -> Bubble:
+    """The doubled orbits from the first period doubling between these log10 r on, at first towards the higher one."""
+    found = Branch(over_range(f"log10_r={low}:{high}", scene_at(AT)), MODEL, _ROUGH, doubled=True)
+    points = [begin(found).point]
+    points += [head.point for head in follow(found, Head(points[0], Control.first, metric_for(low, high)), Limits())]
+    (before, far), (last, near) = ((point.parameter, difference_of_halves(point) ** 2) for point in points[-2:])
+    ends = last + near * (last - before) / (far - near)  # the square of the difference vanishes linearly
+    halves = [(one.value, 0.5 * one.period) for one in found.points]
+    born, *special = ((one.kind, one.value) for one in found.special)
+    return Bubble(born[1], ends, _multiplier_of_half(points[-1], ends), halves, special)
+
+
+def _multiplier_of_half(point: Point, log10_r: float) -> float:
+    """The multiplier nearest to -1 of the simple orbit at `log10_r`, whose motion is about that of half of a doubled one."""
+    flow, start, period = point.closed.flow, point.closed.cycle.start, 0.5 * point.closed.cycle.period
+    flow, state = flow.remeshed(flow.march(start, period), 1.0)
+    values = floquet(close(flow.of(scene_at(log10_r)), state, period).monodromy)[0]
+    return float(values[np.abs(values + 1.0).argmin()].real)

@@ -1,6 +1,7 @@
 """The two orbits in planes of the interface's variables, their branches over r, and a table of their figures."""
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -9,13 +10,15 @@ from reduced.continuation.point import Point
 from reduced.orbit import PeriodicOrbit
 from slipwave.observe.pieces import Array
 from validation.studies.bifurcation.shown import MARKS
-from validation.studies.period_doubling.runs import AT, Doubled
+from validation.studies.period_doubling.runs import AT, Bubble, Doubled
 from validation.study import Table, table
 from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
 from validation.study.text import plain
 
 _DOUBLE = "#d55e00"
 _THIN = (0, (1.5, 1.2))
+_TEN = math.log(10.0)
+_EVERY = 4  # nodes of a step, of which one is drawn
 
 
 def orbit_table(found: Doubled) -> Table:
@@ -31,7 +34,18 @@ def _row(name: str, orbit: PeriodicOrbit) -> tuple[str | float, ...]:
     return (name, *orbit.orbit.values().values(), multipliers)
 
 
-def planes(found: Doubled) -> Drawing:
+def bubble_table(bubbles: Iterable[Bubble]) -> Table:
+    """The other bubbles, with the special points of their doubled orbits."""
+    rows = [(one.born, one.ends, _places(one, "PD"), _places(one, "LP")) for one in bubbles]
+    heading = "born at [log_{10} r] .9f | ends at [log_{10} r] .6f | doubles again at [log_{10} r] | turns at [log_{10} r]"
+    return table("bubbles", "Branches of doubled orbits of the other two pairs of period doublings.", heading, rows)
+
+
+def _places(bubble: Bubble, kind: str) -> str:
+    return ", ".join(f"{place:.7f}" for name, place in bubble.special if name == kind).replace("-", "−") or "–"
+
+
+def planes(found: Doubled, others: Iterable[Bubble] = ()) -> Drawing:
     """The paper's Fig 7: both orbits in two planes; below, T and half the doubled period over r."""
     figure = canvas(WIDTH, 6.6)
     grid = figure.subplot_mosaic([["stress", "state"], ["branch", "branch"]], height_ratios=(1.2, 1.0))
@@ -55,6 +69,8 @@ def planes(found: Doubled) -> Drawing:
         period[(r > ends[0]) & (r < ends[-1]) if stable else (r < ends[0]) | (r > ends[-1])] = np.nan
         axes.plot(r, period, color=single["color"], linestyle="-" if stable else _THIN, linewidth=1.3)
     axes.plot(*_periods(found.bubble, 0.5), color=_DOUBLE, linewidth=1.3)
+    for other in others:
+        axes.plot(*np.array(other.points).T, color=_DOUBLE, linewidth=1.3)
     places = [[one.point.parameter, one.point.closed.cycle.period] for one in found.special]
     axes.plot(*np.array(places).T, MARKS["PD"], color=single["color"], markerfacecolor="white", label="period doubling")
     axes.set(xlabel=r"$\log_{10} r$", ylabel="$T$, half of the doubled $T$")
@@ -69,7 +85,7 @@ def _periods(points: list[Point], share: float) -> tuple[Array, Array]:
     return np.array([point.parameter for point in points]), share * np.array([point.closed.cycle.period for point in points])
 
 
-def _curves(orbit: PeriodicOrbit) -> tuple[Array, Array, Array]:
-    """log10 v, mu and log10 phi at the ends of an orbit's steps."""
+def _curves(orbit: PeriodicOrbit) -> list[Array]:
+    """log10 v, mu and log10 phi at some nodes of an orbit's steps."""
     pieces = orbit.closed.cycle.pieces
-    return pieces.z[:, -1] / math.log(10.0), pieces.mu[:, -1], pieces.psi[:, -1] / math.log(10.0)
+    return [values[:, _EVERY - 1 :: _EVERY].ravel() for values in (pieces.z / _TEN, pieces.mu, pieces.psi / _TEN)]

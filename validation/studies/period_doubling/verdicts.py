@@ -1,12 +1,13 @@
 """What the two orbits must show: P10, the closed bubble of doubled orbits (P9), agreement with AUTO-07p and with a run."""
 
 from validation.references.published import half_digit, reference
-from validation.studies.period_doubling.runs import AT, Doubled, end
+from validation.studies.period_doubling.runs import AT, Bubble, Doubled, end
 from validation.study import Evidence, Verdict, of_paper
 from validation.study.bounds import bounded
 
 _PERIOD = 3e-5  # transits; 2.6e-6 was measured, the digits of r in the reference
 _RUN = 1e-10  # 2e-12 was measured
+_PASSES = 0.03  # 5e-3 was measured
 _ENDS = 3e-7  # of log10 r; 1.5e-8 was measured, the straight line's
 
 
@@ -57,3 +58,15 @@ def closes(found: Doubled) -> Verdict:
     claim = "P9 The doubled orbits connect the two period doublings of the pair: their branch is a closed bubble"
     remark = "log_{10} r; where the doubled orbits’ multiplier reaches 1, against where the single orbit’s passes −1"
     return bounded(claim, Evidence.EXACT, off, _ENDS, remark)
+
+
+def ends_simple(bubble: Bubble) -> Verdict:
+    """The end of another bubble: the simple orbit that both halves become is at a period doubling of its own."""
+    return bounded(
+        "P9 The doubled orbits of the other pairs connect two period doublings: each of the three branches is a closed bubble",
+        Evidence.EXACT,
+        abs(bubble.multiplier + 1.0),
+        _PASSES,
+        f"distance of the simple orbit’s multiplier from −1 where the halves of the doubled one become the same, log_{{10}} r = "
+        f"{bubble.ends:.6f}; born at {bubble.born:.7f}".replace("-", "−"),
+    )

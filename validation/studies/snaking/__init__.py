@@ -1,11 +1,21 @@
 """The delay system's branch of orbits folds back and forth: evidence from two meshes and from runs beside a torus point."""
 
 from reduced.continuation.branch import Control
-from validation.studies.bifurcation.branches import Branch, branch_of
-from validation.studies.snaking.runs import run_at
-from validation.studies.snaking.shown import coexisting_table, fold_pairs, pair_table, snake, window_table
-from validation.studies.snaking.verdicts import meshes, once_per_transit, settles, wanders
-from validation.study import Budget, Figure, Number, Omission, StudyResult
+from validation.branches.over_r import own_orbit
+from validation.studies.bifurcation.branches import Branch, branch_of, scene_at
+from validation.studies.snaking.reappearance import in_thicker_slabs
+from validation.studies.snaking.runs import attractor, run_at, torus_at
+from validation.studies.snaking.shown import (
+    attractor_table,
+    coexisting_table,
+    fold_pairs,
+    pair_table,
+    reappearance_table,
+    snake,
+    window_table,
+)
+from validation.studies.snaking.verdicts import coexisting, meshes, on_torus, once_per_transit, reappears, settles, wanders
+from validation.study import Budget, Figure, Number, StudyResult
 
 NAME = "snaking"
 QUESTION = "How many orbits does the exact system have at one r, and which of them are stable?"
@@ -19,6 +29,10 @@ _SHORT = Control(longest=0.01)
 _SHOWN = {True: (-2.66,), False: (-2.66, -2.65, -2.64, -2.63, -2.62)}
 """log10 r at which coexisting orbits are listed."""
 
+_COEXIST = {True: (-2.66,), False: (-2.66, -2.655)}
+_NUDGES = (0.5, 2.0)
+"""log10 r and sizes of the nudges of runs that may end on different orbits."""
+
 _BEFORE, _BEYOND = -2.659, -2.6565
 """log10 r of direct runs on both sides of the first torus point, where the branch has one orbit."""
 
@@ -31,16 +45,29 @@ def run(budget: Budget) -> StudyResult:
     budget.report(0.9)
     orbits = {log10_r: branch.orbits_at(log10_r) for log10_r in _SHOWN[budget.quick]}
     runs = [run_at(log10_r) for log10_r in (_BEFORE, _BEYOND)]
+    starts = [(log10_r, size) for log10_r in _COEXIST[budget.quick] for size in _NUDGES]
+    attractors = [attractor(log10_r, size, branch.orbits_at(log10_r)) for log10_r, size in starts]
+    again = own_orbit("delay", scene_at(-2.68), 1e-11).closed
+    residuals = {turns: in_thicker_slabs(again, turns, again.cycle.period) for turns in range(4)}
     beside = [branch.orbits_at(log10_r)[-1] for log10_r in (_BEFORE, _BEYOND)]
     return StudyResult(
         answer=_answer(branch, max(map(len, orbits.values()))),
         figures=(Figure("snake", _CAPTION, lambda: snake(branch, runs)),),
-        tables=(pair_table(branch), window_table(branch.corners), coexisting_table(orbits)),
+        tables=(
+            pair_table(branch),
+            window_table(branch.corners),
+            coexisting_table(orbits),
+            attractor_table(attractors),
+            reappearance_table(again, residuals),
+        ),
         verdicts=(
             *meshes(branch, finer),
             once_per_transit(branch),
             *settles(runs[0], beside[0]),
             wanders(runs[1], beside[1]),
+            *coexisting(attractors),
+            *on_torus(torus_at(-2.65)),
+            reappears(residuals),
         ),
         notes=(_WHY,),
         numbers={
@@ -48,7 +75,6 @@ def run(budget: Budget) -> StudyResult:
             for log10_r, found in orbits.items()
             for n, closed in enumerate(found, 1)
         },
-        omissions=(_REAPPEARS,),
     )
 
 
@@ -69,7 +95,4 @@ _CAPTION = (
 _WHY = (
     "Ripples of one transit decorate the cycle. As r grows, T grows, and a new ripple enters the cycle about once per transit of "
     "T; each time the branch turns to smaller r and back. Such snakes are known of other systems with long delays."
-)
-_REAPPEARS = Omission(
-    "Orbits at r (1 + k T).", "An orbit of T transits at r is an orbit at r (1 + k T) too, k = 1, 2 ...; not shown here."
 )

@@ -1,6 +1,7 @@
 """The snake of folds in the (r, T) plane, its pairs of folds, its windows of stability, and orbits that coexist."""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from reduced.orbit.multipliers import count_unstable, floquet
 from validation.studies.bifurcation.branches import Branch, Corner, column, parts
 from validation.studies.bifurcation.shown import draw_branch, draw_special, special_keys
 from validation.studies.bifurcation.waves import COMPARED
-from validation.studies.snaking.runs import Run
+from validation.studies.snaking.runs import Attractor, Run
 from validation.study import Cell, Table, table
 from validation.study.drawing import WIDTH, Drawing, canvas, ruled
 from validation.study.text import plain
@@ -75,6 +76,33 @@ def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
     lead, found = floquet(closed.monodromy)[0][0], figures_of(closed)
     multiplier = plain(lead.real, ".4f") + (f" ± {plain(abs(lead.imag), '.4f')} i" if lead.imag else "")
     return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), multiplier)
+
+
+def attractor_table(attractors: Iterable[Attractor]) -> Table:
+    """Runs from nudges of different size, and the orbits on which they settle."""
+    rows = [(one.run.log10_r, one.size, float(one.run.last[-1]), one.orbit, one.apart) for one in attractors]
+    heading = (
+        "log_{10} r .3f | nudge .1f | T of the run [transits] .7f | T of the orbit [transits] .7f | difference [relative] .0e"
+    )
+    return table(
+        "attractors",
+        "Direct runs from nudges of different size, beside the stable orbit of the branch nearest to each.",
+        heading,
+        rows,
+    )
+
+
+def reappearance_table(closed: Closed, residuals: Mapping[int, float]) -> Table:
+    """Where an orbit reappears."""
+    period, r = closed.cycle.period, closed.flow.scene.transit
+    rows = [
+        (turns, math.log10(r * (1.0 + turns * period)), period / (1.0 + turns * period), off) for turns, off in residuals.items()
+    ]
+    caption = (
+        "The orbit of log_{10} r = −2.68 put into slabs that are 1 + k T times as thick, where it has T/(1 + k T) transits: "
+        "largest difference of ψ in a march over the period there."
+    )
+    return table("reappearance", caption, "k .0f | log_{10} r .6f | T [transits] .8f | difference of ψ .0e", rows)
 
 
 def snake(branch: Branch, runs: Iterable[Run]) -> Drawing:

@@ -1,11 +1,14 @@
 """What the snake must show: the same points on two meshes, folds once per transit, runs that do what the multipliers say."""
 
+from collections.abc import Iterable, Mapping
+
 import numpy as np
 
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import floquet
+from validation.references.published import reference
 from validation.studies.bifurcation.branches import Branch
-from validation.studies.snaking.runs import Run, multiplier_of
+from validation.studies.snaking.runs import Attractor, Run, Torus, multiplier_of
 from validation.studies.snaking.shown import fold_pairs
 from validation.study import Evidence, Verdict, judge
 from validation.study.bounds import bounded
@@ -14,6 +17,10 @@ _MESHES = 1e-8  # 5e-10 was measured
 _ONE = 0.2  # distance from 1 of the last growth of T: 0.03 was measured on the quick branch, 0.008 on the full one
 _SAME = 4e-9  # 1.5e-10 was measured, the rest of the run
 _PAIR = 1e-3  # 1e-4 was measured
+_ATTRACTED = 2e-9  # 9e-11 was measured
+_REAPPEARS = 1e-10  # 6e-12 was measured
+_ROTATION = 5e-4  # 6e-5 was measured
+_RANGE = 5e-3  # transits; 9e-4 was measured
 
 
 def meshes(branch: Branch, finer: Branch) -> tuple[Verdict, Verdict]:
@@ -90,6 +97,70 @@ def wanders(run: Run, orbit: Closed) -> Verdict:
         f"{low:.3f} to {high:.3f}",
         judge(not run.settled and low < orbit.cycle.period < high and high - low > 1e-3),
         f"log_{{10}} r = {run.log10_r:g}, T in transits".replace("-", "−"),
+    )
+
+
+def coexisting(attractors: Iterable[Attractor]) -> tuple[Verdict, Verdict]:
+    """Runs from different nudges at one r."""
+    listed = list(attractors)
+    ends = {log10_r: {round(one.orbit, 6) for one in listed if one.run.log10_r == log10_r} for log10_r in _places(listed)}
+    return (
+        bounded(
+            "Runs from a small and from a large nudge settle on orbits of the branch",
+            Evidence.WITNESS,
+            float(np.max([one.apart for one in listed])),
+            _ATTRACTED,
+            f"relative difference of T, {len(listed)} runs at {len(ends)} r",
+        ),
+        Verdict(
+            "Two stable orbits coexist at one r, and each attracts runs",
+            Evidence.WITNESS,
+            "two at each r",
+            ", ".join(f"{len(found)} at {log10_r:g}".replace("-", "−") for log10_r, found in ends.items()),
+            judge(all(len(found) == 2 for found in ends.values())),
+            "the size of the nudge decides which",
+        ),
+    )
+
+
+def _places(attractors: list[Attractor]) -> list[float]:
+    return list(dict.fromkeys(one.run.log10_r for one in attractors))
+
+
+def reappears(residuals: Mapping[int, float]) -> Verdict:
+    """An orbit put into thicker slabs."""
+    return bounded(
+        "An orbit of T transits at r is an orbit at r (1 + k T) too",
+        Evidence.EXACT,
+        max(residuals.values()),
+        _REAPPEARS,
+        f"largest difference of ψ over a period, k = {', '.join(map(str, residuals))}, the orbit at log_{{10}} r = −2.68",
+    )
+
+
+def on_torus(found: Torus) -> tuple[Verdict, Verdict]:
+    """A long run beyond the first torus point, against the independent program's."""
+    known = reference()["torus"]
+    ends = max(abs(found.shortest - known["period_range"][0]), abs(found.longest - known["period_range"][1]))
+    off = abs(found.mean.value - known["mean_period"])
+    where = f"log_{{10}} r = {known['log10_r']:g}".replace("-", "−")
+    return (
+        bounded(
+            "A run on the torus has the rotation number that another program finds",
+            Evidence.WITNESS,
+            abs(found.rotation - known["rotation_number"]),
+            _ROTATION,
+            where,
+            f"{found.rotation:.5f}, known {known['rotation_number']}",
+        ),
+        Verdict(
+            "Its periods have the mean and the range that another program finds",
+            Evidence.WITNESS,
+            f"{known['mean_period']}, {known['period_range'][0]} to {known['period_range'][1]}",
+            f"{found.mean.value:.4f} ± {found.mean.error:.4f}, {found.shortest:.3f} to {found.longest:.3f}",
+            judge(off < 3.0 * found.mean.error and ends < _RANGE),
+            f"transits, {where}; three standard errors are allowed, and {_RANGE:g} at the ends",
+        ),
     )
 
 
