@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/installed
 
-.PHONY: install test report wheel bench docs faults mutants
+.PHONY: install test report wheel bench docs cf faults mutants
 
 install: $(STAMP)
 
@@ -38,6 +38,11 @@ bench: $(STAMP)
 docs: $(STAMP) requirements-docs.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --requirement requirements-docs.lock
 	$(BIN)/mkdocs build --quiet --strict
+
+# files of results of every kind, by a checker of the CF conventions that shares nothing with slipwave
+cf: $(STAMP) requirements-cf.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --requirement requirements-cf.lock
+	$(BIN)/python -m tests.conventions
 
 # make faults PART=4 plants one in four of the faults; the commit decides which
 faults: $(STAMP)

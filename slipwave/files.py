@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all, and what all netCDF files have in common."""
 
 import os
 from collections.abc import Iterator
@@ -6,6 +6,12 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from slipwave.errors import SceneError
+
+CONVENTIONS = "CF-1.11"
+"""The conventions that netCDF files follow; `make cf` checks them."""
+
+TIME = "elapsed_time"
+"""The time coordinate of netCDF files. CF (4.4) reserves the name `time` for times that have a date."""
 
 _LONGEST_STEM = 40
 _PROBE = 1 << 20  # bytes; a disk with less room counts as full

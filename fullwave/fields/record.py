@@ -7,6 +7,7 @@ one slab is kept; the other is its mirror image, with the sign of the velocity c
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from importlib.metadata import version
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
+from slipwave.files import CONVENTIONS, TIME
 from slipwave.observe import Final, follow
 from slipwave.observe.follow import Observer
 from slipwave.observe.pieces import SAME, Array
@@ -59,15 +61,15 @@ class Field:
         import xarray
 
         variables: dict[str, object] = {}
-        coordinates: dict[str, object] = {"time": ("time", self.time, _notes("time", "transit"))}
+        coordinates: dict[str, object] = {TIME: (TIME, self.time, _notes("time since the start of the run", "transit"))}
         for name, slab in self.slabs.items():
             depth = f"{name}_depth"
             place = _notes(f"depth in the {name} slab, 0 at the interface", "travel time through the slab")
             coordinates[depth] = (depth, slab.depth, place)
             motion = _notes(f"velocity in the {name} slab, positive along the upper face's drive", "V*")
             load = _notes(f"shear stress in the {name} slab", "normal stress")
-            variables[f"{name}_velocity"] = (("time", depth), slab.velocity, motion)
-            variables[f"{name}_stress"] = (("time", depth), slab.stress, load)
+            variables[f"{name}_velocity"] = ((TIME, depth), slab.velocity, motion)
+            variables[f"{name}_stress"] = ((TIME, depth), slab.stress, load)
         found = xarray.Dataset(variables, coordinates, self._facts())
         for coordinate in found.coords.values():
             coordinate.encoding["_FillValue"] = None  # of a coordinate no value is missing
@@ -75,6 +77,8 @@ class Field:
 
     def _facts(self) -> dict[str, str | float]:
         facts: dict[str, str | float] = {
+            "Conventions": CONVENTIONS,
+            "history": f"{datetime.now(UTC).isoformat(timespec='seconds')} fields of a run",
             "title": f"fields of scene {self.scene.name} by model {self.model}",
             "scene": self.scene.name,
             "scene_digest": self.scene.digest,

@@ -99,6 +99,13 @@ def test_what_a_model_does_not_have_is_missing_in_the_table_of_compare() -> None
     rows = found.summary["models"]
     assert [row["error"]["period"] for row in rows] == [0.0, None]
     assert_table(found, rows)
+    notes = {name: found.dataset[name].attrs for name in ("period_std", "error_period", "wall_s", "model")}
+    assert notes == {
+        "period_std": {"long_name": "period standard deviation; time to the next event", "units": "1", "in_units_of": "transit"},
+        "error_period": {"long_name": "relative error of period", "units": "1"},
+        "wall_s": {"long_name": "run time in seconds", "units": "s"},
+        "model": {"long_name": "model"},
+    }
 
 
 def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypatch: pytest.MonkeyPatch) -> None:

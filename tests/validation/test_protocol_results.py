@@ -11,6 +11,7 @@ import pytest
 import xarray
 
 import slipwave
+from slipwave.files import TIME
 from slipwave.observe.stages import StageFigures
 from validation.cli import main
 from validation.door.protocol_figure import protocol_figure
@@ -152,8 +153,8 @@ def test_the_slip_of_the_figure_is_the_integral_of_the_slip_rate() -> None:
     scene = slipwave.read("paper")
     time, rate, stress = [0.0, 1.0, 1.0, 3.0], [1.0, 3.0, 10.0, 4.0], [0.6, 0.61, 0.63, 0.62]
     stages = [StageFigures("start", 0.0, 1.0, 1.0), StageFigures("step", 1.0, 3.0, 10.0)]
-    history = {"interface_stress": ("time", stress), "interface_slip_rate": ("time", rate)}
-    by_time, by_slip = protocol_figure(scene, "delay", xarray.Dataset(history, {"time": time}), stages).axes
+    history = {"interface_stress": (TIME, stress), "interface_slip_rate": (TIME, rate)}
+    by_time, by_slip = protocol_figure(scene, "delay", xarray.Dataset(history, {TIME: time}), stages).axes
     clock, slip = (axes.lines[-1].get_xdata() for axes in (by_time, by_slip))
     assert clock.tolist() == pytest.approx([scene.transit * moment for moment in time], rel=1e-14)
     assert slip.tolist() == pytest.approx([scene.transit * slipped for slipped in (0.0, 2.0, 2.0, 16.0)], rel=1e-14)

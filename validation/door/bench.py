@@ -48,7 +48,7 @@ class BenchResult(Result):
     @cached_property
     def dataset(self) -> Dataset:
         """Wall time and errors of each run by `trial`, with its model and setting."""
-        data = table_of(self.summary["models"], "trial")
+        data = table_of(self.summary["models"], "trial", self.scene)
         return data.assign_attrs(provenance("bench", self.scene, self.reference.solver.model, {}))
 
     def plot(self) -> Drawing:

@@ -54,7 +54,7 @@ class CompareResult(Result):
     @cached_property
     def dataset(self) -> Dataset:
         """The figures of each run by `model`: means, spreads and errors."""
-        data = table_of(self.summary["models"], "model")
+        data = table_of(self.summary["models"], "model", self.scene)
         return data.assign_attrs(provenance("compare", self.scene, ",".join(data["model"].values.tolist()), self.options))
 
     def plot(self) -> Drawing:

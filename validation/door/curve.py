@@ -56,7 +56,7 @@ class CurveResult(Result):
         """The points by `point`."""
         rows = [_at(self.found, point) for point in self.found.points]
         rows = [row | dict(zip(("multiplier_re", "multiplier_im"), row.pop("multiplier"), strict=True)) for row in rows]
-        return table_of(rows, "point").assign_attrs(_facts(self.found, self.options))
+        return table_of(rows, "point", self.found.over.base).assign_attrs(_facts(self.found, self.options))
 
     def plot(self) -> Drawing:
         """The plane of both parameters, and the period."""

@@ -1,8 +1,9 @@
 """The motion of the interface in a figure: stress and slip rate over time, with second axes in SI where the scene has units."""
 
+from slipwave.files import TIME
 from slipwave.scene import Scene
 from validation.door.result import Dataset
-from validation.run.quantities import INTERFACE, si_factor
+from validation.run.quantities import INTERFACE, si_factor, stored_name
 from validation.study.drawing import Axes, Drawing, canvas
 
 _LABELS = {"time": "time / transits", "stress": "friction stress / normal stress", "slip_rate": "slip rate / V*"}
@@ -26,13 +27,13 @@ def motion_figure(scene: Scene, title: str, data: Dataset) -> Drawing:
     """The history of the interface in the dataset of a result. Call it inside `styled()`."""
     figure, above, below = motion_axes(scene, title)
     for axes, name in ((above, "stress"), (below, "slip_rate")):
-        axes.plot(data["time"].values, data[f"interface_{name}"].values, color="#111111", linewidth=0.9)
+        axes.plot(data[TIME].values, data[stored_name(name)].values, color="#111111", linewidth=0.9)
     return figure
 
 
 def _second(axes: Axes, direction: str, name: str, scene: Scene) -> None:
     """The axis of a quantity in SI, opposite its own."""
-    factor = si_factor(INTERFACE[name if name == "time" else f"interface_{name}"], scene)
+    factor = si_factor(INTERFACE[stored_name(name)], scene)
     functions = (lambda values: values * factor, lambda values: values / factor)
     second = axes.secondary_xaxis("top", functions) if direction == "x" else axes.secondary_yaxis("right", functions)
     (second.set_xlabel if direction == "x" else second.set_ylabel)(_SI_LABELS[name])

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from slipwave.extras import require
+from slipwave.files import TIME
 from slipwave.input import SceneSource
 from slipwave.input.stored import recall
 from slipwave.observe.history import named_columns
@@ -21,7 +22,7 @@ from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, announced, finite, scene_of
 from validation.registry.flows import flowing
 from validation.registry.orbits import OrbitFound, require_tolerance
-from validation.run.quantities import EVENTS, INTERFACE, cycle_in_si, variables
+from validation.run.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
 from validation.study.drawing import Drawing, styled
 
 TOLERANCE = 1e-8
@@ -37,14 +38,14 @@ class OrbitResult(Result):
 
     @cached_property
     def dataset(self) -> Dataset:
-        """The motion over one period by `time` from 0, multipliers by `multiplier`, and the orbit's figures with their errors."""
+        """The motion over a period by `elapsed_time`, multipliers by `multiplier`, and the orbit's figures with their errors."""
         require("files", "a dataset")
         import xarray
 
         closed, scene = self.found.found.closed, self.found.scene
         columns = _motion(closed.cycle, closed.flow.nodes, scene)
-        time = variables("time", {"time": columns.pop("time")}, INTERFACE, scene)
-        values = variables("time", columns, INTERFACE, scene)
+        time = variables(TIME, {TIME: columns.pop(TIME)}, INTERFACE, scene)
+        values = variables(TIME, columns, INTERFACE, scene)
         for name, value in self.found.found.orbit.values().items():
             values |= variables((), {name: value}, EVENTS, scene)
             error = getattr(self.found.found.orbit, name).error
@@ -117,4 +118,4 @@ def _motion(cycle: Cycle, nodes: Array, scene: Scene) -> dict[str, Array]:
     time = pieces.time[:, None] + pieces.length[:, None] * nodes
     rows = np.stack([values.ravel() for values in (time, *pieces[2:])])
     rows = rows[:, np.flatnonzero(np.diff(rows[0], prepend=-1.0) > 0.0)]
-    return {name if name == "time" else f"interface_{name}": values for name, values in named_columns(scene.law, rows).items()}
+    return {stored_name(name): values for name, values in named_columns(scene.law, rows).items()}

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from slipwave.files import TIME
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
 from validation.door.result import Dataset
@@ -17,7 +18,7 @@ def protocol_figure(scene: Scene, model: str, data: Dataset, stages: Sequence[St
     """
     units = scene.units
     second, length, names = (units.time, 1e6 * units.memory_length, ("s", "um")) if units else (1.0, 1.0, ("L/V*", "L"))
-    clock, rate = data["time"].values * scene.transit, data["interface_slip_rate"].values
+    clock, rate = data[TIME].values * scene.transit, data["interface_slip_rate"].values
     steps = 0.5 * (rate[1:] + rate[:-1]) * np.maximum(np.diff(clock), 0.0)
     slip = np.concatenate(([0.0], np.cumsum(steps)))
     begins = np.array([stage.start for stage in stages[1:]]) * scene.transit

@@ -7,13 +7,14 @@ from importlib.metadata import version
 from typing import Any
 
 from slipwave.errors import SceneError
+from slipwave.files import CONVENTIONS
 from slipwave.friction.law import name_of
 from slipwave.friction.own import own_law
 from slipwave.input.tables import to_toml
 from slipwave.scene import Scene
 from validation.report.provenance import commit
 
-SCHEMA = 1
+SCHEMA = 2
 """Version of the names in files and of the keys of the JSON of every command."""
 
 
@@ -23,7 +24,7 @@ def provenance(command: str, scene: Scene, model: str, options: Mapping[str, Any
     now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
     program = f"slipwave {version('slipwave')}, commit {commit()}"
     return {
-        "Conventions": "CF-1.11",
+        "Conventions": CONVENTIONS,
         "title": f"slipwave {command} of scene {scene.name} with model {model}",
         "institution": "computed by the user",
         "source": program,

@@ -18,6 +18,7 @@ from slipwave.input import SceneSource, read, read_scene
 from slipwave.input.wording import nearest, shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from validation.run.quantities import column_notes
 from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
@@ -160,16 +161,17 @@ def _scalars(facts: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield key, f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def table_of(rows: Sequence[Mapping[str, Any]], dimension: str) -> Dataset:
-    """The rows of a summary as variables over `dimension`: numbers and words by their dotted keys, NaN where there is none."""
+def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) -> Dataset:
+    """The rows of a summary on `scene` as variables over `dimension`: numbers and words by their dotted keys, NaN where there is
+    none."""
     require("files", "a dataset")
     import xarray
 
     flat = [dict(_leaves(row)) for row in rows]
     names = dict.fromkeys(name for row in flat for name in row)
-    columns = {name: [row.get(name) for row in flat] for name in names}
-    values = {name.replace(".", "_"): (dimension, _column(column)) for name, column in columns.items()}
-    found = xarray.Dataset(values)
+    columns = {name: _column([row.get(name) for row in flat]) for name in names}
+    notes = {name: column_notes(name, scene, column.dtype == float) for name, column in columns.items()}
+    found = xarray.Dataset({name.replace(".", "_"): (dimension, columns[name], notes[name]) for name in names})
     return found.set_coords("model") if "model" in found else found
 
 

@@ -4,11 +4,13 @@ Values are dimensionless, as everywhere: `units` is "1" and `in_units_of` says o
 states `si_factor` and `si_units`, and all but histories have a twin in SI, named as in the JSON (`period_s`, `stress_drop_Pa`).
 """
 
+import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from numpy.typing import ArrayLike
 
+from slipwave.files import TIME
 from slipwave.scene import Scene
 
 
@@ -43,12 +45,21 @@ STAGES = {
     "stage_healing": Quantity("peak after the hold minus the friction stress before it", "normal stress"),
 }
 INTERFACE = {
-    "time": Quantity("time", "transit"),
+    TIME: Quantity("time since the start of the run, of an orbit since the start of its period", "transit"),
     "interface_slip_rate": Quantity("slip rate v", "V*"),
     "interface_psi": Quantity("state ln phi"),
     "interface_stress": Quantity("friction stress mu", "normal stress"),
     "interface_elastic_stress": Quantity("elastic stress y", "normal stress"),
 }
+
+
+def stored_name(column: str) -> str:
+    """Name in files and datasets of a column of the interface's history (`slipwave.observe.history`)."""
+    return TIME if column == "time" else f"interface_{column}"
+
+
+_IN_WORDS = {"re": "real part", "im": "imaginary part", "std": "standard deviation", "wall": "run time", "s": "in seconds"}
+_IN_WORDS |= {"error": "relative error of", "difference": "difference of", "margin": "margin of"}
 _SI = {"transit": ("s", "s"), "normal stress": ("Pa", "Pa"), "V*": ("m s-1", "m_per_s"), "L": ("m", "m")}
 """Unit in SI, and how names of values in it end."""
 
@@ -68,12 +79,21 @@ def si_factor(quantity: Quantity, scene: Scene) -> float | None:
 
 
 def attributes(quantity: Quantity, scene: Scene) -> dict[str, Any]:
-    """Attributes of a variable. Elapsed time in transits is no time coordinate of CF (4.4), which would need a date."""
+    """Attributes of a variable."""
     found: dict[str, Any] = {"long_name": quantity.meaning, "units": "1"}
     if quantity.unit:
         found["in_units_of"] = quantity.unit
     factor = si_factor(quantity, scene)
     return found if factor is None else found | {"si_factor": factor, "si_units": _SI[quantity.unit][0]}
+
+
+def column_notes(key: str, scene: Scene, numbers: bool) -> dict[str, Any]:
+    """Attributes of a column of a table of results, of `numbers` or of words, by its key: `period.mean`, `error.period`."""
+    words = " ".join(_IN_WORDS.get(part, part) for part in re.split(r"[._]", key))
+    figure = EVENTS.get(key.partition(".")[0])
+    if figure:
+        return attributes(Quantity(f"{words}; {figure.meaning}", figure.unit), scene)
+    return {"long_name": words} | ({"units": "s" if key == "wall_s" else "1"} if numbers else {})
 
 
 def in_si(name: str, values: ArrayLike, quantity: Quantity, scene: Scene) -> dict[str, tuple[Any, dict[str, str]]]:

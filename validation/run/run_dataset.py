@@ -12,11 +12,11 @@ import numpy as np
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
-from slipwave.files import whole_or_absent
+from slipwave.files import TIME, whole_or_absent
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
 from validation.run.history_file import HistoryFile
-from validation.run.quantities import EVENTS, INTERFACE, MARGINS, STAGES, attributes, in_si, variables
+from validation.run.quantities import EVENTS, INTERFACE, MARGINS, STAGES, attributes, in_si, stored_name, variables
 from validation.run.simulate import Run
 
 if TYPE_CHECKING:
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 def run_dataset(
     done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures] = (), history: HistoryFile | None = None
 ) -> "xarray.Dataset":
-    """The run with the attributes `facts`: cycles by `event`, stages by `stage`, the history, all of it in memory, by `time`."""
+    """The run with the attributes `facts`: cycles by `event`, stages by `stage`, the history by `elapsed_time`; all of it is in
+    memory."""
     data = _figures(done, facts, stages)
     if history is None:
         return data
@@ -37,8 +38,8 @@ def run_dataset(
 
     scene, parts = done.solver.scene, [_renamed(part) for part in history.parts()]
     columns = {name: np.concatenate([np.empty(0), *(part[name] for part in parts)]) for name in INTERFACE}
-    time, values = {"time": columns.pop("time")}, variables("time", columns, INTERFACE, scene, twins=False)
-    return data.merge(xarray.Dataset(values, variables("time", time, INTERFACE, scene)))
+    time, values = {TIME: columns.pop(TIME)}, variables(TIME, columns, INTERFACE, scene, twins=False)
+    return data.merge(xarray.Dataset(values, variables(TIME, time, INTERFACE, scene)))
 
 
 def write_run(
@@ -105,18 +106,18 @@ def _append_history(path: Path, history: HistoryFile, scene: Scene) -> None:
     import netCDF4
 
     with netCDF4.Dataset(path, "a") as file:
-        file.createDimension("time", len(history))
+        file.createDimension(TIME, len(history))
         for name, quantity in INTERFACE.items():
             _column(file, name, attributes(quantity, scene))
-        twin = {name: notes for name, (_, notes) in in_si("time", 0.0, INTERFACE["time"], scene).items()}
+        twin = {name: notes for name, (_, notes) in in_si(TIME, 0.0, INTERFACE[TIME], scene).items()}
         for name, notes in twin.items():
             _column(file, name, notes)
-        for name in INTERFACE.keys() - {"time"} if twin else ():
+        for name in INTERFACE.keys() - {TIME} if twin else ():
             file[name].setncattr("coordinates", " ".join(twin))
         first = 0
         for part in history.parts():
             columns = _renamed(part)
-            columns |= {name: values for name, (values, _) in in_si("time", part["time"], INTERFACE["time"], scene).items()}
+            columns |= {name: values for name, (values, _) in in_si(TIME, part["time"], INTERFACE[TIME], scene).items()}
             for name, values in columns.items():
                 file[name][first : first + values.size] = values
             first += part["time"].size
@@ -124,9 +125,9 @@ def _append_history(path: Path, history: HistoryFile, scene: Scene) -> None:
 
 def _column(file: "netCDF4.Dataset", name: str, notes: Mapping[str, Any]) -> None:
     """A variable over time; no value of a coordinate may be missing."""
-    missing = None if name.startswith("time") else math.nan
-    file.createVariable(name, "f8", ("time",), fill_value=missing).setncatts(notes)
+    missing = None if name.startswith(TIME) else math.nan
+    file.createVariable(name, "f8", (TIME,), fill_value=missing).setncatts(notes)
 
 
 def _renamed(part: Mapping[str, Any]) -> dict[str, Any]:
-    return {name if name == "time" else f"interface_{name}": values for name, values in part.items()}
+    return {stored_name(name): values for name, values in part.items()}
