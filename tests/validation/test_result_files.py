@@ -87,7 +87,7 @@ def test_thinning_and_window_keep_what_they_say(tmp_path: Path) -> None:
     inside = whole.isel(elapsed_time=(whole["elapsed_time"] >= 20.0) & (whole["elapsed_time"] <= 45.5)).isel(
         elapsed_time=slice(None, None, 7)
     )
-    assert part["elapsed_time"].size > 30
+    assert part["elapsed_time"].size > 20
     xarray.testing.assert_equal(part, inside)
     text = sw.run("paper", "block8", until=60, every=7, window="20:45.5").dataset
     xarray.testing.assert_equal(part, text)
