@@ -66,7 +66,7 @@ def follow_branch(
             if refinements == MOST_REFINEMENTS:
                 raise too_rough(new, tolerance)
             family, point = _refined(family, point, metric, tolerance)
-            size, refinements = 0.5 * used, refinements + 1
+            size, refinements = used if refinements == 0 else 0.5 * used, refinements + 1
             continue
         refinements = 0
         angle = metric.angle(point.tangent, new.tangent)

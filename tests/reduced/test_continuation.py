@@ -215,6 +215,17 @@ def test_the_mesh_is_refined_as_the_motion_gets_rougher():
     require_closed_form(SUBCRITICAL, steps)
 
 
+def test_a_step_on_another_mesh_is_as_long_as_before():
+    """A mesh may only have to follow a motion that shifts; it is where it cannot that steps become shorter."""
+    family = family_of(SUPERCRITICAL, roughest=0.5)
+    first = at(family, SUPERCRITICAL, 0.1)
+    steps = branch(family, first, lambda q: q.parameter < 0.7, control=Control(first=0.05, longest=0.05))
+    points = [first, *(step.point for step in steps)]
+    assert len({point.closed.flow.steps for point in points}) > 1
+    chords = [METRIC.length(new.unknowns - old.unknowns) for old, new in zip(points, points[1:], strict=False)]
+    assert min(chords) > 0.045
+
+
 def test_a_branch_ends_where_no_mesh_resolves_the_motion():
     family = family_of(SUPERCRITICAL, roughest=0.75, stuck=True)  # twice |w| = 1/0.75 at s = 0.44
     found = []
