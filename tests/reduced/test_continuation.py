@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -222,7 +223,7 @@ def test_a_step_on_another_mesh_is_as_long_as_before():
     steps = branch(family, first, lambda q: q.parameter < 0.7, control=Control(first=0.05, longest=0.05))
     points = [first, *(step.point for step in steps)]
     assert len({point.closed.flow.steps for point in points}) > 1
-    chords = [METRIC.length(new.unknowns - old.unknowns) for old, new in zip(points, points[1:], strict=False)]
+    chords = [METRIC.length(new.unknowns - old.unknowns) for old, new in pairwise(points)]
     assert min(chords) > 0.045
 
 
