@@ -13,6 +13,9 @@ from slipwave.input.wording import one_line, shorten
 
 SUFFIX = ".nc"
 
+GRID_OPTIONS = ("cells", "cfl", "time")
+"""Options of a call that belong to the grid of one model."""
+
 
 class Stored(NamedTuple):
     """What a file says of its origin: the `command` that wrote it, the scene's `tables`, the model and the options of the call,
@@ -51,13 +54,15 @@ def read_stored(path: str | Path) -> Stored:
 
 def recall(source: object, command: str, model: str, given: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
     """(model, options) of a call: what is `given`, and for a file of results of the same `command` what it holds where the model
-    is "auto" and an option None. Raises SceneError for a file of another command."""
+    is "auto" and an option None. Options of a grid hold for the file's own model only. Raises SceneError for a file of another
+    command."""
     if not is_stored(source):
         return model, dict(given)
     stored = read_stored(Path(str(source)))
     if stored.command != command:
         raise SceneError(f"SCENE = {shorten(str(source))}: is a result of slipwave {stored.command}, not of slipwave {command}")
-    options = {name: stored.options.get(name) if value is None else value for name, value in given.items()}
+    known = {name: value for name, value in stored.options.items() if model in ("auto", stored.model) or name not in GRID_OPTIONS}
+    options = {name: known.get(name) if value is None else value for name, value in given.items()}
     return (stored.model if model == "auto" else model), options
 
 

@@ -110,6 +110,26 @@ def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):
         assert resumed["point_second"].values.tolist() == [point.second for point in expected]
 
 
+def test_a_file_is_computed_again_with_what_is_given_in_place_of_what_it_holds(tmp_path, capsys):
+    file = tmp_path / "curve.nc"
+    first = sw.curve("paper", "HB", "log10_r=-2.8:-2.6", "V=90:92", "block8", tol=1e-5, out=file, settings=["interface.a=0.0348"])
+    assert main(["curve", str(file), "--json"]) == 0
+    again = json.loads(capsys.readouterr().out)
+    assert again["points"] == first.summary["points"]
+    assert (again["model"], len(again["points"]) > 2) == ("block8", True)
+    shorter = sw.curve(file, along="V=90:91")
+    assert shorter.options == {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:91", "tol": 1e-5, "most_points": 100}
+    assert 90.5 < max(point.second for point in shorter.found.points) <= 91.0
+
+
+@pytest.mark.parametrize("left_out", ["of", "over", "and"])
+def test_what_is_missing_is_named(left_out, capsys):
+    given = {"of": "LP", "over": "log10_r=-2.72:-2.68", "and": "V=100:120"}
+    words = [word for name, value in given.items() if name != left_out for word in (f"--{name}", value)]
+    assert main(["curve", "paper", *words]) == INPUT_WRONG
+    assert f"--{left_out}: missing; must be given, as in --{left_out} {given[left_out]}" in capsys.readouterr().err
+
+
 def test_a_file_of_another_curve_is_refused(tmp_path, capsys):
     file = tmp_path / "one.nc"
     sw.curve(*FOLDS, tol=1e-4, most_points=1, out=file)

@@ -81,6 +81,17 @@ def test_what_is_given_goes_before_what_the_file_holds(tmp_path: Path) -> None:
     assert facts == [("kelvin-voigt", 20.0, 1e-4, 10.0**-2.6), ("block8", 12.0, 1e-5, 0.002)]
 
 
+def test_the_grid_of_a_file_belongs_to_its_model(tmp_path: Path) -> None:
+    """Cells, step and march of a full wave are not those of another model, which takes its own."""
+    sw.run("paper", "fd", until=4, cells=8, cfl=0.5, every=3).to_netcdf(tmp_path / "x.nc")
+    same, other = sw.run(tmp_path / "x.nc"), sw.run(tmp_path / "x.nc", "delay")
+    assert (same.options["cells"], same.options["cfl"], same.options["every"]) == (8, 0.5, 3)
+    assert (other.options["cells"], other.options["cfl"], other.options["every"]) == (None, None, 3)
+    assert other.done.final == sw.run("paper", "delay", until=4, interface=True).done.final
+    with pytest.raises(sw.SceneError, match="cells"):
+        sw.run(tmp_path / "x.nc", "delay", cells=8)
+
+
 def test_thinning_and_window_keep_what_they_say(tmp_path: Path) -> None:
     whole = sw.run("paper", "block8", until=60, interface=True).dataset
     part = sw.run("paper", "block8", until=60, every=7, window=(20.0, 45.5)).dataset

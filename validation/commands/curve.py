@@ -16,38 +16,42 @@ if TYPE_CHECKING:
 
 _LISTED = 24  # points in the table
 
-Kind = Annotated[str, typer.Option("--of", metavar="|".join(KINDS), help="the kind of special point")]
+Kind = Annotated[str | None, typer.Option("--of", metavar="|".join(KINDS), help="the kind of special point")]
 OverText = Annotated[
-    str, typer.Option("--over", metavar="KEY=FROM:TO", help="the branch's parameter: log10_r, epsilon, V, a, b ...")
+    str | None, typer.Option("--over", metavar="KEY=FROM:TO", help="the branch's parameter: log10_r, epsilon, V, a, b ...")
 ]
 AndText = Annotated[
-    str, typer.Option("--and", metavar="KEY=FROM:TO", help="the second parameter; the curve begins at FROM and leads towards TO")
+    str | None,
+    typer.Option("--and", metavar="KEY=FROM:TO", help="the second parameter; the curve begins at FROM and leads towards TO"),
 ]
-CurveTolerance = Annotated[float, typer.Option("--tol", help="requested relative error of period, drops and slip rates")]
-Most = Annotated[int, typer.Option("--most-points", help="stop after so many points")]
+CurveTolerance = Annotated[
+    float | None, typer.Option("--tol", help="requested relative error of period, drops and slip rates (default 1e-6)")
+]
+Most = Annotated[int | None, typer.Option("--most-points", help="stop after so many points (default 100)")]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw the curve: .png, .pdf or .svg")]
 
-EXAMPLES = ("slipwave curve paper --of LP --over log10_r=-2.72:-2.68 --and V=100:120 --plot fold.png",)
+EXAMPLES = ("slipwave curve paper --of LP --over log10_r=-2.72:-2.68 --and V=100:120 --plot fold.png", "slipwave curve curve.nc")
 
 
 def curve(
     source: SceneName,
-    of: Kind,
-    over: OverText,
-    along: AndText,
+    of: Kind = None,
+    over: OverText = None,
+    along: AndText = None,
     model: Model = "auto",
-    tol: CurveTolerance = 1e-6,
+    tol: CurveTolerance = None,
     settings: Settings = None,
     law: Law = None,
     out: OutFile = None,
     resume: ResumeFile = None,
-    most_points: Most = 100,
+    most_points: Most = None,
     plot: Plot = None,
     json: Json = False,
 ) -> None:
     """Follow a special point of the branch of orbits in two parameters, also where its curve turns back.
 
-    The curve begins with the first point of its kind on the branch at the second parameter's first value.
+    The curve begins with the first point of its kind on the branch at the second parameter's first value. A netCDF file of a
+    curve is computed again, with what it holds where nothing is given.
     """
     from validation.door.result import delivered
 

@@ -10,6 +10,7 @@ from typing import Any
 from reduced.continuation.curve import Reached
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import SceneSource
+from slipwave.input.stored import recall
 from slipwave.scene.doubts import doubts
 from validation.branches.curve import Curve, CurvePoint, begin_curve, require_curve, trace, trace_onsets
 from validation.branches.curve_drawing import figure_of
@@ -21,6 +22,9 @@ from validation.registry.flows import flowing
 from validation.registry.orbits import require_tolerance
 from validation.run.progress import progress
 from validation.study.drawing import Drawing, styled
+
+_DEFAULTS = {"tol": 1e-6, "most_points": 100}
+_EXAMPLES = {"of": "LP", "over": "log10_r=-2.72:-2.68", "and": "V=100:120"}
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -74,15 +78,15 @@ class CurveResult(Result):
 
 def curve(
     source: SceneSource,
-    of: str,
-    over: str,
-    along: str,
+    of: str | None = None,
+    over: str | None = None,
+    along: str | None = None,
     model: str = "auto",
     *,
-    tol: float = 1e-6,
+    tol: float | None = None,
     out: str | Path | None = None,
     resume: str | Path | None = None,
-    most_points: int = 100,
+    most_points: int | None = None,
     settings: Iterable[str] = (),
     **changes: Any,
 ) -> CurveResult:
@@ -91,27 +95,28 @@ def curve(
 
     `over` is the branch's parameter with its range, as "log10_r=-2.72:-2.30"; `along` the second one, as "V=100:200": the curve
     begins on the branch at its first value and is followed in this direction until it leaves one of the ranges, or for
-    `most_points`. It may turn back in both parameters. `tol` is the requested relative error of the figures. Each point
-    is written to the file `out` as it is computed; `resume` goes on from such a file in the same ranges.
+    `most_points` (default 100). It may turn back in both parameters. `tol` is the requested relative error of the figures
+    (default 1e-6). Each point is written to the file `out` as it is computed; `resume` goes on from such a file in the same
+    ranges. If `source` is a netCDF file of a curve, it is computed again: what it holds is taken where nothing is given.
 
     Raises SceneError for wrong input; NumericsError where there is no such point or the curve cannot be followed, with the part
     before as its `result`.
     """
     out, resume = as_path(out), as_path(resume)
-    require_tolerance(tol)
-    if resume is not None and of == "HB":
+    given = {"of": of, "over": over, "and": along, "tol": tol, "most_points": most_points}
+    model, options = recall(source, "curve", model, given)
+    options = _complete(options)
+    require_tolerance(options["tol"])
+    if resume is not None and options["of"] == "HB":
         raise SceneError("--resume: a curve of Hopf points is computed at once; leave it out")
-    if most_points < 1:
-        raise SceneError(f"--most-points = {most_points}: must be at least 1")
     scene = scene_of(source, settings, changes)
-    parameters = over_range(over, scene), over_range(along, scene, "--and")
-    require_curve(of, *parameters)
+    parameters = over_range(options["over"], scene), over_range(options["and"], scene, "--and")
+    require_curve(options["of"], *parameters)
     name = announced(*flowing(model, scene))
-    options = {"of": of, "over": over, "and": along, "tol": tol, "most_points": most_points}
-    found, failed, stopped, began = Curve(of, *parameters, name, tol), "", False, time.perf_counter()
+    found, failed, stopped, began = Curve(options["of"], *parameters, name, options["tol"]), "", False, time.perf_counter()
     reached: Reached | None = None
     try:
-        for step in _steps(found, most_points, out or resume, resume, _facts(found, options)):
+        for step in _steps(found, options["most_points"], out or resume, resume, _facts(found, options)):
             reached = step
     except NumericsError as error:
         failed = str(error)
@@ -121,6 +126,17 @@ def curve(
     if out is not None and reached is None and found.points:
         result.to_netcdf(out)
     return deliver(result, failed, stopped)
+
+
+def _complete(options: Mapping[str, Any]) -> dict[str, Any]:
+    """`options` with the defaults in place of None. Raises SceneError for one that is missing or out of range."""
+    missing = next((name for name in _EXAMPLES if options[name] is None), None)
+    if missing:
+        raise SceneError(f"--{missing}: missing; must be given, as in --{missing} {_EXAMPLES[missing]}")
+    known = {**options, **{name: value for name, value in _DEFAULTS.items() if options[name] is None}}
+    if known["most_points"] < 1:
+        raise SceneError(f"--most-points = {known['most_points']}: must be at least 1")
+    return known
 
 
 def _facts(found: Curve, options: Mapping[str, Any]) -> dict[str, Any]:
