@@ -24,7 +24,7 @@ def load_laws(path: Path) -> list[str]:
     """
     label = f"--law = {str(path)!r}"
     if path.suffix != ".py" or not path.is_file():
-        raise SceneError(f"{label}: must be a Python file")
+        raise SceneError(f"{label}: {'must be a Python file' if path.exists() else 'no such file'}")
     spec = importlib.util.spec_from_file_location(f"own_law_{path.stem}", path)
     assert spec is not None
     assert spec.loader is not None

@@ -91,8 +91,9 @@ def _why_not_a_file(path: Path, label: str) -> str:
     if path.exists():
         kind = "a folder" if path.is_dir() else "not a regular file"
         return f"SCENE = {label}: must be a TOML file or a gallery name; this is {kind}"
+    what, known = f"neither a file nor one of the gallery: {', '.join(gallery_names())}", gallery_names()
     if path.suffix or len(path.parts) > 1:
-        return f"SCENE = {label}: no such file"
-    guess = nearest(str(path), gallery_names())
+        what, known = "no such file", [str(other) for other in path.parent.glob("*.toml")]
+    guess = path.stem if path.stem in gallery_names() else nearest(str(path), known)
     hint = f'; did you mean "{guess}"?' if guess else ""
-    return f"SCENE = {label}: neither a file nor one of the gallery: {', '.join(gallery_names())}{hint}"
+    return f"SCENE = {label}: {what}{hint}"

@@ -94,6 +94,20 @@ def test_a_scene_may_be_a_name_a_file_a_dictionary_or_another_scene(tmp_path: Pa
     assert sw.read_scene(sources[3]) is sources[3]
 
 
+def test_a_missing_file_is_looked_for_among_its_neighbours(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "granite.toml").write_text("")
+    for given, meant in (
+        ("granit.toml", "granite.toml"),
+        ("paper.toml", "paper"),
+        (str(tmp_path / "garnite.toml"), "granite.toml"),
+    ):
+        with pytest.raises(sw.SceneError, match=f'no such file; did you mean "(.*/)?{meant}"'):
+            sw.run(given)
+    with pytest.raises(sw.SceneError, match=r"no such file$"):
+        sw.run("nowhere/granite.toml")
+
+
 def test_a_scene_of_a_program_has_no_keys_to_change() -> None:
     from dataclasses import replace
 
@@ -108,6 +122,8 @@ def test_a_scene_of_a_program_has_no_keys_to_change() -> None:
     [
         (lambda: sw.run("papr"), 'did you mean "paper"'),
         (lambda: sw.run("paper", model="dely"), 'did you mean "delay"'),
+        (lambda: sw.run("paper", model="dg7"), 'did you mean "dg:7"'),
+        (lambda: sw.run("paper", model="block9"), 'did you mean "block8"'),
         (lambda: sw.run("paper", "delay", cells=8), "takes no cells"),
         (lambda: sw.run("paper", until=-5.0), r"run\.until = -5"),
         (lambda: sw.run("paper", untill=5.0), "untill = 5.0: neither an option nor a key of a scene; did you mean until"),

@@ -4,6 +4,7 @@ the solver.
 A family whose module is not part of this installation is not listed.
 """
 
+import string
 from collections.abc import Collection
 from importlib.util import find_spec
 from typing import Any, Unpack
@@ -120,8 +121,13 @@ def _parse(model: str) -> tuple[Family, int | None]:
     family = family_of(name)
     if family is None or family not in families():
         known = ", ".join(["auto", *(family.pattern for family in families())])
-        guess = nearest(name, [family.name for family in families()])
-        hint = f'; did you mean "{guess}"?' if guess else ""
+        guess, rest = nearest(name, [family.name for family in families()]), name.lstrip(string.ascii_letters)
+        meant = (
+            f"{guess}:{rest}"
+            if rest.isdigit() and any(family.name == guess and family.numbers for family in families())
+            else guess
+        )
+        hint = f'; did you mean "{meant}"?' if guess else ""
         raise SceneError(f"model = {shorten(model)}: must be one of {known}{hint}")
     if not colon and family.suited is not None:
         return family, None
