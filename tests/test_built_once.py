@@ -6,13 +6,13 @@ from pathlib import Path
 from slipwave.sources import ROOT, SOLVER_ROOMS
 
 OF_LIBRARIES = {
-    "dispatcher._cache",
+    "dispatcher._cache", "dispatcher.get_call_template",
     "_brief.maxstring", "_brief.maxother", "_brief.maxlevel", "_brief.maxlist", "_brief.maxdict", "_brief.maxtuple",
     "node.body",
     "sys.stdout", "sys.stderr",
     "crossing.direction",
 }  # fmt: skip
-"""Attributes that numba, reprlib, ast, Python and scipy expect their users to set."""
+"""Attributes that numba, reprlib, ast, Python and scipy expect their users to set, or for which they have no option."""
 
 
 def attributes_set(path: Path) -> set[str]:
