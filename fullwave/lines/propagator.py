@@ -136,12 +136,6 @@ def to_legendre(nodes: Array) -> Array:
     return np.asarray(np.linalg.inv(legendre.legvander(2.0 * nodes - 1.0, nodes.size - 1)))
 
 
-def from_moments(nodes: Array) -> Array:
-    """(s, s): values at `nodes` of the projection with given moments."""
-    values: Array = legendre.legvander(2.0 * nodes - 1.0, nodes.size - 1) * (2.0 * np.arange(nodes.size) + 1.0)
-    return values
-
-
 @cache
 def halves(terms: tuple[int, ...]) -> tuple[Array, Array]:
     """Coefficients of all inputs or outputs on the first and on the second half of a step from those on the whole."""

@@ -2,10 +2,10 @@
 
 import math
 
-from fullwave.lines.propagator import LinearSlabs, StepMap, doubled, from_moments, short_step, shortest_halving
+from fullwave.lines.propagator import LinearSlabs, StepMap, doubled, short_step, shortest_halving
 from fullwave.lines.viscous_heat import Dissipation, doubled_heat, short_heat
 from slipwave.observe.pieces import Array
-from slipwave.step.collocation import radau
+from slipwave.step.collocation import from_moments, radau
 from slipwave.threads import one_thread
 
 LEVELS = 32

@@ -130,7 +130,7 @@ class Delay(DelayMarch):
     def _refine(self, verdict: int) -> None:
         """Take more steps per transit; the polynomials of the incoming waves (now or at the beginning) give the new nodes."""
         old, incoming, now = (self._mesh, self._memory.incoming, self._memory.now) if self._emit else self._beginning
-        new = transit_mesh(_next_count(self._mesh.count), self._cuts)
+        new = transit_mesh(next_count(self._mesh.count), self._cuts)
         if new.count > MAX_STEPS:
             raise self._unresolved(self.steps, verdict)
         self._mesh = new
@@ -181,7 +181,7 @@ def _first_steps(scene: Scene, stages: int) -> int:
     return steps if steps < 5 else steps + steps % 2
 
 
-def _next_count(steps: int) -> int:
+def next_count(steps: int) -> int:
     """The next of 3, 4, 6, 8, 12, 16, ... (each larger by a factor of 4/3 or 3/2)."""
     power = 1 << max(1, steps.bit_length() - 1)
     return next(n for n in (power, 3 * power // 2, 2 * power, 3 * power) if n > steps)

@@ -21,7 +21,7 @@ from slipwave.scene.forcing import Forcing
 from slipwave.step.collocation import Nodes
 from slipwave.step.guess import DONE, force, hold, judge_step, predict
 from slipwave.step.impedance import Diagonal
-from slipwave.step.newton import solve_step
+from slipwave.step.newton import solve
 from slipwave.step.record import emit
 from slipwave.step.rows import DRIVE, RATE, STATE, UNKNOWN, WORK_ROWS
 
@@ -83,7 +83,7 @@ def march_delay(
             h, middle = length * transit, start + 0.5 * length
             if nudge != 0.0:
                 force(nodes, nudge, start, length, integral, work)
-            used = solve_step(nodes, law, impedance, h, left, incoming, i, integral, newton_tolerance, guess, work, system)
+            used = solve(nodes, law, impedance, h, left, incoming, i, integral, newton_tolerance, guess, work, system)
             iterations += used
             verdict = judge_step(nodes, tail, guess, work, used, resolution, steepest)
             if verdict != DONE:

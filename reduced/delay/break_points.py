@@ -12,6 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from reduced.delay.alike import next_count
 from reduced.delay.alike_kernel import PSI, TIME
 from reduced.delay.network import DelayNetwork, tops_for
 from reduced.delay.transmission_lines import Lines
@@ -39,7 +40,11 @@ class DelayBreaks(DelayNetwork):
 
     def __init__(self, scene: Scene, tolerance: float = 1e-9, lines: Lines | None = None) -> None:
         super().__init__(scene, tolerance, lines=lines)
-        self._network = self._network._replace(whole=False)
+        layers, each = self._lines.travel.size, (self._lines.travel.size, self._stages)
+        weights = np.zeros((*each, self._stages, self._stages))  # every node reads from a step of its own
+        self._network = self._network._replace(
+            whole=np.zeros(layers, dtype=np.bool_), back=np.zeros(each, dtype=np.int64), weights=weights
+        )
         psi, z = scene.steady_psi, float(self._memory.guess[UNKNOWN, 0])
         self._smallest_jump = tolerance * respond(scene.law, z, psi)[3]
         basis = lagrange_basis(self.nodes)
@@ -47,7 +52,6 @@ class DelayBreaks(DelayNetwork):
         self._slope_left, self._slope_right = self._left @ basis.derivative, basis.derivative[-1]
         self._smallest_kink = max(self._smallest_jump, _KINK * self._tolerances[1] * respond(scene.law, z, psi)[3])
         self._start_times, self._lengths, self._filled = np.empty(_RING), np.ones(_RING), 0
-        layers = self._lines.travel.size
         self._memory = self._memory._replace(waves=np.zeros((layers, 2, _RING, self._stages)))
         self._arrivals = [float(time) for time in scene.drive.knots if time > 0.0]
         self.break_points = 0
@@ -62,7 +66,7 @@ class DelayBreaks(DelayNetwork):
         return Pieces(*(array[:k] for array in pieces))
 
     def _step(self, piece: Pieces) -> bool:
-        """March one step, at most to the next break point. Returns False if it was rejected and the longest step halved."""
+        """March one step, at most to the next break point. Returns False if it was rejected; the longest step is shorter then."""
         now, slot = self._memory.now, int(self._memory.cursor[0])
         while self._arrivals and self._arrivals[0] < now[TIME] + _SHORTEST:
             heapq.heappop(self._arrivals)
@@ -97,7 +101,8 @@ class DelayBreaks(DelayNetwork):
         chosen = order[np.clip(row, 0, None)] if order.size else np.zeros_like(row)
         local = np.clip((wanted - self._start_times[chosen]) / self._lengths[chosen], 0.0, 1.0)
         weights = interpolation_matrix(lagrange_basis(self.nodes), np.where(exists, local, 0.5).ravel())
-        network.weights[:] = weights.reshape(network.weights.shape) * exists[:, :, None]
+        node = np.arange(self._stages)
+        network.weights[:, node, node] = weights.reshape(*wanted.shape, -1) * exists[:, :, None]
         network.back[:] = (slot - chosen) % _RING
         compliance, inertia = tops_for(self._lines, length, self._stages)
         self._network = network._replace(compliance=compliance, inertia=inertia)
@@ -126,18 +131,18 @@ class DelayBreaks(DelayNetwork):
         guess[UNKNOWN] = guess[UNKNOWN, 0]
 
     def _refine(self, verdict: int) -> None:
-        """Halve the longest step; past steps keep their own lengths."""
+        """Shorten the longest step; past steps keep their own lengths."""
         self._require_room(verdict)
-        self._halvings += 1
+        self._count = next_count(self._count)
         self._forget_guess()
 
     def state(self) -> State:
         """As `Solver`: start and length of the `past` steps (steps, 2), the `waves` launched in them (layers, 2, steps, s), the
-        next break points as a heap, `arrivals` (points, 1), and the present state; `counts`: halvings of the longest step, break
+        next break points as a heap, `arrivals` (points, 1), and the present state; `counts`: longest steps in their span, break
         points, failures, iterations."""
         memory, order = self._memory, self._order(int(self._memory.cursor[0]))
         return {
-            "counts": np.array([self._halvings, self.break_points, self.failures, self.iterations], dtype=float),
+            "counts": np.array([self._count, self.break_points, self.failures, self.iterations], dtype=float),
             "past": np.column_stack([self._start_times[order], self._lengths[order]]),
             "waves": memory.waves[:, :, order],
             "arrivals": np.array(self._arrivals, dtype=float)[:, None],
@@ -148,11 +153,11 @@ class DelayBreaks(DelayNetwork):
 
     def restore(self, state: State) -> None:
         """As `Solver`."""
-        halvings, points, failures, iterations = whole_numbers(state, "counts", (0,) * 4)
+        count, points, failures, iterations = whole_numbers(state, "counts", (1, 0, 0, 0))
         steps = min(state["past"].shape[0] if "past" in state else 0, _RING)
         shapes = {"past": (steps, 2), "waves": (self._lines.travel.size, 2, steps, self._stages), "arrivals": (-1, 1)}
         saved = tables(state, shapes | self._present(), self.model)
-        self._halvings, self.break_points, self.failures, self.iterations = halvings, points, failures, iterations
+        self._count, self.break_points, self.failures, self.iterations = count, points, failures, iterations
         self._filled, self._arrivals = steps, saved["arrivals"].ravel().tolist()
         self._start_times[:steps], self._lengths[:steps] = saved["past"].T
         self._memory.waves[:, :, :steps] = saved["waves"]

@@ -1,27 +1,29 @@
 """The exact delay system of any pair of lossless slabs: unlike, layered, any outer face, round trips commensurate or not."""
 
 import math
+from functools import cache
 
 import numpy as np
 
-from reduced.delay.alike import collocation_matrices, dense_resolution
+from reduced.delay.alike import collocation_matrices, dense_resolution, next_count
 from reduced.delay.alike_kernel import ELASTIC, PSI
 from reduced.delay.march import DelayMarch
 from reduced.delay.network_kernel import Integers, Network, NetworkMemory, march_network
+from reduced.delay.transit_mesh import TransitMesh
 from reduced.delay.transmission_lines import Lines, lines_of
 from slipwave.friction import unknown_of
-from slipwave.observe.pieces import Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
-from slipwave.step.collocation import growth_limit, radau
+from slipwave.step.collocation import from_moments, growth_limit, radau
 from slipwave.step.guess import first_guess
 
 NODES = 8
 MAX_STEPS = 4096
-MOST_HALVINGS = 64  # more than MAX_STEPS allows
+MOST_STEPS = 1 << 20  # in the span that they divide; more than MAX_STEPS allows
 SAME_PLACE = 1e-9  # of a step; two places that differ by less are one
-_FEWEST = 3.0
+_FEWEST = 3
 _CHUNK = 2048
 
 
@@ -29,9 +31,9 @@ class DelayNetwork(DelayMarch):
     """Marches the exact system to `tolerance`, the requested relative error of the cycle's figures.
 
     If all travel times have a common divisor, the step divides it: break points then lie on the ends of steps, and a jump start
-    keeps its accuracy. Otherwise delayed waves are interpolated within their step to the same tolerance (and a jump start needs
-    `DelayBreaks`). A step that is too long is halved for the rest of the run, and the stored waves are resampled. `failures`
-    counts unconverged solves; a step that cannot be solved with MAX_STEPS per transit raises NumericsError.
+    keeps its accuracy. Otherwise delayed waves are projected onto the polynomials of a step (and a jump start needs
+    `DelayBreaks`). Where a step is too long, all are shorter for the rest of the run, and the stored waves are resampled.
+    `failures` counts unconverged solves; a step that cannot be solved with MAX_STEPS per transit raises NumericsError.
     """
 
     _memory: NetworkMemory
@@ -44,10 +46,9 @@ class DelayNetwork(DelayMarch):
         self._steepest = growth_limit(NODES, tolerance)
         self._tolerances = (max(1e-3 * tolerance, 1e-14), dense_resolution(tolerance, NODES), self._steepest)
         self._lines = lines or lines_of(scene)
-        divisor = self._lines.divisor
         longest = min(1.0 / _FEWEST, float(self._lines.travel.min()))
-        self._longest = divisor / max(1, math.ceil(divisor / longest)) if divisor else longest
-        self._halvings = 0
+        self._span = self._lines.divisor or _FEWEST * longest
+        self._count = max(1, math.ceil(self._span / longest - SAME_PLACE))
         self._network = self._compile(self._length)
         self._memory = self._begin()
         self._origin, self._done = 0.0, 0
@@ -55,7 +56,7 @@ class DelayNetwork(DelayMarch):
     @property
     def _length(self) -> float:
         """Length of a step in transits; of the longest one if break points shorten some steps."""
-        return self._longest * 0.5**self._halvings
+        return self._span / self._count
 
     @property
     def steps(self) -> float:
@@ -74,10 +75,10 @@ class DelayNetwork(DelayMarch):
             self._refine(verdict)
 
     def state(self) -> State:
-        """As `Solver`: the ring of waves launched in past steps, and the present state (`NetworkMemory`); `counts`: halvings of
-        the step, steps done since `origin`, ring index, failures, iterations."""
+        """As `Solver`: the ring of waves launched in past steps, and the present state (`NetworkMemory`); `counts`: steps in
+        the span that they divide, steps done since `origin`, ring index, failures, iterations."""
         memory = self._memory
-        counts = (self._halvings, self._done, memory.cursor[0], self.failures, self.iterations)
+        counts = (self._count, self._done, memory.cursor[0], self.failures, self.iterations)
         return {
             "counts": np.array(counts, dtype=float),
             "origin": np.array([self._origin]),
@@ -89,12 +90,12 @@ class DelayNetwork(DelayMarch):
 
     def restore(self, state: State) -> None:
         """As `Solver`."""
-        halvings, done, cursor, failures, iterations = whole_numbers(state, "counts", (0,) * 5)
-        network = self._compile(self._longest * 0.5 ** min(halvings, MOST_HALVINGS))
+        count, done, cursor, failures, iterations = whole_numbers(state, "counts", (1, 0, 0, 0, 0))
+        network = self._compile(self._span / min(count, MOST_STEPS))
         layers, ring = network.impedance.size, int(network.back.max()) + 1
         shapes = {"origin": (1,), "waves": (layers, 2, ring, self._stages), **self._present()}
         saved = tables(state, shapes, self.model)
-        self._halvings, self._done, self.failures, self.iterations = halvings, done, failures, iterations
+        self._count, self._done, self.failures, self.iterations = count, done, failures, iterations
         self._origin, self._network = float(saved["origin"][0]), network
         self._memory = NetworkMemory(saved["waves"], saved["tops"], saved["guess"], saved["now"], np.array([cursor % ring]))
 
@@ -129,26 +130,21 @@ class DelayNetwork(DelayMarch):
         return NetworkMemory(waves, np.zeros((len(self._lines.tops), 2)), guess, now, np.zeros(1, dtype=np.int64))
 
     def _refine(self, verdict: int) -> None:
-        """Halve the step; the stored waves are evaluated at the nodes of the two halves of each step."""
+        """Take shorter steps; the polynomials of the stored waves give the new nodes."""
         self._require_room(verdict)
-        old = self._memory
+        old, before = self._memory, self._length
         self._origin, self._done = self.time, 0
-        self._halvings += 1
+        self._count = next_count(self._count)
         self._network = self._compile(self._length)
-        halves = interpolation_matrix(lagrange_basis(self.nodes), np.r_[0.5 * self.nodes, 0.5 + 0.5 * self.nodes])
-        ordered = np.roll(old.waves, -int(old.cursor[0]), axis=2)
-        layers, _, ring, stages = ordered.shape
-        finer = (ordered @ halves.T).reshape(layers, 2, 2 * ring, stages)
-        wanted = int(self._network.back.max()) + 1
-        waves = np.ascontiguousarray(
-            finer[:, :, -wanted:] if wanted <= 2 * ring else np.pad(finer, ((0, 0), (0, 0), (wanted - 2 * ring, 0), (0, 0)))
-        )
-        guess = np.repeat([[old.now[PSI]], [float(old.guess[1, 0])]], stages, axis=1)
+        ring, wanted = old.waves.shape[2], int(self._network.back.max()) + 1
+        past, new = (TransitMesh(n, np.full(n, h), h * np.arange(-n, 0)) for n, h in ((ring, before), (wanted, self._length)))
+        waves = past.resample(np.roll(old.waves, -int(old.cursor[0]), axis=2), self.nodes, new)
+        guess = np.repeat([[old.now[PSI]], [float(old.guess[1, 0])]], self._stages, axis=1)
         self._memory = NetworkMemory(waves, old.tops, guess, old.now, np.zeros(1, dtype=np.int64))
 
     def _require_room(self, verdict: int) -> None:
-        """Raises NumericsError unless the step may still be halved."""
-        if 2.0 / self._length > MAX_STEPS / min(1.0, 2.0 * float(self._lines.travel.min())):
+        """Raises NumericsError unless shorter steps may be taken."""
+        if next_count(self._count) / self._span > MAX_STEPS / min(1.0, 2.0 * float(self._lines.travel.min())):
             raise self._unresolved(self.steps, verdict)
 
 
@@ -159,7 +155,7 @@ def compiled(scene: Scene, lines: Lines, length: float, nodes: Array) -> Network
         lines.impedance,
         back,
         weights,
-        lines.divisor is not None,
+        weights[:, 0, 0, 0] == 1.0,
         np.array(lines.first),
         np.array(lines.last),
         np.array([top.spring for top in lines.tops]),
@@ -184,16 +180,28 @@ def tops_for(lines: Lines, length: float, stages: int) -> tuple[Array, Array]:
 
 
 def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:
-    """For delays of `steps_back` (L,) steps: how many steps back each node reads, (L, s), and its weights there, (L, s, s)."""
-    place = nodes - steps_back[:, None]
-    back = -np.floor(place - SAME_PLACE).astype(np.int64)
-    local = np.clip(place + back, 0.0, 1.0)
-    basis = lagrange_basis(nodes)
-    snapped = np.array([[_snap(x, nodes) for x in row] for row in local])
-    weights = interpolation_matrix(basis, snapped.ravel()).reshape(*local.shape, nodes.size)
-    return back, weights
+    """For delays of `steps_back` (L,) steps: how many steps back the two lie in which waves left, (L, 2), and their weights,
+    (L, 2, s, s).
+
+    The weights give nodal values of the L2 projection of what arrives. With values of the waves themselves, noise in a lossless
+    slab would grow whenever it arrives, for some delays by a fifth.
+    """
+    s, basis, project, points, parts = _projection(nodes.size)
+    older = np.ceil(steps_back - SAME_PLACE).astype(np.int64)
+    weights = np.zeros((older.size, 2, s, s))
+    for layer, share in enumerate(np.clip(older - steps_back, 0.0, 1.0)):
+        if share < SAME_PLACE:
+            weights[layer, 0] = np.eye(s)
+            continue
+        for which, (begin, length) in enumerate(((0.0, 1.0 - share), (1.0 - share, share))):
+            at = begin + length * points
+            moments = length * parts * np.polynomial.legendre.legvander(2.0 * at - 1.0, s - 1).T
+            weights[layer, which] = project @ moments @ interpolation_matrix(basis, at + share - which)
+    return np.column_stack([older, older - 1]), weights
 
 
-def _snap(point: float, nodes: Array) -> float:
-    nearest = float(nodes[np.abs(nodes - point).argmin()])
-    return nearest if abs(nearest - point) < SAME_PLACE else point
+@cache
+def _projection(stages: int) -> tuple[int, Basis, Array, Array, Array]:
+    """`stages`; the basis of the nodes and their values from moments; points and weights of a quadrature on the unit step."""
+    nodes, (points, weights) = radau(stages).nodes, np.polynomial.legendre.leggauss(stages)
+    return stages, lagrange_basis(nodes), from_moments(nodes), 0.5 * (points + 1.0), 0.5 * weights

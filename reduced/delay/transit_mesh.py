@@ -30,12 +30,12 @@ class TransitMesh:
         return int(self.lengths.size)
 
     def resample(self, values: Array, nodes: Array, finer: "TransitMesh") -> Array:
-        """Values (finer.steps, s) at the nodes of `finer` of the piecewise polynomial with nodal `values` (steps, s)."""
+        """Values (..., finer.steps, s) at the nodes of `finer` of piecewise polynomials with nodal `values` (..., steps, s)."""
         at = finer.starts[:, None] + nodes * finer.lengths[:, None]
         step = np.clip(np.searchsorted(self.starts, at - SAME, side="left") - 1, 0, self.steps - 1)
         local = np.clip((at - self.starts[step]) / self.lengths[step], 0.0, 1.0)
         weights = interpolation_matrix(lagrange_basis(nodes), local.ravel()).reshape(*at.shape, nodes.size)
-        return np.asarray(np.einsum("isk,isk->is", weights, values[step]))
+        return np.asarray(np.einsum("isk,...isk->...is", weights, values[..., step, :]))
 
 
 def cuts_of(drive: Drive) -> Array:

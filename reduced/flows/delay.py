@@ -187,7 +187,7 @@ class DelayFlow:
         exchange = exchange_of(nodes, self._network, self.length, integral)
         waves, tops, psi = self._parts(np.eye(self.size))
         faces = exchange.weights.shape[0]
-        memory = np.zeros((self.kept + 1, exchange.back.size, self.size))
+        memory = np.zeros((self.kept + 1, exchange.back.shape[0], self.size))
         memory[:, :faces] = waves.reshape(self.kept + 1, faces, -1)
         memory[self.kept - 1, faces:-1], memory[self.kept - 1, -1] = tops.reshape(-1, self.size), psi
         _, fraction = self._steps(cycle.period)
@@ -224,8 +224,8 @@ class DelayFlow:
         here = interpolation_matrix(self._basis, np.array([fraction]))[0]
         network, faces = self._network, tops.copy()
         for slab, layer in enumerate(network.last):
-            back, rows = network.back[layer], network.weights[layer]
-            arrived = np.array([row @ ordered[self.kept - b, layer, OUTWARD] for b, row in zip(back, rows, strict=True)])
+            past = ordered[self.kept - network.back[layer], layer, OUTWARD]
+            arrived = np.einsum("njk,nkm->jm", network.weights[layer], past)
             velocity = (ordered[self.kept, layer, INWARD] - arrived) / (2.0 * network.impedance[layer])
             faces[slab, LOAD] += self.length * network.spring[slab] * (later @ velocity)
             faces[slab, VELOCITY] = here @ velocity

@@ -72,16 +72,18 @@ def arrive_columns(nodes: Nodes, exchange: Exchange, memory: Array, cursor: int,
     """Rows of arrived <- what left earlier steps and arrives in the step at `cursor`."""
     s, ring, weights = len(nodes), memory.shape[0], exchange.weights
     for i in range(memory.shape[1]):
-        row, j = cursor - exchange.back[i], i % s
-        row += ring if row < 0 else 0
-        if i >= weights.shape[0] or weights[i, j] == 1.0:
+        j = i % s
+        alone = i >= weights.shape[0] or weights[i, 0, j] == 1.0
+        for n in range(1 if alone else weights.shape[1]):
+            row = cursor - exchange.back[i, n]
+            row += ring if row < 0 else 0
             for c in range(memory.shape[2]):
-                arrived[i, c] = memory[row, i, c]
-        else:
-            for c in range(memory.shape[2]):
-                total = 0.0
-                for k in range(s):
-                    total += weights[i, k] * memory[row, i - j + k, c]
+                total = arrived[i, c] if n else 0.0
+                if alone:
+                    total = memory[row, i, c]
+                else:
+                    for k in range(s):
+                        total += weights[i, n, k] * memory[row, i - j + k, c]
                 arrived[i, c] = total
 
 

@@ -21,7 +21,8 @@ class Exchange(NamedTuple):
     at the start; the interface's stress (s), and psi at the end. The nonzero entries of row i are [starts[i], starts[i + 1]),
     with their columns, `sources`, and values, `factors`; no row is empty.
 
-    What leaves arrives `back` steps later (one per row); waves with the `weights` (waves, s) of the nodes of their step."""
+    What leaves arrives `back` (rows, n) steps later; waves with the `weights` (waves, n, s) of the nodes of these steps, others
+    at once in the first."""
 
     starts: Integers
     sources: Integers
@@ -36,9 +37,10 @@ def exchange_of(nodes: Nodes, network: Network, length: float, integral: Array) 
     present = matrix != 0.0
     present[:, 0] |= ~present.any(axis=1)
     rows, columns = np.nonzero(present)
-    back, s = np.ones(matrix.shape[0] - len(nodes) - 1, dtype=np.int64), len(nodes)
-    weights = np.repeat(network.weights, 2, axis=0).reshape(-1, s)
-    back[: weights.shape[0]] = np.repeat(network.back, 2, axis=0).ravel()
+    s, (layers, n) = len(nodes), network.back.shape
+    back = np.ones((matrix.shape[0] - s - 1, n), dtype=np.int64)
+    back[: 2 * layers * s] = np.repeat(network.back, 2 * s, axis=0)
+    weights = np.ascontiguousarray(np.repeat(network.weights, 2, axis=0).swapaxes(1, 2)).reshape(-1, n, s)
     starts = np.searchsorted(rows, np.arange(matrix.shape[0] + 1))
     return Exchange(starts, columns, matrix[rows, columns], back, weights)
 
@@ -46,7 +48,7 @@ def exchange_of(nodes: Nodes, network: Network, length: float, integral: Array) 
 def exchange_matrix(nodes: Nodes, network: Network, length: float, integral: Array) -> Array:
     """The matrix of `Exchange`."""
     s, layers, slabs = len(nodes), network.impedance.size, network.first.size
-    near = network._replace(back=np.zeros_like(network.back), whole=True)
+    near = network._replace(back=np.zeros_like(network.back), whole=np.ones(layers, dtype=np.bool_))
     faces, psi, stress = 2 * layers * s, 2 * (layers * s + slabs), 2 * (layers * s + slabs) + 1
     units = np.eye(stress + s + 1)
     waves, tops, moved = units[:, :faces].copy(), units[:, faces:psi].copy(), units[:, stress:-1].copy()
@@ -65,6 +67,32 @@ def exchange_units(
     s, layers = len(nodes), network.impedance.size
     arrived, launched, outer = np.empty((layers, 2, s)), np.empty((layers, 2, s)), np.empty((2, s))
     drive = np.zeros(s)
+    lines, back, weights, whole = network.impedance, network.back, network.weights, network.whole
+    firsts, lasts, springs, remembers = network.first, network.last, network.spring, network.remembers
+    compliance, inertia, scale = network.compliance, network.inertia, network.weight * network.interface_impedance
     for c in range(waves.shape[0]):
-        gather(nodes, network, 0, length, integral, drive, waves[c], tops[c], arrived, launched, outer, incoming[c])
-        launch(nodes, network, 0, stress[c], arrived, launched, waves[c])
+        gather(
+            nodes,
+            lines,
+            back,
+            weights,
+            whole,
+            firsts,
+            lasts,
+            springs,
+            remembers,
+            compliance,
+            inertia,
+            scale,
+            0,
+            length,
+            integral,
+            drive,
+            waves[c],
+            tops[c],
+            arrived,
+            launched,
+            outer,
+            incoming[c],
+        )
+        launch(nodes, firsts, 0, stress[c], arrived, launched, waves[c])

@@ -68,6 +68,12 @@ def highest_coefficient(nodes: Array) -> Array:
     return np.asarray(np.linalg.inv(legendre.legvander(2.0 * nodes - 1.0, nodes.size - 1))[-1]).copy()
 
 
+def from_moments(nodes: Array) -> Array:
+    """(s, s): values at `nodes` in [0, 1] of the L2 projection with given Legendre moments."""
+    values: Array = legendre.legvander(2.0 * nodes - 1.0, nodes.size - 1) * (2.0 * np.arange(nodes.size) + 1.0)
+    return values
+
+
 def radau_nodes(stages: int) -> Array:
     """Right Radau points on (0, 1]: the end, and the roots of Jacobi's P^(1,0) of stages - 1, shifted."""
     difference = legendre.Legendre.basis(stages - 1) - legendre.Legendre.basis(stages)  # (1 - x) P^(1,0), up to a factor

@@ -21,7 +21,7 @@ from slipwave.scene.forcing import Forcing
 from slipwave.step.collocation import Collocation, Nodes, highest_coefficient, radau
 from slipwave.step.guess import force
 from slipwave.step.impedance import Full, own
-from slipwave.step.newton import solve_step
+from slipwave.step.newton import solve
 from slipwave.step.port import Port, arrive, take_in
 from slipwave.step.record import emit
 from slipwave.step.rows import BY_Z, DRIVE, INVERSE, RATE_SLOPE, RATIO, SLOPE, STATE, UNKNOWN, WORK_ROWS
@@ -155,24 +155,6 @@ def _end_of(start: float, origin: float, length: float) -> float:
 
 
 @njit
-def _solve(
-    nodes: Nodes,
-    law: Law,
-    impedance: Full,
-    h: float,
-    psi: float,
-    incoming: Array,
-    integral: Array,
-    tolerance: float,
-    guess: Array,
-    work: Array,
-    system: Array,
-) -> int:
-    """`solve_step` as a function of its own: inlined into the march it would double the time to compile."""
-    return solve_step(nodes, law, impedance, h, psi, incoming, 0, integral, tolerance, guess, work, system)
-
-
-@njit
 def march(
     nodes: Nodes,
     law: Law,
@@ -215,7 +197,7 @@ def march(
         if forcing.nudge != 0.0:
             force(nodes, forcing.nudge, start, length, rule.integral, work)
         h = length * forcing.transit
-        used = _solve(nodes, law, impedance, h, left, incoming, rule.integral, limits.newton, guess, work, system)
+        used = solve(nodes, law, impedance, h, left, incoming, 0, rule.integral, limits.newton, guess, work, system)
         iterations += used
         size = _size_of_tail(nodes, rule.tail, guess)
         rough = not planned and (not size <= limits.resolution or grows_unseen(nodes, impedance, limits, level, work))
