@@ -209,7 +209,12 @@ def test_switched_it_follows_the_doubled_orbits_from_doubling_to_doubling(capsys
         (["paper", "--over", "log10_r=-2.7"], INPUT_WRONG, "must be KEY=FROM:TO"),
         (["paper", "--over", "log10_r=-2.7:x"], INPUT_WRONG, "'x' must be a number"),
         (["paper", "--over", "log10_r=-2.7:-2.7"], INPUT_WRONG, "must differ"),
-        (["paper", "--over", "nothing=1:2"], INPUT_WRONG, "unknown key"),
+        (
+            ["paper", "--over", "nothing=1:2"],
+            INPUT_WRONG,
+            "'nothing' is no parameter; must be one of r, epsilon, V,",
+        ),
+        (["paper", "--over", "slab.nothing=1:2"], INPUT_WRONG, "unknown key"),
         (["paper", "--over", "epsilon=-1:1"], INPUT_WRONG, "slab.epsilon = -1.0: must be"),
         (["paper", "--over", "log10_r=-3:-2.8"], INPUT_WRONG, "is stable at both ends"),
         (["paper", "--over", RANGE, "--stop-at", "XX"], INPUT_WRONG, "--stop-at 'XX': must be one of HB, LP, PD, NS"),
@@ -229,6 +234,21 @@ def test_what_cannot_be_followed_is_told_in_one_line(capsys, words, status, said
     assert said in err.splitlines()[-1]
 
 
+def test_a_branch_goes_on_with_another_tolerance(capsys, tmp_path):
+    """The points that it has stay; the next ones lie on a finer mesh, and it passes through the known fold all the same."""
+    path = str(tmp_path / "x.nc")
+    few = branch(capsys, *SHORT, "--most-points", "5", "--out", path)
+    words = [*(word if word != "1e-4" else "1e-7" for word in COARSE), "--stop-at", "LP"]
+    found = branch(capsys, *words, "--resume", path)
+    assert found["points"][:5] == few["points"]
+    last = few["points"][-1]["log10_r"]
+    assert (
+        f"points up to log10_r = {last:.10g}, 5 in all, were computed with tol = 0.0001, those after it with 1e-07"
+        in found["notes"]
+    )
+    assert found["special"][-1]["log10_r"] == pytest.approx(-2.700213011, abs=1e-9)
+
+
 def test_a_file_of_another_branch_is_refused(whole, capsys):
     assert main(["branch", "paper", "--over", RANGE, "--resume", str(whole[1] / "x.nc")]) == INPUT_WRONG
     assert "model is 'kelvin-voigt'; this branch has 'delay'" in capsys.readouterr().err
@@ -242,7 +262,6 @@ def test_a_file_of_another_branch_is_refused(whole, capsys):
         ("cells", {"cells": 9}),
         ("doubled", {"doubled": True}),
         ("parameter", {"over": over_range("V=100:110", "paper")}),
-        ("tolerance", {"tolerance": 1e-5}),
         ("sources", {}),
     ],
 )

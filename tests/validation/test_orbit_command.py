@@ -76,6 +76,15 @@ def test_si_repeats_the_figures_in_si(capsys):
     assert si["v_max_m_per_s"] == pytest.approx(1e-6 * found["v_max"], rel=1e-14)
 
 
+def test_without_isolated_multipliers_none_is_listed(capsys):
+    """Unlike slabs of irrational ratio: the waves' own reach the unit circle, and stability is not decided."""
+    assert main(["orbit", "unlike-irrational", "--tol", "1e-6"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert "no multiplier lies outside the essential radius" in lines
+    assert any("its stability is not decided" in line for line in lines)
+    assert any("some motion of the slabs is never damped by friction" in line for line in lines)
+
+
 def test_a_start_on_the_orbit_is_no_other_scene(capsys):
     changed = orbit(capsys, "paper", "--model", "kelvin-voigt", "--set", "start.kind=orbit", "--tol", "1e-6")
     assert changed["period"] == pytest.approx(reference_orbit("kelvin-voigt", -2.68)["period"], rel=1e-6)

@@ -16,13 +16,14 @@ from reduced.orbit.approach import approach
 from reduced.orbit.closing import close
 from reduced.orbit.figures import figures
 from slipwave import read
+from validation.branches.over_r import own_orbit
 from validation.measure.order_fit import fit, shortfall
 
 PERIOD, DROP = 73.4721449443, 0.1739634131
 """At log10 r = -2.68, by lifted shooting; the period to 1e-10."""
 
 
-def own_orbit(solver):
+def closed_orbit(solver):
     """The orbit of a grid, closed from a run."""
     guess = approach(solver, partial(frozen, tolerance=1e-10))
     return close(*guess[:3])
@@ -39,7 +40,7 @@ def own_orbit(solver):
 )
 def test_the_period_converges(make, grids, order, finest):
     """At the declared order P of differences; of elements at the order of what passes their faces, 2 P and 2 P + 1."""
-    periods = [own_orbit(make(read("paper"), cells=cells, time="exact")).cycle.period for cells in grids]
+    periods = [closed_orbit(make(read("paper"), cells=cells, time="exact")).cycle.period for cells in grids]
     errors = np.abs(np.array(periods) - PERIOD)
     assert shortfall(fit(np.array(grids), errors), order, tolerance=0.5, at_least=True) == ""
     assert errors[-1] < 3.0 * finest
@@ -47,7 +48,7 @@ def test_the_period_converges(make, grids, order, finest):
 
 def test_three_large_elements_give_ten_digits():
     """Measured: 4e-11 in the period, 8e-10 in the drop."""
-    orbit = own_orbit(DiscontinuousGalerkin(read("paper"), degree=7, cells=3, time="exact"))
+    orbit = closed_orbit(DiscontinuousGalerkin(read("paper"), degree=7, cells=3, time="exact"))
     assert orbit.cycle.period == pytest.approx(PERIOD, abs=2e-10)
     assert figures(orbit.flow.scene.law, orbit.cycle, orbit.flow.nodes)["stress_drop"] == pytest.approx(DROP, abs=3e-9)
 
@@ -56,7 +57,7 @@ def test_the_orbit_of_unlike_slabs_is_that_of_the_delay_system():
     """Whose round trips are 1 : 2. Measured: 1e-14 in the period, 2e-11 in v."""
     scene = read("unlike")
     expected = periodic_orbit(*approach(DelayNetwork(scene, tolerance=1e-6), delay.frozen)[:3], 1e-10)
-    orbit = own_orbit(DiscontinuousGalerkin(scene, degree=7, cells=3, time="exact"))
+    orbit = closed_orbit(DiscontinuousGalerkin(scene, degree=7, cells=3, time="exact"))
     found = figures(scene.law, orbit.cycle, orbit.flow.nodes)
     for name, value in found.items():
         assert value == pytest.approx(getattr(expected.orbit, name).value, rel=1e-9), name
@@ -65,3 +66,12 @@ def test_the_orbit_of_unlike_slabs_is_that_of_the_delay_system():
         assert np.abs(values - multiplier).min() < 1e-7
     assert abs(expected.multipliers.values[0]) == pytest.approx(0.87496, abs=1e-4)
     assert expected.multipliers.stable
+
+
+@pytest.mark.parametrize("name", ["grip", "layered", pytest.param("unlike-irrational", marks=pytest.mark.slow)])
+def test_orbits_of_other_scenes_are_those_of_the_delay_system(name):
+    """Measured: 1e-13 in the period, 3e-10 in v_min of layered slabs, 5e-11 and less in the others."""
+    exact, wave = (own_orbit(model, read(name), 1e-10, cells) for model, cells in (("delay", None), ("dg:7", 4)))
+    assert wave.orbit.values() == pytest.approx(exact.orbit.values(), rel=1e-9)
+    assert wave.orbit.period.value == pytest.approx(exact.orbit.period.value, rel=3e-12)
+    assert exact.multipliers.stable is (None if name == "unlike-irrational" else True)

@@ -58,6 +58,11 @@ def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:
     first, last = (_number(text, found[word], option) for word in ("first", "last"))
     if first == last:
         raise SceneError(f"{option} {shorten(text)}: FROM and TO must differ")
+    if name not in PARAMETERS and "." not in name:
+        raise SceneError(
+            f"{option} {shorten(text)}: {shorten(name)} is no parameter; must be one of {', '.join(PARAMETERS)}, or a key of the "
+            "scene with its dots, as upper.epsilon or slab.face.stiffness"
+        )
     base = slipwave.read(source)
     if not base.drive.is_constant:
         raise SceneError(f"scene {base.name!r}: a branch of periodic orbits needs a constant drive.velocity")

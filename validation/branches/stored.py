@@ -1,5 +1,6 @@
 """A branch as a netCDF file that is written whole after each point: a process killed at any time leaves a file to go on from."""
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -45,7 +46,9 @@ def write(path: Path, branch: Branch, head: Head, complete: bool, origin: Mappin
 def read(path: Path, branch: Branch) -> Head:
     """Fill an empty `branch` from the file, and say where it goes on.
 
-    Raises SceneError if the file cannot be read, or holds a branch of another scene, model, parameter or tolerance.
+    It may go on with another tolerance: its mesh is refined, or kept, as the next point asks for.
+
+    Raises SceneError if the file cannot be read, or holds a branch of another scene, model or parameter.
     """
 
     def take(file: "Dataset", notes: list[str]) -> dict[str, Any]:
@@ -53,13 +56,18 @@ def read(path: Path, branch: Branch) -> Head:
         branch.notes.extend(notes)
         branch.points.extend(_point(row) for row in rows(file, "point", BranchPoint._fields))
         branch.special.extend(SpecialPoint(*row) for row in rows(file, "special", SpecialPoint._fields))
+        before = json.loads(file.getncattr("facts"))["tolerance"]
+        if before != branch.tolerance:
+            until = f"up to {branch.over.name} = {branch.points[-1].value:.10g}, {len(branch.points)} in all"
+            branch.notes.append(f"points {until}, were computed with tol = {before:g}, those after it with {branch.tolerance:g}")
         return read_arrays(file["resume"])
 
-    return _head(branch, read_points(path, "branch", _facts(branch), take))
+    shared = {name: value for name, value in _facts(branch).items() if name != "tolerance"}
+    return _head(branch, read_points(path, "branch", shared, take))
 
 
 def _facts(branch: Branch) -> dict[str, Any]:
-    """What a file and the branch that goes on from it must have in common."""
+    """What a file and the branch that goes on from it must have in common, but for the tolerance."""
     return {
         "format": FORMAT,
         "scene": branch.over.base.digest,

@@ -68,7 +68,10 @@ def _print(done: "OrbitFound") -> None:
         [figures(value.real, 8) + (f" +- {value.imag:.8g} i" if value.imag else ""), figures(abs(value), 8)]
         for value in shown[:_SHOWN]
     ]
-    print_table(["largest multipliers", "modulus"], rows)
+    if rows:
+        print_table(["largest multipliers", "modulus"], rows)
+    else:
+        print("no multiplier lies outside the essential radius")
     more = f"; {len(shown) - _SHOWN} more" if len(shown) > _SHOWN else ""
     radius = f"; essential radius {figures(multipliers.essential_radius, 4)}" if multipliers.essential_radius else ""
     print(f"the trivial one is 1 within {figures(multipliers.trivial_defect, 2)}{radius}{more}")
