@@ -10,8 +10,8 @@ from slipwave.errors import SceneError
 CONVENTIONS = "CF-1.11"
 """The conventions that netCDF files follow; `make cf` checks them."""
 
-TIME = "elapsed_time"
-"""The time coordinate of netCDF files. CF (4.4) reserves the name `time` for times that have a date."""
+TIME = "time"
+"""The time coordinate of netCDF files: from the start, in transits. It has no date, so no `standard_name` of CF."""
 
 _LONGEST_STEM = 40
 _PROBE = 1 << 20  # bytes; a disk with less room counts as full

@@ -2,7 +2,8 @@
 
     python -m tests.conventions [--checker PROGRAM]
 
-Exit status 0 if it has nothing to say against any of them. `make cf` installs it.
+Exit status 0 if it has nothing to say against any of them. `make cf` installs it. One of its checks is left out: it takes every
+dimension called `time` for a calendar date.
 """
 
 import argparse
@@ -17,6 +18,7 @@ import slipwave as sw
 from slipwave.files import CONVENTIONS
 
 SCENES = ("paper", "paper-si")
+LEFT_OUT = "check_spatiotemporal_dims_have_coordinate_vars"
 PROTOCOL: dict[str, Any] = {"drive.velocity": [[0.0, 100.0], [2.0, 100.0], [2.0, 120.0]]}
 
 
@@ -55,7 +57,15 @@ def main() -> int:
     checker = parser.parse_args().checker
     with tempfile.TemporaryDirectory() as folder:
         paths = written(Path(folder))
-        words = [checker, f"--test={CONVENTIONS.lower().replace('-', ':')}", "--criteria", "strict", *map(str, paths)]
+        words = [
+            checker,
+            f"--test={CONVENTIONS.lower().replace('-', ':')}",
+            "--criteria",
+            "strict",
+            "--skip-checks",
+            LEFT_OUT,
+            *map(str, paths),
+        ]
         ended = subprocess.run(words, capture_output=True, text=True, check=False)
     if ended.returncode:
         print(ended.stdout + ended.stderr)

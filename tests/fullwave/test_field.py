@@ -144,15 +144,15 @@ def test_netcdf_has_names_units_and_coordinates(recorded, tmp_path):
     write_field(path, field)
     with xarray.open_dataset(path) as found:
         assert found.attrs["scene_digest"] == chosen.digest
-        assert (found["elapsed_time"].attrs["units"], found["elapsed_time"].attrs["in_units_of"]) == ("1", "transit")
-        assert found["upper_velocity"].dims == ("elapsed_time", "upper_depth")
+        assert (found["time"].attrs["units"], found["time"].attrs["in_units_of"]) == ("1", "transit")
+        assert found["upper_velocity"].dims == ("time", "upper_depth")
         assert found["upper_velocity"].attrs["in_units_of"] == "V*"
         assert set(found.variables) == {
-            "elapsed_time",
+            "time",
             *(f"{slab}_{name}" for slab in field.slabs for name in ("depth", "velocity", "stress")),
         }
         assert ("lower_velocity" in found) == (not chosen.alike)
-        assert np.array_equal(found["elapsed_time"].values, field.time)
+        assert np.array_equal(found["time"].values, field.time)
         for slab, data in field.slabs.items():
             assert np.array_equal(found[f"{slab}_depth"].values, data.depth)
             assert np.array_equal(found[f"{slab}_velocity"].values, data.velocity)

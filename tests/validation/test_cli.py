@@ -220,7 +220,7 @@ def test_the_netcdf_file_holds_events_history_and_provenance(tmp_path: Path, cap
     with xarray.open_dataset(out) as data:
         assert data.sizes["event"] == result["events"] - 1
         assert data["period"].attrs["in_units_of"] == "transit"
-        assert float(data["elapsed_time"][-1]) == pytest.approx(300.0)
+        assert float(data["time"][-1]) == pytest.approx(300.0)
         assert float(data["interface_psi"][-1]) == pytest.approx(result["final"]["psi"], rel=1e-12)
         assert (data.attrs["complete"], data.attrs["model"], data.attrs["scene"]) == (1, "delay", "paper")
         assert len(data.attrs["scene_digest"]) == 12
@@ -344,8 +344,8 @@ def test_fields_of_the_last_transits_are_written_whole(tmp_path: Path, capsys: p
         import xarray
 
         with xarray.open_dataset(out) as data:
-            assert float(data["elapsed_time"][0]) == pytest.approx(20.0, abs=0.5)
-            assert float(data["elapsed_time"][-1]) == pytest.approx(120.0, abs=0.5)
+            assert float(data["time"][0]) == pytest.approx(20.0, abs=0.5)
+            assert float(data["time"][-1]) == pytest.approx(120.0, abs=0.5)
     assert main(["run", "paper", "--model", "fd", "--cells", "8", "--until", "120", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["final"] == pytest.approx(plain["final"], rel=1e-12)
 
@@ -359,7 +359,7 @@ def test_fields_that_a_scene_records_go_into_the_run_file(tmp_path: Path, capsys
     capsys.readouterr()
     with xarray.open_dataset(out, group="fields") as data:
         assert {"upper_velocity", "lower_stress"} <= set(data)
-        assert float(data["elapsed_time"].diff("elapsed_time").max()) < 0.2  # steps, not pieces of eight
+        assert float(data["time"].diff("time").max()) < 0.2  # steps, not pieces of eight
     before = out.read_bytes()
     assert "run.record" in refused(capsys, *asked, "--model", "delay")
     assert out.read_bytes() == before

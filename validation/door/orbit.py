@@ -38,7 +38,7 @@ class OrbitResult(Result):
 
     @cached_property
     def dataset(self) -> Dataset:
-        """The motion over a period by `elapsed_time`, multipliers by `multiplier`, and the orbit's figures with their errors."""
+        """The motion over a period by `time`, multipliers by `multiplier`, and the orbit's figures with their errors."""
         require("files", "a dataset")
         import xarray
 

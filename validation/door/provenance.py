@@ -14,7 +14,7 @@ from slipwave.input.tables import to_toml
 from slipwave.scene import Scene
 from validation.report.provenance import commit
 
-SCHEMA = 2
+SCHEMA = 1
 """Version of the names in files and of the keys of the JSON of every command."""
 
 

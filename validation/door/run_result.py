@@ -113,7 +113,7 @@ class RunResult(Result):
 
     @cached_property
     def dataset(self) -> Dataset:
-        """Cycles by `event`, stages of a protocol by `stage`, and the interface's history by `elapsed_time`, if it was kept; all
+        """Cycles by `event`, stages of a protocol by `stage`, and the interface's history by `time`, if it was kept; all
         of it is in memory."""
         return run_dataset(self.done, self._facts(), self.stages, self.records.history)
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 def run_dataset(
     done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures] = (), history: HistoryFile | None = None
 ) -> "xarray.Dataset":
-    """The run with the attributes `facts`: cycles by `event`, stages by `stage`, the history by `elapsed_time`; all of it is in
+    """The run with the attributes `facts`: cycles by `event`, stages by `stage`, the history by `time`; all of it is in
     memory."""
     data = _figures(done, facts, stages)
     if history is None:
