@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reduced.orbit import periodic_orbit
+from reduced.orbit import approach, periodic_orbit
 from reduced.orbit.closing import by_parameter, close, close_family
 from reduced.orbit.figures import amplitude, figures
 from reduced.orbit.multipliers import floquet, multipliers
@@ -266,3 +266,15 @@ def test_the_monodromy_matrix_by_differences():
             lambda change, found=found, start=start, period=period: found.flow.march(start + change, period).end, 2
         )
         np.testing.assert_allclose(found.monodromy, measured, rtol=0.0, atol=1e-7)
+
+
+@pytest.mark.parametrize(("ratio", "moves"), [(1.0, False), (1.0009, False), (1.0011, True), (1.5, True)])
+def test_a_small_orbit_is_not_taken_for_steady_sliding(ratio, moves):
+    """A run has returned to steady sliding if v changes by less than a thousandth in its last cycle."""
+    solver = SimpleNamespace(model="delay", scene=SimpleNamespace(name="any"))
+    events = SimpleNamespace(time=np.arange(3.0), v_max=np.array([9.0, 9.0, 2.0 * ratio]), v_min=np.array([1.0, 1.0, 2.0]))
+    if moves:
+        approach._require_motion(solver, events)
+    else:
+        with pytest.raises(NumericsError, match="the run returns to steady sliding"):
+            approach._require_motion(solver, events)

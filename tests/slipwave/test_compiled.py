@@ -1,6 +1,7 @@
 """The compile cache: warm when nothing changed, compiled again exactly where an edit reaches, shared by processes at once."""
 
 import ast
+import math
 import os
 import shutil
 import subprocess
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from slipwave.compiled import inlined, njit
 from slipwave.sources import ROOT, SOLVER_ROOMS
 
 PROGRAM = """
@@ -172,3 +174,11 @@ def test_the_cache_of_a_users_own_compiled_functions_is_left_alone() -> None:
     )
     environment = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
     assert subprocess.run([sys.executable, "-c", program], env=environment).returncode == 0
+
+
+def test_a_division_by_zero_is_a_number_and_no_exception() -> None:
+    """A step that is too long meets one: it is refused and halved, and compiled code must get that far."""
+    quotient = njit(lambda x, y: x / y)
+    assert quotient(1.0, 0.0) == math.inf
+    assert math.isnan(quotient(0.0, 0.0))
+    assert inlined(lambda x, y: x / y)(1.0, 0.0) == math.inf
