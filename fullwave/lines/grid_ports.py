@@ -10,7 +10,7 @@ from fullwave.lines.budget import MOST_BYTES
 from fullwave.lines.grid_port import GridPort, Power
 from fullwave.lines.matrix import motion_of
 from fullwave.lines.propagator import LinearSlabs, StepMap, impedance_at, to_legendre
-from fullwave.lines.step_maps import LEVELS, StepMaps, at_nodes
+from fullwave.lines.step_maps import LEVELS, StepMaps, at_nodes, maps_of
 from fullwave.lines.system import DASHPOT, DEAD, System
 from fullwave.lines.viscous_heat import dissipation_of
 from slipwave.observe.pieces import SAME, Array
@@ -67,16 +67,17 @@ class GridPorts:
     def keep_ledger(self) -> None:
         """From now on the `ledger` is kept."""
         if self._dissipation and not self.keeps_ledger[0]:
-            for known in self._known.values():
+            for key, known in self._known.items():
                 known.port.ready[:] = False  # their maps know no heat
-                known.maps.forget(self._dissipation)
+                longest = float(known.port.length[0])
+                self._known[key] = known._replace(maps=StepMaps(self.slabs, self._dissipation, longest))
         self.keeps_ledger[0] = True
 
     def known(self, longest: float) -> Known:
         """What is known of steps of `longest` (transits) and its halves."""
         key = f"{longest:.12e}"  # stretches of equal length differ by rounding
         dissipation = self._dissipation if self.keeps_ledger[0] else None
-        known = self._known.pop(key, None) or Known(StepMaps(self.slabs, dissipation, longest), self._blank(longest))
+        known = self._known.pop(key, None) or Known(maps_of(self.slabs, dissipation, longest), self._blank(longest))
         self._known[key] = known  # the last used is the last to be forgotten
         if len(self._known) > self._most_known:
             del self._known[next(iter(self._known))]

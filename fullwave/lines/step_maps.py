@@ -1,6 +1,11 @@
 """The maps of steps of one longest length and its halves, made when first needed, by doubling shorter steps."""
 
+import hashlib
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
 
 from fullwave.lines.propagator import LinearSlabs, StepMap, doubled, short_step, shortest_halving
 from fullwave.lines.viscous_heat import Dissipation, doubled_heat, short_heat
@@ -11,6 +16,9 @@ from slipwave.threads import one_thread
 LEVELS = 32
 """Number of step lengths."""
 
+_MOST_KEPT = 8
+_kept: "dict[bytes, StepMaps] | None" = None
+
 
 class StepMaps:
     """Maps of `slabs` in steps of `longest` (transits) / 2^level, and the `heats` by `dissipation`, if there is any, by level."""
@@ -19,12 +27,6 @@ class StepMaps:
         self._slabs, self._dissipation, self._longest = slabs, dissipation, longest
         self._maps: dict[int, StepMap] = {}
         self.heats: dict[int, Array] = {}
-
-    def forget(self, dissipation: Dissipation | None) -> None:
-        """Make all maps again when they are needed, with the heats by `dissipation`."""
-        self._dissipation = dissipation
-        self._maps.clear()
-        self.heats.clear()
 
     def find(self, level: int) -> StepMap:
         """The map of a level; makes those of levels between it and a shorter one for which a series holds."""
@@ -52,6 +54,33 @@ class StepMaps:
         self._maps[shortest] = step
         if heat is not None:
             self.heats[shortest] = heat
+
+
+@contextmanager
+def maps_kept() -> Iterator[None]:
+    """While this is open, a march takes the maps that an earlier one made of the same grid: in a sweep over V, friction or r,
+    which do not change the slabs on the transit clock. The maps of eight grids or longest steps are kept in memory, but none with
+    viscous heat."""
+    global _kept
+    before, _kept = _kept, {}
+    try:
+        yield
+    finally:
+        _kept = before
+
+
+def maps_of(slabs: LinearSlabs, dissipation: Dissipation | None, longest: float) -> StepMaps:
+    """The maps of `slabs` (`StepMaps`), made by an earlier march if `maps_kept` is open."""
+    if _kept is None or dissipation is not None:
+        return StepMaps(slabs, dissipation, longest)
+    tables = (slabs.rates, slabs.inputs, slabs.outputs, slabs.direct)
+    shapes = f"{slabs.input_terms} {slabs.output_terms} {longest:.12e} {[table.shape for table in tables]}"
+    key = hashlib.sha256(shapes.encode() + b"".join(np.ascontiguousarray(table).tobytes() for table in tables)).digest()
+    found = _kept.pop(key, None) or StepMaps(slabs, None, longest)
+    _kept[key] = found  # the last used is the last to be forgotten
+    if len(_kept) > _MOST_KEPT:
+        del _kept[next(iter(_kept))]
+    return found
 
 
 def at_nodes(step: StepMap, stages: int, inputs: Array) -> tuple[Array, Array, Array]:

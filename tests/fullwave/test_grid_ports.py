@@ -10,7 +10,7 @@ import threadpoolctl
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
-from fullwave.lines import budget, grid_ports, march, step_maps
+from fullwave.lines import budget, grid_ports, march, propagator, step_maps
 from fullwave.lines.grid_ports import GridPorts
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import NumericsError, SceneError
@@ -120,3 +120,33 @@ def test_the_advised_number_of_cells_fits(gallery: str, about: int, monkeypatch:
         advised = int(str(refusal.value).partition("at most some ")[2].split()[0])
         assert advised == pytest.approx(about, rel=0.12)
         DiscontinuousGalerkin(scene, 7, advised, time="exact")
+
+
+def test_maps_are_kept_between_the_runs_of_a_sweep_where_this_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Over V and r one grid has one set of maps; another grid has its own. The motion is the same to the last bit."""
+    made = []
+    monkeypatch.setattr(step_maps, "short_step", lambda *given: made.append(given) or propagator.short_step(*given))
+
+    def psi(change: str, cells: int = 2) -> float:
+        return follow(DiscontinuousGalerkin(slipwave.read("paper", [change]), 5, cells, time="exact"), 20.0).psi
+
+    runs = (("drive.velocity=100.0", 2), ("drive.velocity=150.0", 2), ("slab.log10_r=-2.6", 2), ("drive.velocity=100.0", 3))
+    alone = [psi(*run) for run in runs]
+    assert len(made) == 4
+    made.clear()
+    with step_maps.maps_kept():
+        assert [psi(*run) for run in runs] == alone
+        assert len(made) == 2
+    assert psi(*runs[0]) == alone[0]
+    assert len(made) == 3
+
+
+def test_few_maps_are_kept_and_the_last_used_the_longest() -> None:
+    slabs = ports_of(DiscontinuousGalerkin(PAPER, 3, 2, time="exact")).slabs
+    lengths = [2.0**-k for k in range(9)]
+    with step_maps.maps_kept():
+        first, second, *_ = [step_maps.maps_of(slabs, None, length) for length in lengths[:8]]
+        assert step_maps.maps_of(slabs, None, lengths[0]) is first
+        step_maps.maps_of(slabs, None, lengths[8])
+        assert step_maps.maps_of(slabs, None, lengths[0]) is first
+        assert step_maps.maps_of(slabs, None, lengths[1]) is not second
