@@ -93,3 +93,9 @@ def test_the_cycle_is_of_the_judged_window() -> None:
     assert (late.period, early.period) == (pytest.approx(10.0, abs=1e-6), pytest.approx(20.0, abs=1e-6))
     assert np.ptp(late.time) == pytest.approx(10.0, abs=0.1)
     assert late.slip_rate.max() == pytest.approx(100.0 * np.exp(3.0), rel=1e-3)
+
+
+def test_a_scene_in_si_has_second_axes() -> None:
+    above, below = slipwave.compare("paper-si", ["delay", "block8"], until=60, **{"drive.velocity": 2000}).plot().axes
+    labels = [axis.get_xlabel() or axis.get_ylabel() for axes in (above, below) for axis in axes.child_axes]
+    assert labels == ["time / s", "friction stress / Pa", "slip rate / (m/s)"]

@@ -1,6 +1,7 @@
 """Stages of a protocol and slip events as users get them: JSON, SI, CSV, and after a resumed run."""
 
 import csv
+import io
 import math
 from contextlib import closing
 from pathlib import Path
@@ -111,6 +112,11 @@ def test_the_figure_is_friction_against_time_and_slip() -> None:
     slip, again = below.lines[-1].get_data()
     assert (float(time[-1]), float(friction[0])) == (pytest.approx(100.0, abs=0.1), pytest.approx(0.6, abs=1e-9))
     assert friction.tolist() == again.tolist()
+    above.figure.savefig(io.BytesIO())  # second axes take their limits when they are drawn
+    for axes in (above, below):
+        (pascals,) = axes.child_axes
+        assert pascals.get_ylabel() == "friction stress / MPa"
+        assert pascals.get_ylim() == pytest.approx([5.0 * limit for limit in axes.get_ylim()], rel=1e-12)
     assert [line.get_xdata()[0] for line in above.lines[:-1]] == pytest.approx([40.0, 90.0], abs=0.01)
     unloaded = 1e6 * 0.005 * math.log(3.0) * 5e6 / 7.5e9  # um by which the weaker interface lets the blocks unload
     slipped = 40.0 + 150.0 + unloaded

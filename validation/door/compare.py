@@ -12,6 +12,7 @@ from slipwave.observe.foresight import DAY, require_time
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.door.conclusion import conclusion
+from validation.door.motion_figure import second_axis
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of
 from validation.measure.cycle import Cycle, CycleObserver
@@ -76,6 +77,8 @@ class CompareResult(Result):
         above.set_ylabel("friction stress / normal stress")
         below.set(ylabel="slip rate / V*", xlabel="transits since v passed half its largest value in the slip event")
         above.legend(fontsize="small")
+        for axes, direction, name in ((above, "x", "time"), (above, "y", "stress"), (below, "y", "slip_rate")):
+            second_axis(axes, direction, name, self.scene)
         return sheet
 
 

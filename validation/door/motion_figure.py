@@ -7,7 +7,8 @@ from validation.run.quantities import INTERFACE, si_factor, stored_name
 from validation.study.drawing import Axes, Drawing, canvas
 
 _LABELS = {"time": "time / transits", "stress": "friction stress / normal stress", "slip_rate": "slip rate / V*"}
-_SI_LABELS = {"time": "time / s", "stress": "friction stress / Pa", "slip_rate": "slip rate / (m/s)"}
+_SI_LABELS = {"time": "time / s", "stress": "friction stress / {}Pa", "slip_rate": "slip rate / (m/s)"}
+_STRESS = 0.2  # of the normal stress: a small friction stress, by which the prefix of Pa is chosen
 
 
 def motion_axes(scene: Scene, title: str) -> tuple[Drawing, Axes, Axes]:
@@ -16,10 +17,9 @@ def motion_axes(scene: Scene, title: str) -> tuple[Drawing, Axes, Axes]:
     above, below = figure.subplots(2, 1, sharex=True)
     above.set(title=title, ylabel=_LABELS["stress"])
     below.set(ylabel=_LABELS["slip_rate"], xlabel=_LABELS["time"], yscale="log")
-    if scene.units is not None:
-        _second(above, "x", "time", scene)
-        _second(above, "y", "stress", scene)
-        _second(below, "y", "slip_rate", scene)
+    second_axis(above, "x", "time", scene)
+    second_axis(above, "y", "stress", scene)
+    second_axis(below, "y", "slip_rate", scene)
     return figure, above, below
 
 
@@ -31,9 +31,15 @@ def motion_figure(scene: Scene, title: str, data: Dataset) -> Drawing:
     return figure
 
 
-def _second(axes: Axes, direction: str, name: str, scene: Scene) -> None:
-    """The axis of a quantity in SI, opposite its own."""
-    factor = si_factor(INTERFACE[stored_name(name)], scene)
+def second_axis(axes: Axes, direction: str, name: str, scene: Scene) -> None:
+    """The axis of a quantity in SI, opposite its own; nothing for a scene without units."""
+    from validation.run.reasons import PREFIXES, power_of
+
+    size = si_factor(INTERFACE[stored_name(name)], scene)
+    if size is None:
+        return
+    power = power_of(_STRESS * size) if name == "stress" else 0
+    factor = size / 10.0**power
     functions = (lambda values: values * factor, lambda values: values / factor)
     second = axes.secondary_xaxis("top", functions) if direction == "x" else axes.secondary_yaxis("right", functions)
-    (second.set_xlabel if direction == "x" else second.set_ylabel)(_SI_LABELS[name])
+    (second.set_xlabel if direction == "x" else second.set_ylabel)(_SI_LABELS[name].format(PREFIXES[power]))

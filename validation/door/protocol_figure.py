@@ -7,6 +7,7 @@ import numpy as np
 from slipwave.files import TIME
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
+from validation.door.motion_figure import second_axis
 from validation.door.result import Dataset
 from validation.study.drawing import Drawing, canvas
 
@@ -14,7 +15,7 @@ from validation.study.drawing import Drawing, canvas
 def protocol_figure(scene: Scene, model: str, data: Dataset, stages: Sequence[StageFigures]) -> Drawing:
     """The history of the interface in the `data` of a run. Grey lines mark the beginnings of the `stages`.
 
-    In s and um if the scene has units, else in L/V* and L. Call it inside `styled()`.
+    In s, um and Pa if the scene has units, else in L/V* and L. Call it inside `styled()`.
     """
     units = scene.units
     second, length, names = (units.time, 1e6 * units.memory_length, ("s", "um")) if units else (1.0, 1.0, ("L/V*", "L"))
@@ -32,5 +33,6 @@ def protocol_figure(scene: Scene, model: str, data: Dataset, stages: Sequence[St
             axes.axvline(begin * size, color="#bbbbbb", linewidth=0.8)
         axes.plot(places * size, data["interface_stress"].values, color="#111111", linewidth=0.9)
         axes.set(xlabel=label, ylabel="friction stress / normal stress")
+        second_axis(axes, "y", "stress", scene)
     by_time.set_title(f"{scene.name}, {model}")
     return figure

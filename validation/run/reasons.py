@@ -11,7 +11,7 @@ from validation.run.outlook import outlook
 from validation.run.simulate import Run
 
 _TOGETHER = ", both slabs scaled together,"
-_PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n"}
+PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n"}
 
 
 def reasons(run: Run, model: str) -> list[str]:
@@ -81,8 +81,13 @@ def engineering(value: float, unit: str) -> str:
     """Three figures, with a prefix to a unit: 150 MPa, 6 m."""
     if not unit or value == 0.0:
         return f"{value:.3g}"
-    power = min(9, max(-9, 3 * math.floor(math.log10(abs(float(f"{value:.3g}"))) / 3.0)))
-    return f"{value / 10.0**power:.3g} {_PREFIXES[power]}{unit}"
+    power = power_of(value)
+    return f"{value / 10.0**power:.3g} {PREFIXES[power]}{unit}"
+
+
+def power_of(value: float) -> int:
+    """The power of ten whose prefix suits a value that is not 0: 6 for 150e6."""
+    return min(9, max(-9, 3 * math.floor(math.log10(abs(float(f"{value:.3g}"))) / 3.0)))
 
 
 def needed(run: Run, model: str) -> float:
