@@ -1,7 +1,7 @@
 """A periodic orbit with its figures, their errors from two meshes, and its stability."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 from reduced.orbit.closing import Closed, close
 from reduced.orbit.figures import amplitude, figures_of
@@ -40,19 +40,19 @@ def periodic_orbit(
 
     Raises NumericsError if no orbit is found, or if the one found is steady sliding.
     """
-    coarse = _moving(close(flow, state, period))
-    found = None
+    fine = _moving(close(flow, state, period))
     for mesh in range(_MOST_MESHES):
         if progress is not None:
-            progress(f"mesh {mesh + 2}, {coarse.flow.size} values of the state")
-        finer, start = coarse.flow.remeshed(coarse.cycle, FINER)
-        fine = _moving(close(finer, start, coarse.cycle.period))
-        found = PeriodicOrbit(fine, _estimates(coarse, fine), multipliers(fine, coarse), True)
-        if relative_error(found.orbit) < tolerance:
-            return found
-        coarse = fine
-    assert found is not None
-    return PeriodicOrbit(found.closed, found.orbit, found.multipliers, False)
+            progress(f"mesh {mesh + 2}, {fine.flow.size} values of the state")
+        finer, start = fine.flow.remeshed(fine.cycle, FINER)
+        coarse, fine = fine, _moving(close(finer, start, fine.cycle.period))
+        orbit = _estimates(coarse, fine)
+        settled = relative_error(orbit) < tolerance
+        if settled:
+            break
+    # an unstable multiplier magnifies the distance at which Newton's method took its derivative
+    exact = replace(fine, monodromy=fine.flow.tangent(fine.cycle))
+    return PeriodicOrbit(exact, orbit, multipliers(exact, coarse), settled)
 
 
 def _moving(closed: Closed) -> Closed:

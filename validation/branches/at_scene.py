@@ -6,7 +6,7 @@ import time
 
 from reduced.continuation.crossing import orbits_at
 from reduced.continuation.point import Point
-from reduced.orbit.approach import Guess
+from reduced.orbit.approach import MOST_TRANSITS, Guess
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable
 from reduced.parameters import with_parameter
@@ -93,9 +93,11 @@ def _points(model: str, scene: Scene, cells: int | None, here: float, longest: f
         raise NumericsError(f"{said}steady sliding of {model} never loses its stability as r grows: no branch of orbits begins")
     period = 2.0 * math.pi / (omega * critical)
     if period > _LONGEST:
+        tried = f"a run of {MOST_TRANSITS:g} transits leads to no orbit, and " if said else ""
         raise NumericsError(
-            f"{said}the branch of orbits that begins where steady sliding loses its stability is not followed: their periods are "
-            f"{period:.3g} transits there, over {_LONGEST:g}, and each has to be marched; slipwave run leaps over long sticks"
+            f"{model}: {tried}the branch of orbits that begins where steady sliding loses its stability is not followed: their "
+            f"periods are {period:.3g} transits there, over {_LONGEST:g}, and Newton's method needs the derivative of each "
+            f"transit; slipwave run leaps over long sticks (scene {scene.name!r})"
         )
     onset = math.log10(critical)
     first, last = (onset + _BACK, here - _BEYOND) if here < onset else (onset - _BEYOND, here + _BEYOND)
