@@ -64,9 +64,11 @@ def test_a_transient_has_a_word_in_the_legend_and_no_cycle(tmp_path: Path, drawn
     above, below = drawn[0].axes
     assert legend(above) == [
         "delay: periodic, T = 73.4742",  # mean of the table: the last is 73.4721
-        "quasidynamic: decaying, no cycle",
+        "quasidynamic: decaying, no cycle drawn",
     ]
-    assert legend(drawn[1].axes[0]) == ["delay: events not watched, no cycle", "quasidynamic: events not watched, no cycle"]
+    assert legend(drawn[1].axes[0]) == [f"{model}: events not watched, no cycle drawn" for model in ("delay", "quasidynamic")]
+    told = [[text.get_text() for text in figure.axes[0].texts] for figure in drawn]
+    assert told == [[], ["no run has cycles that represent its motion"]]
     for axes in (above, below):
         exact, decaying = (line.get_xdata() for line in axes.get_lines())
         assert (np.ptp(exact), len(decaying)) == (pytest.approx(73.4721, abs=1.0), 0)

@@ -112,7 +112,7 @@ def test_the_figure_has_the_means_of_the_table_and_the_reference_on_top(runs: tu
         assert delay.get_zorder() > block.get_zorder()
         assert delay.get_linestyle() == "--"
     stopped = dataclasses.replace(found, runs=[changed(found.runs[0], "steady", math.nan, math.nan), *found.runs[1:]])
-    assert stopped.plot().axes[0].get_legend().get_texts()[0].get_text() == "block8: slides steadily, no cycle"
+    assert stopped.plot().axes[0].get_legend().get_texts()[0].get_text() == "block8: slides steadily, no cycle drawn"
     torus = dataclasses.replace(found, runs=[changed(found.runs[0], "torus", 4.5, 0.25), *found.runs[1:]])
     assert torus.plot().axes[0].get_legend().get_texts()[0].get_text() == "block8: torus, T = 4.5 ± 0.25"
 

@@ -76,6 +76,8 @@ class CompareResult(Result):
         above.set_title("The last complete cycle of each run; T: mean over the second half, in transits", fontsize="medium")
         above.set_ylabel("friction stress / normal stress")
         below.set(ylabel="slip rate / V*", xlabel="transits since v passed half its largest value in the slip event")
+        if not any(len(line.get_ydata()) for line in above.get_lines()):
+            above.text(0.5, 0.5, "no run has cycles that represent its motion", ha="center", transform=above.transAxes)
         above.legend(fontsize="small")
         for axes, direction, name in ((above, "x", "time"), (above, "y", "stress"), (below, "y", "slip_rate")):
             second_axis(axes, direction, name, self.scene)
@@ -88,7 +90,7 @@ def _label(run: Run, shown: bool) -> str:
     if shown:
         margin = run.statistics.margins.period
         return f"{run.solver.model}: {kind}, T = {period:.6g}" + (f" ± {margin:.2g}" if math.isfinite(margin) else "")
-    return f"{run.solver.model}: {'slides steadily' if kind == 'steady' else kind}, no cycle"
+    return f"{run.solver.model}: {'slides steadily' if kind == 'steady' else kind}, no cycle drawn"
 
 
 def compare(
