@@ -29,7 +29,7 @@ _SHORT = Control(longest=0.01)
 _SHOWN = {True: (-2.66,), False: (-2.66, -2.65, -2.64, -2.63, -2.62)}
 """log10 r at which coexisting orbits are listed."""
 
-_COEXIST = {True: (-2.66,), False: (-2.66, -2.655)}
+_COEXIST = {True: (-2.66,), False: (-2.6655, -2.66, -2.6595)}
 _NUDGES = (0.5, 2.0)
 """log10 r and sizes of the nudges of runs that may end on different orbits."""
 
