@@ -19,7 +19,7 @@ MARKS = {"HB": "s", "LP": ".", "PD": "D", "NS": "*"}
 SIZES = {"HB": 5.5, "LP": 3.5, "PD": 3.5, "NS": 5.0}
 _LABELS = {"period": "$T$ (transits)", "stress_drop": r"$\Delta\mu$", "elastic_stress_drop": r"$\Delta y$"}
 _THIN = 0.8
-_OVERLAID = {"modal:2": "#e69f00", "modal:4": "#009e73", "modal:8": "#cc79a7"}
+_OVERLAID = {"modal:2": "#e69f00", "modal:4": "#009e73", "modal:8": "#56b4e9"}
 """Colours of branches that lie on the delay system's, drawn below it."""
 
 _BELOW = 1.5
