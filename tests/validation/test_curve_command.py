@@ -50,8 +50,9 @@ def test_a_curve_ends_at_the_edge_of_its_ranges():
     assert result.dataset.attrs["command"] == "curve"
 
 
-def test_hopf_points_are_those_of_the_closed_form(tmp_path):
-    """r_c = (2/omega_c) atan(r_* omega_c/2) (39) at every V, and T = 2 pi/(omega_c r_c); the file holds them."""
+def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
+    """r_c = (2/omega_c) atan(r_* omega_c/2) (39) at every V, and T = 2 pi/(omega_c r_c). The file holds them, and the call that
+    computes them again; what is given holds instead."""
     file = tmp_path / "hopf.nc"
     points = sw.curve("paper", "HB", "log10_r=-2.8:-2.6", "V=90:110", "delay", out=file).summary["points"]
     with xarray.open_dataset(file) as data:
@@ -62,6 +63,12 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path):
         closed = onset_of(law, 2.8e-5, point["V"])
         assert 10.0 ** point["log10_r"] == pytest.approx(closed.r_delay, rel=1e-10)
         assert point["period"] == pytest.approx(2.0 * math.pi / (closed.omega_c * closed.r_delay), rel=1e-10)
+    monkeypatch.setattr("validation.door.curve._steps", lambda *parts: iter(()))
+    again, other = sw.curve(file), sw.curve(file, along="V=90:91", tol=1e-4)
+    call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100}
+    assert (again.options, again.found.model, again.found.kind) == (call, "delay", "HB")
+    assert other.options == call | {"and": "V=90:91", "tol": 1e-4}
+    assert other.found.second.ends == (90.0, 91.0)
 
 
 @pytest.mark.parametrize(
@@ -108,18 +115,6 @@ def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):
     with xarray.open_dataset(file) as resumed, xarray.open_dataset(whole) as direct:
         assert resumed["point_multiplier_re"].values.tolist() == direct["point_multiplier_re"].values.tolist()
         assert resumed["point_second"].values.tolist() == [point.second for point in expected]
-
-
-def test_a_file_is_computed_again_with_what_is_given_in_place_of_what_it_holds(tmp_path, capsys):
-    file = tmp_path / "curve.nc"
-    first = sw.curve("paper", "HB", "log10_r=-2.8:-2.6", "V=90:92", "block8", tol=1e-5, out=file, settings=["interface.a=0.0348"])
-    assert main(["curve", str(file), "--json"]) == 0
-    again = json.loads(capsys.readouterr().out)
-    assert again["points"] == first.summary["points"]
-    assert (again["model"], len(again["points"]) > 2) == ("block8", True)
-    shorter = sw.curve(file, along="V=90:91")
-    assert shorter.options == {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:91", "tol": 1e-5, "most_points": 100}
-    assert 90.5 < max(point.second for point in shorter.found.points) <= 91.0
 
 
 @pytest.mark.parametrize("left_out", ["of", "over", "and"])
