@@ -1,11 +1,9 @@
 """The delay system's marches, begun on an orbit of its flow (`placed`)."""
 
-import math
-
 import numpy as np
 
-from reduced.delay.alike import Delay
-from reduced.delay.network import DelayNetwork
+from reduced.delay.alike import Delay, next_count
+from reduced.delay.network import SAME_PLACE, DelayNetwork
 from reduced.delay.transit_mesh import cuts_of, transit_mesh
 from reduced.flows.delay import DelayFlow
 from slipwave.friction import rates
@@ -38,11 +36,13 @@ def _alike(solver: Delay, saved: State, flow: DelayFlow, cycle: Cycle, now: Arra
 
 
 def _network(solver: DelayNetwork, saved: State, flow: DelayFlow, cycle: Cycle, place: Place, now: Array) -> State:
-    halvings = max(0, math.ceil(math.log2(1.0 / (solver.steps * flow.length)) - 1e-9))
-    new, start = flow.remeshed(cycle, flow.length * solver.steps * 2.0**halvings)
-    waves, tops, cursor = new.memory_of(start)
     counts = saved["counts"].copy()
-    counts[:3] = counts[0] + halvings, 0.0, cursor
+    count, per_count = int(counts[0]), solver.steps / counts[0]
+    while count * per_count * flow.length < 1.0 - SAME_PLACE:
+        count = next_count(count)
+    new, start = flow.remeshed(cycle, count * per_count * flow.length)
+    waves, tops, cursor = new.memory_of(start)
+    counts[:3] = count, 0.0, cursor
     stages = solver.nodes.size
     guess = np.repeat([[place.psi], [place.z]], stages, axis=1)
     return {"counts": counts, "origin": np.array([place.time]), "waves": waves, "tops": tops, "guess": guess, "now": now}
