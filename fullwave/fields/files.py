@@ -16,6 +16,7 @@ from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import whole_or_absent
 from slipwave.observe.pieces import Array
+from slipwave.scene.units import IN_SI
 
 if TYPE_CHECKING:
     import meshio
@@ -49,7 +50,8 @@ def profile(field: Field) -> tuple[Array, Array, Array]:
 
 
 def sheet(field: Field) -> "meshio.Mesh":
-    """The space-time sheet: quadrilaterals over (time in transits, position), with velocity and stress at the points.
+    """The space-time sheet: quadrilaterals over (time in transits, position), with velocity and stress at the points, for a scene
+    with units in SI too.
 
     Cells of zero height (at the interface and at element boundaries) are left out, so slip appears as a sharp cut.
     """
@@ -63,7 +65,18 @@ def sheet(field: Field) -> "meshio.Mesh":
     thick = np.flatnonzero(np.diff(position) > 0.0)
     corner = (np.arange(moments - 1)[:, None] * places + thick).ravel()
     quads = np.column_stack((corner, corner + places, corner + places + 1, corner + 1))
-    return meshio.Mesh(points, [("quad", quads)], point_data={"velocity": velocity.ravel(), "stress": stress.ravel()})
+    values = {"velocity": velocity.ravel(), "stress": stress.ravel()}
+    return meshio.Mesh(points, [("quad", quads)], point_data=values | _in_si(field, time=points[:, 0], **values))
+
+
+def _in_si(field: Field, **values: Array) -> dict[str, Array]:
+    """Twins in SI of `time`, `velocity` and `stress`, named as in the JSON, for a scene with units; else nothing."""
+    units, kinds = field.scene.units, {"time": "transit", "velocity": "V*", "stress": "normal stress"}
+    if units is None:
+        return {}
+    return {
+        f"{name}_{IN_SI[kinds[name]][1]}": array * units.size(kinds[name], field.scene.transit) for name, array in values.items()
+    }
 
 
 def _write_series(path: Path, field: Field) -> None:
@@ -76,4 +89,5 @@ def _write_series(path: Path, field: Field) -> None:
     with meshio.xdmf.TimeSeriesWriter(path, data_format="XML") as writer:
         writer.write_points_cells(points, [("line", np.column_stack((thick, thick + 1)))])
         for time, moving, loaded in zip(field.time, velocity, stress, strict=True):
-            writer.write_data(float(time), point_data={"velocity": moving, "stress": loaded})
+            values = {"velocity": moving, "stress": loaded}
+            writer.write_data(float(time), point_data=values | _in_si(field, **values))

@@ -23,6 +23,7 @@ from slipwave.observe.restoring import tables
 from slipwave.observe.snapshot import FieldSolver, SlabSnapshot, Snapshot
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.scene.units import IN_SI
 
 if TYPE_CHECKING:
     import xarray
@@ -61,19 +62,25 @@ class Field:
         import xarray
 
         variables: dict[str, object] = {}
-        coordinates: dict[str, object] = {TIME: (TIME, self.time, _notes("time since the start of the run", "transit"))}
+        coordinates: dict[str, object] = {TIME: (TIME, self.time, self._notes("time since the start of the run", "transit"))}
         for name, slab in self.slabs.items():
             depth = f"{name}_depth"
-            place = _notes(f"depth in the {name} slab, 0 at the interface", "travel time through the slab")
+            place = self._notes(f"depth in the {name} slab, 0 at the interface", "travel time through the slab")
             coordinates[depth] = (depth, slab.depth, place)
-            motion = _notes(f"velocity in the {name} slab, positive along the upper face's drive", "V*")
-            load = _notes(f"shear stress in the {name} slab", "normal stress")
+            motion = self._notes(f"velocity in the {name} slab, positive along the upper face's drive", "V*")
+            load = self._notes(f"shear stress in the {name} slab", "normal stress")
             variables[f"{name}_velocity"] = ((TIME, depth), slab.velocity, motion)
             variables[f"{name}_stress"] = ((TIME, depth), slab.stress, load)
         found = xarray.Dataset(variables, coordinates, self._facts())
         for coordinate in found.coords.values():
             coordinate.encoding["_FillValue"] = None  # of a coordinate no value is missing
         return found
+
+    def _notes(self, meaning: str, unit: str) -> dict[str, str | float]:
+        known: dict[str, str | float] = {"long_name": meaning, "units": "1", "in_units_of": unit}
+        if self.scene.units is None or unit not in IN_SI:
+            return known
+        return known | {"si_factor": self.scene.units.size(unit, self.scene.transit), "si_units": IN_SI[unit][0]}
 
     def _facts(self) -> dict[str, str | float]:
         facts: dict[str, str | float] = {
@@ -89,10 +96,6 @@ class Field:
         if self.lower is None:
             facts["lower_slab"] = "mirror image of the upper: same stress, opposite velocity"
         return facts
-
-
-def _notes(meaning: str, unit: str) -> dict[str, str]:
-    return {"long_name": meaning, "units": "1", "in_units_of": unit}
 
 
 class FieldRecord:

@@ -3,6 +3,9 @@
 import math
 from dataclasses import dataclass
 
+IN_SI = {"transit": ("s", "s"), "normal stress": ("Pa", "Pa"), "V*": ("m s-1", "m_per_s"), "L": ("m", "m")}
+"""By the unit of a value: its unit in SI, and how names of values in it end."""
+
 
 @dataclass(frozen=True)
 class Units:
@@ -16,6 +19,11 @@ class Units:
     def time(self) -> float:
         """L/V* in seconds."""
         return self.memory_length / self.reference_velocity
+
+    def size(self, unit: str, transit: float) -> float:
+        """The size in SI of one `unit` of `IN_SI`, with a `transit` in L/V*."""
+        sizes = {"transit": transit * self.time, "normal stress": self.normal_stress}
+        return (sizes | {"V*": self.reference_velocity, "L": self.memory_length})[unit]
 
     @property
     def face(self) -> dict[str, float]:

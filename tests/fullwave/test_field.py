@@ -18,6 +18,7 @@ from fullwave.finite_difference import Leapfrog
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver, follow
 from slipwave.scene.start import Start, StartKind
+from slipwave.scene.units import Units
 
 
 @pytest.fixture(scope="module", params=["alike", "unlike"])
@@ -179,6 +180,28 @@ def test_sheet_is_read_back(recorded, tmp_path):
     assert area.min() > 0
     assert area.sum() == pytest.approx(2.0 * np.ptp(field.time))
     assert sheet(field).points.shape[0] == mesh.points.shape[0]
+
+
+def test_a_scene_with_units_has_them_in_its_files(tmp_path):
+    """V* = 2.7 um/s, sigma = 5 MPa; the time from L/V* = 3.7 s."""
+    units = Units(1e-5, 2.7e-6, 5e6)
+    chosen = dataclasses.replace(slipwave.read("paper"), units=units)
+    field, _ = record_field(DiscontinuousGalerkin(chosen, degree=3, cells=2), 0.0, 1.0)
+    sizes = {"time_s": chosen.upper.round_trip * 1e-5 / 2.7e-6, "velocity_m_per_s": 2.7e-6, "stress_Pa": 5e6}
+    mesh, seen = sheet(field), field.dataset()
+    plain = {"time_s": mesh.points[:, 0], "velocity_m_per_s": mesh.point_data["velocity"], "stress_Pa": mesh.point_data["stress"]}
+    for name, size in sizes.items():
+        assert mesh.point_data[name] == pytest.approx(size * plain[name], rel=1e-14)
+        told = seen["time" if name == "time_s" else f"upper_{name.split('_')[0]}"].attrs
+        assert told["si_factor"] == pytest.approx(size, rel=1e-14)
+        assert told["si_units"] == {"time_s": "s", "velocity_m_per_s": "m s-1", "stress_Pa": "Pa"}[name]
+    assert "si_factor" not in seen["upper_depth"].attrs
+    write_field(tmp_path / "field.xdmf", field)
+    with meshio.xdmf.TimeSeriesReader(tmp_path / "field.xdmf") as reader:
+        reader.read_points_cells()
+        data = reader.read_data(3)[1]
+    assert data["stress_Pa"] == pytest.approx(5e6 * data["stress"])
+    assert data["velocity_m_per_s"] == pytest.approx(2.7e-6 * data["velocity"])
 
 
 def test_series_is_read_back(recorded, tmp_path):

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from slipwave.files import TIME
 from slipwave.scene import Scene
+from slipwave.scene.units import IN_SI
 
 
 class Quantity(NamedTuple):
@@ -60,22 +61,11 @@ def stored_name(column: str) -> str:
 
 _IN_WORDS = {"re": "real part", "im": "imaginary part", "std": "standard deviation", "wall": "run time", "s": "in seconds"}
 _IN_WORDS |= {"error": "relative error of", "difference": "difference of", "margin": "margin of"}
-_SI = {"transit": ("s", "s"), "normal stress": ("Pa", "Pa"), "V*": ("m s-1", "m_per_s"), "L": ("m", "m")}
-"""Unit in SI, and how names of values in it end."""
 
 
 def si_factor(quantity: Quantity, scene: Scene) -> float | None:
     """The size of 1 in SI; None for a pure number and for scenes without units."""
-    units = scene.units
-    if units is None or not quantity.unit:
-        return None
-    sizes = {
-        "transit": scene.transit * units.time,
-        "normal stress": units.normal_stress,
-        "V*": units.reference_velocity,
-        "L": units.memory_length,
-    }
-    return sizes[quantity.unit]
+    return scene.units.size(quantity.unit, scene.transit) if scene.units and quantity.unit else None
 
 
 def attributes(quantity: Quantity, scene: Scene) -> dict[str, Any]:
@@ -84,7 +74,7 @@ def attributes(quantity: Quantity, scene: Scene) -> dict[str, Any]:
     if quantity.unit:
         found["in_units_of"] = quantity.unit
     factor = si_factor(quantity, scene)
-    return found if factor is None else found | {"si_factor": factor, "si_units": _SI[quantity.unit][0]}
+    return found if factor is None else found | {"si_factor": factor, "si_units": IN_SI[quantity.unit][0]}
 
 
 def column_notes(key: str, scene: Scene, numbers: bool) -> dict[str, Any]:
@@ -103,7 +93,7 @@ def in_si(name: str, values: ArrayLike, quantity: Quantity, scene: Scene) -> dic
     factor = si_factor(quantity, scene)
     if factor is None:
         return {}
-    unit, ending = _SI[quantity.unit]
+    unit, ending = IN_SI[quantity.unit]
     return {f"{name}_{ending}": (np.asarray(values, dtype=float) * factor, {"long_name": quantity.meaning, "units": unit})}
 
 
