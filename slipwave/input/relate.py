@@ -3,8 +3,9 @@
 from fractions import Fraction
 
 from slipwave.errors import SceneError
-from slipwave.input.number import Range
-from slipwave.input.quantity import Quantity
+from slipwave.input.number import TIME, Range
+from slipwave.input.quantity import Quantity, looks_measured, quantity
+from slipwave.scene import Scene
 from slipwave.scene.units import Units
 
 UNIT_KEYS = ("normal_stress", "memory_length", "reference_velocity")
@@ -37,6 +38,14 @@ def in_transits(key: str, given: float | Quantity, units: Units | None, transit:
         return given
     second = 1.0 / (require_units(key, f'"{given.text}"', units, "a number of transits").time * transit)
     return _allowed(key, given, given.value * second, "transits", allowed)
+
+
+def moment(key: str, given: float | str, scene: Scene) -> float:
+    """A time given to a command, a number or a text with or without a unit, in transits. Raises ValueError for what is no time,
+    SceneError for a unit in a scene without units."""
+    if isinstance(given, str) and looks_measured(given):
+        return in_transits(key, quantity(given, "s"), scene.units, scene.transit, TIME)
+    return float(given)
 
 
 def in_reference_velocity(key: str, given: float | Quantity, units: Units | None, allowed: Range) -> float:

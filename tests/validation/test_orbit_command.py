@@ -100,6 +100,16 @@ def test_a_run_that_leads_to_none_gives_way_to_the_branch(capsys):
     assert hopf < unstable < fold < found["period"] < unstable + 5.0
 
 
+def test_a_period_in_seconds_is_asked_for_in_transits(monkeypatch):
+    asked = []
+    monkeypatch.setattr("validation.door.orbit.orbit_of", lambda *all_of_it: asked.append(all_of_it[4]))
+    scene = sw.read("paper-si")
+    transit = scene.transit * scene.units.time
+    for given in (f"{80 * transit:.17g} s", f"{8e4 * transit:.17g} ms", 80, "80"):
+        sw.orbit("paper-si", near_period=given)
+    assert asked == pytest.approx([80.0] * 4, rel=1e-14)
+
+
 @pytest.mark.parametrize(("near", "s", "other", "word"), [(5.9, 0.2, 0.8, "stable"), (5.1, 0.8, 0.2, "unstable")])
 def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word):
     """Two orbits coexist at p = -0.16, known in closed form."""
@@ -121,7 +131,9 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word):
         (["paper", "--cells", "4"], INPUT_WRONG, "model delay takes no cells"),
         (["paper", "--tol", "1e-20"], INPUT_WRONG, "tol = 1e-20: must lie in [1e-11, 0.01]"),
         (["paper", "--tol", "nan"], INPUT_WRONG, "tol = nan"),
-        (["paper", "--near-period", "0"], INPUT_WRONG, "near_period = 0: must be above 0"),
+        (["paper", "--near-period", "0"], INPUT_WRONG, "near_period = '0': must be above 0, in transits or with a unit of time"),
+        (["paper", "--near-period", "long"], INPUT_WRONG, "near_period = 'long': must be above 0, in transits or with a unit"),
+        (["paper", "--near-period", "60s"], INPUT_WRONG, 'near_period = "60s": must come with interface.normal_stress'),
         (
             ["paper", *ODE, "--set", "slab.log10_r=-2.72"],
             NUMERICS_FAILED,

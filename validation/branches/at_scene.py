@@ -11,7 +11,7 @@ from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable
 from reduced.parameters import with_parameter
 from reduced.stability.critical import critical_round_trip
-from slipwave.errors import NumericsError, SceneError
+from slipwave.errors import NumericsError
 from slipwave.scene import Scene
 from validation.branches.follow import Limits, begin, follow
 from validation.branches.parameter import Over
@@ -51,8 +51,6 @@ def orbit_of(model: str, scene: Scene, tolerance: float, cells: int | None = Non
 def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near: float) -> OrbitFound:
     """The orbit of the primary branch with the period nearest to `near`; if it has none of this number of cycles, or is not known
     so far, the nearest of those to which the scene's own motion returns."""
-    if not near > 0.0:
-        raise SceneError(f"near_period = {near:g}: must be above 0")
     began, source = time.perf_counter(), _FROM_BRANCH
     try:
         orbits = _primary(model, scene, cells, near + _LONGER, "")

@@ -19,8 +19,8 @@ OrbitTolerance = Annotated[
     float | None, typer.Option("--tol", help="requested relative error of period, drops and slip rates (default 1e-8)")
 ]
 NearPeriod = Annotated[
-    float | None,
-    typer.Option("--near-period", metavar="TRANSITS", help="where orbits coexist: the one with the period nearest to this"),
+    str | None,
+    typer.Option("--near-period", metavar="TIME", help="where orbits coexist: the one with the period nearest to this"),
 ]
 OutFile = Annotated[Path | None, typer.Option(metavar="FILE.nc", help="write the motion over one period and the multipliers")]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw the motion over one period: .png, .pdf or .svg")]

@@ -1,5 +1,6 @@
 """`slipwave.orbit`: the periodic orbit of a scene with its errors and its stability."""
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,10 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import TIME
 from slipwave.input import SceneSource
+from slipwave.input.relate import moment
 from slipwave.input.stored import recall
+from slipwave.input.wording import shorten
 from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -91,16 +95,16 @@ def orbit(
     model: str = "auto",
     *,
     tol: float | None = None,
-    near_period: float | None = None,
+    near_period: float | str | None = None,
     cells: int | None = None,
     settings: Iterable[str] = (),
     **changes: Any,
 ) -> OrbitResult:
     """The periodic orbit that a run of the scene leads to, stable or not, to the relative error `tol` (default 1e-8), and its
-    Floquet multipliers. Where several coexist, `near_period` (transits) asks for the one with the period nearest to it; a run
-    that leads to none gives way to the branch of orbits that begins where steady sliding loses its stability. The scene is
-    changed by `settings` and `changes` as in `slipwave.run`; a netCDF file of an orbit is computed again. A full wave (`cells`
-    per slab) marches exactly in time.
+    Floquet multipliers. Where several coexist, `near_period` (in transits, or as "60 s") asks for the one with the period nearest
+    to it; a run that leads to none gives way to the branch of orbits that begins where steady sliding loses its stability. The
+    scene is changed by `settings` and `changes` as in `slipwave.run`; a netCDF file of an orbit is computed again. A full wave
+    (`cells` per slab) marches exactly in time.
 
     Raises SceneError for wrong input, NumericsError if there is no orbit.
     """
@@ -109,7 +113,21 @@ def orbit(
     require_tolerance(tol)
     scene = scene_of(source, settings, changes)
     name = announced(*flowing(model, scene))
-    return OrbitResult(orbit_of(name, scene, tol, cells, options["near_period"]), options | {"tol": tol})
+    near = _period(options["near_period"], scene)
+    return OrbitResult(orbit_of(name, scene, tol, cells, near), options | {"tol": tol})
+
+
+def _period(given: float | str | None, scene: Scene) -> float | None:
+    """In transits. Raises SceneError for what is no positive time."""
+    try:
+        period = None if given is None else moment("near_period", given, scene)
+    except SceneError:
+        raise
+    except ValueError:
+        period = math.nan
+    if period is None or period > 0.0:
+        return period
+    raise SceneError(f"near_period = {shorten(given)}: must be above 0, in transits or with a unit of time")
 
 
 def _motion(cycle: Cycle, nodes: Array, scene: Scene) -> dict[str, Array]:

@@ -5,9 +5,7 @@ from collections.abc import Sequence
 from typing import TypeAlias
 
 from slipwave.errors import SceneError
-from slipwave.input.number import TIME
-from slipwave.input.quantity import looks_measured, quantity
-from slipwave.input.relate import in_transits
+from slipwave.input.relate import moment
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from validation.run.history_file import Kept
@@ -29,7 +27,7 @@ def kept_of(every: int | None, window: Window | None, scene: Scene) -> Kept:
         f"window = {shorten(shown)}: must be BEGIN:END in transits or with a unit of time, BEGIN before END and not negative"
     )
     try:
-        begin, end = (_moment(one, scene) for one in ends)
+        begin, end = (moment("window", one, scene) for one in ends)
     except SceneError:
         raise
     except ValueError:
@@ -37,9 +35,3 @@ def kept_of(every: int | None, window: Window | None, scene: Scene) -> Kept:
     if not 0.0 <= begin < end:
         raise problem
     return Kept(every or 1, begin, end)
-
-
-def _moment(given: float | str, scene: Scene) -> float:
-    if isinstance(given, str) and looks_measured(given):
-        return in_transits("window", quantity(given, "s"), scene.units, scene.upper.round_trip, TIME)
-    return float(given)
