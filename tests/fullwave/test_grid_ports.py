@@ -141,6 +141,20 @@ def test_maps_are_kept_between_the_runs_of_a_sweep_where_this_is_asked_for(monke
     assert len(made) == 3
 
 
+def test_kept_maps_are_those_of_the_same_slabs() -> None:
+    """Grids of equal size that differ in a number of their rates only."""
+
+    def psi(middle: float) -> float:
+        layers = ", ".join(f"{{fraction={share}, impedance={one}}}" for share, one in ((0.3, 1.0), (0.4, middle), (0.3, 1.0)))
+        scene = slipwave.read("paper", [f"slab.layers=[{layers}]"])
+        return follow(DiscontinuousGalerkin(scene, 5, 3, time="exact"), 20.0).psi
+
+    alone = [psi(1.5), psi(2.0)]
+    assert abs(alone[0] - alone[1]) > 1e-6
+    with step_maps.maps_kept():
+        assert [psi(1.5), psi(2.0)] == alone
+
+
 def test_few_maps_are_kept_and_the_last_used_the_longest() -> None:
     slabs = ports_of(DiscontinuousGalerkin(PAPER, 3, 2, time="exact")).slabs
     lengths = [2.0**-k for k in range(9)]
