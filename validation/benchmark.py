@@ -36,6 +36,9 @@ ROUNDS = 9
 GRIDS = {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}
 """Cells at which a transit takes about 0.1 ms (leapfrog) or 0.3 ms (method of lines)."""
 
+REDUCTIONS = ("block12", "block8", "kelvin-voigt", "modal:1", "modal:2", "modal:4", "modal:8")
+"""The reductions in the table of README.md, which takes their costs from here."""
+
 _ROCK = {
     "law": "ageing", "a_star": 0.6, "a": 0.01, "b": 0.015,
     "normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6,
@@ -83,6 +86,9 @@ def races() -> Iterator[Race]:
     delay, pair = Setting("delay", tolerance=1e-9), pairs()
     for name in ("commensurate", "irrational"):
         yield Race(f"delay: {name} round trips over alike", _run(delay, pair[name], 200.0), _run(delay, pair["alike"], 200.0))
+    for model in REDUCTIONS:
+        reduced = Setting(model, tolerance=1e-9)
+        yield Race(f"{model}: time of the delay system", _run(reduced, paper, 1000.0), _run(delay, paper, 1000.0))
     yield Race("delay: every transit of two cycles of granite over leaps", partial(_granite, True), partial(_granite, False))
     ours = Setting("kelvin-voigt", tolerance=1e-8)
     yield Race(

@@ -88,7 +88,7 @@ def test_a_damaged_record_is_passed_over(tmp_path):
 def test_the_races_are_told_apart_and_run():
     """Names are the keys under which ratios are compared from one day to the next."""
     named = {race.name: race for race in races()}
-    assert len(named) == len([*races()]) == 39
+    assert len(named) == len([*races()]) == 46
     for name in ("fd: grip over rigid face", "slipwave --help over bare Python"):
         ratio = measure(named[name], rounds=1)
         assert 0.0 < ratio["low"] == ratio["median"] == ratio["high"]
@@ -126,6 +126,14 @@ def test_both_sides_of_a_ratio_differ_only_in_what_it_is_named_after():
             race = named[f"delay: {name} round trips over alike"]
             exact = Setting("delay", tolerance=1e-9)
             assert (march(race.first), march(race.second)) == ((exact, scene, 200.0, 1.0), (exact, pairs()["alike"], 200.0, 1.0))
+
+
+def test_the_costs_of_the_readme_are_of_one_run_at_one_tolerance():
+    named, paper = {race.name: race for race in races()}, slipwave.read("paper")
+    for model in ("block12", "block8", "kelvin-voigt", "modal:1", "modal:2", "modal:4", "modal:8"):
+        race = named[f"{model}: time of the delay system"]
+        settings = [Setting(one, tolerance=1e-9) for one in (model, "delay")]
+        assert [march(race.first), march(race.second)] == [(setting, paper, 1000.0, 1.0) for setting in settings]
 
 
 def test_granite_is_marched_with_and_without_leaps():
