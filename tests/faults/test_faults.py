@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.faults.mutants import EQUIVALENT, Mutant, Reach, _imports_between, is_equivalent, mutants_of, wilson
+from tests.faults.mutants import EQUIVALENT, is_equivalent, sample, wilson
+from tests.faults.mutations import Mutant, mutants_of, places_of
+from tests.faults.nearest import Reach, _imports_between
 from tests.faults.planting import ROOMS, ROOT, AnchorError, Fault, read_faults
 from tests.faults.programme import Store, key_of, try_fault
 from tests.faults.trial import Copy
@@ -125,27 +127,48 @@ def test_a_record_is_of_use_until_what_decides_it_changes(tmp_path: Path) -> Non
     assert again.known("first", key) is None
 
 
-MUTATED = "def f(x, y):\n    return x + 2.0 * y if x < y else -x\n"
+@pytest.mark.parametrize(
+    ("code", "old", "new"),
+    [
+        ("x + y", "x + y", {"(x - y)", "(x * y)", "(x / y)", "(x // y)", "(x % y)", "(x ** y)"}),
+        ("x | y", "x | y", {"(x & y)", "(x ^ y)"}),
+        ("x < y", "x < y", {"(x == y)", "(x != y)", "(x <= y)", "(x > y)", "(x >= y)"}),
+        ("x is y", "x is y", {"(x is not y)"}),
+        ("x in y", "x in y", {"(x not in y)"}),
+        ("x and y", "x and y", {"(x or y)"}),
+        ("-x", "-x", {"(x)"}),
+        ("2.5", "2.5", {"3.5", "1.5"}),
+        ("True", "True", {"False"}),
+        ("x if y else z", "y", {"(not y)"}),
+        ("x @ y", "", set()),
+        ("f'{2}'", "", set()),
+        ("list(zip(x, y, strict=True))", "", set()),
+    ],
+)
+def test_mutants_are_those_of_cosmic_ray(code: str, old: str, new: set[str]) -> None:
+    found = mutants_of("slipwave/f.py", f"def f(x: 'a', y, z):\n    return {code}\n")
+    assert {mutant.new for mutant in found} == new
+    assert {mutant.old for mutant in found} <= {old}
+    assert {mutant.function for mutant in found} <= {"f"}
 
 
-def test_mutants_are_the_usual_single_changes() -> None:
-    found = {(mutant.old, mutant.new) for mutant in mutants_of("slipwave/f.py", MUTATED)}
-    assert {
-        ("x + 2.0 * y", "(x - 2.0 * y)"),
-        ("2.0 * y", "(2.0 / y)"),
-        ("2.0", "4.0"),
-        ("x < y", "(x <= y)"),
-        ("x < y", "(x >= y)"),
-        ("-x", "(x)"),
-        ("return x + 2.0 * y if x < y else -x", "return None"),
-    } == found
-    assert {mutant.function for mutant in mutants_of("slipwave/f.py", MUTATED)} == {"f"}
+def test_mutants_of_statements() -> None:
+    loop = "    for y in x:\n        if y:\n            break\n"
+    text = f"def f(x):\n{loop}    try:\n        g()\n    except OSError:\n        x += y\n"
+    found = {(mutant.old, mutant.new) for mutant in mutants_of("slipwave/f.py", text)}
+    assert found >= {("x", "[]"), ("y", "(not y)"), ("break", "continue"), ("OSError", "UnboundLocalError"), ("x += y", "x -= y")}
 
 
-def test_the_guard_of_zip_is_left_alone() -> None:
-    """It only stops wrong programs."""
-    text = "def f(x, y):\n    return list(zip(x, y, strict=True))\n"
-    assert [mutant.new for mutant in mutants_of("slipwave/f.py", text)] == ["return None"]
+def test_a_chain_of_comparisons_has_a_place_for_each() -> None:
+    places = list(places_of("slipwave/f.py", "def f(x, y, z):\n    return x < y < z\n"))
+    assert [len(place) for place in places] == [5, 5]
+    assert {mutant.new for place in places for mutant in place} >= {"(x <= y < z)", "(x < y <= z)"}
+
+
+def test_decorators_go_but_those_that_compile_or_keep() -> None:
+    text = "class A:\n    @property\n    def f(self):\n        pass\n\n    @cache\n    def g(self):\n        pass\n"
+    (mutant,) = mutants_of("slipwave/f.py", text)
+    assert (mutant.old, mutant.function) == ("property", "A.f")
 
 
 @pytest.mark.parametrize(
@@ -158,20 +181,28 @@ def test_the_guard_of_zip_is_left_alone() -> None:
         ({"file": "g.py"}, False),
     ],
 )
-def test_an_equivalent_mutant_is_known_by_file_change_and_line(listed: dict[str, str], is_one: bool) -> None:
-    record = {"where": "f.py:7", "what": "1 -> 2", "line": "TALL = 1"}
-    assert is_equivalent(record, [{"file": "f.py", "what": "1 -> 2"} | listed]) == is_one
+def test_an_equivalent_mutant_is_known_by_file_change_and_line(listed: dict[str, str], is_one: bool, tmp_path: Path) -> None:
+    text = "WIDE = 2\nTALL = 1\n"
+    (tmp_path / "f.py").write_text(text)
+    (mutant,) = (one for one in mutants_of("f.py", text) if one.what == "1 -> 2")
+    assert is_equivalent(mutant, [{"file": "f.py", "what": "1 -> 2"} | listed], tmp_path) == is_one
 
 
 @pytest.mark.parametrize("listed", EQUIVALENTS, ids=lambda one: f"{one['file']}: {one['what']}")
 def test_every_equivalent_is_a_mutant_of_the_program_as_it_is(listed: dict[str, str]) -> None:
     text = (ROOT / listed["file"]).read_text(encoding="utf-8")
-    lines = text.splitlines()
-    assert any(
-        listed["what"] == mutant.what and listed.get("line", "") in lines[text.count("\n", 0, mutant.begin)]
-        for mutant in mutants_of(listed["file"], text)
-    )
+    assert any(is_equivalent(mutant, [listed]) for mutant in mutants_of(listed["file"], text))
     assert listed["reason"]
+
+
+def test_a_sample_is_of_the_asked_size_and_holds_no_equivalent(tmp_path: Path) -> None:
+    (tmp_path / "slipwave").mkdir()
+    (tmp_path / "slipwave/f.py").write_text("".join(f"A{k} = {k}\n" for k in range(2, 60)))
+    drawn = sample(20, 1, [], tmp_path)
+    assert len({mutant.name for mutant in drawn}) == 20
+    assert drawn[:5] == sample(5, 1, [], tmp_path) != sample(5, 2, [], tmp_path)
+    listed = {"file": drawn[3].file, "what": drawn[3].what}
+    assert sample(19, 1, [listed], tmp_path) == [*drawn[:3], *drawn[4:]]
 
 
 def test_wilsons_interval() -> None:
