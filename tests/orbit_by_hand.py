@@ -127,6 +127,14 @@ class FlowByHand:
     def essential_radius(self, cycle):
         return self.radius
 
+    @property
+    def idle(self):
+        return np.zeros((self.size, 0))
+
+    @property
+    def undecided(self):
+        return self.radius == 1.0
+
     def _motion(self, starts, period):
         """ln |w(t)/w(0)| and the angle between w(0) and w(t) (steps + 1, m) of m motions, by a Runge-Kutta rule of order 5."""
         s, one, h, weights = starts[-2] ** 2 + starts[-1] ** 2, self.oscillator, period / self.steps, RK45.B

@@ -59,12 +59,14 @@ class Point:
 
     @cached_property
     def multipliers(self) -> Complex:
-        """All multipliers but the trivial one, largest modulus first (complex)."""
-        return floquet(self.closed.monodromy)[0]
+        """All multipliers but the trivial one and those of idle modes, largest modulus first (complex); none where they cannot be
+        counted (`Flow.undecided`)."""
+        closed = self.closed
+        return np.empty(0, dtype=complex) if closed.flow.undecided else floquet(closed.monodromy, closed.flow.idle)[0]
 
     @property
     def unstable(self) -> int:
-        """Number of multipliers outside the unit circle."""
+        """Number of `multipliers` outside the unit circle."""
         return int((np.abs(self.multipliers) > 1.0).sum())
 
 

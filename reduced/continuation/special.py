@@ -5,6 +5,7 @@
     NS  a complex pair passes through the unit circle
 
 The number of unstable multipliers changes by 1, 1 and 2. An interval in which it changes otherwise than by its events is refused.
+Where multipliers cannot be counted (`Flow.undecided`), only folds are known.
 """
 
 from collections.abc import Callable
@@ -61,7 +62,7 @@ def between(flow_at: FlowAt, left: Point, right: Point, metric: Metric, trend: A
         middle = _middle(flow_at, left, right, metric)
         return halves(middle) if crosses or _differ(left, middle) else ()
     tests = [kind for kind, test in _TESTS.items() if test(left, right)]
-    if len(tests) == 1 and _change(tests[0], left, right):
+    if len(tests) == 1 and (left.closed.flow.undecided or _change(tests[0], left, right)):
         return (_locate(flow_at, left, right, metric, tests[0]),)
     if metric.length(right.unknowns - left.unknowns) < 1e-7:
         raise Unaccounted(
@@ -200,7 +201,7 @@ def _value(kind: str, point: Point) -> float:
 def _critical(kind: str, values: Complex) -> complex:
     """The multiplier that passes."""
     if kind == "LP":
-        return complex(values[np.abs(values - 1.0).argmin()])
+        return complex(values[np.abs(values - 1.0).argmin()]) if values.size else complex(1.0)
     if kind == "PD":
         real = values[np.abs(values.imag) < _REAL]
         return complex(real[np.abs(real + 1.0).argmin()]) if real.size else complex(-np.inf)

@@ -5,7 +5,7 @@ its end is read from the polynomials of the last steps, which is the only interp
 """
 
 import math
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -16,7 +16,9 @@ from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, Networ
 from reduced.delay.transmission_lines import lines_of
 from reduced.flows.delay_kernel import logs_of_return, march_tangent
 from reduced.flows.exchange import exchange_of
+from reduced.flows.idle_states import idle_states, without
 from reduced.stability.essential import essential_abscissa
+from reduced.stability.friction import friction_slopes
 from slipwave.errors import NumericsError
 from slipwave.friction import unknown_of
 from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
@@ -111,12 +113,31 @@ class DelayFlow:
         with the factor rho = (F_v - epsilon/2)/(F_v + epsilon/2), and the radius is exp of the integral of ln |rho| over the
         period. Slabs of incommensurate round trips whose faces lose nothing have motions, as near as one likes, in which the
         interface carries no stress: then it is 1. Of others it is that of `frozen_tangent`."""
-        scene = self.scene
-        if scene.alike and scene.upper.is_plain:
+        if self.scene.alike and self.scene.upper.is_plain:
             return self._returned(cycle)
-        if self._lines.divisor is None and essential_abscissa(scene) > -_UNDAMPED / scene.transit:
+        if self.undecided:
             return 1.0
-        return float(np.abs(np.linalg.eigvals(self.frozen_tangent(cycle))).max())
+        return float(np.abs(np.linalg.eigvals(without(self.frozen_tangent(cycle), self.idle))).max())
+
+    @cached_property
+    def idle(self) -> Array:
+        """As `Flow`, of slabs with commensurate round trips: the same in every step, so those of one step in which the interface
+        absorbs waves as well as it can."""
+        scene = self.scene
+        lossless = all(slab.termination.is_rigid or not slab.termination.dashpot for slab in scene.slabs)
+        if scene.alike or self._lines.divisor is None or not lossless:
+            return np.zeros((self.size, 0))
+        impedance = self._network.interface_impedance
+        rate = scene.velocity * friction_slopes(scene.law, scene.velocity).direct / impedance
+        pieces = empty_pieces(1, NODES)
+        pieces.z[:], pieces.psi[:] = unknown_of(scene.law, rate), scene.steady_psi
+        return idle_states(self.frozen_tangent(Cycle(self.length, self.steady, self.steady, pieces, 0)))
+
+    @cached_property
+    def undecided(self) -> bool:
+        """As `Flow`: of incommensurate round trips."""
+        scene = self.scene
+        return self._lines.divisor is None and essential_abscissa(scene) > -_UNDAMPED / scene.transit
 
     def _returned(self, cycle: Cycle) -> float:
         """exp of the integral of ln |rho|, which is infinite where rho passes through zero, over the period."""

@@ -5,7 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from reduced.flows.idle_states import without
 from reduced.orbit.closing import Closed
+from reduced.stability.idle import IdleMode, idle_modes, named
 from slipwave.observe.pieces import Array
 
 Complex = NDArray[np.complex128]
@@ -16,54 +18,69 @@ NEUTRAL = 1e-6
 _AGREE = 1e-3
 """Two meshes must agree on a multiplier to this part of it, or it is not reported: eigenvalues of the essential spectrum never
 do."""
+_NONE = np.zeros((0, 0))
 _SMALLEST = 1e-6
 """Modulus below which a multiplier is lost in the errors of larger ones."""
 
 
 class Multipliers(NamedTuple):
-    """`values` (m,), largest modulus first, without the trivial one, whose distance from 1 is `trivial_defect`;
-    `essential_radius` is the radius below which infinitely many accumulate (0 if there are finitely many); `stable` is None if
-    the values cannot decide, with the `reason`."""
+    """`values` (m,), largest modulus first, without the trivial one, whose distance from 1 is `trivial_defect`, and those of idle
+    modes; `essential_radius` is the radius below which infinitely many accumulate (0 if there are finitely many); `stable` is
+    None if the values cannot decide, with the `reason`. `idle`: where the radius is 1, the modes that friction damps least."""
 
     values: Complex
     trivial_defect: float
     essential_radius: float
     stable: bool | None
     reason: str = ""
+    idle: tuple[IdleMode, ...] = ()
 
 
 def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
     """Multipliers of `closed` outside the essential radius; of these only those that a `coarser` mesh confirms."""
-    values, defect = floquet(closed.monodromy)
+    values, defect = floquet(closed.monodromy, closed.flow.idle)
     radius = closed.flow.essential_radius(closed.cycle)
     isolated = values[np.abs(values) > max(radius, _SMALLEST)]
     if coarser is not None:
-        others = floquet(coarser.monodromy)[0]
+        others = floquet(coarser.monodromy, coarser.flow.idle)[0]
         nearest = [np.abs(others - one).min() if others.size else np.inf for one in isolated]
         isolated = isolated[np.array(nearest, dtype=float) < _AGREE * np.abs(isolated)]
-    stable, reason = _verdict(isolated, radius)
-    return Multipliers(isolated, defect, radius, stable, reason)
+    if radius > 1.0 - NEUTRAL or not is_decided(closed):
+        modes = idle_modes(closed.flow.scene)
+        return Multipliers(isolated, defect, max(radius, 1.0), None, _undecided(modes, closed.cycle.period), modes)
+    return Multipliers(isolated, defect, radius, *_verdict(isolated))
+
+
+def is_decided(closed: Closed) -> bool:
+    """Whether multipliers decide the stability of `closed`: they do unless they accumulate at the unit circle."""
+    return not (closed.flow.undecided or closed.flow.idle.size)
 
 
 def count_unstable(closed: Closed) -> int:
-    """The number of all multipliers of `closed` outside the unit circle."""
-    return int((np.abs(floquet(closed.monodromy)[0]) > 1.0).sum())
+    """The number of multipliers of `closed` outside the unit circle, without those of idle modes."""
+    return int((np.abs(floquet(closed.monodromy, closed.flow.idle)[0]) > 1.0).sum())
 
 
-def floquet(monodromy: Array) -> tuple[Complex, float]:
-    """Eigenvalues, largest modulus first, without the one nearest to 1; and its distance from 1."""
-    values = np.linalg.eigvals(monodromy).astype(complex)
+def floquet(monodromy: Array, idle: Array = _NONE) -> tuple[Complex, float]:
+    """Eigenvalues but those of `idle` states, largest modulus first, without the one nearest to 1; and its distance from 1."""
+    values = np.linalg.eigvals(without(monodromy, idle)).astype(complex)
     trivial = int(np.abs(values - 1.0).argmin())
     rest = np.delete(values, trivial)
     return rest[np.argsort(-np.abs(rest), kind="stable")], float(abs(values[trivial] - 1.0))
 
 
-def _verdict(isolated: Complex, radius: float) -> tuple[bool | None, str]:
-    if radius > 1.0 - NEUTRAL:
-        return None, (
-            f"the waves' own multipliers reach a radius of {radius:.9f}: some motion of the slabs is never damped by friction, "
-            "and multipliers cannot decide stability"
-        )
+def _undecided(modes: tuple[IdleMode, ...], period: float) -> str:
+    """Why multipliers cannot decide, and the modes because of which they cannot."""
+    exact = bool(modes) and not modes[0].decay
+    said = "left out of the multipliers" if exact else "they lose little in a period, and others of high frequency less"
+    listed = f" ({named(modes, period)}; {said})" if modes else ""
+    return (
+        "the waves' own multipliers reach a radius of 1: some motion of the slabs is never damped by friction, and multipliers "
+        f"cannot decide stability: idle modes, in which both slabs swing alike without slip or stress at the interface{listed}"
+    )
+
+
+def _verdict(isolated: Complex) -> tuple[bool | None, str]:
     largest = float(np.abs(isolated).max(initial=0.0))
     if abs(largest - 1.0) < NEUTRAL:
         return None, f"the largest multiplier has modulus {largest:.9f}: neutral within the error of the computation"

@@ -64,7 +64,17 @@ class Flow(Protocol):
         """The same with psi held at its values along `cycle`: what the interface returns of the waves alone."""
 
     def essential_radius(self, cycle: Cycle) -> float:
-        """Radius below which infinitely many multipliers of the model accumulate; 0 if it has finitely many."""
+        """Radius below which infinitely many multipliers of the model accumulate, those of `idle` states left out; 0 if it has
+        finitely many."""
+
+    @property
+    def idle(self) -> Array:
+        """Orthonormal states (n, m) of the motions that friction does not damp and that do not act on it; (n, 0) if there are
+        none. The tangent maps them to each other."""
+
+    @property
+    def undecided(self) -> bool:
+        """Whether multipliers accumulate at the unit circle though `idle` states are left out: none can be counted then."""
 
     def of(self, scene: Scene) -> "Flow":
         """The same model and mesh for another scene."""

@@ -79,6 +79,17 @@ class PortFlow:
         """As `Flow`: what a port remembers is finite."""
         return 0.0
 
+    @property
+    def idle(self) -> Array:
+        """As `Flow`: a port remembers nothing that the interface does not feel, but for grids of unlike slabs with one round
+        trip."""
+        return np.zeros((self.size, 0))
+
+    @property
+    def undecided(self) -> bool:
+        """As `Flow`."""
+        return False
+
     def of(self, scene: Scene) -> "PortFlow":
         """As `Flow`. Raises SceneError if the model of `scene` remembers another number of values."""
         response = self._response.of(scene)

@@ -17,6 +17,7 @@ from reduced.continuation.start import from_orbit, from_stored, stored
 from reduced.orbit.closing import close
 from slipwave.errors import NumericsError
 from tests.orbit_by_hand import SHRINKS, SNAKE, SUBCRITICAL, SUPERCRITICAL, TURN, FlowByHand, Oscillator
+from validation.branches.record import point_of
 
 METRIC = Metric(2.0 * math.pi, 1.0)
 WIDEST = 2.1e-9
@@ -94,6 +95,17 @@ def test_a_subcritical_branch_turns_at_its_fold():
     assert fold.multiplier == pytest.approx(1.0, abs=1e-3)
     assert fold.bracket < WIDEST
     require_closed_form(SUBCRITICAL, steps)
+
+
+def test_where_multipliers_cannot_be_counted_folds_are_found_all_the_same():
+    """The same branch, beside it a pair that would pass the circle: no count, no torus point."""
+    oscillator = SUBCRITICAL._replace(beside=lambda p: p + 0.1)
+    family = family_of(oscillator, radius=1.0)
+    steps = branch(family, at(family, oscillator, 0.2, towards=-9.0), lambda q: q.parameter < 0.05)
+    (fold,) = events(steps)
+    assert (fold.kind, fold.unstable_before, fold.unstable_after) == ("LP", 0, 0)
+    assert fold.point.parameter == pytest.approx(-0.25, abs=1e-11)
+    assert all(point_of(step.point)[-2:] == (None, None) for step in steps)
 
 
 def snake_folds(highest):

@@ -150,7 +150,9 @@ def test_undecided_stability_is_null_with_its_reason(capsys):
     """Unlike slabs of irrational ratio have motions that friction never damps."""
     found = branch(capsys, "unlike-irrational", "--over", "log10_r=-2.6:-2.5", "--tol", "1e-3", "--most-points", "3")
     assert [point["stable"] for point in found["points"]] == [None, None, None]
+    assert [point["unstable"] for point in found["points"]] == [None, None, None]
     assert found["notes"][0].startswith("stability is not decided where the essential radius is 1")
+    assert found["notes"][0].endswith("so of the special points only HB and LP are found")
 
 
 def test_another_parameter_stands_under_its_own_name(capsys):

@@ -4,6 +4,7 @@ import json
 import math
 import re
 
+import numpy as np
 import pytest
 
 import slipwave as sw
@@ -83,6 +84,26 @@ def test_without_isolated_multipliers_none_is_listed(capsys):
     assert "no multiplier lies outside the essential radius" in lines
     assert any("its stability is not decided" in line for line in lines)
     assert any("some motion of the slabs is never damped by friction" in line for line in lines)
+    assert any("5 and 7 quarter waves, 2.47967 cycles a transit" in line for line in lines)
+
+
+def test_idle_modes_are_named_with_their_multipliers():
+    """Two nearly idle modes of the slabs of irrational ratio. Of the first one the orbit's own multiplier is known, 0.60898 +-
+    0.78650 i: the loss to first order, 0.00583, is that of slow slip; 0.00530 is what the whole cycle takes."""
+    found = sw.orbit("unlike-irrational", tol=1e-6)
+    modes = found.summary["idle_modes"]
+    assert [mode["quarter_waves"] for mode in modes[:2]] == [[5, 7], [29, 41]]
+    assert found.summary["stable"] is None
+    told = complex(*modes[0]["multiplier"])
+    own = np.linalg.eigvals(found.found.found.closed.monodromy)
+    nearest = own[np.abs(own - told).argmin()]
+    assert abs(nearest) == pytest.approx(0.9947022, abs=1e-5)
+    assert abs(nearest - told) < 0.01
+    assert 1.0 - abs(told) == pytest.approx(1.0 - abs(nearest), rel=0.2)
+
+
+def test_no_mode_is_idle_where_multipliers_decide(capsys):
+    assert orbit(capsys, "paper", "--model", "block8", "--tol", "1e-4")["idle_modes"] == []
 
 
 def test_a_start_on_the_orbit_is_no_other_scene(capsys):

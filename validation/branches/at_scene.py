@@ -8,7 +8,7 @@ from reduced.continuation.crossing import orbits_at
 from reduced.continuation.point import Point
 from reduced.orbit.approach import MOST_TRANSITS, Guess
 from reduced.orbit.closing import Closed
-from reduced.orbit.multipliers import count_unstable
+from reduced.orbit.multipliers import count_unstable, is_decided
 from reduced.parameters import with_parameter
 from reduced.stability.critical import critical_round_trip
 from slipwave.errors import NumericsError
@@ -65,8 +65,12 @@ def _chosen(orbits: list[Closed], one: Closed, scene: Scene, tolerance: float, b
     """One of several orbits to the requested tolerance; the others are named."""
     cycle = one.cycle
     found = refined(scene, Guess(one.flow.of(scene), cycle.start, cycle.period, False), tolerance)
-    others = tuple(Other(other.cycle.period, count_unstable(other)) for other in orbits if other is not one)
+    others = tuple(_other(orbit) for orbit in orbits if orbit is not one)
     return OrbitFound(found, tolerance, source, time.perf_counter() - began, others)
+
+
+def _other(closed: Closed) -> Other:
+    return Other(closed.cycle.period, count_unstable(closed) if is_decided(closed) else None)
 
 
 def _primary(model: str, scene: Scene, cells: int | None, longest: float, reason: str) -> list[Closed]:

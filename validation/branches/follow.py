@@ -30,7 +30,12 @@ _SAME = 0.03  # difference of ln v and psi between two halves
 
 _UNDECIDED = (
     "stability is not decided where the essential radius is 1: some motion of the slabs is never damped by friction there, and "
-    "multipliers cannot tell"
+    "multipliers cannot tell; "
+)
+_UNCOUNTED = "they accumulate at the unit circle and are not counted, so of the special points only HB and LP are found"
+_WITHOUT_IDLE = (
+    "numbers of unstable multipliers, and PD and NS found by them, leave out idle modes, in which both slabs swing alike without "
+    "slip or stress at the interface: slipwave orbit names them"
 )
 
 
@@ -116,8 +121,9 @@ def follow(branch: Branch, head: Head, limits: Limits) -> Iterator[Head]:
 def record(branch: Branch, point: Point) -> None:
     """Add a point to the branch."""
     branch.points.append(point_of(point))
-    if branch.points[-1].stable is None and _UNDECIDED not in branch.notes:
-        branch.notes.append(_UNDECIDED)
+    if branch.points[-1].stable is None:
+        note = _UNDECIDED + (_UNCOUNTED if point.closed.flow.undecided else _WITHOUT_IDLE)
+        branch.notes.extend([] if note in branch.notes else [note])
 
 
 def _end(branch: Branch, head: Head, limits: Limits) -> str | None:

@@ -6,13 +6,13 @@ from typing import NamedTuple
 from reduced.continuation.point import Point
 from reduced.continuation.special import Special
 from reduced.orbit.figures import figures_of
-from reduced.orbit.multipliers import NEUTRAL
+from reduced.orbit.multipliers import is_decided
 from validation.branches.parameter import Over
 
 
 class BranchPoint(NamedTuple):
-    """An orbit at a `value` of the parameter: its figures (`reduced.orbit.figures`), the number of `unstable` multipliers, and
-    whether it is `stable`; None if multipliers cannot tell."""
+    """An orbit at a `value` of the parameter: its figures (`reduced.orbit.figures`), the number of `unstable` multipliers, None
+    where they cannot be counted, and whether it is `stable`; None if multipliers cannot tell."""
 
     value: float
     period: float
@@ -20,14 +20,14 @@ class BranchPoint(NamedTuple):
     elastic_stress_drop: float
     v_max: float
     v_min: float
-    unstable: int
+    unstable: int | None
     stable: bool | None
 
 
 class SpecialPoint(NamedTuple):
     """A point of `kind` HB, LP, PD or NS with the figures of its orbit; `bracket`, the width in the parameter of the interval
-    that holds it; numbers of unstable multipliers (HB: of growing roots of steady sliding) before and after; `place`, the number
-    of points of the branch before it."""
+    that holds it; numbers of unstable multipliers (HB: of growing roots of steady sliding) before and after, None where they
+    cannot be counted; `place`, the number of points of the branch before it."""
 
     kind: str
     value: float
@@ -37,8 +37,8 @@ class SpecialPoint(NamedTuple):
     v_max: float
     v_min: float
     bracket: float
-    unstable_before: int
-    unstable_after: int
+    unstable_before: int | None
+    unstable_after: int | None
     place: int
 
 
@@ -70,20 +70,20 @@ class Branch:
 
 def point_of(point: Point) -> BranchPoint:
     """The record of an orbit."""
-    closed, unstable = point.closed, point.unstable
-    neutral = closed.flow.essential_radius(closed.cycle) > 1.0 - NEUTRAL
-    known = figures_of(closed)
-    return BranchPoint(point.parameter, **known, unstable=unstable, stable=None if neutral else unstable == 0)
+    closed, known = point.closed, figures_of(point.closed)
+    unstable = None if closed.flow.undecided else point.unstable
+    return BranchPoint(point.parameter, **known, unstable=unstable, stable=unstable == 0 if is_decided(closed) else None)
 
 
 def special_of(found: Special, place: int) -> SpecialPoint:
     """The record of a special point after so many points."""
+    counted = not found.point.closed.flow.undecided
     return SpecialPoint(
         found.kind,
         found.point.parameter,
         **figures_of(found.point.closed),
         bracket=found.bracket,
-        unstable_before=found.unstable_before,
-        unstable_after=found.unstable_after,
+        unstable_before=found.unstable_before if counted else None,
+        unstable_after=found.unstable_after if counted else None,
         place=place,
     )

@@ -136,7 +136,7 @@ def _special_rows(found: "Branch") -> tuple[list[str], list[list[str]]]:
             figures(special.bracket, 2),
             figures(special.period),
             figures(special.stress_drop, 7),
-            f"{special.unstable_before} -> {special.unstable_after}",
+            "not counted" if special.unstable_before is None else f"{special.unstable_before} -> {special.unstable_after}",
         ]
         for special in found.shown_special
     ]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from reduced.stability.idle import IdleMode
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import TIME
@@ -84,6 +85,7 @@ class OrbitResult(Result):
             "residual": done.found.closed.residual,
             "error_estimate": {name: getattr(orbit, name).error for name in ("period", "stress_drop")},
             "essential_radius": multipliers.essential_radius,
+            "idle_modes": [_idle(mode, orbit.period.value) for mode in multipliers.idle],
             "wall_s": done.wall_s,
             "notes": [*doubts(scene), *done.notes],
         }
@@ -115,6 +117,13 @@ def orbit(
     name = announced(*flowing(model, scene))
     near = _period(options["near_period"], scene)
     return OrbitResult(orbit_of(name, scene, tol, cells, near), options | {"tol": tol})
+
+
+def _idle(mode: IdleMode, period: float) -> dict[str, Any]:
+    """A mode that friction hardly damps, with its multiplier on an orbit of this `period` (transits)."""
+    value = mode.multiplier(period)
+    facts = {"quarter_waves": [mode.upper, mode.lower], "frequency": mode.frequency, "decay": mode.decay}
+    return facts | {"multiplier": [value.real, value.imag]}
 
 
 def _period(given: float | str | None, scene: Scene) -> float | None:

@@ -21,10 +21,17 @@ _SAME = 1e-6  # relative difference of two periods on one mesh that count as one
 
 
 class Other(NamedTuple):
-    """Another orbit of the same scene: its `period` (transits) and the number of `unstable` multipliers."""
+    """Another orbit of the same scene: its `period` (transits) and the number of `unstable` multipliers, None where they cannot
+    decide its stability."""
 
     period: float
-    unstable: int
+    unstable: int | None
+
+    @property
+    def told(self) -> str:
+        """In words."""
+        stability = "stability not decided" if self.unstable is None else "unstable" if self.unstable else "stable"
+        return f"{self.period:.7g} ({stability})"
 
 
 @dataclass(frozen=True)
@@ -57,7 +64,7 @@ class OrbitFound:
         if self.source:
             notes.append(self.source)
         if self.others:
-            periods = ", ".join(f"{other.period:.7g} ({'unstable' if other.unstable else 'stable'})" for other in self.others)
+            periods = ", ".join(other.told for other in self.others)
             notes.append(f"other orbits of this scene have the periods {periods}: --near-period finds one of them")
         return notes
 

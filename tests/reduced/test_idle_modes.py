@@ -1,0 +1,83 @@
+"""Vibrations of unlike slabs that friction does not damp: their frequencies, and the multipliers that are left without them."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from reduced.flows.delay import DelayFlow
+from reduced.flows.idle_states import without
+from reduced.orbit.closing import Closed
+from reduced.orbit.multipliers import count_unstable, multipliers
+from reduced.stability.idle import idle_modes
+from slipwave import read_scene
+
+
+def unlike(ratio, **changes):
+    """Slabs whose round trips have this ratio, the lower one with three times the impedance."""
+    return read_scene("unlike", **{"upper.r": 0.00244, "lower.r": 0.00244 * ratio}, **changes)
+
+
+@pytest.mark.parametrize(("ratio", "first"), [(1.0, (1, 1)), (3.0, (1, 3)), (5.0 / 3.0, (3, 5))])
+def test_odd_ratios_have_modes_that_are_exactly_idle(ratio, first):
+    """A slab of n quarter waves swings freely n/2 times in its own round trip."""
+    modes = idle_modes(unlike(ratio))
+    assert [(mode.upper, mode.lower) for mode in modes] == [(n * first[0], n * first[1]) for n in (1, 3, 5, 7)]
+    for mode in modes:
+        assert mode.frequency == pytest.approx(0.5 * mode.upper, rel=1e-12)
+        assert mode.decay == 0.0
+        assert mode.multiplier(65.3) == pytest.approx(np.exp(1j * math.pi * mode.upper * 65.3), abs=1e-10)
+
+
+def test_layers_count_as_quarter_waves_too():
+    """Two layers of one travel time: the lowest free vibration has tan^2(omega/4) = e_outer/e_inner, omega per round trip."""
+    layers = [{"fraction": 0.5, "impedance": 1.0}, {"fraction": 0.5, "impedance": 2.0}]
+    mode = idle_modes(unlike(1.0, **{"upper.layers": layers, "lower.layers": layers}))[0]
+    assert (mode.upper, mode.lower, mode.decay) == (1, 1, 0.0)
+    assert mode.frequency == pytest.approx(4.0 * math.atan(math.sqrt(2.0)) / (2.0 * math.pi), rel=1e-10)
+
+
+def test_nearly_idle_modes_are_those_of_slabs_that_are_welded():
+    """Welded slabs, v = 0, have X_1 + X_2 = 0; 0.0075 difference^3 was measured."""
+    scene = read_scene("unlike-irrational")
+    ratio, modes = scene.lower.round_trip / scene.upper.round_trip, idle_modes(scene)
+    assert [(mode.upper, mode.lower) for mode in modes] == [(5, 7), (29, 41), (169, 239)]
+    for mode in modes:
+        free = sorted((math.pi * mode.upper, math.pi * mode.lower / ratio))
+        welded = brentq(lambda w: 1.0 / math.tan(0.5 * w) + 3.0 / math.tan(0.5 * w * ratio), *free, xtol=1e-14)
+        assert 2.0 * math.pi * mode.frequency == pytest.approx(welded, abs=0.05 * (free[1] - free[0]) ** 3)
+
+
+def steady(flow, period):
+    """Steady sliding as a cycle of any period."""
+    cycle = flow.march(flow.steady, period)
+    return Closed(flow, cycle, 0.0, flow.tangent(cycle), np.zeros(flow.size), np.empty(0), 0.0, 0)
+
+
+@pytest.mark.parametrize("ratio", [3.0, 1.0])
+def test_idle_states_keep_their_multipliers_in_any_motion(ratio):
+    """All states with f(t + 1) = -f(t) of the smallest unit of time; 3.25 units turn them by exp(3.25 i omega)."""
+    flow = DelayFlow(unlike(ratio), 4.0)
+    closed = steady(flow, 3.25)
+    states, monodromy = flow.idle, closed.monodromy
+    inside = states.T @ monodromy @ states
+    assert states.shape[1] == 4 * 8  # steps of a unit, nodes
+    np.testing.assert_allclose(monodromy @ states, states @ inside, rtol=0.0, atol=1e-13)
+    values = np.linalg.eigvals(inside)
+    for mode in idle_modes(flow.scene)[:2]:
+        assert np.abs(values - mode.multiplier(3.25)).min() < 1e-9
+    every, rest = np.linalg.eigvals(monodromy), np.linalg.eigvals(without(monodromy, states))
+    assert np.sort(np.abs(rest))[-3:] == pytest.approx(np.sort([abs(v) for v in every if np.abs(values - v).min() > 1e-7])[-3:])
+
+
+def test_stability_is_not_decided_beside_idle_modes():
+    """Steady sliding that grows: no idle mode is counted, though interpolation makes some grow on a mesh."""
+    closed = steady(DelayFlow(unlike(3.0), 4.0), 40.3)
+    found = multipliers(closed)
+    assert found.stable is None
+    assert found.essential_radius == 1.0
+    assert np.abs(np.linalg.eigvals(closed.monodromy)).max() > 1.0
+    assert count_unstable(closed) == (np.abs(found.values) > 1.0).sum()
+    assert "1 and 3 quarter waves, 0.5 cycles a transit, multiplier" in found.reason
+    assert [mode.upper for mode in found.idle] == [1, 3, 5, 7]
