@@ -171,7 +171,7 @@ def _locate(flow_at: FlowAt, left: Point, right: Point, metric: Metric, kind: st
         before, after = point(max(0.0, at - gap)), point(min(1.0, at + gap))
         if _TESTS[kind](before, after):
             width = max(abs(after.parameter - before.parameter), TOLERANCE)
-            passing = complex(_critical(kind, point(at).multipliers))
+            passing = complex(critical(kind, point(at).multipliers))
             return Special(kind, point(at), width, left.unstable, right.unstable, passing)
         gap *= 4.0
     raise Unaccounted(f"a point of kind {kind} near parameter = {left.parameter:.10g} cannot be located")
@@ -194,12 +194,12 @@ def _value(kind: str, point: Point) -> float:
     """The test function of `kind`; its sign changes at the special point."""
     if kind == "LP":
         return float(point.tangent[-1])
-    passing = _critical(kind, point.multipliers)
+    passing = critical(kind, point.multipliers)
     return float(-1.0 - passing.real) if kind == "PD" else float(abs(passing) - 1.0)
 
 
-def _critical(kind: str, values: Complex) -> complex:
-    """The multiplier that passes."""
+def critical(kind: str, values: Complex) -> complex:
+    """Of the multipliers (m,) beside a special point of `kind` that which passes there; of a pair the one above the real axis."""
     if kind == "LP":
         return complex(values[np.abs(values - 1.0).argmin()]) if values.size else complex(1.0)
     if kind == "PD":

@@ -9,8 +9,9 @@ from shown import quick
 
 from slipwave.observe.orbit import Estimate
 from validation.branches.over_r import own_orbit
-from validation.studies.bifurcation.branches import scene_at
+from validation.studies.bifurcation.branches import branch_of, scene_at
 from validation.studies.snaking import verdicts
+from validation.studies.snaking.beside import Side, multiplier_seen, sides
 from validation.studies.snaking.reappearance import in_thicker_slabs
 from validation.studies.snaking.runs import Attractor, Run, Torus, attractor, multiplier_of, passages
 from validation.study import Outcome
@@ -23,7 +24,7 @@ def result():
 
 def test_every_verdict_holds(result, as_recorded):
     assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
-    assert len(result.verdicts) == 11
+    assert len(result.verdicts) == 13
     as_recorded("snaking", result)
     assert too_roomy(result.verdicts) == []
 
@@ -40,7 +41,8 @@ def run(periods, settled=True):
 
 def orbit(period, multiplier=0.5 + 0.6j):
     parts = [[multiplier.real, -multiplier.imag, 0.0], [multiplier.imag, multiplier.real, 0.0], [0.0, 0.0, 1.0]]
-    return SimpleNamespace(cycle=SimpleNamespace(period=period), monodromy=np.array(parts))
+    flow = SimpleNamespace(idle=np.zeros((3, 0)))
+    return SimpleNamespace(flow=flow, cycle=SimpleNamespace(period=period), monodromy=np.array(parts))
 
 
 def spiral(multiplier, count=80):
@@ -73,6 +75,36 @@ def test_a_run_and_the_orbit_it_settles_on(period, multiplier, settled, outcomes
 )
 def test_a_run_beyond_the_torus_point_stays_around_the_orbit(periods, settled, outcome):
     assert verdicts.wanders(run(periods, settled), orbit(78.0)).outcome == outcome
+
+
+@pytest.mark.parametrize("multiplier", [-1.003, 0.4, 0.5 + 0.9j])
+def test_the_multiplier_by_which_two_runs_part(multiplier):
+    """The distance of each sample has a phase of its own."""
+    phases = np.exp(1j * np.linspace(0.0, 6.0, 50))
+    apart = np.real(multiplier ** np.arange(5)[:, None] * phases)
+    assert multiplier_seen(apart, bool(np.imag(multiplier))) == pytest.approx(multiplier, abs=1e-12)
+
+
+def test_a_run_beside_a_special_point_shows_the_multiplier_that_passes():
+    """Beside the first fold: on the stable side and on the unstable one."""
+    branch = branch_of("delay", -2.69, 60.0)
+    ((fold, before, beyond),) = sides(branch)
+    assert (fold.kind, before.log10_r < -2.69, beyond.log10_r < -2.69) == ("LP", True, True)
+    assert before.orbit.real > 1.0 > beyond.orbit.real
+    assert before.seen == pytest.approx(before.orbit, abs=1e-6)
+    assert beyond.seen == pytest.approx(beyond.orbit, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("seen", "outcomes"),
+    [((0.9, 1.1), ["pass", "pass"]), ((0.9003, 1.1), ["fail", "pass"]), ((0.9, 0.99), ["fail", "fail"])],
+)
+def test_runs_on_both_sides_of_a_special_point(seen, outcomes):
+    point = SimpleNamespace(kind="LP", unstable_before=0, unstable_after=1)
+    before, beyond = (Side(-2.6, orbit, one) for orbit, one in zip((0.9, 1.1), seen, strict=True))
+    back = SimpleNamespace(kind="LP", unstable_before=1, unstable_after=0)
+    both = [(point, before, beyond), (back, beyond, before)]
+    assert [verdict.outcome for verdict in verdicts.grows(both)] == outcomes
 
 
 def special(kind, log10_r, period):

@@ -34,12 +34,12 @@ def place_on_orbit(solver: Solver) -> float:
         closed = find_orbit(model, _TOLERANCE).found.closed
     except NumericsError as reason:
         raise NumericsError(f"start.kind = 'orbit': {reason}") from None
-    solver.restore(_state(solver, closed))
+    solver.restore(state_on(solver, closed))
     return solver.time + first_event(closed)
 
 
-def _state(solver: Any, closed: Closed) -> State:
-    """The state of the solver at the start of the orbit."""
+def state_on(solver: Any, closed: Closed) -> State:
+    """The state of `solver` at the start of a motion of its own flow that closes, or nearly so."""
     family, cycle, place = family_of(solver.model), closed.cycle, _place(closed)
     if family is DELAY:
         from reduced.flows.delay_start import placed as placed_delay

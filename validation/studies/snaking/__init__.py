@@ -3,10 +3,12 @@
 from reduced.continuation.branch import Control
 from validation.branches.over_r import own_orbit
 from validation.studies.bifurcation.branches import Branch, branch_of, scene_at
+from validation.studies.snaking.beside import sides
 from validation.studies.snaking.reappearance import in_thicker_slabs
 from validation.studies.snaking.runs import attractor, run_at, torus_at
 from validation.studies.snaking.shown import (
     attractor_table,
+    beside_table,
     coexisting_table,
     fold_pairs,
     pair_table,
@@ -14,7 +16,7 @@ from validation.studies.snaking.shown import (
     snake,
     window_table,
 )
-from validation.studies.snaking.verdicts import coexisting, meshes, on_torus, once_per_transit, reappears, settles, wanders
+from validation.studies.snaking.verdicts import coexisting, grows, meshes, on_torus, once_per_transit, reappears, settles, wanders
 from validation.study import Budget, Figure, Number, StudyResult
 
 NAME = "snaking"
@@ -33,6 +35,9 @@ _COEXIST = {True: (-2.66,), False: (-2.6655, -2.66, -2.6595)}
 _NUDGES = (0.5, 2.0)
 """log10 r and sizes of the nudges of runs that may end on different orbits."""
 
+_SIDES = {True: (1, 4), False: (0, 1)}
+"""The first special point beside which runs begin, and every which one after it."""
+
 _BEFORE, _BEYOND = -2.659, -2.6565
 """log10 r of direct runs on both sides of the first torus point, where the branch has one orbit."""
 
@@ -49,6 +54,7 @@ def run(budget: Budget) -> StudyResult:
     attractors = [attractor(log10_r, size, branch.orbits_at(log10_r)) for log10_r, size in starts]
     again = own_orbit("delay", scene_at(-2.68), 1e-11).closed
     residuals = {turns: in_thicker_slabs(again, turns, again.cycle.period) for turns in range(4)}
+    both = sides(branch, *_SIDES[budget.quick])
     beside = [branch.orbits_at(log10_r)[-1] for log10_r in (_BEFORE, _BEYOND)]
     return StudyResult(
         answer=_answer(branch, max(map(len, orbits.values()))),
@@ -57,6 +63,7 @@ def run(budget: Budget) -> StudyResult:
             pair_table(branch),
             window_table(branch.corners),
             coexisting_table(orbits),
+            beside_table(both),
             attractor_table(attractors),
             reappearance_table(again, residuals),
         ),
@@ -65,6 +72,7 @@ def run(budget: Budget) -> StudyResult:
             once_per_transit(branch),
             *settles(runs[0], beside[0]),
             wanders(runs[1], beside[1]),
+            *grows(both),
             *coexisting(attractors),
             *on_torus(torus_at(-2.65)),
             reappears(residuals),

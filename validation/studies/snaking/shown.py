@@ -13,6 +13,7 @@ from reduced.orbit.multipliers import count_unstable, floquet
 from validation.studies.bifurcation.branches import Branch, Corner, column, parts
 from validation.studies.bifurcation.shown import draw_branch, draw_special, special_keys
 from validation.studies.bifurcation.waves import COMPARED
+from validation.studies.snaking.beside import Side
 from validation.studies.snaking.runs import Attractor, Run
 from validation.study import Cell, Table, table
 from validation.study.drawing import WIDTH, Drawing, canvas, ruled
@@ -76,6 +77,30 @@ def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
     lead, found = floquet(closed.monodromy)[0][0], figures_of(closed)
     multiplier = plain(lead.real, ".4f") + (f" ± {plain(abs(lead.imag), '.4f')} i" if lead.imag else "")
     return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), multiplier)
+
+
+def beside_table(both: Iterable[tuple[Special, Side, Side]]) -> Table:
+    """The multiplier that passes at each special point, on both sides of it, from the orbit and from runs."""
+    rows = [
+        (
+            one.kind,
+            one.point.parameter,
+            *(cell for side in sides for cell in (complex_text(side.orbit), abs(side.seen), side.apart)),
+        )
+        for one, *sides in both
+    ]
+    columns = "before: multiplier | modulus seen in runs .6f | difference [relative] .0e"
+    heading = f"kind | log_{{10}} r .7f | {columns} | {columns.replace('before', 'beyond')}"
+    caption = (
+        "Direct runs on both sides of special points, each begun beside the next orbit of the branch, off by 1e-6 in the "
+        "direction of the multiplier that passes."
+    )
+    return table("beside", caption, heading, rows)
+
+
+def complex_text(value: complex) -> str:
+    """A real multiplier, or a pair."""
+    return plain(value.real, ".6f") + (f" ± {plain(abs(value.imag), '.6f')} i" if value.imag else "")
 
 
 def attractor_table(attractors: Iterable[Attractor]) -> Table:

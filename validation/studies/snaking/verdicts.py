@@ -4,10 +4,12 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from reduced.continuation.special import Special
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import floquet
 from validation.references.published import reference
 from validation.studies.bifurcation.branches import Branch
+from validation.studies.snaking.beside import Side
 from validation.studies.snaking.runs import Attractor, Run, Torus, multiplier_of
 from validation.studies.snaking.shown import fold_pairs
 from validation.study import Evidence, Verdict, judge
@@ -20,6 +22,7 @@ _PAIR = 1e-3  # 1e-4 was measured
 _ATTRACTED = 2e-9  # 9e-11 was measured
 _REAPPEARS = 1e-10  # 6e-12 was measured
 _ROTATION = 5e-4  # 6e-5 was measured
+_PASSES = 1e-4  # 7e-6 was measured
 _RANGE = 5e-3  # transits; 9e-4 was measured
 
 
@@ -97,6 +100,35 @@ def wanders(run: Run, orbit: Closed) -> Verdict:
         f"{low:.3f} to {high:.3f}",
         judge(not run.settled and low < orbit.cycle.period < high and high - low > 1e-3),
         f"log_{{10}} r = {run.log10_r:g}, T in transits".replace("-", "−"),
+    )
+
+
+def grows(both: Iterable[tuple[Special, Side, Side]]) -> tuple[Verdict, Verdict]:
+    """Direct runs on both sides of special points."""
+    listed = list(both)
+    apart = max(side.apart for _, *sides in listed for side in sides)
+    counted = sum(
+        (abs(beyond.seen) > 1.0 > abs(before.seen))
+        if one.unstable_after > one.unstable_before
+        else abs(beyond.seen) < 1.0 < abs(before.seen)
+        for one, before, beyond in listed
+    )
+    return (
+        bounded(
+            "On both sides of special points, direct runs depart or come back by the multiplier that passes there",
+            Evidence.WITNESS,
+            apart,
+            _PASSES,
+            f"largest relative difference, {2 * len(listed)} sides",
+        ),
+        Verdict(
+            "Runs begin to depart where the count of unstable multipliers grows, and to come back where it falls",
+            Evidence.WITNESS,
+            f"{len(listed)} points",
+            f"{counted} points",
+            judge(counted == len(listed)),
+            "signs of ln |m| before and beyond, as runs show it",
+        ),
     )
 
 
