@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import re
+from typing import Any
 
 import pytest
 
@@ -89,6 +90,27 @@ def test_numbers_are_told_canonically() -> None:
 def test_a_degree_left_open_suits_the_tolerance(name: str, tolerance: float | None, model: str) -> None:
     solver = build(name, slipwave.read("paper", ["run.until=20"]), tolerance=tolerance)
     assert solver.model == model
+
+
+def test_a_tolerance_beside_given_cells_is_for_the_steps_of_the_exact_march() -> None:
+    scene = slipwave.read("paper", {"slab.log10_r": -2.6})
+    plain, coarse, fine = (build("dg:8", scene, cells=4, tolerance=tolerance) for tolerance in (None, 1e-5, 1e-9))
+    assert [solver.settings["cells"] for solver in (plain, coarse, fine)] == [[4]] * 3
+    assert [solver.settings["resolution"] for solver in (plain, coarse, fine)] == [1e-12, 1e-5, 1e-9]
+    exact, far, near = (follow(solver, 60.0).psi for solver in (plain, coarse, fine))
+    assert 1e-10 < abs(far / exact - 1.0) < 1e-7  # 1.5e-9 measured
+    assert abs(near / exact - 1.0) < 1e-10  # 4e-12 measured
+
+
+@pytest.mark.parametrize(
+    ("model", "options", "changes"),
+    [("fd", {}, {}), ("dg:3", {"time": "explicit"}, {}), ("dg:3", {"cfl": 0.5}, {}), ("dg:3", {}, {"start.kind": "jump"})],
+)
+def test_cells_beside_a_tolerance_are_refused_where_no_step_can_follow_it(
+    model: str, options: dict[str, Any], changes: dict[str, Any]
+) -> None:
+    with pytest.raises(SceneError, match=r"tolerance = 1e-09: chooses the cells itself; leave out cells = 6"):
+        build(model, slipwave.read("paper", changes), cells=6, tolerance=1e-9, **options)
 
 
 def test_options_go_to_the_models_that_take_them() -> None:

@@ -134,6 +134,34 @@ def test_a_step_of_the_drive_beside_a_time_step_is_told(model: str, jump: float,
     assert any(note.startswith("steps of V are placed to within one time step (") for note in found.notes) == told
 
 
+@pytest.mark.parametrize(
+    ("model", "jump", "options", "told"),
+    [
+        ("dg:3", 1.01, {"cells": 2}, 1),
+        ("dg:3", 1.01, {"cells": 2, "time": "explicit"}, 0),  # late steps, which cost as much, are told instead
+        ("fd", 1.0, {"cells": 8}, 0),
+        ("delay", 1.01, {}, 0),
+        ("block8", 1.01, {}, 0),
+        ("dg:3", 0.0, {"cells": 2}, 0),
+    ],
+)
+def test_a_grid_tells_what_a_step_of_the_drive_costs(model: str, jump: float, options: dict[str, Any], told: int) -> None:
+    """How much it is: tests/verification/test_velocity_steps.py."""
+    drive = [[0.0, 100.0], [jump, 100.0], [jump, 120.0]] if jump else [[0.0, 100.0], [1.0, 120.0]]
+    found = slipwave.run("paper", model, until=2, **options, **{"drive.velocity": drive})
+    front = "no grid resolves the front of a step of V: the error of this model falls as the size of its cells"
+    assert sum(note.startswith(front) for note in found.notes) == told
+
+
+def test_a_tolerance_beside_given_cells_is_told_to_be_for_the_steps() -> None:
+    found = slipwave.run("paper", "dg:5", until=2, cells=2, tol=1e-7)
+    assert found.notes == [
+        "tolerance 1e-07 is for the steps in time: cells are given, and the error of their grid is not estimated"
+    ]
+    assert found.done.solver.settings["resolution"] == 1e-7
+    assert slipwave.run("paper", "dg:5", until=2, cells=2).notes == []
+
+
 def test_the_time_step_that_is_told_is_that_of_the_grid() -> None:
     ramp = {"drive.velocity": [[0.0, 100.0], [1.01, 100.0], [1.01, 120.0]]}
     (note,) = slipwave.run("paper", "fd", until=2, cells=8, **ramp).notes

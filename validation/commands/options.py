@@ -82,7 +82,8 @@ Tolerance: TypeAlias = Annotated[
     float | None,
     typer.Option(
         "--tol",
-        help="requested relative error; a full wave chooses cells and step for it and estimates the error that it reached",
+        help="requested relative error; a full wave chooses cells and steps for it and estimates the error that it reached; with "
+        "--cells it is for the steps of the exact march only",
     ),
 ]
 Yes: TypeAlias = Annotated[bool, typer.Option("--yes", help="run it even if it is expected to take more than a day")]

@@ -15,15 +15,15 @@ from slipwave.scene import Scene
 from validation.door.result import announced, as_path, deliver, log, scene_of
 from validation.door.run_result import RunResult
 from validation.registry import build as models
-from validation.registry.default_grid import judged, note_on
+from validation.registry.default_grid import judged, note_on, note_on_given
 from validation.registry.families import Built, Options, one_port_of
 from validation.run.determinacy import amplified_rounding
-from validation.run.late_steps import late_steps
 from validation.run.length import Length, length_of, require_cycles
 from validation.run.parting import exponent_of, require_constant
 from validation.run.recording import Records, Wanted, records_of
 from validation.run.resuming import require_checkpoint
 from validation.run.simulate import Run, RunInterrupted, simulate
+from validation.run.steps_of_drive import costly_steps
 from validation.run.window import Window, kept_of
 
 if TYPE_CHECKING:
@@ -56,13 +56,13 @@ def run(
 
     `until` is in transits, or a text with a unit of time ("60 s"); `cycles` ends the run when its second half has so many.
     Without them the scene gives the length, or the run ends when its motion is settled (`validation.run.length`). `cells`, `cfl`
-    and `time` ("exact" or "explicit") are for full waves; `tol` is the requested relative error. `interface` keeps the
-    interface's history, during the run in the file `samples` (default: a temporary one); `every` keeps one in so many samples
-    and `window` those from begin to end, as (20, 45) or "20:45" in transits or "10s:60s", and each of them asks for the history
-    too. `fields` keeps the last 100 transits of a full wave. Both are kept as the scene records where None. A run that writes a
-    `checkpoint` every so many transits goes on from that file if it exists. `lyapunov` asks for the largest Lyapunov exponent,
-    by a second march beside the motion from the end of the run on. If `source` is a netCDF file of an earlier run, it is run
-    again: its model and its options hold where none are given.
+    and `time` ("exact" or "explicit") are for full waves; `tol` is the requested relative error, with `cells` that of the steps
+    of the exact march. `interface` keeps the interface's history, during the run in the file `samples` (default: a temporary
+    one); `every` keeps one in so many samples and `window` those from begin to end, as (20, 45) or "20:45" in transits or
+    "10s:60s", and each of them asks for the history too. `fields` keeps the last 100 transits of a full wave. Both are kept as
+    the scene records where None. A run that writes a `checkpoint` every so many transits goes on from that file if it exists.
+    `lyapunov` asks for the largest Lyapunov exponent, by a second march beside the motion from the end of the run on. If
+    `source` is a netCDF file of an earlier run, it is run again: its model and its options hold where none are given.
 
     Raises SceneError for wrong input and for a run that is expected to take more than `most_seconds`; NumericsError if the
     numerics fail, with the result so far as its `result`.
@@ -96,7 +96,7 @@ def run(
     if isinstance(built.solver, FieldSolver):
         built.solver.keep_ledger()
     length = length_of(scene, one_port_of(built.solver.model), cycles)
-    notes = _doubts(built.solver, length, options["tol"])
+    notes = _doubts(built.solver, length, options)
     records = records_of(built.solver, length.until, wanted, checkpoint, checkpoint_every)
     try:
         done, stopped = _march(built.solver, length, records, most_seconds)
@@ -143,7 +143,7 @@ def _exponent(done: Run, scene: Scene, numerical: Options, most: float) -> tuple
     for a tolerance is not chosen again."""
     solver = done.solver
     if isinstance(solver, FieldSolver):
-        numerical = numerical | Options(cells=solver.cells, tolerance=None)
+        numerical = numerical | Options(cells=solver.cells, tolerance=solver.settings.get("resolution"))
     twin = models.prepare(solver.model, scene, True, **numerical).solver
     try:
         return exponent_of(done, twin, one_port_of(solver.model), most), "", False
@@ -153,7 +153,8 @@ def _exponent(done: Run, scene: Scene, numerical: Options, most: float) -> tuple
         return None, f"interrupted at t = {solver.time:.6g} transits, before the Lyapunov exponent was known", True
 
 
-def _doubts(solver: Solver, length: Length, tol: float | None) -> list[str]:
+def _doubts(solver: Solver, length: Length, options: Mapping[str, Any]) -> list[str]:
     """Warnings about the result that are known before the run."""
-    amplified = amplified_rounding(solver.scene, one_port_of(solver.model), length.until, tol)
-    return [*([amplified.note] if amplified else []), *late_steps(solver)]
+    amplified = amplified_rounding(solver.scene, one_port_of(solver.model), length.until, options["tol"])
+    given = note_on_given(options["cells"], options["tol"])
+    return [*([amplified.note] if amplified else []), *given, *costly_steps(solver)]

@@ -112,7 +112,7 @@ def build_all(models: str, scene: Scene, **options: Unpack[Options]) -> list[Sol
 
 
 def _takes(family: Family, option: str, known: dict[str, Any]) -> bool:
-    """Whether this one of several models is given the option. With cells given, a grid has no use for a tolerance."""
+    """Whether this one of several models is given the option. With cells given, a tolerance is for those without."""
     return option in family.options and not (option == "tolerance" and "cells" in known and "cells" in family.options)
 
 

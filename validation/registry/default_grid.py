@@ -1,4 +1,5 @@
-"""The error of a full wave on its default grid: estimated after the run and reported with its result."""
+"""The error of a full wave's grid: on the default one it is estimated after the run and reported with its result; on a given one
+it is left to the user."""
 
 from typing import TYPE_CHECKING
 
@@ -43,3 +44,10 @@ def note_on(choice: "Choice") -> list[str]:
     return [
         f"the default grid of {choice.cells} cells is too coarse for this scene: estimated error {error}; give --tol or --cells"
     ]
+
+
+def note_on_given(cells: int | None, tolerance: float | None) -> list[str]:
+    """A note where cells are given with a tolerance, which then cannot choose them."""
+    if cells is None or tolerance is None:
+        return []
+    return [f"tolerance {tolerance:g} is for the steps in time: cells are given, and the error of their grid is not estimated"]

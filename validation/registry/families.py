@@ -38,7 +38,7 @@ OPTIONS = tuple(dict.fromkeys(option for family in reversed(FAMILIES) for option
 
 class Options(TypedDict, total=False):
     """The numerical options of a model, left to it where None or not given: `cells`, `cfl` and `time` are for full-wave models,
-    `tolerance` for those that take one."""
+    `tolerance` for those that take one. On a grid of given cells it is that of the steps of the exact march."""
 
     cells: int | None
     cfl: float | None
@@ -97,7 +97,7 @@ def make(family: Family, scene: "Scene", number: int | None, options: Options) -
 
 
 def _on_a_grid(family: Family, scene: "Scene", number: int | None, options: Options) -> Built:
-    """A full wave on the requested grid, or on one that is fine enough for the tolerance."""
+    """A full wave on the requested grid, where a tolerance is for its steps only, or on one that is fine enough for it."""
     numbers = () if number is None else (number,)
 
     def member(scene: "Scene", **options: Any) -> Any:
@@ -108,7 +108,12 @@ def _on_a_grid(family: Family, scene: "Scene", number: int | None, options: Opti
     if tolerance is None:
         return Built(member(scene, **given(options, "cells", "cfl", "time")))
     if cells is not None:
-        raise SceneError(f"tolerance = {tolerance:g}: chooses the cells itself; leave out cells = {cells}")
-    from fullwave.adapt import to_tolerance
+        steps = {"resolution": tolerance} if "time" in family.options else {}
+        solver = member(scene, **steps, **given(options, "cells", "cfl", "time"))
+        if "resolution" not in solver.settings:
+            raise SceneError(f"tolerance = {tolerance:g}: chooses the cells itself; leave out cells = {cells}")
+        return Built(solver)
+    from fullwave.adapt import resolution_for, to_tolerance
 
-    return Built(*to_tolerance(scene, tolerance, member, **given(options, "cfl", "time")))
+    steps = {"resolution": resolution_for(tolerance)} if "time" in family.options else {}
+    return Built(*to_tolerance(scene, tolerance, member, **steps, **given(options, "cfl", "time")))
