@@ -6,7 +6,7 @@ from pathlib import Path
 from slipwave.sources import ROOT, SOLVER_ROOMS
 
 OF_LIBRARIES = {
-    "dispatcher._cache", "dispatcher.get_call_template",
+    "dispatcher._cache", "dispatcher.get_call_template", "dispatcher.get_overload",
     "_brief.maxstring", "_brief.maxother", "_brief.maxlevel", "_brief.maxlist", "_brief.maxdict", "_brief.maxtuple",
     "node.body",
     "sys.stdout", "sys.stderr",

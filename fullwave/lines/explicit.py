@@ -6,7 +6,7 @@ import numpy as np
 
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, enough_memory, steps_at_once
 from fullwave.lines.kernel import MOST_PIECES, STEPS_PER_PIECE, march
-from fullwave.lines.runge_kutta import RungeKutta
+from fullwave.lines.runge_kutta import RungeKutta, scaled
 from fullwave.lines.scheme_limit import longest_decay_step
 from fullwave.lines.system import FRICTION, INPUT, RADIATED, VISCOUS, System
 from fullwave.sampling import pieces_until, sample_nodes
@@ -29,7 +29,7 @@ class ExplicitMarch:
         self, scene: Scene, system: System, method: RungeKutta, step: float, values: Array, work: float, cells: int, model: str
     ) -> None:
         self._scene, self._system, self._method, self.step, self._model = scene, system, method, step, model
-        self.nodes = sample_nodes(STEPS_PER_PIECE)
+        self.nodes, self._scaled = sample_nodes(STEPS_PER_PIECE), scaled(method, step)
         self.values = values
         self.failures, self.failed_at = 0, math.nan
         self._taken, self._cells, self._work = 0, cells, work
@@ -81,7 +81,7 @@ class ExplicitMarch:
         for begin in range(0, steps + 1, self._stride):
             failures, failed, relaxation = march(
                 self._system,
-                self._method,
+                self._scaled,
                 self.step,
                 self._taken,
                 begin,

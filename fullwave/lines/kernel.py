@@ -31,14 +31,14 @@ def march(
     frames: Array,
 ) -> tuple[int, int, float]:
     """March steps `begin` to `end` (excluded) of those that fill `pieces`, which begin at step number `first`. The step after the
-    last piece is evaluated only to record the last sample. `unknowns` (3, stages) holds z of the last three steps' stages, latest
-    first: a parabola through them starts each friction solve, which saves two of four iterations. `frames`, if it has rows,
-    receives the state at the beginning of every step. Returns (failed solves, step n of the first one or -1, fastest relaxation
-    of the state per transit)."""
+    last piece is evaluated only to record the last sample. `method` is that of steps of this length (`scaled`). `unknowns`
+    (3, stages) holds z of the last three steps' stages, latest first: a parabola through them starts each friction solve, which
+    saves two of four iterations. `frames`, if it has rows, receives the state at the beginning of every step. Returns (failed
+    solves, step n of the first one or -1, fastest relaxation of the state per transit)."""
     operator, medium, interface = system.operator, system.medium, system.interface
     forcing, drive = system.forcing, system.drive
     slots, facts, tops, arrivals = system.slots, system.facts, system.tops, system.arrivals
-    weight, abscissae = step * method.weight, step * method.abscissae
+    weight, abscissae = method.weight, method.abscissae
     unknown, psis, stress, elastic = pieces.z, pieces.psi, pieces.mu, pieces.y
     stages, size, count = method.stages, interface.size, pieces.time.size
     failures, failed = 0, -1

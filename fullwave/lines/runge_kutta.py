@@ -32,6 +32,11 @@ def _packed(order: int, table: Array, final: Array) -> RungeKutta:
     return RungeKutta(order, final.size, np.vstack((table, final)).ravel(), table.sum(axis=1))
 
 
+def scaled(method: RungeKutta, step: float) -> RungeKutta:
+    """The method with weights and abscissae times the length of a step."""
+    return method._replace(weight=step * method.weight, abscissae=step * method.abscissae)
+
+
 def stability_polynomial(method: RungeKutta) -> Array:
     """c_k of R(z) = sum c_k z^k, the factor by which a step multiplies a solution of u' = lambda u, z = lambda dt."""
     table = method.weight.reshape(-1, method.stages)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.compiled import njit, overwrite
+from slipwave.compiled import allocating, overwrite
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene.drive import Constant, Ramps, velocity_at
@@ -48,7 +48,7 @@ class Matrices(NamedTuple):
     tail: Array
 
 
-@njit
+@allocating
 def march_delay(
     nodes: Nodes,
     law: Law,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.delay.alike_kernel import ELASTIC, PSI, TIME
-from slipwave.compiled import inlined, njit, overwrite
+from slipwave.compiled import allocating, inlined, njit, overwrite
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene.drive import Constant, Ramps, velocity_at
@@ -197,7 +197,7 @@ def launch(nodes: Nodes, firsts: Integers, cursor: int, stress: Array, arrived: 
             waves[layer, INWARD, cursor, j] = launched[layer, INWARD, j]
 
 
-@njit
+@allocating
 def march_network(
     nodes: Nodes,
     law: Law,

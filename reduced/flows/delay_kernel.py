@@ -7,7 +7,7 @@ vectorises. Friction's part is `step_answer`, the slabs' part `Exchange`.
 import numpy as np
 
 from reduced.flows.exchange import Exchange
-from slipwave.compiled import njit
+from slipwave.compiled import allocating, njit
 from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
@@ -15,7 +15,7 @@ from slipwave.step.impedance import Diagonal
 from slipwave.step.tangent import SLOPES, step_answer
 
 
-@njit
+@allocating
 def march_tangent(
     nodes: Nodes,
     law: Law,
@@ -113,7 +113,7 @@ def combine(exchange: Exchange, first: int, source: Array, target: Array) -> Non
                     target[i, c] += factor * source[m, c]
 
 
-@njit
+@allocating
 def logs_of_return(law: Law, impedance: float, z: Array, psi: Array) -> Array:
     """Sums over the rows of `z` and `psi` (steps, m) of ln |(F_v - Z)/(F_v + Z)|: the factor with which an interface of
     slabs of impedance Z returns a wave while psi is held."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from reduced.delay.network_kernel import Integers, Network, gather, launch
-from slipwave.compiled import njit
+from slipwave.compiled import allocating
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
 
@@ -58,7 +58,7 @@ def exchange_matrix(nodes: Nodes, network: Network, length: float, integral: Arr
     return np.column_stack([waves, tops, units[:, -1], received, units[:, psi]]).T
 
 
-@njit
+@allocating
 def exchange_units(
     nodes: Nodes, network: Network, length: float, integral: Array, waves: Array, tops: Array, stress: Array, incoming: Array
 ) -> None:

@@ -57,10 +57,11 @@ def add_choices(generic: Callable[..., Any], choices: Choices) -> None:
 
 
 class DiskCache(NullCache):  # type: ignore[misc]
-    """numba's interface of a cache for one compiled function: `load_overload` and `save_overload`."""
+    """numba's interface of a cache for one compiled function: `load_overload` and `save_overload`. A part is called from compiled
+    code only."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
-        self._function = function
+    def __init__(self, function: Callable[..., Any], is_part: bool = False) -> None:
+        self._function, self._is_part = function, is_part
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The function compiled for `sig`, or None."""
@@ -109,7 +110,9 @@ class DiskCache(NullCache):  # type: ignore[misc]
         if made_from is None:
             return None
         name = f"{self._function.__module__}.{self._function.__qualname__}"
-        facts = f"{name} {sig} {codegen.magic_tuple()} {_VERSIONS} {_program(made_from.sources)} {made_from.foreign}"
+        facts = (
+            f"{name} {self._is_part} {sig} {codegen.magic_tuple()} {_VERSIONS} {_program(made_from.sources)} {made_from.foreign}"
+        )
         return folder() / f"{name}-{hashlib.sha256(facts.encode()).hexdigest()[:24]}{_SUFFIX}"
 
 

@@ -36,13 +36,33 @@ event.register("numba:compile", _NoCollection())
 
 
 def njit(function: Function) -> Function:
-    """Compile `function` with numba, cached on disk; fused multiply-add allowed, no other reordering of arithmetic."""
-    dispatcher = numba.njit(error_model="numpy", fastmath={"contract"}, no_cfunc_wrapper=True)(function)
-    dispatcher._cache = DiskCache(function)
-    called = dispatcher.get_call_template
+    """Compile `function` with numba, cached on disk; fused multiply-add allowed, no other reordering of arithmetic.
+
+    Its arrays belong to its caller, and it makes and returns none: numba counts no references to them, which would take up to a
+    third of a march's time. An array made here would never be released; functions that make one are `allocating`."""
+    return _compiled(function, counts=False)
+
+
+def allocating(function: Function) -> Function:
+    """As `njit`, for a function that makes arrays or returns one."""
+    return _compiled(function, counts=True)
+
+
+def _compiled(function: Function, counts: bool) -> Function:
+    """Two versions: one for calls from Python, and one for calls from compiled code, which needs no wrapper for Python."""
+    dispatcher, part = (_dispatcher(function, counts, is_part) for is_part in (False, True))
+    called = part.get_call_template
     # numba would compile the function once more for a call with a constant
     dispatcher.get_call_template = lambda arguments, named: called([unliteral(one) for one in arguments], named)
+    dispatcher.get_overload = part.get_overload
     return cast(Function, dispatcher)
+
+
+def _dispatcher(function: Function, counts: bool, is_part: bool) -> Any:
+    options = {"no_cfunc_wrapper": True, "no_cpython_wrapper": is_part, "_nrt": counts}
+    dispatcher = numba.njit(error_model="numpy", fastmath={"contract"}, **options)(function)
+    dispatcher._cache = DiskCache(function, is_part)
+    return dispatcher
 
 
 def inlined(function: Function) -> Function:

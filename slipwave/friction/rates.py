@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from slipwave.compiled import njit
+from slipwave.compiled import allocating
 from slipwave.friction.law import Law, rate_of
 
 
-@njit
+@allocating
 def rates(law: Law, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
     """Slip rates (V*) at the rate unknowns z; an array of the same shape."""
     found = np.empty_like(unknowns)

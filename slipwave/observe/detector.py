@@ -20,17 +20,18 @@ _FLAT = 1e-14  # relative; a smaller change of y within a piece is rounding
 
 class DetectorMemory(NamedTuple):
     """The running swing; the memory of `rise` and the pieces that it keeps; y at the end of the latest piece (shape (1,), NaN
-    before the first piece)."""
+    before the first piece); `scratch` (2, nodes)."""
 
     running: Array
     rise: Array
     kept: Array
     last: Array
+    scratch: Array
 
 
 def empty_memory(nodes: int) -> DetectorMemory:
     """Memory before the first piece, for pieces with `nodes` nodes each."""
-    return DetectorMemory(np.zeros(COLUMNS), np.zeros(SLOTS), room_for_rise(nodes), np.full(1, np.nan))
+    return DetectorMemory(np.zeros(COLUMNS), np.zeros(SLOTS), room_for_rise(nodes), np.full(1, np.nan), np.empty((2, nodes)))
 
 
 @njit
@@ -39,8 +40,7 @@ def scan(
 ) -> tuple[int, int]:
     """Read the pieces from number `first` on and append completed swings; returns (next piece, number of swings). It stops early
     if `swings` has no room for all swings that one more piece may complete."""
-    n = basis.nodes.size
-    scratch = np.empty((2, n))
+    n, scratch = basis.nodes.size, memory.scratch
     y, z, mu, running, last = pieces.y, pieces.z, pieces.mu, memory.running, memory.last
     for k in range(first, pieces.time.size):
         if count + n + 1 > swings.shape[0]:

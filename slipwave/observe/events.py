@@ -108,13 +108,13 @@ class EventObserver:
 
     def state(self) -> dict[str, Array]:
         """The whole memory, as arrays, for a checkpoint."""
-        running, rise, kept, last = self._memory
+        running, rise, kept, last, _ = self._memory
         memory = np.concatenate((running, rise, last))
         return {"memory": memory, "rise": kept[: int(rise[KEPT])].copy(), "swings": self._swings[: self._count].copy()}
 
     def restore(self, state: dict[str, Array]) -> None:
         """Continue from what `state` returned."""
-        running, rise, _, last = self._memory
+        running, rise, _, last, _ = self._memory
         running[:], rise[:], last[:] = np.split(state["memory"], [running.size, running.size + rise.size])
         self._memory = self._memory._replace(kept=room_for_rise(self._basis.nodes.size, state["rise"]))
         self._count = len(state["swings"])

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from slipwave.compiled import inlined, njit
+from slipwave.compiled import allocating, inlined, njit
 from slipwave.observe.pieces import Array, Basis
 
 _ROOT_ITERATIONS = 80
@@ -125,7 +125,7 @@ def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot
         memory[slot + side] = max(memory[slot + side], top)
 
 
-@njit
+@allocating
 def extrema(basis: Basis, rows: Array) -> tuple[float, float]:
     """Largest and smallest value of the consecutive polynomials with nodal values `rows` (m, n)."""
     memory, slopes = np.full(2, -np.inf), np.empty(rows.shape[1])

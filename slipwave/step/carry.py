@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from slipwave.compiled import njit
+from slipwave.compiled import allocating
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
@@ -12,7 +12,7 @@ from slipwave.step.linear_port import LinearPort
 from slipwave.step.tangent import SLOPES, step_answer
 
 
-@njit
+@allocating
 def carry(
     nodes: Nodes,
     law: Law,

@@ -15,6 +15,7 @@ from slipwave.step.guess import first_guess
 from slipwave.step.impedance import full_impedance
 from slipwave.step.linear_port import LinearPort
 from slipwave.step.march import ANY_LENGTH, NEXT, NOT_READY, TIME, Limits, Memory, begin, march, rule_of
+from slipwave.step.rows import scratch_of
 
 NEWTON = 1e-13
 """Allowed error of a step's iteration."""
@@ -112,8 +113,9 @@ def march_on(
     """`march` under the scene's constant drive."""
     scene = response.scene
     _, rule, nodes = rule_of(response.stages)
+    scratch = (full_impedance(response.stages), scratch_of(response.stages))
     physics = (scene.law, scene.forcing._replace(nudge=0.0), scene.drive.compiled, port)
-    return march(nodes, *physics, rule, memory, full_impedance(response.stages), until, 0.0, until, limits, plan, pieces)
+    return march(nodes, *physics, rule, memory, *scratch, until, 0.0, until, limits, plan, pieces)
 
 
 def failure(response: Response, time: float, period: float) -> NumericsError:

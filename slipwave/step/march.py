@@ -24,7 +24,7 @@ from slipwave.step.impedance import Full, own
 from slipwave.step.newton import solve
 from slipwave.step.port import Port, arrive, take_in
 from slipwave.step.record import emit
-from slipwave.step.rows import BY_Z, DRIVE, INVERSE, RATE_SLOPE, RATIO, SLOPE, STATE, UNKNOWN, WORK_ROWS
+from slipwave.step.rows import BY_Z, DRIVE, INVERSE, RATE_SLOPE, RATIO, SLOPE, STATE, UNKNOWN, Scratch
 
 # entries of `Memory.now`; LEFT is psi at the start of the last step
 TIME, PSI, ELASTIC, END, LEFT = range(5)
@@ -164,6 +164,7 @@ def march(
     rule: Rule,
     memory: Memory,
     impedance: Full,
+    scratch: Scratch,
     until: float,
     origin: float,
     stop: float,
@@ -176,7 +177,7 @@ def march(
     empty: lengths follow the motion."""
     s = len(nodes)
     last, now, levels = memory.last, memory.now, memory.levels
-    guess, work, system, incoming = np.empty((2, s)), np.zeros((WORK_ROWS, s)), np.empty((s, s)), np.zeros((1, s))
+    guess, work, system, incoming = scratch
     deepest = port.length.size - 1
     iterations, k, planned = 0, 0, plan.size > 0
     while k < pieces.time.size and now[TIME] < min(until, stop) - SAME:

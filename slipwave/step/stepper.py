@@ -29,6 +29,7 @@ from slipwave.step.march import (
     rule_of,
 )
 from slipwave.step.port import Port
+from slipwave.step.rows import scratch_of
 
 CHUNK = 2048
 
@@ -72,7 +73,7 @@ class Stepper:
         rule, self._rule, self._shape = rule_of(stages)
         self.nodes = rule.nodes
         self.iterations = 0
-        self._impedance = full_impedance(stages)
+        self._impedance, self._scratch = full_impedance(stages), scratch_of(stages)
         start = unknown_of(scene.law, scene.velocity)
         self._memory = begin(scene.steady_psi + scene.start.jump_size, scene.steady_stress, start, stages)
         self._take_stretch(0.0, first)
@@ -96,10 +97,8 @@ class Stepper:
         while ended == NOT_READY and steps < self._most_steps:
             left = Pieces(*(array[steps:] for array in pieces))
             physics = (scene.law, scene.forcing, scene.drive.compiled, self._port)
-            stretch = (self._origin, self._stop, self._limits)
-            more, iterations, ended = march(
-                self._shape, *physics, self._rule, self._memory, self._impedance, until, *stretch, ANY_LENGTH, left
-            )
+            memory, stretch = (self._memory, self._impedance, self._scratch), (self._origin, self._stop, self._limits)
+            more, iterations, ended = march(self._shape, *physics, self._rule, *memory, until, *stretch, ANY_LENGTH, left)
             steps += more
             self.iterations += iterations
             if ended == NOT_READY:

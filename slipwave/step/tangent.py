@@ -17,7 +17,7 @@ linear in that.
 
 import numpy as np
 
-from slipwave.compiled import inlined, njit
+from slipwave.compiled import allocating, inlined, njit
 from slipwave.compiled.dispatch import by_class
 from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array
@@ -91,7 +91,7 @@ def _feed_back_all(impedance, nodes, answer):  # type: ignore[no-untyped-def]
     _solve_together(nodes, impedance.matrix, answer)
 
 
-@njit
+@allocating
 def _solve_together(nodes: Nodes, impedance: Array, answer: Array) -> None:
     """With K' the entries of K = `impedance` (s, s) beside its diagonal, and Y and Y_psi the answers of v and psi to stress,
 

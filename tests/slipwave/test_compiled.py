@@ -15,7 +15,6 @@ from slipwave.sources import ROOT, SOLVER_ROOMS
 
 PROGRAM = """
 import sys
-import numpy as np
 from slipwave.step.guess import first_guess
 from slipwave.friction import LAWS
 law = LAWS[sys.argv[1]].parameters(0.369, 0.0349, 0.0489)
@@ -60,7 +59,6 @@ def probe(medium, state):
 """,
 }
 ASK_ALL = """
-import numpy as np
 from fullwave.lines.viscosity import Elastic
 from slipwave import called, inlined, overloaded, dispatched
 from slipwave.friction.ageing import Ageing
@@ -166,6 +164,46 @@ def test_every_choice_made_at_compile_time_is_declared_to_the_cache() -> None:
         called = {node.id for node in ast.walk(ast.parse(path.read_bytes())) if isinstance(node, ast.Name)}
         if called & {"overload", "generated_jit", "overload_method", "overload_attribute", "lower_builtin"}:
             assert "add_choices" in called, path
+
+
+COMPILED = ("njit", "inlined", "by_class", "register_jitable")
+"""Decorators of functions whose arrays belong to their caller."""
+
+
+def borrows(function: ast.FunctionDef) -> bool:
+    names = [ast.unparse(decorator) for decorator in function.decorator_list]
+    return any(name.startswith(COMPILED) or ".register(" in name for name in names)
+
+
+def owned(function: ast.FunctionDef) -> set[str]:
+    """What a function makes or returns that would have to be released: results of numpy, and all but numbers."""
+    within = [node for statement in function.body for node in ast.walk(statement)]
+    made = {ast.unparse(node.func) for node in within if isinstance(node, ast.Call)}
+    returned = [node for node in ast.walk(function.returns or ast.Constant(None)) if isinstance(node, ast.Name)]
+    arrays = {node.id for node in returned} - {"tuple", "int", "float", "bool", "Response"}
+    return {name for name in made if name.startswith("np.") or name.endswith(".copy")} | arrays
+
+
+def test_a_function_that_counts_no_references_makes_and_returns_no_array() -> None:
+    for room in (*SOLVER_ROOMS, "validation"):
+        for path in (ROOT / room).rglob("*.py"):
+            functions = (node for node in ast.walk(ast.parse(path.read_bytes())) if isinstance(node, ast.FunctionDef))
+            found = {function.name: owned(function) for function in functions if borrows(function)}
+            assert not any(found.values()), f"{path}: must be `allocating`: {found}"
+
+
+def test_an_array_that_is_made_or_returned_is_seen() -> None:
+    text = """
+@njit
+def new(rows: Array) -> float:
+    return np.zeros(3)[0]
+
+@inlined
+def same(rows: Array) -> Array:
+    return rows
+"""
+    new, same = (node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef))
+    assert [(borrows(one), owned(one)) for one in (new, same)] == [(True, {"np.zeros"}), (True, {"Array"})]
 
 
 def test_the_cache_of_a_users_own_compiled_functions_is_left_alone() -> None:
