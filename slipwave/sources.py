@@ -14,6 +14,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parent.parent
 SOLVER_ROOMS = ("slipwave", "reduced", "fullwave")
 _ROOMS = (*SOLVER_ROOMS, "validation")
+_BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
 _DOCUMENTED = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 
 
@@ -73,7 +74,7 @@ def _read(path: Path) -> _Read:
     """Both from one parse and one walk, because every start of the program waits for it."""
     tree = ast.parse(path.read_bytes())
     names: list[str] = []
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         if isinstance(node, _DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
             node.body = node.body[1:]
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -81,6 +82,16 @@ def _read(path: Path) -> _Read:
         elif isinstance(node, ast.Import):
             names += [name.name for name in node.names]
     return _Read(ast.dump(tree), tuple(names))
+
+
+def _statements(tree: ast.Module) -> Iterator[ast.AST]:
+    """The tree and all statements within: the nodes that hold docstrings and imports, an eighth of all."""
+    waiting: list[ast.AST] = [tree]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        for name in _BLOCKS:
+            waiting += getattr(node, name, ())
 
 
 @cache

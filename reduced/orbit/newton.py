@@ -5,7 +5,6 @@ from collections.abc import Callable
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
-import scipy.linalg
 
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
@@ -76,10 +75,13 @@ def solve(
 
 
 def _solved(matrix: Array, right: Array) -> Array:
-    step = np.asarray(scipy.linalg.lu_solve(scipy.linalg.lu_factor(matrix), right))
+    try:
+        step = np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        step = np.full_like(right, np.nan)
     if not np.isfinite(step).all():
         raise NumericsError("the linearised equations are singular")
-    return step
+    return np.asarray(step)
 
 
 def _corrected(matrix: Array, before: Evaluated, after: Evaluated) -> Array:

@@ -29,7 +29,7 @@ CALLS: dict[str, tuple[str, dict[str, Any]]] = {
     | {"models": "fd,delay", "time": "exact"},
     "bench --until 7 --yes": {"until": "7", "most_seconds": math.inf},
     "stability --model block8": {"model": "block8"},
-    "orbit --model dg:3 --tol 1e-4 --cells 6 --near-period 80": GRID | {"near_period": "80"},
+    "orbit --model dg:3 --tol 1e-4 --cells 6 --near-period 80 --others": GRID | {"near_period": "80", "others": True},
     "branch --over V=1:2 --model dg:3 --tol 1e-4 --cells 6 --out o.nc --resume r.nc --stop-at LP --switch PD "
     "--longest-period 90 --most-points 8": GRID
     | {"over": "V=1:2", "out": Path("o.nc"), "resume": Path("r.nc"), "stop_at": "LP", "switch": "PD"}

@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 
 import slipwave as sw
+from reduced.orbit import periodic_orbit
 from reduced.orbit.closing import close
 from slipwave.errors import NumericsError
 from tests.granite import GRANITE
 from tests.orbit_by_hand import SUBCRITICAL, FlowByHand
 from validation.branches import at_scene
+from validation.branches.primary import Primary
 from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
 from validation.references.published import half_digit, reference, reference_orbit
+from validation.registry.orbits import OrbitFound
 
 RATES = {"v_max", "v_min"}
 ODE = ("--model", "kelvin-voigt")
@@ -131,12 +134,30 @@ def test_a_period_in_seconds_is_asked_for_in_transits(monkeypatch):
     assert asked == pytest.approx([80.0] * 4, rel=1e-14)
 
 
+@pytest.mark.parametrize("others", [True, False])
+def test_beside_the_orbit_of_a_run_the_others_are_named_if_asked_for(monkeypatch, others):
+    """Two orbits coexist, and a run leads to the stable one; the branch is not followed for nothing."""
+    flow = FlowByHand(SUBCRITICAL, -0.16)
+    both = [close(flow, 1.01 * SUBCRITICAL.state(size), SUBCRITICAL.period(size)) for size in (0.2, 0.8)]
+    reached = OrbitFound(periodic_orbit(flow, SUBCRITICAL.state(0.8), SUBCRITICAL.period(0.8)), 1e-8, "", 0.1)
+    followed = []
+    monkeypatch.setattr(at_scene, "moving", lambda *_: None)
+    monkeypatch.setattr(at_scene, "find_orbit", lambda *_: reached)
+    monkeypatch.setattr(at_scene, "_primary", lambda *_: followed.append(1) or Primary(both, "it was followed to 6"))
+    found = at_scene.orbit_of("by hand", flow.scene, 1e-8, others=others)
+    assert found.found is reached.found
+    assert len(followed) == others
+    assert [one.period for one in found.others] == pytest.approx([SUBCRITICAL.period(0.2)] * others, rel=1e-9)
+    assert [one.unstable for one in found.others] == [1] * others
+    assert found.notes[-1].endswith(": it was followed to 6" if others else ": --others looks for them")
+
+
 @pytest.mark.parametrize(("near", "s", "other", "word"), [(5.9, 0.2, 0.8, "stable"), (5.1, 0.8, 0.2, "unstable")])
 def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word):
     """Two orbits coexist at p = -0.16, known in closed form."""
     flow = FlowByHand(SUBCRITICAL, -0.16)
     both = [close(flow, 1.01 * SUBCRITICAL.state(size), SUBCRITICAL.period(size)) for size in (0.2, 0.8)]
-    monkeypatch.setattr(at_scene, "_primary", lambda *_: both)
+    monkeypatch.setattr(at_scene, "_primary", lambda *_: Primary(both, "it was followed"))
     found = at_scene.orbit_of("by hand", flow.scene, 1e-8, near=near)
     assert found.found.orbit.period.value == pytest.approx(SUBCRITICAL.period(s), rel=1e-10)
     assert found.found.multipliers.stable is (s == 0.8)

@@ -22,6 +22,9 @@ NearPeriod = Annotated[
     str | None,
     typer.Option("--near-period", metavar="TIME", help="where orbits coexist: the one with the period nearest to this"),
 ]
+Others = Annotated[
+    bool, typer.Option("--others", help="name the orbits that coexist with it, along the branch from the onset on")
+]
 OutFile = Annotated[Path | None, typer.Option(metavar="FILE.nc", help="write the motion over one period and the multipliers")]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw the motion over one period: .png, .pdf or .svg")]
 
@@ -33,6 +36,7 @@ def orbit(
     model: Model = "auto",
     tol: OrbitTolerance = None,
     near_period: NearPeriod = None,
+    others: Others = False,
     settings: Settings = None,
     law: Law = None,
     cells: Cells = None,
@@ -42,12 +46,14 @@ def orbit(
 ) -> None:
     """The periodic orbit that a run of the scene leads to, stable or not: figures with errors, and Floquet multipliers.
 
-    Where several orbits coexist, a run leads to one at most: --near-period finds the others. A full wave marches exactly in
-    time; its orbit is that of its grid.
+    Where several orbits coexist, a run leads to one at most: --others names the rest, --near-period finds them. A full wave
+    marches exactly in time; its orbit is that of its grid.
     """
     require_writable(out, (".nc",))
     require_writable(plot, FIGURES, "--plot")
-    result = slipwave.orbit(source, model, tol=tol, near_period=near_period, cells=cells, settings=settings or ())
+    result = slipwave.orbit(
+        source, model, tol=tol, near_period=near_period, others=others or None, cells=cells, settings=settings or ()
+    )
     files = ((result.to_netcdf, out), (result.save_plot, plot))
     conclude("", deliver(lambda: print_json(result.summary) if json else _print(result.found), *files))
 

@@ -98,25 +98,26 @@ def orbit(
     *,
     tol: float | None = None,
     near_period: float | str | None = None,
+    others: bool | None = None,
     cells: int | None = None,
     settings: Iterable[str] = (),
     **changes: Any,
 ) -> OrbitResult:
     """The periodic orbit that a run of the scene leads to, stable or not, to the relative error `tol` (default 1e-8), and its
-    Floquet multipliers. Where several coexist, `near_period` (in transits, or as "60 s") asks for the one with the period nearest
-    to it; a run that leads to none gives way to the branch of orbits that begins where steady sliding loses its stability. The
-    scene is changed by `settings` and `changes` as in `slipwave.run`; a netCDF file of an orbit is computed again. A full wave
-    (`cells` per slab) marches exactly in time.
+    Floquet multipliers. Where several coexist, `others` names those of the branch of orbits that begins where steady sliding
+    loses its stability, and `near_period` (in transits, or as "60 s") asks for the one with the period nearest to it; a run that
+    leads to none gives way to that branch. The scene is changed by `settings` and `changes` as in `slipwave.run`; a netCDF file
+    of an orbit is computed again. A full wave (`cells` per slab) marches exactly in time.
 
     Raises SceneError for wrong input, NumericsError if there is no orbit.
     """
-    model, options = recall(source, "orbit", model, {"tol": tol, "cells": cells, "near_period": near_period})
+    model, options = recall(source, "orbit", model, {"tol": tol, "cells": cells, "near_period": near_period, "others": others})
     tol, cells = options["tol"] or TOLERANCE, options["cells"]
     require_tolerance(tol)
     scene = scene_of(source, settings, changes)
     name = announced(*flowing(model, scene))
     near = _period(options["near_period"], scene)
-    return OrbitResult(orbit_of(name, scene, tol, cells, near), options | {"tol": tol})
+    return OrbitResult(orbit_of(name, scene, tol, cells, near, bool(options["others"])), options | {"tol": tol})
 
 
 def _idle(mode: IdleMode, period: float) -> dict[str, Any]:

@@ -37,13 +37,14 @@ class Other(NamedTuple):
 @dataclass(frozen=True)
 class OrbitFound:
     """The orbit `found` to `tolerance`, and `source`, how it was found if not from a run that had settled on it; `others` that
-    were found with it; run time in seconds."""
+    were found with it, and how far others were `searched`, in words; run time in seconds."""
 
     found: PeriodicOrbit
     tolerance: float
     source: str
     wall_s: float
     others: tuple[Other, ...] = ()
+    searched: str = ""
 
     @property
     def flow(self) -> Flow:
@@ -66,6 +67,8 @@ class OrbitFound:
         if self.others:
             periods = ", ".join(other.told for other in self.others)
             notes.append(f"other orbits of this scene have the periods {periods}: --near-period finds one of them")
+        if self.searched:
+            notes.append(self.searched)
         return notes
 
 
