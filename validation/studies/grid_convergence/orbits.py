@@ -15,8 +15,8 @@ from validation.study.text import plain
 
 _AT = -2.68
 _TOLERANCE = 1e-11
-_FLOOR = {"period": 1e-12, "stress_drop": 3e-11}
-"""Relative errors below which an order is no longer read: of a drop, that of an extremum is left."""
+_FLOOR = {"period": 1e-12, "stress_drop": 5e-12}
+"""Relative errors below which an order is no longer read: rounding errors are left."""
 
 _WAVE, _WAVE_CELLS = "dg:7", 6
 _UNTIL = 10000.0  # transits
@@ -35,12 +35,13 @@ FAMILIES: dict[bool, dict[str, Grids]] = {
     True: {"dg:7": Grids((2, 3), (1e-11, 1e-7)), "fem:4": Grids((5, 8), (3e-10, 1e-7))},
     False: {
         "dg:7": Grids((2, 3, 4, 5, 6), (1e-12, 1e-11)),
-        "fem:4": Grids((5, 8, 12, 16), (1e-12, 4e-10)),
-        "sbp:6": Grids((24, 32, 48, 64, 96), (1e-12, 2e-9)),
+        "fem:4": Grids((5, 8, 12, 16, 24), (2e-12, 5e-11)),
+        "sbp:6": Grids((24, 32, 48, 64, 96, 160), (2e-11, 1e-10)),
     },
 }
-"""By quick or full report and family. In the full one 5e-14 and 7e-13, 5e-14 and 4e-11, 1e-14 and 2e-10 were measured on the
-finest grids."""
+"""By quick or full report and family. In the full one 1e-13 and 9e-13, 2e-13 and 3e-12, 2e-12 and 1e-11 were measured on the
+finest grids. The drop of sbp:6 falls on with its grid (2e-10, 4e-11, 1e-11, 4e-12 on 96, 128, 160, 192 cells), while rounding
+errors of more and more unknowns leave 2e-12 in T."""
 
 ORBITS_AT: dict[bool, tuple[float, ...]] = {True: (), False: (-2.699, -2.66, -2.65)}
 MEANS_AT: dict[bool, tuple[float, ...]] = {True: (), False: (-2.5, -2.3)}
