@@ -35,6 +35,10 @@ _KINK = 100.0  # smallest kink over the largest coefficient left out of a step: 
 class DelayBreaks(DelayNetwork):
     """As `DelayNetwork`, with steps of varying length that end where a break arrives; costs about 0.2 ms per step.
 
+    A node reads its delayed waves from the past step in which they left, by interpolation. Equal steps need a projection
+    (`delay_rows`), because some delays amplify noise at every return; steps of varying length do not: for such delays psi(600)
+    agrees with the full wave to 2e-11, at a tolerance of 1e-9 and with no more steps.
+
     `break_points` counts the jumps and kinks that were followed. Raises NumericsError if they need more than the stored history.
     """
 
