@@ -82,22 +82,7 @@ def _take_in(port, nodes, level, integral, incoming, work):  # type: ignore[no-u
         vector[n + j] = work[RATE, j] - port.forcing.velocity
         vector[n + s + j] = 0.5 * (work[DRIVE, j] - port.forcing.velocity)
     if port.keeps_ledger[0]:
-        _keep_ledger(
-            nodes,
-            port.length[level],
-            port.impedance,
-            port.moments,
-            level,
-            rows,
-            vector,
-            port.taken,
-            port.forcing,
-            port.power,
-            integral,
-            incoming,
-            work,
-            port.ledger,
-        )
+        _keep_ledger(nodes, port, level, rows, integral, incoming, work)
         if port.heat.size:
             port.ledger[VISCOUS] += (
                 port.power.copies * port.length[level] * port.forcing.transit * _heat(port.heat, level, rows, vector, port.spare)
@@ -133,25 +118,11 @@ def _propagate(change: Array, level: int, rows: int, vector: Array, values: Arra
 
 
 @njit
-def _keep_ledger(
-    nodes: Nodes,
-    length: float,
-    impedance: Array,
-    moments: Array,
-    level: int,
-    rows: int,
-    vector: Array,
-    taken: Array,
-    forcing: Forcing,
-    power: Power,
-    integral: Array,
-    incoming: Array,
-    work: Array,
-    ledger: Array,
-) -> None:
+def _keep_ledger(nodes: Nodes, port: GridPort, level: int, rows: int, integral: Array, incoming: Array, work: Array) -> None:
     """Add the step's work of the drive, heat of friction and radiation. Friction's stress and slip rate are polynomials, and the
     drive is linear, so that their moments give their work exactly; a dashpot's slip is represented by its projection."""
-    s = len(nodes)
+    s, forcing, power, ledger = len(nodes), port.forcing, port.power, port.ledger
+    length, moments, taken, vector = port.length[level], port.moments, port.taken, port.vector
     for k in range(taken.size):
         taken[k] = 0.0
     for i in range(rows):
@@ -161,7 +132,7 @@ def _keep_ledger(
     for j in range(s):
         stress = incoming[0, j]
         for m in range(s):
-            stress -= impedance[level, j, m] * work[RATE, m]
+            stress -= port.impedance[level, j, m] * work[RATE, m]
         heat += integral[j, s - 1] * stress * work[RATE, j]
     ledger[FRICTION] += length * forcing.transit * heat
     slope = (work[DRIVE, s - 1] - work[DRIVE, 0]) / (nodes[s - 1] - nodes[0])

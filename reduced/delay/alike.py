@@ -1,11 +1,10 @@
 """The exact delay system (29, 35) for alike plain slabs, by Radau collocation whose steps divide the transit (`transit_mesh`)."""
 
 import math
-from functools import cache
 
 import numpy as np
 
-from reduced.delay.alike_kernel import PSI, TIME, AlikeMemory, Matrices, march_delay
+from reduced.delay.alike_kernel import PSI, TIME, AlikeMemory, march_delay
 from reduced.delay.march import DelayMarch
 from reduced.delay.transit_mesh import cuts_of, transit_mesh
 from slipwave.errors import SceneError
@@ -14,9 +13,9 @@ from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
-from slipwave.step.collocation import growth_limit, highest_coefficient, radau
+from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.guess import DONE, first_guess
-from slipwave.step.rows import UNKNOWN
+from slipwave.step.rows import UNKNOWN, scratch_of
 
 MAX_STEPS = 4096
 _CHUNK, _LONG_CHUNK = 4096, 1 << 16
@@ -49,7 +48,8 @@ class Delay(DelayMarch):
         self._steepest = growth_limit(self._stages, tolerance)
         self._emit = emit
         self.settings = {"nodes": self._stages, "steps": steps, "tolerance": tolerance, "emit": emit}
-        self.nodes, self._matrices = collocation_matrices(self._stages)
+        matrices, self._rule, self._shape = rule_of(self._stages)
+        self.nodes, self._scratch = matrices.nodes, scratch_of(self._stages)
         self._cuts = cuts_of(scene.drive)
         self._mesh = transit_mesh(steps or _first_steps(scene, self._stages), self._cuts)
         incoming = scene.steady_stress + 0.5 * scene.upper.epsilon * scene.velocity
@@ -121,9 +121,10 @@ class Delay(DelayMarch):
     def _march(self, transits: int, pieces: Pieces) -> tuple[int, int]:
         """March `transits` transits; returns (transits kept, verdict)."""
         tolerances = (self._newton_tolerance, self._resolution, self._steepest)
-        scene, nodes = self.scene, tuple(self.nodes)
+        scene, memory = self.scene, self._memory
         physics = (scene.law, scene.upper.epsilon, scene.forcing, scene.drive.compiled)
-        kept, iterations, verdict = march_delay(nodes, *physics, self._matrices, self._memory, transits, *tolerances, pieces)
+        arrays = (memory, AlikeMemory(*map(np.copy, memory)), self._scratch)
+        kept, iterations, verdict = march_delay(self._shape, *physics, self._rule, *arrays, transits, *tolerances, pieces)
         self.iterations += iterations
         return kept, verdict
 
@@ -148,14 +149,6 @@ def refuse_unless_plain(scene: Scene) -> None:
     """Raises SceneError unless both slabs are alike, homogeneous, elastic and driven through rigid faces."""
     if not (scene.alike and scene.upper.is_plain):
         raise SceneError(f"model = delay: scene {scene.name!r} is not a pair of alike plain slabs with rigid faces")
-
-
-@cache
-def collocation_matrices(stages: int) -> tuple[Array, Matrices]:
-    """Nodes and transposed matrices; the tail row gives the highest Legendre coefficient from nodal values."""
-    rule = radau(stages)
-    matrices = (rule.integral.T.copy(), rule.predict.T.copy(), rule.predict_state.T.copy(), highest_coefficient(rule.nodes))
-    return rule.nodes, Matrices(*matrices)
 
 
 def dense_resolution(tolerance: float, stages: int) -> float:

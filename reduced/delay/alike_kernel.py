@@ -11,19 +11,17 @@ interpolated.
 
 from typing import NamedTuple
 
-import numpy as np
-
-from slipwave.compiled import allocating, overwrite
+from slipwave.compiled import inlined, njit, overwrite
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene.drive import Constant, Ramps, velocity_at
 from slipwave.scene.forcing import Forcing
-from slipwave.step.collocation import Nodes
+from slipwave.step.collocation import EQUAL, Nodes, Rule
 from slipwave.step.guess import DONE, force, hold, judge_step, predict
 from slipwave.step.impedance import Diagonal
 from slipwave.step.newton import solve
 from slipwave.step.record import emit
-from slipwave.step.rows import DRIVE, RATE, STATE, UNKNOWN, WORK_ROWS
+from slipwave.step.rows import DRIVE, RATE, STATE, UNKNOWN, Scratch
 
 # entries of `now`
 TIME, PSI, ELASTIC = 0, 1, 2
@@ -39,24 +37,24 @@ class AlikeMemory(NamedTuple):
     now: Array
 
 
-class Matrices(NamedTuple):
-    """Transposed collocation matrices (columns contiguous) and the row that extracts the highest Legendre coefficient."""
-
-    integral: Array
-    predict: Array
-    predict_state: Array
-    tail: Array
+@inlined
+def _copy(source: AlikeMemory, target: AlikeMemory) -> None:
+    overwrite(target.incoming, source.incoming)
+    overwrite(target.guess, source.guess)
+    overwrite(target.now, source.now)
 
 
-@allocating
+@njit
 def march_delay(
     nodes: Nodes,
     law: Law,
     epsilon: float,
     forcing: Forcing,
     drive: Constant | Ramps,
-    matrices: Matrices,
+    rule: Rule,
     memory: AlikeMemory,
+    saved: AlikeMemory,
+    scratch: Scratch,
     transits: int,
     newton_tolerance: float,
     resolution: float,
@@ -64,38 +62,32 @@ def march_delay(
     pieces: Pieces,
 ) -> tuple[int, int, int]:
     """March `transits` whole transits; returns (transits kept, Newton iterations, verdict of `judge_step`). If that is not DONE,
-    the memory is that of the last whole transit. `pieces` has room for all steps or for those of the last transit."""
+    the memory is that of the last whole transit, kept in `saved`. `pieces` has room for all steps or for those of the last
+    transit."""
     s = len(nodes)
     incoming, guess, now = memory.incoming, memory.guess, memory.now
-    integral, predict_rate, predict_state, tail = matrices.integral, matrices.predict, matrices.predict_state, matrices.tail
     transit, nudge = forcing.transit, forcing.nudge
     steps, lengths = incoming.shape[0], memory.lengths
-    work, system = np.zeros((WORK_ROWS, s)), np.empty((s, s))
-    saved, saved_guess, saved_now = np.empty_like(incoming), np.empty_like(guess), np.empty_like(now)
-    impedance = Diagonal(0.5 * epsilon)
+    work, system, impedance = scratch.work, scratch.system, Diagonal(0.5 * epsilon)
     iterations, k = 0, pieces.time.size - steps * transits
     for n in range(transits):
-        overwrite(saved, incoming)
-        overwrite(saved_now, now)
-        overwrite(saved_guess, guess)
+        _copy(memory, saved)
         for i in range(steps):
             left, start, length = now[PSI], now[TIME], lengths[i]
             h, middle = length * transit, start + 0.5 * length
             if nudge != 0.0:
-                force(nodes, nudge, start, length, integral, work)
-            used = solve(nodes, law, impedance, h, left, incoming, i, integral, newton_tolerance, guess, work, system)
+                force(nodes, nudge, start, length, rule.integral, work)
+            used = solve(nodes, law, impedance, h, left, incoming, i, rule.integral, newton_tolerance, guess, work, system)
             iterations += used
-            verdict = judge_step(nodes, tail, guess, work, used, resolution, steepest)
+            verdict = judge_step(nodes, rule.tail, guess, work, used, resolution, steepest)
             if verdict != DONE:
-                overwrite(incoming, saved)
-                overwrite(now, saved_now)
-                overwrite(guess, saved_guess)
+                _copy(saved, memory)
                 return n, iterations, verdict
             if k >= 0:
                 for j in range(s):
                     work[DRIVE, j] = velocity_at(drive, start + nodes[j] * length, middle)
                 now[ELASTIC] = emit(
-                    nodes, epsilon, impedance, start, length, integral, incoming, i, guess, work, now[ELASTIC], pieces, k
+                    nodes, epsilon, impedance, start, length, rule.integral, incoming, i, guess, work, now[ELASTIC], pieces, k
                 )
             k += 1
             for j in range(s):
@@ -103,8 +95,9 @@ def march_delay(
             now[PSI] = guess[STATE, s - 1]
             now[TIME] = start + length
             last = guess[UNKNOWN, s - 1]
-            predict(nodes, predict_rate, predict_state, left, guess, work)
+            overwrite(scratch.guess, guess)
+            predict(nodes, rule, EQUAL, left, scratch.guess, guess)
             if lengths[i + 1 if i + 1 < steps else 0] != length:
                 hold(nodes, now[PSI], last, guess)
-        now[TIME] = saved_now[TIME] + 1.0  # a sum of steps would accumulate rounding
+        now[TIME] = saved.now[TIME] + 1.0  # a sum of steps would accumulate rounding
     return transits, iterations, DONE

@@ -5,10 +5,10 @@ from functools import cache
 
 import numpy as np
 
-from reduced.delay.alike import collocation_matrices, dense_resolution, next_count
+from reduced.delay.alike import dense_resolution, next_count
 from reduced.delay.alike_kernel import ELASTIC, PSI
 from reduced.delay.march import DelayMarch
-from reduced.delay.network_kernel import Integers, Network, NetworkMemory, march_network
+from reduced.delay.network_kernel import Integers, Network, NetworkMemory, march_network, passage_of
 from reduced.delay.transit_mesh import TransitMesh
 from reduced.delay.transmission_lines import Lines, lines_of
 from slipwave.friction import unknown_of
@@ -16,8 +16,9 @@ from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpol
 from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
-from slipwave.step.collocation import from_moments, growth_limit, radau
+from slipwave.step.collocation import from_moments, growth_limit, radau, rule_of
 from slipwave.step.guess import first_guess
+from slipwave.step.rows import scratch_of
 
 NODES = 8
 MAX_STEPS = 4096
@@ -42,7 +43,8 @@ class DelayNetwork(DelayMarch):
         super().__init__(scene)
         self.settings = {"nodes": NODES, "tolerance": tolerance}
         self._stages = NODES
-        self.nodes, self._matrices = collocation_matrices(NODES)
+        matrices, self._rule, self._shape = rule_of(NODES)
+        self.nodes, self._scratch = matrices.nodes, scratch_of(NODES)
         self._steepest = growth_limit(NODES, tolerance)
         self._tolerances = (max(1e-3 * tolerance, 1e-14), dense_resolution(tolerance, NODES), self._steepest)
         self._lines = lines or lines_of(scene)
@@ -108,8 +110,9 @@ class DelayNetwork(DelayMarch):
         scene = self.scene
         physics = (scene.law, self._network, scene.forcing, scene.drive.compiled)
         clock = (origin, done, length, count)
-        march = (*physics, *self._matrices, self._memory, *clock, *self._tolerances)
-        steps, iterations, verdict = march_network(tuple(self.nodes), *march, pieces)
+        arrays = (self._memory, passage_of(self._network, NODES), self._scratch)
+        march = (*physics, self._rule, *arrays, *clock, *self._tolerances)
+        steps, iterations, verdict = march_network(self._shape, *march, pieces)
         self.iterations += iterations
         return steps, verdict
 

@@ -11,17 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.delay.alike_kernel import ELASTIC, PSI, TIME
-from slipwave.compiled import allocating, inlined, njit, overwrite
+from slipwave.compiled import njit, overwrite
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene.drive import Constant, Ramps, velocity_at
 from slipwave.scene.forcing import Forcing
-from slipwave.step.collocation import Nodes
+from slipwave.step.collocation import EQUAL, Nodes, Rule
 from slipwave.step.guess import DONE, force, judge_step, predict
 from slipwave.step.impedance import Diagonal
 from slipwave.step.newton import solve
 from slipwave.step.record import emit
-from slipwave.step.rows import DRIVE, STATE, UNKNOWN, WORK_ROWS
+from slipwave.step.rows import DRIVE, STATE, Scratch
 
 OUTWARD, INWARD = 0, 1
 LOAD, VELOCITY = 0, 1  # columns of `NetworkMemory.tops`
@@ -61,20 +61,40 @@ class NetworkMemory(NamedTuple):
     cursor: Integers
 
 
+class Passage(NamedTuple):
+    """Scratch of a step: the waves that `arrived` and that are `launched` (layers, 2, s); `drive` (s,), change of the velocity
+    that drives each face; rows (2, s) of an `outer` face; the interface's `stress` (s,); `guess` and `tops` of `NetworkMemory`
+    before the step."""
+
+    arrived: Array
+    launched: Array
+    drive: Array
+    outer: Array
+    stress: Array
+    guess: Array
+    tops: Array
+
+
+def passage_of(network: Network, stages: int) -> Passage:
+    """The scratch of steps of `stages` nodes in `network`."""
+    waves = (network.impedance.size, 2, stages)
+    shapes = (waves, waves, stages, (2, stages), stages, (2, stages), (network.first.size, 2))
+    return Passage(*(np.zeros(shape) for shape in shapes))
+
+
 @njit
-def arrive(
-    nodes: Nodes, back: Integers, weights: Array, whole: NDArray[np.bool_], waves: Array, cursor: int, arrived: Array
-) -> None:
+def arrive(nodes: Nodes, network: Network, waves: Array, cursor: int, arrived: Array) -> None:
     """Nodal values of the waves that arrive at the ends of their layers: they were launched one travel time before."""
-    s, ring = len(nodes), waves.shape[2]
+    s, ring, weights = len(nodes), waves.shape[2], network.weights
     for layer in range(waves.shape[0]):
-        for i in range(1 if whole[layer] else back.shape[1]):
-            row = cursor - back[layer, i]
+        whole = network.whole[layer]
+        for i in range(1 if whole else weights.shape[1]):
+            row = cursor - network.back[layer, i]
             row += ring if row < 0 else 0
             for j in range(s):
                 outward = arrived[layer, OUTWARD, j] if i else 0.0
                 inward = arrived[layer, INWARD, j] if i else 0.0
-                if whole[layer]:
+                if whole:
                     outward, inward = waves[layer, OUTWARD, row, j], waves[layer, INWARD, row, j]
                 else:
                     for k in range(s):
@@ -84,34 +104,21 @@ def arrive(
 
 
 @njit
-def reflect_top(
-    nodes: Nodes,
-    slab: int,
-    layer: int,
-    impedance: float,
-    remembers: bool,
-    stiffness: float,
-    compliance: Array,
-    inertia: Array,
-    integral: Array,
-    drive: Array,
-    arrived: Array,
-    launched: Array,
-    tops: Array,
-    work: Array,
-) -> None:
+def reflect_top(nodes: Nodes, network: Network, slab: int, length: float, integral: Array, passage: Passage, tops: Array) -> None:
     """Wave launched inwards by a slab's outer face, and the face's load and velocity at the step's end.
 
     With u = dV - w at the nodes, collocation of `transmission_lines` is
 
         (m/h A^-1 + Z_g + e + h K A) u = P + e dV - y_0 + m/h A^-1 (dV - w_0),     y = y_0 + h K A u;
 
-    solved for u, so that the load of a stiff spring loses no digits. `impedance` is e, `stiffness` is h K."""
-    s = len(nodes)
+    solved for u, so that the load of a stiff spring loses no digits."""
+    s, layer = len(nodes), network.last[slab]
+    impedance, compliance, inertia = network.impedance[layer], network.compliance, network.inertia
+    arrived, drive, work = passage.arrived, passage.drive, passage.outer
     load, velocity = tops[slab, LOAD], tops[slab, VELOCITY]
     for j in range(s):
         work[0, j] = arrived[layer, OUTWARD, j] + impedance * drive[j] - load
-    if remembers:
+    if network.remembers[slab]:
         for j in range(s):
             for k in range(s):
                 work[0, j] += inertia[slab, j, k] * (drive[k] - velocity)
@@ -121,13 +128,13 @@ def reflect_top(
                 total += compliance[slab, j, k] * work[0, k]
             work[1, j] = total
         for k in range(s):
-            tops[slab, LOAD] += stiffness * integral[k, s - 1] * work[1, k]
+            tops[slab, LOAD] += length * network.spring[slab] * integral[k, s - 1] * work[1, k]
         tops[slab, VELOCITY] = drive[s - 1] - work[1, s - 1]
     else:
         for j in range(s):
             work[1, j] = compliance[slab, j, j] * work[0, j]
     for j in range(s):
-        launched[layer, INWARD, j] = arrived[layer, OUTWARD, j] + 2.0 * impedance * (drive[j] - work[1, j])
+        passage.launched[layer, INWARD, j] = arrived[layer, OUTWARD, j] + 2.0 * impedance * (drive[j] - work[1, j])
 
 
 @njit
@@ -139,56 +146,42 @@ def scatter(nodes: Nodes, inner: float, outer: float, layer: int, arrived: Array
         launched[layer + 1, OUTWARD, j] = arrived[layer + 1, INWARD, j] - 2.0 * outer * velocity
 
 
-@inlined
+@njit
 def gather(
     nodes: Nodes,
-    impedance: Array,
-    back: Integers,
-    weights: Array,
-    whole: NDArray[np.bool_],
-    firsts: Integers,
-    lasts: Integers,
-    springs: Array,
-    remembers: NDArray[np.bool_],
-    compliance: Array,
-    inertia: Array,
-    scale: float,
+    network: Network,
     cursor: int,
     length: float,
     integral: Array,
-    drive: Array,
     waves: Array,
     tops: Array,
-    arrived: Array,
-    launched: Array,
-    outer: Array,
+    passage: Passage,
     incoming: Array,
 ) -> None:
     """Waves that arrive and that leave joints and outer faces in a step; incoming[0] += the stress that they bring to the
-    interface. Arrays of a `Network` are taken one by one, since each use of a tuple's array in a loop costs reference counting;
-    `scale` is its weight times the interface's impedance."""
-    arrive(nodes, back, weights, whole, waves, cursor, arrived)
-    for slab in range(firsts.size):
-        first, last = firsts[slab], lasts[slab]
-        if compliance[slab, 0, 0] == 0.0:  # rigid
+    interface."""
+    impedance, arrived, launched = network.impedance, passage.arrived, passage.launched
+    arrive(nodes, network, waves, cursor, arrived)
+    for slab in range(network.first.size):
+        first, last = network.first[slab], network.last[slab]
+        if network.compliance[slab, 0, 0] == 0.0:  # rigid
             for j in range(len(nodes)):
-                launched[last, INWARD, j] = arrived[last, OUTWARD, j] + 2.0 * impedance[last] * drive[j]
+                launched[last, INWARD, j] = arrived[last, OUTWARD, j] + 2.0 * impedance[last] * passage.drive[j]
         else:
-            face = (impedance[last], remembers[slab], length * springs[slab])
-            reflect_top(nodes, slab, last, *face, compliance, inertia, integral, drive, arrived, launched, tops, outer)
+            reflect_top(nodes, network, slab, length, integral, passage, tops)
         for layer in range(last - 1, first - 1, -1):
             scatter(nodes, impedance[layer], impedance[layer + 1], layer, arrived, launched)
-        share = scale / impedance[first]
+        share = network.weight * network.interface_impedance / impedance[first]
         for j in range(len(nodes)):
             incoming[0, j] += share * arrived[first, INWARD, j]
 
 
-@inlined
-def launch(nodes: Nodes, firsts: Integers, cursor: int, stress: Array, arrived: Array, launched: Array, waves: Array) -> None:
-    """Store the waves launched in a step, with those that leave the interface, above the layers `firsts`, at its `stress`
-    (deviation)."""
-    for slab in range(firsts.size):
-        first = firsts[slab]
+@njit
+def launch(nodes: Nodes, network: Network, cursor: int, stress: Array, passage: Passage, waves: Array) -> None:
+    """Store the waves launched in a step, with those that leave the interface at its `stress` (deviation)."""
+    arrived, launched = passage.arrived, passage.launched
+    for slab in range(network.first.size):
+        first = network.first[slab]
         for j in range(len(nodes)):
             launched[first, OUTWARD, j] = 2.0 * stress[j] - arrived[first, INWARD, j]
     for layer in range(waves.shape[0]):
@@ -197,18 +190,17 @@ def launch(nodes: Nodes, firsts: Integers, cursor: int, stress: Array, arrived: 
             waves[layer, INWARD, cursor, j] = launched[layer, INWARD, j]
 
 
-@allocating
+@njit
 def march_network(
     nodes: Nodes,
     law: Law,
     network: Network,
     forcing: Forcing,
     velocity: Constant | Ramps,
-    integral: Array,
-    predict_rate: Array,
-    predict_state: Array,
-    tail: Array,
+    rule: Rule,
     memory: NetworkMemory,
+    passage: Passage,
+    scratch: Scratch,
     origin: float,
     done: int,
     length: float,
@@ -221,69 +213,37 @@ def march_network(
     """March `count` steps of `length` transits. Step n begins at `origin` + (`done` + n) `length`, because a sum of steps would
     accumulate rounding. Returns (steps, Newton iterations, verdict) as `march_delay` does, but a rejected step leaves the memory
     at that step's start."""
-    s = len(nodes)
-    waves, tops, guess, now = memory.waves, memory.tops, memory.guess, memory.now
-    layers, ring = waves.shape[0], waves.shape[2]
-    arrived, launched, outer = np.empty((layers, 2, s)), np.empty((layers, 2, s)), np.empty((2, s))
-    work, system, incoming, drive = np.zeros((WORK_ROWS, s)), np.empty((s, s)), np.empty((1, s)), np.zeros(s)
-    stress = np.empty(s)
-    saved_guess, saved_tops = np.empty_like(guess), np.empty_like(tops)
+    s, integral = len(nodes), rule.integral
+    waves, tops, guess, now, place = memory.waves, memory.tops, memory.guess, memory.now, memory.cursor
+    work, incoming, drive, stress = scratch.work, scratch.incoming, passage.drive, passage.stress
     impedance, h = Diagonal(network.interface_impedance), length * forcing.transit
-    lines, back, weights, whole = network.impedance, network.back, network.weights, network.whole
-    firsts, lasts, springs, remembers = network.first, network.last, network.spring, network.remembers
-    compliance, inertia, scale = network.compliance, network.inertia, network.weight * network.interface_impedance
-    iterations, place, base = 0, memory.cursor, network.base
+    iterations = 0
     for n in range(count):
         cursor, start, left = place[0], origin + (done + n) * length, now[PSI]
-        for j in range(s):
-            saved_guess[STATE, j], saved_guess[UNKNOWN, j] = guess[STATE, j], guess[UNKNOWN, j]
-        for slab in range(tops.shape[0]):
-            saved_tops[slab, LOAD], saved_tops[slab, VELOCITY] = tops[slab, LOAD], tops[slab, VELOCITY]
+        overwrite(passage.guess, guess)
+        overwrite(passage.tops, tops)
         for j in range(s):
             work[DRIVE, j] = velocity_at(velocity, start + nodes[j] * length, start + 0.5 * length)
             drive[j] = 0.5 * (work[DRIVE, j] - forcing.velocity)
-        for j in range(s):
-            incoming[0, j] = base
-        gather(
-            nodes,
-            lines,
-            back,
-            weights,
-            whole,
-            firsts,
-            lasts,
-            springs,
-            remembers,
-            compliance,
-            inertia,
-            scale,
-            cursor,
-            length,
-            integral,
-            drive,
-            waves,
-            tops,
-            arrived,
-            launched,
-            outer,
-            incoming,
-        )
+            incoming[0, j] = network.base
+        gather(nodes, network, cursor, length, integral, waves, tops, passage, incoming)
         if forcing.nudge != 0.0:
             force(nodes, forcing.nudge, start, length, integral, work)
-        used = solve(nodes, law, impedance, h, left, incoming, 0, integral, newton_tolerance, guess, work, system)
+        used = solve(nodes, law, impedance, h, left, incoming, 0, integral, newton_tolerance, guess, work, scratch.system)
         iterations += used
-        verdict = judge_step(nodes, tail, guess, work, used, resolution, steepest)
+        verdict = judge_step(nodes, rule.tail, guess, work, used, resolution, steepest)
         if verdict != DONE:
-            overwrite(guess, saved_guess)
-            overwrite(tops, saved_tops)
+            overwrite(guess, passage.guess)
+            overwrite(tops, passage.tops)
             return n, iterations, verdict
         now[ELASTIC] = emit(
             nodes, forcing.stiffness, impedance, start, length, integral, incoming, 0, guess, work, now[ELASTIC], pieces, n
         )
         for j in range(s):
             stress[j] = pieces.mu[n, j] - forcing.steady_stress
-        launch(nodes, firsts, cursor, stress, arrived, launched, waves)
+        launch(nodes, network, cursor, stress, passage, waves)
         now[PSI], now[TIME] = guess[STATE, s - 1], origin + (done + n + 1) * length
-        place[0] = cursor + 1 if cursor + 1 < ring else 0
-        predict(nodes, predict_rate, predict_state, left, guess, work)
+        place[0] = cursor + 1 if cursor + 1 < waves.shape[2] else 0
+        overwrite(scratch.guess, guess)
+        predict(nodes, rule, EQUAL, left, scratch.guess, guess)
     return count, iterations, DONE

@@ -9,10 +9,10 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from reduced.delay.alike import collocation_matrices, dense_resolution
+from reduced.delay.alike import dense_resolution
 from reduced.delay.alike_kernel import ELASTIC, PSI
 from reduced.delay.network import NODES, SAME_PLACE, DelayNetwork, compiled
-from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, NetworkMemory, march_network
+from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, NetworkMemory, march_network, passage_of
 from reduced.delay.transmission_lines import lines_of
 from reduced.flows.delay_kernel import logs_of_return, march_tangent
 from reduced.flows.exchange import exchange_of
@@ -24,9 +24,10 @@ from slipwave.friction import unknown_of
 from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.step.collocation import radau, rule_of
 from slipwave.step.flow import Cycle
 from slipwave.step.guess import DONE, first_guess
-from slipwave.step.rows import UNKNOWN
+from slipwave.step.rows import UNKNOWN, scratch_of
 
 _NEWTON = 1e-13
 _FEWEST = 3.0  # steps per transit
@@ -44,7 +45,8 @@ class DelayFlow:
 
     def __init__(self, scene: Scene, per_transit: float) -> None:
         self.scene = scene
-        self.nodes, self._matrices = collocation_matrices(NODES)
+        matrices, self._rule, self._nodes = rule_of(NODES)
+        self.nodes = matrices.nodes
         self._basis, self._with_left = _bases(NODES)
         self._lines = lines_of(scene)
         longest, divisor = min(1.0 / max(_FEWEST, per_transit), float(self._lines.travel.min())), self._lines.divisor
@@ -80,8 +82,8 @@ class DelayFlow:
         memory = self._memory(start)
         physics = (scene.law, self._network, scene.forcing._replace(nudge=0.0), scene.drive.compiled)
         clock, tolerances = (0.0, 0, self.length, steps), (_NEWTON, _ANY, _ANY)
-        march = (*physics, *self._matrices, memory, *clock, *tolerances)
-        done, iterations, verdict = march_network(tuple(self.nodes), *march, pieces)
+        march = (*physics, self._rule, memory, passage_of(self._network, NODES), scratch_of(NODES), *clock, *tolerances)
+        done, iterations, verdict = march_network(self._nodes, *march, pieces)
         if verdict != DONE:
             raise NumericsError(
                 f"delay: the step at {done * self.length:.6g} of {period:.6g} transits cannot be solved (scene {scene.name!r})"
@@ -152,7 +154,7 @@ class DelayFlow:
 
     def roughness(self, cycle: Cycle, tolerance: float) -> float:
         """As `Flow`."""
-        tail = self._matrices.tail
+        tail = self._rule.tail
         largest = max(float(np.abs(values @ tail).max()) for values in (cycle.pieces.z, cycle.pieces.psi))
         return largest / dense_resolution(tolerance, NODES)
 
@@ -204,7 +206,7 @@ class DelayFlow:
 
     def _carry(self, cycle: Cycle, frozen: bool) -> Array:
         """Derivative of the end with respect to the start."""
-        nodes, integral, motion = tuple(self.nodes), self._matrices.integral, cycle.pieces
+        nodes, integral, motion = self._nodes, self._rule.integral, cycle.pieces
         exchange = exchange_of(nodes, self._network, self.length, integral)
         waves, tops, psi = self._parts(np.eye(self.size))
         faces = exchange.weights.shape[0]
@@ -256,7 +258,7 @@ class DelayFlow:
 @cache
 def _bases(stages: int) -> tuple[Basis, Basis]:
     """Of a step's nodes, and of these with the step's start."""
-    nodes = collocation_matrices(stages)[0]
+    nodes = radau(stages).nodes
     return lagrange_basis(nodes), lagrange_basis(np.r_[0.0, nodes])
 
 

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.delay.network_kernel import Integers, Network, gather, launch
-from slipwave.compiled import allocating
+from reduced.delay.network_kernel import Integers, Network, Passage, gather, launch, passage_of
+from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
 
@@ -54,45 +54,24 @@ def exchange_matrix(nodes: Nodes, network: Network, length: float, integral: Arr
     waves, tops, moved = units[:, :faces].copy(), units[:, faces:psi].copy(), units[:, stress:-1].copy()
     received = np.zeros_like(moved)
     lines = (waves.reshape(-1, layers, 2, 1, s), tops.reshape(-1, slabs, 2))
-    exchange_units(nodes, near, length, integral, *lines, moved, received[:, None])
+    exchange_units(nodes, near, length, integral, *lines, moved, passage_of(near, s), received[:, None])
     return np.column_stack([waves, tops, units[:, -1], received, units[:, psi]]).T
 
 
-@allocating
+@njit
 def exchange_units(
-    nodes: Nodes, network: Network, length: float, integral: Array, waves: Array, tops: Array, stress: Array, incoming: Array
+    nodes: Nodes,
+    network: Network,
+    length: float,
+    integral: Array,
+    waves: Array,
+    tops: Array,
+    stress: Array,
+    passage: Passage,
+    incoming: Array,
 ) -> None:
     """Send each of n states through a `network` without delays: waves (n, layers, 2, 1, s) and tops (n, slabs, 2), in place, with
     the interface's stress (n, s); incoming (n, 1, s) += the stress that waves bring to the interface."""
-    s, layers = len(nodes), network.impedance.size
-    arrived, launched, outer = np.empty((layers, 2, s)), np.empty((layers, 2, s)), np.empty((2, s))
-    drive = np.zeros(s)
-    lines, back, weights, whole = network.impedance, network.back, network.weights, network.whole
-    firsts, lasts, springs, remembers = network.first, network.last, network.spring, network.remembers
-    compliance, inertia, scale = network.compliance, network.inertia, network.weight * network.interface_impedance
     for c in range(waves.shape[0]):
-        gather(
-            nodes,
-            lines,
-            back,
-            weights,
-            whole,
-            firsts,
-            lasts,
-            springs,
-            remembers,
-            compliance,
-            inertia,
-            scale,
-            0,
-            length,
-            integral,
-            drive,
-            waves[c],
-            tops[c],
-            arrived,
-            launched,
-            outer,
-            incoming[c],
-        )
-        launch(nodes, firsts, 0, stress[c], arrived, launched, waves[c])
+        gather(nodes, network, 0, length, integral, waves[c], tops[c], passage, incoming[c])
+        launch(nodes, network, 0, stress[c], passage, waves[c])

@@ -18,12 +18,27 @@ _ROUNDING = 1e-13  # rounding error of the stability function as computed here
 
 class Collocation(NamedTuple):
     """s nodes in (0, 1] (the last is 1); `integral` A (s, s): A_ij = integral of Lagrange polynomial j from 0 to node i;
-    `inverse` A^-1; `predict` (s, s): values, at the nodes of the next step, of the polynomial through s nodal values;
-    `predict_state` (s, s + 1): the same for the polynomial that also uses the value at the left end (first column)."""
+    `inverse` A^-1."""
 
     nodes: Array
     integral: Array
     inverse: Array
+
+
+RATIOS = (0.25, 0.5, 1.0, 2.0)
+"""Lengths of a step over that of the one before, for which it has a guess (`Rule`)."""
+
+EQUAL = 2
+"""Where the length is the same."""
+
+
+class Rule(NamedTuple):
+    """Collocation matrices, transposed so that loops over nodes are contiguous: `integral` (s, s); the row `tail` (s,) gives the
+    highest Legendre coefficient. A step's polynomials extended to the nodes of the next one, for all RATIOS: `predict` (4, s, s)
+    from nodal values, `predict_state` (4, s + 1, s) from these and the value at the left end, which comes first."""
+
+    integral: Array
+    tail: Array
     predict: Array
     predict_state: Array
 
@@ -38,14 +53,19 @@ def radau(stages: int) -> Collocation:
     basis = lagrange_basis(nodes)
     rows = [0.5 * x * weights @ interpolation_matrix(basis, 0.5 * x * (gauss + 1.0)) for x in nodes]
     integral = np.array(rows)
-    with_left = lagrange_basis(np.r_[0.0, nodes])
-    return Collocation(
-        nodes,
-        integral,
-        np.linalg.inv(integral),
-        interpolation_matrix(basis, 1.0 + nodes),
-        interpolation_matrix(with_left, 1.0 + nodes),
+    return Collocation(nodes, integral, np.linalg.inv(integral))
+
+
+@cache
+def rule_of(stages: int) -> tuple[Collocation, Rule, Nodes]:
+    """The Radau rule, its form for compiled marches, and its nodes as a tuple."""
+    rule = radau(stages)
+    nodal, with_left = lagrange_basis(rule.nodes), lagrange_basis(np.r_[0.0, rule.nodes])
+    predict, predict_state = (
+        np.array([interpolation_matrix(basis, 1.0 + ratio * rule.nodes).T for ratio in RATIOS]) for basis in (nodal, with_left)
     )
+    compiled = Rule(rule.integral.T.copy(), highest_coefficient(rule.nodes), predict, predict_state)
+    return rule, compiled, tuple(float(x) for x in rule.nodes)
 
 
 @cache

@@ -11,10 +11,11 @@ from slipwave.errors import NumericsError
 from slipwave.friction import unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.scene import Scene
+from slipwave.step.collocation import rule_of
 from slipwave.step.guess import first_guess
 from slipwave.step.impedance import full_impedance
 from slipwave.step.linear_port import LinearPort
-from slipwave.step.march import ANY_LENGTH, NEXT, NOT_READY, TIME, Limits, Memory, begin, march, rule_of
+from slipwave.step.march import ANY_LENGTH, NEXT, NOT_READY, TIME, Limits, Memory, begin, march
 from slipwave.step.rows import scratch_of
 
 NEWTON = 1e-13

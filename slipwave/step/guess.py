@@ -6,8 +6,8 @@ from slipwave.friction import Law
 from slipwave.friction.interface import solve_interface
 from slipwave.observe.pieces import Array
 from slipwave.scene.start import nudge_rate
-from slipwave.step.collocation import Nodes
-from slipwave.step.rows import FORCED, FRESH, PREVIOUS, SLOPE, STATE, UNKNOWN
+from slipwave.step.collocation import Nodes, Rule
+from slipwave.step.rows import FORCED, SLOPE, STATE, UNKNOWN
 
 DONE, NOT_SOLVED, NOT_SMOOTH, TOO_STEEP = range(4)
 """Verdicts on a step."""
@@ -55,20 +55,18 @@ def judge_step(nodes: Nodes, tail: Array, guess: Array, work: Array, used: int, 
 
 
 @inlined
-def predict(nodes: Nodes, predict_rate: Array, predict_state: Array, left: float, guess: Array, work: Array) -> None:
-    """Replace the nodal values by those of their polynomials at the nodes of the next step, as its guess."""
+def predict(nodes: Nodes, rule: Rule, ratio: int, left: float, last: Array, guess: Array) -> None:
+    """Guess of a step from the nodal values `last` of the one before, at whose start psi was `left`: their polynomials, extended.
+    RATIOS[`ratio`]: its length over that of the one before."""
     s = len(nodes)
     for j in range(s):
-        work[PREVIOUS, j] = predict_state[0, j] * left
-        work[FRESH, j] = 0.0
+        guess[STATE, j] = rule.predict_state[ratio, 0, j] * left
+        guess[UNKNOWN, j] = 0.0
     for k in range(s):
-        psi, z = guess[STATE, k], guess[UNKNOWN, k]
+        psi, z = last[STATE, k], last[UNKNOWN, k]
         for j in range(s):
-            work[PREVIOUS, j] += predict_state[k + 1, j] * psi
-            work[FRESH, j] += predict_rate[k, j] * z
-    for j in range(s):
-        guess[STATE, j] = work[PREVIOUS, j]
-        guess[UNKNOWN, j] = work[FRESH, j]
+            guess[STATE, j] += rule.predict_state[ratio, k + 1, j] * psi
+            guess[UNKNOWN, j] += rule.predict[ratio, k, j] * z
 
 
 @njit

@@ -7,7 +7,6 @@ a step.
 """
 
 import math
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,11 +14,11 @@ from numpy.typing import NDArray
 
 from slipwave.compiled import inlined, njit
 from slipwave.friction import Law
-from slipwave.observe.pieces import SAME, Array, Pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.scene.drive import Constant, Ramps, velocity_at
 from slipwave.scene.forcing import Forcing
-from slipwave.step.collocation import Collocation, Nodes, highest_coefficient, radau
-from slipwave.step.guess import force
+from slipwave.step.collocation import EQUAL, RATIOS, Nodes, Rule
+from slipwave.step.guess import force, hold, predict
 from slipwave.step.impedance import Full, own
 from slipwave.step.newton import solve
 from slipwave.step.port import Port, arrive, take_in
@@ -38,18 +37,6 @@ ANY_LENGTH: NDArray[np.int64] = np.empty(0, dtype=np.int64)
 """The plan of a march whose steps follow the motion."""
 
 _NONE = -1
-_RATIOS = (0.25, 0.5, 1.0, 2.0)
-
-
-class Rule(NamedTuple):
-    """Collocation matrices: `integral` (s, s), transposed; `tail` (s,) for the highest Legendre coefficient; a step's polynomials
-    extended to the nodes of one 1/4, 1/2, 1 and 2 times as long: `predict` (4, s, s) from nodal values, `predict_state`
-    (4, s, s + 1) from these and the value at the left end, which comes first."""
-
-    integral: Array
-    tail: Array
-    predict: Array
-    predict_state: Array
 
 
 class Limits(NamedTuple):
@@ -71,20 +58,6 @@ class Memory(NamedTuple):
     levels: NDArray[np.int64]
 
 
-@cache
-def rule_of(stages: int) -> tuple[Collocation, Rule, Nodes]:
-    """The Radau rule, its form for `march`, and its nodes as a tuple, from which the compiler knows their number."""
-    rule = radau(stages)
-    nodal, with_left = lagrange_basis(rule.nodes), lagrange_basis(np.r_[0.0, rule.nodes])
-    compiled = Rule(
-        rule.integral.T.copy(),
-        highest_coefficient(rule.nodes),
-        np.array([interpolation_matrix(nodal, 1.0 + ratio * rule.nodes) for ratio in _RATIOS]),
-        np.array([interpolation_matrix(with_left, 1.0 + ratio * rule.nodes) for ratio in _RATIOS]),
-    )
-    return rule, compiled, tuple(float(x) for x in rule.nodes)
-
-
 def resolution_of(tolerance: float, stages: int) -> float:
     """The highest Legendre coefficient of z and psi in a step that fits `tolerance`, the relative error of a cycle's figures."""
     return float(tolerance ** (stages / (stages + 2.0)))
@@ -98,21 +71,12 @@ def begin(psi: float, elastic: float, z: float, stages: int) -> Memory:
 @njit
 def _guess(nodes: Nodes, rule: Rule, memory: Memory, guess: Array) -> None:
     """Guess of the next step: the last step's polynomials, extended, or constant values after a step of very different length."""
-    s = len(nodes)
     last, now, levels = memory.last, memory.now, memory.levels
-    ratio = levels[LAST] - levels[NEXT] + 2
-    if levels[LAST] < 0 or ratio < 0 or ratio > 3:
-        for j in range(s):
-            guess[STATE, j] = now[PSI]
-            guess[UNKNOWN, j] = now[END]
+    ratio = levels[LAST] - levels[NEXT] + EQUAL
+    if levels[LAST] == _NONE or ratio < 0 or ratio >= len(RATIOS):
+        hold(nodes, now[PSI], now[END], guess)
         return
-    for j in range(s):
-        psi, z = rule.predict_state[ratio, j, 0] * now[LEFT], 0.0
-        for m in range(s):
-            psi += rule.predict_state[ratio, j, m + 1] * last[STATE, m]
-            z += rule.predict[ratio, j, m] * last[UNKNOWN, m]
-        guess[STATE, j] = psi
-        guess[UNKNOWN, j] = z
+    predict(nodes, rule, ratio, now[LEFT], last, guess)
 
 
 @inlined

@@ -13,12 +13,12 @@ from slipwave.observe.pieces import Array, empty_pieces
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
 from slipwave.step.carry import carry
-from slipwave.step.collocation import growth_limit
+from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.flow import Cycle, velocity_by_difference
 from slipwave.step.flow_mesh import NEWTON, Mesh, Response, begin_at, failure, march_on, mesh_of
 from slipwave.step.impedance import full_impedance
 from slipwave.step.linear_port import LinearPort
-from slipwave.step.march import DONE, TIME, Limits, resolution_of, rule_of
+from slipwave.step.march import DONE, TIME, Limits, resolution_of
 from slipwave.threads import one_thread
 
 _FINEST = 1e-12  # highest coefficient that rounding errors leave meaningful

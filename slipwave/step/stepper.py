@@ -11,7 +11,7 @@ from slipwave.observe.pieces import SAME, Pieces, empty_pieces
 from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
-from slipwave.step.collocation import growth_limit
+from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.impedance import full_impedance
 from slipwave.step.march import (
     ANY_LENGTH,
@@ -26,7 +26,6 @@ from slipwave.step.march import (
     begin,
     march,
     resolution_of,
-    rule_of,
 )
 from slipwave.step.port import Port
 from slipwave.step.rows import scratch_of
