@@ -146,9 +146,11 @@ def test_without_a_hopf_point_it_begins_with_an_orbit(capsys):
     assert found["notes"] == ["the branch leaves the range at log10_r = -2.69"]
 
 
-def test_undecided_stability_is_null_with_its_reason(capsys):
-    """Unlike slabs of irrational ratio have motions that friction never damps."""
-    found = branch(capsys, "unlike-irrational", "--over", "log10_r=-2.6:-2.5", "--tol", "1e-3", "--most-points", "3")
+def test_undecided_stability_is_null_with_its_reason(capsys, tmp_path):
+    """Unlike slabs of irrational ratio have motions that friction never damps. A file keeps what is not counted."""
+    words, file = ["unlike-irrational", "--over", "log10_r=-2.6:-2.5", "--tol", "1e-3", "--most-points"], str(tmp_path / "u.nc")
+    branch(capsys, *words, "2", "--out", file)
+    found = branch(capsys, *words, "3", "--resume", file)
     assert [point["stable"] for point in found["points"]] == [None, None, None]
     assert [point["unstable"] for point in found["points"]] == [None, None, None]
     assert found["notes"][0].startswith("stability is not decided where the essential radius is 1")

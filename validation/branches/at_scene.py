@@ -21,7 +21,7 @@ _SAME = 1e-5  # relative difference of periods, to which the orbits of a branch 
 _SEVERAL = 1.5  # ratio of periods from which a motion of several cycles is meant
 _FROM_BRANCH = "found on the branch of orbits that begins where steady sliding loses its stability as r grows"
 _FROM_RUN = "found where a run of the scene comes back near to its own state"
-_MAY_BE = "other orbits may coexist with this one: --others looks for them"
+_MAY_BE = "other orbits may coexist with this one: --others looks for them"  # a `source` says so too
 
 
 def orbit_of(
@@ -39,7 +39,7 @@ def orbit_of(
         began = time.perf_counter()
         known = _primary(model, scene, cells, math.inf, str(reason))
         return _chosen(known, min(known.orbits, key=count_unstable), scene, tolerance, began, _FROM_BRANCH)
-    return _with_others(found, model, cells) if others else replace(found, searched=_MAY_BE)
+    return _with_others(found, model, cells) if others else found if found.source else replace(found, searched=_MAY_BE)
 
 
 def _with_others(found: OrbitFound, model: str, cells: int | None) -> OrbitFound:

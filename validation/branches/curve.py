@@ -22,7 +22,8 @@ from validation.registry.families import one_port_of
 
 class CurvePoint(NamedTuple):
     """A special point at the values `first` and `second` of both parameters: figures of its orbit, the width of its `bracket` in
-    the first parameter, numbers of unstable multipliers on both sides, and the `multiplier` that passes (re, im)."""
+    the first parameter, numbers of unstable multipliers on both sides, None where they cannot be counted, and the `multiplier`
+    that passes (re, im)."""
 
     first: float
     second: float
@@ -32,8 +33,8 @@ class CurvePoint(NamedTuple):
     v_max: float
     v_min: float
     bracket: float
-    unstable_before: int
-    unstable_after: int
+    unstable_before: int | None
+    unstable_after: int | None
     multiplier: tuple[float, float]
 
 
@@ -123,11 +124,12 @@ def _record(curve: Curve, last: OnCurve) -> None:
 
 def _point(one: OnCurve, share: float) -> CurvePoint:
     special, passing = one.special, one.special.multiplier
+    counted = not special.point.closed.flow.undecided
     return CurvePoint(
         *one.place,
         **figures_of(special.point.closed),
         bracket=max(share * special.bracket, TOLERANCE),
-        unstable_before=special.unstable_before,
-        unstable_after=special.unstable_after,
+        unstable_before=special.unstable_before if counted else None,
+        unstable_after=special.unstable_after if counted else None,
         multiplier=(passing.real, passing.imag),
     )

@@ -80,10 +80,12 @@ def table(file: "Dataset", kind: str, names: tuple[str, ...], rows: Any, paramet
 
 
 def rows(file: "Dataset", kind: str, names: tuple[str, ...]) -> list[tuple[Any, ...]]:
-    """The rows that `table` wrote, with whole numbers where they count."""
+    """The rows that `table` wrote, with whole numbers where they count, or None."""
     columns = [file[f"{kind}_{name}"][:].tolist() for name in names]
     whole = {"unstable", "unstable_before", "unstable_after", "place"}
-    columns = [[int(value) for value in column] if name in whole else column for name, column in zip(names, columns, strict=True)]
+    for n, name in enumerate(names):
+        if name in whole:
+            columns[n] = [None if value == UNDECIDED else int(value) for value in columns[n]]
     return list(zip(*columns, strict=True))
 
 

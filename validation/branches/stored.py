@@ -55,7 +55,7 @@ def read(path: Path, branch: Branch) -> Head:
         """Fill the branch."""
         branch.notes.extend(notes)
         branch.points.extend(_point(row) for row in rows(file, "point", BranchPoint._fields))
-        branch.special.extend(_special(row) for row in rows(file, "special", SpecialPoint._fields))
+        branch.special.extend(SpecialPoint(*row) for row in rows(file, "special", SpecialPoint._fields))
         before = json.loads(file.getncattr("facts"))["tolerance"]
         if before != branch.tolerance:
             until = f"up to {branch.over.name} = {branch.points[-1].value:.10g}, {len(branch.points)} in all"
@@ -82,17 +82,7 @@ def _facts(branch: Branch) -> dict[str, Any]:
 
 def _point(row: tuple[Any, ...]) -> BranchPoint:
     point = BranchPoint(*row)
-    stable = None if point.stable == UNDECIDED else bool(point.stable)
-    return point._replace(stable=stable, unstable=_counted(point.unstable))
-
-
-def _special(row: tuple[Any, ...]) -> SpecialPoint:
-    point = SpecialPoint(*row)
-    return point._replace(unstable_before=_counted(point.unstable_before), unstable_after=_counted(point.unstable_after))
-
-
-def _counted(number: int | None) -> int | None:
-    return None if number == UNDECIDED else number
+    return point._replace(stable=None if point.stable == UNDECIDED else bool(point.stable))
 
 
 def _state(head: Head) -> dict[str, Any]:

@@ -130,6 +130,6 @@ def _source(transits: float, guess: Guess) -> str:
     if guess.settled:
         return ""
     return (
-        f"found from a run of {transits:.0f} transits that had not settled: its cycles still changed; --near-period looks for "
-        "other orbits"
+        f"found from a run of {transits:.0f} transits that had not settled: its cycles still changed; --others and --near-period "
+        "look for other orbits"
     )

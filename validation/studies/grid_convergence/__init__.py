@@ -32,7 +32,7 @@ from validation.study.text import plain
 NAME = "grid-convergence"
 QUESTION = "Do four discretisations of the wave agree with the delay system, and at what cost?"
 SCENES = ("paper",)
-SECONDS = (12.0, 38.0)
+SECONDS = (12.0, 52.0)
 
 _DRAWN = ("fd", "sbp:2", "sbp:4", "sbp:6", "fem:2", "fem:4", "fem:7", "dg:2", "dg:4", "dg:7")
 """Families of the figure."""
