@@ -125,10 +125,12 @@ class DelayFlow:
     def idle(self) -> Array:
         """As `Flow`, of slabs with commensurate round trips: the same in every step, so those of one step in which the interface
         absorbs waves as well as it can."""
-        scene = self.scene
+        scene, divisor = self.scene, self._lines.divisor
         lossless = all(slab.termination.is_rigid or not slab.termination.dashpot for slab in scene.slabs)
-        if scene.alike or self._lines.divisor is None or not lossless:
+        if scene.alike or divisor is None or not lossless:
             return np.zeros((self.size, 0))
+        if all(slab.is_plain for slab in scene.slabs) and not (np.rint(self._lines.travel / divisor) % 2.0).all():
+            return np.zeros((self.size, 0))  # round trips in a ratio that is not odd:odd
         impedance = self._network.interface_impedance
         rate = scene.velocity * friction_slopes(scene.law, scene.velocity).direct / impedance
         pieces = empty_pieces(1, NODES)

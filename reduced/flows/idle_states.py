@@ -4,6 +4,7 @@ without them."""
 import numpy as np
 
 from slipwave.observe.pieces import Array
+from slipwave.threads import one_thread
 
 _SQUARINGS = 20
 _LEFT = 1e-6  # singular value, over the largest, of what has not died out
@@ -12,9 +13,10 @@ _LEFT = 1e-6  # singular value, over the largest, of what has not died out
 def idle_states(step: Array) -> Array:
     """Orthonormal states (n, m) that do not die out under the map `step` (n, n), whose other motions all do."""
     power = step
-    for _ in range(_SQUARINGS):
-        power = power @ power
-    states, sizes, _ = np.linalg.svd(power)
+    with one_thread():
+        for _ in range(_SQUARINGS):
+            power = power @ power
+        states, sizes, _ = np.linalg.svd(power)
     return np.asarray(states[:, sizes > _LEFT * max(float(sizes[0]), 1.0)])
 
 

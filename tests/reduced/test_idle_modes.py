@@ -71,6 +71,12 @@ def test_idle_states_keep_their_multipliers_in_any_motion(ratio):
     assert np.sort(np.abs(rest))[-3:] == pytest.approx(np.sort([abs(v) for v in every if np.abs(values - v).min() > 1e-7])[-3:])
 
 
+@pytest.mark.parametrize(("ratio", "count"), [(2.0, 0), (1.5, 0), (5.0 / 3.0, 16)])
+def test_only_odd_ratios_have_idle_states(ratio, count):
+    """With 5/3 a unit of time is a third of a transit, and has two steps."""
+    assert DelayFlow(unlike(ratio), 4.0).idle.shape[1] == count
+
+
 def test_stability_is_not_decided_beside_idle_modes():
     """Steady sliding that grows: no idle mode is counted, though interpolation makes some grow on a mesh."""
     closed = steady(DelayFlow(unlike(3.0), 4.0), 40.3)
