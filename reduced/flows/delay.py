@@ -17,8 +17,6 @@ from reduced.delay.transmission_lines import lines_of
 from reduced.flows.delay_kernel import logs_of_return, march_tangent
 from reduced.flows.exchange import exchange_of
 from reduced.flows.idle_states import idle_states, without
-from reduced.stability.essential import essential_abscissa
-from reduced.stability.friction import friction_slopes
 from slipwave.errors import NumericsError
 from slipwave.friction import unknown_of
 from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
@@ -131,6 +129,8 @@ class DelayFlow:
             return np.zeros((self.size, 0))
         if all(slab.is_plain for slab in scene.slabs) and not (np.rint(self._lines.travel / divisor) % 2.0).all():
             return np.zeros((self.size, 0))  # round trips in a ratio that is not odd:odd
+        from reduced.stability.friction import friction_slopes
+
         impedance = self._network.interface_impedance
         rate = scene.velocity * friction_slopes(scene.law, scene.velocity).direct / impedance
         pieces = empty_pieces(1, NODES)
@@ -140,8 +140,11 @@ class DelayFlow:
     @cached_property
     def undecided(self) -> bool:
         """As `Flow`: of incommensurate round trips."""
-        scene = self.scene
-        return self._lines.divisor is None and essential_abscissa(scene) > -_UNDAMPED / scene.transit
+        if self._lines.divisor is not None:
+            return False
+        from reduced.stability.essential import essential_abscissa
+
+        return essential_abscissa(self.scene) > -_UNDAMPED / self.scene.transit
 
     def _returned(self, cycle: Cycle) -> float:
         """exp of the integral of ln |rho|, which is infinite where rho passes through zero, over the period."""

@@ -1,14 +1,16 @@
 """Floquet multipliers of a closed cycle: eigenvalues of its monodromy matrix, but for the trivial one, which is 1."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reduced.flows.idle_states import without
 from reduced.orbit.closing import Closed
-from reduced.stability.idle import IdleMode, idle_modes, named
 from slipwave.observe.pieces import Array
+
+if TYPE_CHECKING:
+    from reduced.stability.idle import IdleMode
 
 Complex = NDArray[np.complex128]
 
@@ -33,7 +35,7 @@ class Multipliers(NamedTuple):
     essential_radius: float
     stable: bool | None
     reason: str = ""
-    idle: tuple[IdleMode, ...] = ()
+    idle: "tuple[IdleMode, ...]" = ()
 
 
 def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
@@ -46,6 +48,8 @@ def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
         nearest = [np.abs(others - one).min() if others.size else np.inf for one in isolated]
         isolated = isolated[np.array(nearest, dtype=float) < _AGREE * np.abs(isolated)]
     if radius > 1.0 - NEUTRAL or not is_decided(closed):
+        from reduced.stability.idle import idle_modes
+
         modes = idle_modes(closed.flow.scene)
         return Multipliers(isolated, defect, max(radius, 1.0), None, _undecided(modes, closed.cycle.period), modes)
     return Multipliers(isolated, defect, radius, *_verdict(isolated))
@@ -69,8 +73,10 @@ def floquet(monodromy: Array, idle: Array = _NONE) -> tuple[Complex, float]:
     return rest[np.argsort(-np.abs(rest), kind="stable")], float(abs(values[trivial] - 1.0))
 
 
-def _undecided(modes: tuple[IdleMode, ...], period: float) -> str:
+def _undecided(modes: "tuple[IdleMode, ...]", period: float) -> str:
     """Why multipliers cannot decide, and the modes because of which they cannot."""
+    from reduced.stability.idle import named
+
     exact = bool(modes) and not modes[0].decay
     said = "left out of the multipliers" if exact else "they lose little in a period, and others of high frequency less"
     listed = f" ({named(modes, period)}; {said})" if modes else ""

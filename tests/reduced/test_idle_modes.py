@@ -12,6 +12,13 @@ from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable, multipliers
 from reduced.stability.idle import idle_modes
 from slipwave import read_scene
+from slipwave.threads import one_thread
+
+
+@pytest.fixture(autouse=True)
+def small_matrices():
+    with one_thread():
+        yield
 
 
 def unlike(ratio, **changes):

@@ -4,11 +4,10 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reduced.stability.idle import IdleMode
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import TIME
@@ -29,6 +28,9 @@ from validation.registry.flows import flowing
 from validation.registry.orbits import OrbitFound, require_tolerance
 from validation.run.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
 from validation.study.drawing import Drawing, styled
+
+if TYPE_CHECKING:
+    from reduced.stability.idle import IdleMode
 
 TOLERANCE = 1e-8
 """Relative error of an orbit's figures if none is requested."""
@@ -120,7 +122,7 @@ def orbit(
     return OrbitResult(orbit_of(name, scene, tol, cells, near, bool(options["others"])), options | {"tol": tol})
 
 
-def _idle(mode: IdleMode, period: float) -> dict[str, Any]:
+def _idle(mode: "IdleMode", period: float) -> dict[str, Any]:
     """A mode that friction hardly damps, with its multiplier on an orbit of this `period` (transits)."""
     value = mode.multiplier(period)
     facts = {"quarter_waves": [mode.upper, mode.lower], "frequency": mode.frequency, "decay": mode.decay}
