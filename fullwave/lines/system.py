@@ -77,8 +77,7 @@ class Interface(NamedTuple):
 
 
 class System(NamedTuple):
-    """All data of the compiled march. Inner functions receive arrays as separate arguments: if they took them from the tuple,
-    numba would count references at every call, which was measured to cost more than the arithmetic."""
+    """All data of the compiled march."""
 
     operator: Operator
     medium: Medium

@@ -66,7 +66,7 @@ def _dispatcher(function: Function, counts: bool, is_part: bool) -> Any:
 
 
 def inlined(function: Function) -> Function:
-    """Compile `function` into its callers: for parts of a hot loop, where the reference counting of a call would cost time."""
+    """Compile `function` into its callers: for small parts of a hot loop, where a call would cost time."""
     return cast(Function, numba.njit(inline="always", error_model="numpy", fastmath={"contract"})(function))
 
 

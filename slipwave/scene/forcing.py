@@ -1,8 +1,6 @@
 """What every compiled march needs from a scene, for all kinds of slabs: the clock, steady sliding, and its disturbance.
 
-The drive is passed separately (`Drive.compiled`): numba counts references of a tuple that holds arrays at every call, which would
-cost the leapfrog a fifth of its speed.
-"""
+The drive is passed separately (`Drive.compiled`)."""
 
 from typing import NamedTuple
 
