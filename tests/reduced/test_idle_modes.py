@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, newton
 
 from reduced.flows.delay import DelayFlow
 from reduced.flows.idle_states import without
@@ -54,6 +54,21 @@ def test_nearly_idle_modes_are_those_of_slabs_that_are_welded():
         free = sorted((math.pi * mode.upper, math.pi * mode.lower / ratio))
         welded = brentq(lambda w: 1.0 / math.tan(0.5 * w) + 3.0 / math.tan(0.5 * w * ratio), *free, xtol=1e-14)
         assert 2.0 * math.pi * mode.frequency == pytest.approx(welded, abs=0.05 * (free[1] - free[0]) ** 3)
+
+
+def test_friction_damps_nearly_idle_modes_as_it_damps_steady_sliding_with_psi_held():
+    """Roots of 1 + (a/V) (1/Z_1 + 1/Z_2) = 0, Z = e coth(s T/2); the decays are theirs but for 0.044 difference^2, measured."""
+    scene = read_scene("unlike-irrational")
+    ratio, friction = scene.lower.round_trip / scene.upper.round_trip, scene.law.a / scene.velocity
+
+    def characteristic(s):
+        upper, lower = scene.upper.epsilon / np.tanh(0.5 * s), scene.lower.epsilon / np.tanh(0.5 * s * ratio)
+        return upper * lower / friction + upper + lower
+
+    for mode in idle_modes(scene):
+        root = newton(characteristic, 2j * math.pi * mode.frequency - mode.decay, tol=1e-15, maxiter=100)
+        apart = math.pi * (mode.upper - mode.lower / ratio)
+        assert mode.decay == pytest.approx(-root.real, rel=0.2 * apart**2)
 
 
 def steady(flow, period):
