@@ -10,6 +10,7 @@ from motions import EQUISPACED, RADAU, Array, Motion, V, through, watch
 import slipwave
 from slipwave.observe import EventObserver, Pieces, summarise
 from slipwave.observe.pieces import interpolation_matrix, lagrange_basis
+from slipwave.observe.rise import HEAD, _highest
 
 PERIOD = 20.0
 
@@ -166,6 +167,12 @@ def test_of_a_long_rise_above_half_its_height_every_other_piece_is_kept_to_its_e
 
     found = watch(Motion(elastic, unknown, 3.0), pieces=pieces, chunk=7_000)
     assert found.dates() == pytest.approx([passage], abs=8 * 3.0 / pieces)
+
+
+def test_the_highest_node_of_a_piece_is_found_wherever_it_is() -> None:
+    """Of a piece as it is kept: z follows after the numbers of its head, which may be larger."""
+    pieces = np.hstack((np.full((4, HEAD), 9.0), np.eye(4)))
+    assert [_highest(piece) for piece in pieces] == [0, 1, 2, 3]
 
 
 def test_a_jump_between_two_pieces_is_an_event_at_the_joint() -> None:
