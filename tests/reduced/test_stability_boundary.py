@@ -1,4 +1,5 @@
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from reduced.stability import (
     unstable_count,
     with_parameter,
 )
-from reduced.stability.boundary import _Plane, _trace
+from reduced.stability.boundary import _march, _Plane, _trace
 from slipwave.errors import SceneError
 from slipwave.scene.slab import Slab
 
@@ -102,3 +103,11 @@ def test_error_laws_known_coefficients():
     assert error_law("modal:1", SLOPES).coefficient == pytest.approx(1 / 720 - 2 / (2 * math.pi) ** 4, rel=1e-10)
     with pytest.raises(SceneError):
         error_law("fd", SLOPES)
+
+
+def test_a_curve_that_cannot_be_followed_ends_where_it_is():
+    """Every step is refused, the smallest too."""
+    start, tried = np.zeros(3), []
+    plane = SimpleNamespace(residual=lambda point: point[1:], corrected=lambda point, tangent: tried.append(point[0]))
+    assert len(_march(plane, start, 1.0)) == 1
+    assert tried == [tried[0] / 2.0**k for k in range(20)]
