@@ -16,6 +16,7 @@ def point(place: float, height: float, angle: float) -> Any:
     value = (1.0 + height - (place - 0.5) ** 2) * cmath.exp(1j * angle)
     values = np.array([value, value.conjugate()] if angle < np.pi else [value.real])
     return SimpleNamespace(
+        closed=SimpleNamespace(flow=SimpleNamespace(undecided="")),
         unknowns=np.array([place]),
         tangent=np.array([1.0]),
         parameter=place,

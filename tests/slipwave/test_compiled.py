@@ -15,6 +15,7 @@ from slipwave.sources import ROOT, SOLVER_ROOMS
 
 PROGRAM = """
 import sys
+import numpy as np
 from slipwave.step.guess import first_guess
 from slipwave.friction import LAWS
 law = LAWS[sys.argv[1]].parameters(0.369, 0.0349, 0.0489)
@@ -59,6 +60,7 @@ def probe(medium, state):
 """,
 }
 ASK_ALL = """
+import numpy as np
 from fullwave.lines.viscosity import Elastic
 from slipwave import called, inlined, overloaded, dispatched
 from slipwave.friction.ageing import Ageing

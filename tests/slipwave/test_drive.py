@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from slipwave.compiled import njit
+from slipwave.compiled import allocating
 from slipwave.scene.drive import Constant, Drive, Ramps, velocity_at
 from slipwave.scene.start import NUDGE_CENTRE, nudge_rate
 
 MANY = 10_000
 
 
-@njit
+@allocating
 def sampled(drive, times):
     found = np.empty(times.size)
     for k in range(times.size):

@@ -20,6 +20,8 @@ _FITTED, _LOG_LIMITS, _ROUGH = 0.025, 0.2, 0.45
 rounding moved them by 0.02, 0.06 and 0.3 from one processor to another."""
 _CHAOTIC = re.compile(r"(deep|irregular|over-r|returns): |ours: .*(\d cycles|spreads)|omission: Quasi-static curve")
 """Lines on motion that amplifies rounding: the paper's irregular cycles, and the model that runs away."""
+_BESIDE = re.compile(r"beside: |ours: .*relative difference, \d+ sides")
+"""Lines on runs begun 1e-6 off an orbit, which see its multiplier but for rounding over 1e-6."""
 _CHAOTIC_HEIGHTS = re.compile(r"irregular: +(y |line )")
 """Of a chaotic curve, whose ends and extremes lie anywhere between its least and its largest value."""
 _WORST_OF_ROUNDING = re.compile(r"(?<=worst of sbp:4, sbp:6, fem:4, dg:4, dg:7: )`\S+`")
@@ -69,6 +71,8 @@ def _allowed(line: str) -> tuple[float, float]:
         return RELATIVE, 0.0
     if _CHAOTIC.match(told):
         return _ROUGH, ABSOLUTE
+    if _BESIDE.match(told):
+        return RELATIVE, 1e-6
     if told.startswith("number"):
         return max(RELATIVE, _numbers(told)[-1]), ABSOLUTE
     return _LOG_LIMITS if ", log, from (" in told else RELATIVE, ABSOLUTE

@@ -35,6 +35,7 @@ def test_every_study_has_its_record():
         ("order 4.01 ± 0.01", "order 4.04 ± 0.01"),
         ('number "order": 4.01 within 0.02', 'number "order": 4.11 within 0.02'),
         ("deep: delay | 0.02", "deep: delay | 0.04"),
+        ("beside: LP | 1.004688 | 2e-6", "beside: LP | 1.004700 | 2e-6"),
     ],
 )
 def test_a_difference_is_told(old, new):
@@ -52,6 +53,11 @@ def test_a_difference_is_told(old, new):
         ('number "order": 4.01 within 0.02', 'number "order": 4.05 within 0.02'),
         ("y, log, from (3e-16, 5.2e-7)", "y, log, from (7e-17, 5.6e-7)"),
         ("deep: delay | 0.0249", "deep: delay | 0.0351"),
+        ("beside: NS | −0.1139800 | 2.5e-08", "beside: NS | −0.1139804 | 7.5e-07"),
+        (
+            "ours: 6.9e-6; largest relative difference, 6 sides; 6.910e-6",
+            "ours: 6.9e-6; largest relative difference, 6 sides; 6.907e-6",
+        ),
         ("worst of sbp:4, sbp:6, fem:4, dg:4, dg:7: `sbp:6`", "worst of sbp:4, sbp:6, fem:4, dg:4, dg:7: `fem:4`"),
     ],
 )

@@ -138,7 +138,7 @@ def _order(family: list[GridOrbit]) -> Verdict:
         "The grid’s own orbit approaches the delay system’s at the declared order or faster",
         Evidence.WITNESS,
         f"{declared} or more",
-        f"{orders[0]:.1f} in T, {orders[1]:.1f} in Δμ",
+        f"{orders[0]:.2g} in T, {orders[1]:.2g} in Δμ",
         judge(min(orders) >= declared),
         f"`{model}`, {family[0].cells} to {family[-1].cells} cells a slab",
     )
