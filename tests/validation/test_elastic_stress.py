@@ -60,7 +60,7 @@ def driven(drive: Drive, time: float) -> float:
     return float(np.trapezoid(rates, knots))
 
 
-def apart(chosen: Scene, stiffness: float, model: str, **options: int) -> float:
+def apart(chosen: Scene, stiffness: float, model: str, **options: int | str) -> float:
     """Largest difference between y and mu_ss + K (drive - slip), relative to how far y moves."""
     solver = build(model, chosen, **options)
     watch = Slip(solver.nodes)
@@ -86,6 +86,11 @@ def test_gridless_models_load_by_the_stiffness_of_the_pair(name, model):
 @pytest.mark.parametrize("name", SCENES)
 def test_full_waves_load_by_the_stiffness_of_the_pair(name, model):
     assert apart(*SCENES[name], model, cells=WAVES[model]) < 5e-5  # measured: 4.8e-6, the slip between samples
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_an_explicit_march_loads_by_the_stiffness_of_the_pair(name):
+    assert apart(*SCENES[name], "dg:7", cells=WAVES["dg:7"], time="explicit") < 5e-5
 
 
 def test_a_standard_linear_slab_loads_relaxed():
