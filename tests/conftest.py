@@ -16,8 +16,8 @@ settings.load_profile("repeatable")
 
 
 def pytest_addoption(parser):
-    """The option that writes what studies show; see docs/planted-faults.md."""
-    parser.addoption("--record-shown", action="store_true", help="write anew what studies show, and the settings")
+    """The option that writes anew what the commands print (`tests/validation/printed.txt`)."""
+    parser.addoption("--record-shown", action="store_true", help="write anew what the commands print")
 
 
 @pytest.fixture(autouse=True)

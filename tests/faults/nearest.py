@@ -11,7 +11,6 @@ from tests.faults.planting import ROOMS, ROOT
 
 _FIRST_SECONDS, _ALL_SECONDS = 20.0, 180.0
 _FIRST_TESTS, _ALL_TESTS = 60, 400
-_READ_EVERY_FILE = ("tests/test_settings.py",)
 
 
 class Reach:
@@ -40,7 +39,7 @@ class Reach:
         return first, self._within([test for test in chosen if test not in first], _ALL_SECONDS, _ALL_TESTS)
 
     def _distances(self, mutant: Mutant) -> dict[str, int]:
-        """0 for tests that run the mutant's function, and those that read every file; 1 for those beside them, which may share a
+        """0 for tests that run the mutant's function; 1 for those beside them, which may share a
         result with them.
 
         A function that no test runs in Python is compiled, or runs at import: then 1 for tests that run a function of its file,
@@ -57,7 +56,7 @@ class Reach:
                 steps = [far[file] for name in facts["functions"] if (file := name.partition("::")[0]) in far]
                 if steps:
                     found[test] = 1 + min(steps)
-        return found | {test: 0 for test in self._tests if test.partition("::")[0] in _READ_EVERY_FILE}
+        return found
 
     def _within(self, tests: list[str], seconds: float, count: int) -> list[str]:
         """At most `count` of `tests`, in their order, that take less than `seconds` together."""

@@ -30,12 +30,9 @@ def test_every_fault_still_has_its_place_and_its_check(fault: Fault) -> None:
         assert not name or name.partition("[")[0] in functions
 
 
-def test_there_are_120_spread_over_the_rooms_by_their_size() -> None:
-    assert len({fault.name for fault in FAULTS}) == len(FAULTS) >= 120
-    lines = {room: sum(len(path.read_bytes().splitlines()) for path in (ROOT / room).rglob("*.py")) for room in ROOMS}
-    for room in ROOMS:
-        share = sum(fault.room == room for fault in FAULTS) / len(FAULTS)
-        assert 0.7 < share / (lines[room] / sum(lines.values())) < 1.7, room
+def test_names_differ_and_every_room_has_faults() -> None:
+    assert len({fault.name for fault in FAULTS}) == len(FAULTS) >= 139
+    assert {fault.room for fault in FAULTS} == set(ROOMS)
 
 
 SUM = "def total(values):\n    return sum(values)\n\n\ndef count(values):\n    return len(values)\n"
@@ -236,12 +233,11 @@ def test_compiled_code_meets_the_tests_of_what_imports_it(tmp_path: Path) -> Non
         "tests/fullwave/test_own.py::own": ["fullwave/lines/viscosity.py::total_stress"],
         "tests/fullwave/test_near.py::near": ["fullwave/lines/motion.py::rates"],
         "tests/reduced/test_other.py::other": ["reduced/delay/march.py::DelayMarch.solve"],
-        "tests/test_settings.py::test_settings_are_as_recorded": [],
     }
     nearest, others = reach_of(tmp_path, tests).tests_for(
         Mutant("fullwave/lines/viscosity.py", "_viscous_retard", 0, 1, "1", "2")
     )
-    assert [name.rpartition("::")[2] for name in nearest] == ["test_settings_are_as_recorded", "own", "near", "far"]
+    assert [name.rpartition("::")[2] for name in nearest] == ["own", "near", "far"]
     assert others == []
 
 

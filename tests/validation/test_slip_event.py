@@ -12,11 +12,10 @@ from validation.study import Outcome
 from validation.study.drawing import styled
 
 
-def test_study_passes_and_draws(as_recorded):
+def test_study_passes_and_draws():
     result = quick("slip-event")
     assert {verdict.outcome for verdict in result.verdicts} == {Outcome.PASS}
     assert too_roomy(result.verdicts) == []
-    as_recorded("slip-event", result)
     assert "slips at up to 4,412 V*, stays above 10 V for 1.7 transits and falls below V 1.03 transits" in result.answer
     assert 4400.0 < result.numbers["largest slip rate"].value < 4420.0
     with styled():

@@ -29,10 +29,9 @@ def bad(result: StudyResult) -> list[str]:
     return [f"{v.claim}: expected {v.expected}, ours {v.ours}" for v in result.verdicts if v.outcome is Outcome.FAIL]
 
 
-def test_scene_facts(as_recorded):
+def test_scene_facts():
     result = quick("scene-facts")
     assert bad(result) == []
-    as_recorded("scene-facts", result)
     assert result.numbers["r_c delay"].value == pytest.approx(10**-2.6995497159, rel=1e-9)
     groups = {row[0]: row[2] for row in result.tables[0].rows}
     assert groups["r/r_{c}"] == pytest.approx(1.04604, rel=1e-5)
@@ -47,9 +46,8 @@ def cycle():
     return quick("one-cycle")
 
 
-def test_one_cycle_shows_the_numbers_it_must(cycle, as_recorded):
+def test_one_cycle_shows_the_numbers_it_must(cycle):
     assert bad(cycle) == []
-    as_recorded("one-cycle", cycle)
     assert too_roomy(cycle.verdicts) == []
     delay = [cycle.numbers[f"delay {name}"].value for name in ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")]
     assert delay == pytest.approx([73.4721449, 0.1739634, 0.1547375, 4412.3205, 2.860302], rel=5e-7)
@@ -75,10 +73,9 @@ def test_a_wrong_reference_turns_the_light_red(monkeypatch):
     assert [v.outcome for v in one_cycle_study._against_reference({"delay": run})] == [Outcome.FAIL]
 
 
-def test_claims(as_recorded):
+def test_claims():
     result = quick("claims")
     assert bad(result) == []
-    as_recorded("claims", result)
     findings = {verdict.claim[:3].strip() for verdict in result.verdicts if verdict.outcome is Outcome.FINDING}
     assert findings == {"P5", "P6", "P11", "P12"}
     assert too_roomy(result.verdicts) == []
