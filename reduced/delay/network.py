@@ -134,10 +134,12 @@ class DelayNetwork(DelayMarch):
 
     def _refine(self, verdict: int) -> None:
         """Take shorter steps; the polynomials of the stored waves give the new nodes."""
+        if not self._lines.divisor:  # no step has to end on a multiple of the span
+            self._origin, self._done = self.time, 0
         self._require_room(verdict)
-        old, before = self._memory, self._length
-        self._origin, self._done = self.time, 0
-        self._count = next_count(self._count)
+        old, before, count = self._memory, self._length, self._count
+        self._count = self._finer()
+        self._done = self._done * self._count // count
         self._network = self._compile(self._length)
         ring, wanted = old.waves.shape[2], int(self._network.back.max()) + 1
         past, new = (TransitMesh(n, np.full(n, h), h * np.arange(-n, 0)) for n, h in ((ring, before), (wanted, self._length)))
@@ -145,9 +147,17 @@ class DelayNetwork(DelayMarch):
         guess = np.repeat([[old.now[PSI]], [float(old.guess[1, 0])]], self._stages, axis=1)
         self._memory = NetworkMemory(waves, old.tops, guess, old.now, np.zeros(1, dtype=np.int64))
 
+    def _finer(self) -> int:
+        """The next number of steps in their span of which one ends at the present moment, at the latest twice the present one:
+        ends of spans, on which break points fall, then stay ends of steps."""
+        count = next_count(self._count)
+        while self._done * count % self._count:
+            count = next_count(count)
+        return count
+
     def _require_room(self, verdict: int) -> None:
         """Raises NumericsError unless shorter steps may be taken."""
-        if next_count(self._count) / self._span > MAX_STEPS / min(1.0, 2.0 * float(self._lines.travel.min())):
+        if self._finer() / self._span > MAX_STEPS / min(1.0, 2.0 * float(self._lines.travel.min())):
             raise self._unresolved(self.steps, verdict)
 
 

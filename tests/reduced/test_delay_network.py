@@ -46,6 +46,25 @@ def test_step_length_does_not_matter(name):
     assert answers[0] == pytest.approx(answers[1], abs=2e-10)
 
 
+STEP = ["drive.velocity=[[0, 100], [20, 100], [20, 1000]]"]
+
+
+@pytest.mark.parametrize(("name", "ln_v"), [("unlike", 5.7036059), ("layered", 5.2941163), ("grip", 6.5189910)])
+def test_steps_end_on_every_break_point_however_often_they_become_shorter(name, ln_v):
+    """V jumps at a multiple of the divisor of all delays, so that the jump's echoes arrive at multiples of it, for ever. The
+    first refinements come within such a span."""
+    solver = DelayNetwork(read(name, STEP))
+    parts, counts = [], {solver.steps}
+    while solver.time < 150.0:
+        parts.append(solver.advance(solver.time + solver._length))
+        counts.add(solver.steps)
+    ends = np.concatenate([piece.time + piece.length for piece in parts])
+    spans = solver._span * np.arange(1, round(150.0 / solver._span) + 1)
+    assert np.abs(ends[np.searchsorted(ends, spans - 1e-9)] - spans).max() < 1e-12
+    assert len(counts) > 2
+    assert parts[-1].z[-1, -1] == pytest.approx(ln_v, abs=2e-7)
+
+
 def test_full_grip_is_a_rigid_face():
     grip = 'slab.face={kind="grip", stiffness=1.0, impedance=1e9}'
     rigid = follow(Delay(read("paper")), 100).psi
