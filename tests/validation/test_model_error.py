@@ -8,10 +8,11 @@ from shown import quick
 from reduced.impedance import reduction_of
 from slipwave.observe.orbit import Estimate
 from validation.studies import load
-from validation.studies.model_error import verdicts
+from validation.studies.model_error import runs, verdicts
 from validation.studies.model_error.runs import Figures, error, states
 from validation.studies.model_error.shown import errors_of_means, errors_over_r, mean_table, omissions
 from validation.studies.model_error.verdicts import target
+from validation.studies.one_cycle import runs as one_cycle_runs
 from validation.study import Outcome
 
 STUDY = load("model-error")
@@ -24,7 +25,7 @@ def result():
 
 def test_every_verdict_holds(result):
     assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
-    assert len(result.verdicts) == 7
+    assert len(result.verdicts) == 9
     assert too_roomy(result.verdicts) == []
 
 
@@ -59,7 +60,40 @@ def test_a_model_that_found_no_orbit_has_no_error():
     told = omissions(every | {"block8": {-2.6: None}})
     assert [one.what for one in told] == ["Quasi-static model.", "Points where no orbit was found."]
     assert told[1].why == "`block8` at −2.6."
-    assert [one.what for one in omissions(every | {"quasidynamic": {-2.6: None}})][1] == "Quasi-dynamic model."
+    steady = omissions(every | {"quasidynamic": {-2.69: None, -2.68: None, -2.6: figures(50.0, 0.1)}})[1]
+    assert steady.what == "Quasi-dynamic orbits at −2.69, −2.68."
+    assert "sticks and slips from log_{10} r = −2.653 on" in steady.why
+
+
+@pytest.mark.parametrize(
+    ("log10_r", "period", "drop"), [(-2.6, 51.4018, 0.07281), (-2.5, 51.4016, 0.09266), (-2.3, 47.7803, 0.10818)]
+)
+def test_the_quasi_dynamic_model_sticks_and_slips_beyond_its_onset(log10_r, period, drop):
+    found = runs.orbit_of(runs.DAMPED, log10_r)
+    assert (found.period.value, found.drop.value) == pytest.approx((period, drop), rel=1e-4)
+    beside = one_cycle_runs.at_r(runs.DAMPED, log10_r)
+    assert beside.period.value == pytest.approx(found.period.value, rel=1e-9)
+    assert beside.cycles == 0
+
+
+def test_the_quasi_dynamic_model_is_in_the_tables(result):
+    assert [row[0] for row in result.tables[0].rows][-1] == "quasidynamic"
+    place, period, _, drop = result.tables[1].rows[-1][1:5]
+    assert result.tables[1].rows[-1][0] == "quasidynamic"
+    assert (place, period, drop) == pytest.approx((-2.65, 48.371789354, 0.0221755339), rel=1e-8)
+    assert one_cycle_runs.at_r(runs.DAMPED, -2.66) is None
+    assert result.numbers["quasidynamic T at -2.65"].value == period
+
+
+@pytest.mark.parametrize(
+    ("steady", "period", "outcome"),
+    [(None, 51.4, "pass"), (None, 66.0, "fail"), (None, 36.0, "fail"), ((48.0, 0.1), 51.4, "fail"), (None, None, "fail")],
+)
+def test_where_the_quasi_dynamic_model_sticks_and_slips_is_judged(steady, period, outcome):
+    """Onset at -2.6532; 94 transits in the exact system."""
+    orbits = {runs.DAMPED: {-2.66: steady and figures(*steady)}}
+    means = {runs.DAMPED: {-2.5: period and figures(period, 0.1)}, "delay": {-2.5: figures(94.0, 0.3)}}
+    assert verdicts.damped(orbits, means)[0].outcome == outcome
 
 
 def test_the_orbit_and_the_mean_of_the_torus(result):
@@ -144,11 +178,12 @@ def test_the_answer_and_the_note_follow_the_runs():
         "delay": {-2.5: figures(100.0, 0.3), -2.3: figures(100.0, 0.3, 0.3)},
         "kelvin-voigt": {-2.3: figures(79.0, 0.3)},
         "modal:8": {-2.3: figures(102.0, 0.3)},
+        "quasidynamic": {-2.3: figures(45.0, 0.1)},
     }
     told = STUDY._answer(runs_with(**off), means)
     assert "misses the period by 4 · 10^{−2}" in told
     assert "by 6 · 10^{−4}, two by 6 · 10^{−6}, eight by 4 · 10^{−7}. At −2.3, where" in told
-    assert told.endswith("off by −21 % in the ODE and by 2 % ± 0.61 % with eight modes.")
+    assert told.endswith("off by −21 % in the ODE, by 2 % ± 0.61 % with eight modes, and by −55 % in the quasi-dynamic model.")
     note = STUDY._note({"delay": 1.0, "modal:1": 2.0, "modal:8": 3.0})
     assert "take 1 ms with `delay`, 2 ms with `modal:1`, 3 ms with `modal:8`" in note
 
@@ -157,7 +192,7 @@ def every_model(errors=0.0, **off):
     grid = (-2.69, -2.68, -2.66)
     return {
         model: {r: figures(73.0 * (1.0 + off.get(model, 0.01)), 0.17, 73.0 * errors) for r in grid}
-        for model in ("delay", *STUDY.MODELS)
+        for model in ("delay", *STUDY.MODELS, "quasidynamic")
     } | {"delay": {r: figures(73.0, 0.17) for r in grid}}
 
 

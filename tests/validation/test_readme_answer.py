@@ -6,7 +6,8 @@ from pathlib import Path
 from reduced.stability import analyse
 from validation.registry.families import one_port_of
 from validation.studies.bifurcation.branches import scene_at
-from validation.studies.model_error.runs import MODELS, SHOWN
+from validation.studies.model_error.runs import MODELS, SHOWN, onset_of_damped
+from validation.studies.model_error.verdicts import SHORT
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -37,3 +38,6 @@ def test_the_radii_are_those_of_the_scene() -> None:
     assert onset is not None
     for log10_r in SHOWN:
         assert f"r = {10 ** (log10_r - onset):.2f} r<sub>c</sub>" in README
+    low, high = SHORT
+    damped = f"From {10 ** (onset_of_damped() - onset):.2f} r<sub>c</sub> on `quasidynamic` sticks and slips too"
+    assert f"{damped}, with a period {100 * low:.0f} to {100 * high:.0f} % short" in README

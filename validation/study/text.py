@@ -3,6 +3,7 @@
 import html
 import math
 import re
+from collections.abc import Iterable
 
 from validation.study import Cell
 
@@ -54,6 +55,16 @@ def bare(words: str) -> str:
     for mark in ("_{", "^{", "}", "*", "`"):
         words = words.replace(mark, "^" if mark == "^{" else "")
     return words
+
+
+def places(values: Iterable[float], spec: str = "g") -> str:
+    """Several numbers in a sentence: −2.69, −2.68."""
+    return ", ".join(format(value, spec).replace("-", "−") for value in values)
+
+
+def power(value: float) -> str:
+    """A power of ten in the small markup: 10^{−9}."""
+    return f"10^{{{round(math.log10(value))}}}".replace("-", "−")
 
 
 def plain(value: float, spec: str = ".3g") -> str:

@@ -14,7 +14,7 @@ SECONDS = (10.0, 20.0)
 def run(budget: Budget) -> StudyResult:
     """Settle orbits along the stable branch, run deep inside it, evaluate the closed forms."""
     branch = settle_branch(budget)
-    deep = {model: run_deep(model, 6000.0 if budget.quick else 16000.0) for model in ("delay", "kelvin-voigt")}
+    deep = {model: run_deep(model, 6000.0 if budget.quick else 16000.0) for model in ("delay", "kelvin-voigt", "quasidynamic")}
     ripples = {model: measure_ripples(model) for model in ("delay", "kelvin-voigt")}
     verdicts = all_verdicts(branch, deep, ripples)
     return StudyResult(

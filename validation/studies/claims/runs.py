@@ -131,5 +131,7 @@ def spread(values: Array) -> float:
 def recurrence(values: Array) -> float:
     """How far a sequence is from repeating itself: root mean square of x_(n + k) - x_n over sqrt(2) times the standard deviation,
     the least over k up to 12. 0 for every orbit of up to 12 cycles, about 1 for a sequence without memory."""
+    if float(np.std(values)) < _RESTLESS * float(np.max(np.abs(values))):
+        return 0.0
     steps = [float(np.sqrt(np.mean((values[k:] - values[:-k]) ** 2))) for k in range(1, _LONGEST + 1)]
     return float(min(steps) / (np.std(values) * 2.0**0.5))

@@ -13,16 +13,20 @@ from slipwave.observe.pieces import Array
 from validation.branches.over_r import late_cycles, own_orbit
 from validation.measure.correlated import mean_of
 from validation.measure.cycle import watch
+from validation.references.onset import onset_of
 from validation.registry.build import build
 from validation.run.timing import timed
 from validation.studies.bifurcation.branches import begun_at, scene_at
 
 MODELS = ("block12", "block8", "kelvin-voigt", "modal:1", "modal:2", "modal:4", "modal:8")
+DAMPED = "quasidynamic"
+"""Slides steadily up to an onset of its own, and has a stable orbit beyond."""
 SHOWN = (-2.69, -2.68, -2.66)
 """log10 r of the table of orbits."""
 
-_TOLERANCE = 1e-9
-_TIMED = 1000.0  # transits
+TOLERANCE = 1e-9
+TIMED, TIMED_AT = 1000.0, -2.68
+"""Transits that are timed, and log10 r there."""
 
 
 class Figures(NamedTuple):
@@ -39,7 +43,7 @@ Runs = dict[str, dict[float, Figures | None]]
 def orbit_of(model: str, log10_r: float) -> Figures | None:
     """The model's own orbit by Newton's method; None if it has none."""
     try:
-        orbit = own_orbit(model, begun_at(log10_r), _TOLERANCE).orbit
+        orbit = own_orbit(model, begun_at(log10_r), TOLERANCE).orbit
     except NumericsError:
         return None
     return Figures(orbit.period, orbit.stress_drop)
@@ -51,9 +55,15 @@ def mean_at(model: str, log10_r: float, until: float) -> Figures:
     return Figures(mean_of(cycles.period), mean_of(cycles.stress_drop))
 
 
+def onset_of_damped() -> float:
+    """log10 r from which on the quasi-dynamic model sticks and slips, by its closed form."""
+    scene = scene_at(SHOWN[0])
+    return math.log10(onset_of(scene.law, scene.upper.epsilon, scene.velocity).r_quasidynamic)
+
+
 def milliseconds_of(model: str) -> float:
-    """Processor time of 1000 transits at log10 r = -2.68."""
-    return 1e3 * timed(lambda: watch(build(model, scene_at(-2.68), tolerance=_TOLERANCE), _TIMED))[0]
+    """Processor time of the transits that are timed."""
+    return 1e3 * timed(lambda: watch(build(model, scene_at(TIMED_AT), tolerance=TOLERANCE), TIMED))[0]
 
 
 def error(runs: Runs, model: str, log10_r: float, quantity: str) -> Estimate:
@@ -78,5 +88,5 @@ def sizes(runs: Runs, model: str, quantity: str) -> Array:
 
 def states(model: str) -> int:
     """Dynamical variables: psi, the elastic stress, v if there is mass, and two for each mode."""
-    scene = reduction_of(scene_at(-2.68), model)
+    scene = reduction_of(scene_at(TIMED_AT), model)
     return 2 + (not scene.is_algebraic) + 2 * len(scene.frequencies) + len(scene.relaxations)

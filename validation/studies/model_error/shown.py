@@ -5,9 +5,23 @@ from collections.abc import Mapping
 import numpy as np
 
 from slipwave.observe.orbit import Estimate
-from validation.studies.model_error.runs import MODELS, SHOWN, Runs, column, error, sizes, states
+from validation.studies.model_error.runs import (
+    DAMPED,
+    MODELS,
+    SHOWN,
+    TIMED,
+    TIMED_AT,
+    TOLERANCE,
+    Runs,
+    column,
+    error,
+    onset_of_damped,
+    sizes,
+    states,
+)
 from validation.study import Cell, Omission, Table, table
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen, ruled
+from validation.study.text import places, power
 
 _QUANTITIES = {"period": "period $T$", "drop": r"stress drop $\Delta\mu$"}
 _ALIKE = 1e-6  # relative standard error of cycles that repeat
@@ -17,7 +31,7 @@ _SPREAD = 0.003  # log10 r: models beside each other at one r, so that their bar
 def error_table(orbits: Runs, times: Mapping[str, float]) -> Table:
     """Errors of period and drop, and the time of 1000 transits."""
     rows = []
-    for model in ("delay", *MODELS, "fitted:4"):
+    for model in ("delay", *MODELS, "fitted:4", DAMPED):
         exact = model == "delay"
         cells: list[Cell] = [model, None if exact else states(model)]
         cells += [None if exact else error(orbits, model, x, name).value for x in SHOWN for name in _QUANTITIES]
@@ -25,8 +39,9 @@ def error_table(orbits: Runs, times: Mapping[str, float]) -> Table:
     each = [f"T, {log10_r:.2f} [relative] .1e | Δμ [relative] .1e".replace("-", "−") for log10_r in SHOWN]
     caption = (
         "Errors of period T and stress drop Δμ of the orbits, by Newton’s method, against the delay system at log_{10} r = "
-        "−2.69, −2.68 and −2.66; and the time of 1000 transits at −2.68 and tolerance 10^{-10}, march and event detection. "
-        "States: ψ, elastic stress, rate if there is mass, two per mode; the delay system’s state is a function."
+        f"{places(SHOWN)}; and the time of {TIMED:.0f} transits at {places([TIMED_AT])} and tolerance {power(TOLERANCE)}, march "
+        "and event detection. States: ψ, elastic stress, rate if there is mass, two per mode; the delay system’s state is a "
+        "function. A dash: there is no orbit."
     )
     return table("models", caption, " | ".join(["model | states .0f", *each, "run [ms] .0f"]), rows, (0,))
 
@@ -36,13 +51,13 @@ def mean_table(means: Runs) -> Table:
     rows = [
         (model, log10_r, mean.period.value, _scatter(mean.period), mean.drop.value, _scatter(mean.drop))
         for log10_r in means["delay"]
-        for model in ("delay", *MODELS)
+        for model in ("delay", *MODELS, DAMPED)
         if (mean := means[model][log10_r])
     ]
     heading = "model | log_{10} r .2f | mean T [transits] .5g | error .1e | mean Δμ [σ] .4f | error .1e"
     caption = (
         "Means over the cycles of a run where no orbit of the delay system is stable, each with its standard "
-        "error; a dash: the cycles are all alike."
+        f"error; a dash: the cycles are all alike, as on the stable orbit that `{DAMPED}` has from its onset on."
     )
     return table("deep", caption, heading, rows)
 
@@ -53,12 +68,12 @@ def _scatter(mean: Estimate) -> Cell:
 
 def omissions(orbits: Runs) -> tuple[Omission, ...]:
     """Models without an orbit to compare."""
-    lost = [
-        f"`{model}` at {x:g}".replace("-", "−") for model in ("delay", *MODELS) for x, orbit in orbits[model].items() if not orbit
-    ]
+    lost = [f"`{model}` at {places([x])}" for model in ("delay", *MODELS) for x, orbit in orbits[model].items() if not orbit]
     left_out = [Omission("Quasi-static model.", "It has no limit cycle.")]
-    if not any(orbits["quasidynamic"].values()):
-        left_out.append(Omission("Quasi-dynamic model.", "It slides steadily at every r shown; its onset lies above."))
+    steady = [x for x, orbit in orbits[DAMPED].items() if not orbit]
+    if steady:
+        why = f"It slides steadily there; it sticks and slips from log_{{10}} r = {places([onset_of_damped()], '.3f')} on."
+        left_out.append(Omission(f"Quasi-dynamic orbits at {places(steady)}.", why))
     if lost:
         left_out.append(Omission("Points where no orbit was found.", f"{', '.join(lost)}."))
     return tuple(left_out)
@@ -89,8 +104,8 @@ def errors_of_means(means: Runs) -> Drawing:
     figure, panels = _panels()
     grid = np.array(list(means["delay"]))
     for axes, quantity in zip(panels, _QUANTITIES, strict=True):
-        for place, model in enumerate(MODELS):
-            look, beside = pen(model), _SPREAD * (place - 0.5 * (len(MODELS) - 1))
+        for place, model in enumerate((*MODELS, DAMPED)):
+            look, beside = pen(model), _SPREAD * (place - 0.5 * len(MODELS))
             values, bars = (
                 100.0 * column(means, model, quantity, part) for part in (lambda one: one.value, lambda one: 2.0 * one.error)
             )

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import slipwave
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import approach
+from reduced.stability import analyse
 from slipwave.observe.orbit import Estimate, Orbit
 from slipwave.scene import Scene
 from validation.branches.over_r import cycle_of, cycles_in_turn, late_cycles, own_orbit
@@ -17,7 +18,7 @@ from validation.studies.bifurcation.branches import begun_at, scene_at
 
 LOG10_R = -2.68
 CELLS, CFL = 128, 0.5
-COMPARED = ("delay", "kelvin-voigt", "block12")
+COMPARED = ("delay", "kelvin-voigt", "block12", "quasidynamic")
 """Models that are followed as r grows."""
 
 _TOLERANCE = 1e-10
@@ -59,9 +60,12 @@ def run_model(model: str) -> CycleRun:
     return CycleRun(found.orbit, cycle_of(found.closed, _MARGIN, _MARGIN))
 
 
-def at_r(model: str, log10_r: float) -> AtR:
-    """The model's stable orbit, or a run if none is found."""
-    scene, found = scene_at(log10_r), _settled_orbit(model, begun_at(log10_r))
+def at_r(model: str, log10_r: float) -> AtR | None:
+    """The model's stable orbit, or a run if none is found; None if it comes back to steady sliding."""
+    scene = scene_at(log10_r)
+    if analyse(scene, model).stable:
+        return None
+    found = _settled_orbit(model, begun_at(log10_r))
     if found is not None:
         return AtR(found.orbit.period, found.orbit.stress_drop, [cycle_of(found.closed, 0.0, 0.0)])
     events = late_cycles(model, scene, _UNTIL)

@@ -141,7 +141,8 @@ def over_r_table(places: Mapping[float, Mapping[str, AtR]]) -> Table:
     heading = "log_{10} r .3f | model | T [transits] .6g | error .0e | Δμ [σ] .4f | error .0e | cycles .0f"
     caption = (
         "Period and stress drop as r grows: of the stable orbit, with the error of its computation; or, where none is found, "
-        "means over so many cycles of a run, with standard errors that allow for the dependence of a cycle on those before it."
+        "means over so many cycles of a run, with standard errors that allow for the dependence of a cycle on those before it. A "
+        "model that slides steadily at an r is left out there."
     )
     return table("growth", caption, heading, rows)
 
