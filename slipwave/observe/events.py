@@ -12,6 +12,7 @@ The observer keeps every swing that may still count in some window that lasts to
 and of the friction stress in it: memory O(events).
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -46,7 +47,7 @@ class Events(NamedTuple):
 class EventObserver:
     """Reads pieces; gives the events of any window that lasts to the latest piece."""
 
-    spans_gaps = True
+    whole_from = math.inf
 
     def __init__(self, scene: Scene, nodes: Array) -> None:
         self._law = scene.law

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -23,11 +23,20 @@ class Final:
 
 
 class Observer(Protocol):
-    """Anything that reads the pieces of a run. One that needs no transits in which nothing but sticking happens has an attribute
-    `spans_gaps` that is true, for as long as it does not need them: then they may be left out."""
+    """Anything that reads the pieces of a run. It is given every transit, unless it is also `Spanning`."""
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces, in order."""
+
+
+@runtime_checkable
+class Spanning(Observer, Protocol):
+    """An observer that does without transits in which nothing but sticking happens, at least for some time."""
+
+    @property
+    def whole_from(self) -> float:
+        """The time (transits) from which on it needs every transit; infinite if, as far as it knows, it never does. Asked again
+        after all that it was given."""
 
 
 class Mark(Protocol):
@@ -49,8 +58,8 @@ def follow(
     marks: Sequence[Mark] = (),
 ) -> Final:
     """March `solver` to `until` (transits); returns the interface's state there, from the last piece's polynomial. When a mark is
-    due, all observers have seen all earlier pieces; marks due together act in their order. If every observer spans gaps, a
-    `Leaping` solver leaps over long sticks.
+    due, all observers have seen all earlier pieces; marks due together act in their order. A `Leaping` solver leaps over long
+    sticks until the first observer needs every transit.
 
     Raises NumericsError with the time, the model and the scene's digest if the numbers stop being finite or a solve does not
     converge; the observers have then seen the pieces before that.
@@ -61,8 +70,8 @@ def follow(
     while solver.time < until - SAME:
         stop = min([until, *(mark.due for mark in marks)])
         stop = max(stop, solver.time + 2.0 * SAME)
-        spanned = all(getattr(one, "spans_gaps", False) for one in observers)
-        pieces = leaper.leap(stop, until) if leaper and spanned else solver.advance(stop)
+        whole = min([until, *(one.whole_from if isinstance(one, Spanning) else 0.0 for one in observers)])
+        pieces = leaper.leap(min(stop, whole), whole) if leaper and whole > solver.time + SAME else solver.advance(stop)
         _require_finite(solver, pieces)
         for observer in observers:
             observer.scan(_before_failure(solver, pieces))

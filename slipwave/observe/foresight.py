@@ -25,7 +25,7 @@ class Foresight:
     """Observer of a run to `until` (transits); raises SceneError as soon as it predicts more than `most`
     seconds for the run."""
 
-    spans_gaps = True
+    whole_from = math.inf
 
     def __init__(self, solver: Solver, until: float, most: float = DAY) -> None:
         self.until = until

@@ -56,7 +56,7 @@ class _Marches:
 
 
 class _Guard(Foresight):
-    spans_gaps = False
+    whole_from = 0.0
 
 
 def largest_exponent(

@@ -38,12 +38,13 @@ class ProtocolObserver:
         self._fine = _sampling(self._basis, np.linspace(0.0, 1.0, _POINTS)) if self._cut else self._coarse
 
     @property
-    def spans_gaps(self) -> bool:
-        """Whether a hold has begun that is not over: of a hold, only the end has a figure."""
-        return any(
+    def whole_from(self) -> float:
+        """As `Spanning`: never while a hold has begun that is not over, because of a hold only the end has a figure."""
+        holds = any(
             stage.kind == "hold" and -math.inf < seen.reached < stage.end
             for stage, seen in zip(self.stages, self._seen, strict=True)
         )
+        return math.inf if holds else 0.0
 
     @property
     def figures(self) -> list[StageFigures]:

@@ -102,6 +102,16 @@ class Drive:
         """V (in V*) at `time` (transits); at a jump, V after it."""
         return float(velocity_at(self.compiled, time, time))
 
+    def travel(self, times: Array) -> Array:
+        """The integral of V (in V*) from its first knot to `times` (transits)."""
+        knots, paces = np.array(self.times), np.array(self.velocities)
+        lasts, rise = np.append(np.diff(knots), 1.0), np.append(np.diff(paces), 0.0)
+        passed = np.concatenate(([0.0], np.cumsum(lasts * (paces + 0.5 * rise))))
+        here = np.maximum(np.searchsorted(knots, times, side="right") - 1, 0)
+        since = times - knots[here]
+        gains = np.divide(rise, lasts, out=np.zeros_like(rise), where=lasts > 0.0)
+        return np.asarray(passed[here] + since * (paces[here] + 0.5 * gains[here] * np.maximum(since, 0.0)))
+
 
 def steady_drive(velocity: float) -> Drive:
     """Constant V."""

@@ -37,7 +37,7 @@ def granite(**drive: object) -> Scene:
 class Seen:
     """An observer that keeps all pieces, with their gaps."""
 
-    spans_gaps = True
+    whole_from = np.inf
 
     def __init__(self) -> None:
         self._parts: list[Pieces] = []

@@ -64,5 +64,5 @@ def test_transits_may_be_left_out_in_a_hold_alone() -> None:
     spans = []
     for time in (0.0, 10.0, 20.0, 30.0, 40.0):
         observer.scan(Pieces(np.array([time]), np.array([10.0]), shape, shape, shape, shape))
-        spans.append(observer.spans_gaps)
-    assert spans == [False, False, True, False, False]
+        spans.append(observer.whole_from)
+    assert spans == [0.0, 0.0, np.inf, 0.0, 0.0]

@@ -40,12 +40,16 @@ def test_every_root_of_steady_sliding_lies_in_the_plane_where_the_json_has_it() 
         assert float(found.dataset[name]) == found.summary[name]
 
 
-def test_cycles_of_a_run_without_history_are_drawn_in_both_units() -> None:
-    found = sw.run("paper-si", "block8", until=100, **{"drive.velocity": 2000})
-    cycles = found.done.events
+def test_the_ranges_of_the_motion_are_drawn_in_both_units() -> None:
+    """Each step of the reduction has an interval of its own or shares it."""
+    found = sw.run("paper-si", "block8", until=100, interface=True, **{"drive.velocity": 2000})
     above, below = found.plot().axes
-    assert values(above) == [(cycles.time.tolist(), cycles.stress_drop.tolist())]
-    assert values(below) == [(cycles.time.tolist(), cycles.v_max.tolist())]
+    data = found.dataset
+    for axes, name in ((above, "interface_stress"), (below, "interface_slip_rate")):
+        (time, low), (_, high) = values(axes)
+        assert (time[-1], low[-1], high[-1]) == (100.0, data[name].values[-1], data[name].values[-1])
+        assert (min(low), max(high)) == (data[name].values.min(), data[name].values.max())
+        assert np.interp(data["time"].values, time, low) == pytest.approx(data[name].values, rel=0.1)
     above.figure.savefig(io.BytesIO())  # second axes take their limits when they are drawn
     transit = 9e-7 / 1e-6 * found.done.solver.scene.transit
     sizes = (above.child_axes[0].get_xlim, above.get_xlim, transit), (above.child_axes[1].get_ylim, above.get_ylim, 1000.0)

@@ -94,7 +94,7 @@ def test_prolonged_run_equals_one_that_never_stopped(tmp_path, capsys):
         (["--set", "slab.log10_r=-2.6"], "scene"),
         (["--until", "50"], "already at"),
         (["--checkpoint-every", "0"], "positive"),
-        (["--fields", "fields.nc"], "observers is ['events']; this run needs ['events', 'fields']"),
+        (["--fields", "fields.nc"], "observers is ['envelope', 'events']; this run needs ['envelope', 'events', 'fields']"),
     ],
 )
 def test_what_does_not_belong_is_refused(tmp_path, capsys, monkeypatch, words, hint):

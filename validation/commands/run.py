@@ -102,7 +102,7 @@ def run(
             cfl=cfl,
             time=time,
             tol=tol,
-            interface=True if plot is not None else None if out is not None else False,
+            interface=None if out is not None else False,
             every=every,
             window=window,
             fields=True if fields is not None else None if out is not None else False,

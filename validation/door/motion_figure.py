@@ -1,8 +1,8 @@
 """The motion of the interface in a figure: stress and slip rate over time, with second axes in SI where the scene has units."""
 
-from slipwave.files import TIME
+from slipwave.observe.envelope import Range
+from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.door.result import Dataset
 from validation.run.quantities import INTERFACE, si_factor, stored_name
 from validation.study.drawing import Axes, Drawing, canvas
 
@@ -11,8 +11,8 @@ _SI_LABELS = {"time": "time / s", "stress": "friction stress / {}Pa", "slip_rate
 _STRESS = 0.2  # of the normal stress: a small friction stress, by which the prefix of Pa is chosen
 
 
-def motion_axes(scene: Scene, title: str) -> tuple[Drawing, Axes, Axes]:
-    """(figure, panel of stress, panel of slip rate) without curves. Call it inside `styled()`."""
+def motion_figure(scene: Scene, title: str, time: Array, stress: Range, rate: Range) -> Drawing:
+    """Ranges of the stress and of the slip rate over time (transits). Call it inside `styled()`."""
     figure = canvas(height=5.2)
     above, below = figure.subplots(2, 1, sharex=True)
     above.set(title=title, ylabel=_LABELS["stress"])
@@ -20,15 +20,16 @@ def motion_axes(scene: Scene, title: str) -> tuple[Drawing, Axes, Axes]:
     second_axis(above, "x", "time", scene)
     second_axis(above, "y", "stress", scene)
     second_axis(below, "y", "slip_rate", scene)
-    return figure, above, below
-
-
-def motion_figure(scene: Scene, title: str, data: Dataset) -> Drawing:
-    """The history of the interface in the dataset of a result. Call it inside `styled()`."""
-    figure, above, below = motion_axes(scene, title)
-    for axes, name in ((above, "stress"), (below, "slip_rate")):
-        axes.plot(data[TIME].values, data[stored_name(name)].values, color="#111111", linewidth=0.9)
+    band(above, time, stress)
+    band(below, time, rate)
     return figure
+
+
+def band(axes: Axes, places: Array, ranges: Range) -> None:
+    """Ranges over `places`: a line where they are narrow."""
+    low, high = ranges
+    axes.fill_between(places, low, high, color="#a8a8a4", linewidth=0.0)
+    axes.plot(places, low, places, high, color="#111111", linewidth=0.9)
 
 
 def second_axis(axes: Axes, direction: str, name: str, scene: Scene) -> None:

@@ -64,10 +64,12 @@ class OrbitResult(Result):
 
     def plot(self) -> Drawing:
         """Stress and slip rate over one period."""
-        data, scene = self.dataset, self.found.scene
-        title = f"{scene.name}, {self.found.flow.model}: periodic orbit, T = {float(data['period']):.6g} transits"
+        found, scene = self.found.found, self.found.scene
+        title = f"{scene.name}, {self.found.flow.model}: periodic orbit, T = {found.orbit.period.value:.6g} transits"
+        columns = _motion(found.closed.cycle, found.closed.flow.nodes, scene)
+        stress, rate = columns[stored_name("stress")], columns[stored_name("slip_rate")]
         with styled():
-            return motion_figure(scene, title, data)
+            return motion_figure(scene, title, columns[TIME], (stress, stress), (rate, rate))
 
     @property
     def summary(self) -> dict[str, Any]:

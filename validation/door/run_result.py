@@ -13,7 +13,7 @@ from slipwave.observe.lyapunov import Exponent
 from slipwave.observe.solver import Leaping
 from slipwave.observe.stages import StageFigures
 from slipwave.scene.doubts import doubts
-from validation.door.motion_figure import motion_axes, motion_figure
+from validation.door.motion_figure import motion_figure
 from validation.door.protocol_figure import protocol_figure
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, finite
@@ -125,20 +125,20 @@ class RunResult(Result):
         write_run(Path(path), self.done, self._facts(), self.stages, self.records.history, field)
 
     def plot(self) -> Drawing:
-        """Stress and slip rate over time, or of a protocol friction over time and slip, if the history was kept
-        (`interface=True`); else the stress drop and the largest slip rate of each cycle."""
-        done, data, scene = self.done, self.dataset, self.done.solver.scene
-        title = f"{scene.name}, {done.solver.model}: {done.kind or 'events not watched'}"
+        """Stress and slip rate over time, or of a protocol friction over time and slip; in a window if one was given. Some
+        thousand ranges are drawn, however long the run was."""
+        done, scene, motion = self.done, self.done.solver.scene, self.records.envelope
         with styled():
-            if "interface_stress" in data:
-                if self.records.protocol is not None:
-                    return protocol_figure(scene, done.solver.model, data, self.stages)
-                return motion_figure(scene, title, data)
-            figure, above, below = motion_axes(scene, title)
-            for axes, name in ((above, "stress_drop"), (below, "v_max")) if "event_time" in data.coords else ():
-                axes.plot(data["event_time"], data[name], ".", color="#111111")
-            above.set_ylabel("stress drop / normal stress")
-            below.set_ylabel("largest slip rate / V*")
+            if self.records.protocol is not None:
+                figure = protocol_figure(scene, done.solver.model, motion, self.stages)
+            else:
+                title = f"{scene.name}, {done.solver.model}: {done.kind or 'events not watched'}"
+                curve = motion.by_time()
+                figure = motion_figure(scene, title, curve.time, curve.stress, curve.rate)
+            if isinstance(done.solver, Leaping) and done.solver.skipped:
+                share = done.solver.skipped / done.solver.time
+                told = f"leaps left out {share:.0%} of the run's transits: there the ranges of those before and after are joined"
+                figure.supxlabel(told, fontsize=8.5, color="#666666")
             return figure
 
     def plot_return_map(self) -> Drawing:

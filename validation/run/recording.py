@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, Solver
 from slipwave.observe.checkpoint import Checkpoints
+from slipwave.observe.envelope import Envelope
 from slipwave.observe.follow import Mark, Observer
 from slipwave.observe.protocol import ProtocolObserver
 from slipwave.observe.snapshot import FieldSolver
@@ -39,10 +40,11 @@ class Wanted(NamedTuple):
 
 @dataclass(frozen=True)
 class Records:
-    """What is kept of a run on its way: `watch` for events, the figures of the stages of a `protocol`, and, where asked for, the
-    interface's history, the last fields and checkpoints."""
+    """What is kept of a run on its way: `watch` for events, the `envelope` that its figure shows, the figures of the stages of a
+    `protocol`, and, where asked for, the interface's history, the last fields and checkpoints."""
 
     watch: EventObserver
+    envelope: Envelope
     protocol: ProtocolObserver | None
     history: HistoryFile | None
     fields: "FieldRecord | None"
@@ -51,7 +53,7 @@ class Records:
     @property
     def observers(self) -> list[Observer]:
         """The observers of the run besides `watch`."""
-        return [observer for observer in (self.protocol, self.history) if observer is not None]
+        return [observer for observer in (self.envelope, self.protocol, self.history) if observer is not None]
 
     @property
     def marks(self) -> list[Mark]:
@@ -74,11 +76,13 @@ def records_of(
     """
     samples = history_for(solver, until, wanted, checkpoint)
     watch, kept = EventObserver(solver.scene, solver.nodes), fields_for(solver, until, wanted.fields)
+    envelope = Envelope(solver.scene, solver.nodes, wanted.kept.begin, wanted.kept.end)
     protocol = None if solver.scene.drive.is_constant else ProtocolObserver(solver.scene, solver.nodes, until)
-    parts = {"events": watch if solver.scene.record else None, "protocol": protocol, "interface": samples, "fields": kept}
+    watched = watch if solver.scene.record else None
+    parts = {"events": watched, "envelope": envelope, "protocol": protocol, "interface": samples, "fields": kept}
     saved: dict[str, Resumable] = {label: part for label, part in parts.items() if part is not None}
     marks = None if checkpoint is None else Checkpoints(solver, saved, checkpoint, until, _EVERY if every is None else every)
-    records = Records(watch, protocol, samples, kept, marks)
+    records = Records(watch, envelope, protocol, samples, kept, marks)
     if marks is not None and checkpoint is not None and checkpoint.exists():
         try:
             marks.resume()

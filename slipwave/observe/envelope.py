@@ -1,0 +1,127 @@
+"""The range of the motion in each of some thousand equal intervals of a run: all that a figure shows, in memory of fixed size."""
+
+import math
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from slipwave.friction import rates
+from slipwave.observe.pieces import SAME, Array, Pieces
+from slipwave.scene import Scene
+
+COUNT = 4096
+"""Intervals, at most; a figure is a thousand pixels wide."""
+
+_FIRST = 2.0**-10  # length of an interval at first, in transits or in L of slip
+_ROWS = _TIME, _SLIP, _Z, _MU = range(4)
+
+
+Range: TypeAlias = tuple[Array, Array]
+"""The least and the greatest values in each interval."""
+
+
+class Curve(NamedTuple):
+    """The intervals that hold samples, as arrays of equal length: `time` (transits) and `slip` (L, from the first sample on) of
+    the latest sample, and the ranges of the slip rate (V*) and of the friction stress."""
+
+    time: Array
+    slip: Array
+    rate: Range
+    stress: Range
+
+
+class Envelope:
+    """Reads the pieces of a run of `scene` from `begin` to `end` (transits): ranges over equal intervals of time and of slip.
+
+    The intervals become twice as long each time that the run leaves them. Slip follows from the stress that it releases,
+    y' = stiffness (V - v), so that it is exact behind gaps too. Every transit is asked for only where a window is so short that
+    its intervals may be shorter than two transits.
+    """
+
+    def __init__(self, scene: Scene, nodes: Array, begin: float = 0.0, end: float = math.inf) -> None:
+        self._scene, self._nodes = scene, np.asarray(nodes)
+        self._begin, self._end = begin, end
+        self._bins = _Bins(), _Bins()
+        self._reached, self._origin = 0.0, math.nan
+
+    @property
+    def whole_from(self) -> float:
+        """As `slipwave.observe.follow.Spanning`."""
+        return self._begin if self._end - self._begin <= 2.0 * COUNT and self._reached <= self._end else math.inf
+
+    def scan(self, pieces: Pieces) -> None:
+        """Take the next pieces of the run, in order."""
+        time = pieces.time[:, None] + pieces.length[:, None] * self._nodes
+        inside = (time >= self._begin) & (time <= self._end)
+        if inside.any():
+            transit = np.broadcast_to(np.floor(pieces.time + SAME)[:, None], time.shape)[inside]
+            time, z, mu, y = (values[inside] for values in (time, pieces.z, pieces.mu, pieces.y))
+            slip = self._scene.transit * (self._scene.drive.travel(time) - y / self._scene.stiffness)
+            self._origin = float(slip[0]) if math.isnan(self._origin) else self._origin
+            self._add(transit, np.stack([time, slip - self._origin, z, mu]), gaps=self._has_gaps(pieces))
+        self._reached = float(pieces.time[-1] + pieces.length[-1]) if pieces.time.size else self._reached
+
+    def _has_gaps(self, pieces: Pieces) -> bool:
+        ends = np.concatenate(([self._reached], (pieces.time + pieces.length)[:-1]))
+        return bool((pieces.time > ends + 0.5).any())
+
+    def _add(self, transit: Array, samples: Array, gaps: bool) -> None:
+        """All samples of a transit go to one interval where the next ones may be empty: a part of it has another range."""
+        by_time, by_slip = self._bins
+        by_time.add(np.maximum(transit - self._begin, 0.0) if by_time.width >= 1.0 else samples[_TIME] - self._begin, samples)
+        firsts = np.searchsorted(transit, transit)
+        by_slip.add(samples[_SLIP][firsts] if gaps else samples[_SLIP], samples)
+
+    def by_time(self) -> Curve:
+        """The motion so far over equal intervals of time."""
+        return self._curve(self._bins[0])
+
+    def by_slip(self) -> Curve:
+        """The motion so far over equal intervals of slip."""
+        return self._curve(self._bins[1])
+
+    def _curve(self, bins: "_Bins") -> Curve:
+        low, high = bins.filled()
+        rate = rates(self._scene.law, low[_Z]), rates(self._scene.law, high[_Z])
+        return Curve(high[_TIME], high[_SLIP], rate, (low[_MU], high[_MU]))
+
+    def state(self) -> dict[str, Array]:
+        """All that was seen, for a checkpoint."""
+        tables = {f"ranges{n}": np.concatenate([*bins.ranges]) for n, bins in enumerate(self._bins)}
+        widths = [bins.width for bins in self._bins]
+        return {"numbers": np.array([self._begin, self._end, self._reached, self._origin, *widths]), **tables}
+
+    def restore(self, state: dict[str, Array]) -> None:
+        """Continue from what `state` returned. Raises ValueError if it is of another window."""
+        begin, end, self._reached, self._origin, *widths = state["numbers"].tolist()
+        if (begin, end) != (self._begin, self._end):
+            raise ValueError(f"the window is {begin:g}:{end:g}; this run asks for {self._begin:g}:{self._end:g}")
+        for n, (bins, width) in enumerate(zip(self._bins, widths, strict=True)):
+            bins.width, bins.ranges = width, np.array(np.split(state[f"ranges{n}"], 2))
+
+
+class _Bins:
+    """`ranges` (low and high, rows, intervals) of samples over intervals `width` long."""
+
+    def __init__(self) -> None:
+        self.width, self.ranges = _FIRST, self._empty(COUNT)
+
+    def add(self, places: Array, samples: Array) -> None:
+        """Take samples (rows, n) at `places` (n,) from 0 on, as a rule rising."""
+        while places.max() >= COUNT * self.width:
+            pairs = self.ranges.reshape(2, len(_ROWS), -1, 2)
+            halves = np.stack([pairs[0].min(axis=2), pairs[1].max(axis=2)])
+            self.ranges, self.width = np.concatenate([halves, self._empty(COUNT // 2)], axis=2), 2.0 * self.width
+        intervals = np.maximum(places / self.width, 0.0).astype(int)
+        first = np.flatnonzero(np.diff(intervals, prepend=-1))
+        for mine, extreme in zip(self.ranges, (np.minimum, np.maximum), strict=True):
+            for row, values in zip(mine, extreme.reduceat(samples, first, axis=1), strict=True):
+                extreme.at(row, intervals[first], values)
+
+    def filled(self) -> Array:
+        """`ranges` of the intervals that hold samples."""
+        return self.ranges[:, :, np.isfinite(self.ranges[0, 0])]
+
+    @staticmethod
+    def _empty(count: int) -> Array:
+        return np.stack([np.full((len(_ROWS), count), np.inf), np.full((len(_ROWS), count), -np.inf)])

@@ -1,0 +1,98 @@
+"""What a figure shows of a run: the ranges of the motion in equal intervals, however long the run is and wherever it leapt."""
+
+import numpy as np
+import pytest
+
+import slipwave
+from slipwave.friction import rates
+from slipwave.observe import HistoryObserver, Pieces, Solver, follow
+from slipwave.observe.envelope import COUNT, Envelope
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from validation.registry.build import build
+
+STEP = {"drive.velocity": [[0, 100], [30, 100], [30, 300], [200, 300], [230.5, 0], [260, 0], [260, 50]]}
+
+
+def watched(scene: Scene, until: float, *observers: object) -> Solver:
+    solver = build("delay", scene)
+    follow(solver, until, observers)  # type: ignore[arg-type]
+    return solver
+
+
+@pytest.fixture(scope="module")
+def motion() -> tuple[Scene, Envelope, Array]:
+    """Steps, a ramp and a hold: the envelope, and all samples."""
+    scene = slipwave.read("paper", STEP)
+    nodes = build("delay", scene).nodes
+    envelope, every = Envelope(scene, nodes), HistoryObserver(scene.law, nodes)
+    watched(scene, 300.0, envelope, every)
+    return scene, envelope, every.samples()
+
+
+def test_each_interval_has_the_range_of_its_samples(motion):
+    scene, envelope, (time, z, _, mu, _) = motion
+    curve, width = envelope.by_time(), 2.0**-3  # the first power of two with which 4096 intervals reach 300 transits
+    assert 300.0 / COUNT <= width < 2.0 * 300.0 / COUNT
+    which = np.floor(time / width).astype(int)
+    filled = np.unique(which)
+    for (low, high), values in ((curve.stress, mu), (curve.rate, rates(scene.law, z))):
+        assert low.tolist() == [values[which == place].min() for place in filled]
+        assert high.tolist() == [values[which == place].max() for place in filled]
+    assert curve.time.tolist() == [time[which == place].max() for place in filled]
+
+
+def test_slip_is_the_integral_of_the_slip_rate(motion):
+    """Trapezoids between the nodes: their own error is 1e-3. In a hold and after steps the drive does not tell the slip."""
+    scene, envelope, (time, z, _, _, _) = motion
+    rate, curve = rates(scene.law, z), envelope.by_time()
+    slip = scene.transit * np.concatenate(([0.0], np.cumsum(0.5 * np.diff(time) * (rate[1:] + rate[:-1]))))
+    assert curve.slip == pytest.approx(np.interp(curve.time, time, slip), rel=2e-3, abs=2e-3 * slip[-1])
+    along = envelope.by_slip()
+    assert (along.slip[-1], along.stress[1].max()) == (curve.slip[-1], curve.stress[1].max())
+    assert along.slip.size > 1000
+    assert np.diff(along.slip).min() > 0.0
+
+
+@pytest.mark.parametrize("stop", [0.7, 40.0, 231.0])
+def test_it_goes_on_from_its_state(motion, stop):
+    scene, envelope, _ = motion
+    solver = build("delay", scene)
+    first, second = (Envelope(scene, solver.nodes) for _ in range(2))
+    follow(solver, stop, [first])
+    second.restore({name: array.copy() for name, array in first.state().items()})
+    follow(solver, 300.0, [second])
+    assert all(np.array_equal(array, second.state()[name]) for name, array in envelope.state().items())
+    with pytest.raises(ValueError, match="the window is 0:inf; this run asks for 5:9"):
+        Envelope(scene, solver.nodes, 5.0, 9.0).restore(first.state())
+
+
+def test_a_leapt_stretch_has_the_ranges_of_whole_transits():
+    """Of granite. Every transit has another range, by what changes in a stick from one interval to the next."""
+    interface = {"law": "ageing", "a_star": 0.6, "a": 0.01, "b": 0.015}
+    units = {"normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6}
+    slab = {"thickness": 10.0, "density": 2700.0, "shear_modulus": 30e9}
+    scene = slipwave.read({"interface": interface | units, "slab": slab, "drive": {"velocity": 1.0}})
+    nodes = build("delay", scene).nodes
+    envelope, every = (Envelope(scene, nodes) for _ in range(2))
+    leaping = watched(scene, 30_000.0, envelope)
+    history = HistoryObserver(scene.law, nodes, 1e9)  # keeps nothing, but asks for every transit
+    watched(scene, 30_000.0, every, history)
+    ours, theirs = envelope.by_time(), every.by_time()
+    assert leaping.skipped > 10_000  # type: ignore[attr-defined]
+    assert theirs.time.size > ours.time.size > 500
+    (low, high), (least, most) = ours.stress, theirs.stress
+    assert low == pytest.approx(np.interp(ours.time, theirs.time, least), abs=3e-4)
+    assert high == pytest.approx(np.interp(ours.time, theirs.time, most), abs=3e-4)
+    assert (low.min(), high.max()) == pytest.approx((least.min(), most.max()), rel=1e-6)
+    assert (high - low)[ours.time > 15_000].min() > 0.8 * (most - least)[theirs.time > 15_000].min()
+
+
+def test_a_short_window_asks_for_every_transit_of_it():
+    scene = slipwave.read("paper")
+    nodes, ones = np.array([0.5, 1.0]), np.zeros((1, 2))
+    for begin, end, wanted in ((100.0, 200.0, 100.0), (100.0, 9000.0, np.inf), (0.0, np.inf, np.inf)):
+        envelope = Envelope(scene, nodes, begin, end)
+        assert envelope.whole_from == wanted
+        envelope.scan(Pieces(np.array([200.0]), np.array([1.0]), *(ones,) * 4))
+        assert envelope.whole_from == np.inf
