@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fullwave.families import GALERKIN
 from slipwave.observe.orbit import Estimate
 from validation.measure.grid_ladders import LADDERS
 from validation.measure.order_fit import fit
@@ -145,6 +146,36 @@ def test_the_tables_of_a_ladder_show_its_orders_and_its_finest_grid():
     assert orders[:4] == ("sbp:4", "s", f"{one.cells[0]:.0f}\u2060–\u2060{one.cells[last]:.0f}", "4")
     assert orders[4:] == ("4.00\u00a0±\u00a00.01",) * 6
     assert finest == ("sbp:4", "s", one.cells[last], 1000.0, *[one.errors["state"][last]] * 5)
+
+
+def test_a_ladder_without_an_order_is_named_and_the_others_keep_their_rows():
+    right = climbed()
+    lost = replace(
+        right, ladder=replace(right.ladder, model="fv"), errors=dict.fromkeys(QUANTITIES, np.full(right.cells.size, np.inf))
+    )
+    verdict = grid_convergence._order_verdict(lost)
+    assert (verdict.outcome, verdict.ours, verdict.remark) == (
+        Outcome.FAIL,
+        "no order: 0 usable levels; an order needs 4",
+        "`fv`",
+    )
+    none = replace(GALERKIN, pattern="volumes:P", ladder={})
+    rows = orders_table([lost, right], [none]).rows
+    assert [(row[0], row[3], row[-1]) for row in rows] == [
+        ("fv", "4", "no order: 0 usable levels; an order needs 4"),
+        ("sbp:4", "4", "4.00\u00a0±\u00a00.01"),
+        ("volumes:7", "8", "not judged: declares no ladder"),
+    ]
+    empty = replace(lost, cells=np.array([]), seconds=np.array([]), errors=dict.fromkeys(QUANTITIES, np.array([])))
+    assert [row[0] for row in finest_table([empty, right]).rows] == ["sbp:4"]
+    assert grid_convergence._order_verdict(empty).outcome is Outcome.FAIL
+
+
+def test_every_family_with_a_ladder_is_judged_by_a_quick_report(monkeypatch):
+    own = replace(GALERKIN, pattern="volumes", numbers=(), default=None, ladder={0: GALERKIN.ladder[1]})
+    monkeypatch.setattr(grid_convergence, "GRIDS", (*grid_convergence.GRIDS, own, replace(own, pattern="bare", ladder={})))
+    assert grid_convergence.judged(quick=True) == (*grid_convergence._QUICK, "volumes")
+    assert set(grid_convergence.judged(quick=False)) == set(LADDERS)
 
 
 def test_which_code_is_common_is_read_from_the_imports(monkeypatch):

@@ -88,6 +88,19 @@ def sections(page):
     return {title: body for title, body in zip(parts[::2], parts[1::2], strict=True) if title.startswith("Adding")}
 
 
+JUDGE = """
+import sys
+from reduced.stability import scaled
+from validation.measure.orders import climb
+from validation.studies import grid_convergence as study
+assert "fv" in study.judged(quick=True)
+true = study.without_error_in_time
+study.without_error_in_time = lambda model, scene, cells, **o: true(model, scaled(scene, epsilon=float(sys.argv[1])), cells, **o)
+verdict = study._order_verdict(study._climb("fv"))
+print(verdict.outcome, verdict.ours)
+"""
+"""The verdict on the volumes' order, in slabs whose impedance is off by a factor."""
+
 EXTENDING, REPORT = sections("extending.md"), sections("reading-the-report.md")
 
 
@@ -137,6 +150,9 @@ def test_a_discretisation(reader):
     assert coarse / fine == pytest.approx(2.0, rel=0.1)
     assert reader.run("slipwave run viscous --until 1 --model fv") == 2
     assert "'fv': cannot do Kelvin-Voigt viscosity" in reader.output
+    right, wrong = (reader.run(f"python -c '{JUDGE}' {factor}") or reader.output for factor in (1.0, 1.01))
+    assert right.startswith("pass 0.97")
+    assert wrong.startswith("fail")
 
 
 def test_an_observer(reader):

@@ -1,5 +1,7 @@
 """The order assertion must be able to fail."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from order import assert_order
@@ -106,6 +108,47 @@ def test_a_ladder_of_the_wrong_order_does_not(model, order):
     complaints = climbed(model, order).shortfall()
     assert len(complaints) == 6
     assert all("promised" in one for one in complaints)
+
+
+def first_order(bend=0.0, wrong=0.0):
+    """Errors of order 1 whose local orders rise to it (bend > 0) or fall, and of a scheme whose limit is off by `wrong`."""
+    ladder = replace(LADDERS["dg:1"], declared=1.0, promised=1.0, finest=1.0)
+    cells = np.geomspace(64.0, 256.0, 9).round()
+    return Climb(ladder, cells, np.ones(9), dict.fromkeys(QUANTITIES, 20.0 / cells * np.exp(-bend / cells) + wrong))
+
+
+@pytest.mark.parametrize(
+    ("changes", "holds"),
+    [
+        ({}, True),
+        ({"bend": 20.0}, True),
+        ({"bend": -20.0}, True),
+        ({"wrong": 0.01}, False),
+        ({"bend": 20.0, "wrong": 0.01}, False),
+    ],
+)
+def test_an_order_approached_from_below_holds_and_a_wrong_limit_does_not(changes, holds):
+    one = first_order(**changes)
+    assert (one.shortfall() == []) is holds
+    if changes == {"bend": 20.0}:
+        found = one.fit("state")
+        assert found.order == pytest.approx(0.87, abs=0.01)
+        assert found.limit == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("order", "limit", "width", "leads"),
+    [(0.9, 0.97, 0.05, True), (0.9, 0.94, 0.05, False), (0.9, 0.97, 0.2, False), (0.4, 0.97, 0.05, False)],
+)
+def test_where_local_orders_lead(order, limit, width, leads):
+    assert replace(fit(1 / STEPS, STEPS), order=order, limit=limit, limit_half_width=width).leads_to(1.0) is leads
+
+
+def test_a_ladder_without_usable_levels_says_so():
+    one = replace(climbed("dg:3", 4.0), errors=dict.fromkeys(QUANTITIES, np.full(len(LADDERS["dg:3"].levels()), np.inf)))
+    assert one.lost == "0 usable levels; an order needs 4"
+    assert one.shortfall() == [f"together: {one.lost}"]
+    assert climbed("dg:3", 4.0).lost == ""
 
 
 @pytest.mark.parametrize("name", QUANTITIES)

@@ -43,8 +43,8 @@ def _scene(log10_r: float) -> Scene:
 GENTLE = Course(-2.77, until=60.0, window=8.0, density=4, slack=0.05)
 ROUGH = Course(-2.59, until=120.0, window=16.0, density=8, slack=0.75)
 STEEP = Course(-2.5, until=120.0, window=16.0, density=8, slack=0.75)
-_ROUGH_FROM, _STEEP_FROM = 5.0, 7.0  # declared order
-_FLOOR_IN_SPACE = 5e-12
+ROUGH_FROM, STEEP_FROM = 5.0, 7.0  # declared order
+FLOOR_IN_SPACE = 5e-12
 
 
 @dataclass(frozen=True)
@@ -73,13 +73,13 @@ class GridLadder:
 def in_space(ladder: GridLadder) -> GridLadder:
     """The ladder for a march without error in time, against a reference that is right to 1e-12: errors go on to fall where those
     of time would remain, at the full order of high degrees, which therefore need a scene that is steeper still."""
-    course = STEEP if ladder.declared >= _STEEP_FROM else ladder.course
-    return replace(ladder, course=replace(course, floor=_FLOOR_IN_SPACE))
+    course = STEEP if ladder.declared >= STEEP_FROM else ladder.course
+    return replace(ladder, course=replace(course, floor=FLOOR_IN_SPACE))
 
 
 def _ladder(family: FullWave, number: int, rungs: Rungs) -> GridLadder:
     declared = float(family.order_interface(number))
-    course = ROUGH if declared >= _ROUGH_FROM else GENTLE
+    course = ROUGH if declared >= ROUGH_FROM else GENTLE
     first, most, finest, promised, cfl = rungs
     return GridLadder(family.called(number), declared, promised or declared, course, first, most, finest, cfl)
 

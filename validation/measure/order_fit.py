@@ -14,8 +14,10 @@ from slipwave.observe.pieces import Array
 
 _ROUND_OFF = 100.0 * np.finfo(float).eps
 _ASYMPTOTIC = 0.15
-_FEWEST = 4
-_FEWEST_DENSE = 6
+FEWEST = 4
+FEWEST_DENSE = 6
+_NEAR, _MOST, TREND = 0.5, 0.5, 0.1
+"""How far the fit may lie below the order that its trend leads to; the least share of that closed; how well that is known."""
 _WIDEST = 0.5  # half-width beyond which a fit proves nothing
 
 
@@ -25,6 +27,8 @@ class Fit:
 
     `half_width` is that of the 95 % confidence interval of the order (Student, n - 2 degrees of freedom), `finest` the order of
     the two finest used levels alone, `finest_error` the smallest error used, `r_squared` the share of the variance explained.
+    `limit` is the order at h = 0 that the trend of the local orders leads to, from error ~ constant h^order e^(b h) with
+    h = 1/cells; its interval is infinite with fewer than four levels.
     """
 
     order: float
@@ -34,10 +38,18 @@ class Fit:
     finest_error: float
     used: slice
     r_squared: float
+    limit: float
+    limit_half_width: float
 
     def __str__(self) -> str:
         quality = f"finest pair {self.finest:.3f}, R2 {self.r_squared:.6f}, levels {self.used.start + 1} to {self.used.stop}"
         return f"order {self.order:.3f} +- {self.half_width:.3f} (95 %), {quality}"
+
+    def leads_to(self, declared: float) -> bool:
+        """Whether the local orders rise to `declared` as grids become finer: the first orders of a scheme lie below its own, and
+        grids too fine to run would be needed to show it. Most of what the fit lacks must be closed, and closely known."""
+        closed = self.limit - self.order > _MOST * (declared - self.order)
+        return self.order > declared - _NEAR and closed and self.limit_half_width < TREND and abs(self.limit - declared) < TREND
 
     @property
     def rounded(self) -> str:
@@ -55,7 +67,7 @@ def fit(cells: Array, errors: Array, scale: float = 1.0) -> Fit:
     x, y = _usable(cells, errors, 0, _ROUND_OFF * scale)
     local = -np.diff(y) / np.diff(x)
     start = 0
-    while y.size - start > _FEWEST and abs(local[start] - local[-1]) > _ASYMPTOTIC:
+    while y.size - start > FEWEST and abs(local[start] - local[-1]) > _ASYMPTOTIC:
         start += 1
     return _regress(x, y, start)
 
@@ -69,7 +81,7 @@ def fit_dense(cells: Array, errors: Array, start: int = 0, floor: float = 0.0) -
     fewer than four usable levels.
     """
     x, y = _usable(cells, errors, start, max(floor, _ROUND_OFF))
-    while y.size - start > _FEWEST_DENSE and _curved(x[start:], y[start:]):
+    while y.size - start > FEWEST_DENSE and _curved(x[start:], y[start:]):
         start += 1
     return _regress(x, y, start)
 
@@ -79,8 +91,8 @@ def _usable(cells: Array, errors: Array, start: int, floor: float) -> tuple[Arra
     errors = np.asarray(errors, dtype=float)
     spent = np.nonzero(~(errors[start:] > floor))[0]
     end = start + int(spent[0]) if spent.size else errors.size
-    if end - start < _FEWEST:
-        raise ValueError(f"{end - start} usable levels; an order needs {_FEWEST}")
+    if end - start < FEWEST:
+        raise ValueError(f"{end - start} usable levels; an order needs {FEWEST}")
     return np.log(np.asarray(cells, dtype=float)[:end]), np.log(errors[:end])
 
 
@@ -101,14 +113,22 @@ def _regress(x: Array, y: Array, start: int) -> Fit:
 
     finest, used = -float((y[-1] - y[-2]) / (x[-1] - x[-2])), slice(start, y.size)
     x, y = x[used], y[used]
-    gaps = x - x.mean()
-    slope = float(gaps @ y / (gaps @ gaps))
-    intercept = float(y.mean() - slope * x.mean())
-    residual = y - intercept - slope * x
-    deviation = float(np.sqrt(residual @ residual / (x.size - 2) / (gaps @ gaps)))
-    half_width = float(stdtrit(x.size - 2, 0.975)) * deviation
+
+    def line(*terms: Array) -> tuple[Array, Array, float]:
+        """(coefficients of y over these terms, rows; residual; half-width of the 95 % interval of the second coefficient)."""
+        matrix = np.stack(terms, axis=1)
+        found: Array = np.linalg.lstsq(matrix, y, rcond=None)[0].astype(np.float64)
+        residual, free = y - matrix @ found, x.size - len(terms)
+        if free < 1:
+            return found, residual, math.inf
+        variance = residual @ residual / free * np.linalg.inv(matrix.T @ matrix)[1, 1]
+        return found, residual, float(stdtrit(free, 0.975) * np.sqrt(variance))
+
+    (intercept, slope), residual, half_width = line(np.ones_like(x), x)
+    (_, limit, *_), _, limit_half_width = line(np.ones_like(x), x, np.exp(x[0] - x))
     r_squared = 1.0 - float(residual @ residual / ((y - y.mean()) @ (y - y.mean())))
-    return Fit(-slope, half_width, float(np.exp(intercept)), finest, float(np.exp(y.min())), used, r_squared)
+    errors = float(np.exp(intercept)), finest, float(np.exp(y.min()))
+    return Fit(-float(slope), half_width, *errors, used, r_squared, -float(limit), limit_half_width)
 
 
 def shortfall(result: Fit, declared: float, tolerance: float = 0.1, at_least: bool = False, widest: float = _WIDEST) -> str:

@@ -18,7 +18,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, HistoryObserver, Solver, follow
 from slipwave.observe.pieces import Array
 from validation.measure.grid_ladders import Course, GridLadder
@@ -34,9 +34,9 @@ QUANTITIES = {**OUTPUTS, "state": "state"}
 
 _MOMENTS = 256
 _FIRST_QUARTER = 0.25  # of the run: events still grow there, and one of a tenth of the largest counts on some grids only
-_ALMOST = 0.05  # a narrow interval may miss the promised order by this much: the curvature that is left
-_KNOWN = 0.5  # how far below the promised order the interval of all outputs may begin
-_RESOLVED = 3.0
+ALMOST = 0.05  # a narrow interval may miss the promised order by this much: the curvature that is left
+KNOWN = 0.5  # how far below the promised order the interval of all outputs may begin
+RESOLVED = 3.0
 _WORTH_REPEATING = 0.01  # seconds
 
 Measured: TypeAlias = dict[str, Array]
@@ -92,7 +92,7 @@ class Climb:
     def resolved(self) -> int:
         """Number of the first level that is used."""
         worst = np.max(list(self.errors.values()), axis=0)
-        coarse = np.nonzero(~(worst < _RESOLVED**-self.ladder.declared))[0]
+        coarse = np.nonzero(~(worst < RESOLVED**-self.ladder.declared))[0]
         return int(coarse[-1]) + 1 if coarse.size else 0
 
     def fit(self, name: str) -> Fit:
@@ -111,19 +111,32 @@ class Climb:
         orders = [self.fit(name).order for name in self.errors]
         return min(orders), max(orders)
 
+    @property
+    def lost(self) -> str:
+        """Why no order can be fitted; empty if one can."""
+        try:
+            self.fit_together()
+            _ = self.span
+        except ValueError as error:
+            return str(error)
+        return ""
+
     def shortfall(self) -> list[str]:
         """The reasons against the promised order, one per quantity; empty if there are none. Schemes of order 2 must not be
         better either. The finest error of every quantity must lie below the ladder's bound."""
+        if self.lost:
+            return [f"together: {self.lost}"]
         fits = {name: self.fit(name) for name in self.errors}
         complaints = {name: self._misses(found, 0.0, self.ladder.course.slack) for name, found in fits.items()}
         together = self.fit_together()
-        complaints["together"] = self._misses(together, together.half_width, _ALMOST) or self._unknown(together)
+        complaints["together"] = self._misses(together, together.half_width, ALMOST) or self._unknown(together)
         return [f"{name}: {complaint}" for name, complaint in complaints.items() if complaint]
 
     def _misses(self, found: Fit, half_width: float, slack: float) -> str:
         """Whether the order within +- `half_width` misses the promised one by more than `slack`, or the errors are large."""
         allowed = max(half_width, slack)
-        if found.order + allowed < self._promised or (self._exact and found.order - allowed > self._promised):
+        short = found.order + allowed < self._promised and not found.leads_to(self._promised)
+        if short or (self._exact and found.order - allowed > self._promised):
             return f"promised {self._promised:g}, observed {found}"
         if found.finest_error > self.ladder.finest:
             return f"finest error {found.finest_error:.1e}, not below {self.ladder.finest:.0e}"
@@ -131,7 +144,7 @@ class Climb:
 
     def _unknown(self, found: Fit) -> str:
         low, high = found.order - found.half_width, found.order + found.half_width
-        vague = low < self._promised - _KNOWN or (self._exact and high > self._promised + _KNOWN)
+        vague = low < self._promised - KNOWN or (self._exact and high > self._promised + KNOWN)
         return f"interval too wide to tell: {found}" if vague else ""
 
     @property
@@ -149,7 +162,7 @@ def climb(ladder: GridLadder, reference: Measured, build: Maker) -> Climb:
     for cells in ladder.levels():
         try:
             seconds, found = _timed(build, ladder, cells)
-        except NumericsError:
+        except (NumericsError, SceneError):
             continue
         rows.append((cells, seconds, errors(found, reference)))
         if rows[-1][2]["state"] < ladder.course.floor:

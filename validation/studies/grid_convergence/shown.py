@@ -1,50 +1,62 @@
 """Tables of orders and of the finest errors; error over grid points and over run time, one line per full-wave family."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from fullwave.families import FullWave
 from slipwave.observe.pieces import Array
-from validation.measure.grid_ladders import GENTLE, ROUGH, STEEP
+from validation.measure.grid_ladders import FLOOR_IN_SPACE, GENTLE, ROUGH, ROUGH_FROM, STEEP, STEEP_FROM, Course
 from validation.measure.orders import QUANTITIES, Climb
 from validation.study import Cell, Table, table
 from validation.study.drawing import WIDTH, Drawing, canvas, grid_pens, ruled
+from validation.study.text import places, plain
 
 _FLOOR = 1e-14
 _SCENES = {GENTLE.log10_r: "s", ROUGH.log10_r: "r", STEEP.log10_r: "t"}
 
 
-def orders_table(climbs: list[Climb]) -> Table:
-    """One row per family: every quantity's order with its interval."""
-    rows = []
+def orders_table(climbs: list[Climb], unjudged: Iterable[FullWave] = ()) -> Table:
+    """One row per family: every quantity's order with its interval, or why there is none."""
+    rows: list[tuple[Cell, ...]] = []
     for climb in climbs:
-        together = climb.fit_together()
+        head = (climb.ladder.model, _scene(climb))
+        if climb.lost:
+            rows.append((*head, None, f"{climb.ladder.declared:g}", *([None] * len(QUANTITIES)), f"no order: {climb.lost}"))
+            continue
         grids = f"{climb.cells[climb.resolved]:.0f}\u2060–\u2060{climb.cells[-1]:.0f}"
         orders = (climb.fit(name).rounded for name in QUANTITIES)
-        rows.append((climb.ladder.model, _scene(climb), grids, f"{climb.ladder.declared:g}", *orders, together.rounded))
+        rows.append((*head, grids, f"{climb.ladder.declared:g}", *orders, climb.fit_together().rounded))
+    for family in unjudged:
+        declared = f"{family.order_interface(family.usual):g}"
+        rows.append((family.example, None, None, declared, *([None] * len(QUANTITIES)), "not judged: declares no ladder"))
     orders_in = [f"order in {symbol}" if name != "state" else "in the state" for name, symbol in QUANTITIES.items()]
     heading = " | ".join(["family | scene | cells | declared", *orders_in, "all together"])
     caption = (
         "Fitted orders with their 95 % confidence intervals, rounded up. T, Δμ, Δy, v_{max}: period, stress drop, elastic "
         "drop and largest rate, errors as root mean squares over all complete cycles; state: ψ, ln v and μ over the last "
         "transits; all together: geometric mean of the five errors. Cells: grids on which the waves are resolved. Smooth "
-        "start, V = 2000; scene s: log_{10} r = −2.77, 60 transits; scene r (rougher, for orders from five on): −2.59, 120 "
-        "transits; scene t (steeper still, for orders from seven on): −2.5, 120 transits."
+        f"start, V = 2000; scene s: log_{{10}} r = {_course(GENTLE)}; scene r (rougher, for orders from {ROUGH_FROM:g} on): "
+        f"{_course(ROUGH)}; scene t (steeper still, for orders from {STEEP_FROM:g} on): {_course(STEEP)}."
     )
     return table("orders", caption, heading, rows)
+
+
+def _course(course: Course) -> str:
+    return f"{places([course.log10_r])}, {course.until:g} transits"
 
 
 def finest_table(climbs: list[Climb]) -> Table:
     """One row per family: errors and run time of the finest grid."""
     rows: list[tuple[Cell, ...]] = []
-    for climb in climbs:
+    for climb in (one for one in climbs if one.cells.size):
         found = (float(climb.errors[name][-1]) for name in QUANTITIES)
         rows.append((climb.ladder.model, _scene(climb), float(climb.cells[-1]), 1e3 * float(climb.seconds[-1]), *found))
     errors_of = [f"error of {symbol} [relative] .0e" for symbol in QUANTITIES.values()]
     heading = " | ".join(["family | scene | cells [a slab] .0f | run [ms] .0f", *errors_of])
     caption = (
         "Relative errors on the finest grid tried, and the run’s time. A ladder ends with the first grid whose error of the "
-        "state is below 5 · 10^{−12}, where the fits end. Scenes as above."
+        f"state is below {plain(FLOOR_IN_SPACE, '.0e')}, where the fits end. Scenes as above."
     )
     return table("finest", caption, heading, rows)
 
