@@ -22,7 +22,7 @@ BELOW = {
 
 ORDER = {
     "slipwave": "errors extras files sources threads compiled friction scene features input observe step family __main__",
-    "reduced": "families commensurate parameters delay ode impedance stability closed_forms flows orbit continuation",
+    "reduced": "families commensurate parameters delay impedance ode stability closed_forms flows orbit continuation",
     "fullwave": "families options sampling operators leapfrog lines fields * adapt",
     "validation": (
         "output run measure references registry study branches work_precision studies orbit_speed wave_race report benchmark "

@@ -1,12 +1,13 @@
 """The exact march of a grid: the slabs are propagated without error in time (`propagator`), and steps only resolve friction."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, steps_at_once
-from fullwave.lines.grid_port import FRICTION, INPUT, RADIATED, VISCOUS
-from fullwave.lines.grid_ports import DRIVE_TERMS, GridPorts
+from fullwave.lines.grid_ledger import FRICTION, INPUT, RADIATED, VISCOUS
+from fullwave.lines.grid_slabs import DRIVE_TERMS, GridSlabs
 from fullwave.lines.propagator import halves
 from fullwave.lines.system import System
 from slipwave.friction import rate_of
@@ -14,7 +15,7 @@ from slipwave.observe.pieces import Array, Pieces
 from slipwave.observe.restoring import tables
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
-from slipwave.step.stepper import CHUNK, Stepper
+from slipwave.step.port_march import CHUNK, PortMarch
 
 STAGES = 8
 LONGEST = 1.0
@@ -28,29 +29,26 @@ _FIRST = 0.125
 _STEP_SECONDS = 2e-6
 
 
-class ExactMarch:
-    """Marches the grid of `system` of `scene` from `values` (state_size,), in the layout of the explicit march."""
+class ExactMarch(PortMarch):
+    """Marches the grid that `grid` makes for `scene` from `values` (state_size,), in the layout of the explicit march."""
 
     name = "exact"
+    slabs: GridSlabs
     failures, failed_at = 0, math.nan
     step = LONGEST
     transits_per_piece = math.nan
 
-    def __init__(self, scene: Scene, system: System, values: Array, model: str, tolerance: float = EXACT_TOLERANCE) -> None:
-        self._scene, self._layout, self._model = scene, values, model
+    def __init__(
+        self, scene: Scene, grid: Callable[[Scene], System], values: Array, model: str, tolerance: float = EXACT_TOLERANCE
+    ) -> None:
+        self._layout = values
         self.settings = {"stages": STAGES, "resolution": tolerance}
-        self._ports = GridPorts(scene, system, values.size, STAGES)
+        self.slabs = GridSlabs(scene, grid, model, STAGES)
         at_once = min(CHUNK, steps_at_once(self._products))
-        self._stepper = Stepper(scene, model, self._ports, STAGES, tolerance, LONGEST, _FIRST, most_steps=at_once)
-        self.nodes = self._stepper.nodes
+        super().__init__(self.slabs, tolerance, LONGEST, _FIRST, most_steps=at_once)
         self._frames: list[tuple[float, Array]] = []
         self._frame = math.inf
         self.begin_from(values)
-
-    @property
-    def time(self) -> float:
-        """Transits since the start."""
-        return self._stepper.time
 
     @property
     def seconds_per_piece(self) -> float:
@@ -60,48 +58,46 @@ class ExactMarch:
     @property
     def _products(self) -> float:
         """Products in a step."""
-        size = self._ports.values.size
+        size = self.slabs.remembered
         return float(size * (size + 3 * STAGES))
 
     @property
-    def values(self) -> Array:
+    def layout(self) -> Array:
         """The grid's values, in the layout of all that the explicit march integrates."""
-        self._layout[self._ports.slots] = self._ports.values
+        self._layout[self.slabs.slots] = self.values / self.slabs.scale
         return self._layout
 
     def begin_from(self, values: Array) -> None:
         """Take the grid's values in that layout."""
-        self._ports.values[:] = values[self._ports.slots]
+        self.values[:] = values[self.slabs.slots] * self.slabs.scale
 
     def advance(self, until: float) -> Pieces:
         """As `Solver`."""
-        before = self._ports.values.copy()
-        pieces = self._stepper.advance(until)
+        before = self.values / self.slabs.scale
+        pieces = super().advance(until)
         self._frames = self._between(before, pieces) if math.isfinite(self._frame) else []
         return pieces
 
     def keep_ledger(self) -> None:
         """From now on work and heat are added up, step by step."""
-        self._ports.keep_ledger()
+        self.slabs.keep_ledger()
 
     def work_done(self) -> tuple[float, float, float, float] | None:
         """Work of the drive, heat of friction, radiation and viscous heat since t = 0; None unless they are kept."""
-        if not self._ports.keeps_ledger[0]:
+        if not self.slabs.is_kept[0]:
             return None
-        ledger = self._ports.ledger
-        return float(ledger[INPUT]), float(ledger[FRICTION]), float(ledger[RADIATED]), float(ledger[VISCOUS])
+        entries = self.slabs.entries
+        return float(entries[INPUT]), float(entries[FRICTION]), float(entries[RADIATED]), float(entries[VISCOUS])
 
     def state(self) -> State:
-        """As `Solver`: what the `Stepper` keeps, with the grid's `values` and the `ledger`."""
-        return self._stepper.state() | {"values": self._ports.values.copy(), "ledger": self._ports.ledger.copy()}
+        """As `Solver`: what a `PortMarch` keeps, with the `ledger`."""
+        return super().state() | {"ledger": self.slabs.entries.copy()}
 
     def restore(self, state: State) -> None:
         """As `Solver`."""
-        own = {"values": self._ports.values, "ledger": self._ports.ledger}
-        saved = tables(state, {name: array.shape for name, array in own.items()}, self._model)
-        self._stepper.restore(state)
-        for name, array in own.items():
-            array[...] = saved[name]
+        saved = tables(state, {"ledger": self.slabs.entries.shape}, self.slabs.model)
+        super().restore(state)
+        self.slabs.entries[:] = saved["ledger"]
 
     def keep_frames(self, interval: float) -> None:
         """From now on `frames` has states inside the steps, at most `interval` (transits) apart: steps are too long for a picture
@@ -114,24 +110,24 @@ class ExactMarch:
 
     def _between(self, values: Array, pieces: Pieces) -> list[tuple[float, Array]]:
         """States at times at most `_frame` apart: the known slip rate drives steps of finer levels."""
-        known = self._ports.known(self._stepper.longest)
+        known = self.slabs.known(self.longest)
         frames = []
         for time, length, z in zip(pieces.time, pieces.length, pieces.z, strict=True):
             depth = max(0, math.ceil(math.log2(length / self._frame) - 1e-9))
-            fine = known.maps.find(round(math.log2(self._stepper.longest / length)) + depth)
+            fine = known.maps.find(round(math.log2(self.longest / length)) + depth)
             for k, part in enumerate(self._parts(float(time), float(length), z, depth)):
                 values = values + fine.change @ values + fine.forced @ part
                 shown = self._layout.copy()
-                shown[self._ports.slots] = values
+                shown[self.slabs.slots] = values
                 frames.append((float(time + length * (k + 1) / 2**depth), shown))
         return frames
 
     def _parts(self, time: float, length: float, z: Array, depth: int) -> list[Array]:
         """Coefficients of slip rate and drive on the 2^depth equal parts of a step with z at its nodes."""
-        steady, to_legendre = self._scene.velocity, self._ports.to_legendre
-        rates = np.array([rate_of(self._scene.law, float(one)) for one in z]) - steady
-        drive = np.array([self._scene.drive.at(time + length * float(node)) for node in self.nodes])
-        parts = [np.r_[to_legendre @ rates, to_legendre[:DRIVE_TERMS] @ (0.5 * (drive - steady))]]
+        scene, to_legendre = self.slabs.scene, self.slabs.to_legendre
+        rates = np.array([rate_of(scene.law, float(one)) for one in z]) - scene.velocity
+        drive = np.array([scene.drive.at(time + length * float(node)) for node in self.nodes])
+        parts = [np.r_[to_legendre @ rates, to_legendre[:DRIVE_TERMS] @ (0.5 * (drive - scene.velocity))]]
         for _ in range(depth):
             parts = [half @ part for part in parts for half in halves((STAGES, DRIVE_TERMS))]
         return parts

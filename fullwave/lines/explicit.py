@@ -6,9 +6,10 @@ import numpy as np
 
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, enough_memory, steps_at_once
 from fullwave.lines.kernel import MOST_PIECES, STEPS_PER_PIECE, march
+from fullwave.lines.matrix import motion_of
 from fullwave.lines.runge_kutta import RungeKutta, scaled
 from fullwave.lines.scheme_limit import longest_decay_step
-from fullwave.lines.system import FRICTION, INPUT, RADIATED, VISCOUS, System
+from fullwave.lines.system import ELASTIC, FRICTION, INPUT, PSI, RADIATED, VISCOUS, System
 from fullwave.sampling import pieces_until, sample_nodes
 from slipwave.errors import NumericsError
 from slipwave.friction import unknown_of
@@ -17,10 +18,11 @@ from slipwave.observe.pieces import Array
 from slipwave.observe.restoring import take_back, whole_numbers
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.step.flow import Place
 
 
 class ExplicitMarch:
-    """Marches `system` of `scene` from `values` (state_size,), all that is integrated, in equal steps (transits). `work` is the
+    """Marches `system` of `scene` from `layout` (state_size,), all that is integrated, in equal steps (transits). `work` is the
     number of products in a step and `cells` the requested number, for messages."""
 
     name = "explicit"
@@ -30,7 +32,7 @@ class ExplicitMarch:
     ) -> None:
         self._scene, self._system, self._method, self.step, self._model = scene, system, method, step, model
         self.nodes, self._scaled = sample_nodes(STEPS_PER_PIECE), scaled(method, step)
-        self.values = values
+        self.layout = values
         self.failures, self.failed_at = 0, math.nan
         self._taken, self._cells, self._work = 0, cells, work
         self._unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
@@ -65,7 +67,7 @@ class ExplicitMarch:
         pieces = pieces_until(self._taken, self.step, until, STEPS_PER_PIECE, most)
         steps = STEPS_PER_PIECE * pieces.time.size
         with enough_memory(self._cells):
-            self._frames = np.empty((self._keeps_frames * (steps + 1), self.values.size))
+            self._frames = np.empty((self._keeps_frames * (steps + 1), self.layout.size))
         fastest = self._fill(pieces, steps)
         self._taken += steps
         if self.step > longest_decay_step(fastest, self._method):
@@ -86,7 +88,7 @@ class ExplicitMarch:
                 self._taken,
                 begin,
                 min(begin + self._stride, steps + 1),
-                self.values,
+                self.layout,
                 self._trial,
                 self._rates,
                 self._unknowns,
@@ -104,12 +106,12 @@ class ExplicitMarch:
 
     def work_done(self) -> tuple[float, float, float, float]:
         """Work of the drive, heat of friction, radiation and viscous heat since t = 0, integrated with the motion."""
-        scalars = self.values[self._system.interface.size :]
+        scalars = self.layout[self._system.interface.size :]
         return float(scalars[INPUT]), float(scalars[FRICTION]), float(scalars[RADIATED]), float(scalars[VISCOUS])
 
     def begin_from(self, values: Array) -> None:
         """Take all values that are integrated."""
-        self.values[:] = values
+        self.layout[:] = values
 
     def keep_frames(self, interval: float) -> None:
         """From now on `frames` has every step: high-order steps are long, and pieces of eight are too long for a picture."""
@@ -120,13 +122,24 @@ class ExplicitMarch:
         begin = self._taken - self._frames.shape[0] + 1
         return [((begin + k) * self.step, values) for k, values in enumerate(self._frames) if k]
 
+    def placed(self, values: Array, place: Place) -> State:
+        """The state, for `restore`, with the grid's `values` where they move, at the end of the first piece beyond the time of
+        `place`."""
+        whole = np.zeros_like(self.layout)
+        whole[motion_of(self._system).moving] = values
+        size = self._system.interface.size
+        whole[size + PSI], whole[size + ELASTIC] = place.psi, place.elastic
+        pieces = math.ceil(place.time / self.transits_per_piece - 1e-9)
+        counts = np.array([STEPS_PER_PIECE * pieces, 0.0])
+        return {"counts": counts, "state": whole, "unknowns": np.full_like(self._unknowns, place.z)}
+
     def state(self) -> State:
         """As `Solver`; `counts`: steps taken, failures."""
         counts = np.array([self._taken, self.failures], dtype=float)
-        return {"counts": counts, "state": self.values.copy(), "unknowns": self._unknowns.copy()}
+        return {"counts": counts, "state": self.layout.copy(), "unknowns": self._unknowns.copy()}
 
     def restore(self, state: State) -> None:
         """As `Solver`."""
         taken, failures = whole_numbers(state, "counts", (0, 0))
-        take_back({"state": self.values, "unknowns": self._unknowns}, state, self._model)
+        take_back({"state": self.layout, "unknowns": self._unknowns}, state, self._model)
         self._taken, self.failures = taken, failures

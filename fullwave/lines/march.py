@@ -18,9 +18,12 @@ from fullwave.lines.time_march import TimeMarch, cheaper_march
 from fullwave.options import require_cfl
 from slipwave.errors import SceneError
 from slipwave.observe import Energy, Pieces
+from slipwave.observe.pieces import Array
 from slipwave.observe.snapshot import Snapshot
 from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.step.flow import Cycle, Place
+from slipwave.step.port_flow import PortFlow
 
 
 class Marching(TypedDict, total=False):
@@ -83,7 +86,7 @@ class MethodOfLines:
         values = np.zeros(state_size(self.system))
         if (time or cheaper_march(scene, values.size)) == "exact":
             require_few_unknowns(self.cells, values.size)
-            self._march: ExactMarch | ExplicitMarch = ExactMarch(scene, self.system, values, self.model, resolution)
+            self._march: ExactMarch | ExplicitMarch = ExactMarch(scene, self.system_of, values, self.model, resolution)
             return
         step = self.cfl * min(limit(), relaxation_limit(self.system, method))
         if viscous or self.system.interface.heavy:
@@ -95,6 +98,8 @@ class MethodOfLines:
 
     def system_of(self, scene: Scene) -> System:
         """The equations of motion of another scene on a grid of the same kind with as many cells."""
+        if scene is self.scene:
+            return self.system
         first = self.sections[0]
         return assemble(scene, self._build(sections_of(scene, first.asked, first.fewest)))
 
@@ -154,12 +159,12 @@ class MethodOfLines:
         if work is None:
             return None
         supplied, friction, radiated, viscous = work
-        stored = stored_energy(self.grid, self.system, self._march.values)
+        stored = stored_energy(self.grid, self.system, self._march.layout)
         return Energy(supplied, friction, radiated, viscous, stored)
 
     def snapshot(self) -> Snapshot:
         """Velocity and stress at the nodes at `time`."""
-        return snapshot_of(self.grid, self.system, self.time, self._march.values)
+        return snapshot_of(self.grid, self.system, self.time, self._march.layout)
 
     def keep_frames(self, interval: float) -> None:
         """As `FieldSolver`."""
@@ -173,9 +178,21 @@ class MethodOfLines:
     def impose(self, slab: int, velocity: Shape, stress: Shape) -> None:
         """Set the fields of slab 0 (upper) or 1 (lower): functions of depth (transits of the upper slab, array in, array out).
         `velocity` in V* in the slab's own direction of drive, `stress` in units of the normal stress; both are total values."""
-        values = self._march.values
+        values = self._march.layout
         impose_fields(self.grid, self.system, values, slab, velocity, stress)
         self._march.begin_from(values)
+
+    def flow(self, period: float, tolerance: float) -> tuple[PortFlow, Array]:
+        """As `PortMarch`. Raises SceneError if it marches explicitly."""
+        if not isinstance(self._march, ExactMarch):
+            raise SceneError(f"{self.model}: time = {self._march.name!r}: a flow over a period needs time = exact")
+        return self._march.flow(period, tolerance)
+
+    def placed(self, cycle: Cycle, place: Place) -> State:
+        """As `PortMarch`; `cycle` is a motion of the exact march."""
+        if isinstance(self._march, ExactMarch):
+            return self._march.placed(cycle, place)
+        return self._march.placed(cycle.start[:-1] / self.scene.upper.epsilon, place)
 
     def state(self) -> State:
         """As `Solver`."""

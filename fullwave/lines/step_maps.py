@@ -11,10 +11,8 @@ from fullwave.lines.propagator import LinearSlabs, StepMap, doubled, short_step,
 from fullwave.lines.viscous_heat import Dissipation, doubled_heat, short_heat
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import from_moments, radau
+from slipwave.step.port import LEVELS
 from slipwave.threads import one_thread
-
-LEVELS = 32
-"""Number of step lengths."""
 
 _MOST_KEPT = 8
 _kept: "dict[bytes, StepMaps] | None" = None

@@ -9,8 +9,7 @@ from reduced.flows.delay import DelayFlow
 from slipwave.friction import rates
 from slipwave.observe.pieces import Array, lagrange_basis, values_at
 from slipwave.observe.solver import State
-from slipwave.step.flow import Cycle
-from slipwave.step.place import Place
+from slipwave.step.flow import Cycle, Place
 
 
 def placed(solver: Delay | DelayNetwork, flow: DelayFlow, cycle: Cycle, place: Place) -> State:

@@ -12,7 +12,7 @@ Rounding moves these off the axis, so the imaginary parts of all eigenvalues are
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.ode.reduction import Reduction
+from reduced.impedance.reduction import Reduction
 
 Real = NDArray[np.float64]
 

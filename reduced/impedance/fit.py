@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from reduced.impedance.dissipation import dissipation, telling_frequencies
 from reduced.impedance.jet import Complex, Jet
+from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import pair_ratio
 from reduced.impedance.vector_fit import fit_poles, partial_fractions, passive_coefficients
-from reduced.ode.reduction import Reduction
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.impedance.jet import Complex, Jet
+from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import Ratio
-from reduced.ode.reduction import Reduction
 
 
 def reduction_ratio(model: Reduction, epsilon: float, transit: float, s: Jet) -> Ratio:

@@ -8,7 +8,7 @@ import math
 
 from reduced.families import REDUCTIONS
 from reduced.impedance.modes import is_lossless, locked_modes, spring_and_mass
-from reduced.ode.reduction import TABULATED, Reduction, mode_count, reduction
+from reduced.impedance.reduction import TABULATED, Reduction, mode_count, reduction
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
 

@@ -12,7 +12,7 @@ G_phi/2), an error of (G_phi/(2 omega_c)) theta.
 
 from dataclasses import dataclass
 
-from reduced.ode.reduction import Reduction, reduction
+from reduced.impedance.reduction import Reduction, reduction
 from reduced.stability.friction import FrictionSlopes
 
 _EXACT = (1.0 / 12.0, 1.0 / 720.0, 1.0 / 30240.0)

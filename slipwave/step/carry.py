@@ -8,7 +8,7 @@ from slipwave.friction import Law
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
 from slipwave.step.impedance import Full
-from slipwave.step.linear_port import LinearPort
+from slipwave.step.port import Port
 from slipwave.step.tangent import SLOPES, step_answer
 
 
@@ -16,7 +16,7 @@ from slipwave.step.tangent import SLOPES, step_answer
 def carry(
     nodes: Nodes,
     law: Law,
-    port: LinearPort,
+    port: Port,
     impedance: Full,
     transit: float,
     integral: Array,
@@ -32,6 +32,7 @@ def carry(
     transposed; `impedance` is scratch."""
     s, count = len(nodes), state.size
     answer, slopes, system = np.empty((2 * s, 2 * s + 1)), np.empty((SLOPES, s)), np.empty((s, 2 * s + 1))
+    n = values.shape[1]
     stress, rate = np.empty((count, s)), np.empty((count, s))
     kept, gained = np.empty_like(values), np.empty_like(values)
     for k in range(plan.size):
@@ -51,8 +52,8 @@ def carry(
             for m in range(s):
                 end += answer[2 * s - 1, m] * stress[c, m]
             state[c] = end
-        np.dot(values, port.change[level], kept)
-        np.dot(rate, port.gain[level], gained)
+        np.dot(values, port.change[level, :n], kept)
+        np.dot(rate, port.change[level, n : n + s], gained)
         for c in range(count):
-            for i in range(values.shape[1]):
+            for i in range(n):
                 values[c, i] += kept[c, i] + gained[c, i]

@@ -22,6 +22,16 @@ class Cycle(NamedTuple):
     iterations: int
 
 
+class Place(NamedTuple):
+    """The interface where a run is to begin in the middle of a motion that is known: `time` (transits), the rate unknown `z`,
+    `psi`, and the elastic stress."""
+
+    time: float
+    z: float
+    psi: float
+    elastic: float
+
+
 class Flow(Protocol):
     """A model's motion over a period on a mesh that does not depend on the motion, so that the state at the end is a smooth
     function of the state at the start, of the period and of the scene. It is the model's own motion: no interpolation of an

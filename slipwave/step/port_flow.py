@@ -15,25 +15,25 @@ from slipwave.scene import Scene
 from slipwave.step.carry import carry
 from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.flow import Cycle, velocity_by_difference
-from slipwave.step.flow_mesh import NEWTON, Mesh, Response, begin_at, failure, march_on, mesh_of
+from slipwave.step.flow_mesh import NEWTON, Mesh, begin_at, failure, march_on, mesh_of
 from slipwave.step.impedance import full_impedance
-from slipwave.step.linear_port import LinearPort
 from slipwave.step.march import DONE, TIME, Limits, resolution_of
+from slipwave.step.port import Port, Slabs
 from slipwave.threads import one_thread
 
 _FINEST = 1e-12  # highest coefficient that rounding errors leave meaningful
 
 
 class PortFlow:
-    """The motion of `response` on `mesh`. A state is what the response remembers, then psi."""
+    """The motion of `slabs` on `mesh`. A state is what the slabs remember, then psi."""
 
-    def __init__(self, response: Response, mesh: Mesh) -> None:
-        self.scene, self.model, self.mesh = response.scene, response.model, mesh
-        self.size = response.remembered + 1
-        self._response = response
-        rule, self._rule, self._shape = rule_of(response.stages)
+    def __init__(self, slabs: Slabs, mesh: Mesh) -> None:
+        self.scene, self.model, self.mesh = slabs.scene, slabs.model, mesh
+        self.size = slabs.remembered + 1
+        self._slabs = slabs
+        rule, self._rule, self._shape = rule_of(slabs.stages)
         self.nodes = rule.nodes
-        self._made: LinearPort | None = None
+        self._made: Port | None = None
 
     @property
     def steady(self) -> Array:
@@ -49,18 +49,18 @@ class PortFlow:
     def on_mesh(self, state: State) -> "PortFlow":
         """As `Flow`."""
         count, *numbers = state["numbers"].tolist()
-        return PortFlow(self._response, Mesh(round(count), np.rint(state["levels"]).astype(np.int64), *numbers))
+        return PortFlow(self._slabs, Mesh(round(count), np.rint(state["levels"]).astype(np.int64), *numbers))
 
     def march(self, start: Array, period: float) -> Cycle:
         """As `Flow`."""
         port = self._port(period)
-        memory = begin_at(self._response, port, start, int(self.mesh.levels[0]))
+        memory = begin_at(self._slabs, port, start, int(self.mesh.levels[0]))
         pieces = empty_pieces(self.mesh.levels.size, self.nodes.size)
         limits = Limits(NEWTON, math.inf, math.inf, np.zeros(port.length.size))
-        _, iterations, ended = march_on(self._response, port, memory, math.inf, limits, self.mesh.levels, pieces)
-        end = np.append(port.values, pieces.psi[-1, -1])
+        _, iterations, ended = march_on(self._slabs, port, memory, math.inf, limits, self.mesh.levels, pieces)
+        end = np.append(port.values[: self.size - 1], pieces.psi[-1, -1])
         if ended != DONE or not np.isfinite(end).all():
-            raise failure(self._response, float(memory.now[TIME]), period)
+            raise failure(self._slabs, float(memory.now[TIME]), period)
         return Cycle(period, start, end, pieces, iterations)
 
     def velocity(self, cycle: Cycle) -> Array:
@@ -92,20 +92,20 @@ class PortFlow:
 
     def of(self, scene: Scene) -> "PortFlow":
         """As `Flow`. Raises SceneError if the model of `scene` remembers another number of values."""
-        response = self._response.of(scene)
-        if response.remembered != self._response.remembered:
+        slabs = self._slabs.of(scene)
+        if slabs.remembered != self._slabs.remembered:
             raise SceneError(
-                f"{self.model}: it remembers {response.remembered} values in scene {scene.name!r}, but "
-                f"{self._response.remembered} in {self.scene.name!r}"
+                f"{self.model}: it remembers {slabs.remembered} values in scene {scene.name!r}, but "
+                f"{self._slabs.remembered} in {self.scene.name!r}"
             )
-        return PortFlow(response, self.mesh)
+        return PortFlow(slabs, self.mesh)
 
     def remeshed(self, cycle: Cycle, finer: float) -> "tuple[PortFlow, Array]":
         """As `Flow`. All lengths that a step may have, and the length that fits any motion, are shorter by `finer`."""
         mesh, order = self.mesh, self.nodes.size - 1
         longest, resolution = mesh.longest / finer, max(mesh.resolution / finer**order, _FINEST)
         return PortFlow(
-            self._response, mesh_of(self._response, cycle.start, cycle.period, longest, resolution, mesh.growth / finer)
+            self._slabs, mesh_of(self._slabs, cycle.start, cycle.period, longest, resolution, mesh.growth / finer)
         ), cycle.start
 
     def roughness(self, cycle: Cycle, tolerance: float) -> float:
@@ -113,29 +113,30 @@ class PortFlow:
         largest = max(float(np.abs(values @ self._rule.tail).max()) for values in (cycle.pieces.z, cycle.pieces.psi))
         return largest / resolution_of(tolerance, self.nodes.size)
 
-    def _port(self, period: float) -> LinearPort:
+    def _port(self, period: float) -> Port:
         """The port of the steps of `period`; it remembers what it likes. The last one is kept for the tangent."""
         longest, levels = period / self.mesh.count, self.mesh.levels
         if self._made is None or self._made.length[0] != longest:
-            self._made = self._response.port(longest, int(levels.max()) + 1)
+            self._made = self._slabs.port(longest, int(levels.max()) + 1)
             for level in np.unique(levels)[::-1]:
                 if not self._made.ready[level]:
-                    self._response.prepare(self._made, int(level))
+                    self._slabs.prepare(self._made, int(level))
         return self._made
 
     def _carry(self, cycle: Cycle, frozen: bool) -> Array:
         """Derivative of the end with respect to the start."""
-        changes = np.eye(self.size)
-        values, psi = changes[:, :-1].copy(), changes[:, -1].copy()
+        port, changes = self._port(cycle.period), np.eye(self.size)
+        values, psi = np.zeros((self.size, port.values.size)), changes[:, -1].copy()
+        values[:, : self.size - 1] = changes[:, :-1]
         law, transit, pieces = self.scene.law, self.scene.transit, cycle.pieces
-        steps = (self._port(cycle.period), full_impedance(self.nodes.size), transit, self._rule.integral, self.mesh.levels)
+        steps = (port, full_impedance(self.nodes.size), transit, self._rule.integral, self.mesh.levels)
         with one_thread():
             carry(self._shape, law, *steps, pieces.z, pieces.psi, frozen, values, psi)
-        return np.column_stack([values, psi]).T
+        return np.column_stack([values[:, : self.size - 1], psi]).T
 
 
-def flow_near(response: Response, start: Array, period: float, tolerance: float, longest: float) -> PortFlow:
+def flow_near(slabs: Slabs, start: Array, period: float, tolerance: float, longest: float) -> PortFlow:
     """A flow whose mesh suits the motion from `start` over `period` (transits) to `tolerance`, the relative error of the figures
     of a cycle, with steps not above `longest` (transits)."""
-    resolution, growth = resolution_of(tolerance, response.stages), growth_limit(response.stages, tolerance)
-    return PortFlow(response, mesh_of(response, start, period, longest, resolution, growth))
+    resolution, growth = resolution_of(tolerance, slabs.stages), growth_limit(slabs.stages, tolerance)
+    return PortFlow(slabs, mesh_of(slabs, start, period, longest, resolution, growth))

@@ -253,7 +253,7 @@ def test_imports_are_counted_on_the_shortest_way() -> None:
     assert steps["fullwave/lines/viscosity.py"] == 0
     assert steps["fullwave/lines/motion.py"] == 1
     assert steps["fullwave/discontinuous.py"] > 1
-    assert "reduced/ode/port.py" not in steps
+    assert "reduced/ode/slabs.py" not in steps
 
 
 def test_a_change_that_never_ends_is_stopped_by_processor_time(copy: Copy, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,7 +24,7 @@ from fullwave.lines import budget
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver, follow
-from slipwave.step.stepper import CHUNK
+from slipwave.step.port_march import CHUNK
 from tests.compiled_work import count_calls
 
 ENDLESS = """
@@ -213,6 +213,6 @@ def test_interrupt_ends_a_big_run():
 
 def test_paper_is_far_below_every_limit():
     paper = slipwave.read("paper")
-    assert DiscontinuousGalerkin(paper)._march._stepper._most_steps == CHUNK
+    assert DiscontinuousGalerkin(paper)._march._most_steps == CHUNK
     assert DiscontinuousGalerkin(paper, time="explicit")._march._stride > 4096
     assert Leapfrog(slipwave.read("paper"))._stride > 4096

@@ -9,7 +9,6 @@ import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.lines import exact
-from fullwave.lines.grid_ports import GridPorts
 from fullwave.lines.propagator import doubled, short_step, shortest_halving, to_legendre
 from fullwave.lines.system import GRIP, IMPEDANCE, MASS, SCALARS, SPRING
 from fullwave.lines.viscosity import Viscous
@@ -118,7 +117,7 @@ def test_fields_inside_a_step_are_those_of_shorter_steps(name, monkeypatch):
 def energy_matrix(solver):
     """W of the energy q.W q of all marched slabs and their faces, in the layout of the explicit march."""
     system = solver.system
-    weight = np.zeros((solver._march.values.size,) * 2)
+    weight = np.zeros((solver._march.layout.size,) * 2)
     for block in solver.grid.blocks:
         norm = np.diag(block.norm) if isinstance(block.norm, np.ndarray) else block.norm.toarray()
         norm = block.section.impedance * norm
@@ -167,14 +166,13 @@ def hard_scene(name):
 def worst_gain(solver, longest, levels):
     """Largest excess over 1 of the energy norm of the step coupled to friction with F_v = stiffness Z, relative to the rounding
     of the step's exponential, 10 eps |h L|."""
-    ports = solver._march._ports
-    assert isinstance(ports, GridPorts)
-    weight = energy_matrix(solver)[np.ix_(ports.slots, ports.slots)]
+    slabs = solver._march.slabs
+    weight = energy_matrix(solver)[np.ix_(slabs.slots, slabs.slots)]
     moves = weight.diagonal() > 0.0  # all but the loads of faces without a spring, which are 0 for ever
     factor = np.linalg.cholesky(weight[np.ix_(moves, moves)]).T
-    port, n, worst = ports.known(longest).port, ports.values.size, -np.inf
+    port, n, worst = slabs.known(longest).port, slabs.remembered, -np.inf
     for level in levels:
-        ports.prepare(port, level)
+        slabs.prepare(port, level)
         by_rate = port.change[level, port.values.size :][: exact.STAGES, :n].T
         step, free = port.change[level, :n, :n].T, port.free[level, :n].T
         for stiffness in STIFFNESSES:
@@ -183,7 +181,7 @@ def worst_gain(solver, longest, levels):
                 friction = stiffness * solver.scene.impedance * np.eye(exact.STAGES)
                 map_ += by_rate @ np.linalg.solve(friction + port.impedance[level], free)
             norm = np.linalg.norm(factor @ map_[np.ix_(moves, moves)] @ np.linalg.inv(factor), 2)
-            allowed = 10.0 * np.finfo(float).eps * float(port.length[level]) * np.linalg.norm(ports.slabs.rates, 1)
+            allowed = 10.0 * np.finfo(float).eps * float(port.length[level]) * np.linalg.norm(slabs.slabs.rates, 1)
             worst = max(worst, (norm - 1.0) / allowed)
     return worst
 
@@ -211,10 +209,10 @@ def test_noise_in_locked_slabs_gains_no_energy_in_a_million_transits(name, membe
     with one_thread():
         kind, grid = MEMBERS[member]
         solver = kind(hard_scene(name), **grid, time="exact")
-        ports = solver._march._ports
-        weight = energy_matrix(solver)[np.ix_(ports.slots, ports.slots)]
-        change = ports.known(40.0).maps.find(0).change
-        values = np.random.default_rng(5).standard_normal(ports.values.size)
+        slabs = solver._march.slabs
+        weight = energy_matrix(solver)[np.ix_(slabs.slots, slabs.slots)]
+        change = slabs.known(40.0).maps.find(0).change
+        values = np.random.default_rng(5).standard_normal(slabs.remembered)
         energies = [values @ weight @ values]
         for _ in range(25_000):
             values += change @ values
@@ -244,12 +242,12 @@ def test_without_projection_the_coupled_step_gains_energy():
     (DESIGN of this march; measured with another program)."""
     with one_thread():
         solver = DiscontinuousGalerkin(hard_scene("alike"), 7, 4, time="exact")
-        ports = solver._march._ports
-        port, level = ports.known(1.0).port, 3
-        ports.prepare(port, level)
-        free, through = sampled(ports.slabs, float(port.length[level]))
-        port.free[level], port.impedance[level] = free.T, -through
-        solver._march._ports.prepare = lambda *_: None
+        slabs = solver._march.slabs
+        port, level = slabs.known(1.0).port, 3
+        slabs.prepare(port, level)
+        free, through = sampled(slabs.slabs, float(port.length[level]))
+        port.free[level], port.impedance[level] = free.T / slabs.scale, -through
+        solver._march.slabs.prepare = lambda *_: None
         assert worst_gain(solver, 1.0, (level,)) > 1e9
 
 

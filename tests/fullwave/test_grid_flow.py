@@ -7,7 +7,6 @@ import pytest
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
-from fullwave.lines.flow import frozen
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, follow
@@ -30,7 +29,7 @@ def moving(name, period=4.0):
     """The flow over `period` and the state of a run, moved a little in every direction."""
     solver = DiscontinuousGalerkin(slipwave.read(*SCENES[name]), degree=7, cells=2, time="exact")
     follow(solver, 20.0)
-    flow, state = frozen(solver, period, 1e-10)
+    flow, state = solver.flow(period, 1e-10)
     state = state + 1e-4 * np.sin(np.arange(1, state.size + 1))
     return flow.remeshed(flow.march(flow.steady, period)._replace(start=state), 1.0)
 
@@ -59,9 +58,9 @@ def test_the_flow_continues_the_run(member, name):
     """From the state of a run to that of the same run later. Steady sliding stays."""
     solver = MEMBERS[member](slipwave.read(*SCENES[name]))
     follow(solver, 20.0)
-    begun, (flow, state) = solver.time, frozen(solver, 8.0, 1e-11)
+    begun, (flow, state) = solver.time, solver.flow(8.0, 1e-11)
     follow(solver, 28.0)
-    period, later = solver.time - begun, frozen(solver, 8.0, 1e-9)[1]
+    period, later = solver.time - begun, solver.flow(8.0, 1e-9)[1]
     assert largest(flow.march(state, period).end - later) < 1e-8
     assert largest(flow.march(flow.steady, period).end - flow.steady) < 1e-12
 
@@ -70,7 +69,7 @@ def test_another_scene_has_the_same_mesh_and_states():
     """A state is in units of stress, so that it is the same for another impedance."""
     flow, state = moving("alike")
     other = slipwave.read("paper", ["slab.epsilon=2.2e-3", "slab.log10_r=-2.6", "interface.a=0.036"])
-    direct = frozen(DiscontinuousGalerkin(other, degree=7, cells=2, time="exact"), 4.0, 1e-11)[0]
+    direct = DiscontinuousGalerkin(other, degree=7, cells=2, time="exact").flow(4.0, 1e-11)[0]
     direct, _ = direct.remeshed(direct.march(direct.steady, 4.0)._replace(start=state), 1.0)
     assert largest(flow.of(other).march(state, 4.0).end - direct.march(state, 4.0).end) < 1e-9
 
@@ -82,7 +81,7 @@ def orbit():
     solver = DiscontinuousGalerkin(scene, degree=7, cells=4, time="exact")
     observer = EventObserver(scene, solver.nodes)
     follow(solver, 2000.0, [observer])
-    flow, state = frozen(solver, float(observer.events(1000.0).period[-1]), 1e-9)
+    flow, state = solver.flow(float(observer.events(1000.0).period[-1]), 1e-9)
     cycle, monodromy = closed(flow, state, float(observer.events(1000.0).period[-1]))
     fine, state = flow.remeshed(cycle, 1.5)
     return cycle, closed(fine, state, cycle.period)[0], np.linalg.eigvals(monodromy)
@@ -104,4 +103,4 @@ def test_its_multipliers_are_those_of_the_delay_system(orbit):
 def test_an_explicit_march_has_no_flow():
     solver = DiscontinuousGalerkin(slipwave.read("paper"), degree=5, cells=2, time="explicit")
     with pytest.raises(SceneError, match="needs time = exact"):
-        frozen(solver, 70.0, 1e-9)
+        solver.flow(70.0, 1e-9)

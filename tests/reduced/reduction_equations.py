@@ -1,4 +1,4 @@
-"""The equations of an ODE reduction (docstring of `reduced.ode.reduction`) integrated by scipy: a witness for the ladder.
+"""The equations of an ODE reduction (docstring of `reduced.impedance.reduction`) integrated by scipy: a witness for the ladder.
 
 It is begun afresh at every knot of the drive. It shares the table of poles with the ladder, and neither the friction law (ageing)
 nor the integrator.
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.special import wrightomega
 
-from reduced.ode.reduction import Reduction
+from reduced.impedance.reduction import Reduction
 from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE
 

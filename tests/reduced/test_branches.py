@@ -10,10 +10,11 @@ from reduced.continuation.mesh import Family
 from reduced.continuation.onset import onsets
 from reduced.continuation.start import from_orbit, metric_for
 from reduced.delay.network import DelayNetwork
-from reduced.flows import delay, ode
+from reduced.flows import delay
 from reduced.flows.delay import DelayFlow
 from reduced.impedance import reduction_of
 from reduced.ode.march import LONGEST, STAGES, ReducedModel
+from reduced.ode.slabs import ReducedSlabs
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import close
 from slipwave import read
@@ -46,8 +47,8 @@ def require(special, kind, parameter, period, counts, within=1e-9):
 def near(log10_r, state, period):
     """The family of kelvin-voigt, and the point of the branch near `state`, towards smaller log10 r."""
     scene = scene_at(log10_r)
-    response = ode.ReducedResponse(scene, lambda other: reduction_of(other, "kelvin-voigt"), STAGES)
-    flow = flow_near(response, np.array(state), period, 1e-8, LONGEST)
+    slabs = ReducedSlabs(scene, lambda other: reduction_of(other, "kelvin-voigt"), STAGES)
+    flow = flow_near(slabs, np.array(state), period, 1e-8, LONGEST)
     family = Family(flow, scene_at)
     return family, from_orbit(family, close(flow, np.array(state), period), log10_r, -3.0, METRIC)
 
@@ -56,7 +57,7 @@ def kelvin_voigt(log10_r):
     """A guess from a run."""
     scene = scene_at(log10_r)
     solver = ReducedModel(scene, reduction_of(scene, "kelvin-voigt"), 1e-6)
-    return approach(solver, lambda solver, period: ode.frozen(solver, period, 1e-8))
+    return approach(solver, lambda solver, period: solver.flow(period, 1e-8))
 
 
 def test_the_kelvin_voigt_branch_is_born_unstable_and_turns():

@@ -8,7 +8,7 @@ import reduced.impedance.fit as fit
 import slipwave
 from reduced.impedance import check_passivity, reduction_of
 from reduced.impedance.dissipation import dissipation, telling_frequencies
-from reduced.ode.reduction import Reduction
+from reduced.impedance.reduction import Reduction
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
 

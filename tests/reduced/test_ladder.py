@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from reduced.impedance.reduction import reduction
 from reduced.ode.march import ReducedModel
-from reduced.ode.reduction import reduction
 from slipwave import read
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, follow, summarise

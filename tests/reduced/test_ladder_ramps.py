@@ -48,7 +48,7 @@ def test_the_longest_step_divides_the_way_to_the_next_knot_by_a_power_of_two(dis
     scene = slipwave.read("paper", [f"drive.velocity=[[0.0, 100.0], [1.0, 100.0], [{1.0 + distance!r}, 200.0]]", "run.until=400"])
     solver = ReducedModel(scene, reduction_of(scene, "kelvin-voigt"))
     follow(solver, 1.0 + 0.5 * distance)
-    longest = float(solver._stepper._port.length[0])
+    longest = solver.longest
     halvings = np.log2(distance / longest)
     assert halvings == pytest.approx(round(halvings), abs=1e-9)
     assert min(0.5 * LONGEST, distance) < longest * (1 + 1e-9) <= LONGEST * (1 + 1e-9)

@@ -8,8 +8,8 @@ from scipy.interpolate import BarycentricInterpolator
 
 import slipwave
 from reduced.impedance import reduction_of
+from reduced.impedance.reduction import Reduction
 from reduced.ode.march import ReducedModel
-from reduced.ode.reduction import Reduction
 from slipwave.observe import follow
 
 UNLIKE = ["upper.epsilon=2.8e-5", "upper.r=0.00244", "lower.epsilon=8.4e-5", "lower.r=0.00388"]
@@ -69,7 +69,7 @@ EVERY_TERM = Reduction(
 
 
 def as_written(chosen, reduction, time):
-    """ln v, psi and mu at `time` from the states in the docstring of `reduced.ode.reduction`, by LSODA; mass > 0."""
+    """ln v, psi and mu at `time` from the states in the docstring of `reduced.impedance.reduction`, by LSODA; mass > 0."""
     law, epsilon, transit, v0 = chosen.law, chosen.upper.epsilon, chosen.transit, chosen.velocity
     omega, c, d, o = (np.array(part) for part in (reduction.frequencies, reduction.residues, reduction.decays, reduction.offsets))
     strength, rate = np.array(reduction.relaxations).T

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from reduced.delay.network import DelayNetwork
-from reduced.flows import delay, ode
+from reduced.flows import delay
 from reduced.impedance import reduction_of
 from reduced.ode.march import ReducedModel
 from reduced.orbit import approach as approaching
@@ -46,7 +46,7 @@ def guessed(model, log10_r, tolerance=1e-9):
     if model == "delay":
         return approach(DelayNetwork(scene, tolerance=1e-6), delay.frozen)
     solver = ReducedModel(scene, reduction_of(scene, model), 1e-6)
-    return approach(solver, lambda solver, period: ode.frozen(solver, period, tolerance))
+    return approach(solver, lambda solver, period: solver.flow(period, tolerance))
 
 
 @lru_cache
@@ -79,7 +79,7 @@ def returns(model, log10_r, near=None):
         found = guesses(DelayNetwork(scene, tolerance=1e-6), delay.frozen, near=near)
     else:
         solver = ReducedModel(scene, reduction_of(scene, model), 1e-6)
-        found = guesses(solver, lambda solver, period: ode.frozen(solver, period, 1e-9), near=near)
+        found = guesses(solver, lambda solver, period: solver.flow(period, 1e-9), near=near)
     for guess in found:
         with suppress(NumericsError):
             yield close(*guess[:3]), guess.cycles

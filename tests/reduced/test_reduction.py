@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from reduced.ode.reduction import TABULATED, reduction
+from reduced.impedance.reduction import TABULATED, reduction
 from slipwave.errors import SceneError
 
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import slipwave
-from reduced.flows.ode import ReducedResponse, frozen
 from reduced.impedance import reduction_of
+from reduced.impedance.reduction import Reduction
 from reduced.ode.march import STAGES, ReducedModel
-from reduced.ode.reduction import Reduction
+from reduced.ode.slabs import ReducedSlabs
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, follow
 from slipwave.step.port_flow import PortFlow
@@ -51,7 +51,7 @@ def moving(name, period=5.0):
     """The flow over `period` and the state of a run, moved a little in every direction."""
     solver = solver_of(name)
     follow(solver, 9.0)
-    flow, state = frozen(solver, period, 1e-11)
+    flow, state = solver.flow(period, 1e-11)
     state = state + 1e-3 * np.sin(np.arange(1, state.size + 1))
     return flow.remeshed(flow.march(state, period), 1.0)
 
@@ -74,7 +74,7 @@ def test_the_frozen_tangent_holds_psi(name):
     assert not flow.frozen_tangent(flow.march(state, 5.0))[-1].any()
     scene, reduction = flow.scene, solver_of(name).reduction
     upper, lower = (dataclasses.replace(slab, round_trip=1e-14 * slab.round_trip) for slab in (scene.upper, scene.lower))
-    response = ReducedResponse(dataclasses.replace(scene, upper=upper, lower=lower), lambda _: reduction, STAGES)
+    response = ReducedSlabs(dataclasses.replace(scene, upper=upper, lower=lower), lambda _: reduction, STAGES)
     still = PortFlow(response, flow.mesh)
     found = still.frozen_tangent(still.march(state, 5.0))[:-1, :-1]
     expected = difference(lambda change: still.march(state + np.append(change, 0.0), 5.0).end[:-1], flow.size - 1)
@@ -86,10 +86,10 @@ def test_the_flow_continues_the_run(name):
     """From the state of a run to that of the same run later. Steady sliding stays."""
     solver = solver_of(name)
     follow(solver, 20.0)
-    begun, (flow, state) = solver.time, frozen(solver, 8.0, 1e-11)
+    begun, (flow, state) = solver.time, solver.flow(8.0, 1e-11)
     follow(solver, 28.0)
     period = solver.time - begun
-    later = frozen(solver, 8.0, 1e-9)[1]
+    later = solver.flow(8.0, 1e-9)[1]
     assert largest((flow.march(state, period).end - later) / np.maximum(1.0, np.abs(later))) < 1e-8
     assert largest(flow.march(flow.steady, period).end - flow.steady) < 1e-12
 
@@ -104,7 +104,7 @@ def settled():
         observer = EventObserver(scene, solver.nodes)
         follow(solver, 2000.0, [observer])
         period = float(observer.events(1000.0).period[-1])
-        return *frozen(solver, period, 1e-9), period
+        return *solver.flow(period, 1e-9), period
 
     return of
 
@@ -140,7 +140,7 @@ def test_another_scene_has_the_same_mesh_and_states():
     flow, state = moving("kelvin-voigt")
     other = slipwave.read("paper", ["slab.epsilon=2.2e-3", "slab.log10_r=-2.5", "interface.a=0.037"])
     solver = ReducedModel(other, reduction_of(other, "kelvin-voigt"))
-    direct = frozen(solver, 5.0, 1e-11)[0]
+    direct = solver.flow(5.0, 1e-11)[0]
     direct, _ = direct.remeshed(direct.march(state, 5.0), 1.0)
     assert largest(flow.of(other).march(state, 5.0).end - direct.march(state, 5.0).end) < 1e-9
     assert flow.of(other).march(state, 5.0).pieces.length.size == flow.march(state, 5.0).pieces.length.size
@@ -151,4 +151,4 @@ def test_a_motion_that_cannot_be_followed():
     solver = ReducedModel(scene, reduction_of(scene, "quasistatic"))
     follow(solver, 9.0)
     with pytest.raises(NumericsError, match=r"quasistatic: the step at .* of 5000 transits cannot be solved"):
-        frozen(solver, 5000.0, 1e-9)
+        solver.flow(5000.0, 1e-9)

@@ -27,7 +27,7 @@ EVERYWHERE = [
     "slipwave/friction/ageing.py",
     "slipwave/observe/events.py",
     "slipwave/gallery/paper.toml",
-    "reduced/ode/port.py",
+    "reduced/ode/slabs.py",
     "slipwave/step/march.py",
     "reduced/delay/alike_kernel.py",
     "reduced/impedance/__init__.py",

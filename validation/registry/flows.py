@@ -1,7 +1,6 @@
 """Every model's motion over one period as a map (`slipwave.step.flow.Flow`), by its command-line name."""
 
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from slipwave.errors import SceneError
@@ -53,13 +52,7 @@ def moving(model: str, scene: Scene, tolerance: float, cells: int | None = None)
         from reduced.flows.delay import frozen as frozen_delay
 
         return Moving(DelayNetwork(scene, tolerance=_RUN), frozen_delay, why)
-    if known in GRIDS:
-        from fullwave.lines.flow import frozen as frozen_grid
-
-        return Moving(make(*asked).solver, partial(frozen_grid, tolerance=tolerance), why)
-    from reduced.flows.ode import frozen as frozen_reduction
-
-    return Moving(make(*asked).solver, partial(frozen_reduction, tolerance=tolerance), why)
+    return Moving(make(*asked).solver, lambda solver, period: solver.flow(period, tolerance), why)
 
 
 def flowing(model: str, scene: Scene) -> tuple[str, str]:

@@ -11,8 +11,8 @@ from slipwave.observe import EventObserver, Solver
 from slipwave.observe.pieces import Pieces, lagrange_basis, values_at
 from slipwave.observe.solver import State
 from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
-from slipwave.step.place import Place
-from validation.registry.families import DELAY, GRIDS, family_of
+from slipwave.step.flow import Place
+from validation.registry.families import DELAY, family_of
 from validation.registry.flows import moving
 from validation.registry.orbits import find_orbit
 
@@ -40,19 +40,14 @@ def place_on_orbit(solver: Solver) -> float:
 
 def state_on(solver: Any, closed: Closed) -> State:
     """The state of `solver` at the start of a motion of its own flow that closes, or nearly so."""
-    family, cycle, place = family_of(solver.model), closed.cycle, _place(closed)
-    if family is DELAY:
+    cycle, place = closed.cycle, _place(closed)
+    if family_of(solver.model) is DELAY:
         from reduced.flows.delay_start import placed as placed_delay
 
         flow: Any = closed.flow
         return placed_delay(solver, flow, cycle, place)
-    if family in GRIDS:
-        from fullwave.lines.flow import placed as placed_grid
-
-        return placed_grid(solver, cycle, place)
-    from reduced.flows.ode import placed as placed_reduction
-
-    return placed_reduction(solver, cycle, place)
+    state: State = solver.placed(cycle, place)
+    return state
 
 
 def _place(closed: Closed) -> Place:

@@ -10,8 +10,9 @@ import threadpoolctl
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
-from fullwave.lines import budget, grid_ports, march, propagator, step_maps
-from fullwave.lines.grid_ports import GridPorts
+from fullwave.lines import budget, grid_slabs, march, propagator, step_maps
+from fullwave.lines.exact import ExactMarch
+from fullwave.lines.grid_slabs import GridSlabs
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import follow
@@ -20,10 +21,9 @@ FAR_RAMP = "drive.velocity=[[0.0, 100.0], [105.3, 100.0], [1211.17, 200.0]]"
 PAPER = slipwave.read("paper")
 
 
-def ports_of(solver: DiscontinuousGalerkin) -> GridPorts:
-    ports = solver._march._ports
-    assert isinstance(ports, GridPorts)
-    return ports
+def slabs_of(solver: DiscontinuousGalerkin) -> GridSlabs:
+    assert isinstance(solver._march, ExactMarch)
+    return solver._march.slabs
 
 
 @pytest.mark.parametrize("name", ["unlike", "unlike-irrational"])
@@ -42,9 +42,9 @@ def test_steps_end_on_breaks_far_apart_and_none_is_tiny(name: str) -> None:
 
 
 def test_lengths_that_differ_by_rounding_share_tables_but_not_lengths() -> None:
-    ports = ports_of(DiscontinuousGalerkin(PAPER, 3, 2, time="exact"))
+    slabs = slabs_of(DiscontinuousGalerkin(PAPER, 3, 2, time="exact"))
     third = 1.0 / 3.0
-    one, other, apart = ports.port(third), ports.port(np.nextafter(third, 1.0)), ports.port(third * (1.0 + 1e-11))
+    one, other, apart = slabs.port(third), slabs.port(np.nextafter(third, 1.0)), slabs.port(third * (1.0 + 1e-11))
     assert one.change is other.change
     assert one.change is not apart.change
     for port, longest in ((one, third), (other, np.nextafter(third, 1.0))):
@@ -55,15 +55,15 @@ def test_lengths_that_differ_by_rounding_share_tables_but_not_lengths() -> None:
 @pytest.mark.parametrize(("bytes_", "most"), [(budget.MOST_BYTES, 64), (1.0, 2), (8.0 * 80 * 32**2 * 5.5, 5)])
 def test_as_many_lengths_are_known_as_memory_allows(bytes_: float, most: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of 32 unknowns; the length that was used last is forgotten last."""
-    monkeypatch.setattr(grid_ports, "MOST_BYTES", bytes_)
-    ports = ports_of(DiscontinuousGalerkin(PAPER, 7, 2, time="exact"))
-    assert ports.values.size == 32
-    lost, kept = ports.known(3.0), ports.known(2.0)
+    monkeypatch.setattr(grid_slabs, "MOST_BYTES", bytes_)
+    slabs = slabs_of(DiscontinuousGalerkin(PAPER, 7, 2, time="exact"))
+    assert slabs.remembered == 32
+    lost, kept = slabs.known(3.0), slabs.known(2.0)
     for k in range(most - 1):
-        ports.known(4.0 + k)
-        assert ports.known(2.0) is kept
-    assert len(ports._known) == most
-    assert ports.known(3.0) is not lost
+        slabs.known(4.0 + k)
+        assert slabs.known(2.0) is kept
+    assert len(slabs._known) == most
+    assert slabs.known(3.0) is not lost
 
 
 def test_all_matrices_are_made_on_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -77,7 +77,7 @@ def test_all_matrices_are_made_on_one_thread(monkeypatch: pytest.MonkeyPatch) ->
 
         return counted
 
-    for module, name in ((grid_ports, "motion_of"), (step_maps, "short_step"), (step_maps, "doubled")):
+    for module, name in ((grid_slabs, "motion_of"), (step_maps, "short_step"), (step_maps, "doubled")):
         monkeypatch.setattr(module, name, watched(getattr(module, name)))
     with threadpoolctl.threadpool_limits(2):
         solver = DiscontinuousGalerkin(PAPER, 3, 2, time="exact")
@@ -88,7 +88,7 @@ def test_all_matrices_are_made_on_one_thread(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_a_motion_too_fast_for_every_step_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(grid_ports, "LEVELS", 3)
+    monkeypatch.setattr(grid_slabs, "LEVELS", 3)
     solver = DiscontinuousGalerkin(slipwave.read("paper", ["start.kind=jump", "start.size=3.0"]), 3, 2, time="exact")
     with pytest.raises(
         NumericsError, match=r"^dg:3: no step is short enough at t = 0 transits, v = .*, psi = [-.\d]+ \(scene 'paper'"
@@ -156,7 +156,7 @@ def test_kept_maps_are_those_of_the_same_slabs() -> None:
 
 
 def test_few_maps_are_kept_and_the_last_used_the_longest() -> None:
-    slabs = ports_of(DiscontinuousGalerkin(PAPER, 3, 2, time="exact")).slabs
+    slabs = slabs_of(DiscontinuousGalerkin(PAPER, 3, 2, time="exact")).slabs
     lengths = [2.0**-k for k in range(9)]
     with step_maps.maps_kept():
         first, second, *_ = [step_maps.maps_of(slabs, None, length) for length in lengths[:8]]

@@ -1,17 +1,16 @@
-"""Marches friction against the port of any slab model, from break point to break point of its motion."""
+"""Marches friction against any slab model (`slipwave.step.port.Slabs`), from break point to break point of its motion."""
 
 import math
-from typing import Protocol
 
 import numpy as np
 
 from slipwave.errors import NumericsError
 from slipwave.friction import rate_of, unknown_of
-from slipwave.observe.pieces import SAME, Pieces, empty_pieces
+from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.observe.restoring import tables, whole_numbers
 from slipwave.observe.solver import State
-from slipwave.scene import Scene
 from slipwave.step.collocation import growth_limit, rule_of
+from slipwave.step.flow import Cycle, Place
 from slipwave.step.impedance import full_impedance
 from slipwave.step.march import (
     ANY_LENGTH,
@@ -27,48 +26,32 @@ from slipwave.step.march import (
     march,
     resolution_of,
 )
-from slipwave.step.port import Port
+from slipwave.step.port import Slabs, padded
+from slipwave.step.port_flow import PortFlow, flow_near
 from slipwave.step.rows import scratch_of
 
 CHUNK = 2048
 
 
-class Ports(Protocol):
-    """What a slab model supplies to a `Stepper`; all its ports share one memory."""
-
-    def port(self, longest: float) -> Port:
-        """Its port for steps of `longest` (transits) and its halves. The same arguments give the same tables."""
-
-    def prepare(self, port: Port, level: int) -> None:
-        """Make the tables of a level that is not ready."""
-
-    def resistance(self, port: Port, level: int, growth: float) -> float:
-        """Impedance Z at s = growth/length of a level that is ready, in units of the normal stress over V*."""
-
-    def next_break(self, time: float) -> float:
-        """The first time after `time` (transits) at which a step must end, because the motion has a kink there; inf if none."""
-
-
-class Stepper:
-    """Collocated steps of `stages` Radau nodes, of lengths `longest`/2^k or, between two breaks, their distance over powers of
-    two. `tolerance` is the requested relative error of the figures of a cycle. Errors name the `model`; `reason`: why no step may
-    be short enough for it. `most_steps` are taken in one call of compiled code."""
+class PortMarch:
+    """The march of friction against `slabs` in collocated steps, of lengths `longest`/2^k (transits) or, between two breaks,
+    their distance over powers of two; `first` is the length of the first. `tolerance` is the requested relative error of the
+    figures of a cycle. `reason`: why no step may be short enough. `most_steps` are taken in one call of compiled code."""
 
     def __init__(
         self,
-        scene: Scene,
-        model: str,
-        ports: Ports,
-        stages: int,
+        slabs: Slabs,
         tolerance: float,
         longest: float,
         first: float,
         reason: str = "",
         most_steps: int = CHUNK,
     ) -> None:
-        self._scene, self._model, self._reason = scene, model, reason
-        self._most_steps = most_steps
-        self._ports, self._tolerance, self._longest = ports, tolerance, longest
+        scene, stages = slabs.scene, slabs.stages
+        self.slabs, self._reason, self._most_steps = slabs, reason, most_steps
+        self._tolerance, self._longest = tolerance, longest
+        self._whole = np.zeros(padded(slabs.remembered))
+        self.values = self._whole[: slabs.remembered]
         rule, self._rule, self._shape = rule_of(stages)
         self.nodes = rule.nodes
         self.iterations = 0
@@ -92,7 +75,7 @@ class Stepper:
         pieces = empty_pieces(self._most_steps, self.nodes.size)
         if self.time > self._stop - SAME:
             self._take_stretch(self._stop, float(self._port.length[self._memory.levels[NEXT]]))
-        scene, steps, ended = self._scene, 0, NOT_READY
+        scene, steps, ended = self.slabs.scene, 0, NOT_READY
         while ended == NOT_READY and steps < self._most_steps:
             left = Pieces(*(array[steps:] for array in pieces))
             physics = (scene.law, scene.forcing, scene.drive.compiled, self._port)
@@ -107,14 +90,16 @@ class Stepper:
         return Pieces(*(array[:steps] for array in pieces))
 
     def _refusal(self) -> NumericsError:
-        scene, now, reason = self._scene, self._memory.now, f" ({self._reason})" if self._reason else ""
+        scene, now, reason = self.slabs.scene, self._memory.now, f" ({self._reason})" if self._reason else ""
         return NumericsError(
-            f"{self._model}: no step is short enough at t = {now[TIME]:.6g} transits, v = {rate_of(scene.law, now[END]):.3g} V*, "
-            f"psi = {now[PSI]:.4g}{reason} (scene {scene.name!r}, digest {scene.digest})"
+            f"{self.slabs.model}: no step is short enough at t = {now[TIME]:.6g} transits, "
+            f"v = {rate_of(scene.law, now[END]):.3g} V*, psi = {now[PSI]:.4g}{reason} "
+            f"(scene {scene.name!r}, digest {scene.digest})"
         )
 
     def state(self) -> State:
-        """The last step and present state (`Memory`); `stretch`: the time from which the present step lengths hold; `counts`:
+        """As `Solver`: what the slabs have `remembered`; the last step and present state (`Memory`); `stretch`: the time from
+        which the present step lengths hold; `counts`:
         level of the next step and of the last (-1: none), iterations."""
         memory = self._memory
         return {
@@ -122,17 +107,35 @@ class Stepper:
             "stretch": np.array([self._origin]),
             "last": memory.last.copy(),
             "now": memory.now.copy(),
+            "remembered": self.values.copy(),
         }
 
     def restore(self, state: State) -> None:
         """As `Solver`."""
         following, last, iterations = whole_numbers(state, "counts", (0, -1, 0))
-        own = {"last": self._memory.last, "now": self._memory.now}
-        saved = tables(state, {"stretch": (1,)} | {name: array.shape for name, array in own.items()}, self._model)
+        own = {"last": self._memory.last, "now": self._memory.now, "remembered": self.values}
+        saved = tables(state, {"stretch": (1,)} | {name: array.shape for name, array in own.items()}, self.slabs.model)
         self.iterations = iterations
         self._take_tables(float(saved["stretch"][0]))
         levels = np.minimum([following, last], self._port.length.size - 1)
         self._memory = Memory(saved["last"], saved["now"], levels)
+        self.values[:] = saved["remembered"]
+
+    def flow(self, period: float, tolerance: float) -> tuple[PortFlow, Array]:
+        """The motion over a period as a map, on a mesh that suits the next `period` (transits) to `tolerance`, and the present
+        state."""
+        state = np.append(self.values, self._memory.now[PSI])
+        # of slabs of its own, because it makes tables of many lengths
+        return flow_near(self.slabs.of(self.slabs.scene), state, period, tolerance, self._longest), state
+
+    def placed(self, cycle: Cycle, place: Place) -> State:
+        """The state, for `restore`, at the start of `cycle`, a motion of a flow of these slabs; no step lies before it."""
+        saved = self.state()
+        memory = begin(place.psi, place.elastic, place.z, self.nodes.size)
+        memory.now[TIME] = place.time
+        counts = np.array([saved["counts"][0], -1.0, self.iterations])
+        stretch, values = np.array([place.time]), cycle.start[:-1].copy()
+        return saved | {"counts": counts, "stretch": stretch, "last": memory.last, "now": memory.now, "remembered": values}
 
     def _take_stretch(self, begin: float, before: float) -> None:
         """Begin a stretch between breaks at `begin` (transits), with steps not longer than `before`."""
@@ -144,12 +147,12 @@ class Stepper:
 
     def _take_tables(self, begin: float) -> None:
         """Take the tables for the steps from `begin` (transits) to the next break."""
-        self._origin, self._stop = begin, self._ports.next_break(begin)
+        self._origin, self._stop = begin, self.slabs.next_break(begin)
         distance = self._stop - begin
         longest = self._longest
         if not math.isinf(distance):
             longest = distance / 2 ** max(0, math.ceil(math.log2(distance / longest)))
-        self._port = self._ports.port(longest)
+        self._port = self.slabs.port(longest)._replace(values=self._whole)
         stages = self.nodes.size
         growth = growth_limit(stages, self._tolerance)
         self._limits = Limits(
@@ -160,8 +163,8 @@ class Stepper:
         )
 
     def _resistance(self, level: int, growth: float) -> float:
-        return self._ports.resistance(self._port, level, growth) if self._port.ready[level] else math.nan
+        return self.slabs.resistance(self._port, level, growth) if self._port.ready[level] else math.nan
 
     def _prepare(self, level: int) -> None:
-        self._ports.prepare(self._port, level)
+        self.slabs.prepare(self._port, level)
         self._limits.impedance[level] = self._resistance(level, self._limits.growth)

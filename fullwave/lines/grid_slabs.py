@@ -1,0 +1,142 @@
+"""A grid as friction's step meets it (`slipwave.step.port`): propagated exactly, by tables made for a step length when it is
+first needed, by doubling shorter steps."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import scipy.linalg
+
+from fullwave.lines.blocks import state_size
+from fullwave.lines.budget import MOST_BYTES
+from fullwave.lines.grid_ledger import GridLedger, Power
+from fullwave.lines.matrix import motion_of
+from fullwave.lines.propagator import LinearSlabs, StepMap, impedance_at, to_legendre
+from fullwave.lines.step_maps import StepMaps, at_nodes, maps_of
+from fullwave.lines.system import DASHPOT, DEAD, System
+from fullwave.lines.viscous_heat import dissipation_of
+from slipwave.observe.pieces import SAME, Array
+from slipwave.scene import Scene
+from slipwave.step.collocation import radau
+from slipwave.step.port import LEVELS, Port, aligned, blank_port, padded
+from slipwave.threads import one_thread
+
+DRIVE_TERMS = 2
+"""The drive is linear in a step."""
+
+_MOST_KNOWN, _FEWEST_KNOWN = 64, 2
+_HELD = 80  # numbers held for one longest length, over the square of the unknowns (33 measured; with viscosity 74)
+
+
+class Known(NamedTuple):
+    """What is known of steps of one longest length and its halves: their `maps` and the `port`."""
+
+    maps: StepMaps
+    port: Port
+
+
+class GridSlabs:
+    """The `Slabs` (slipwave.step.port) of the grid that `grid` makes for `scene`, for steps of `stages` nodes. A port remembers
+    the grid's values, in `slots` of the explicit march's layout, times the upper slab's impedance, `scale`: stresses. All ports
+    share the `entries` of the ledger. Tables of `most_known` longest steps are kept, as far as memory allows."""
+
+    def __init__(
+        self, scene: Scene, grid: Callable[[Scene], System], model: str, stages: int, most_known: int = _MOST_KNOWN
+    ) -> None:
+        self.scene, self.model, self.stages, self._grid = scene, model, stages, grid
+        system = grid(scene)
+        size, self.scale = state_size(system), scene.upper.epsilon
+        with one_thread():
+            motion = motion_of(system)
+        self.slots = motion.moving
+        self.remembered = self.slots.size
+        dashpot = system.tops[DASHPOT]
+        damped = np.flatnonzero(dashpot)
+        outputs = np.vstack([motion.stress, motion.traction.sum(axis=0), system.tops[DEAD] @ motion.slip, motion.slip[damped]])
+        rates = motion.rates[self.slots]
+        self.slabs = LinearSlabs(
+            rates[:, self.slots],
+            rates[:, size:],
+            outputs[:, self.slots],
+            outputs[:, size:],
+            (stages, DRIVE_TERMS),
+            (stages, 2, 1, *[stages] * damped.size),
+        )
+        self._dissipation = dissipation_of(system, motion, self.slots)
+        self._power = Power(system.interface.copies, system.interface.sides, dashpot[damped])
+        self.entries, self.is_kept = np.zeros(4), np.zeros(1, dtype=np.bool_)
+        self.to_legendre = to_legendre(radau(stages).nodes)
+        self._known: dict[str, Known] = {}
+        self._most_known = max(_FEWEST_KNOWN, min(most_known, int(MOST_BYTES / (8.0 * _HELD * self.remembered**2))))
+
+    def of(self, scene: Scene) -> "GridSlabs":
+        """As `Slabs`; few tables are kept, for a flow makes those of many periods."""
+        return GridSlabs(scene, self._grid, self.model, self.stages, _FEWEST_KNOWN)
+
+    def keep_ledger(self) -> None:
+        """From now on the ledger is kept."""
+        if self._dissipation and not self.is_kept[0]:
+            for key, known in self._known.items():
+                known.port.ready[:] = False  # their maps know no heat
+                longest = float(known.port.length[0])
+                self._known[key] = known._replace(maps=StepMaps(self.slabs, self._dissipation, longest))
+        self.is_kept[0] = True
+
+    def known(self, longest: float) -> Known:
+        """What is known of steps of `longest` (transits) and its halves."""
+        key = f"{longest:.12e}"  # stretches of equal length differ by rounding
+        dissipation = self._dissipation if self.is_kept[0] else None
+        known = self._known.pop(key, None) or Known(maps_of(self.slabs, dissipation, longest), self._blank(longest))
+        self._known[key] = known  # the last used is the last to be forgotten
+        if len(self._known) > self._most_known:
+            del self._known[next(iter(self._known))]
+        return known
+
+    def port(self, longest: float, levels: int = LEVELS) -> Port:
+        """As `Slabs`: of exactly this length, with the tables of any that differs by rounding, and of all `LEVELS`."""
+        port = self.known(longest).port
+        values = aligned(port.values.size)
+        return port._replace(length=np.ldexp(longest, -np.arange(port.length.size)), values=values)
+
+    def _blank(self, longest: float) -> Port:
+        port = blank_port(self.scene, longest, LEVELS, self.remembered, self.stages)
+        rows, m = port.vector.size, sum(self.slabs.output_terms) - self.stages
+        heat = aligned(LEVELS, rows, rows) if self._dissipation else np.empty((0, 0, 0))
+        moments = np.zeros((LEVELS, rows, m))
+        ledger = (self.is_kept, self.entries, moments, heat, self.scene.forcing, self._power, np.zeros(m), np.zeros(rows))
+        return port._replace(ledger=GridLedger(*ledger))
+
+    def prepare(self, port: Port, level: int) -> None:
+        """As `Slabs`."""
+        known = self.known(float(port.length[0]))
+        with one_thread():
+            step = known.maps.find(level)
+            self._tabulate(port, level, step, known.maps.heats.get(level))
+
+    def _tabulate(self, port: Port, level: int, step: StepMap, heat: Array | None) -> None:
+        s, n, begin, scale = self.stages, self.remembered, padded(self.remembered), self.scale
+        # each face takes half of a change of the drive
+        inputs = scipy.linalg.block_diag(self.to_legendre, 0.5 * self.to_legendre[:DRIVE_TERMS])
+        free, stress, forced = at_nodes(step, s, inputs)
+        port.impedance[level], port.driven[level] = -stress[:, :s], stress[:, s:].T
+        port.steady[level] = self.scene.steady_stress + port.impedance[level].sum(axis=1) * self.scene.velocity
+        port.free[level, :n] = free.T / scale
+        port.change[level, :n, :n], port.change[level, begin:, :n] = step.change.T, scale * forced.T
+        moments = port.ledger.moments[level]
+        moments[:n], moments[begin:] = step.free[s:].T / scale, (step.through[s:] @ inputs).T
+        if heat is not None:
+            spread = scipy.linalg.block_diag(np.eye(n, begin) / scale, inputs)
+            port.ledger.heat[level] = spread.T @ heat @ spread
+        port.ready[level] = True
+
+    def resistance(self, port: Port, level: int, growth: float) -> float:
+        """As `Slabs`."""
+        with one_thread():
+            return impedance_at(self.slabs, growth / float(port.length[level]))
+
+    def next_break(self, time: float) -> float:
+        """As `Slabs`: knots of the drive, and their arrivals at the interface."""
+        travels = [0.5 * slab.round_trip / self.scene.transit for slab in (self.scene.upper, self.scene.lower)]
+        arrivals = (knot + delay for knot in self.scene.drive.knots for delay in (0.0, *travels))
+        return min((arrival for arrival in arrivals if arrival > time + SAME), default=math.inf)

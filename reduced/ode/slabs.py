@@ -1,0 +1,128 @@
+"""An ODE reduction as friction's step meets it (`slipwave.step.port`): its response within a collocation step of any length.
+
+Collocation turns the linear network of a `Reduction` (its module gives the states) into a stage impedance: with u = v - V at the
+s nodes of a step of length h, the collocation matrix A and c = A 1, mode k responds with
+
+    tau = W (tau_0 1 + h p_0 c - (residue h A + offset h^2 A^2) u),     W = (1 + 2 decay h A + omega^2 h^2 A^2)^-1,
+
+the spring with  -spring h A u,  damping with  -damping u,  and mass m with  -(m/h) A^-1 (v - v_0 1).  The sum of all factors of u
+is one s x s matrix K(h), so the cost of a Newton iteration does not depend on the number of modes. A `Reduction` is relative to
+epsilon, on the transit clock.
+"""
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+
+from reduced.impedance.reduction import Reduction
+from slipwave.observe.pieces import SAME, Array
+from slipwave.scene import Scene
+from slipwave.step.collocation import radau
+from slipwave.step.port import LEVELS, Port, blank_port
+
+
+class ReducedSlabs:
+    """The `Slabs` (slipwave.step.port) of the reduction that `reduce` makes of `scene`. A port remembers the spring's stress and
+    the slip rate times the upper slab's impedance, if there are a spring and a mass, then tau of all modes, and p of those that
+    have it."""
+
+    def __init__(self, scene: Scene, reduce: Callable[[Scene], Reduction], stages: int) -> None:
+        self.scene, self.stages, self._reduce = scene, stages, reduce
+        self.reduction = reduce(scene)
+        self.model = self.reduction.name
+        self.remembered = int(_kept(self.reduction).sum())
+
+    def of(self, scene: Scene) -> "ReducedSlabs":
+        """As `Slabs`."""
+        return ReducedSlabs(scene, self._reduce, self.stages)
+
+    def port(self, longest: float, levels: int = LEVELS) -> Port:
+        """As `Slabs`; all tables are made at once."""
+        scene, blank = self.scene, blank_port(self.scene, longest, levels, self.remembered, self.stages)
+        blank.ready[:] = True
+        impedance, free, driven, change = _tables(self.reduction, scene.upper.epsilon, self.stages, longest, levels)
+        steady = scene.steady_stress + impedance.sum(axis=2) * scene.velocity
+        if blank.values.size == self.remembered:
+            return blank._replace(impedance=impedance, steady=steady, free=free, driven=driven, change=change)
+        n = self.remembered
+        blank.free[:, :n], blank.change[:, :n, :n] = free, change[:, :n]
+        blank.change[:, blank.values.size :, :n] = change[:, n:]
+        return blank._replace(impedance=impedance, steady=steady, driven=driven)
+
+    def prepare(self, port: Port, level: int) -> None:
+        """As `Slabs`."""
+
+    def resistance(self, port: Port, level: int, growth: float) -> float:
+        """As `Slabs`."""
+        return self.scene.upper.epsilon * float(impedance_at(self.reduction, growth / port.length[[level]])[0])
+
+    def next_break(self, time: float) -> float:
+        """As `Slabs`: the knots of the drive."""
+        return min((knot for knot in self.scene.drive.knots if knot > time + SAME), default=math.inf)
+
+
+def impedance_at(reduction: Reduction, s: Array) -> Array:
+    """Z(s)/epsilon for real s > 0 (1/transit)."""
+    residue, offset, decay2, omega2 = (term[:, None] for term in _terms(reduction))
+    modes = (residue * s + offset) / (s * s + decay2 * s + omega2)
+    return np.asarray(reduction.spring / s + reduction.mass * s + reduction.damping + modes.sum(axis=0))
+
+
+@lru_cache(maxsize=16)
+def _tables(reduction: Reduction, epsilon: float, stages: int, longest: float, levels: int) -> tuple[Array, Array, Array, Array]:
+    """`impedance`, `free`, `driven` and `change` (`Port`) for `levels` step lengths, of which `longest` (transits) is the first.
+    A change of the drive acts as the opposite slip rate does, but on the mass."""
+    rule = radau(stages)
+    residue, offset, decay2, omega2 = _terms(reduction)
+    count, s = offset.size, stages
+    length = np.ldexp(longest, -np.arange(levels))
+    one, unit = np.ones(s), np.eye(s)
+    ha = length[:, None, None] * rule.integral
+    ha2 = ha @ ha
+    by_mode = (slice(None), None)
+    response = np.linalg.inv(unit + decay2[:, None, None] * ha[by_mode] + omega2[:, None, None] * ha2[by_mode])
+    forced = response @ (residue[:, None, None] * ha[by_mode] + offset[:, None, None] * ha2[by_mode])
+    from_tau, from_p = response @ one, np.einsum("lnij,lj->lni", response, ha @ one)
+    elastic = epsilon * (reduction.spring * ha + forced.sum(axis=1) + reduction.damping * unit)
+    inertia = reduction.mass * rule.inverse / length[:, None, None]
+    spring, moving, tau, p = 0, 1, slice(2, 2 + count), slice(2 + count, 2 + 2 * count)
+    free = np.empty((levels, 2 + 2 * count, s))
+    free[:, spring], free[:, moving] = 1.0, inertia @ one
+    free[:, tau], free[:, p] = from_tau, from_p
+    moved = length[:, None] * rule.integral[-1]  # integral over the step from nodal values
+    own, by_rate = np.zeros((levels, 2 + 2 * count, 2 + 2 * count)), np.zeros((levels, s, 2 + 2 * count))
+    own[:, moving, moving] = -1.0
+    by_rate[:, :, spring] = -epsilon * reduction.spring * moved[:, :]
+    modes = np.arange(count)
+    for place, part in ((2 + modes, from_tau), (2 + count + modes, from_p)):
+        own[:, place, 2 + modes] = part[:, :, -1]
+        own[:, place, 2 + count + modes] = -omega2 * np.einsum("lni,li->ln", part, moved)
+    own[:, 2 + modes, 2 + modes] -= 1.0
+    by_rate[:, :, tau] = -epsilon * forced[:, :, -1].swapaxes(1, 2)
+    slipped = omega2 * np.einsum("lj,lnjm->lmn", moved, forced)
+    by_rate[:, :, p] = epsilon * (slipped - offset * moved[:, :, None])
+    by_drive = -by_rate
+    by_rate[:, -1, moving] = epsilon
+    kept = _kept(reduction)
+    change = np.concatenate([own[:, kept], by_rate, by_drive], axis=1)[:, :, kept]
+    driven = np.ascontiguousarray(elastic.swapaxes(1, 2))
+    return elastic + epsilon * inertia, np.ascontiguousarray(free[:, kept]), driven, np.ascontiguousarray(change)
+
+
+def _terms(reduction: Reduction) -> tuple[Array, Array, Array, Array]:
+    """residue, offset, 2 decay, omega^2 of all terms; a relaxation is a mode without inertia (p = 0)."""
+    extra = len(reduction.relaxations)
+    residue = np.array([*reduction.residues, *(strength for strength, _ in reduction.relaxations)], dtype=float)
+    offset = np.array([*reduction.offsets, *[0.0] * extra], dtype=float)
+    decay2 = np.array([*(2.0 * d for d in reduction.decays), *(rate for _, rate in reduction.relaxations)], dtype=float)
+    omega2 = np.array([*(w * w for w in reduction.frequencies), *[0.0] * extra], dtype=float)
+    return residue, offset, decay2, omega2
+
+
+def _kept(reduction: Reduction) -> Array:
+    """Which of spring, slip rate, tau and p are remembered; a relaxation has no p."""
+    modes, extra = len(reduction.frequencies), len(reduction.relaxations)
+    moving = [bool(omega or offset) for omega, offset in zip(reduction.frequencies, reduction.offsets, strict=True)]
+    return np.array([reduction.spring != 0.0, not reduction.is_algebraic, *[True] * (modes + extra), *moving, *[False] * extra])
