@@ -17,11 +17,11 @@ from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene.drive import Constant, Ramps, velocity_at
 from slipwave.scene.forcing import Forcing
 from slipwave.step.collocation import EQUAL, Nodes, Rule
-from slipwave.step.guess import DONE, force, judge_step, predict
+from slipwave.step.guess import DONE, NOT_SMOOTH, force, judge_step, predict
 from slipwave.step.impedance import Diagonal
 from slipwave.step.newton import solve
 from slipwave.step.record import emit
-from slipwave.step.rows import DRIVE, STATE, Scratch
+from slipwave.step.rows import DRIVE, INVERSE, STATE, Scratch
 
 OUTWARD, INWARD = 0, 1
 LOAD, VELOCITY = 0, 1  # columns of `NetworkMemory.tops`
@@ -191,6 +191,22 @@ def launch(nodes: Nodes, network: Network, cursor: int, stress: Array, passage: 
 
 
 @njit
+def roughness_from_faces(nodes: Nodes, tail: Array, network: Network, passage: Passage, work: Array) -> float:
+    """Highest Legendre coefficient of the waves that springs and masses launch in a step, as a change of z where they arrive. If
+    launched with too few nodes, they stay wrong, however short the steps in which they arrive."""
+    worst, inverse = 0.0, 0.0
+    for j in range(len(nodes)):
+        inverse = max(inverse, work[INVERSE, j])
+    for slab in range(network.first.size):
+        if network.remembers[slab]:
+            coefficient, last = 0.0, network.last[slab]
+            for j in range(len(nodes)):
+                coefficient += tail[j] * passage.launched[last, INWARD, j]
+            worst = max(worst, abs(coefficient) * inverse * network.interface_impedance / network.impedance[last])
+    return worst
+
+
+@njit
 def march_network(
     nodes: Nodes,
     law: Law,
@@ -232,6 +248,8 @@ def march_network(
         used = solve(nodes, law, impedance, h, left, incoming, 0, integral, newton_tolerance, guess, work, scratch.system)
         iterations += used
         verdict = judge_step(nodes, rule.tail, guess, work, used, resolution, steepest)
+        if verdict == DONE and not roughness_from_faces(nodes, rule.tail, network, passage, work) <= resolution:
+            verdict = NOT_SMOOTH
         if verdict != DONE:
             overwrite(guess, passage.guess)
             overwrite(tops, passage.tops)

@@ -1,0 +1,124 @@
+"""Random pairs of slabs for the exact system, and how far its march is from the plain transcription (`plain_network`).
+
+`python -m tests.reduced.random_networks 500` judges that many and prints those that fail.
+"""
+
+import sys
+from typing import NamedTuple
+
+import numpy as np
+
+from reduced.delay.system import delay_system
+from slipwave import read
+from slipwave.errors import NumericsError
+from slipwave.observe import follow
+from tests.reduced.plain_network import plain_network
+
+KINDS = ("unlike", "irrational", "layered", "grip", "machine", "reflection")
+MOTIONS = ("step", "ramp", "jump", "smooth")
+KICK = 1e-7
+ALLOWED = 10.0
+
+
+class Judged(NamedTuple):
+    """`error`: the largest of ln v, psi and mu at the end; `growth` of a disturbance of psi, 1 or more; `refused`: the reason."""
+
+    seed: int
+    scene: str
+    error: float
+    tolerance: float
+    growth: float
+    refused: str
+
+    @property
+    def ratio(self):
+        return self.error / (self.tolerance * self.growth)
+
+
+def random_network(seed):
+    """(scene, tolerance, words) of a number."""
+    rng = np.random.default_rng(seed)
+    kind, motion = KINDS[seed % len(KINDS)], MOTIONS[seed // len(KINDS) % len(MOTIONS)]
+    a = rng.uniform(0.01, 0.05)
+    epsilon, r = 10.0 ** rng.uniform(-5.0, -4.0), 10.0 ** rng.uniform(-3.2, -2.3)
+    upper, lower = {"epsilon": epsilon, "r": r}, {"epsilon": epsilon * rng.uniform(0.3, 3.0), "r": r}
+    lower["r"] *= rng.uniform(0.5, 2.0) if kind == "irrational" else rng.choice([0.5, 0.75, 1.0, 1.5, 2.0, 5.0 / 3.0])
+    if kind == "layered":
+        share = rng.choice([0.25, 1.0 / 3.0, 0.5, 0.75])
+        upper["layers"] = [{"fraction": share, "impedance": 1.0}, {"fraction": 1.0 - share, "impedance": rng.uniform(0.3, 3.0)}]
+    stiffness, impedance = 10.0 ** rng.uniform(-0.5, 1.5), 10.0 ** rng.uniform(-1.0, 1.0)
+    faces = {
+        "grip": {"stiffness": stiffness, "impedance": impedance},
+        "machine": {"stiffness": stiffness, "impedance": impedance, "mass": 10.0 ** rng.uniform(-1.5, 1.0)},
+        "reflection": {"coefficient": 1.0 - 10.0 ** rng.uniform(-3.0, -0.2)},
+    }
+    if kind in faces:
+        upper["face"] = {"kind": kind, **faces[kind]}
+    if kind in faces and rng.random() < 0.5:
+        lower |= {"r": r, "epsilon": epsilon, "face": upper["face"]}
+    velocity, until = 10.0 ** rng.uniform(1.0, 3.0), float(rng.integers(16, 60))
+    changed = {
+        "interface": {
+            "law": rng.choice(["ageing", "ageing", "slip"]).item(),
+            "a_star": 0.369,
+            "a": a,
+            "b": a * rng.uniform(0.7, 2.0),
+        },
+        "drive": {"velocity": drive(rng, motion, velocity)},
+        "upper": upper,
+        "lower": lower,
+        "start": {"kind": "jump", "size": rng.uniform(-1.0, 1.0)} if motion == "jump" else {"size": rng.uniform(0.0, 1.0)},
+        "run": {"until": until},
+    }
+    return read(changed), 10.0 ** rng.uniform(-11.0, -6.0), f"{kind}, {motion}"
+
+
+def drive(rng, motion, velocity):
+    """V of 'step' and 'ramp' changes one to three times, at whole halves of a transit or anywhere."""
+    if motion not in ("step", "ramp"):
+        return velocity
+    places = np.sort(rng.uniform(1.0, 20.0, 3))
+    places = np.unique(np.round(2.0 * places) / 2.0) if rng.random() < 0.5 else places
+    knots, now = [[0.0, velocity]], velocity
+    for place in places[: rng.integers(1, places.size + 1)]:
+        later = velocity * 10.0 ** rng.uniform(-1.0, 1.0) if rng.random() < 0.9 else 0.0
+        if motion == "step":
+            knots.append([float(place), now])
+            now = later
+            knots.append([float(place), now])
+        else:
+            now = later if len(knots) % 2 else now
+            knots.append([float(place), now])
+    return knots
+
+
+def judge(seed, until=None):
+    """The march of the scene of that number against the plain transcription."""
+    scene, tolerance, words = random_network(seed)
+    until = until or scene.until
+    kicks = [(share * until, KICK) for share in (0.0, 0.3, 0.6, 0.85)]
+    plain = plain_network(scene, until, kicks)
+    growth = max(1.0, float(np.abs(plain[1:] - plain[0]).max()) / KICK)
+    try:
+        final = follow(delay_system(scene, tolerance), until)
+    except NumericsError as refusal:
+        return Judged(seed, words, np.inf, tolerance, growth, str(refusal))
+    error = float(np.abs(np.array([final.ln_v, final.psi, final.mu]) - plain[0]).max())
+    return Judged(seed, words, error, tolerance, growth, "")
+
+
+if __name__ == "__main__":
+    first, last = (0, *map(int, sys.argv[1:]))[-2:]
+    found = []
+    for seed in range(first, last):
+        try:
+            found.append(judge(seed))
+        except AssertionError as unresolved:
+            print(seed, unresolved, flush=True)
+            continue
+        if not found[-1].ratio <= ALLOWED:
+            print(f"{found[-1].ratio:.3g}", found[-1], flush=True)
+    ratios = np.array([one.ratio for one in found])
+    print(
+        f"{(ratios <= ALLOWED).sum()} of {ratios.size} within {ALLOWED:g} times the tolerance; largest ratio {ratios.max():.3g}"
+    )
