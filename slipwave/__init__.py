@@ -1,7 +1,7 @@
 """What is simulated: friction laws, slabs, drive, start and observers. Imports no solver and none of the other packages.
 
-It is also the door of the house: `run`, `stability`, `orbit`, `branch`, `curve`, `compare` and `bench` are those of
-`validation.door`, imported when one of them is first used. `import slipwave` itself stays light.
+It is also the door of the house: `run`, `stability`, `orbit`, `branch`, `curve`, `compare`, `bench`, `scenes`, `models` and
+`show` are those of `validation.door`, imported when one of them is first used. `import slipwave` itself stays light.
 """
 
 from importlib import import_module
@@ -15,9 +15,15 @@ if TYPE_CHECKING:
     from validation.door.branch import branch
     from validation.door.compare import compare
     from validation.door.curve import curve
+    from validation.door.listing import models, scenes, show
     from validation.door.orbit import orbit
     from validation.door.run import run
     from validation.door.stability import stability
+
+    __version__: str
+
+_FILES = dict.fromkeys(("models", "scenes", "show"), "listing")
+"""Files of the door that hold several functions."""
 
 __all__ = [
     "NumericsError",
@@ -26,21 +32,26 @@ __all__ = [
     "branch",
     "compare",
     "curve",
+    "models",
     "orbit",
     "read",
     "read_scene",
     "run",
+    "scenes",
+    "show",
     "stability",
 ]
 
 
 def __getattr__(name: str) -> Any:
     """The function `name` of the door. What it needs is imported here, on its first use."""
+    if name == "__version__":
+        return import_module("importlib.metadata").version("slipwave")
     if name not in __all__:
         raise AttributeError(f"module 'slipwave' has no attribute {name!r}")
-    found = globals()[name] = getattr(import_module(f"validation.door.{name}"), name)
+    found = globals()[name] = getattr(import_module(f"validation.door.{_FILES.get(name, name)}"), name)
     return found
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return [*__all__, "__version__"]

@@ -45,11 +45,18 @@ def complaint(fault: ErrorDetails, above: tuple[str, ...], fields: dict[str, Fie
         case "missing":
             return f"{key}: missing; {_wanted(fault, place, own)}"
         case "range" | "ramps":
-            return f"{key} = {value}: {fault['msg']}"
+            return f"{key} = {value}: {fault['msg']}{_logarithm(place, own, fault['input'])}"
         case "union_tag_invalid" | "union_tag_not_found":
             kind = fault["input"].get("kind") if isinstance(fault["input"], dict) else fault["input"]
             return f"{key}.kind = {shorten(kind)}: must be {choices(_KINDS[str(place[-1])], kind)}"
     return f"{key} = {value}: {_wanted(fault, place, own)}"
+
+
+def _logarithm(place: list[str | int], fields: dict[str, FieldInfo], value: Any) -> str:
+    """Names the key of the logarithm if a number that is not positive may be one."""
+    name = f"log10_{place[-1]}"
+    negative = isinstance(value, int | float) and value <= 0.0
+    return f"; its logarithm is {key_text([*place[:-1], name])}" if name in fields and negative else ""
 
 
 def _without_tags(loc: tuple[str | int, ...]) -> tuple[list[str | int], list[str]]:
@@ -83,9 +90,9 @@ def _suggestion(place: list[str | int], kinds: list[str], fields: dict[str, Fiel
     elsewhere = {name: key for key in ("slab", "drive", "start", "run") for name in _TABLES[key].model_fields}
     if word in elsewhere and not kinds:
         return f"did you mean {elsewhere[word]}.{word}?"
-    guess = nearest(word, fields)
+    guess = nearest(word, fields if table else [*fields, *elsewhere])
     if guess:
-        return f"did you mean {guess}?"
+        return f"did you mean {guess if guess in fields else f'{elsewhere[guess]}.{guess}'}?"
     owners = [kind for kind, model in _KINDS.get(table, {}).items() if word in model.model_fields]
     if owners:
         return f"it belongs to kind {choices(owners)}, not to kind {choices(kinds[:1])}"

@@ -1,7 +1,8 @@
 """`key=value` overrides of a scene's raw tables, before validation.
 
-`slab.log10_r` also removes `r` and `thickness`, which state the same quantity. `upper.x` on a scene with one [slab] first gives
-each slab a table of its own. A new `kind` of face or viscosity first empties its table.
+A key may be told by its last words alone (`keys`). `slab.log10_r` also removes `r` and `thickness`, which state the same
+quantity. `upper.x` on a scene with one [slab] first gives each slab a table of its own. A new `kind` of face or viscosity first
+empties its table.
 """
 
 import copy
@@ -10,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from slipwave.errors import SceneError
+from slipwave.input.keys import full_key
 from slipwave.input.quantity import looks_measured
 from slipwave.input.source import parse_toml
 from slipwave.input.wording import key_text, shorten
@@ -27,7 +29,7 @@ def apply_overrides(data: dict[str, Any], overrides: Iterable[str] | Mapping[str
     else:
         pairs = [_parse(text) for text in ([overrides] if isinstance(overrides, str) else overrides)]
     for key, value in sorted(pairs, key=lambda pair: pair[0][-1] != "kind"):
-        _set(data, key, value)
+        _set(data, full_key(key, value, data), value)
     return data
 
 

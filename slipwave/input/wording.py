@@ -45,7 +45,12 @@ def nearest(word: str, known: Iterable[str], cutoff: float = 0.5) -> str | None:
 def choices(known: Iterable[str], given: Any = None) -> str:
     """The known words as `"a", "b" or "c"`, and which of them may be meant by the wrong word `given`."""
     known = list(known)
-    words = [f'"{word}"' for word in known]
-    listed = words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
+    words = listed(f'"{word}"' for word in known)
     guess = nearest(given, known) if isinstance(given, str) else None
-    return f'{listed}; did you mean "{guess}"?' if guess else listed
+    return f'{words}; did you mean "{guess}"?' if guess else words
+
+
+def listed(words: Iterable[str]) -> str:
+    """As in "a, b or c"."""
+    *first, last = words
+    return f"{', '.join(first)} or {last}" if first else last

@@ -3,15 +3,19 @@
 import json
 import logging
 import math
+import tomllib
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import slipwave as sw
 from slipwave.input import SceneSource
 from slipwave.scene.doubts import doubts
+from validation.branches.along import passages
 from validation.cli import main
 from validation.door.bench import BenchResult
 from validation.door.branch import BranchResult
@@ -76,6 +80,8 @@ def test_a_branch_is_that_of_the_command(capsys: pytest.CaptureFixture[str]) -> 
         {"slab": {"log10_r": -2.3}, "drive": {"velocity": 50.0}},
         {"slab.log10_r": -2.3, "drive.velocity": 50.0},
         {"slab": {"r": 10**-2.3}, "drive.velocity": 50},
+        {"log10_r": -2.3, "V": 50},
+        {"r": 10**-2.3, "velocity": 50},
     ],
 )
 def test_changes_may_be_tables_or_dotted_keys(changes: dict[str, Any]) -> None:
@@ -134,6 +140,16 @@ def test_a_scene_of_a_program_has_no_keys_to_change() -> None:
         (lambda: sw.orbit("paper", tol=1.0), r"tol = 1: must lie in"),
         (lambda: sw.branch("paper", {"log10_r": (-2.7, -2.7)}), "must differ"),
         (lambda: sw.bench("paper", **{"slab.r": 0.0}), r"slab\.r = 0"),
+        (lambda: sw.stability("unlike", log10_r=-2.6), r"log10_r = -2.6: give the whole key, upper.log10_r or lower.log10_r"),
+        (lambda: sw.stability("paper", log_r=-2.6), "log_r = -2.6: neither an option nor a key of a scene"),
+        (lambda: sw.stability("paper", slab={"r": -2.6}), r"slab\.r = -2.6: .*; its logarithm is slab\.log10_r$"),
+        (lambda: sw.run("paper", cells="8"), "^cells = '8': must be a whole number or None$"),
+        (lambda: sw.run("paper", tol=True), "^tol = True: must be a number or None$"),
+        (lambda: sw.run("paper", settings=["slab.r=1", 3]), "^settings = .*: must be a list of texts$"),
+        (lambda: sw.branch("paper", over=("log10_r", -2.7)), r"^over = \('log10_r', -2.7\): must be a text, \(a text, a number"),
+        (lambda: sw.branch("paper", "log10_r", (-2.7, -2.6)), r"^model = \(-2.7, -2.6\): must be a text$"),
+        (lambda: sw.branch("paper", "log10_r", -2.7, -2.6), "^branch: too many positional arguments$"),
+        (lambda: sw.stability(), "^stability: missing a required argument: 'source'$"),
     ],
 )
 def test_wrong_input_is_a_scene_error(work: Any, told: str) -> None:
@@ -195,8 +211,57 @@ def test_a_result_shows_its_figures() -> None:
     assert math.isclose(period, 4.0, rel_tol=0.1)
 
 
+@pytest.fixture(scope="module")
+def turning() -> BranchResult:
+    """From a Hopf point through two folds: 2.703 is passed once before and twice between them."""
+    return sw.branch("paper", ("log10_r", -2.72, -2.6995), "kelvin-voigt", tol=1e-4, stop_at="LP")
+
+
+def test_a_branch_tells_its_points_and_special_points(turning: BranchResult) -> None:
+    facts = turning.summary
+    assert f"points = {len(facts['points'])}, special = HB at -2.69955; LP at -2.70021" in repr(turning)
+    assert turning.special == facts["special"]
+    assert (turning.special[1].type, turning.points[3].period) == ("LP", facts["points"][3]["period"])
+    with pytest.raises(AttributeError, match="BranchResult has no attribute 'multipliers'; it has schema, scene"):
+        turning.multipliers  # noqa: B018
+
+
+def test_the_orbit_of_a_special_point_is_neutral(turning: BranchResult) -> None:
+    fold = turning.special[1]
+    orbit = sw.orbit(fold)
+    assert (orbit.period, orbit.stable) == (fold.period, None)
+    assert orbit.multipliers.dtype == complex
+    assert orbit.multipliers[0] == pytest.approx(1.0, abs=1e-2)
+    assert orbit.error_estimate.period == pytest.approx(1e-4 * fold.period)
+    assert sw.stability(turning.points[0]).log10_r_c == pytest.approx(-2.69955, abs=1e-5)
+    with pytest.raises(sw.SceneError, match="at a Hopf point the orbit shrinks to steady sliding"):
+        sw.orbit(turning.special[0])
+
+
+def test_points_of_a_branch_are_selected_by_its_parameter(turning: BranchResult) -> None:
+    """The branch begins at the Hopf point and turns back at the fold: it passes values between them once, then once more."""
+    data = turning.dataset
+    values, periods = data["point_value"].values, data.period.values
+    assert data.period.plot(x="log10_r")[0].get_xdata().tolist() == values.tolist()
+    assert data.period.sel(log10_r=float(values[2])).values.tolist() == [periods[2]]
+    between = 0.3 * values[2] + 0.7 * values[3]
+    assert data.sel(log10_r=between).period.values.tolist() == [periods[3]]
+    assert data.sel(log10_r=slice(values[4], values[2])).period.values.tolist() == periods[2:5].tolist()
+    with pytest.raises(KeyError, match="the branch goes from"):
+        data.sel(log10_r=-2.0)
+
+
+def test_a_value_is_passed_once_on_each_part_of_a_branch() -> None:
+    assert passages(np.array([1.0, 2.0, 3.0, 2.5, 1.5]), 2.2).tolist() == [1, 3]
+    assert passages(np.array([1.0, 2.0, 1.0]), 2.0).tolist() == [1]
+
+
 def test_the_names_of_the_door() -> None:
-    assert set(sw.__all__) <= set(dir(sw))
+    assert dir(sw) == sorted([*sw.__all__, "__version__"])
+    assert sw.__version__ == version("slipwave")
+    assert sw.scenes()["paper"].startswith("the paper's reference orbit")
+    assert {*sw.models()} > {*sw.models("grip")} > {"delay", "dg:P"}
+    assert sw.read_scene(tomllib.loads(sw.show("paper", log10_r=-2.5))).digest == sw.read("paper", ["log10_r=-2.5"]).digest
     with pytest.raises(AttributeError, match="'slipwave' has no attribute 'runn'"):
         sw.runn  # noqa: B018
 

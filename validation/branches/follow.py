@@ -112,7 +112,9 @@ def follow(branch: Branch, head: Head, limits: Limits) -> Iterator[Head]:
         if _vanishes(head.point, step.point):
             _end_at_hopf(branch, head.point)
             return
-        branch.special.extend(special_of(special, len(branch.points)) for special in step.special)
+        for special in step.special:
+            branch.closed[len(branch.special)] = special.point.closed
+            branch.special.append(special_of(special, len(branch.points)))
         record(branch, step.point)
         head = Head(step.point, step.next_step, head.metric)
         yield head

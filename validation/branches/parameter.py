@@ -2,9 +2,10 @@
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import slipwave
 from reduced.parameters import PARAMETERS
@@ -21,6 +22,8 @@ _SHORT = {
     "interface.a": "a",
     "interface.b": "b",
 }
+Values: TypeAlias = str | tuple[str, float | str, float | str] | Mapping[str, tuple[float | str, float | str]]
+"""A parameter with its range: "log10_r=-2.72:-2.30", ("log10_r", -2.72, -2.30) or {"log10_r": (-2.72, -2.30)}."""
 _RANGE = re.compile(r"(?P<name>[^=]+)=(?P<first>[^:]+):(?P<last>[^:]+)")
 
 
@@ -43,6 +46,22 @@ class Over:
         """Whether `value` lies in the range."""
         low, high = self.ends
         return low <= value <= high
+
+
+def range_text(values: Values | None) -> str | None:
+    """The parameter and its range as the text of `--over`."""
+    if values is None or isinstance(values, str):
+        return values
+    ranges = [(name, *ends) for name, ends in values.items()] if isinstance(values, Mapping) else [values]
+    return ",".join(f"{name}={first}:{last}" for name, first, last in ranges)
+
+
+def scene_along(over: Over, value: float) -> Scene:
+    """The scene with this `value` of the parameter, with the tables to change it if one of its keys is the parameter."""
+    name = next((key for key, short in _SHORT.items() if short == over.name), over.name)
+    with suppress(SceneError):
+        return slipwave.read(over.base, {name: value})
+    return over.scene_at(value)
 
 
 def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:

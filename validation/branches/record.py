@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from reduced.continuation.point import Point
 from reduced.continuation.special import Special
+from reduced.orbit.closing import Closed
 from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import is_decided
 from validation.branches.parameter import Over
@@ -45,7 +46,8 @@ class SpecialPoint(NamedTuple):
 @dataclass(frozen=True)
 class Branch:
     """The branch of `model` over a parameter, as far as it is known: its lists grow. `tolerance` is the requested relative error
-    of all figures, `cells` is for full waves. `doubled`: of the orbits of twice the period that are born at the first period
+    of all figures, `cells` is for full waves. `closed` are the orbits of special points by their place in that list, if they were
+    computed in this process. `doubled`: of the orbits of twice the period that are born at the first period
     doubling of the scene's own branch."""
 
     over: Over
@@ -56,6 +58,7 @@ class Branch:
     points: list[BranchPoint] = field(default_factory=list)
     special: list[SpecialPoint] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    closed: dict[int, Closed] = field(default_factory=dict)
 
     @property
     def shown(self) -> list[BranchPoint]:

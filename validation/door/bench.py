@@ -11,6 +11,7 @@ from slipwave.input import SceneSource
 from slipwave.observe.foresight import DAY
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from validation.door.checked import checked
 from validation.door.conclusion import conclusion
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of
@@ -69,6 +70,7 @@ class BenchResult(Result):
             return figure
 
 
+@checked
 def bench(
     source: SceneSource,
     *,

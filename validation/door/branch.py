@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from reduced.orbit.closing import Closed
 from slipwave.errors import NumericsError, SceneError
 from slipwave.extras import require
 from slipwave.input import SceneSource
@@ -15,11 +16,12 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.branches.drawing import figure_of
 from validation.branches.follow import Head, Limits, begin, follow, is_doubled, limits_of
-from validation.branches.parameter import over_range
+from validation.branches.parameter import Values, over_range, range_text, scene_along
 from validation.branches.record import Branch, BranchPoint, SpecialPoint
 from validation.branches.stored import read, write
+from validation.door.checked import checked
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Dataset, Result, announced, as_path, deliver, finite, scene_of
+from validation.door.result import Dataset, Place, Result, along, announced, as_path, deliver, finite, parameter_column, scene_of
 from validation.registry.flows import flowing
 from validation.registry.orbits import require_tolerance
 from validation.run.progress import progress
@@ -60,15 +62,34 @@ class BranchResult(Result):
 
     @cached_property
     def dataset(self) -> Dataset:
-        """The points by `point` and the special points by `special`, at their values of the parameter."""
+        """The points by `point` and the special points by `special`, at their values of the parameter. The figures of points
+        are there under their plain names too, over an index of the parameter: `.sel(log10_r=-2.6)` (`AlongBranch`)."""
         require("files", "a dataset")
         import xarray
 
         found, scene = self.found, self.found.over.base
         values = _table("point", BranchPoint._fields, found.shown, scene)
-        values |= _table("special", SpecialPoint._fields, found.shown_special, scene)
-        data = xarray.Dataset(values, attrs=branch_facts(found, self.options))
-        return data.set_coords([name for name in ("point_value", "special_value") if name in data])
+        plain = {name.removeprefix("point_"): value for name, value in values.items()}
+        plain |= {parameter_column(found.over.name): plain.pop("value")}
+        values |= plain | _table("special", SpecialPoint._fields, found.shown_special, scene)
+        data = xarray.Dataset(values, attrs=branch_facts(found, self.options)).set_coords(["point_value", "special_value"])
+        return along(data, found.over.name)
+
+    @property
+    def points(self) -> list[Place]:
+        """Those of the JSON; each can be given to `slipwave.orbit` in place of a scene."""
+        return [self._place(point, None) for point in self.found.shown]
+
+    @property
+    def special(self) -> list[Place]:
+        """The special points, likewise."""
+        found = self.found
+        return [self._place(one, found.closed.get(k)) for k, one in enumerate(found.special) if found.over.holds(one.value)]
+
+    def _place(self, point: BranchPoint | SpecialPoint, closed: Closed | None) -> Place:
+        found = self.found
+        facts = finite(_at(found, point))
+        return Place(facts, scene_along(found.over, point.value), found.model, closed, found.tolerance)
 
     def plot(self) -> Drawing:
         """Period and stress drops against the parameter."""
@@ -84,9 +105,10 @@ class BranchResult(Result):
             write(Path(path), self.found, self.head, not self.failed, branch_facts(self.found, self.options))
 
 
+@checked
 def branch(
     source: SceneSource,
-    over: str | Mapping[str, tuple[float, float]] | None = None,
+    over: Values | None = None,
     model: str = "auto",
     *,
     tol: float | None = None,
@@ -103,7 +125,7 @@ def branch(
     """Follow periodic orbits from where steady sliding loses stability, stable or not, through folds; `changes` are those of
     `slipwave.read_scene`.
 
-    `over` is the parameter with its range: "log10_r=-2.72:-2.30" or {"log10_r": (-2.72, -2.30)}. `tol` is the requested relative
+    `over` is the parameter with its range: "log10_r=-2.72:-2.30" or ("log10_r", -2.72, -2.30). `tol` is the requested relative
     error of the figures (default 1e-6). Each point is written to the file `out` as it is computed; `resume` goes on from such a
     file. The branch ends at the first special point of the kind `stop_at` (HB, LP, PD, NS), at `longest_period` (transits), or
     after `most_points` (default 2000). With `switch` = "PD" it is that of the orbits of twice the period. If `source` is a
@@ -114,7 +136,7 @@ def branch(
     out, resume = as_path(out), as_path(resume)
     if out is not None or resume is not None:
         require("files", "the file of a branch")
-    given = {"over": _range_text(over), "tol": tol, "cells": cells, "stop_at": stop_at, "switch": switch}
+    given = {"over": range_text(over), "tol": tol, "cells": cells, "stop_at": stop_at, "switch": switch}
     model, options = recall(source, "branch", model, given | {"longest_period": longest_period, "most_points": most_points})
     options |= {name: value for name, value in _DEFAULTS.items() if options[name] is None}
     require_tolerance(options["tol"])
@@ -139,12 +161,6 @@ def branch(
 def branch_facts(found: Branch, options: Mapping[str, Any]) -> dict[str, Any]:
     """The attributes of a branch's file."""
     return provenance("branch", found.over.base, found.model, options) | {"parameter": found.over.name}
-
-
-def _range_text(over: str | Mapping[str, tuple[float, float]] | None) -> str | None:
-    if over is None or isinstance(over, str):
-        return over
-    return ",".join(f"{name}={first!r}:{last!r}" for name, (first, last) in over.items())
 
 
 def _steps(found: Branch, limits: Limits, path: Path | None, resume: Path | None, facts: Mapping[str, Any]) -> Iterator[Head]:

@@ -11,6 +11,7 @@ from slipwave.observe import Solver
 from slipwave.observe.foresight import DAY, require_time
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from validation.door.checked import checked
 from validation.door.conclusion import conclusion
 from validation.door.motion_figure import second_axis
 from validation.door.provenance import SCHEMA, provenance
@@ -93,6 +94,7 @@ def _label(run: Run, shown: bool) -> str:
     return f"{run.solver.model}: {'slides steadily' if kind == 'steady' else kind}, no cycle drawn"
 
 
+@checked
 def compare(
     source: SceneSource,
     models: str | Sequence[str],

@@ -14,10 +14,12 @@ from slipwave.input.stored import recall
 from slipwave.scene.doubts import doubts
 from validation.branches.curve import Curve, CurvePoint, begin_curve, require_curve, trace, trace_onsets
 from validation.branches.curve_drawing import figure_of
-from validation.branches.parameter import over_range
+from validation.branches.parameter import Values, over_range, range_text
 from validation.branches.stored_curve import read, write
+from validation.door.checked import checked
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Dataset, Result, announced, as_path, deliver, finite, scene_of, table_of
+from validation.door.result import Dataset, Result, announced, as_path, deliver, finite, parameter_column, scene_of, table_of
+from validation.door.result import along as in_order
 from validation.registry.flows import flowing
 from validation.registry.orbits import require_tolerance
 from validation.run.progress import progress
@@ -60,7 +62,8 @@ class CurveResult(Result):
         """The points by `point`."""
         rows = [_at(self.found, point) for point in self.found.points]
         rows = [row | dict(zip(("multiplier_re", "multiplier_im"), row.pop("multiplier"), strict=True)) for row in rows]
-        return table_of(rows, "point", self.found.over.base).assign_attrs(_facts(self.found, self.options))
+        data = table_of(rows, "point", self.found.over.base).assign_attrs(_facts(self.found, self.options))
+        return in_order(data.set_coords(parameter_column(self.found.second.name)), self.found.over.name)
 
     def plot(self) -> Drawing:
         """The plane of both parameters, and the period."""
@@ -76,11 +79,12 @@ class CurveResult(Result):
             write(Path(path), self.found, self.reached, not self.failed, _facts(self.found, self.options))
 
 
+@checked
 def curve(
     source: SceneSource,
     of: str | None = None,
-    over: str | None = None,
-    along: str | None = None,
+    over: Values | None = None,
+    along: Values | None = None,
     model: str = "auto",
     *,
     tol: float | None = None,
@@ -93,17 +97,18 @@ def curve(
     """Follow the first special point of the kind `of` (HB, LP, PD, NS) on the branch of orbits in two parameters; `changes` are
     those of `slipwave.read_scene`.
 
-    `over` is the branch's parameter with its range, as "log10_r=-2.72:-2.30"; `along` the second one, as "V=100:200": the curve
-    begins on the branch at its first value and is followed in this direction until it leaves one of the ranges, or for
-    `most_points` (default 100). It may turn back in both parameters. `tol` is the requested relative error of the figures
-    (default 1e-6). Each point is written to the file `out` as it is computed; `resume` goes on from such a file in the same
-    ranges. If `source` is a netCDF file of a curve, it is computed again: what it holds is taken where nothing is given.
+    `over` is the branch's parameter with its range, as "log10_r=-2.72:-2.30" or ("log10_r", -2.72, -2.30); `along` the second
+    one, as "V=100:200": the curve begins on the branch at its first value and is followed in this direction until it leaves one
+    of the ranges, or for `most_points` (default 100). It may turn back in both parameters. `tol` is the requested relative error
+    of the figures (default 1e-6). Each point is written to the file `out` as it is computed; `resume` goes on from such a file
+    in the same ranges. If `source` is a netCDF file of a curve, it is computed again: what it holds is taken where nothing is
+    given.
 
     Raises SceneError for wrong input; NumericsError where there is no such point or the curve cannot be followed, with the part
     before as its `result`.
     """
     out, resume = as_path(out), as_path(resume)
-    given = {"of": of, "over": over, "and": along, "tol": tol, "most_points": most_points}
+    given = {"of": of, "over": range_text(over), "and": range_text(along), "tol": tol, "most_points": most_points}
     model, options = recall(source, "curve", model, given)
     options = _complete(options)
     require_tolerance(options["tol"])

@@ -21,11 +21,12 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.step.flow import Cycle
 from validation.branches.at_scene import orbit_of
+from validation.door.checked import checked
 from validation.door.motion_figure import motion_figure
 from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Dataset, Result, announced, finite, scene_of
+from validation.door.result import Dataset, Place, Result, announced, finite, scene_of
 from validation.registry.flows import flowing
-from validation.registry.orbits import OrbitFound, require_tolerance
+from validation.registry.orbits import OrbitFound, orbit_at, require_tolerance
 from validation.run.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
 from validation.study.drawing import Drawing, styled
 
@@ -72,6 +73,11 @@ class OrbitResult(Result):
             return motion_figure(scene, title, columns[TIME], (stress, stress), (rate, rate))
 
     @property
+    def multipliers(self) -> "np.ndarray[Any, np.dtype[np.complex128]]":
+        """The Floquet multipliers, largest modulus first, without the trivial one."""
+        return self.found.found.multipliers.values
+
+    @property
     def summary(self) -> dict[str, Any]:
         """The JSON of `slipwave orbit` (users rely on its keys); `si` is there only for scenes in SI."""
         done = self.found
@@ -96,6 +102,7 @@ class OrbitResult(Result):
         return dict(finite(result | cycle_in_si(orbit.values(), scene)))
 
 
+@checked
 def orbit(
     source: SceneSource,
     model: str = "auto",
@@ -111,10 +118,18 @@ def orbit(
     Floquet multipliers. Where several coexist, `others` names those of the branch of orbits that begins where steady sliding
     loses its stability, and `near_period` (in transits, or as "60 s") asks for the one with the period nearest to it; a run that
     leads to none gives way to that branch. The scene is changed by `settings` and `changes` as in `slipwave.run`; a netCDF file
-    of an orbit is computed again. A full wave (`cells` per slab) marches exactly in time.
+    of an orbit is computed again; of a point of a branch it is the orbit there. A full wave (`cells` per
+    slab) marches exactly in time.
 
     Raises SceneError for wrong input, NumericsError if there is no orbit.
     """
+    if isinstance(source, Place):
+        if source.closed is not None and not (tol or near_period or others or cells or settings or changes):
+            return OrbitResult(
+                orbit_at(source.closed, source.tolerance), {"tol": source.tolerance, "near_period": source["period"]}
+            )
+        near_period = _period_there(source) if near_period is None else near_period
+        model = source.model if model == "auto" else model
     model, options = recall(source, "orbit", model, {"tol": tol, "cells": cells, "near_period": near_period, "others": others})
     tol, cells = options["tol"] or TOLERANCE, options["cells"]
     require_tolerance(tol)
@@ -122,6 +137,15 @@ def orbit(
     name = announced(*flowing(model, scene))
     near = _period(options["near_period"], scene)
     return OrbitResult(orbit_of(name, scene, tol, cells, near, bool(options["others"])), options | {"tol": tol})
+
+
+def _period_there(point: Place) -> float:
+    """The period of a point of a branch. Raises SceneError for one where the orbit has no size."""
+    if point.get("type") == "HB":
+        raise SceneError(
+            "SCENE: at a Hopf point the orbit shrinks to steady sliding: its stability is that of slipwave.stability"
+        )
+    return float(point["period"])
 
 
 def _idle(mode: "IdleMode", period: float) -> dict[str, Any]:

@@ -23,6 +23,8 @@ from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
     from xarray import Dataset as Dataset
+
+    from reduced.orbit.closing import Closed
 else:  # xarray is loaded only when a dataset is made
     Dataset = Any
 
@@ -30,8 +32,39 @@ log = logging.getLogger("slipwave")
 """What is chosen for the user and how far long work has come, at level INFO; the command line prints it on stderr."""
 
 
+class Facts(dict[str, Any]):
+    """A table of a summary, whose keys are attributes too."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in self:
+            raise AttributeError(f"no {name!r} here, only {', '.join(self)}")
+        return facts_of(self[name])
+
+
+class Place(Facts):
+    """A point of a branch: a table of its JSON that is also a source of the `scene` there, for `slipwave.orbit` and others.
+    `model` and `tolerance` are those of the branch, `closed` is the orbit of a special point that was computed just now."""
+
+    scene: Scene
+    model: str
+    closed: "Closed | None"
+    tolerance: float
+
+    def __init__(self, facts: Mapping[str, Any], scene: Scene, model: str, closed: "Closed | None", tolerance: float) -> None:
+        super().__init__(facts)
+        self.scene, self.model, self.closed, self.tolerance = scene, model, closed, tolerance
+
+
+def facts_of(value: Any) -> Any:
+    """A part of a summary with its tables as `Facts`."""
+    if isinstance(value, list):
+        return [facts_of(item) for item in value]
+    return Facts(value) if isinstance(value, dict) and not isinstance(value, Facts) else value
+
+
 class Result(ABC):
-    """A result of the door: the JSON of its command as a dictionary, an `xarray.Dataset`, a figure, a netCDF file."""
+    """A result of the door: the JSON of its command as a dictionary and its keys as attributes, an `xarray.Dataset`, a figure, a
+    netCDF file."""
 
     @property
     @abstractmethod
@@ -56,6 +89,18 @@ class Result(ABC):
     def save_plot(self, path: str | Path) -> None:
         """Write the figure as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
         save_drawing(path, self.plot)
+
+    def __getattr__(self, name: str) -> Any:
+        """What the JSON says by its key, tables as `Facts`."""
+        known = {} if name.startswith("_") or name == "summary" else self.summary
+        if name not in known:
+            raise AttributeError(
+                f"{type(self).__name__} has no attribute {name!r}" + (f"; it has {', '.join(known)}" if known else "")
+            )
+        return facts_of(known[name])
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self.summary})
 
     def __repr__(self) -> str:
         shown = (f"{name} = {value}" for name, value in _scalars(self.summary))
@@ -96,23 +141,30 @@ def _options() -> list[str]:
     return sorted({name for function in door for name in signature(function).parameters} - {"changes"})
 
 
-def _require_known(changes: Mapping[str, Any]) -> None:
-    """Raises SceneError for a keyword that is neither an option nor a table of a scene, naming the nearest."""
+def _require_known(changes: Mapping[str, Any], tables: Mapping[str, Any]) -> None:
+    """Raises SceneError for a keyword that is neither an option nor a key of a scene with these `tables`; it names the
+    nearest."""
+    from slipwave.input.keys import endings
     from slipwave.input.schema import SceneTable
 
     for key in changes:
-        if key.partition(".")[0] not in SceneTable.model_fields:
+        if not endings(key.split("."), tables):
             guess = nearest(key, [*_options(), *SceneTable.model_fields])
             hint = f"; did you mean {guess}?" if guess else ""
             raise SceneError(f"{shorten(key)[1:-1]} = {shorten(changes[key])}: neither an option nor a key of a scene{hint}")
+
+
+def _as_list(settings: Iterable[str]) -> Iterable[str]:
+    return [settings] if isinstance(settings, str) else settings
 
 
 def scene_of(source: SceneSource, settings: Iterable[str], changes: Mapping[str, Any], until: float | str | None = None) -> Scene:
     """The scene of a call: `source` with `settings` ("key=value"), `changes` and, if given, another length (transits, or a text
     with a unit of time). Tells what is doubtful about it."""
     length = [] if until is None else [f"run.until={until}"]
-    _require_known(changes)
-    scene = read_scene(read(source, [*settings, *length]), **changes)
+    given = read(source.scene if isinstance(source, Place) else source, [*_as_list(settings), *length])
+    _require_known(changes, given.tables or {})
+    scene = read_scene(given, **changes)
     for line in doubts(scene):
         log.warning("note: %s", line)
     return scene
@@ -155,10 +207,16 @@ def finite(value: Any) -> Any:
 
 
 def _scalars(facts: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Every single value among `facts` that there is, as text with its dotted key; numbers to six digits."""
+    """Every single value among `facts` that there is, as text with its dotted key, numbers to six digits; of lists of tables
+    their number, of special points what each is and where."""
     for key, value in _leaves(facts):
         if value is not None and key != "schema":
             yield key, f"{value:.6g}" if isinstance(value, float) else str(value)
+    for key, rows in facts.items():
+        if key == "special":
+            yield key, "; ".join(f"{row['type']} at {row.get('value', row.get('log10_r')):.7g}" for row in rows) or "none"
+        elif isinstance(rows, list) and rows and isinstance(rows[0], Mapping):
+            yield key, str(len(rows))
 
 
 def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) -> Dataset:
@@ -173,6 +231,19 @@ def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) ->
     notes = {name: column_notes(name, scene, column.dtype == float) for name, column in columns.items()}
     found = xarray.Dataset({name.replace(".", "_"): (dimension, columns[name], notes[name]) for name in names})
     return found.set_coords("model") if "model" in found else found
+
+
+def parameter_column(name: str) -> str:
+    """The name of a parameter of a branch in datasets: slab_thickness for slab.thickness."""
+    return name.replace(".", "_")
+
+
+def along(data: Dataset, parameter: str) -> Dataset:
+    """`data` of points of a branch with their values of the `parameter` as an index."""
+    from validation.branches.along import AlongBranch
+
+    name = parameter_column(parameter)
+    return data.set_coords(name).set_xindex(name, AlongBranch)
 
 
 def _column(values: Sequence[Any]) -> "np.ndarray[Any, Any]":

@@ -12,6 +12,7 @@ from slipwave.observe.foresight import DAY
 from slipwave.observe.lyapunov import Exponent
 from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
+from validation.door.checked import checked
 from validation.door.result import announced, as_path, deliver, log, scene_of
 from validation.door.run_result import RunResult
 from validation.registry import build as models
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from fullwave.adapt import Choice
 
 
+@checked
 def run(
     source: SceneSource,
     model: str = "auto",

@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from reduced.families import DELAY
 from reduced.stability import Stability, analyse
 from reduced.stability.physical import PhysicalStability, in_si
@@ -12,6 +14,7 @@ from slipwave.extras import require
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from validation.door.checked import checked
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, finite, scene_of
 from validation.registry.families import one_port_of
@@ -66,6 +69,11 @@ class StabilityResult(Result):
         )
 
     @property
+    def leading_roots(self) -> "np.ndarray[Any, np.dtype[np.complex128]]":
+        """The leading roots, in 1/(L/V*), the fastest growing one first."""
+        return np.asarray(self.found.leading_roots, dtype=complex)
+
+    @property
     def reason(self) -> str:
         """Whether steady sliding is stable and what would change that, in words."""
         return on_stability(self.scene, self.found)
@@ -78,12 +86,10 @@ class StabilityResult(Result):
     @cached_property
     def dataset(self) -> Dataset:
         """The leading roots by `root`, and the critical values."""
-        import numpy as np
-
         require("files", "a dataset")
         import xarray
 
-        roots = np.asarray(self.found.leading_roots, dtype=complex)
+        roots = self.leading_roots
         values: dict[str, Any] = {}
         for part, numbers in (("real", roots.real), ("imaginary", roots.imag)):
             notes = {"long_name": f"{part} part of the root, in 1/(L/V*)", "units": "1"}
@@ -122,6 +128,7 @@ class StabilityResult(Result):
         return notes
 
 
+@checked
 def stability(source: SceneSource, model: str = "delay", *, settings: Iterable[str] = (), **changes: Any) -> StabilityResult:
     """Stability of steady sliding from the slabs' impedance alone, for any scene and model; `changes` are those of
     `slipwave.read_scene`. Raises SceneError for wrong input."""

@@ -2,14 +2,17 @@
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import MOST_TRANSITS, Guess, guesses
 from reduced.orbit.closing import Closed, close
+from reduced.orbit.figures import figures_of
+from reduced.orbit.multipliers import multipliers
 from reduced.orbit.returns import repeats_sooner
 from slipwave.errors import NumericsError, SceneError
+from slipwave.observe.orbit import Estimate, Orbit
 from slipwave.scene import Scene
 from slipwave.step.flow import Flow
 from validation.registry.flows import Moving
@@ -124,6 +127,15 @@ def refined(scene: Scene, guess: Guess, tolerance: float) -> PeriodicOrbit:
     with progress(f"{scene.name}, {guess.flow.model}, orbit", _MESHES) as report:
         done = iter(range(int(_MESHES) + 1))
         return periodic_orbit(*guess[:3], tolerance, lambda _: report(float(next(done))))
+
+
+def orbit_at(closed: Closed, tolerance: float) -> OrbitFound:
+    """The orbit of a special point of a branch, `closed` on a mesh that gives figures to the relative `tolerance`: neutral."""
+    began = time.perf_counter()
+    exact = replace(closed, monodromy=closed.flow.tangent(closed.cycle))
+    orbit = Orbit(**{name: Estimate(value, tolerance * abs(value)) for name, value in figures_of(exact).items()})
+    found = PeriodicOrbit(exact, orbit, multipliers(exact)._replace(stable=None), True)
+    return OrbitFound(found, tolerance, "the special point of the branch: errors are its tolerance", time.perf_counter() - began)
 
 
 def _source(transits: float, guess: Guess) -> str:

@@ -1,0 +1,36 @@
+"""An index of the points of a branch by the parameter that they are followed in, which may turn back."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from xarray.core.indexing import IndexSelResult
+from xarray.indexes import PandasIndex
+
+
+class AlongBranch(PandasIndex):
+    """`.sel(log10_r=-2.6)` gives the nearest point on each part of the branch that passes this value, `slice(a, b)` all points
+    between."""
+
+    def sel(self, labels: Mapping[Any, Any], method: str | None = None, tolerance: Any = None) -> IndexSelResult:
+        """The places of the points. Raises KeyError where no part of the branch passes the value."""
+        ((name, label),) = labels.items()
+        values = np.asarray(self.index, dtype=float)
+        if isinstance(label, slice):
+            low, high = sorted(
+                (values.min() if label.start is None else label.start, values.max() if label.stop is None else label.stop)
+            )
+            places = np.flatnonzero((values >= low) & (values <= high))
+        else:
+            places = passages(values, float(np.asarray(label)))
+        if not places.size:
+            raise KeyError(f"{name} = {label}: the branch goes from {values.min():g} to {values.max():g}")
+        return IndexSelResult({self.dim: places})
+
+
+def passages(values: np.ndarray[Any, Any], value: float) -> np.ndarray[Any, Any]:
+    """The places in `values`, one for each time that they pass `value`: of both values beside it the nearer one."""
+    side = np.sign(values - value)
+    before = np.flatnonzero(side[:-1] * side[1:] < 0.0)
+    nearer = np.abs(values[before] - value) <= np.abs(values[before + 1] - value)
+    return np.union1d(np.where(nearer, before, before + 1), np.flatnonzero(side == 0.0))
