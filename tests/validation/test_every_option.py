@@ -82,9 +82,9 @@ def test_every_argument_and_option_says_what_it_is_for() -> None:
         ("", False, False),
         ("--events a.csv", False, False),
         ("--out a.nc", None, None),
-        ("--plot a.png", True, False),
+        ("--plot a.png", False, False),
         ("--fields a.vtu", False, True),
-        ("--out a.nc --plot a.png --fields a.vtu", True, True),
+        ("--out a.nc --plot a.png --fields a.vtu", None, True),
     ],
 )
 def test_a_run_keeps_what_its_files_need(
