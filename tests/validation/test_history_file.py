@@ -90,6 +90,7 @@ def test_samples_that_are_not_the_checkpoints_are_refused(tmp_path: Path) -> Non
 
 def test_more_than_the_disk_has_is_refused_early(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """2000 samples a transit: 8 GB over 100 000 transits, and as much again in the file for the user."""
+    monkeypatch.setattr("validation.run.history_file._memory", lambda: 1e12)
     usage = namedtuple("usage", "free")
     history = HistoryFile(PAPER.law, NODES, tmp_path / "x", 1e5)
     monkeypatch.setattr("shutil.disk_usage", lambda path: usage(15.8e9))
@@ -103,6 +104,24 @@ def test_more_than_the_disk_has_is_refused_early(tmp_path: Path, monkeypatch: py
     for first in range(1200):
         roomy.scan(pieces(first))
     roomy.close()
+
+
+@pytest.mark.parametrize(("until", "seen"), [(1e5, 1001), (np.inf, 1251)])
+def test_more_than_a_quarter_of_the_memory_is_refused_early(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, until: float, seen: int
+) -> None:
+    """Of 8 GB after 1 %, of a run without a known end when 0.1 GB are there; one sample in ten is not too much."""
+    monkeypatch.setattr("validation.run.history_file._memory", lambda: 4 * (7.9e9 if np.isfinite(until) else 0.09e9))
+    history, thin = (HistoryFile(PAPER.law, NODES, tmp_path / f"{every}", until, kept=Kept(every)) for every in (1, 10))
+    for first in range(seen - 1):
+        history.scan(pieces(first))
+        thin.scan(pieces(first))
+    thin.scan(pieces(seen - 1))
+    with pytest.raises(SceneError, match=r'"interface" would take .* GB, more than a quarter of the memory, .* --every N or'):
+        history.scan(pieces(seen - 1))
+    with pytest.raises(SceneError, match="would take 8 GB, more than a quarter"):
+        HistoryFile(PAPER.law, NODES, tmp_path / "z", until).expect(8e9 / 40.0)
+    history.close(), thin.close()
 
 
 @pytest.mark.parametrize("block", [997, 50_000])
@@ -168,3 +187,20 @@ def test_thinned_samples_go_on_where_they_stopped(tmp_path: Path, every: int, wi
         assert np.array_equal(np.concatenate([part["time"] for part in second.parts()]), np.concatenate(wanted))
         second.close()
     whole.close()
+
+
+def test_full_detail_inside_a_window_and_leaps_outside() -> None:
+    """Of granite: no leap begins, ends or lies in the window."""
+    interface = {"law": "ageing", "a_star": 0.6, "a": 0.01, "b": 0.015}
+    units = {"normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6}
+    slab = {"thickness": 10.0, "density": 2700.0, "shear_modulus": 30e9}
+    table = {"interface": interface | units, "slab": slab, "drive": {"velocity": 1.0}}
+    found = slipwave.run(table, until=30_000, window=(20_000.25, 20_060.5), tol=1e-6)
+    plain = slipwave.run(table, until=30_000, tol=1e-6)
+    time = found.dataset["time"].values
+    assert (time[0], time[-1]) == (pytest.approx(20_000.25, abs=0.1), pytest.approx(20_060.5, abs=0.1))
+    assert np.diff(time).max() < 0.1
+    left_out, most = found.summary["left_out"], plain.summary["left_out"]
+    assert most - 2000 < left_out < most - 60
+    assert found.summary["final"]["psi"] == pytest.approx(plain.summary["final"]["psi"], abs=2e-6)
+    found.close()

@@ -93,7 +93,9 @@ def test_prolonged_run_equals_one_that_never_stopped(tmp_path, capsys):
         (["--cells", "8"], "settings"),
         (["--set", "slab.log10_r=-2.6"], "scene"),
         (["--until", "50"], "already at"),
-        (["--checkpoint-every", "0"], "positive"),
+        (["--checkpoint-every", "0"], "'0': must be a positive number of transits, or in scenes with SI units a time as in 10s"),
+        (["--checkpoint-every", "often"], "positive"),
+        (["--checkpoint-every", "1 s"], '--checkpoint-every = "1 s": must come with interface.normal_stress'),
         (["--fields", "fields.nc"], "observers is ['envelope', 'events']; this run needs ['envelope', 'events', 'fields']"),
     ],
 )
@@ -111,6 +113,15 @@ def test_what_does_not_belong_is_refused(tmp_path, capsys, monkeypatch, words, h
 def test_interval_needs_a_file(capsys):
     assert main([*BASE, "--checkpoint-every", "90"]) == 2
     assert "--checkpoint FILE" in capsys.readouterr().err
+
+
+def test_the_interval_may_have_a_unit(tmp_path):
+    scene = slipwave.read("paper-si")
+    five = 5.0 * scene.transit * scene.units.time
+    for every in (f"{1e3 * five!r} ms", "5", 5):
+        slipwave.run("paper-si", "block8", until=19, checkpoint=tmp_path / "run.npz", checkpoint_every=every)
+        assert 15.0 <= saved_time(tmp_path / "run.npz") < 17.0
+        (tmp_path / "run.npz").unlink()
 
 
 def test_a_grid_alike_in_size_and_step_is_refused(tmp_path, capsys):

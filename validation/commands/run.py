@@ -39,7 +39,9 @@ EventFile = Annotated[Path | None, typer.Option(metavar="FILE.csv", help="write 
 CheckpointFile = Annotated[
     Path | None, typer.Option(metavar="FILE", help="save checkpoints here during the run, and go on from FILE if it exists")
 ]
-CheckpointEvery = Annotated[float | None, typer.Option(metavar="TRANSITS", help="time between checkpoints (default 1000)")]
+CheckpointEvery = Annotated[
+    str | None, typer.Option(metavar="TRANSITS|TIME", help="time between checkpoints, in transits or as 10s (default 1000)")
+]
 Every = Annotated[int | None, typer.Option(metavar="N", help="keep one in N samples of the interface's history")]
 Window = Annotated[str | None, typer.Option(metavar="A:B", help="keep only the history from A to B, in transits or as 10s:60s")]
 Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="draw stress and slip rate over time: .png, .pdf or .svg")]

@@ -1,5 +1,6 @@
 """`slipwave.run`: one model on one scene."""
 
+import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +23,7 @@ from validation.run.determinacy import amplified_rounding
 from validation.run.length import Length, length_of, require_cycles
 from validation.run.parting import exponent_of, require_constant
 from validation.run.recording import Records, Wanted, records_of
-from validation.run.resuming import require_checkpoint
+from validation.run.resuming import time_between
 from validation.run.simulate import Run, RunInterrupted, simulate
 from validation.run.steps_of_drive import costly_steps
 from validation.run.window import Window, kept_of
@@ -48,7 +49,7 @@ def run(
     fields: bool | None = None,
     samples: str | Path | None = None,
     checkpoint: str | Path | None = None,
-    checkpoint_every: float | None = None,
+    checkpoint_every: float | str | None = None,
     lyapunov: bool = False,
     most_seconds: float = DAY,
     settings: Iterable[str] = (),
@@ -61,8 +62,9 @@ def run(
     and `time` ("exact" or "explicit") are for full waves; `tol` is the requested relative error, with `cells` that of the steps
     of the exact march. `interface` keeps the interface's history, during the run in the file `samples` (default: a temporary
     one); `every` keeps one in so many samples and `window` those from begin to end, as (20, 45) or "20:45" in transits or
-    "10s:60s", and each of them asks for the history too. `fields` keeps the last 100 transits of a full wave. Both are kept as
-    the scene records where None. A run that writes a `checkpoint` every so many transits goes on from that file if it exists.
+    "10s:60s", and each of them asks for the history too; a history that would not fit on the disk, or into a quarter of the
+    memory, is refused. `fields` keeps the last 100 transits of a full wave. Both are kept as the scene records where None. A run
+    that writes a `checkpoint` every so often (transits, or a time as in "10s") goes on from that file if it exists.
     `lyapunov` asks for the largest Lyapunov exponent, by a second march beside the motion from the end of the run on. If
     `source` is a netCDF file of an earlier run, it is run again: its model and its options hold where none are given.
 
@@ -90,16 +92,17 @@ def run(
     require_cycles(scene, cycles)
     if lyapunov:
         require_constant(scene)
-    require_checkpoint(checkpoint, checkpoint_every)
+    between = time_between(checkpoint, checkpoint_every, scene)
+    kept = kept_of(options["every"], options["window"], scene)
     numerical = Options(cells=options["cells"], cfl=options["cfl"], tolerance=options["tol"], time=options["time"])
-    wanted = Wanted(options["interface"], fields, kept_of(options["every"], options["window"], scene), samples)
     built = models.prepare(model, scene, checkpoint is not None and checkpoint.exists(), **numerical)
     _tell(built)
     if isinstance(built.solver, FieldSolver):
         built.solver.keep_ledger()
     length = length_of(scene, one_port_of(built.solver.model), cycles)
+    wanted = Wanted(options["interface"], fields, kept, samples, next(length.ends(0.0), math.inf))
     notes = _doubts(built.solver, length, options)
-    records = records_of(built.solver, length.until, wanted, checkpoint, checkpoint_every)
+    records = records_of(built.solver, length.until, wanted, checkpoint, between)
     try:
         done, stopped = _march(built.solver, length, records, most_seconds)
         default = _default_grid(built.solver, options) if not done.failed else None

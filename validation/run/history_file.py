@@ -20,6 +20,8 @@ from slipwave.observe.pieces import Array, Pieces
 _COLUMNS = 5
 _BLOCK = 50_000  # samples that are read back at a time: 2 MB
 _EARLY = 0.01  # share of the run after which its size is known well enough to compare it with the disk
+_LARGE = 1e8  # bytes, and twice as many each time, after which it is compared anyway
+_SHARE = 0.25  # of the memory: the longest history that a user can still look at
 
 
 class Kept(NamedTuple):
@@ -39,7 +41,8 @@ class HistoryFile:
     The file is removed when this is closed or no longer used, unless it `stays` for runs that go on. A checkpoint holds how many
     samples there were and their checksum; a run that goes on drops later ones. A full disk does not end the
     run: `problem` says so, and later samples are not recorded. Raises SceneError, early in a run of `until`
-    transits, if all of it (here and once more in the file for the user) will not fit on the disk.
+    transits, if all of it (here and once more in the file for the user) will not fit on the disk, or would fill a quarter of the
+    memory. Every transit is asked for from the beginning to the end of what is `kept`.
     """
 
     def __init__(self, law: Law, nodes: Array, path: Path, until: float, stays: bool = True, kept: Kept = ALL) -> None:
@@ -47,10 +50,20 @@ class HistoryFile:
         self.path, self.problem = path, ""
         self._kept, self._seen = kept, 0
         self._until = min(until, kept.end)
-        self._judged = kept.begin >= self._until
+        self._judged, self._large = kept.begin >= self._until, _LARGE
+        self._reached = 0.0
         self._samples, self._checksum = 0, 0
         self._file: BinaryIO | None = None
         self._remove = None if stays else weakref.finalize(self, path.unlink, missing_ok=True)
+
+    @property
+    def whole_from(self) -> float:
+        """As `slipwave.observe.follow.Spanning`."""
+        return self._kept.begin if self._reached <= self._kept.end else math.inf
+
+    def expect(self, samples: float) -> None:
+        """Raises SceneError if so many samples, before they are thinned, are too many."""
+        self._require_room(samples / self._kept.every * _COLUMNS * 8)
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
@@ -59,11 +72,14 @@ class HistoryFile:
         rows = rows[(rows[:, 0] >= self._kept.begin) & (rows[:, 0] <= self._kept.end)]
         self._keep(rows[-self._seen % self._kept.every :: self._kept.every])
         self._seen += len(rows)
-        reached = float(pieces.time[-1] + pieces.length[-1])
-        share = (reached - self._kept.begin) / (self._until - self._kept.begin)
-        if not self._judged and share > _EARLY:
+        self._reached = float(pieces.time[-1] + pieces.length[-1])
+        share = (self._reached - self._kept.begin) / (self._until - self._kept.begin)
+        if self._bytes > self._large:
+            self._large *= 2.0
+            self._require_room(self._bytes)
+        elif not self._judged and share > _EARLY:
             self._judged = True
-            self._require_room(2.0 * self._bytes / min(share, 1.0) - self._bytes)
+            self._require_room(self._bytes / min(share, 1.0))
 
     def state(self) -> dict[str, Array]:
         """How many samples are on the disk, and their checksum."""
@@ -71,6 +87,7 @@ class HistoryFile:
             self._attempt(lambda: os.fsync(self._opened().fileno()))
         return {
             "samples": np.array([self._samples, self._checksum, self._seen], dtype=np.int64),
+            "reached": np.array(self._reached),
             "kept": np.array(self._kept, dtype=float),
         }
 
@@ -79,6 +96,7 @@ class HistoryFile:
         kept = Kept(*state["kept"].tolist())
         if kept != self._kept:
             raise SceneError(f"{self._label} keeps {_in_words(kept)}; this run asks for {_in_words(self._kept)}")
+        self._reached = float(state["reached"])
         samples, checksum, self._seen = (int(number) for number in state["samples"])
         try:
             self._file = self.path.open("r+b")
@@ -150,14 +168,26 @@ class HistoryFile:
             yield np.frombuffer(self._opened().read(count * _COLUMNS * 8)).reshape(count, _COLUMNS)
             left -= count
 
-    def _require_room(self, further: float) -> None:
-        free = shutil.disk_usage(self.path.parent).free
+    def _require_room(self, expected: float) -> None:
+        """Raises SceneError if a history of so many bytes is too large."""
+        further, free = 2.0 * expected - self._bytes, shutil.disk_usage(self.path.parent).free
+        most = _SHARE * _memory()
         if further > free:
-            raise SceneError(
-                f'run.record: "interface" would take {further / 1e9:.2g} GB more of the disk of {str(self.path.parent)!r}, '
-                f"which has {free / 1e9:.2g} GB left; shorten the run, record events only, or keep fewer samples by --every N or "
-                "--window A:B"
-            )
+            disk = f"the disk of {str(self.path.parent)!r}, which has {free / 1e9:.2g} GB left"
+            problem = f"would take {further / 1e9:.2g} GB more of {disk}"
+        elif expected > most:
+            problem = f"would take {expected / 1e9:.2g} GB, more than a quarter of the memory, {most / 1e9:.2g} GB"
+        else:
+            return
+        raise SceneError(
+            f'run.record: "interface" {problem}; shorten the run, record events only, or keep fewer samples by --every N or '
+            "--window A:B"
+        )
+
+
+def _memory() -> float:
+    """Bytes of the machine's memory."""
+    return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
 
 
 def _in_words(kept: Kept) -> str:

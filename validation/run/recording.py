@@ -30,12 +30,14 @@ FIELD_WINDOW = 100.0
 
 class Wanted(NamedTuple):
     """What a run is asked to keep: the history of the `interface` and the last `fields`, as the scene's `record` says where None;
-    which samples of the history, and in which file during the run (default: a temporary one)."""
+    which samples of the history, and in which file during the run (default: a temporary one). `shortest` is the length (transits)
+    of the run that is known if its end is not."""
 
     interface: bool | None = None
     fields: bool | None = None
     kept: Kept = ALL
     samples: Path | None = None
+    shortest: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -123,7 +125,15 @@ def history_for(solver: Solver, until: float, wanted: Wanted, checkpoint: Path |
         path = checkpoint.with_name(f"{checkpoint.name}.samples")
     else:
         path = wanted.samples or _temporary_samples()
-    return HistoryFile(solver.scene.law, solver.nodes, path, until, stays=checkpoint is not None, kept=wanted.kept)
+    until, kept = min(until, wanted.shortest), wanted.kept
+    history = HistoryFile(solver.scene.law, solver.nodes, path, until, stays=checkpoint is not None, kept=kept)
+    try:
+        length = solver.transits_per_piece
+        history.expect((min(until, kept.end) - kept.begin) / length * solver.nodes.size if length > 0.0 else 0.0)
+    except SceneError:
+        history.close()
+        raise
+    return history
 
 
 def _temporary_samples() -> Path:
