@@ -42,7 +42,8 @@ class FullWave(Family):
     """A family on a grid; functions take the number after the colon (0 if there is none).
 
     `order_bulk` is the order of the fields inside a slab, `order_interface` that of every output at the interface (for elements a
-    lower bound); `points` is the number of nodes per cell. `implicit_state`: friction's state does not limit the step.
+    lower bound), `order_at_best` the highest that an output may have (if not given, the same); `points` is the number of nodes per
+    cell. `implicit_state`: friction's state does not limit the step.
     `conserves`: the ledger closes to rounding, otherwise the scheme dissipates at its order. `cells` and `cfl` are defaults;
     `cfl`, at most 1, is in units of `step`. `attacks` and `ladder`, by number, are the members that the studies try."""
 
@@ -52,6 +53,7 @@ class FullWave(Family):
     tolerances: tuple[float, float] = (1e-12, 0.1)  # below, rounding hides the differences between grids
     order_bulk: Callable[[int], int] = lambda p: 2
     order_interface: Callable[[int], int] = lambda p: 2
+    order_at_best: Callable[[int], int] | None = None
     points: Callable[[int], int] = lambda p: 1
     implicit_state: bool = False
     conserves: bool = False
@@ -130,6 +132,7 @@ ELEMENTS = FullWave(
     pens={None: Pen("full wave, elements", "#009e73", "-", "^")},
     order_bulk=lambda p: p + p % 2,
     order_interface=lambda p: p + 1,
+    order_at_best=lambda p: 2 * p,
     points=lambda p: p,
     cells=8,
     attacks={1: AttackCells(12, 64), 4: AttackCells(3, 8)},
@@ -147,6 +150,7 @@ GALERKIN = FullWave(
     pens={None: Pen("full wave, Galerkin", "#111111", "-", "o")},
     order_bulk=lambda p: p + 1,
     order_interface=lambda p: p + 1,
+    order_at_best=lambda p: 2 * p,
     points=lambda p: p + 1,
     cells=4,
     cfl=0.75,

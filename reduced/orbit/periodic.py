@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 from reduced.orbit.closing import Closed, close
-from reduced.orbit.figures import amplitude, figures_of
+from reduced.orbit.figures import amplitude, figures_of, unresolved
 from reduced.orbit.multipliers import Multipliers, multipliers
 from slipwave.errors import NumericsError
 from slipwave.observe.orbit import Estimate, Orbit
@@ -15,7 +15,10 @@ FINER = 1.5
 """Ratio of the steps of two meshes whose figures are compared."""
 
 _MOST_MESHES = 6
-_ROUNDING = 1e-13  # relative error below which two meshes agree by chance
+_TO_ROUNDING = 0.0  # residual at which Newton's method ends, if it shrinks so far
+_LEAST_GAIN = 4.0  # a mesh that is finer by FINER reduces the errors of a period at least so far; by 16 to 200 where smooth
+_ROUNDING = 1e-12  # relative differences below this may be rounding errors, which no mesh reduces
+_LEAST_ERROR, _LEAST_PERIOD_ERROR = 1e-13, 3e-14  # relative; smaller differences are chance
 _LEAST_AMPLITUDE = 1e-3  # of ln v; smaller orbits are steady sliding up to the accuracy that is asked for
 
 
@@ -35,17 +38,19 @@ def periodic_orbit(
 ) -> PeriodicOrbit:
     """The orbit near `state` and `period` (transits) with relative errors of all figures below `tolerance`.
 
-    The mesh is refined by `FINER` until two of them agree. A finer mesh of s nodes in a step has at least an order s, so that its
-    error is estimated by the difference over FINER^s - 1.
+    The mesh is refined by `FINER` until two of them agree, each solved to rounding errors: from the coarse mesh's orbit, where a
+    residual that is merely small lets Newton's method take no step, the difference would be zero. An error is estimated by a
+    quarter of the difference, or twice a difference that rounding errors may have made. Errors of extrema depend on where in its
+    step an extremum lies, so that a difference is small by chance: what the polynomials there leave out is an estimate besides.
 
     Raises NumericsError if no orbit is found, or if the one found is steady sliding.
     """
-    fine = _moving(close(flow, state, period))
+    fine = _moving(close(flow, state, period, _TO_ROUNDING))
     for mesh in range(_MOST_MESHES):
         if progress is not None:
             progress(f"mesh {mesh + 2}, {fine.flow.size} values of the state")
         finer, start = fine.flow.remeshed(fine.cycle, FINER)
-        coarse, fine = fine, _moving(close(finer, start, fine.cycle.period))
+        coarse, fine = fine, _moving(close(finer, start, fine.cycle.period, _TO_ROUNDING))
         orbit = _estimates(coarse, fine)
         settled = relative_error(orbit) < tolerance
         if settled:
@@ -63,11 +68,15 @@ def _moving(closed: Closed) -> Closed:
 
 
 def _estimates(coarse: Closed, fine: Closed) -> Orbit:
-    before, now = figures_of(coarse), figures_of(fine)
-    share = FINER**fine.flow.nodes.size - 1.0
-    return Orbit(
-        **{name: Estimate(value, max(abs(value - before[name]) / share, _ROUNDING * abs(value))) for name, value in now.items()}
-    )
+    before, now, left_out = figures_of(coarse), figures_of(fine), unresolved(fine)
+    return Orbit(**{name: Estimate(value, max(_error(name, value, before[name]), left_out[name])) for name, value in now.items()})
+
+
+def _error(name: str, value: float, before: float) -> float:
+    """By the difference of a figure on two meshes."""
+    difference, size = abs(value - before), abs(value)
+    least = _LEAST_PERIOD_ERROR if name == "period" else _LEAST_ERROR
+    return max(difference / _LEAST_GAIN, min(2.0 * difference, _ROUNDING * size), least * size)
 
 
 def relative_error(orbit: Orbit) -> float:

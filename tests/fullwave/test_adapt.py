@@ -119,10 +119,28 @@ def test_estimate_of_a_slow_series_is_more_than_its_last_difference(monkeypatch)
         def __init__(self, scene, cells):
             self.cells = cells
 
-    monkeypatch.setattr("fullwave.adapt._probe", lambda solver: _Outcome("cycles", np.array([1.0 + 1.0 / solver.cells])))
+    monkeypatch.setattr("fullwave.adapt.probe", lambda solver: _Outcome("cycles", np.array([1.0 + 1.0 / solver.cells])))
     _, choice = to_tolerance(SCENES["alike"], 0.02, Slow)
     assert choice.error_estimate == pytest.approx(1.0 / choice.cells, rel=0.15)
     assert choice.error_estimate <= 0.02
+
+
+@pytest.mark.parametrize(("credited", "cells", "estimate"), [(np.inf, 8, 1e-4), (6.0, 8, 0.04 / 1.5**6), (2.0, 18, 2.733e-3)])
+def test_a_difference_that_is_small_by_chance_proves_nothing(monkeypatch, credited, cells, estimate):
+    """Values that differ from grid to grid by 0.08, 0.04, 1e-4, 4.1e-3 and 0: no refinement of order 2 gains a factor of 400, none
+    of order 6 more than 1.5^6. At order 2 the estimate is half as much again."""
+    values = {2: 1.124, 3: 1.044, 5: 1.004, 8: 1.0041, 12: 1.0, 18: 1.0}
+
+    class Series:
+        model, step, settings = "series", 1.0, {}
+
+        def __init__(self, scene, cells):
+            self.cells = cells
+
+    monkeypatch.setattr("fullwave.adapt.probe", lambda solver: _Outcome("cycles", np.array([values[solver.cells]])))
+    _, choice = to_tolerance(SCENES["alike"], 7e-3, Series, credited)
+    assert choice.cells == cells
+    assert choice.error_estimate == pytest.approx(estimate, rel=2e-2)
 
 
 @pytest.mark.parametrize(
@@ -139,7 +157,7 @@ def test_estimate_of_a_slow_series_is_more_than_its_last_difference(monkeypatch)
 def test_a_default_grid_is_judged_by_its_own_probe(monkeypatch, fine, coarse, quantity, error):
     """Relative to the values on the finer grid."""
     outcomes = {name: found and _Outcome(found[0], np.array(found[1])) for name, found in (("fine", fine), ("coarse", coarse))}
-    monkeypatch.setattr("fullwave.adapt._probe", lambda solver: outcomes[solver.model])
+    monkeypatch.setattr("fullwave.adapt.probe", lambda solver: outcomes[solver.model])
     solvers = [SimpleNamespace(model=name, step=step, settings={}) for name, step in (("fine", 0.1), ("coarse", 0.15))]
     found = judge_grid(12, *solvers)
     assert (found.cells, found.step, found.quantity) == (12, 0.1, quantity)

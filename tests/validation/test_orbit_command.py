@@ -152,16 +152,43 @@ def test_beside_the_orbit_of_a_run_the_others_are_named_if_asked_for(monkeypatch
     assert found.notes[-1].endswith(": it was followed to 6" if others else ": --others looks for them")
 
 
-@pytest.mark.parametrize(("near", "s", "other", "word"), [(5.9, 0.2, 0.8, "stable"), (5.1, 0.8, 0.2, "unstable")])
-def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word):
-    """Two orbits coexist at p = -0.16, known in closed form."""
+@pytest.mark.parametrize(
+    ("near", "s", "other", "word", "on_branch", "own"),
+    [
+        (5.9, 0.2, 0.8, "stable", (0.2, 0.8), None),
+        (5.1, 0.8, 0.2, "unstable", (0.2, 0.8), None),
+        (5.1, 0.8, 0.2, "unstable", (0.2, 0.8), 0.8),
+        (5.1, 0.8, 0.2, "unstable", (0.2,), 0.8),
+        (5.9, 0.2, 0.8, "stable", (0.2,), 0.8),
+        (5.1, 0.8, None, "", (), 0.8),
+        (5.1, 0.8, None, "", None, 0.8),
+    ],
+)
+def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_branch, own):
+    """Two orbits coexist at p = -0.16, known in closed form: on a branch, if one is known, and where the run leads to. The
+    run's motion does not return to others."""
     flow = FlowByHand(SUBCRITICAL, -0.16)
-    both = [close(flow, 1.01 * SUBCRITICAL.state(size), SUBCRITICAL.period(size)) for size in (0.2, 0.8)]
-    monkeypatch.setattr(at_scene, "_primary", lambda *_: Primary(both, "it was followed"))
+    guesses = {size: (flow, 1.01 * SUBCRITICAL.state(size), SUBCRITICAL.period(size)) for size in (0.2, 0.8)}
+
+    def given(orbits):
+        """What is known, or an error if nothing is."""
+        if orbits is None:
+            raise NumericsError("none is known")
+        return orbits
+
+    monkeypatch.setattr(
+        at_scene, "_primary", lambda *_: Primary([close(*guesses[size]) for size in given(on_branch)], "it was followed")
+    )
+    monkeypatch.setattr(at_scene, "moving", lambda *_: None)
+    monkeypatch.setattr(at_scene, "orbits_near", lambda *_: given(None))
+    monkeypatch.setattr(
+        at_scene, "find_orbit", lambda *_: OrbitFound(given(own and periodic_orbit(*guesses[own])), 1e-8, "from the run", 0.1)
+    )
     found = at_scene.orbit_of("by hand", flow.scene, 1e-8, near=near)
     assert found.found.orbit.period.value == pytest.approx(SUBCRITICAL.period(s), rel=1e-10)
     assert found.found.multipliers.stable is (s == 0.8)
-    assert f"have the periods {SUBCRITICAL.period(other):.7g} ({word})" in "".join(found.notes)
+    assert (found.source == "from the run") is (s == own and s not in (on_branch or ()))
+    assert [one.told for one in found.others] == ([f"{SUBCRITICAL.period(other):.7g} ({word})"] if other else [])
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from reduced.orbit.approach import Guess
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable, is_decided
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
 from validation.registry.flows import moving
 from validation.registry.orbits import OrbitFound, Other, find_orbit, orbits_near, refined
@@ -58,20 +58,37 @@ def _told(known: "Primary") -> str:
 
 
 def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near: float) -> OrbitFound:
-    """The orbit of the primary branch with the period nearest to `near`; if it has none of this number of cycles, or is not known
-    so far, the nearest of those to which the scene's own motion returns."""
+    """The orbit with the period nearest to `near` among the run's own and those of the primary branch; if that branch has none of
+    this number of cycles, or is not known so far, also among those to which the scene's own motion returns."""
     from validation.branches.primary import Primary
 
-    began, source = time.perf_counter(), _FROM_BRANCH
+    began, own, failed = time.perf_counter(), _own(model, scene, tolerance, cells), None
     try:
         known = _primary(model, scene, cells, near + _LONGER)
     except NumericsError:
         known = Primary([], "")
+    source = dict.fromkeys(map(id, known.orbits), _FROM_BRANCH)
     if not known.orbits or near > _SEVERAL * max(one.cycle.period for one in known.orbits):
-        returning = orbits_near(moving(model, scene, tolerance, cells), near)
-        known, source = known._replace(orbits=[*known.orbits, *returning]), _FROM_RUN
+        try:
+            known = known._replace(orbits=[*known.orbits, *orbits_near(moving(model, scene, tolerance, cells), near)])
+        except NumericsError as reason:
+            failed = reason
+    if own is not None:  # as it was found by the search for others, if it was
+        closed = own.found.closed
+        if not any(abs(one.cycle.period / closed.cycle.period - 1.0) < _SAME for one in known.orbits):
+            known, source = known._replace(orbits=[*known.orbits, closed]), source | {id(closed): own.source}
+    if failed is not None and not known.orbits:
+        raise failed
     nearest = min(known.orbits, key=lambda one: abs(one.cycle.period - near))
-    return _chosen(known, nearest, scene, tolerance, began, source)
+    return _chosen(known, nearest, scene, tolerance, began, source.get(id(nearest), _FROM_RUN))
+
+
+def _own(model: str, scene: Scene, tolerance: float, cells: int | None) -> OrbitFound | None:
+    """The orbit that the run leads to, if it leads to one in reasonable time."""
+    try:
+        return find_orbit(moving(model, scene, tolerance, cells), tolerance)
+    except (NumericsError, SceneError):
+        return None
 
 
 def _chosen(known: "Primary", one: Closed, scene: Scene, tolerance: float, began: float, source: str) -> OrbitFound:

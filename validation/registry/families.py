@@ -116,4 +116,6 @@ def _on_a_grid(family: Family, scene: "Scene", number: int | None, options: Opti
     from fullwave.adapt import resolution_for, to_tolerance
 
     steps = {"resolution": resolution_for(tolerance)} if "time" in family.options else {}
-    return Built(*to_tolerance(scene, tolerance, member, **steps, **given(options, "cfl", "time")))
+    facts = facts_of(family.name)
+    order = (facts.order_at_best or facts.order_interface)(number or 0)
+    return Built(*to_tolerance(scene, tolerance, member, order, **steps, **given(options, "cfl", "time")))
