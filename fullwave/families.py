@@ -42,7 +42,7 @@ class FullWave(Family):
     """A family on a grid; functions take the number after the colon (0 if there is none).
 
     `order_bulk` is the order of the fields inside a slab, `order_interface` that of every output at the interface (for elements a
-    lower bound), `order_at_best` the highest that an output may have (if not given, the same); `points` is the number of nodes per
+    lower bound), `order_at_best` the highest that one may have (if not given, the same); `points` is the number of nodes in a
     cell. `implicit_state`: friction's state does not limit the step.
     `conserves`: the ledger closes to rounding, otherwise the scheme dissipates at its order. `cells` and `cfl` are defaults;
     `cfl`, at most 1, is in units of `step`. `attacks` and `ladder`, by number, are the members that the studies try."""

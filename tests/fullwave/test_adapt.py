@@ -127,8 +127,8 @@ def test_estimate_of_a_slow_series_is_more_than_its_last_difference(monkeypatch)
 
 @pytest.mark.parametrize(("credited", "cells", "estimate"), [(np.inf, 8, 1e-4), (6.0, 8, 0.04 / 1.5**6), (2.0, 18, 2.733e-3)])
 def test_a_difference_that_is_small_by_chance_proves_nothing(monkeypatch, credited, cells, estimate):
-    """Values that differ from grid to grid by 0.08, 0.04, 1e-4, 4.1e-3 and 0: no refinement of order 2 gains a factor of 400, none
-    of order 6 more than 1.5^6. At order 2 the estimate is half as much again."""
+    """Values that differ from grid to grid by 0.08, 0.04, 1e-4, 4.1e-3 and 0. No refinement of order 2 gains a factor of 400, nor
+    one of order 6 more than 1.5^6. At order 2 the estimate is half as much again."""
     values = {2: 1.124, 3: 1.044, 5: 1.004, 8: 1.0041, 12: 1.0, 18: 1.0}
 
     class Series:

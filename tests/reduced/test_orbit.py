@@ -249,8 +249,8 @@ def test_errors_hold_the_truth_wherever_in_its_step_an_extremum_lies():
 
 
 def test_a_mesh_is_solved_on_although_the_coarser_one_s_orbit_nearly_closes_on_it():
-    """Meshes shift the parameter by 2e-13 (12/steps)^2: the residual on the next one is below what ends Newton's method otherwise, and
-    both periods would be the same."""
+    """Meshes shift the parameter by 2e-13 (12/steps)^2. The residual on the next one is below what ends Newton's method else,
+    and both periods would be the same."""
 
     class Shifted(FlowByHand):
         def march(self, start, period):
