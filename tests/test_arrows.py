@@ -25,8 +25,8 @@ ORDER = {
     "reduced": "families commensurate parameters delay impedance ode stability closed_forms flows orbit continuation",
     "fullwave": "families options sampling operators leapfrog lines fields * adapt",
     "validation": (
-        "output run measure references registry study branches work_precision studies orbit_speed wave_race report benchmark "
-        "door commands cli"
+        "output run measure references registry study branches work_precision studies orbit_speed error_bars wave_race report "
+        "benchmark door commands cli"
     ),
 }
 """What a room is made of; each may import those named before it. A star stands for all others: the families of full waves."""
