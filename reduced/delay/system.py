@@ -15,7 +15,7 @@ _ALIGNED = 1e-7  # of a step: ignoring a kink this close to a step's end causes 
 
 def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
     """The solver of the delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless
-    ones. If equal steps cannot end on the jumps and kinks, steps follow these (`DelayBreaks`), which is far more expensive.
+    ones. If equal steps cannot end on the jumps and kinks, steps follow these (`DelayBreaks`), hundreds in a transit.
 
     For alike plain slabs it can leap over long sticks. For a scene that records nothing and does not start on its orbit, only the
     state at the end is accurate (`Delay`, emit=False). Raises SceneError for viscous slabs.

@@ -30,7 +30,7 @@ from slipwave.scene.slab import GripFace, MachineFace, ReflectingFace, Slab
 NODES = 12
 SAME = 1e-9
 RESOLVED = 3e-12
-SHORT, NOISE = 1e-4, 1e-8  # so short a step with so large an error adds 1e-12
+SHORT, NOISE, ADDS = 1e-4, 1e-8, 1e-13  # so short a step may have so large an error or one that adds so little
 STEEPEST = 4.0
 POINTS, WEIGHTS = (0.5 * (x + o) for x, o in zip(legendre.leggauss(NODES), (1.0, 0.0), strict=True))
 VANDER = legendre.legvander(2.0 * POINTS - 1.0, NODES - 1)
@@ -192,7 +192,7 @@ class Plain:
             while waiting:
                 start, stop = waiting.pop()
                 if not self.step(start, stop - start):
-                    assert stop - start > 1e-7, f"plain network: not resolved at t = {start}"
+                    assert stop - start > 1e-8, f"plain network: not resolved at t = {start}"
                     middle = 0.5 * (start + stop)
                     waiting += [(middle, stop), (start, middle)]
                     usual = 0.5 * (stop - start)
@@ -238,7 +238,7 @@ class Plain:
         resolved = [z, psi, self.impedance / self.a * v]
         resolved += [self.impedance / (self.a * side.e[-1]) * side.fresh[1][-1] for side in self.sides if not side.rigid]
         tails = [np.abs(values[0] @ COEFFICIENTS[-2:].T).max() for values in resolved]
-        if max(tails) > (RESOLVED if length > SHORT else NOISE) or length * slope[0].max() > STEEPEST:
+        if max(tails) > (RESOLVED if length > SHORT else max(NOISE, ADDS / length)) or length * slope[0].max() > STEEPEST:
             return False
         mu = push - self.impedance * v
         for side, wave in zip(self.sides, entered, strict=True):

@@ -172,6 +172,12 @@ def test_break_points_are_the_arrivals_of_the_jump_and_no_others(name, one_way):
     assert solver.break_points == len(arrivals)
 
 
+def test_more_break_points_than_can_be_stored_are_refused(monkeypatch):
+    monkeypatch.setattr("reduced.delay.break_points._RING", 40)
+    with pytest.raises(NumericsError, match=r"delay: more than 40 break points within a travel time at t = \d+\.\d+ transits"):
+        follow(delay_system(read("unlike-irrational", ['start.kind="jump"'])), 30.0)
+
+
 @pytest.mark.parametrize("name", ["yardstick", "unlike", "grip", "layered"])
 def test_break_points_found_by_measure_equal_those_on_the_grid(name):
     scene = read(name, ['start.kind="jump"', "start.size=0.05"])

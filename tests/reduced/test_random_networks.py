@@ -5,6 +5,9 @@ import numpy as np
 import pytest
 
 from reduced.delay.network import DelayNetwork
+from reduced.delay.system import delay_system
+from slipwave.observe import follow
+from slipwave.observe.pieces import SAME
 from slipwave.step.guess import NOT_SMOOTH
 from tests.reduced.plain_network import break_points
 from tests.reduced.random_networks import ALLOWED, judge, random_network
@@ -41,3 +44,28 @@ def test_every_break_point_is_the_end_of_a_step_after_every_refinement(seed):
     expected = break_points(scene, 16.0)[1:]
     assert expected.size > 10
     assert np.abs(np.array(ends)[np.searchsorted(ends, expected - 1e-9)] - expected).max() < 1e-9
+
+
+@pytest.mark.parametrize("seed", [0, 1, 3, 4])
+def test_a_march_resumed_at_an_awkward_moment_equals_the_uninterrupted_one(seed):
+    """Right after the steps became shorter, and at every knot of V; to the bit, whatever the chunks. (The count of iterations,
+    the last of `counts`, depends on the chunks: a step that is rejected last in one is tried again in the next.)"""
+    scene, tolerance, _ = random_network(seed)
+    straight, solver = (delay_system(scene, tolerance) for _ in range(2))
+    follow(straight, 25.0)
+    moments, steps = [], solver.steps
+    while solver.time < 25.0 - SAME:
+        solver.advance(solver.time + 1e-6)
+        if solver.steps != steps or np.abs(np.array(scene.drive.knots) - solver.time).min() < SAME:
+            moments.append((solver.time, solver.state()))
+        steps = solver.steps
+    assert len(moments) > 1
+    for time, state in moments:
+        again = delay_system(scene, tolerance)
+        again.restore(state)
+        assert again.time == time
+        if time < 25.0 - SAME:
+            follow(again, 25.0)
+        for one in (again.state(), solver.state()):
+            one["counts"][-1] = straight.state()["counts"][-1]
+            assert all(np.array_equal(one[label], kept) for label, kept in straight.state().items())
