@@ -3,7 +3,10 @@ advances by the same angle from cycle to cycle,
 
     x_n = sum over k of c_k exp(2 pi i k rho n),     c_-k = conj(c_k),
 
-with the rotation number rho. Chaos has no such description, whatever the number of terms."""
+with the rotation number rho. Chaos has no such description, whatever the number of terms. A decay has one with a phase so slow
+that it does not come round, or with amplitudes c_k that change: therefore the frequencies must be so far apart that the cycles
+can tell them from each other and from a constant, and the amplitude must stay what it is.
+"""
 
 from typing import NamedTuple
 
@@ -11,41 +14,104 @@ import numpy as np
 
 from slipwave.observe.pieces import Array
 
-_FEWEST = 16
-_MOST_HARMONICS = 6
+MANY = 16
+"""The fewest cycles that show what never repeats."""
+
+MOST_HARMONICS = 12
+"""That are ever used."""
+
 _CYCLES_PER_TERM = 4  # so that noise is not fitted: a term has an amplitude and a phase
 _GRID = 16  # trial frequencies in the width of a peak
-_NEAR = 1e-9
+_NEAR = 1e-10
+_TURNS = 1.0  # by which the phases of two terms must part over the cycles
 
 
 class Rotation(NamedTuple):
-    """`number`: rho in (0, 1/2], the share of a turn by which the phase advances in a cycle; `misfit`: what the smooth function
-    leaves of the figure, root mean square, relative to its deviation from the mean."""
+    """`number`: rho in (0, 1/2], the share of a turn by which the phase advances in a cycle; `misfit`: what the smooth functions
+    leave of the figures, root mean square, relative to their deviation from the mean; `change`: that of the amplitude from the
+    first cycle to the last, relative to it, and its standard `error`; all of the worst figure. `terms`: how many harmonics
+    the cycles resolve, 0 if the phase does not come round; `most`: how many they would resolve of other frequencies."""
 
     number: float
     misfit: float
+    change: float
+    error: float
+    terms: int
+    most: int
 
 
-def rotation(figure: Array) -> Rotation | None:
-    """The best description of `figure` (cycles,) by one phase; None for fewer than 16 cycles or a constant figure."""
-    count, deviation = figure.size, figure - figure.mean()
-    if count < _FEWEST or not deviation.any():
+def rotation(figures: Array) -> Rotation | None:
+    """The best description of `figures` (cycles, n), or of one (cycles,), by one phase: that of the strongest oscillation of one
+    of them. None for fewer than 16 cycles or a constant figure."""
+    columns = figures.reshape(len(figures), -1)
+    if len(columns) < MANY or (np.ptp(columns, axis=0) == 0.0).any():
         return None
-    from scipy.optimize import minimize_scalar
+    found = [_follow(columns, _strongest(column)) for column in columns.T]
+    return min(found, key=lambda one: one.misfit)
 
-    terms = min(_MOST_HARMONICS, count // _CYCLES_PER_TERM)
+
+def _strongest(figure: Array) -> float:
+    """The frequency of the strongest oscillation, to a sixteenth of the width of a peak."""
+    count = figure.size
     trials = np.arange(1, _GRID * count // 2) / (_GRID * count)
-    window = np.hanning(count + 2)[1:-1]
-    strength = [abs(np.exp(-2j * np.pi * rho * np.arange(count)) @ (window * deviation)) for rho in trials]
-    start, width = float(trials[int(np.argmax(strength))]), 1.0 / (_GRID * count)
-    bounds = (max(width, start - width), min(0.5, start + width))
-    best = minimize_scalar(lambda rho: _misfit(figure, rho, terms), bounds=bounds, method="bounded", options={"xatol": _NEAR})
-    return Rotation(float(best.x), float(best.fun))
+    window = np.hanning(count + 2)[1:-1] * (figure - figure.mean())
+    return float(trials[np.argmax(np.abs(np.exp(-2j * np.pi * trials[:, None] * np.arange(count)) @ window))])
 
 
-def _misfit(figure: Array, rho: float, terms: int) -> float:
-    """What the best `terms` harmonics of the frequency `rho` leave of `figure`, relative."""
-    angles = 2.0 * np.pi * rho * np.arange(figure.size)[:, None] * np.arange(1, terms + 1)
-    basis = np.column_stack([np.ones(figure.size), np.cos(angles), np.sin(angles)])
-    left = figure - basis @ np.linalg.lstsq(basis, figure, rcond=None)[0]
-    return float(np.sqrt(np.mean(left**2)) / np.std(figure))
+def _follow(columns: Array, start: float) -> Rotation:
+    """The description by a phase whose frequency is near `start`."""
+    from scipy.optimize import OptimizeResult, minimize_scalar
+
+    count = len(columns)
+    width = 1.0 / (_GRID * count)
+
+    def best(near: float, terms: int) -> OptimizeResult:
+        bounds = (max(width, near - width), min(0.5, near + width))
+        misfit = lambda rho: _misfit(columns, _basis(count, rho, terms))  # noqa: E731
+        return minimize_scalar(misfit, bounds=bounds, method="bounded", options={"xatol": _NEAR})
+
+    first = float(best(start, 1).x)
+    resolved = _terms(first, count)
+    found = best(first, max(resolved, 1))
+    changes = [_change(column, float(found.x), max(resolved, 1)) for column in columns.T]
+    worst = max(changes, key=lambda one: abs(one[0]))
+    return Rotation(float(found.x), float(found.fun), *worst, resolved, _most(count))
+
+
+def _terms(rho: float, count: int) -> int:
+    """How many harmonics of the frequency `rho` can be told from each other, from their mirror images and from a constant."""
+    apart = _TURNS / count
+    for terms in range(1, _most(count) + 1):
+        phases = np.sort(np.arange(-terms, terms + 1) * rho % 1.0)
+        if np.diff(np.append(phases, phases[0] + 1.0)).min() < apart:
+            return terms - 1
+    return _most(count)
+
+
+def _most(count: int) -> int:
+    return min(MOST_HARMONICS, count // _CYCLES_PER_TERM)
+
+
+def _basis(count: int, rho: float, terms: int) -> Array:
+    angles = 2.0 * np.pi * rho * np.arange(count)[:, None] * np.arange(1, terms + 1)
+    return np.column_stack([np.ones(count), np.cos(angles), np.sin(angles)])
+
+
+def _misfit(columns: Array, basis: Array) -> float:
+    """What the best sums of the columns of `basis` leave of a figure, relative; of the worst one."""
+    left = columns - basis @ np.linalg.lstsq(basis, columns, rcond=None)[0]
+    return float(np.max(np.sqrt(np.mean(left**2, axis=0)) / np.std(columns, axis=0)))
+
+
+def _change(figure: Array, rho: float, terms: int) -> tuple[float, float]:
+    """Change of the amplitude over all cycles, if it is linear, beside a linear change of the phase and of the mean; and its
+    standard error. Both are relative."""
+    place, basis = np.linspace(-0.5, 0.5, figure.size), _basis(figure.size, rho, terms)
+    found = np.linalg.lstsq(basis, figure, rcond=None)[0]
+    order = np.arange(1, terms + 1)
+    ahead = np.concatenate(([0.0], order * found[1 + terms :], -order * found[1 : 1 + terms]))
+    whole = np.column_stack([place * (basis[:, 1:] @ found[1:]), place * (basis @ ahead), place, basis])
+    left = figure - whole @ np.linalg.lstsq(whole, figure, rcond=None)[0]
+    variance = left @ left / max(figure.size - whole.shape[1], 1)
+    spread = np.linalg.pinv(whole.T @ whole)
+    return float(spread[0] @ (whole.T @ figure)), float(np.sqrt(variance * spread[0, 0]))

@@ -1,18 +1,19 @@
 """The verdict on a run, from the figures of the cycles in its second half alone.
 
-    driven      V is not constant there, or it is zero: the drive causes the motion
+    driven      V changes all the time there, or it is zero: the drive causes the motion
+    protocol    V changes there, or the cycles do not repeat after it has changed: its stages are judged (`stages`)
     steady      v ends within 1e-6 of V, and either there is no event or v_max and v_min of all cycles agree within 1e-6
-    too short   fewer than 3 complete cycles, or fewer than 8 that neither repeat nor converge
+    too short   fewer than 3 complete cycles, or fewer than 16 that neither repeat nor come closer
     periodic    in the later half of the cycles (at least three), the figures of every n-th agree within 1e-3 (largest minus
-                smallest, over the mean); n is the smallest such number from 1 to 8
-    decaying,   the logarithm of the prominence falls or grows from each third of the events to the next, the second time at
-    growing     least half as fast as the first, that is, exponentially. It must change by ln 2 in all, or the motion must be so
-                small (v_max/v_min below 1.2) that it can only be exponential
-    settling    cycles change, but towards a limit: the change from one to the next at the end is at most half of that at the
-                beginning, or all figures change in one direction
-    torus       period and v_max of 16 cycles or more are smooth functions of one phase that advances by the same angle from cycle
-                to cycle, within a tenth of their spread (`torus`)
-    irregular   none of these in 8 cycles or more
+                smallest, over the mean), and do not move on by more; n is the smallest such number from 1 to 8, up to half of
+                their number if all cycles repeat
+    decaying,   the logarithm of the prominence falls or grows on a straight line, or faster: its slope does not become so
+    growing     much smaller that a limit above half of the last prominence is in sight. It must change by a fifth in all, or the
+                motion must be so small (v_max/v_min below 1.2) that it can only be exponential
+    settling    cycles still change in one direction: they come closer to each other, or drift (`drift`)
+    torus       period and v_max of 24 cycles or more are smooth functions of one phase that comes round and advances by the same
+                angle from cycle to cycle, within 4 % of their spread, with an amplitude that stays (`torus`)
+    irregular   none of these in 16 cycles or more
 
 Figures are period, stress drop, elastic stress drop, v_max and v_min.
 """
@@ -21,11 +22,14 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from slipwave.observe.drift import between_thirds, goes_on, line, still_changes
 from slipwave.observe.events import Events
 from slipwave.observe.pieces import Array
-from slipwave.observe.torus import rotation
+from slipwave.observe.torus import MANY, MOST_HARMONICS, rotation
 
-Kind: TypeAlias = Literal["steady", "decaying", "growing", "settling", "periodic", "torus", "irregular", "driven", "too short"]
+Kind: TypeAlias = Literal[
+    "steady", "decaying", "growing", "settling", "periodic", "torus", "irregular", "driven", "protocol", "too short"
+]
 
 REPEATING: tuple[Kind, ...] = ("periodic", "torus", "irregular")
 """Verdicts on motions that means over cycles represent."""
@@ -33,12 +37,20 @@ REPEATING: tuple[Kind, ...] = ("periodic", "torus", "irregular")
 WANDERING: tuple[Kind, ...] = ("torus", "irregular")
 """Verdicts on motions that go on without ever repeating."""
 
-FEWEST, ENOUGH = 3, 8
+FEWEST = 3
 REPEATS = 1e-3
 _MOST_EVENTS = 8  # in one period
 _SMALL = 1.2
+_FEW, _STRAIGHT = 8, (0.98, 0.9)  # share of the variance that is exponential, of fewer events than 8 and of others
+_CHANGED = 0.2  # in the logarithm of the prominence
+_KEEPS = 0.8  # of the rate of growth from third to third of the window
+_HALF = 0.5  # of the last prominence: the largest limit of a motion that decays
 _SLIDES = 1e-6
-_SMOOTH = 0.1  # misfit of a torus; of noise at least 0.2 in 16 cycles and 0.3 in 24, of chaos more
+_SMOOTH, _ROUND = 0.04, 24  # misfit of a torus, and its fewest cycles; of chaos 0.05 or more in these, in fewer down to 0.005
+_STAYS, _ERRORS = 0.03, 4.0  # largest change of the amplitude of a torus over its cycles, itself or in its standard errors
+_NOISE, _VAGUE = 0.3, 0.5  # misfits from which it is none: of all harmonics, of those that the cycles resolve
+_CLEAR = 0.15  # misfit below which the change of an amplitude has a meaning
+_CLOSELY = 0.01  # differences from period to period, over those within one
 
 
 class Verdict(NamedTuple):
@@ -77,20 +89,21 @@ def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: b
         return Verdict("steady", count)
     if count < FEWEST:
         return Verdict("too short", count, needed=_needed(cycles, until, FEWEST))
-    multiplicity = _multiplicity(figures[-max(FEWEST, (count + 1) // 2) :])
     change = float(np.max(np.abs(figures[-1] / figures[-2] - 1.0)))
+    multiplicity = _multiplicity(figures)
     if multiplicity:
         return Verdict("periodic", count, multiplicity, change)
     trend = _trend(prominence, float(cycles.v_max[-1] / cycles.v_min[-1]))
     if trend:
         change = float(prominence[-1] / prominence[0] - 1.0)
         return Verdict("growing" if trend > 0.0 else "decaying", count, change=change, rate=_rate(cycles))
-    if _converges(figures):
+    kind, turned = _turns(cycles)
+    if kind != "torus" and (kind == "settling" or still_changes(figures)):
         return Verdict("settling", count, change=change)
-    if count < ENOUGH:
-        return Verdict("too short", count, change=change, needed=_needed(cycles, until, ENOUGH))
-    turned = _rotation(cycles)
-    return Verdict("torus" if turned else "irregular", count, change=change, rotation=turned)
+    if count < MANY:
+        kind = "too short"
+    needed = _needed(cycles, until, max(MANY, 2 * (count >= MANY) * count)) if kind == "too short" else np.nan
+    return Verdict(kind, count, change=change, needed=needed, rotation=turned)
 
 
 def slides_at(rate: float, velocity: float) -> bool:
@@ -99,20 +112,39 @@ def slides_at(rate: float, velocity: float) -> bool:
 
 
 def _multiplicity(figures: Array) -> int | None:
-    """The smallest n for which every n-th cycle is the same, over at least two periods; None if there is none."""
-    for n in range(1, min(_MOST_EVENTS, len(figures) // 2) + 1):
-        spreads = [np.ptp(figures[k::n], axis=0) / np.abs(figures[k::n].mean(axis=0)) for k in range(n)]
-        if np.max(spreads) <= REPEATS:
-            return n
-    return None
+    """The smallest n for which every n-th cycle is the same, over at least two periods; None if there is none. Up to 8 events
+    are a period if the later half of the cycles says so; others need all cycles, and differences that are nothing beside those
+    within a period, because a torus returns as closely as it likes."""
+    count = len(figures)
+    later = figures[-max(FEWEST, (count + 1) // 2) :]
+    tried = min(_MOST_EVENTS, len(later) // 2)
+    for n in range(1, tried + 1):
+        if _apart(later, n) <= REPEATS:
+            periods = len(later) // n
+            means = later[-periods * n :].reshape(periods, n, -1).mean(axis=1)
+            return None if goes_on(means / np.abs(later.mean(axis=0)), REPEATS) else n
+    own = float(np.max(np.std(figures, axis=0) / np.abs(figures.mean(axis=0))))
+    return next((n for n in range(tried + 1, count // 2 + 1) if _apart(figures, n) <= min(REPEATS, _CLOSELY * own)), None)
+
+
+def _apart(figures: Array, n: int) -> float:
+    """The largest spread of a figure over every n-th cycle, relative."""
+    return float(max(np.max(np.ptp(figures[k::n], axis=0) / np.abs(figures[k::n].mean(axis=0))) for k in range(n)))
 
 
 def _trend(prominence: Array, ratio: float) -> float:
-    """Change of the logarithm of the prominence over the last third of the window, if it is exponential; else 0."""
-    first, second, third = (float(part.mean()) for part in np.array_split(np.log(prominence), 3))
-    early, late = second - first, third - second
-    steadily = early * late > 0.0 and abs(late) >= 0.5 * abs(early)
-    return late if steadily and (abs(np.log(prominence[-1] / prominence[0])) >= np.log(2.0) or ratio < _SMALL) else 0.0
+    """Change of the logarithm of the prominence over the window, if it is exponential; else 0."""
+    values = np.log(prominence)
+    early, late = (float(part) for part in between_thirds(values))
+    change, _, straight = line(values)
+    if early * late <= 0.0 or straight < _STRAIGHT[values.size >= _FEW] or (abs(change) < _CHANGED and ratio >= _SMALL):
+        return 0.0
+    slower = late / early
+    if late > 0.0:
+        return change if slower >= _KEEPS else 0.0
+    # x = limit + A exp(-k t) slows down by this factor; the limit over x, if x falls by `fall` meanwhile
+    fall = -0.5 * (early + late)
+    return change if 1.0 - slower <= _HALF * (1.0 - slower * np.exp(-fall)) else 0.0
 
 
 def _rate(cycles: Events) -> float:
@@ -120,19 +152,17 @@ def _rate(cycles: Events) -> float:
     return float(np.polyfit(cycles.time - cycles.time[0], np.log(cycles.elastic_stress_drop), 1)[0])
 
 
-def _converges(figures: Array) -> bool:
-    """Whether the changes from cycle to cycle shrink to half, or all figures change in one direction."""
-    steps = np.abs(np.diff(figures, axis=0) / figures[1:]).max(axis=1)
-    half = len(steps) // 2
-    one_way = [bool(np.all(np.diff(column) > 0.0) or np.all(np.diff(column) < 0.0)) for column in figures.T]
-    return bool(steps[-half:].max() <= 0.5 * steps[:half].max()) or all(one_way)
-
-
-def _rotation(cycles: Events) -> float | None:
-    """The rotation number, if period and v_max are smooth functions of the same phase; else None."""
-    found = [rotation(figure) for figure in (cycles.period, cycles.v_max)]
-    smooth = [one.number for one in found if one is not None and one.misfit < _SMOOTH]
-    return smooth[0] if len(smooth) == 2 and abs(smooth[0] - smooth[1]) < 1.0 / cycles.time.size else None
+def _turns(cycles: Events) -> tuple[Kind, float | None]:
+    """What cycles that do not repeat are by their phases, and the rotation number of a torus. They are too few if a phase has
+    hardly come round, or if more of them, hence more harmonics, may show that they follow one."""
+    found = rotation(np.column_stack([cycles.period, cycles.v_max]))
+    if found is None or found.misfit >= (_NOISE if found.terms == found.most else _VAGUE):
+        return "irregular", None
+    if found.terms and found.misfit < _CLEAR and abs(found.change) > max(_STAYS, _ERRORS * found.error):
+        return "settling", None
+    if found.misfit < _SMOOTH and found.terms and cycles.time.size >= _ROUND:
+        return "torus", found.number
+    return "irregular" if found.misfit >= _SMOOTH and found.terms == MOST_HARMONICS else "too short", None
 
 
 def _needed(cycles: Events, until: float, wanted: int) -> float:

@@ -18,6 +18,11 @@ class Judged(NamedTuple):
     prominence: Array
     over: bool
 
+    @property
+    def complete(self) -> Array:
+        """The prominence of the events whose falls are over."""
+        return self.prominence if self.over else self.prominence[:-1]
+
 
 def judge(swings: Array, floor: float, after: float) -> Judged:
     """The events from `after` (transits) on among the `swings` of a run: falls of at least SHARE of the largest one, and `floor`.

@@ -21,7 +21,7 @@ from validation.registry.build import build_all
 from validation.registry.families import one_port_of
 from validation.run.difference import in_json
 from validation.run.length import Until, length_of, second_half
-from validation.run.simulate import Run, RunInterrupted, simulate
+from validation.run.simulate import Run, RunInterrupted, reconsidered, simulate
 from validation.study.drawing import Drawing, canvas, styled
 from validation.work_precision import warm
 
@@ -137,7 +137,7 @@ def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tup
     for solver in sorted(solvers, key=lambda solver: solver is not first):
         observer = CycleObserver(solver)
         try:
-            run = simulate(solver, length, [observer], most_seconds=most)
+            run = reconsidered(simulate(solver, length, [observer], most_seconds=most), one_port_of(solver.model))
         except RunInterrupted as stop:
             run, stopped = stop.run, f"model {solver.model}"
         found[solver.model] = run, observer.cycle(second_half(solver, run.until))

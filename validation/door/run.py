@@ -24,7 +24,7 @@ from validation.run.length import Length, length_of, require_cycles
 from validation.run.parting import exponent_of, require_constant
 from validation.run.recording import Records, Wanted, records_of
 from validation.run.resuming import time_between
-from validation.run.simulate import Run, RunInterrupted, simulate
+from validation.run.simulate import Run, RunInterrupted, reconsidered, simulate
 from validation.run.steps_of_drive import costly_steps
 from validation.run.window import Window, kept_of
 
@@ -138,7 +138,8 @@ def _tell(built: Built) -> None:
 def _march(solver: Solver, length: Length, records: Records, most: float) -> tuple[Run, bool]:
     """The run, and whether the user stopped it."""
     try:
-        return simulate(solver, length, records.observers, most, records.watch, records.marks), False
+        done = simulate(solver, length, records.observers, most, records.watch, records.marks)
+        return reconsidered(done, one_port_of(solver.model)), False
     except RunInterrupted as stop:
         return stop.run, True
 

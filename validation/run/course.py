@@ -66,4 +66,4 @@ class Course:
         """On the second half of what was run, which begins at `half` (transits)."""
         drive, end = self.solver.scene.drive, 2.0 * half
         slides = self.final is not None and slides_at(math.exp(self.final.ln_v), drive.at(end))
-        return judge_motion(self.watch.events(half), self.watch.judge(half).prominence, drive.rests_from(half), slides, end)
+        return judge_motion(self.watch.events(half), self.watch.judge(half).complete, drive.rests_from(half), slides, end)

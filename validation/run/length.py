@@ -12,7 +12,8 @@ from typing import Literal, NamedTuple, Protocol, TypeAlias
 
 from slipwave.errors import SceneError
 from slipwave.observe import Events, Solver, Verdict, summarise
-from slipwave.observe.verdict import ENOUGH, REPEATS
+from slipwave.observe.torus import MANY
+from slipwave.observe.verdict import REPEATS
 from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
 from validation.run.outlook import Outlook, outlook
@@ -28,11 +29,13 @@ LONGEST = 1e9
 
 MOST_CYCLES = 1_000_000
 
+LEFT = 40.0
+"""Growth times in which rounding alone leaves steady sliding."""
+
 _FIRST = 16.0  # expected cycles, half of them judged
 _LONGER = 1.25  # from one look to the next
 _DIES_OUT = 16.0  # decay times until 1e-7 of a disturbance is left
-_LEFT = 40.0  # growth times in which rounding alone leaves steady sliding
-_MANY = 16  # cycles that never repeat: a half has enough of them for margins
+_ENOUGH = 8  # cycles that repeat
 _STEP = 1.02  # from one look for cycles to the next, if a cycle is shorter
 
 
@@ -125,13 +128,13 @@ class UntilSettled:
             case "driven":
                 return True
             case "steady":
-                return self.expected.stable is not False or self.expected.rate * now.until > _LEFT
+                return self.expected.stable is not False or self.expected.rate * now.until > LEFT
             case "decaying":
                 return self.expected.stable is not False
             case "periodic":
-                return now.verdict.cycles >= max(ENOUGH, 2 * (now.verdict.multiplicity or 1)) and halves_agree(now)
+                return now.verdict.cycles >= max(_ENOUGH, 2 * (now.verdict.multiplicity or 1)) and halves_agree(now)
             case "torus" | "irregular":
-                return now.verdict.cycles >= _MANY and halves_agree(now)
+                return now.verdict.cycles >= MANY and halves_agree(now)
         return False
 
 

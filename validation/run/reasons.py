@@ -22,7 +22,7 @@ def reasons(run: Run, model: str) -> list[str]:
         return []
     if verdict.repeats:
         return _on_spreads(run)
-    if verdict.kind not in ("steady", "decaying", "growing", "too short") or scene.drive.velocities[-1] == 0.0:
+    if verdict.kind not in ("steady", "decaying", "growing", "settling", "too short") or scene.drive.velocities[-1] == 0.0:
         return []
     final = scene if scene.drive.is_constant else scaled(scene, velocity=scene.drive.velocities[-1])
     found = analyse(final, model)

@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from slipwave.errors import NumericsError
 from slipwave.observe import Energy, EventObserver, Events, Final, RunStatistics, Solver, Verdict, summarise
@@ -11,7 +11,8 @@ from slipwave.observe.follow import Mark, Observer
 from slipwave.observe.foresight import DAY
 from slipwave.observe.verdict import Kind
 from validation.run.course import Course
-from validation.run.length import Ended, Length, Until
+from validation.run.length import LEFT, Ended, Length, Until
+from validation.run.outlook import outlook
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,18 @@ def simulate(
     if stopped:
         raise RunInterrupted(done)
     return done
+
+
+def reconsidered(run: Run, model: str) -> Run:
+    """`run`, whose verdict is not that of a lasting motion if steady sliding is unstable: what decays is then a transient that
+    growing disturbances follow, and what still slides steadily has not had the time in which rounding alone would have left it.
+    `model` is one with the one-port of the model that ran."""
+    if run.kind not in ("steady", "decaying") or run.verdict is None or outlook(run.solver.scene, model).stable is not False:
+        return run
+    if run.kind == "decaying":
+        return replace(run, verdict=run.verdict._replace(kind="settling", rate=math.nan))
+    grown = LEFT / outlook(run.solver.scene, model).rate
+    return run if run.until > grown else replace(run, verdict=run.verdict._replace(kind="too short", needed=2.0 * grown))
 
 
 def _result(course: Course, wall_s: float, failed: str) -> Run:
