@@ -45,9 +45,9 @@ class LeapingDelay(Delay):
         self._next_try, self._pause = math.ceil(NUDGE_CENTRE + NUDGE_REACH), _PAUSE
         self.skipped = 0
 
-    def leap(self, until: float, end: float) -> Pieces:
-        """As `Leaping`."""
-        while not self._waiting.time.size:
+    def leap(self, until: float, end: float, gaps: bool) -> Pieces:
+        """As `Leaping`; never with long pieces."""
+        while gaps and not self._waiting.time.size:
             now = self._memory.now[TIME]
             if not (self._past.number.size and self._past.number[-1] == now - 1.0):
                 self._past = self._nothing()

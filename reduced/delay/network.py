@@ -137,12 +137,16 @@ class DelayNetwork(DelayMarch):
         if not self._lines.divisor:  # no step has to end on a multiple of the span
             self._origin, self._done = self.time, 0
         self._require_room(verdict)
-        old, before, count = self._memory, self._length, self._count
+        before, count = self._length, self._count
         self._count = self._finer()
         self._done = self._done * self._count // count
-        self._network = self._compile(self._length)
+        self._resample(before, self._length)
+
+    def _resample(self, before: float, length: float) -> None:
+        """Go on with steps of `length` after steps of the length `before`."""
+        old, self._network = self._memory, self._compile(length)
         ring, wanted = old.waves.shape[2], int(self._network.back.max()) + 1
-        past, new = (TransitMesh(n, np.full(n, h), h * np.arange(-n, 0)) for n, h in ((ring, before), (wanted, self._length)))
+        past, new = (TransitMesh(n, np.full(n, h), h * np.arange(-n, 0)) for n, h in ((ring, before), (wanted, length)))
         waves = past.resample(np.roll(old.waves, -int(old.cursor[0]), axis=2), self.nodes, new)
         guess = np.repeat([[old.now[PSI]], [float(old.guess[1, 0])]], self._stages, axis=1)
         self._memory = NetworkMemory(waves, old.tops, guess, old.now, np.zeros(1, dtype=np.int64))

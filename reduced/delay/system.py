@@ -5,11 +5,14 @@ import numpy as np
 from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.leaping import LeapingDelay
-from reduced.delay.network import DelayNetwork
-from reduced.delay.transmission_lines import lines_of
+from reduced.delay.leaping_network import LeapingNetwork
+from reduced.delay.network import NODES, DelayNetwork
+from reduced.delay.transmission_lines import Lines, lines_of
+from slipwave.friction import respond, unknown_of
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
 
+_LONGEST_STEP = 1.0 / 3.0  # transits
 _ALIGNED = 1e-7  # of a step: ignoring a kink this close to a step's end causes a relative error of that size
 
 
@@ -17,15 +20,30 @@ def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
     """The solver of the delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless
     ones. If equal steps cannot end on the jumps and kinks, steps follow these (`DelayBreaks`), hundreds in a transit.
 
-    For alike plain slabs it can leap over long sticks. For a scene that records nothing and does not start on its orbit, only the
-    state at the end is accurate (`Delay`, emit=False). Raises SceneError for viscous slabs.
+    It can leap over slow motion (`Leaping`). For alike plain slabs in a scene that records nothing and does not start on its
+    orbit, only the state at the end is accurate (`Delay`, emit=False). Raises SceneError for viscous slabs.
     """
     if scene.alike and scene.upper.is_plain:
         shown = bool(scene.record) or scene.start.kind is StartKind.ORBIT
         return LeapingDelay(scene, tolerance) if shown else Delay(scene, tolerance=tolerance, emit=False)
     lines = lines_of(scene)
-    march = DelayBreaks if _breaks_within_steps(scene, lines.divisor) else DelayNetwork
-    return march(scene, tolerance=tolerance, lines=lines)
+    if _breaks_within_steps(scene, lines.divisor) and not _hides_breaks(scene, lines, tolerance):
+        return DelayBreaks(scene, tolerance=tolerance, lines=lines)
+    return LeapingNetwork(scene, tolerance=tolerance, lines=lines)
+
+
+def _hides_breaks(scene: Scene, lines: Lines, tolerance: float) -> bool:
+    """Whether outer faces have masses, and no dashpots, through which a jump of V reaches the slabs so smoothly that a polynomial
+    may pass over it: their acceleration jumps by K dV/m, and the polynomials of a step miss its wave by less than the tolerance.
+
+    A polynomial of degree n misses a jump q of the second derivative within a step h by about q (h/n)^2/8."""
+    if scene.start.kind is StartKind.JUMP or any(top.dashpot > 0.0 or top.mass == 0.0 for top in lines.tops):
+        return False
+    velocities = scene.drive.velocities
+    jump = max(velocities) - min(velocities)
+    friction_z = respond(scene.law, unknown_of(scene.law, scene.velocity), scene.steady_psi)[3]
+    bend = max(top.spring / top.mass * lines.impedance[last] for top, last in zip(lines.tops, lines.last, strict=True))
+    return bool(jump * bend * ((_LONGEST_STEP / (NODES - 1)) ** 2 / 8.0) < tolerance * friction_z)
 
 
 def _breaks_within_steps(scene: Scene, divisor: float | None) -> bool:

@@ -23,7 +23,9 @@ class Final:
 
 
 class Observer(Protocol):
-    """Anything that reads the pieces of a run. It is given every transit, unless it is also `Spanning`."""
+    """Anything that reads the pieces of a run. It is given every transit, unless it is also `Spanning`: then those in which nothing
+    happens may be left out, and where nothing but slow motion happens pieces may be as long as that is smooth. One that compares
+    two marches has a true `needs_every_transit`: then nothing is leapt over."""
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces, in order."""
@@ -58,8 +60,8 @@ def follow(
     marks: Sequence[Mark] = (),
 ) -> Final:
     """March `solver` to `until` (transits); returns the interface's state there, from the last piece's polynomial. When a mark is
-    due, all observers have seen all earlier pieces; marks due together act in their order. A `Leaping` solver leaps over long
-    sticks until the first observer needs every transit.
+    due, all observers have seen all earlier pieces; marks due together act in their order. A `Leaping` solver leaps over slow
+    motion, and until the first observer needs every transit also where its pieces would not show the waves.
 
     Raises NumericsError with the time, the model and the scene's digest if the numbers stop being finite or a solve does not
     converge; the observers have then seen the pieces before that.
@@ -71,7 +73,12 @@ def follow(
         stop = min([until, *(mark.due for mark in marks)])
         stop = max(stop, solver.time + 2.0 * SAME)
         whole = min([until, *(one.whole_from if isinstance(one, Spanning) else 0.0 for one in observers)])
-        pieces = leaper.leap(min(stop, whole), whole) if leaper and whole > solver.time + SAME else solver.advance(stop)
+        if leaper is None or any(getattr(one, "needs_every_transit", False) for one in observers):
+            pieces = solver.advance(stop)
+        elif whole > solver.time + SAME:
+            pieces = leaper.leap(min(stop, whole), whole, gaps=True)
+        else:
+            pieces = leaper.leap(stop, until, gaps=False)
         _require_finite(solver, pieces)
         for observer in observers:
             observer.scan(_before_failure(solver, pieces))

@@ -69,12 +69,13 @@ class Solver(Resumable, Protocol):
 
 @runtime_checkable
 class Leaping(Solver, Protocol):
-    """A solver that can leave out whole transits of a stick."""
+    """A solver that can go over slow motion without a step in every transit."""
 
     @property
-    def skipped(self) -> int:
-        """Transits that it has left out so far."""
+    def skipped(self) -> float:
+        """Transits in which it has marched no step so far."""
 
-    def leap(self, until: float, end: float) -> Pieces:
-        """As `advance`, but with gaps between pieces (see `slipwave.observe.pieces`) where v stays below V and no figure of a
-        cycle lies. `end` is that of the run (transits), which never falls into a gap."""
+    def leap(self, until: float, end: float, gaps: bool) -> Pieces:
+        """As `advance`, but with long pieces where waves move z by less than the tolerance and, if `gaps` are allowed, with gaps
+        between pieces (see `slipwave.observe.pieces`) where no figure of a cycle lies. `end` is that of the run (transits), which
+        never falls into a gap."""

@@ -8,7 +8,7 @@ import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
-from reduced.delay.network import DelayNetwork
+from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.system import delay_system
 from reduced.delay.transit_mesh import cuts_of, transit_mesh
 from slipwave.observe import EventObserver, follow
@@ -75,4 +75,4 @@ def test_a_ramp_of_other_slabs_is_followed_along_its_kinks(name):
 
 def test_knots_on_the_steps_need_no_following():
     aligned = slipwave.read("unlike", ["drive.velocity=[[0.0, 100.0], [20.0, 100.0], [40.5, 200.0]]"])
-    assert type(delay_system(aligned)) is DelayNetwork
+    assert type(delay_system(aligned)) is LeapingNetwork

@@ -9,7 +9,7 @@ import slipwave
 from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.leaping import LeapingDelay
-from reduced.delay.network import DelayNetwork
+from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.system import delay_system
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver, Solver, follow
@@ -78,7 +78,7 @@ def test_a_resumed_run_equals_the_uninterrupted_one(tmp_path: Path, model: str, 
 
 def test_the_cases_reach_every_march_of_the_delay_system() -> None:
     kinds = [type(delay_system(slipwave.read(*scene))) for scene in SCENES.values()]
-    assert kinds == [LeapingDelay] * 3 + [DelayNetwork, DelayBreaks, DelayNetwork, DelayNetwork, DelayBreaks]
+    assert kinds == [LeapingDelay] * 3 + [LeapingNetwork, DelayBreaks, LeapingNetwork, LeapingNetwork, DelayBreaks]
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,125 @@
+"""One step of a network for small disturbances of a slow motion: linear, with the friction of that motion frozen.
+
+Waves that are trapped between the interface, joints and outer faces pass many thousand steps while friction hardly changes. Their
+linear map over one step, a matrix, is raised to that power by squaring.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from reduced.delay.network_kernel import OUTWARD, Network, gather, launch, passage_of
+from slipwave.friction import Law, respond
+from slipwave.observe.pieces import Array
+from slipwave.scene.forcing import Forcing
+from slipwave.step.collocation import radau
+
+
+class Disturbance(NamedTuple):
+    """What a network remembers, as a vector: `waves` (layers, 2, ring, s), oldest step first, `tops` (slabs, 2), and `rest`: psi
+    and y."""
+
+    waves: Array
+    tops: Array
+    rest: Array
+
+    @property
+    def vector(self) -> Array:
+        """All entries, in this order."""
+        return np.concatenate([self.waves.ravel(), self.tops.ravel(), self.rest])
+
+    def like(self, vector: Array) -> "Disturbance":
+        """The entries of a `vector` in the shapes of this one."""
+        cuts = np.cumsum([self.waves.size, self.tops.size])
+        return Disturbance(*(part.reshape(own.shape) for part, own in zip(np.split(vector, cuts), self, strict=True)))
+
+
+class Friction(NamedTuple):
+    """Derivatives of v by z, of mu by z and psi, and of psi' (friction clock) by z and psi."""
+
+    v_z: float
+    mu_z: float
+    mu_psi: float
+    g_z: float
+    g_psi: float
+
+
+def mean_friction(law: Law, interface: Array, weights: Array) -> Friction:
+    """Their means over moments with psi and z in the rows of `interface` (2, k) and `weights` (k,), whose sum is 1."""
+    rows = np.array([respond(law, float(z), float(psi)) for psi, z in interface.T])
+    return Friction(*(weights @ rows[:, [1, 3, 4, 6, 7]]))
+
+
+class FrozenStep:
+    """The linear step of a `network` of step `length` (transits). `empty` is a disturbance of the right shape."""
+
+    def __init__(self, network: Network, length: float, stages: int, forcing: Forcing) -> None:
+        self._impedance, self._forcing, self._length = network.interface_impedance, forcing, length
+        self._integral = radau(stages).integral
+        ring, layers, slabs = int(network.back.max()) + 1, network.impedance.size, network.first.size
+        self.empty = Disturbance(np.zeros((layers, 2, ring, stages)), np.zeros((slabs, 2)), np.zeros(2))
+        self.size = self.empty.vector.size
+        self._arriving = np.zeros((stages, self.size))
+        self._free = np.zeros((self.size, self.size))
+        for column in range(self.size - 2):
+            self._add(network, stages, column)
+        self._free[-1, -1] = 1.0
+        sent = np.zeros((*self.empty.waves.shape, stages))
+        for first in network.first:
+            sent[first, OUTWARD, -1] = 2.0 * np.eye(stages)
+        self._sent = np.zeros((self.size, stages))
+        self._sent[: self.empty.waves.size] = sent.reshape(-1, stages)
+
+    def _add(self, network: Network, stages: int, column: int) -> None:
+        """What becomes of a unit disturbance, with no stress at the interface, by the march's own functions."""
+        unit = np.zeros(self.size)
+        unit[column] = 1.0
+        waves, tops, rest = self.empty.like(unit)
+        waves, tops, incoming = waves.copy(), tops.copy(), np.zeros((1, stages))
+        passage, none = passage_of(network, stages), np.zeros(stages)
+        nodes = tuple(float(x) for x in radau(stages).nodes)
+        gather(nodes, network, 0, self._length, self._integral.T.copy(), waves, tops, passage, incoming)
+        launch(nodes, network, 0, none, passage, waves)
+        self._free[:, column] = Disturbance(np.roll(waves, -1, axis=2), tops, rest).vector
+        self._arriving[:, column] = incoming[0]
+
+    def matrix(self, friction: Friction) -> tuple[Array, Array]:
+        """The map (n, n) of a disturbance over one step, and the nodal stress (s, n) that it causes."""
+        v_z, mu_z, mu_psi, g_z, g_psi = friction
+        h, identity = self._length * self._forcing.transit, np.eye(self._integral.shape[0])
+        by_stress = 1.0 / (mu_z + self._impedance * v_z)
+        system = identity - h * (g_psi - g_z * by_stress * mu_psi) * self._integral
+        begins = np.zeros((identity.shape[0], self.size))
+        begins[:, -2] = 1.0
+        psi = np.linalg.solve(system, begins + h * g_z * by_stress * self._integral @ self._arriving)
+        z = by_stress * (self._arriving - mu_psi * psi)
+        stress = mu_z * z + mu_psi * psi
+        matrix = self._free + self._sent @ stress
+        matrix[-2] = psi[-1]
+        matrix[-1] -= self._forcing.stiffness * self._length * v_z * self._integral[-1] @ z
+        return matrix, stress
+
+
+def powers_of(matrix: Array, most: int) -> list[Array]:
+    """The matrix squared 0, 1, .. times, up to the power `most` or just below."""
+    powers = [matrix]
+    while 2 ** len(powers) <= most:
+        powers.append(powers[-1] @ powers[-1])
+    return powers
+
+
+def advanced(powers: list[Array], vector: Array, count: int) -> Array:
+    """The `vector` after `count` steps, by the powers of their matrix."""
+    for bit, power in enumerate(powers):
+        if count >> bit & 1:
+            vector = power @ vector
+    return vector
+
+
+def slow_parts(powers: list[Array], rows: Array) -> Array:
+    """`rows` (k, n) of quantities, averaged over steps with a weight that leaves nothing of what oscillates: four boxes, one
+    after the other, of as many steps as the highest power."""
+    for _ in range(4):
+        for power in powers[:-1]:
+            rows = 0.5 * (rows + rows @ power)
+    return rows

@@ -1,0 +1,332 @@
+"""The delay system of any lossless slabs with leaps over slow motion: holds, loading, quasi-steady sliding, sticks.
+
+In such motion v hardly changes in a round trip, but the waves of the last change stay trapped in the slabs, some for ever, and an
+outer face's mass swings: a march needs as many steps as in an event. A leap takes the motion apart into
+
+    slow   what follows the slip rate at once (`slow_motion`): one step of collocation over the whole leap;
+    rest   small beside the curvature of friction, hence linear (`frozen_step`): a power of the matrix of one step;
+
+and needs no transit between. What is left out, above all the square of the rest, is measured: a few steps are marched before and
+after the leap and compared with what both parts predict.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from reduced.delay.alike_kernel import ELASTIC, PSI, TIME
+from reduced.delay.frozen_step import Disturbance, Friction, FrozenStep, advanced, mean_friction, powers_of, slow_parts
+from reduced.delay.network import SAME_PLACE, DelayNetwork
+from reduced.delay.network_kernel import LOAD, VELOCITY, NetworkMemory
+from reduced.delay.slow_motion import Slow, SlowMotion
+from reduced.delay.transmission_lines import Lines
+from slipwave.friction import respond
+from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
+from slipwave.observe.restoring import tables, whole_numbers
+from slipwave.observe.solver import State
+from slipwave.scene import Scene
+from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+from slipwave.step.collocation import radau
+from slipwave.step.guess import DONE
+from slipwave.step.rows import STATE, UNKNOWN
+
+_SHARE = 0.03  # of the tolerance: error of a leap; a protocol has some hundred leaps
+_PRICE, _PRICE_OF_POWERS = 5000.0, 0.0015  # steps of the march that take as long as a leap; more for n entries, times n^3
+_LARGEST = 800  # entries of a state; with more, powers cost more than they save
+_FIRST, _LONGEST = 1 << 14, 1 << 26  # steps of a leap
+_SHRINK, _SAFETY, _GROW = 0.2, 0.8, 3.0
+_SETTLES = 500.0  # steps of an average, times the phase of the slowest resonance in one of them
+_PAUSE, _LONGEST_PAUSE = 1024, 1 << 15  # transits marched before the next try to leap; doubled by a try that fails late
+_CUTS, _LOOKS = 16, 65  # pieces of a leap; moments at which its extrema are looked for
+_ORDER = 8.0  # with which the highest coefficient of a slow step grows
+_NEWTON = 1e-5  # of the tolerance: what Newton's method leaves adds up, to 3e-7 in 1e5 steps if it is 1e-9
+_NEGLIGIBLE = 1e-3  # of the allowed error
+_MOST_SPLITS, _NUDGES = 5, 1e-5  # Newton steps that take the motion apart; changes of ln v and psi for their slopes
+
+
+class _Split(NamedTuple):
+    """The motion taken apart at a moment: the slow step, y at its beginning, and the `rest` of what is remembered."""
+
+    slow: Slow
+    y: float
+    rest: Array
+
+
+class _Check(NamedTuple):
+    """A few steps that were marched: their `pieces`, by how much ln v, psi and y would `miss` what is predicted after a leap, and
+    the largest by which z differs from that of the slow motion."""
+
+    pieces: Pieces
+    miss: float
+    ripple: float
+
+
+class LeapingNetwork(DelayNetwork):
+    """`DelayNetwork`, to its `tolerance`, which also does what `Leaping` asks for.
+
+    V is constant in a leap. Where waves move z by less than the tolerance, the pieces of a leap are those of the slow motion;
+    elsewhere it is a gap, in which z, mu and y have no extremum. `skipped` counts the transits not marched. A jump of V within a
+    step is met by steps that end there.
+    """
+
+    def __init__(self, scene: Scene, tolerance: float = 1e-9, lines: Lines | None = None) -> None:
+        super().__init__(scene, tolerance, lines=lines)
+        self._tolerance, self._allowed = tolerance, _SHARE * tolerance
+        self._tolerances = (max(_NEWTON * tolerance, 1e-14), *self._tolerances[1:])
+        self._reach, self._pause = _FIRST, _PAUSE
+        self._next_try = float(NUDGE_CENTRE + NUDGE_REACH) if scene.forcing.nudge else 0.0
+        self._motion: SlowMotion | None = None  # they are made when they are needed
+        self._frozen: FrozenStep | None = None
+        self.skipped = 0.0
+
+    def advance(self, until: float) -> Pieces:
+        """March to the first end of a step at or beyond `until`, but at most one chunk; see `Solver`."""
+        knot, length = self._next_kink(), self._length
+        away = (knot - self._origin) / length
+        if math.isinf(knot) or abs(away - round(away)) < SAME_PLACE * max(1.0, away):
+            return super().advance(min(until, knot))
+        if knot - self.time > 2.0 * length:
+            return super().advance(min(until, knot - 2.0 * length))
+        return self._meet(knot)
+
+    def leap(self, until: float, end: float, gaps: bool) -> Pieces:
+        """As `Leaping`."""
+        if self.time >= self._next_try - SAME:
+            pieces = self._leap(min(end, self._next_kink()), gaps)
+            if pieces is not None:
+                return pieces
+            self._rest_a_while()
+        return self.advance(min(until, self._next_try))
+
+    def state(self) -> State:
+        """As `DelayNetwork`, and `leaps`: steps of the next leap, pause (transits) after one that fails; `tries`: transits
+        skipped, time of the next try."""
+        leaps = {"leaps": np.array([self._reach, self._pause], dtype=float), "tries": np.array([self.skipped, self._next_try])}
+        return super().state() | leaps
+
+    def restore(self, state: State) -> None:
+        """As `Solver`."""
+        reach, pause = whole_numbers(state, "leaps", (1, 1))
+        saved = tables(state, {"tries": (2,)}, self.model)
+        super().restore(state)
+        self._reach, self._pause, self._frozen = reach, pause, None
+        self.skipped, self._next_try = (float(value) for value in saved["tries"])
+
+    def _next_kink(self) -> float:
+        """The next time (transits) at which V has a kink; infinite if there is none."""
+        return min((knot for knot in self.scene.drive.knots if knot > self.time + SAME), default=math.inf)
+
+    def _meet(self, knot: float) -> Pieces:
+        """March to a `knot` between the ends of steps, by one or two shorter ones; the grid of steps begins anew there."""
+        old, before, start = self._memory, (self._origin, self._done), self.time
+        count = max(1, math.ceil((knot - start) / self._length - SAME_PLACE))
+        short, pieces = (knot - start) / count, empty_pieces(count, self._stages)
+        self._resample(self._length, short)
+        steps, verdict = self._march(start, 0, short, count, pieces)
+        if steps < count:
+            self._memory, (self._origin, self._done) = old, before
+            self._network = self._compile(self._length)
+            self._refine(verdict)
+            return self.advance(knot)
+        self._resample(short, self._length)
+        self._origin, self._done, self._memory.now[TIME] = knot, 0, knot
+        return pieces
+
+    def _refine(self, verdict: int) -> None:
+        super()._refine(verdict)
+        self._frozen = None
+
+    def _rest_a_while(self) -> None:
+        """March for a while before the next try; not beyond the next kink of V, after which all is different."""
+        kink, self._next_try = self._next_kink(), self.time + self._pause
+        if kink <= self._next_try:
+            self._next_try, self._pause, self._reach = kink, _PAUSE, _FIRST
+
+    def _leap(self, stop: float, gaps: bool) -> Pieces | None:
+        """The pieces of a leap that ends before `stop`, with some steps before and after it; None if none is possible that saves
+        time: nothing has changed then but the length of the next one."""
+        ring, layers = int(self._network.back.max()) + 1, self._network.impedance.size
+        size, checks = 2 * (layers * ring * self._stages + len(self._lines.tops) + 1), 2 * ring
+        least = int(_PRICE + _PRICE_OF_POWERS * size**3)
+        count = min(max(least, self._reach), int((stop - self.time) / self._length - SAME_PLACE) - checks)
+        if size > _LARGEST or count < least or any(top.has_dead_load for top in self._lines.tops):
+            return None
+        while count >= least:
+            pieces, scale = self._cross(count, gaps)
+            if scale == 0.0:
+                return None
+            if pieces is not None:
+                self._reach, self._pause = max(least, min(_LONGEST, int(max(count * scale, self._reach)))), _PAUSE
+                return pieces
+            count = self._reach = int(count * scale)
+        self._reach = least
+        return None
+
+    def _cross(self, count: int, gaps: bool) -> tuple[Pieces | None, float]:
+        """A leap of `count` steps: its pieces, None if it cannot be done, and how much longer the next one can be: 0 if none can
+        be done now."""
+        before = (NetworkMemory(*(array.copy() for array in self._memory)), self._done, self.iterations)  # type: ignore[arg-type]
+        split = self._split(count * self._length)
+        ahead = self._check(split, count) if split else None
+        scale = 0.25
+        if split:
+            self._pause = min(2 * self._pause, _LONGEST_PAUSE)
+        if split and ahead:
+            if ahead.ripple <= self._tolerance or gaps:
+                pieces, scale = self._beyond(split, ahead, count)
+                if pieces is not None:
+                    return pieces, scale
+            else:
+                scale = 0.0
+        self._memory, self._done, self.iterations = before
+        return None, scale
+
+    def _beyond(self, split: _Split, ahead: _Check, count: int) -> tuple[Pieces | None, float]:
+        """The same after the steps `ahead` of the leap, which are the first of `count`."""
+        slow, begin, steps = split.slow, self.time, count - ahead.pieces.time.size
+        end = self._origin + (self._done + steps) * self._length
+        fill = self._fill(split, np.linspace(begin, end, _CUTS + 1))
+        if ahead.miss > self._allowed:
+            return None, min(0.5, self._scale(slow, ahead.miss))
+        if ahead.ripple > self._tolerance and not self._is_monotonic(split, begin, end):
+            return None, 0.5
+        rest = self._now().vector - self._composed(split, begin).vector
+        split, spread = self._carried(split._replace(rest=rest), begin, end, steps)
+        self._place(split, end, steps)
+        behind = self._check(split, count)
+        error = max(ahead.miss, behind.miss, spread) if behind else math.inf
+        if not (behind and error <= self._allowed):
+            return None, min(0.5, self._scale(slow, error))
+        self.skipped += end - begin
+        hidden = max(ahead.ripple, behind.ripple) > self._tolerance
+        shown = (ahead.pieces, behind.pieces) if hidden else (ahead.pieces, fill, behind.pieces)
+        return Pieces(*map(np.concatenate, zip(*shown, strict=True))), self._scale(slow, error)
+
+    def _split(self, length: float) -> _Split | None:
+        """The present motion taken apart, for a leap of `length` (transits); None if the slow part is not smooth enough for that.
+
+        Slow is what is left of psi and of the interface's stress when they are averaged over so many steps of the frozen motion
+        that all else cancels. The slow step begins with such a psi and such a load that the rest has none of both."""
+        (motion, frozen), now = self._parts(), self._now()
+        start, (psi, y) = self.time, now.rest
+        stages, unknown = self._stages, float(self._memory.guess[UNKNOWN, 0])
+        _, _, stress, friction_z, *_ = respond(self.scene.law, unknown, psi)
+        begin = np.array([psi, (stress - self.scene.steady_stress) / motion.transfer.stress[0]])
+        slow = motion.step(start, length, begin, np.stack([np.full(stages, psi), np.full(stages, unknown)]))
+        if slow.verdict != DONE:
+            return None
+        matrix, by_rest = frozen.matrix(self._friction(slow, start, start))
+        rows = np.zeros((2, frozen.size))
+        rows[0, -2], rows[1] = 1.0, radau(stages).integral[-1] @ by_rest / friction_z
+        rows = slow_parts(powers_of(matrix, int(_SETTLES / (self._length * motion.transfer.radius))), rows)
+
+        def rest(slow: Slow) -> Array:
+            return now.vector - self._composed(_Split(slow, y, now.vector), start).vector
+
+        steps = np.array([_NUDGES, _NUDGES * friction_z / abs(motion.transfer.stress[0])])
+        for _ in range(_MOST_SPLITS):
+            left = rows @ rest(slow)
+            if np.abs(left).max() < _NEGLIGIBLE * self._allowed:
+                return _Split(slow, y, rest(slow))
+            slopes = np.empty((2, 2))
+            for k in range(2):
+                other = begin + steps * (np.arange(2) == k)
+                nearby = motion.step(start, length, other, slow.guess.copy())
+                slopes[:, k] = (rows @ rest(nearby) - left) / steps[k]
+            begin = begin - np.linalg.solve(slopes, left)
+            slow = motion.step(start, length, begin, slow.guess.copy())
+            if slow.verdict != DONE:
+                return None
+        return None
+
+    def _check(self, split: _Split, count: int) -> _Check | None:
+        """March some steps of the motion that is taken apart as `split`, for a leap of `count` steps; None if that fails."""
+        motion, frozen = self._parts()
+        steps, start = frozen.empty.waves.shape[2], self.time
+        friction = self._friction(split.slow, start, start)
+        matrix, _ = frozen.matrix(friction)
+        expected = advanced(powers_of(matrix, steps), split.rest, steps)
+        pieces = empty_pieces(steps, self._stages)
+        done, _ = self._march(self._origin, self._done, self._length, steps, pieces)
+        self._done += done
+        if done < steps:
+            return None
+        miss = self._now().vector - self._composed(split, self.time).vector - expected
+        times = (pieces.time[:, None] + pieces.length[:, None] * self.nodes).ravel()
+        ripple = np.abs(pieces.z.ravel() - motion.interface(split.slow, times)[UNKNOWN]).max()
+        return _Check(pieces, self._size(miss, friction) * count / steps, float(ripple))
+
+    def _carried(self, split: _Split, begin: float, end: float, steps: int) -> tuple[_Split, float]:
+        """The same with the rest after `steps` steps, and how much that changes if friction is averaged over all of them at once
+        in place of each half."""
+        frozen, parts = self._parts()[1], (steps // 2, steps - steps // 2)
+        if self._size(split.rest, self._friction(split.slow, begin, begin)) < _NEGLIGIBLE * self._allowed:
+            return split, 0.0
+        middle = begin + parts[0] * self._length
+        rest = split.rest
+        for count, (first, last) in zip(parts, ((begin, middle), (middle, end)), strict=True):
+            rest = advanced(powers_of(frozen.matrix(self._friction(split.slow, first, last))[0], count), rest, count)
+        friction = self._friction(split.slow, begin, end)
+        other = advanced(powers_of(frozen.matrix(friction)[0], steps), split.rest, steps)
+        return split._replace(rest=rest), self._size(rest - other, friction)
+
+    def _place(self, split: _Split, time: float, steps: int) -> None:
+        """Go `steps` on to a `time`, at which the motion is taken apart as `split`."""
+        waves, tops, (psi, y) = self._parts()[1].empty.like(self._composed(split, time).vector + split.rest)
+        unknown = float(self._parts()[0].interface(split.slow, np.array([time]))[UNKNOWN, 0])
+        guess = np.stack([np.full(self._stages, psi), np.full(self._stages, unknown)])
+        self._done += steps
+        self._memory = NetworkMemory(waves.copy(), tops.copy(), guess, np.array([time, psi, y]), np.zeros(1, dtype=np.int64))
+
+    def _parts(self) -> tuple[SlowMotion, FrozenStep]:
+        """The tools for both parts of the motion."""
+        self._motion = self._motion or SlowMotion(self.scene, self._lines, self._stages, self._tolerances)
+        self._frozen = self._frozen or FrozenStep(self._network, self._length, self._stages, self.scene.forcing)
+        return self._motion, self._frozen
+
+    def _now(self) -> Disturbance:
+        """What is remembered at present."""
+        waves, tops, _, now, cursor = self._memory
+        return Disturbance(np.roll(waves, -int(cursor[0]), axis=2), tops, now[[PSI, ELASTIC]])
+
+    def _composed(self, split: _Split, time: float) -> Disturbance:
+        """What would be remembered at a `time` of the slow motion alone."""
+        motion, frozen = self._parts()
+        ring = frozen.empty.waves.shape[2]
+        times = time + self._length * (np.arange(-ring, 0)[:, None] + self.nodes)
+        psi = motion.interface(split.slow, np.array([time]))[STATE, 0]
+        y = split.y - self.scene.stiffness * motion.slip(split.slow, np.array(time))
+        return Disturbance(motion.waves(split.slow, times), motion.tops(split.slow, time), np.array([psi, float(y)]))
+
+    def _friction(self, slow: Slow, begin: float, end: float) -> Friction:
+        """Its mean from `begin` to `end`; at `begin` if they are the same."""
+        points, weights = np.polynomial.legendre.leggauss(self._stages if end > begin else 1)
+        interface = self._parts()[0].interface(slow, begin + 0.5 * (end - begin) * (1.0 + points))
+        return mean_friction(self.scene.law, interface, 0.5 * weights)
+
+    def _fill(self, split: _Split, ends: Array) -> Pieces:
+        """The slow motion between `ends` as pieces."""
+        motion, slow, lengths = self._parts()[0], split.slow, np.diff(ends)
+        times = ends[:-1, None] + lengths[:, None] * self.nodes
+        interface = motion.interface(slow, times.ravel()).reshape(2, *times.shape)
+        y = split.y - self.scene.stiffness * motion.slip(slow, times)
+        return Pieces(ends[:-1].copy(), lengths, interface[UNKNOWN], interface[STATE], motion.stress(slow, times), y)
+
+    def _is_monotonic(self, split: _Split, begin: float, end: float) -> bool:
+        """Whether neither z nor mu nor y of the slow motion has an extremum between two times."""
+        fill = self._fill(split, np.linspace(begin, end, _LOOKS))
+        courses = [np.diff(values[:, 0]) for values in (fill.z, fill.mu, fill.y)]
+        return all(bool((course >= 0.0).all() or (course <= 0.0).all()) for course in courses)
+
+    def _size(self, change: Array, friction: Friction) -> float:
+        """The largest change of psi, of y and of ln v (that of a wave over F_z) that a `change` of the memory amounts to."""
+        waves, tops, rest = self._parts()[1].empty.like(np.abs(change))
+        impedance = self._lines.impedance[list(self._lines.last)]
+        stresses = [waves.max(), rest[1], tops[:, LOAD].max(), (tops[:, VELOCITY] * impedance).max()]
+        return float(max(rest[0], max(stresses) / friction.mu_z))
+
+    def _scale(self, slow: Slow, error: float) -> float:
+        """How much longer than the step `slow`, with this `error`, the next leap can be."""
+        smooth = (self._tolerances[1] / max(slow.tail, 1e-300)) ** (1.0 / _ORDER)
+        return float(min(_GROW, max(_SHRINK, _SAFETY * min(smooth, self._allowed / max(error, 1e-300)))))

@@ -1,0 +1,179 @@
+"""Slow motion of a network of lines, over a step much longer than its delays.
+
+Where the slip rate hardly changes in a round trip, every wave follows it: for s far below the slowest resonance, a quantity of
+transfer function T(s) from the slip rate is
+
+    T(s) dv = c_(-1)/s dv + c_0 dv + c_1 s dv + ...,
+
+that is c_(-1) times the slip plus c_0 dv + c_1 dv' + ..., which is exact for a polynomial but for the terms left out. So friction
+can be stepped by collocation with a full impedance (`slipwave.step.impedance`) however long the step is. The coefficients are
+found from values of T on a circle about s = 0 that encloses no resonance.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY
+from reduced.delay.transmission_lines import Lines
+from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
+from slipwave.scene import Scene
+from slipwave.step.collocation import rule_of
+from slipwave.step.guess import judge_step
+from slipwave.step.impedance import full_impedance
+from slipwave.step.newton import solve
+from slipwave.step.rows import FORCED, RATE, STATE, UNKNOWN, scratch_of
+
+Complex = NDArray[np.complex128]
+
+TERMS = 5
+"""c_0 to c_4."""
+
+_POINTS = 256  # on the circle
+_LARGEST, _SMALLEST = 3.0, 1e-6  # radius, 1/transit
+_INSIDE = 0.5  # of the largest radius without a resonance
+
+
+class Transfer(NamedTuple):
+    """Coefficients c_(-1), c_0, .. of everything that a network remembers: `stress` (TERMS + 1,) at the interface, `waves`
+    (layers, 2, TERMS + 1) as they are launched, `tops` (slabs, 2, TERMS + 1). `radius` (1/transit) of the circle: about half the
+    slowest resonance."""
+
+    stress: Array
+    waves: Array
+    tops: Array
+    radius: float
+
+
+def transfer_of(lines: Lines) -> Transfer:
+    """The coefficients of `lines` whose outer faces all have a spring or are rigid."""
+    angles = np.exp(2j * np.pi * (np.arange(_POINTS) + 0.5) / _POINTS)
+    radius = _LARGEST
+    while radius > _SMALLEST and _zeros(_responses(lines, radius * angles)[0]) > 1:
+        radius *= 0.7
+    s = _INSIDE * radius * angles
+    slip, stress, waves, tops = _responses(lines, s)
+    powers = s[:, None] ** -np.arange(-1.0, TERMS) / _POINTS
+    stress_row, wave_rows, top_rows = ((values / slip @ powers).real for values in (stress, waves, tops))
+    return Transfer(stress_row, wave_rows, top_rows, _INSIDE * radius)
+
+
+def _zeros(values: Complex) -> int:
+    """How often `values` on a circle go round zero."""
+    return round(float(np.angle(np.roll(values, -1) / values).sum()) / (2.0 * np.pi))
+
+
+def _responses(lines: Lines, s: Complex) -> tuple[Complex, Complex, Complex, Complex]:
+    """At all `s` (1/transit), each (.., points) and up to one common factor without poles: slip rate, stress, waves, tops."""
+    slabs = len(lines.tops)
+    waves, tops = np.zeros((lines.travel.size, 2, s.size), complex), np.zeros((slabs, 2, s.size), complex)
+    stresses, rates = np.empty((slabs, s.size), complex), np.empty((slabs, s.size), complex)
+    for slab, top in enumerate(lines.tops):
+        stress, rate = np.ones_like(s), np.zeros_like(s)
+        if not top.is_rigid:
+            tops[slab, LOAD], rate = top.spring, -s
+            stress = tops[slab, LOAD] - (top.mass * s + top.dashpot) * rate
+            tops[slab, VELOCITY] = rate
+        for layer in range(lines.last[slab], lines.first[slab] - 1, -1):
+            impedance, late = lines.impedance[layer], np.exp(s * lines.travel[layer])
+            waves[layer, INWARD] = stress + impedance * rate
+            waves[layer, OUTWARD] = (stress - impedance * rate) * late
+            arrived = waves[layer, INWARD] / late
+            stress, rate = 0.5 * (waves[layer, OUTWARD] + arrived), (arrived - waves[layer, OUTWARD]) / (2.0 * impedance)
+        stresses[slab], rates[slab] = stress, rate
+    if slabs == 1:
+        return lines.weight * rates[0], stresses[0], waves, tops
+    common = stresses[::-1]  # both slabs have the same stress at the interface
+    for slab, (first, last) in enumerate(zip(lines.first, lines.last, strict=True)):
+        waves[first : last + 1] *= common[slab]
+        tops[slab] *= common[slab]
+    return rates[0] * stresses[1] + rates[1] * stresses[0], stresses[0] * stresses[1], waves, tops
+
+
+class Slow(NamedTuple):
+    """A solved step of slow motion from the time `start` (transits) and of the `length`: `guess` (2, s), nodal psi and z; `rate`
+    (s,), nodal dv; `load`, the slip up to its start to which the load belongs; `psi` at its start; `tail`, the highest Legendre
+    coefficient of z; `verdict` of `judge_step`."""
+
+    start: float
+    length: float
+    guess: Array
+    rate: Array
+    load: float
+    psi: float
+    tail: float
+    verdict: int
+
+
+class SlowMotion:
+    """Steps of slow motion of the `lines` of a `scene`, with polynomials through `stages` Radau nodes."""
+
+    def __init__(self, scene: Scene, lines: Lines, stages: int, tolerances: tuple[float, float, float]) -> None:
+        self._scene, self._stages, self._tolerances = scene, stages, tolerances
+        self.transfer = transfer_of(lines)
+        self._matrices, self._rule, self._shape = rule_of(stages)
+        self._basis, self._scratch = lagrange_basis(self._matrices.nodes), scratch_of(stages)
+        self._with_start = lagrange_basis(np.append(0.0, self._matrices.nodes))
+        self._impedance = full_impedance(stages)
+        self._shift = np.zeros((lines.travel.size, 2))  # waves of a slab that moves as a whole
+        self._shift[:, INWARD], self._shift[:, OUTWARD] = lines.impedance, -lines.impedance
+
+    def step(self, start: float, length: float, begin: Array, guess: Array) -> Slow:
+        """From psi and the load, `begin`, at the time `start`, while V is constant; `guess` (2, s) is refined in place."""
+        scene, terms, shape = self._scene, self.transfer.stress, self._shape
+        velocity, (psi, load) = scene.drive.at(start + 0.5 * length), begin.tolist()
+        derive, power = self._basis.derivative / length, np.eye(self._stages)
+        matrix = -terms[0] * length * self._matrices.integral
+        for term in terms[1:]:
+            matrix = matrix - term * power
+            power = power @ derive
+        self._impedance.matrix[:] = matrix
+        incoming, work = self._scratch.incoming, self._scratch.work
+        incoming[0] = scene.steady_stress + terms[0] * load + velocity * matrix.sum(axis=1)
+        work[FORCED] = 0.0
+        newton, resolution, steepest = self._tolerances
+        h, integral = length * scene.transit, self._rule.integral
+        arrays = (guess, work, self._scratch.system)
+        used = solve(shape, scene.law, self._impedance, h, psi, incoming, 0, integral, newton, *arrays)
+        verdict = judge_step(shape, self._rule.tail, guess, work, used, resolution, steepest)
+        tail = abs(float(self._rule.tail @ guess[UNKNOWN]))
+        return Slow(start, length, guess.copy(), work[RATE] - velocity, load, psi, tail, verdict)
+
+    def interface(self, slow: Slow, times: Array) -> Array:
+        """psi and z at `times` (k,) of a step, or a little outside; (2, k)."""
+        at = (times - slow.start) / slow.length
+        psi = interpolation_matrix(self._with_start, at) @ np.append(slow.psi, slow.guess[STATE])
+        return np.stack([psi, interpolation_matrix(self._basis, at) @ slow.guess[UNKNOWN]])
+
+    def slip(self, slow: Slow, times: Array) -> Array:
+        """Integral of v - V from the step's start to `times`, in V* times transits."""
+        return self._terms(slow, times)[..., 0] - slow.load
+
+    def stress(self, slow: Slow, times: Array) -> Array:
+        """Friction stress at `times`."""
+        return np.asarray(self._scene.steady_stress + self._terms(slow, times) @ self.transfer.stress)
+
+    def waves(self, slow: Slow, times: Array) -> Array:
+        """Waves launched at `times` (..), as deviations; shape (layers, 2, ..)."""
+        drift = 0.5 * (self._scene.drive.at(slow.start + 0.5 * slow.length) - self._scene.velocity)
+        shift = (drift * self._shift).reshape(*self._shift.shape, *(1 for _ in range(times.ndim)))
+        return np.asarray(np.tensordot(self.transfer.waves, self._terms(slow, times), axes=(2, -1)) + shift)
+
+    def tops(self, slow: Slow, time: float) -> Array:
+        """Load and velocity of each outer face at a `time`."""
+        found = self.transfer.tops @ self._terms(slow, np.array(time))
+        held = np.any(self.transfer.tops != 0.0, axis=(1, 2))
+        found[held, VELOCITY] += 0.5 * (self._scene.drive.at(slow.start + 0.5 * slow.length) - self._scene.velocity)
+        return np.asarray(found)
+
+    def _terms(self, slow: Slow, times: Array) -> Array:
+        """Slip (with the load of the step's start), dv, dv', .. at `times` (..); shape (.., TERMS + 1)."""
+        at = ((times - slow.start) / slow.length).ravel()
+        rows, values = interpolation_matrix(self._basis, at), slow.rate
+        slips = np.append(0.0, slow.length * self._matrices.integral @ slow.rate)
+        columns = [slow.load + interpolation_matrix(self._with_start, at) @ slips]
+        for _ in range(TERMS):
+            columns.append(rows @ values)
+            values = self._basis.derivative @ values / slow.length
+        return np.stack(columns, axis=-1).reshape(*times.shape, TERMS + 1)
