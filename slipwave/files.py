@@ -1,8 +1,10 @@
 """Files that are written whole or not at all, and what all netCDF files have in common."""
 
 import os
+import platform
+import re
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from slipwave.errors import SceneError
@@ -17,9 +19,34 @@ _LONGEST_STEM = 40
 _PROBE = 1 << 20  # bytes; a disk with less room counts as full
 
 
+_HOST = re.sub(r"\W", "", platform.node())[:_LONGEST_STEM]
+_PART = re.compile(rf"\..*-{_HOST}-(\d+)\.(nc|png|pdf|svg|npz|csv|vtu|xdmf|h5|samples)")
+
+
 def part_of(path: Path, suffix: str) -> Path:
-    """A hidden name beside `path`, ending in `suffix`, that no other process uses."""
-    return path.with_name(f".{path.stem[:_LONGEST_STEM]}-{os.getpid()}{suffix}")
+    """A hidden name beside `path`, ending in `suffix`, that no other process uses, also not on a machine that shares the disk."""
+    return path.with_name(f".{path.stem[:_LONGEST_STEM]}-{_HOST}-{os.getpid()}{suffix}")
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove the parts of files in `folder` that processes of this machine left when they were killed."""
+    with suppress(OSError):
+        for path in list(folder.iterdir()):
+            found = _PART.fullmatch(path.name)
+            if found and not is_running(int(found[1])):
+                path.unlink(missing_ok=True)
+
+
+def is_running(process: int) -> bool:
+    """Whether a process of this machine has this number; True where that cannot be asked."""
+    try:
+        if os.name == "posix":
+            os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:
+        return True
+    return True
 
 
 def reason_of(error: Exception) -> str:
@@ -33,9 +60,10 @@ def whole_or_absent(path: Path) -> Iterator[Path]:
     `path`; if not, it is deleted.
 
     Raises SceneError naming the file if it cannot be written, whatever error a library raises on a full disk. A process killed
-    inside the block leaves `path` as it was, and the temporary file beside it. The name of that file holds the process number, so
-    two runs never write to the same one.
+    inside the block leaves `path` as it was, and the temporary file beside it, until the next file is written to that folder. The
+    name of that file holds the process number, so two runs never write to the same one.
     """
+    remove_leftovers(path.parent)
     temporary = part_of(path, path.suffix)
     try:
         yield temporary

@@ -127,6 +127,7 @@ def _prepare_streams() -> None:
     log = logging.getLogger("slipwave")
     log.addHandler(_ON_STDERR)
     log.setLevel(logging.INFO)
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells where it cannot keep its fonts
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 

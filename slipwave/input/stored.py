@@ -45,11 +45,21 @@ def read_stored(path: str | Path) -> Stored:
     try:
         with Dataset(path) as file:
             facts = {name: file.getncattr(name) for name in file.ncattrs()}
-        tables, options = parse_toml(facts["scene_toml"]), json.loads(facts["options"])
-    except (OSError, LookupError, ValueError, RecursionError) as error:
+        texts = {name: _text(facts, name) for name in ("command", "model", "scene_toml", "options")}
+        tables, options = parse_toml(texts["scene_toml"]), json.loads(texts["options"])
+        if not isinstance(options, dict):
+            raise ValueError(f"its attribute options is {shorten(texts['options'])}, no table")
+    except (OSError, LookupError, ValueError, TypeError, RuntimeError, AttributeError) as error:  # RuntimeError: of the library
         raise SceneError(f"{label}: holds no scene that can be computed again: {one_line(reason_of(error))}") from None
     _require_law(label, str(facts.get("law_digest", "")), str(facts.get("law_file", "")), tables)
-    return Stored(str(facts["command"]), tables, str(facts["model"]), options, facts)
+    return Stored(texts["command"], tables, texts["model"], options, facts)
+
+
+def _text(facts: Mapping[str, Any], name: str) -> str:
+    """An attribute that is a text. Raises ValueError if it is missing or no text."""
+    if not isinstance(facts.get(name), str):
+        raise ValueError(f"its attribute {name} is {'no text' if name in facts else 'missing'}")
+    return str(facts[name])
 
 
 def recall(source: object, command: str, model: str, given: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:

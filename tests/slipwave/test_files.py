@@ -1,12 +1,13 @@
 """Files are whole or absent, whatever stops their writing."""
 
 import os
+import subprocess
 from pathlib import Path
 
 import pytest
 
 from slipwave.errors import SceneError
-from slipwave.files import whole_or_absent
+from slipwave.files import part_of, whole_or_absent
 
 
 def write_half(target: Path, stop: type[BaseException]) -> None:
@@ -56,3 +57,26 @@ def test_two_processes_write_to_parts_of_their_own(tmp_path: Path, monkeypatch: 
             second.write_text("second")
         assert target.read_text() == "second"
     assert target.read_text() == "first"
+
+
+def test_what_killed_processes_left_goes_when_the_next_file_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """But not what another process is writing, nor what is no part, nor what another machine may be writing."""
+    parts = {}
+    with subprocess.Popen(["sleep", "100000"]) as other:
+        with subprocess.Popen(["true"]) as gone:
+            pass
+        for name, process in (("running", other.pid), ("killed", gone.pid)):
+            monkeypatch.setattr(os, "getpid", lambda process=process: process)
+            parts[name] = [part_of(tmp_path / stem, suffix) for stem, suffix in (("x.nc", ".nc"), ("run.nc", ".samples"))]
+        stay = [
+            *parts["running"],
+            tmp_path / f".notes-{gone.pid}.txt",
+            tmp_path / f".x-elsewhere-{gone.pid}.nc",
+            tmp_path / "x-1.nc",
+        ]
+        for path in (*stay, *parts["killed"]):
+            path.write_text("half")
+        with whole_or_absent(tmp_path / "y.png") as temporary:
+            temporary.write_text("whole")
+        other.kill()
+    assert sorted(tmp_path.iterdir()) == sorted([*stay, tmp_path / "y.png"])

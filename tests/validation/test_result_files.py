@@ -327,3 +327,26 @@ def test_a_file_that_holds_no_scene_is_refused(content: bytes, tmp_path: Path) -
         sw.run(tmp_path / "x.nc")
     with pytest.raises(sw.SceneError, match="no such file"):
         sw.run(tmp_path / "y.nc")
+
+
+@pytest.mark.parametrize("value", [None, 3, "", "garbage", "3"])
+def test_a_file_with_a_damaged_attribute_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], value: int | str | None
+) -> None:
+    """A model is a word, so that only its absence can be told; any word is a model's or a command's name that is unknown."""
+    import netCDF4
+
+    path = tmp_path / "x.nc"
+    sw.run("paper", "block8", until=2).to_netcdf(path)
+    for name in ("command", "model", "scene_toml", "options"):
+        damaged = tmp_path / f"{name}.nc"
+        damaged.write_bytes(path.read_bytes())
+        with netCDF4.Dataset(damaged, "a") as file:
+            file.delncattr(name) if value is None else file.setncattr(name, value)
+        assert main(["run", str(damaged), "--until", "2"]) == 2
+        out, err = capsys.readouterr()
+        assert (out, err.count("\n")) == ("", 1), err
+        if value in (None, 3):
+            assert (
+                f"holds no scene that can be computed again: its attribute {name} is {'no text' if value else 'missing'}" in err
+            )

@@ -56,7 +56,7 @@ def read_points(path: Path, what: str, facts: Mapping[str, Any], take: "Callable
             return take(file, notes)
     except SceneError:
         raise
-    except (OSError, LookupError, ValueError, AttributeError) as error:
+    except (OSError, LookupError, ValueError, TypeError, RuntimeError, AttributeError) as error:
         raise SceneError(f"--resume {str(path)!r}: is no file of a {what}, or damaged: {reason_of(error)}") from None
 
 

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from slipwave.files import is_running
 from validation.report.sources import sources_digest
 from validation.study import Column, Evidence, Number, Omission, Outcome, Study, StudyResult, Table, Verdict
 
@@ -96,13 +97,7 @@ def save(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds
 
 def _is_running(process: str) -> bool:
     """Whether another process that wrote a part still runs; what this process left is written again."""
-    try:
-        os.kill(int(process), 0)
-    except (ProcessLookupError, ValueError):
-        return False
-    except PermissionError:
-        return True
-    return int(process) != os.getpid()
+    return process.isdecimal() and is_running(int(process)) and int(process) != os.getpid()
 
 
 def _remove(folder: Path) -> None:

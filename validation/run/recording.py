@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from slipwave.errors import SceneError
+from slipwave.files import part_of, remove_leftovers
 from slipwave.observe import EventObserver, Solver
 from slipwave.observe.checkpoint import Checkpoints
 from slipwave.observe.envelope import Envelope
@@ -139,6 +140,8 @@ def history_for(solver: Solver, until: float, wanted: Wanted, checkpoint: Path |
 def _temporary_samples() -> Path:
     import tempfile
 
-    handle, name = tempfile.mkstemp(prefix="slipwave-", suffix=".samples")
+    folder = Path(tempfile.gettempdir())
+    remove_leftovers(folder)
+    handle, name = tempfile.mkstemp(prefix=".slipwave-", suffix=part_of(folder, ".samples").name)
     os.close(handle)
     return Path(name)
