@@ -1,10 +1,12 @@
-"""A study's quick run, as the tests hold it: its progress, the scenes that it read, and that each of its figures can be drawn."""
+"""A study's quick run, as the tests hold it: its progress, the scenes that it read, that each of its figures can be drawn, and
+that counterfeit figures of a model turn it red."""
 
 import itertools
 from collections.abc import Callable
 from typing import Any
 
 import pytest
+from counterfeit import green, tapes_of
 
 from slipwave.input import source
 from validation.report.sources import sources_of
@@ -20,19 +22,23 @@ READ: dict[str, set[str]] = {}
 def quick(name: str) -> StudyResult:
     """A study's quick run by a clock of its own: the n-th reading is n^2 ms, so that run times are the same on every machine.
 
-    The shares of its work that it reports on the way must rise to 1 at most, and its figures must draw.
+    The shares of its work that it reports on the way must rise to 1 at most, its figures must draw, and a verdict must fail for
+    every counterfeit of `counterfeit.PLACES`.
     """
-    shares, scenes, study = list[float](), set[str](), load(name)
+    shares, scenes, study, tapes = list[float](), set[str](), load(name), tapes_of(name)
     READ[name] = scenes
     with pytest.MonkeyPatch.context() as patch:
         readings = itertools.count()
         patch.setattr(timing, "_spent", lambda: 1e-3 * next(readings) ** 2)
         patch.setattr(source, "load", watched(source.load, scenes))
+        for tape in tapes:
+            tape.record(patch)
         result = study.run(Budget(quick=True, report=shares.append))
     assert all(before < after for before, after in itertools.pairwise([0.0, *shares, 1.0 + 1e-9])), shares
     assert scenes <= {path.stem for path in sources_of(study) if path.suffix == ".toml"}
     with styled():
         assert all(figure.draw().axes for figure in result.figures)
+    assert list(green(study, tapes)) == []
     return result
 
 

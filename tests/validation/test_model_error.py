@@ -25,7 +25,7 @@ def result():
 
 def test_every_verdict_holds(result):
     assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
-    assert len(result.verdicts) == 9
+    assert len(result.verdicts) == 12
     assert too_roomy(result.verdicts) == []
 
 
@@ -111,6 +111,7 @@ def test_means_may_differ_by_four_standard_errors(off, outcome):
     means = {
         "delay": {-2.5: figures(100.0, 0.3, 0.3, 0.01)},
         "modal:8": {-2.5: figures(100.0 * (1.0 + off), 0.3, 0.4 * (1.0 + off), 0.01)},
+        "modal:4": {-2.5: figures(100.0, 0.3, 0.4, 0.01)},
     }
     assert verdicts.irregular(means).outcome == outcome
 

@@ -55,7 +55,10 @@ def test_p7_counts_orbits_and_two_errors_of_means(changed, outcome):
 
 
 def known():
-    found = {model: [reference_orbit(model, -2.68)["period"]] for model in ("kelvin-voigt", "delay", "block8", "block12")}
+    found = {
+        model: [reference_orbit(model, -2.68)["period"] * (1.0 + 1e-12)]
+        for model in ("kelvin-voigt", "delay", "block8", "block12")
+    }
     return Periods(-2.68, found, {}, {}, {})
 
 
@@ -63,7 +66,7 @@ def test_periods_off_the_known_ones_fail():
     one = known()
     shifted = one._replace(orbits=one.orbits | {"delay": [one.orbits["delay"][0] * (1.0 + 2e-9)]})
     assert [verdicts.known([each]).outcome for each in (one, shifted)] == [Outcome.PASS, Outcome.FAIL]
-    run = {("delay", -2.68): one.orbits["delay"][0]}
+    run = {("delay", -2.68): one.orbits["delay"][0] * (1.0 - 1e-12)}
     assert [verdicts.settled([each], run).outcome for each in (one, shifted)] == [Outcome.PASS, Outcome.FAIL]
 
 

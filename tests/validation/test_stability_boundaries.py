@@ -17,7 +17,7 @@ def result():
 
 def test_every_verdict_holds(result):
     assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
-    assert len(result.verdicts) == 9
+    assert len(result.verdicts) == 10
     assert too_roomy(result.verdicts) == []
 
 

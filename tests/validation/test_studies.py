@@ -3,6 +3,7 @@
 import dataclasses
 
 import pytest
+from counterfeit import PLACES
 from roomy import too_roomy
 from shown import quick
 
@@ -23,6 +24,7 @@ def test_a_study_says_what_it_is(name):
     assert study.QUESTION.endswith("?")
     assert set(study.SCENES) <= set(gallery_names())
     assert all(seconds > 0 for seconds in study.SECONDS)
+    assert name in PLACES
 
 
 def bad(result: StudyResult) -> list[str]:
@@ -81,7 +83,7 @@ def test_claims():
     assert too_roomy(result.verdicts) == []
     settled = {verdict.claim.split()[0] for verdict in result.verdicts}
     left_out = {omission.what.split(",")[0] for omission in result.omissions}
-    assert {f"P{n}" for n in range(1, 15)} == settled | (left_out & {"P8", "P9", "P10", "P14"})
+    assert {"Periods", *(f"P{n}" for n in range(1, 15))} == settled | (left_out & {"P8", "P9", "P10", "P14"})
     assert any(verdict.evidence is Evidence.PAPER and "70.73" in verdict.expected for verdict in result.verdicts)
 
 

@@ -14,6 +14,7 @@ from validation.registry.build import build
 from validation.study import Budget, Evidence, Figure, Omission, StudyResult, Table, Verdict, table
 from validation.study.bounds import bounded
 from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
+from validation.study.known import as_known
 from validation.study.text import places, plain, power
 from validation.work_precision import Point, Setting, cheapest, time_final, time_run
 
@@ -41,6 +42,8 @@ _CELLS = {
 """By family and quick or full report: cells per slab."""
 _MARCHES = ("exact", "explicit")
 _SAME_PERIOD = 2e-10  # relative; 9e-12 was measured
+_FINE, _LEAPFROG = 1e-10, 0.02  # relative, 6e-14 was measured on elements; times 1/cells^2 at CFL 1, 0.008 was measured
+_TRANSIENT = 2e-7  # what is left of the start after 3000 transits, relative; 7e-8 was measured
 _OUR_ERROR = 2e-10  # half the last digit known is 7e-11; 1e-11 was measured
 
 
@@ -53,11 +56,18 @@ def run(budget: Budget) -> StudyResult:
     points = [time_run(setting, paper, TRANSITS, exact, repeats) for setting in settings]
     rivals = [plain_kelvin_voigt(paper, TRANSITS, tolerance) for tolerance in ((1e-10,) if budget.quick else (1e-8, 1e-9, 1e-10))]
     ours = _race_points(points)
+    finest = {model: _finest(points, model).period for model in ("delay", *_ODES)}
     return StudyResult(
         answer=_answer(points),
         figures=(Figure("cost", _CAPTION, lambda: work_precision(points)),),
         tables=(_table(points), _final_states(), _race_table(ours, rivals)),
-        verdicts=(_right(ours), _agreement(rivals), _marches_agree(points)),
+        verdicts=(
+            _right(ours),
+            _agreement(rivals),
+            _marches_agree(points),
+            _grids(points),
+            as_known(finest, _LOG10_R, _TRANSIENT),
+        ),
         notes=(
             "Processor times on the machine named above, with compiled code loaded; the least of several runs. A run is "
             f"{TRANSITS:.0f} transits of march and event detection. The error of a reduced model does not fall below that of its "
@@ -191,6 +201,21 @@ def _marches_agree(points: list[Point]) -> Verdict:
     claim = "The exact and the explicit march of one grid find the same period"
     remark = f"largest relative difference of the periods, {_ELEMENTS} on {len(period) // 2} grids"
     return bounded(claim, Evidence.WITNESS, apart, _SAME_PERIOD, remark)
+
+
+def _grids(points: list[Point]) -> Verdict:
+    """The finest grid of each full wave."""
+    allowed = {"fd": _LEAPFROG / max(point.setting.cells or 1 for point in points) ** 2, _ELEMENTS: _FINE}
+    off = {model: abs(_finest(points, model).period_error) for model in allowed}
+    worst = max(off, key=lambda model: off[model] / allowed[model])
+    claim = "The finest grid of each full wave has the delay system’s period"
+    return bounded(claim, Evidence.WITNESS, off[worst], allowed[worst], f"{', '.join(off)}; shown: `{worst}`")
+
+
+def _finest(points: list[Point], model: str) -> Point:
+    """Of the smallest tolerance, or of the most cells."""
+    mine = (point for point in points if point.setting.model == model)
+    return min(mine, key=lambda point: point.setting.tolerance or 1.0 / (point.setting.cells or 1))
 
 
 def _right(ours: list[Point]) -> Verdict:

@@ -12,8 +12,10 @@ from validation.studies.claims.runs import Branch, Deep, Ripples, onset_at, wher
 from validation.studies.stability_boundaries.verdicts import error_of_27
 from validation.study import Evidence, Verdict, judge, of_paper
 from validation.study.bounds import bounded
+from validation.study.known import as_known
 
 _ROUNDING = 2e-14  # 7e-16 was measured
+_SETTLED = 3e-9  # relative; 8e-10 was measured
 _DIGITS = 2e-10  # half the last digit is 5e-11, which was measured
 _RIPPLES = 3e-4  # maxima between samples; 1.4e-5 was measured
 
@@ -23,6 +25,7 @@ def all_verdicts(branch: Branch, deep: dict[str, Deep], ripples: dict[str, Rippl
     return (
         *_onset(),
         *_periods(branch),
+        as_known({model: orbit.period.value for model, orbit in branch[-2.68].items()}, -2.68, _SETTLED),
         *_ripples(ripples),
         _blocks(branch),
         _order_of_periods(branch),

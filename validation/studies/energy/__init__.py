@@ -6,7 +6,7 @@ from slipwave.observe.pieces import Array
 from validation.measure.order_fit import Fit
 from validation.studies.energy.runs import BOUNDARIES, HIGH, LADDERS, UNTIL, History, history_of, order_of, residual_of
 from validation.studies.energy.shown import closure, high_table, histories, residual_table, shares_table
-from validation.studies.energy.verdicts import closes, conserves, order_verdict
+from validation.studies.energy.verdicts import balances, closes, conserves, order_verdict
 from validation.study import Budget, Figure, Number, StudyResult
 from validation.study.text import plain
 
@@ -33,6 +33,7 @@ def run(budget: Budget) -> StudyResult:
         verdicts=(
             *(conserves(residuals[ladder.model]) for ladder in LADDERS if not ladder.derived),
             *(order_verdict(ladder, orders[ladder.model]) for ladder in LADDERS if ladder.derived),
+            balances(shown),
             *(closes(name, {model: high[model, name] for model in HIGH}) for name in BOUNDARIES),
         ),
         numbers={f"order of {model}": Number(found.order, 2e-2) for model, found in orders.items()},

@@ -1,14 +1,17 @@
 """How well the ledgers must close."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from slipwave.observe.pieces import Array
 from validation.measure.order_fit import Fit, shortfall
-from validation.studies.energy.runs import EnergyLadder
+from validation.studies.energy.runs import ENTRIES, EnergyLadder, History
 from validation.study import Evidence, Verdict, judge
 from validation.study.bounds import bounded
 
 _CLOSED = {"rigid faces": 1e-13, "grips": 1e-13, "viscous": 2e-12}  # 4e-15, 5e-15 and 1.4e-13 were measured
+_BALANCED = 1e-10
 _ALLOWANCE = 0.1  # the coarsest grids do not follow the power law yet
 
 
@@ -30,6 +33,14 @@ def order_verdict(ladder: EnergyLadder, found: Fit) -> Verdict:
 def with_interval(found: Fit) -> str:
     """An order with its 95 % interval."""
     return f"{found.order:.2f} ± {found.half_width:.2f}"
+
+
+def balances(shown: Mapping[str, History]) -> Verdict:
+    """The entries of two cycles: the input is the sum of the others."""
+    off = {name: abs(1.0 - sum(history.share(entry) for entry in ENTRIES[1:])) for name, history in shown.items()}
+    worst = max(off, key=off.__getitem__)
+    claim = "Over two cycles the work of the drive is friction, radiation, viscous heat and what stays in the slabs"
+    return bounded(claim, Evidence.EXACT, off[worst], _BALANCED, f"relative to the work; {', '.join(off)}; shown: {worst}")
 
 
 def closes(name: str, residuals: dict[str, float]) -> Verdict:

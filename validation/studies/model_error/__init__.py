@@ -14,7 +14,7 @@ from validation.studies.model_error.runs import (
     orbit_of,
 )
 from validation.studies.model_error.shown import error_table, errors_of_means, errors_over_r, mean_table, omissions
-from validation.studies.model_error.verdicts import TARGETS, all_verdicts
+from validation.studies.model_error.verdicts import RUN_AT, TARGETS, all_verdicts
 from validation.study import Budget, Figure, Number, StudyResult
 from validation.study.text import places, plain
 from validation.work_precision import Setting, warm_up
@@ -45,7 +45,7 @@ def run(budget: Budget) -> StudyResult:
         orbits[model] = {log10_r: orbit_of(model, log10_r) for log10_r in (SHOWN if model in _FEW else grid)}
         if model not in _FEW:
             means[model] = {log10_r: mean_at(model, log10_r, _UNTIL[budget.quick]) for log10_r in _MEANS[budget.quick]}
-    means[DAMPED] = {log10_r: orbit_of(DAMPED, log10_r) for log10_r in _MEANS[budget.quick]}
+    means[DAMPED] = {log10_r: orbit_of(DAMPED, log10_r) for log10_r in sorted({*_MEANS[budget.quick], RUN_AT})}
     return StudyResult(
         answer=_answer(orbits, means),
         figures=(

@@ -21,7 +21,14 @@ _GRID = {
 }
 _UNTIL = {True: 6000.0, False: 20000.0}
 _THICK = (-2.5, -2.3, -2.0, -1.5, -1.0, -0.5, 0.0)
-_RUN = (("delay", -2.69), ("delay", -2.68), ("kelvin-voigt", -2.69))
+_RUN = (
+    ("delay", -2.69),
+    ("delay", -2.68),
+    ("kelvin-voigt", -2.69),
+    ("kelvin-voigt", -2.65),
+    ("block8", -2.5),
+    ("block12", -2.3),
+)
 
 
 def run(budget: Budget) -> StudyResult:

@@ -16,7 +16,7 @@ from validation.studies.stability_boundaries.shown import (
     spectra,
     velocity_table,
 )
-from validation.studies.stability_boundaries.verdicts import closed_form_verdicts, fig_2, fig_3, taylor
+from validation.studies.stability_boundaries.verdicts import closed_form_verdicts, crossed, fig_2, fig_3, taylor
 from validation.study import Budget, Figure, Number, StudyResult
 from validation.study.text import plain
 
@@ -51,7 +51,13 @@ def run(budget: Budget) -> StudyResult:
             Figure("spectrum", _FIG_S, lambda: spectra(spectrum, paper.transit)),
         ),
         tables=(velocity_table(curves), model_table(onsets), scene_table(found)),
-        verdicts=(*closed_form_verdicts(paper, curves), *fig_2(curves), *fig_3(traced, slopes, paper), taylor(paper)),
+        verdicts=(
+            *closed_form_verdicts(paper, curves),
+            *fig_2(curves),
+            *fig_3(traced, slopes, paper),
+            crossed(paper, onsets, found),
+            taylor(paper),
+        ),
         notes=(_HOW, *_remarks()),
         numbers=_numbers(onsets, curves, found),
     )

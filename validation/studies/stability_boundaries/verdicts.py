@@ -2,15 +2,18 @@
 
 import cmath
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
+import slipwave
 from reduced import closed_forms
 from reduced.impedance import check_passivity, taylor_poles
 from reduced.stability import (
     Boundary,
     FrictionSlopes,
+    Stability,
     analyse,
     characteristic,
     follow_root,
@@ -27,6 +30,7 @@ from validation.study.text import plain
 
 _ROUNDING = 2e-14  # relative; 1.3e-15 was measured
 _VERY_SMALL, _ORDER_OF_TEN_PER_CENT = 1e-2, (0.1 / math.sqrt(10.0), 0.1 * math.sqrt(10.0))
+_STEP = 1e-6  # log10 r
 _TRACED = 1e-9  # Newton's method ends at steps of about this size squared; 6e-11 was measured
 _FIRST_TRACED = 2e-3  # at eps = 1e-6 the branch (28) lies 9e-4 beyond its asymptote, relative; 8e-4 was measured
 
@@ -125,6 +129,26 @@ def _beside(paper: Scene, model: str, curve: Boundary) -> tuple[int, int]:
     at = with_parameter(paper, "log10_r", float(curve.first[middle]))
     above, below = (with_parameter(at, "log10_epsilon", float(curve.second[middle]) + shift) for shift in (1e-3, -1e-3))
     return unstable_count(characteristic(above, model)), unstable_count(characteristic(below, model))
+
+
+def crossed(paper: Scene, onsets: Mapping[str, tuple[float, float]], found: Mapping[str, Stability]) -> Verdict:
+    """The certified count of growing roots just below and beyond every onset, which the onset was found without."""
+    places = {f"`{model}`": (paper, model, math.log10(r)) for model, (r, _) in onsets.items()}
+    places |= {name: (slipwave.read(name), "delay", one.log10_r_c) for name, one in found.items() if one.log10_r_c is not None}
+    counts = {
+        name: [unstable_count(characteristic(with_parameter(scene, "log10_r", at + step), model)) for step in (-_STEP, _STEP)]
+        for name, (scene, model, at) in places.items()
+    }
+    wrong = [name for name, (below, beyond) in counts.items() if beyond - below != 2]
+    return Verdict(
+        "Beyond every onset a pair of roots grows that decays below it",
+        Evidence.WITNESS,
+        f"{len(counts)} onsets",
+        f"{len(counts) - len(wrong)} onsets",
+        judge(not wrong),
+        f"certified count {plain(_STEP, '.0e')} in log_{{10}} r on both sides"
+        + (f"; not so: {', '.join(wrong)}" if wrong else ""),
+    )
 
 
 def taylor(paper: Scene) -> Verdict:

@@ -1,0 +1,269 @@
+"""Every study again, with the figures of one model displaced at the place where the study gets them: a verdict must fail.
+
+Calls of a place are recorded in the study's quick run and played back, so that a counterfeit run costs verdicts and tables only.
+A verdict that compares a thing with itself, or looks elsewhere, stays green and is found.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from slipwave.observe.orbit import Estimate
+from validation.study import Budget, Outcome, Study
+
+Change = Callable[[Any], Any]
+
+
+def scaled(value: Any, by: float = 1e-3) -> Any:
+    """Every number in `value` larger by a share; a truth turned round, words taken away."""
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, str):
+        return ""
+    if isinstance(value, float | complex | np.ndarray):
+        return value * (1.0 + by)
+    if isinstance(value, Estimate):
+        return replace(value, value=value.value * (1.0 + by))
+    if isinstance(value, dict):
+        return {key: scaled(one, by) for key, one in value.items()}
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return type(value)(*(scaled(one, by) for one in value))
+    if isinstance(value, list | tuple):
+        return type(value)(scaled(one, by) for one in value)
+    if is_dataclass(value) and not isinstance(value, type):
+        kept = {one.name: getattr(value, one.name) for one in fields(value) if one.init}
+        return replace(value, **{name: scaled(one, by) for name, one in kept.items() if isinstance(one, float | Estimate)})
+    return value
+
+
+def part(*names: str, change: Change = scaled) -> Change:
+    """`change` of some fields only, of a NamedTuple or dataclass; "a.b" is the field b of the field a."""
+
+    def changed(value: Any) -> Any:
+        """`value` with these fields changed."""
+        for name in names:
+            first, _, rest = name.partition(".")
+            new = (part(rest, change=change) if rest else change)(getattr(value, first))
+            value = value._replace(**{first: new}) if hasattr(value, "_fields") else replace(value, **{first: new})
+        return value
+
+    return changed
+
+
+def displaced(by: float) -> Change:
+    """Every number larger by an amount: what is wrong in the limit of a fine grid does not fall."""
+
+    def changed(value: Any) -> Any:
+        """`value` displaced."""
+        return {key: changed(one) for key, one in value.items()} if isinstance(value, dict) else value + by
+
+    return changed
+
+
+def each(change: Change) -> Change:
+    """`change` of every entry of a list or dict."""
+    return lambda value: (
+        {k: change(one) for k, one in value.items()} if isinstance(value, dict) else [change(one) for one in value]
+    )
+
+
+def only(name: str, change: Change) -> Change:
+    """`change` of one entry of a dict."""
+    return lambda value: value | {name: change(value[name])}
+
+
+class Place(NamedTuple):
+    """`where`, "module:function" within the studies, is the place at which a study gets figures of a model: the argument number
+    `model` names it (or the attribute `model` of that argument). `fakes` are changes of its results, each of which must turn the
+    study red for every model but those `unjudged`; `few` tries the first and the last. Without fakes it is only played back."""
+
+    where: str
+    fakes: tuple[Change, ...] = ()
+    model: int = 0
+    unjudged: tuple[str, ...] = ()
+    few: bool = False
+
+
+@dataclass
+class Tape:
+    """Calls of one place: arguments and results in turn."""
+
+    place: Place
+    calls: list[tuple[str, Any]] = field(default_factory=list)
+
+    def record(self, patch: pytest.MonkeyPatch) -> None:
+        """From now on keep what the place returns."""
+        true = self._true
+
+        def recording(*args: Any, **options: Any) -> Any:
+            result = true(*args, **options)
+            self.calls.append((self._model(args), result))
+            return result
+
+        patch.setattr(*self._home, recording)
+
+    def play(self, patch: pytest.MonkeyPatch, model: str = "", change: Change = lambda value: value) -> None:
+        """Return the same again, changed for one model."""
+        results = iter([change(result) if name == model else result for name, result in self.calls])
+        patch.setattr(*self._home, lambda *args, **options: next(results))
+
+    @property
+    def _home(self) -> tuple[Any, str]:
+        module, _, name = self.place.where.partition(":")
+        return import_module(f"validation.studies.{module}"), name
+
+    @property
+    def _true(self) -> Callable[..., Any]:
+        true: Callable[..., Any] = getattr(*self._home)
+        return true
+
+    def _model(self, args: tuple[Any, ...]) -> str:
+        who = args[self.place.model] if len(args) > self.place.model else ""
+        who = getattr(who, "setting", who)
+        return str(getattr(who, "model", getattr(who, "name", who)))
+
+
+def tapes_of(name: str) -> list[Tape]:
+    """Empty tapes for the places of the study."""
+    return [Tape(place) for place in PLACES[name]]
+
+
+def green(study: Study, tapes: list[Tape]) -> Iterator[str]:
+    """The counterfeits that no verdict of the study notices; played back unchanged, none may fail."""
+
+    def failing(fake: Tape | None = None, model: str = "", change: Change = lambda value: value) -> bool:
+        with pytest.MonkeyPatch.context() as patch:
+            for tape in tapes:
+                tape.play(patch, *((model, change) if tape is fake else ()))
+            return any(verdict.outcome is Outcome.FAIL for verdict in study.run(Budget(quick=True)).verdicts)
+
+    if any(tape.calls for tape in tapes):
+        assert not failing(), f"{study.NAME}: played back, its verdicts differ"
+    for tape in tapes:
+        models = list(dict.fromkeys(name for name, _ in tape.calls if name not in tape.place.unjudged))
+        for model in models[:: max(1, len(models) - 1)] if tape.place.few else models:
+            for number, change in enumerate(tape.place.fakes):
+                if not failing(tape, model, change):
+                    yield f"{study.NAME}: {tape.place.where} of {model!r}, change {number}"
+
+
+S = (scaled,)
+PLACES: dict[str, tuple[Place, ...]] = {
+    "scene-facts": (Place("scene_facts:_onset"),),
+    "one-cycle": (
+        Place("one_cycle:run_model", (part("orbit"),)),
+        Place("one_cycle:at_r"),
+        Place("one_cycle:_quasistatic", S),
+        Place("one_cycle:_slides_steadily", S),
+    ),
+    "leapfrog-convergence": (
+        Place("leapfrog_convergence:build"),
+        Place("leapfrog_convergence:settle", (part("orbit"),)),
+        Place("leapfrog_convergence:_psi", S),
+    ),
+    "grid-convergence": (
+        Place("grid_convergence:_climb", (part("errors", change=displaced(1e-3)),), few=True),
+        Place("grid_convergence:_curve"),
+        Place("grid_convergence:code_table"),
+        Place("grid_convergence:code_note"),
+        Place("grid_convergence.orbits:own_orbit", (part("orbit"),)),
+        Place(
+            "grid_convergence.in_time:marches_of",
+            tuple(part(name, change=displaced(1e-3)) for name in ("explicit", "exact")),
+        ),
+    ),
+    "cost-and-error": (
+        Place("cost_and_error:settle"),
+        Place("cost_and_error:time_run", (lambda one: part("period_error", change=displaced(1e-3))(part("period")(one)),)),
+        Place("cost_and_error:time_final"),
+        Place("cost_and_error:plain_kelvin_voigt", S),
+    ),
+    "stability-boundaries": (
+        Place("stability_boundaries.measured:critical_round_trip", S, 1),
+        Place("stability_boundaries:boundary", (each(part("second")),), 1),
+        Place("stability_boundaries:critical_round_trip", S, 1, few=True),
+        Place("stability_boundaries.verdicts:_gaps"),
+        Place("stability_boundaries.verdicts:_beside"),
+        Place("stability_boundaries:taylor"),
+        Place("stability_boundaries:analyse", (part("log10_r_c"),), few=True),
+    ),
+    "slip-event": (Place("slip_event:_record", (part("field.upper.velocity"),)),),
+    "stability-attacks": (
+        Place("stability_attacks:limit_at", (lambda value: 0.9 * value,)),
+        Place("stability_attacks:around_the_limit", (lambda value: (value[0] + 100.0, value[1]),)),
+        Place("stability_attacks:state_reach", (lambda value: 1.05 * value if np.isfinite(value) else 1.0,)),
+        Place("stability_attacks:stops_beyond", S),
+        Place(
+            "stability_attacks:attack",
+            (each(part("error", change=displaced(1.0))),),
+        ),
+        Place("stability_attacks:advised", (part("error", change=displaced(0.1)),)),
+        Place("stability_attacks:locked_noise", (displaced(1.0),)),
+    ),
+    "energy": (
+        Place("energy:residual_of", (displaced(1e-3),)),
+        Place(
+            "energy:history_of",
+            (part("entries", change=only("friction", scaled)),),
+        ),
+    ),
+    "unlike-slabs": (Place("unlike_slabs:march", (part("figures"),), 1), Place("unlike_slabs:costs")),
+    "partial-reflection": (
+        Place("partial_reflection:orbit_of"),
+        Place("partial_reflection:end_of"),
+        Place("partial_reflection.runs:_last", S, 1),
+    ),
+    "model-error": (
+        Place("model_error:warm_up"),
+        Place("model_error.verdicts:orbit_of"),
+        Place("model_error.verdicts:settle", (part("orbit"),)),
+        Place("model_error.verdicts:fitted_modes"),
+        Place("model_error:milliseconds_of"),
+        Place("model_error:orbit_of", (lambda value: value and scaled(value),)),
+        Place("model_error:mean_at", (lambda value: scaled(value, 1e-2),), unjudged=("modal:2",)),
+    ),
+    "error-laws": (
+        Place("error_laws:critical_round_trip", S, 1),
+        Place("error_laws:measure_cycle"),
+    ),
+    "bifurcation": (
+        Place("bifurcation:branch_of", (part("onset.parameter"),)),
+        Place("bifurcation:wave_orbit", (part("wave"),)),
+    ),
+    "snaking": (
+        Place("snaking:branch_of"),
+        Place("snaking:run_at", (part("last", change=displaced(2.0)),)),
+        Place("snaking:attractor", (part("run.last"),)),
+        Place("snaking:own_orbit"),
+        Place("snaking:in_thicker_slabs", (displaced(1e-3),)),
+        Place("snaking:sides", (lambda value: [(one, part("seen")(before), beyond) for one, before, beyond in value],)),
+        Place("snaking:torus_at", (part("mean"), part("rotation", change=displaced(1e-3)))),
+    ),
+    "period-against-delay": (
+        Place("period_against_delay:branch_of", (part("onset.period"),)),
+        Place("period_against_delay:periods_at", (part("orbits"),)),
+        Place("period_against_delay:orbit"),
+        Place("period_against_delay:settled_period", S),
+    ),
+    "special-curves": (
+        Place("special_curves:_curve", (each(part("first", change=displaced(1e-6))),)),
+        Place("special_curves:_fold_at", S),
+    ),
+    "period-doubling": (Place("period_doubling:doubled", (part("last_two"), part("single.orbit"), part("double.orbit"))),),
+    "claims": (
+        Place(
+            "claims:settle_branch",
+            (each(only("delay", scaled)),),
+        ),
+        Place("claims:run_deep"),
+        Place("claims:measure_ripples", S),
+        Place("claims:beside"),
+    ),
+    "planted-faults": (),
+    "slow-verification": (),
+}
+"""By study. Those without a place read records, and `test_planted_faults` and `test_slow_verification` counterfeit these."""
