@@ -55,7 +55,8 @@ class Jet:
     __rmul__ = __mul__
 
     def __truediv__(self, other: Jet | complex) -> Jet:
-        other = self._lift(other)
+        if not isinstance(other, Jet):
+            return Jet(self.value / other, self.slope / other)
         quotient = self.value / other.value
         return Jet(quotient, (self.slope - quotient * other.slope) / other.value)
 

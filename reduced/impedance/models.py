@@ -11,6 +11,7 @@ from reduced.impedance.jet import Complex, Jet
 from reduced.impedance.of_reduction import poles_and_residues, real_part_on_axis, reduction_ratio, taylor_poles, taylor_ratio
 from reduced.impedance.reduce import reduction_of
 from reduced.impedance.transmission_line import Ratio, pair_ratio
+from reduced.ode.reduction import Reduction
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
 
@@ -23,19 +24,19 @@ def is_exact(model: str) -> bool:
     return model == DELAY.name
 
 
-def ratio_of(scene: Scene, model: str = "delay") -> Callable[[Jet], Ratio]:
+def ratio_of(scene: Scene, model: str | Reduction = "delay") -> Callable[[Jet], Ratio]:
     """The function s -> (p, q), Y = p/q and Z = q/p, of a scene's slab pair under a model.
 
-    `model` is any reduction's name, `delay`, or `taylor` (the next truncation, which is unusable). Raises SceneError as
+    `model` is any reduction, or its name, `delay`, or `taylor` (the next truncation, which is unusable). Raises SceneError as
     `reduction_of` does.
     """
-    if is_exact(model):
+    if isinstance(model, str) and is_exact(model):
         return lambda s: pair_ratio(scene, s)
     if model == "taylor":
         if not (scene.alike and scene.upper.is_plain):
             raise SceneError("model = 'taylor' is built for alike homogeneous slabs behind rigid faces only")
         return lambda s: taylor_ratio(scene.upper.epsilon, scene.transit, s)
-    reduced = reduction_of(scene, model)
+    reduced = reduction_of(scene, model) if isinstance(model, str) else model
     return lambda s: reduction_ratio(reduced, scene.upper.epsilon, scene.transit, s)
 
 

@@ -46,13 +46,15 @@ def slab_ratio(slab: Slab, s: Jet) -> Ratio:
     A rigid face gives Y = tanh(s r/2)/epsilon; layers are chained from the outer face inwards.
     """
     p, q = _outer_face(slab, s)
-    relative = modulus(slab, s)
-    root = relative.sqrt()
+    root = modulus(slab, s).sqrt() if slab.viscosity else 1.0
+    echoes: dict[float, Jet] = {}  # 1 - E of layers with this fraction
     for layer in reversed(slab.layers):
         admittance = 1.0 / (root * (slab.epsilon * layer.impedance))
-        backward = -(s * (-slab.round_trip * layer.fraction) / root).expm1()
+        if layer.fraction not in echoes:
+            echoes[layer.fraction] = -(s * (-slab.round_trip * layer.fraction) / root).expm1()
+        backward = echoes[layer.fraction]
         forward = 2.0 - backward
-        p, q = p * forward + admittance * (q * backward), q * forward + p * backward / admittance
+        p, q = p * forward + (q * backward) * admittance, q * forward + (p * backward) / admittance
     return p, q
 
 

@@ -28,7 +28,8 @@ _SMALLEST = 1e-6
 class Multipliers(NamedTuple):
     """`values` (m,), largest modulus first, without the trivial one, whose distance from 1 is `trivial_defect`, and those of idle
     modes; `essential_radius` is the radius below which infinitely many accumulate (0 if there are finitely many); `stable` is
-    None if the values cannot decide, with the `reason`. `idle`: where the radius is 1, the modes that friction damps least."""
+    None if the values cannot decide, with the `reason`: idle modes hide stability, never instability. `idle`: where the radius is
+    1, the modes that friction damps least."""
 
     values: Complex
     trivial_defect: float
@@ -51,7 +52,9 @@ def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
         from reduced.stability.idle import idle_modes
 
         modes = idle_modes(closed.flow.scene)
-        return Multipliers(isolated, defect, max(radius, 1.0), None, _undecided(modes, closed.cycle.period), modes)
+        grows = bool(np.any(np.abs(isolated) > 1.0 + _AGREE))
+        reason = _undamped(modes, closed.cycle.period, grows)
+        return Multipliers(isolated, defect, max(radius, 1.0), False if grows else None, reason, modes)
     return Multipliers(isolated, defect, radius, *_verdict(isolated))
 
 
@@ -73,16 +76,18 @@ def floquet(monodromy: Array, idle: Array = _NONE) -> tuple[Complex, float]:
     return rest[np.argsort(-np.abs(rest), kind="stable")], float(abs(values[trivial] - 1.0))
 
 
-def _undecided(modes: "tuple[IdleMode, ...]", period: float) -> str:
-    """Why multipliers cannot decide, and the modes because of which they cannot."""
+def _undamped(modes: "tuple[IdleMode, ...]", period: float, grows: bool) -> str:
+    """Which modes friction does not damp, and why multipliers therefore cannot decide, unless one of them `grows`: an idle mode
+    can hide that an orbit is stable, never that it is not."""
     from reduced.stability.idle import named
 
     exact = bool(modes) and not modes[0].decay
     said = "left out of the multipliers" if exact else "they lose little in a period, and others of high frequency less"
     listed = f" ({named(modes, period)}; {said})" if modes else ""
+    decided = "but a multiplier outside of it decides" if grows else "and multipliers cannot decide stability"
     return (
-        "the waves' own multipliers reach a radius of 1: some motion of the slabs is never damped by friction, and multipliers "
-        f"cannot decide stability: idle modes, in which both slabs swing alike without slip or stress at the interface{listed}"
+        "the waves' own multipliers reach a radius of 1: some motion of the slabs is never damped by friction, "
+        f"{decided}: idle modes, in which both slabs swing alike without slip or stress at the interface{listed}"
     )
 
 

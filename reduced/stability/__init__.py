@@ -8,12 +8,13 @@ from reduced.stability.critical import critical_epsilon, critical_round_trip, cr
 from reduced.stability.error_laws import ErrorLaw, error_law
 from reduced.stability.essential import essential_abscissa
 from reduced.stability.friction import FrictionSlopes, friction_slopes
-from reduced.stability.spectrum import follow_root, leading_roots, unstable_count
+from reduced.stability.spectrum import Spectrum, follow_root, leading_roots, spectrum, unstable_count
 
 __all__ = [
     "Boundary",
     "ErrorLaw",
     "FrictionSlopes",
+    "Spectrum",
     "Stability",
     "analyse",
     "boundary",
@@ -27,6 +28,7 @@ __all__ = [
     "friction_slopes",
     "leading_roots",
     "scaled",
+    "spectrum",
     "unstable_count",
     "with_parameter",
 ]

@@ -1,30 +1,30 @@
 """The results on the stability of steady sliding in one scene under one model."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-
-import numpy as np
+from typing import TypeVar
 
 from reduced.impedance import is_exact
-from reduced.stability.characteristic import characteristic
 from reduced.stability.critical import critical_epsilon, critical_round_trip
 from reduced.stability.essential import essential_abscissa
-from reduced.stability.spectrum import leading_roots, unstable_count
+from reduced.stability.spectrum import spectrum
+from slipwave.errors import NumericsError
 from slipwave.scene import Scene
 
-NEUTRAL = 1e-9
-"""A root with |Re s| below this share of `FrictionSlopes.reach` is neutral: the certified count cannot decide its side."""
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
 class Stability:
-    """Friction clock: frequencies and roots in 1/(L/V*); nan for values that do not exist.
+    """Friction clock: frequencies and roots in 1/(L/V*); nan for values that do not exist or, with a line in `missing`, were not
+    found.
 
-    `velocity` of the analysed steady sliding; `stable` is None if the leading root is neutral and no other root grows.
+    `velocity` of the analysed steady sliding; `stable` is None if a root is neutral and none grows; `unstable_roots` certified.
 
     `omega_c` and `log10_r_c`: frequency and upper round trip at the first loss of stability as both round trips grow;
-    `epsilon_c`: upper epsilon above which the scene's r is stable; `unstable_roots` is certified; `essential_abscissa` exists
-    only for exact models (reductions have finitely many roots: nan).
+    `epsilon_c`: upper epsilon above which the scene's r is stable. `leading_roots`: those of `reduced.stability.leading_roots`,
+    none if all decay faster than waves pass. `essential_abscissa` exists only for exact models.
     """
 
     model: str
@@ -36,28 +36,49 @@ class Stability:
     epsilon_c: float
     leading_roots: tuple[complex, ...]
     essential_abscissa: float
+    missing: tuple[str, ...] = ()
+
+    @property
+    def rate(self) -> float:
+        """Re s of the leading root; -inf without one."""
+        return self.leading_roots[0].real if self.leading_roots else -math.inf
 
 
 def analyse(scene: Scene, model: str = "delay") -> Stability:
     """Stability of steady sliding at the scene's drive velocity (at t = 0 if it changes). `taylor` is allowed too; it is unstable
     for any friction.
 
-    Raises SceneError if the model cannot compute the scene, NumericsError if a root cannot be located.
+    Raises SceneError if the model cannot compute the scene, NumericsError if the roots that grow cannot be counted or located;
+    what else cannot be computed is `missing`.
     """
-    problem = characteristic(scene, model)
-    unstable = unstable_count(problem, active=model == "taylor")
-    leading = leading_roots(problem)
-    neutral = int((np.abs(leading.real) <= NEUTRAL * problem.slopes.reach).sum())
-    undecided = neutral > 0 and unstable <= neutral
-    r_c, omega_c = critical_round_trip(scene, model) if model != "taylor" else (math.nan, math.nan)
+    found = spectrum(scene, model)
+    missing: list[str] = []
+    nothing = math.nan, math.nan
+    r_c, omega_c = (
+        found_or(nothing, "the critical r", lambda: critical_round_trip(scene, model), missing) if model != "taylor" else nothing
+    )
     return Stability(
         model=model,
         velocity=scene.velocity,
-        stable=None if undecided else unstable == 0,
-        unstable_roots=0 if undecided else unstable,
+        stable=found.stable,
+        unstable_roots=found.growing,
         omega_c=omega_c,
         log10_r_c=math.log10(r_c) if r_c > 0.0 else math.nan,
-        epsilon_c=critical_epsilon(scene, model) if model != "taylor" else math.nan,
-        leading_roots=tuple(complex(root) for root in leading),
-        essential_abscissa=essential_abscissa(scene) if is_exact(model) else math.nan,
+        epsilon_c=found_or(math.nan, "the critical epsilon", lambda: critical_epsilon(scene, model), missing)
+        if model != "taylor"
+        else math.nan,
+        leading_roots=found.leading,
+        essential_abscissa=found_or(math.nan, "the limit of the fast roots", lambda: essential_abscissa(scene), missing)
+        if is_exact(model)
+        else math.nan,
+        missing=tuple(missing),
     )
+
+
+def found_or(otherwise: Value, name: str, find: Callable[[], Value], missing: list[str]) -> Value:
+    """What `find` returns; `otherwise`, with a line that names it in `missing`, if its numerics fail."""
+    try:
+        return find()
+    except NumericsError as error:
+        missing.append(f"{name} was not found: {str(error).removeprefix('stability: ')}")
+        return otherwise

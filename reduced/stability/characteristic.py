@@ -8,12 +8,14 @@ the argument principle therefore needs no correction. s is on the friction clock
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.impedance import Complex, Jet, Ratio, ratio_of
+from reduced.impedance import Complex, Jet, Ratio, is_exact, ratio_of, reduction_of
 from reduced.impedance.transmission_line import slab_ratio
+from reduced.ode.reduction import Reduction
 from reduced.stability.friction import FrictionSlopes, friction_slopes
 from slipwave.scene import Scene
 from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
@@ -23,12 +25,13 @@ _SHARED = 1e-6
 
 @dataclass(frozen=True)
 class Characteristic:
-    """D(s) of one scene under one model; `transit` is the upper slab's round trip."""
+    """D(s) of one scene under one model; `transit` is the upper slab's round trip, `reduction` the model if it is one."""
 
     scene: Scene
     slopes: FrictionSlopes
     one_port: Callable[[Jet], Ratio]
     transit: float
+    reduction: Reduction | None = None
 
     def jet(self, s: object) -> Jet:
         """D and dD/ds at s (complex array)."""
@@ -98,6 +101,9 @@ def _rates(slab: Slab) -> list[complex]:
     return rates
 
 
+@lru_cache(maxsize=8)
 def characteristic(scene: Scene, model: str = "delay") -> Characteristic:
     """D(s) for steady sliding at the scene's drive velocity. Raises SceneError if the model cannot compute the scene."""
-    return Characteristic(scene, friction_slopes(scene.law, scene.velocity), ratio_of(scene, model), scene.transit)
+    reduced = None if is_exact(model) or model == "taylor" else reduction_of(scene, model)
+    one_port = ratio_of(scene, model if reduced is None else reduced)
+    return Characteristic(scene, friction_slopes(scene.law, scene.velocity), one_port, scene.transit, reduced)

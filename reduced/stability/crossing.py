@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.stability.characteristic import Characteristic
+from reduced.stability.spectrum import follow_root, leading_roots
 from slipwave.errors import NumericsError
 
 Real = NDArray[np.float64]
@@ -29,6 +30,30 @@ def crossing(problem_at: Callable[[float], Characteristic], start: float) -> tup
     if not math.isfinite(best[0]):
         raise NumericsError(f"stability: no crossing found near parameter {start:.6g}")
     return best[1], best[2]
+
+
+def between(problem_at: Callable[[float], Characteristic], low: float, high: float) -> tuple[float, float]:
+    """(parameter, omega) at which the leading root at `high`, where roots grow that do not at `low`, crosses the imaginary axis.
+
+    Newton's method follows it from parameter to parameter. Raises NumericsError if it is no single pair that crosses in between.
+    """
+    from scipy.optimize import brentq
+
+    root = complex(leading_roots(problem_at(high), 2)[0])
+
+    def followed(parameter: float) -> float:
+        """Re s of the root at `parameter`."""
+        nonlocal root
+        root = follow_root(problem_at(parameter), root)
+        if math.isnan(root.real):
+            raise ValueError
+        return root.real
+
+    try:
+        at = brentq(followed, low, high, xtol=1e-13 * max(abs(low), abs(high)), rtol=1e-13)
+    except ValueError:
+        raise NumericsError(f"stability: no single pair of roots crosses between {low:.6g} and {high:.6g}") from None
+    return float(at), abs(root.imag)
 
 
 def central_differences(residual: Callable[[Real], Real], x: Real) -> Real:

@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from reduced.commensurate import common_divisor
 from reduced.stability.characteristic import retardation_rate
 from reduced.stability.friction import friction_slopes
+from slipwave.errors import NumericsError
 from slipwave.scene import Scene
 from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
 
 Echo: TypeAlias = NDArray[Any]
-_MOST_PARTS, _HIGHEST_DEGREE = 200, 800
+_MOST_PARTS, _HIGHEST_DEGREE, _MOST_TIMES = 200, 800, 12
 
 
 def essential_abscissa(scene: Scene) -> float:
@@ -29,6 +30,8 @@ def essential_abscissa(scene: Scene) -> float:
 
     Incommensurate travel times give the supremum over all phases of the echoes: exact for up to two of them, and in general over
     all combinations of signs. Kelvin-Voigt solids transmit no fast waves; their roots accumulate at -1/time instead.
+
+    Raises NumericsError for more than 12 layers with incommensurate travel times.
     """
     slabs = scene.slabs
     accumulation = max(-retardation_rate(slab) for slab in slabs)
@@ -114,6 +117,10 @@ def _over_all_signs(scene: Scene, slabs: tuple[Slab, ...], times: list[float]) -
     """Largest sigma with F_v p + q = 0 for echoes +-exp(-sigma T_j). The balance is affine in each echo with real coefficients,
     so over the phase of any one echo its modulus is smallest at one of the signs. The result is 0 for unlike slabs behind rigid
     faces: modes in which both swing nearly freely and alike have arbitrarily small damping."""
+    if len(times) > _MOST_TIMES:
+        raise NumericsError(
+            f"the travel times of {len(times)} layers have no common measure: at most {_MOST_TIMES} can be combined"
+        )
     best = -math.inf
     scale = 1.0 / max(times)
     sigma = np.linspace(-40.0, 0.004, 40005) * scale

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reduced.impedance import Jet, Ratio
 from slipwave.friction import Law, respond, steady_state, unknown_of
@@ -31,10 +32,16 @@ class FrictionSlopes:
         """For passive slabs every root with Re s >= 0 has |s + G_phi| <= reach, because beyond that Re H > 0 and Re Z >= 0."""
         return self.healing * abs(self.direct - self.steady) / self.direct
 
-    def impedance_at(self, omega: float) -> complex:
+    @property
+    def growing(self) -> tuple[float, float]:
+        """(centre, radius) of the disc that holds every root with Re s >= 0: outside of it Re H > 0 there, and passive slabs have
+        Re Z >= 0. On the imaginary axis it reaches to omega_c."""
+        return 0.5 * self.reach - self.healing, 0.5 * self.reach
+
+    def impedance_at(self, omega: float | NDArray[np.float64]) -> NDArray[np.complex128]:
         """H(i omega), delta_mu = H delta_v: (F_v s + G_phi F_ss')/(s + G_phi)."""
-        s = 1j * omega
-        return (self.direct * s + self.healing * self.steady) / (s + self.healing)
+        s = 1j * np.asarray(omega)
+        return np.asarray((self.direct * s + self.healing * self.steady) / (s + self.healing))
 
     def ratio(self, s: Jet) -> Ratio:
         """(numerator, denominator) of H as jets."""

@@ -12,19 +12,26 @@ Function = Callable[[Complex], Jet]
 
 _STEP = 0.5
 """Largest |D'/D| ds along the contour, so that no turn of the argument is missed between two samples."""
-_MOST_POINTS = 400_000
-_SHORTEST = 1e-12
+_MOST_POINTS = 1_000_000
+_SHORTEST, _FINEST = 1e-12, 1e-15
 _NEWTON_ROUNDS = 40
 _FEW = 6
 _DEEPEST = 40
 _CUTS = (0.5123, 0.4711, 0.5371, 0.4313, 0.5779)
 
 
-def half_disc(radius: float, inset: float) -> Complex:
-    """Corners of a closed polyline around {Re s > inset, |s| < radius}, counter-clockwise; the arc is divided into 64 chords."""
-    angle = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 65)
-    arc = inset + radius / np.cos(np.pi / 128.0) * np.exp(1j * angle)
-    return np.append(arc, arc[0])
+def upper_half(disc: tuple[float, float], left: float) -> Complex:
+    """Corners of the path around {Re s > left, |s - centre| < radius} in the upper half plane, counter-clockwise from the real
+    axis to the real axis; `disc` is (centre, radius), and its arc is divided into 32 chords outside of it."""
+    centre, radius = disc[0], disc[1] / np.cos(np.pi / 64.0)
+    angle = np.linspace(0.0, np.arccos((left - centre) / radius), 33)
+    arc = centre + radius * np.exp(1j * angle)
+    return np.append(arc[:-1], [complex(left, arc[-1].imag), complex(left)])
+
+
+def upper_rectangle(low: complex, high: complex) -> Complex:
+    """The same for the rectangle that a `low` left corner and a `high` right corner, mirrored at the real axis, span."""
+    return np.array([complex(high.real), high, complex(low.real, high.imag), complex(low.real)])
 
 
 def rectangle(low: complex, high: complex) -> Complex:
@@ -32,33 +39,55 @@ def rectangle(low: complex, high: complex) -> Complex:
     return np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag), low])
 
 
-def count_zeros(function: Function, corners: Complex, anchors: tuple[complex, ...] = ()) -> int:
-    """Zeros of an analytic function inside a closed polyline: its winding number.
+class OnContour(NumericsError):
+    """A zero lies on the contour, or so near that its side cannot be told."""
+
+
+def resolved(function: Function, corners: Complex, anchors: tuple[complex, ...] = ()) -> tuple[Complex, Jet]:
+    """Points along a polyline, and the function there, so dense that no turn of its argument is missed between two of them.
 
     Sides are halved until every piece meets three conditions: |D'/D| times its length is below 1/2 at both ends, D turns by less
     than 60 degrees over it, and it is shorter than its distance from each of the `anchors`, the points near which D varies on a
-    scale of its own. Raises NumericsError if a zero lies on the contour.
+    scale of its own. Raises `OnContour` if a zero lies on it, NumericsError if more than a million points were needed.
     """
     floor = _SHORTEST * float(np.abs(corners).max())
     points = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in pairwise(corners)] + [corners[-1:]])
+    jet = function(points)
+    value, slope = jet.value, jet.slope
     while True:
-        jet = function(points)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            turn = np.angle(jet.value[1:] / jet.value[:-1])
-            rate = np.abs(jet.slope / jet.value)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            turn = np.angle(value[1:] / value[:-1])
+            rate = np.abs(slope / value)
         if not np.all(np.isfinite(rate)):
             bad = complex(points[int(np.argmin(np.isfinite(rate)))])
-            raise NumericsError(f"stability: the characteristic function is 0 or not finite on the contour at s = {bad}")
+            raise OnContour(f"stability: the characteristic function is 0 or not finite on the contour at s = {bad:.6g}")
         pieces = np.abs(np.diff(points))
         long = (np.maximum(rate[1:], rate[:-1]) * pieces > _STEP) | (np.abs(turn) > np.pi / 3.0)
+        if np.any(long & (pieces < _FINEST * np.abs(points[1:]))):
+            raise OnContour(f"stability: a root lies on the contour near s = {points[int(np.argmax(rate))]:.6g}")
         for anchor in anchors:
             long |= pieces > np.maximum(np.abs(0.5 * (points[1:] + points[:-1]) - anchor), floor)
         if not long.any():
-            return round(float(turn.sum()) / (2.0 * np.pi))
+            return points, Jet(value, slope)
         if len(points) > _MOST_POINTS:
-            raise NumericsError(f"stability: a root lies on the contour near s = {points[int(np.argmax(rate))]:.6g}")
+            raise NumericsError(
+                f"stability: more than {_MOST_POINTS:,} points are needed to count the roots: too many waves fit into the slabs "
+                "during one oscillation of friction"
+            )
+        at = np.flatnonzero(long) + 1
         middles = 0.5 * (points[:-1] + points[1:])[long]
-        points = np.insert(points, np.flatnonzero(long) + 1, middles)
+        jet = function(middles)
+        points, value, slope = (
+            np.insert(old, at, new) for old, new in ((points, middles), (value, jet.value), (slope, jet.slope))
+        )
+
+
+def count_zeros(function: Function, corners: Complex, anchors: tuple[complex, ...] = ()) -> int:
+    """Zeros of an analytic function inside a closed polyline: its winding number. A path from the real axis to the real axis
+    counts as closed by its mirror image, for a function that is real there. Raises what `resolved` raises."""
+    _, jet = resolved(function, corners, anchors)
+    half = 1.0 if corners[0] == corners[-1] else 0.5
+    return round(float(np.angle(jet.value[1:] / jet.value[:-1]).sum()) / (2.0 * np.pi * half))
 
 
 def polish(function: Function, starts: Complex) -> Complex:
@@ -87,7 +116,7 @@ def zeros_in(
         return np.empty(0, dtype=np.complex128)
     if expected <= _FEW:
         re, im = np.linspace(low.real, high.real, 7), np.linspace(low.imag, high.imag, 9)
-        zeros = _distinct(polish(function, (re[:, None] + 1j * im[None, :]).ravel()))
+        zeros = distinct(polish(function, (re[:, None] + 1j * im[None, :]).ravel()))
         inside = zeros[(low.real < zeros.real) & (zeros.real < high.real) & (low.imag < zeros.imag) & (zeros.imag < high.imag)]
         if inside.size == expected:
             return inside
@@ -117,10 +146,13 @@ def _halves(
     raise NumericsError(f"stability: too many roots near s = {0.5 * (low + high):.6g}")
 
 
-def _distinct(zeros: Complex) -> Complex:
+def distinct(zeros: Complex) -> Complex:
     """The finite ones of `zeros`, each once."""
-    kept: list[complex] = []
-    for zero in zeros[np.isfinite(zeros)]:
-        if all(abs(zero - other) > 1e-8 * abs(zero) for other in kept):
-            kept.append(complex(zero))
-    return np.array(kept, dtype=np.complex128)
+    finite = zeros[np.isfinite(zeros)]
+    unit = 1e-9 * 10.0 ** np.floor(np.log10(np.maximum(np.abs(finite), 1e-290)))
+    _, first = np.unique(np.round(finite / unit) * unit, return_index=True)
+    kept = np.empty(0, dtype=np.complex128)
+    for zero in finite[first]:
+        if not np.any(np.abs(zero - kept) <= 1e-8 * abs(zero)):
+            kept = np.append(kept, zero)
+    return kept

@@ -1,96 +1,182 @@
 """The spectrum of steady sliding: the certified number of unstable roots, and the leading roots."""
 
+from dataclasses import dataclass
+from functools import lru_cache
+
 import numpy as np
 
 from reduced.impedance import Complex
-from reduced.stability.characteristic import Characteristic
-from reduced.stability.roots import count_zeros, half_disc, polish, rectangle, zeros_in
+from reduced.stability.characteristic import Characteristic, characteristic
+from reduced.stability.eigenvalues import eigenvalues
+from reduced.stability.roots import OnContour, count_zeros, distinct, polish, resolved, upper_half, upper_rectangle, zeros_in
 from slipwave.errors import NumericsError
+from slipwave.scene import Scene
 
-_INSETS = (1e-9, 1e-11, 1e-7)
-"""Distances of the contour from the imaginary axis, to the right, relative to its radius; the first that meets no root is used. A
-neutral root does not count as unstable."""
+NEUTRAL = 1e-9
+"""A root with |Re s| below this share of the slower of friction and waves is neutral: its side is not decided."""
+
+_MARGINS = (1.001, 1.0037, 1.00011)
+"""Factors by which the disc that holds every growing root is enlarged; the first whose edge meets no root is used."""
 
 _RIPPLES = 4.6
 """Leading roots are searched up to this many times pi per longer round trip: two pairs of reverberations."""
 
-_CROWD = 60
-_THINNEST_STRIP = 1e-9
-_DEEPEST_STRIP = 6.0
-_TRIES = 5
+_DEEPEST_STRIP, _FASTEST = 6.0, 20.0
+"""Per transit: how fast the roots decay that are searched, and how fast those of active slabs may grow."""
+_OFF_AXIS = 1e3
+_LEADING = 8
+_ANGLES = np.radians([0.0, 15.0, 35.0, 60.0, 80.0, 90.0, 100.0, 120.0, 145.0, 165.0, 180.0])
 
 
-def unstable_count(problem: Characteristic, active: bool = False) -> int:
-    """Roots with Re s > 0, by the argument principle.
+@dataclass(frozen=True)
+class Spectrum:
+    """`growing` is certified. `stable` is None if no root grows and one that friction affects is neutral. `leading`, 1/(L/V*):
+    those of `leading_roots`; empty if all roots decay faster than waves pass."""
 
-    For passive slabs all of them lie within `FrictionSlopes.reach` of -G_phi, so the count is complete. For an `active` slab
+    stable: bool | None
+    growing: int
+    leading: tuple[complex, ...]
+
+    @property
+    def rate(self) -> float:
+        """Re s of the leading root; -inf without one."""
+        return self.leading[0].real if self.leading else -np.inf
+
+
+@lru_cache(maxsize=64)
+def spectrum(scene: Scene, model: str = "delay") -> Spectrum:
+    """Of steady sliding at the velocity with which the drive begins. The count decides the stability, never the roots.
+
+    Raises SceneError if the model cannot compute the scene, NumericsError if a root cannot be located.
+    """
+    problem = characteristic(scene, model)
+    active = model == "taylor"
+    growing = unstable_count(problem, active)
+    stable: bool | None = growing == 0
+    if stable and (near := unstable_count(problem, active, -neutral_rate(problem))):
+        zeros = _all_leading(problem, most=max(near, _LEADING))
+        idle = zeros[problem.idle(zeros)]
+        stable = True if _number(idle[np.abs(idle.real) <= neutral_rate(problem)]) >= near else None
+    leading = leading_roots(problem)
+    if (leading.real > neutral_rate(problem)).sum() < min(growing, leading.size - 1):
+        raise NumericsError(f"stability: {growing} roots grow, by a certified count, but not all of the leading ones were found")
+    return Spectrum(stable, growing, tuple(complex(root) for root in leading))
+
+
+def neutral_rate(problem: Characteristic) -> float:
+    """|Re s| below which a root is neutral."""
+    return NEUTRAL * min(problem.slopes.reach, 1.0 / problem.longest)
+
+
+def unstable_count(problem: Characteristic, active: bool = False, beyond: float | None = None) -> int:
+    """Roots with Re s > `beyond`, by the argument principle; just right of the imaginary axis if that is not given, so that a
+    neutral root does not count.
+
+    For passive slabs all of them lie in the disc `FrictionSlopes.growing`, so the count is complete. For an `active` slab
     (with unstable poles of its own) it counts up to 20 per transit. Raises NumericsError if a root lies on the contour.
     """
-    radius = problem.slopes.reach
+    centre, radius = problem.slopes.growing
     if active:
-        radius = max(radius, 20.0 / problem.transit)
+        centre, radius = 0.0, max(problem.slopes.reach, _FASTEST / problem.transit)
     elif not problem.slopes.weakening:
         return 0
-    for inset in _INSETS:
+    left = neutral_rate(problem) if beyond is None else beyond
+    for margin in _MARGINS:
         try:
-            return count_zeros(problem.jet, half_disc(1.001 * radius, inset * radius), problem.anchors)
-        except NumericsError as error:  # a neutral root lies on the contour: move the contour to its other side
+            return count_zeros(problem.jet, upper_half((centre, margin * radius), left * margin), problem.anchors)
+        except OnContour as error:
             failure = error
     raise failure
 
 
-def leading_roots(problem: Characteristic, most: int = 8) -> Complex:
-    """The `most` roots with the largest real parts among those with |Im s| below two ripple frequencies, including conjugates.
+def leading_roots(problem: Characteristic, most: int = _LEADING) -> Complex:
+    """The `most` roots with the largest real parts among those with |Im s| below two ripple frequencies or below that of any that
+    can grow, including conjugates. The number of those right of the last one is certified. Those of a reduction are all found.
 
-    The searched rectangle grows to the left until it holds enough roots, or shrinks until it does not hold too many; their number
-    is certified. Sorted by falling real part; 1/(L/V*). Raises NumericsError if roots lie too close to be distinguished.
+    Sorted by falling real part; 1/(L/V*). Raises NumericsError if roots lie too close to be distinguished.
     """
-    low, count = _rectangle(problem, most)
-    roots = zeros_in(problem.jet, low, _mirrored(problem, low), count, problem.anchors)
+    roots = _all_leading(problem, most)
     roots = roots[~problem.idle(roots)]
-    real = np.abs(roots.imag) < 1e-10 * np.abs(roots)
-    upper = np.concatenate([roots[real].real + 0j, roots[~real & (roots.imag > 0.0)]])
-    upper = upper[np.argsort(-upper.real)]
-    pairs = np.column_stack([upper, upper.conj()]).ravel()
-    kept = np.column_stack([np.full(upper.shape, True), upper.imag > 0.0]).ravel()
+    pairs = np.column_stack([roots, roots.conj()]).ravel()
+    kept = np.column_stack([np.full(roots.shape, True), roots.imag > 0.0]).ravel()
     return np.asarray(pairs[kept][:most], dtype=np.complex128)
 
 
-def _mirrored(problem: Characteristic, low: complex) -> complex:
-    """Upper right corner of the search rectangle with lower left corner `low`."""
-    return complex(max(problem.slopes.reach, 1.0 / problem.longest), -low.imag)
-
-
-def _counted(problem: Characteristic, left: float, top: float) -> tuple[complex, int]:
-    """(lower left corner, number of roots inside) of the search rectangle, moved slightly if a root lies on its boundary."""
-    for _ in range(_TRIES):
-        corner = complex(-left, -top)
+def _all_leading(problem: Characteristic, most: int) -> Complex:
+    """At least `most` roots (conjugates count, idle ones do not), if there are so many, by falling real part: those with
+    Im s >= 0, of a certified number."""
+    if problem.reduction is not None:
+        starts = eigenvalues(problem.reduction, problem.slopes, problem.transit, problem.scene.upper.epsilon)
+        roots = polish(problem.jet, starts)
+        near = np.abs(roots - starts) < 1e-3 * np.abs(starts)
+        return _upper(np.where(near, roots, starts))
+    unit, wall = 1.0 / problem.longest, 0.9 * problem.leftmost
+    centre, radius = problem.slopes.growing
+    bound = np.sqrt(max(radius**2 - centre**2, 0.0)) if problem.slopes.weakening else problem.slopes.reach
+    top, right = max(1.05 * bound, _RIPPLES * np.pi * unit), max(problem.slopes.reach, _FASTEST * unit)
+    deepest = max(-_DEEPEST_STRIP * unit, wall)
+    for share in (1.0, 0.983, 0.966, 0.943):
         try:
-            return corner, count_zeros(problem.jet, rectangle(corner, _mirrored(problem, corner)), problem.anchors)
-        except NumericsError:
-            left, top = 0.983 * left, 0.983 * top
-    raise NumericsError(f"stability: too many roots near Re s = {-left:.6g}")
+            return _certified(problem, complex(deepest, share * top), right, most)
+        except OnContour as error:
+            failure = error
+    raise failure
 
 
-def _rectangle(problem: Characteristic, most: int) -> tuple[complex, int]:
-    """A search rectangle that holds enough roots but not too many: (lower left corner, number of roots)."""
-    unit, wall = 1.0 / problem.longest, -0.9 * problem.leftmost
-    left, top = min(0.3 * unit, wall), max(1.05 * problem.slopes.reach, _RIPPLES * np.pi * unit)
-    found = _counted(problem, left, top)
-    if found[1] > _CROWD and (growing := _counted(problem, _THINNEST_STRIP * unit, top))[1] > _CROWD:
-        left, found = _THINNEST_STRIP * unit, growing
-    while found[1] > _CROWD and left > _THINNEST_STRIP * unit:
-        fewer = _counted(problem, left / 3.0, top)
-        if fewer[1] < most:
-            break
-        left, found = left / 3.0, fewer
-    while found[1] > _CROWD:  # fast roots grow, or lie in one thin strip: search only the slow ones
-        top /= 3.0
-        found = _counted(problem, left, top)
-    while found[1] < most and left < min(_DEEPEST_STRIP * unit, wall):
-        left = min(3.0 * left, wall)
-        found = _counted(problem, left, top)
-    return found
+def _certified(problem: Characteristic, corner: complex, right: float, most: int) -> Complex:
+    """The leading roots with Re s between Re `corner` and `right` and |Im s| < Im `corner`: guessed by Newton's method and
+    confirmed by a count, else found by halving the rectangle that was counted."""
+    top = corner.imag
+    beside = _OFF_AXIS * neutral_rate(problem)
+    edge, jet = resolved(problem.jet, np.array([complex(beside), complex(beside, top)]), problem.anchors)
+    for starts in (_few_starts, _many_starts):
+        roots = _upper(polish(problem.jet, starts(problem, edge, np.abs(jet.slope / jet.value))))
+        roots = roots[(roots.imag < top) & (roots.real > corner.real) & (roots.real < right)]
+        cut = _cut(problem, roots, corner.real, most)
+        roots = roots[roots.real > cut]
+        count = count_zeros(problem.jet, upper_rectangle(complex(cut), complex(right, top)), problem.anchors)
+        if count == _number(roots):
+            return roots
+    return _upper(zeros_in(problem.jet, complex(cut, -top), complex(right, top), count, problem.anchors))
+
+
+def _few_starts(problem: Characteristic, edge: Complex, rate: Complex) -> Complex:
+    """Where |D'/D| is largest along the imaginary `edge`, and a fan around 0 for slow roots."""
+    peaks = edge[1:-1][(rate[1:-1] >= rate[:-2]) & (rate[1:-1] > rate[2:])]
+    largest = max(1.05 * problem.slopes.reach, _RIPPLES * np.pi / problem.longest)
+    fan = np.geomspace(1e-9 * largest, largest, 40)[:, None] * np.exp(1j * _ANGLES)
+    return np.concatenate([peaks, fan.ravel(), np.asarray(problem.anchors) * 1.0001])
+
+
+def _many_starts(problem: Characteristic, edge: Complex, rate: Complex) -> Complex:
+    """The same, and points all along the `edge` and left of it."""
+    some = edge[:: max(1, edge.size // 2000)]
+    depths = np.array([0.0, -0.1, -0.5, -2.0, -4.0]) / problem.longest
+    return np.concatenate([_few_starts(problem, edge, rate), (some + depths[:, None]).ravel()])
+
+
+def _upper(zeros: Complex) -> Complex:
+    """Each of `zeros` once, mirrored into the upper half plane, by falling real part; real ones exactly real."""
+    finite = zeros[np.isfinite(zeros)]
+    real = np.abs(finite.imag) < 1e-10 * np.abs(finite)
+    folded = distinct(np.where(real, finite.real + 0j, finite.real + 1j * np.abs(finite.imag)))
+    return np.asarray(folded[np.lexsort((folded.imag, -folded.real))])
+
+
+def _number(upper: Complex) -> int:
+    """How many roots these stand for, with the conjugates of those that are not real."""
+    return int(upper.size + (upper.imag > 0.0).sum())
+
+
+def _cut(problem: Characteristic, roots: Complex, deepest: float, most: int) -> float:
+    """Re s of a line left of at least `most` of the `roots`, which are sorted, in the widest gap between the next ones."""
+    counts = np.cumsum(np.where(problem.idle(roots), 0, 1 + (roots.imag > 0.0)))
+    enough = int(np.searchsorted(counts, most))
+    if enough + 1 >= roots.size:
+        return deepest
+    real = roots.real[enough : enough + 2 * most]
+    widest = int(np.argmax(real[:-1] - real[1:]))
+    return float(0.5 * (real[widest] + real[widest + 1]))
 
 
 def follow_root(problem: Characteristic, start: complex) -> complex:

@@ -99,11 +99,12 @@ def test_only_odd_ratios_have_idle_states(ratio, count):
     assert DelayFlow(unlike(ratio), 4.0).idle.shape[1] == count
 
 
-def test_stability_is_not_decided_beside_idle_modes():
+def test_what_grows_beside_idle_modes_is_unstable():
     """Steady sliding that grows: no idle mode is counted, though interpolation makes some grow on a mesh."""
     closed = steady(DelayFlow(unlike(3.0), 4.0), 40.3)
     found = multipliers(closed)
-    assert found.stable is None
+    assert found.stable is False
+    assert "but a multiplier outside of it decides" in found.reason
     assert found.essential_radius == 1.0
     assert np.abs(np.linalg.eigvals(closed.monodromy)).max() > 1.0
     assert count_unstable(closed) == (np.abs(found.values) > 1.0).sum()

@@ -2,10 +2,11 @@
 
 import math
 
+import numpy as np
 import pytest
 
 import slipwave
-from reduced.stability import analyse
+from reduced.stability import analyse, characteristic, scaled, unstable_count
 from reduced.stability.physical import in_si, thickened
 from slipwave.scene import Scene
 from tests.granite import GRANITE
@@ -35,6 +36,7 @@ def test_granite_by_hand() -> None:
     assert found.critical_thickness == pytest.approx(30e9 * 1e-5 / (2.0 * 5e6 * 0.005), rel=1e-6)
     assert found.critical_normal_stress == pytest.approx(30e9 * 1e-5 / (2.0 * 10.0 * 0.005), rel=1e-6)
     assert found.growth_time == pytest.approx(10.0 / 0.1, rel=1e-5)
+    assert math.isnan(found.decay_time)
     assert found.frequency == pytest.approx(math.sqrt(0.29) / (2.0 * math.pi * 10.0), rel=1e-5)
 
 
@@ -46,7 +48,8 @@ def test_a_stable_sample_would_slip_beyond_six_metres_or_150_megapascal() -> Non
         pytest.approx(6.0, rel=1e-6),
         pytest.approx(150e6, rel=1e-6),
     )
-    assert found.growth_time < 0.0
+    assert math.isnan(found.growth_time)
+    assert found.decay_time == pytest.approx(10.0 * 0.02 / (0.145 - math.sqrt(0.145**2 - 0.006)), rel=1e-5)
     assert found.frequency == 0.0
 
 
@@ -87,3 +90,70 @@ def test_no_units_no_thickness_and_no_weakening() -> None:
     assert values is not None
     assert math.isnan(values.critical_thickness)
     assert math.isnan(values.critical_normal_stress)
+
+
+FAST = GRANITE | {
+    "interface": GRANITE["interface"] | {"a_star": 0.6, "a": 0.01, "b": 0.015},
+    "slab": {
+        "density": 2700.0,
+        "shear_modulus": 30e9,
+        "thickness": 1.0,
+        "face": {"kind": "machine", "stiffness": 1e11, "impedance": 1e6, "mass": 400.0},
+    },
+}
+
+
+def fast(velocity: float, thickness: float = 1.0) -> Scene:
+    return slipwave.read(FAST, [f"drive.velocity='{velocity!r} m/s'", f"slab.thickness={thickness!r}"])
+
+
+@pytest.mark.parametrize(
+    ("velocity", "model", "thickness", "stress"),
+    [
+        (10.0, "delay", 6.363672418, 5011556.958),
+        pytest.param(10.0, "fitted:4", 6.364458, 20437217.7, marks=pytest.mark.slow),
+        (0.01, "quasistatic", 5.7, 5e6 * 60.0 / 13.0),
+        (1.0, "quasidynamic", None, 923076923.0),
+    ],
+)
+def test_fast_sliding_on_a_machine_loses_stability_where_roots_begin_to_grow(
+    velocity: float, model: str, thickness: float | None, stress: float
+) -> None:
+    """Quasi-static: of both slabs 1/k = 2 (h/G + 1/k_machine) = 2 (h/30e9 + 1e-11) is L/((b - a) sigma); other values measured.
+    Quasi-dynamic slabs of any thickness are stable there."""
+    scene = fast(velocity)
+    values = in_si(scene, analyse(scene, model))
+    assert values is not None
+    assert values.missing == ()
+    assert values.critical_normal_stress == pytest.approx(stress, rel=1e-6)
+    if thickness is None:
+        assert math.isnan(values.critical_thickness)
+    else:
+        assert values.critical_thickness == pytest.approx(thickness, rel=1e-6)
+    for side in (0.999, 1.001):
+        changed = [scaled(scene, epsilon=5e6 / (values.critical_normal_stress * side))]
+        changed += [thickened(scene, values.critical_thickness * side)] if thickness else []
+        assert [unstable_count(characteristic(one, model)) > 0 for one in changed] == [side > 1.0] * len(changed)
+
+
+def test_a_growing_pair_beside_hundreds_of_slow_decaying_ones_is_unstable() -> None:
+    """Fast roots decay at 0.0023 there, a slow pair grows at 0.793: none is neutral."""
+    scene = fast(10.0, 8.0)
+    found = analyse(scene)
+    assert (found.stable, found.unstable_roots) == (False, 2)
+    assert found.leading_roots[0] == pytest.approx(0.7928570494 + 6308.306341j, rel=1e-8)
+    assert found.leading_roots[2].real == pytest.approx(-0.002303594, rel=1e-5)
+    values = in_si(scene, found)
+    assert values is not None
+    assert values.critical_normal_stress == pytest.approx(3223113.77, rel=1e-6)
+    assert values.growth_time == pytest.approx(10.0 / 0.7928570494, rel=1e-8)
+
+
+def test_all_roots_decay_within_a_transit() -> None:
+    """Quasi-static at 1 m/s: two roots, -0.9e6 +- 1.2e6 i, decay 54 times in a transit."""
+    found = analyse(fast(1.0), "quasistatic")
+    k = 1.0 / (2.0 * (1.0 / 30e9 + 1e-11)) * 1e-5 / 5e6 * 1e6
+    a, gap, rate = 0.01, 0.005, 1e6
+    roots = np.roots([a / rate, (k / rate - gap), k])
+    assert found.stable is True
+    assert found.leading_roots[0] == pytest.approx(roots[np.argmax(roots.imag)], rel=1e-9)

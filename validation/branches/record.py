@@ -75,7 +75,8 @@ def point_of(point: Point) -> BranchPoint:
     """The record of an orbit."""
     closed, known = point.closed, figures_of(point.closed)
     unstable = None if closed.flow.undecided else point.unstable
-    return BranchPoint(point.parameter, **known, unstable=unstable, stable=unstable == 0 if is_decided(closed) else None)
+    stable = False if unstable else True if is_decided(closed) else None
+    return BranchPoint(point.parameter, **known, unstable=unstable, stable=stable)
 
 
 def special_of(found: Special, place: int) -> SpecialPoint:

@@ -69,6 +69,7 @@ def _in_si(result: "StabilityResult") -> list[list[str]]:
     scene, found = result.scene, result.physical
     if found is None or scene.units is None:
         return []
+    word, time = ("growth", found.growth_time) if result.found.stable is False else ("decay", found.decay_time)
     slabs = "thickness" if scene.alike else "upper thickness, both scaled together"
     return [
         [f"critical {slabs} [m]", figures(found.critical_thickness, 9), f"scene {figures(found.thickness, 9)}"],
@@ -77,6 +78,6 @@ def _in_si(result: "StabilityResult") -> list[list[str]]:
             figures(found.critical_normal_stress, 9),
             f"scene {figures(scene.units.normal_stress, 9)}",
         ],
-        ["growth time of the leading root [s]", "", figures(found.growth_time, 9)],
+        [f"{word} time of the leading root [s]", "", figures(time, 9)],
         ["frequency of the leading root [Hz]", "", figures(found.frequency, 9)],
     ]

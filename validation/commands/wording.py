@@ -86,7 +86,8 @@ def events_in_words(count: int | None, verdict: Verdict | None, needed: float = 
 
 def verdict_in_words(verdict: Verdict, needed: float) -> str:
     """The verdict on the second half of a run, with the reason."""
-    change, longer = f"{abs(verdict.change):.2g}", f"{float(f'{needed:.2g}'):g}"
+    change = f"{abs(verdict.change):.2g}"
+    longer = "one takes longer than a run can be" if math.isinf(needed) else f"try --until {float(f'{needed:.2g}'):g}"
     reasons = {
         "steady": "v is V within 1e-6",
         "decaying": f"the drop of elastic stress falls by {change} of itself from the first of its events to the last",
@@ -96,7 +97,7 @@ def verdict_in_words(verdict: Verdict, needed: float) -> str:
         "torus": f"its cycles never repeat but follow one phase, {verdict.rotation or 0.0:.4f} of a turn in each",
         "irregular": "its cycles do not repeat",
         "driven": "V changes or is zero there",
-        "too short": f"too few cycles to judge; try --until {longer}",
+        "too short": f"too few cycles to judge; {longer}",
     }
     reason = reasons[verdict.kind]
     counted = f", {verdict.cycles} complete cycle{'s' if verdict.cycles != 1 else ''}," if verdict.kind in _COUNTED else ""

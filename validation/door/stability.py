@@ -28,7 +28,7 @@ _CRITICAL = {
 }
 
 
-_PHYSICAL = {"critical_thickness": "m", "critical_normal_stress": "Pa", "growth_time": "s", "frequency": "Hz"}
+_PHYSICAL = {"critical_thickness": "m", "critical_normal_stress": "Pa", "growth_time": "s", "decay_time": "s", "frequency": "Hz"}
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -113,7 +113,7 @@ class StabilityResult(Result):
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on the numbers: which V was taken on a ramp, why there is no verdict on a neutral root."""
+        """Remarks on the numbers: which V was taken on a ramp, why there is no verdict on a neutral root, what was not found."""
         notes, found = [], self.found
         if not self.scene.drive.is_constant:
             notes.append(
@@ -122,10 +122,10 @@ class StabilityResult(Result):
             )
         if found.stable is None:
             notes.append(
-                f"neutral within rounding: the leading root's real part {found.leading_roots[0].real:.2g} cannot be "
-                "distinguished from 0; no other root grows"
+                f"neutral within rounding: the leading root's real part {found.rate:.2g} cannot be told from 0; no other root "
+                "grows"
             )
-        return notes
+        return [*notes, *found.missing, *(self.physical.missing if self.physical else ())]
 
 
 @checked

@@ -55,17 +55,17 @@ class Amplified:
 def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float | None = None) -> Amplified | None:
     """What amplified rounding does to a run of `scene` to `until` (transits); None if it stays below `tolerance`. `model` is
     one with the one-port of the model that runs."""
-    from reduced.stability import characteristic, follow_root, friction_slopes, leading_roots
+    from reduced.stability import characteristic, follow_root, friction_slopes, spectrum
 
     wanted = TOLERANCE if tolerance is None else tolerance
     slopes = friction_slopes(scene.law, scene.velocity)
     fastest = (slopes.reach - slopes.healing) * scene.transit  # no root of a passive slab grows faster
     if scene.start.kind is StartKind.ORBIT or not slopes.weakening or _share(scene, fastest) <= wanted:
         return None
-    problem = characteristic(scene, model)
-    leading = (
-        follow_root(problem, slopes.reach - slopes.healing) if fastest > _NO_ECHO else next(iter(leading_roots(problem)), 0.0)
-    )
+    if fastest > _NO_ECHO:
+        leading = follow_root(characteristic(scene, model), slopes.reach - slopes.healing)
+    else:
+        leading = next(iter(spectrum(scene, model).leading), 0j)
     growth = complex(leading) * scene.transit
     if not growth.real > 0.0:
         return None

@@ -105,8 +105,8 @@ class UntilSettled:
         """As `Length`: the first after the start and 16 expected cycles; a changing drive rests from its middle on. Each of the
         others is a quarter later."""
         changes = 0.0 if self.scene.drive.is_constant else self.scene.drive.times[-1]
-        end = 2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + self._first()
-        while end < LONGEST:
+        end = min(2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + self._first(), LONGEST)
+        while end <= LONGEST:
             if end > after:
                 yield end
             end *= _LONGER

@@ -18,7 +18,6 @@ from functools import lru_cache
 from slipwave.scene import Scene
 
 _ROUNDS = 50
-_NEUTRAL = 1e-9
 
 
 @dataclass(frozen=True)
@@ -35,30 +34,36 @@ class Outlook:
 def outlook(scene: Scene, model: str) -> Outlook:
     """The outlook of `scene` at the velocity with which its drive ends; `model` is one with the one-port of the model that
     runs."""
-    from reduced.stability import characteristic, friction_slopes, leading_roots, scaled
+    from reduced.stability import friction_slopes, scaled, spectrum
 
     velocity = scene.drive.velocities[-1]
     if velocity == 0.0:
         return Outlook(None, 0.0, math.inf)
     final = scaled(scene, velocity=velocity)
     slopes = friction_slopes(final.law, velocity)
-    rate = float(leading_roots(characteristic(final, model))[0].real)
+    found = spectrum(final, model)
     onset = 2.0 * math.pi / (slopes.omega_c if slopes.weakening else slopes.healing)
     released = stress_released(final) if slopes.weakening else 0.0
+    loading = final.stiffness * velocity
     return Outlook(
-        stable=None if abs(rate) <= _NEUTRAL * slopes.reach else rate < 0.0,
-        rate=rate * scene.transit,
-        period=max(onset / scene.transit, released / (scene.stiffness * velocity)),
+        stable=found.stable,
+        rate=found.rate * scene.transit,
+        period=max(onset / scene.transit, released / loading if loading else math.inf if released else 0.0),
     )
 
 
 def stress_released(scene: Scene) -> float:
-    """D, in normal stresses, of a scene with a constant drive and weakening friction."""
+    """D, in normal stresses, of a scene with a constant drive and weakening friction; infinite if nothing loads it."""
     from reduced.stability import friction_slopes
 
     weakening = -scene.velocity * friction_slopes(scene.law, scene.velocity).steady
     loading = scene.stiffness * scene.velocity / scene.transit  # per L/V*
+    if loading == 0.0:
+        return math.inf
     drop = weakening
     for _ in range(_ROUNDS):
-        drop = 2.0 * weakening * math.log1p(drop / loading * drop / (2.0 * scene.impedance))
+        if drop == 0.0:
+            break
+        slip = 2.0 * math.log(drop) - math.log(loading) - math.log(2.0 * scene.impedance)  # ln (T v), which may overflow
+        drop = 2.0 * weakening * (slip + math.log1p(math.exp(-slip)) if slip > 0.0 else math.log1p(math.exp(slip)))
     return drop

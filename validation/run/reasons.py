@@ -6,7 +6,7 @@ from dataclasses import replace
 from reduced.stability import Stability, analyse, friction_slopes, scaled
 from reduced.stability.physical import in_si
 from slipwave.scene import Scene
-from validation.run.length import UntilSettled
+from validation.run.length import LONGEST, UntilSettled
 from validation.run.outlook import outlook
 from validation.run.simulate import Run
 
@@ -41,10 +41,10 @@ def on_stability(scene: Scene, found: Stability) -> str:
         equal = " (a >= b)" if "a" in known and "b" in known and known["a"] >= known["b"] else ""
         return f"steady sliding is always stable: friction does not weaken with the slip rate{equal}"
     word = {True: "stable", False: "unstable", None: "neutral"}[found.stable]
-    leading = found.leading_roots[0].real * scene.transit
     if found.stable is None:
         return f"steady sliding is {word}"
-    change = f"a disturbance {'decays' if found.stable else 'grows'} by a factor e in {_time(1.0 / abs(leading), scene)}"
+    within = 1.0 / abs(found.rate * scene.transit)
+    change = f"a disturbance {'decays' if found.stable else 'grows'} by a factor e in {_time(within, scene)}"
     return "; ".join(filter(None, [f"steady sliding is {word}", change, what_would_change(scene, found)]))
 
 
@@ -91,17 +91,20 @@ def power_of(value: float) -> int:
 
 
 def needed(run: Run, model: str) -> float:
-    """Length (transits) with which a run too short would have enough cycles: from those it has, else from what is expected.
-    `model` as for `reasons`."""
+    """Length (transits) with which a run too short would have enough cycles: from those it has, else from what is expected;
+    infinite if no run may be so long. `model` as for `reasons`."""
     verdict, scene = run.verdict, run.solver.scene
     if verdict is None or verdict.cycles or verdict.kind != "too short":
         return verdict.needed if verdict else math.nan
     settled = UntilSettled(replace(scene, until=None), outlook(scene, model))
-    return max(verdict.needed, next(settled.ends(0.0)))
+    expected = next(settled.ends(0.0))
+    return max(verdict.needed, expected) if expected < LONGEST else math.inf
 
 
 def _on_cycles(run: Run, model: str) -> str:
     period = outlook(run.solver.scene, model).period
+    if math.isinf(period):
+        return "no cycle is expected: the drive hardly loads the interface"
     return f"a cycle is expected to take about {_time(period, run.solver.scene)}"
 
 
