@@ -10,8 +10,8 @@ from reduced.impedance.dissipation import telling_frequencies
 from reduced.impedance.jet import Complex, Jet
 from reduced.impedance.of_reduction import poles_and_residues, real_part_on_axis, reduction_ratio, taylor_poles, taylor_ratio
 from reduced.impedance.reduce import reduction_of
+from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import Ratio, pair_ratio
-from reduced.ode.reduction import Reduction
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.impedance import Complex, Jet, Ratio, is_exact, ratio_of, reduction_of
+from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import slab_ratio
-from reduced.ode.reduction import Reduction
 from reduced.stability.friction import FrictionSlopes, friction_slopes
 from slipwave.scene import Scene
 from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity

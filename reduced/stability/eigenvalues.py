@@ -3,7 +3,7 @@
 import numpy as np
 
 from reduced.impedance import Complex
-from reduced.ode.reduction import Reduction
+from reduced.impedance.reduction import Reduction
 from reduced.stability.friction import FrictionSlopes
 
 
