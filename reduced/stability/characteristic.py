@@ -51,7 +51,7 @@ class Characteristic:
     def idle(self, s: Complex) -> NDArray[np.bool_]:
         """True at roots in which both slabs swing freely and alike, so that the interface neither slips nor carries stress.
         Friction does not affect such roots; they exist if free modes of unlike slabs coincide."""
-        if self.scene.alike:
+        if self.scene.alike or self.reduction is not None:
             return np.zeros(s.shape, dtype=bool)
         variable = Jet.variable(s)
         small = []

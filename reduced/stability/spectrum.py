@@ -23,7 +23,7 @@ _RIPPLES = 4.6
 
 _DEEPEST_STRIP, _FASTEST = 6.0, 20.0
 """Per transit: how fast the roots decay that are searched, and how fast those of active slabs may grow."""
-_OFF_AXIS = 1e3
+_OFF_AXIS, _SMALL = 1e3, 1e-6
 _LEADING = 8
 _ANGLES = np.radians([0.0, 15.0, 35.0, 60.0, 80.0, 90.0, 100.0, 120.0, 145.0, 165.0, 180.0])
 
@@ -106,10 +106,10 @@ def _all_leading(problem: Characteristic, most: int) -> Complex:
     """At least `most` roots (conjugates count, idle ones do not), if there are so many, by falling real part: those with
     Im s >= 0, of a certified number."""
     if problem.reduction is not None:
-        starts = eigenvalues(problem.reduction, problem.slopes, problem.transit, problem.scene.upper.epsilon)
-        roots = polish(problem.jet, starts)
-        near = np.abs(roots - starts) < 1e-3 * np.abs(starts)
-        return _upper(np.where(near, roots, starts))
+        known = eigenvalues(problem.reduction, problem.slopes, problem.transit, problem.scene.upper.epsilon)
+        starts = np.concatenate([known, _fan(problem)])  # slow ones are lost to rounding beside fast ones
+        roots, exact = polish(problem.jet, starts), np.abs(problem.imbalance(starts)) < _SMALL
+        return _upper(np.where(np.isfinite(roots), roots, np.where(exact, starts, np.nan)))
     unit, wall = 1.0 / problem.longest, 0.9 * problem.leftmost
     centre, radius = problem.slopes.growing
     bound = np.sqrt(max(radius**2 - centre**2, 0.0)) if problem.slopes.weakening else problem.slopes.reach
@@ -141,11 +141,15 @@ def _certified(problem: Characteristic, corner: complex, right: float, most: int
 
 
 def _few_starts(problem: Characteristic, edge: Complex, rate: Complex) -> Complex:
-    """Where |D'/D| is largest along the imaginary `edge`, and a fan around 0 for slow roots."""
+    """Where |D'/D| is largest along the imaginary `edge`, and around 0."""
     peaks = edge[1:-1][(rate[1:-1] >= rate[:-2]) & (rate[1:-1] > rate[2:])]
-    largest = max(1.05 * problem.slopes.reach, _RIPPLES * np.pi / problem.longest)
-    fan = np.geomspace(1e-9 * largest, largest, 40)[:, None] * np.exp(1j * _ANGLES)
-    return np.concatenate([peaks, fan.ravel(), np.asarray(problem.anchors) * 1.0001])
+    return np.concatenate([peaks, _fan(problem), np.asarray(problem.anchors) * 1.0001])
+
+
+def _fan(problem: Characteristic) -> Complex:
+    """Starts for slow roots: in many directions from 0, from much slower than friction and waves to as fast as the faster."""
+    slow, fast = sorted([1.05 * problem.slopes.reach, _RIPPLES * np.pi / problem.longest])
+    return np.asarray((np.geomspace(1e-6 * slow, fast, 40)[:, None] * np.exp(1j * _ANGLES)).ravel())
 
 
 def _many_starts(problem: Characteristic, edge: Complex, rate: Complex) -> Complex:

@@ -51,7 +51,7 @@ SEARCHES: dict[str, Callable[[Scene, str], object]] = {
         ("leading roots", "rock", "delay", 18016),
         ("leading roots", "paper slab.r=1.6", "delay", 19498),
         ("leading roots", "paper slab.r=3", "delay", 21119),
-        ("leading roots", "paper", "modal:2", 280),
+        ("leading roots", "paper", "modal:2", 18327),
         ("unstable roots", "reflection", "delay", 308),
         ("boundary", "paper", "kelvin-voigt", 110040),
     ],
