@@ -24,6 +24,7 @@ LARGEST_ANGLE = 0.2
 
 _GROWTH, _EASY = 1.4, 0.4  # a step grows by this factor if the angle is below this share of the largest
 _EASY_ITERATIONS = 6
+_VERTICAL = 1e-7  # slope of a branch, in its metric, whose sign is that of rounding errors
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,8 @@ def _longest_step(
         except NumericsError as failed:
             reason = str(failed)
         size *= 0.5
+    if abs(point.tangent[-1]) < _VERTICAL * metric.parameter:
+        reason += "; the branch is vertical there up to rounding errors: orbits of other sizes lie at the same parameter"
     raise NumericsError(
         f"the branch cannot be followed beyond parameter = {point.parameter:.10g}, period {point.closed.cycle.period:.6g} "
         f"transits: {reason}"

@@ -14,6 +14,7 @@ from slipwave.scene import Scene
 
 _SAMPLES = 17
 _HALVINGS = 8
+_STEPS_OUT = 12  # by factors of four
 WIDTH = 1e-13
 """Width of a bracket in the parameter."""
 
@@ -56,14 +57,31 @@ def _between(scene_at: Callable[[float], Scene], low: float, high: float, below:
         """The root of the spectrum that crosses the imaginary axis."""
         return complex(polish(characteristic(scene_at(value), model).jet, np.array([crossing]))[0])
 
-    try:
-        at = float(brentq(lambda value: root(value).real, low, high, xtol=WIDTH))
-    except ValueError:  # both ends have the same sign
+    def rate(value: float) -> float:
+        """At which its disturbance grows."""
+        return root(value).real
+
+    low, high = _bracket(rate, low, high)
+    if rate(low) * rate(high) > 0.0:
         raise NumericsError(
             f"{model}: the loss of stability between parameter = {low:.10g} and {high:.10g} is not a single pair of roots that "
             "crosses"
-        ) from None
+        )
+    at = float(brentq(rate, low, high, xtol=WIDTH))
     return Onset(at, 2.0 * math.pi / abs(root(at).imag) / scene_at(at).transit, below, above)
+
+
+def _bracket(rate: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
+    """`low` and `high`, or the end where the root is nearly neutral, and therefore not counted, with a place a little beyond it:
+    the onset may lie just outside of the range."""
+    if rate(low) * rate(high) <= 0.0:
+        return low, high
+    end, other = (low, high) if abs(rate(low)) < abs(rate(high)) else (high, low)
+    for k in range(_STEPS_OUT, 0, -1):
+        beyond = end + 4.0**-k * (end - other)
+        if rate(beyond) * rate(end) <= 0.0:
+            return min(beyond, end), max(beyond, end)
+    return low, high
 
 
 def _unstable(scene_at: Callable[[float], Scene], value: float, model: str) -> int:

@@ -3,6 +3,7 @@
 import json
 import signal
 from dataclasses import fields, is_dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +14,14 @@ from matplotlib.image import imread
 
 import slipwave
 from reduced.continuation.point import Point
+from slipwave.errors import NumericsError
 from validation.branches.drawing import figure_of
 from validation.branches.follow import Limits, begin, follow
 from validation.branches.parameter import over_range
 from validation.branches.record import Branch
 from validation.branches.stored import read
 from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
+from validation.commands.branch import _telling
 from validation.references.published import reference_orbit
 
 RANGE = "log10_r=-2.72:-2.68"
@@ -182,6 +185,77 @@ def test_it_ends_where_orbits_shrink_to_steady_sliding():
     assert len(found.points) < 10
 
 
+@pytest.mark.parametrize("beyond", [-1e-10, 1e-12, 1e-10, 1e-9])
+def test_an_onset_at_the_edge_of_the_range_begins_a_branch(beyond):
+    """A root that grows by less than rounding errors is not counted, so that the onset may lie just outside of the range."""
+    onset = -2.69954994745
+    found = Branch(over_range(f"log10_r={onset + beyond!r}:-2.69", "paper"), "kelvin-voigt", 1e-4)
+    heads = list(islice(follow(found, begin(found), Limits()), 3))
+    assert found.special[0].value == pytest.approx(onset, abs=1e-10)
+    assert found.special[0].kind == "HB"
+    assert len(heads) == 3
+    assert len(found.points) == 4
+
+
+def test_a_range_may_have_units(capsys):
+    """As the key itself; a bare velocity is in V*. Listed values that differ are printed so, and periods in seconds beside."""
+    over = over_range("slab.thickness=31 mm:34 mm", "paper-si")
+    assert (over.first, over.last, over.written(0.032)) == (0.031, 0.034, "0.032 m")
+    assert over.scene_at(0.032) == slipwave.read("paper-si", {"slab.thickness": 0.032})
+    fast = over_range("drive.velocity=0.1 mm/s:0.2 mm/s", "paper-si")
+    assert (fast.name, fast.first, fast.last) == ("V", pytest.approx(100.0), pytest.approx(200.0))
+    assert fast.scene_at(150.0).velocity == 150.0
+    words = ["paper-si", "--model", "kelvin-voigt", "--tol", "1e-4", "--most-points", "2"]
+    assert main(["branch", *words, "--over", "slab.thickness=31 mm:34 mm"]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    special, first, second = (line.split() for line in (printed[-7], printed[-4], printed[-3]))
+    assert special[:2] == ["HB", "Hopf"]
+    assert float(special[2]) == pytest.approx(0.03357797353158276 * 10 ** (2.68 - 2.69954994745), rel=1e-9)
+    assert first[0] != second[0]
+    transit = over.scene_at(float(first[0])).transit * slipwave.read("paper-si").units.time
+    assert float(first[2]) == pytest.approx(float(first[1]) * transit, rel=1e-6)
+
+
+@pytest.mark.parametrize(("values", "digits"), [([6.0, 7.0], 8), ([5.99999996758, 5.99999996761], 12), ([1.0, 1.0], 8)])
+def test_listed_values_that_differ_are_told_apart(values, digits):
+    assert _telling(values) == digits
+
+
+def failing(after):
+    """`follow` that fails after so many points."""
+
+    def steps(*all_of_it):
+        yield from islice(follow(*all_of_it), after)
+        raise NumericsError("it turns too sharply")
+
+    return steps
+
+
+def test_a_failed_branch_goes_on_to_the_file_of_one_that_did_not_fail(tmp_path, monkeypatch):
+    """Its file is not complete; the one that goes on from it is that of a branch computed at once."""
+    monkeypatch.chdir(tmp_path)
+    words = ("paper", RANGE, "kelvin-voigt")
+    options = {"tol": 1e-4, "most_points": 9}
+    slipwave.branch(*words, **options, out="whole.nc")
+    with monkeypatch.context() as patch:
+        patch.setattr("validation.door.branch.follow", failing(4))
+        with pytest.raises(NumericsError, match="it turns too sharply") as failure:
+            slipwave.branch(*words, **options, out="part.nc")
+    assert len(failure.value.result.summary["points"]) == 5
+    failure.value.result.to_netcdf("again.nc")
+    for name in ("part.nc", "again.nc"):
+        with xarray.open_dataset(name) as data:
+            assert (data.attrs["complete"], data.sizes["point"]) == (0, 5)
+    slipwave.branch(*words, **options, resume="part.nc")
+    whole, part = xarray.open_datatree("whole.nc"), xarray.open_datatree("part.nc")
+    assert part.attrs["complete"] == 1
+    for group in ("/", "/resume"):
+        assert set(part[group].dataset.variables) == set(whole[group].dataset.variables)
+        for name, variable in whole[group].dataset.variables.items():
+            assert part[group].dataset[name].values.tolist() == variable.values.tolist(), name
+    assert {name: part.attrs[name] for name in ("facts", "notes")} == {name: whole.attrs[name] for name in ("facts", "notes")}
+
+
 def test_limits_are_kept_and_told(capsys):
     few = branch(capsys, *SHORT, "--most-points", "7")
     assert len(few["points"]) == 7
@@ -213,6 +287,8 @@ def test_switched_it_follows_the_doubled_orbits_from_doubling_to_doubling(capsys
         (["paper", "--over", "log10_r=-2.7"], INPUT_WRONG, "must be KEY=FROM:TO"),
         (["paper", "--over", "log10_r=-2.7:x"], INPUT_WRONG, "'x' must be a number"),
         (["paper", "--over", "log10_r=-2.7:-2.7"], INPUT_WRONG, "must differ"),
+        (["paper-si", "--over", "slab.thickness=1 cm:2"], INPUT_WRONG, "FROM and TO must both have a unit, or none"),
+        (["paper-si", "--over", "slab.thickness=1 cm:2 s"], INPUT_WRONG, "slab.thickness"),
         (
             ["paper", "--over", "nothing=1:2"],
             INPUT_WRONG,

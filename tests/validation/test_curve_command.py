@@ -50,6 +50,19 @@ def test_a_curve_ends_at_the_edge_of_its_ranges():
     assert result.dataset.attrs["command"] == "curve"
 
 
+def test_keys_of_the_scene_span_a_plane():
+    """In SI, also beside a short name, which is set in the scene that is read."""
+    first, second = (
+        over_range(text, "paper-si") for text in ("slab.thickness=31 mm:34 mm", "interface.normal_stress=1 kPa:1.1 kPa")
+    )
+    keyed = {"slab.thickness": 0.032, "interface.normal_stress": 1050.0}
+    assert Curve("LP", first, second, "delay", 1e-4).plane.scene_at(0.032, 1050.0) == sw.read("paper-si", keyed)
+    over = over_range("V=100:120", "paper-si")
+    mixed = Curve("LP", over, second, "delay", 1e-4).plane.scene_at(110.0, 1050.0)
+    assert mixed.velocity == 110.0
+    assert mixed.transit == sw.read("paper-si", {"interface.normal_stress": 1050.0}).transit
+
+
 def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
     """r_c = (2/omega_c) atan(r_* omega_c/2) (39) at every V, and T = 2 pi/(omega_c r_c). The file holds them, and the call that
     computes them again; what is given holds instead."""
@@ -78,7 +91,7 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
         ("LP", "V=100", "--and 'V=100': must be KEY=FROM:TO"),
         ("LP", "V=100:100", "--and 'V=100:100': FROM and TO must differ"),
         ("LP", "log10_r=-2:-3", "--and 'log10_r': must be another parameter than --over"),
-        ("LP", "interface.a_star=0.3:0.4", "--and 'interface.a_star': a curve needs one of r, epsilon, V"),
+        ("HB", "interface.a_star=0.3:0.4", "--and 'interface.a_star': a curve of Hopf points needs one of r, epsilon, V"),
         ("LP", "V=-5:7", "drive.velocity = -5.0: must be a number from 1e-12"),
     ],
 )

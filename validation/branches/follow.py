@@ -26,6 +26,7 @@ from validation.registry.flows import moving
 from validation.registry.orbits import find_orbit
 
 _SMALL = 0.1  # amplitude of ln v
+_MOST_OUTSIDE = 200  # points of a branch that begins just outside of its range before it is given up
 _SAME = 0.03  # difference of ln v and psi between two halves
 
 _UNDECIDED = (
@@ -133,7 +134,7 @@ def _end(branch: Branch, head: Head, limits: Limits) -> str | None:
     point = head.point
     if limits.kind and any(special.kind == limits.kind for special in branch.special):
         return ""
-    if not branch.over.holds(point.parameter):
+    if not branch.over.holds(point.parameter) and not _enters(branch):
         low, high = branch.over.ends
         return f"the branch leaves the range at {branch.over.name} = {low if point.parameter < low else high:g}"
     if point.closed.cycle.period > limits.period:
@@ -141,6 +142,11 @@ def _end(branch: Branch, head: Head, limits: Limits) -> str | None:
     if len(branch.points) >= limits.points:
         return f"stopped after {len(branch.points)} points: --most-points goes further"
     return None
+
+
+def _enters(branch: Branch) -> bool:
+    """Whether the branch, which began at a Hopf point at the edge of the range or a little outside, may still come into it."""
+    return [special.kind for special in branch.special[:1]] == ["HB"] and len(branch.points) < _MOST_OUTSIDE and not branch.shown
 
 
 def _hopf(over: Over, onset: Onset, place: int) -> SpecialPoint:
@@ -194,12 +200,16 @@ def first_special(branch: Branch, head: Head, kind: str) -> tuple[Special, Famil
     """The first special point of `kind` after `head` in the branch's range, and the flows on its mesh. Raises NumericsError if
     there is none."""
     over = branch.over
-    family = Family(head.point.closed.flow, over.scene_at)
+    family, last = Family(head.point.closed.flow, over.scene_at), head.point
     for step in follow_branch(family, head.point, head.metric, lambda point: over.holds(point.parameter), branch.tolerance):
         for special in step.special:
             if special.kind == kind:
                 return special, Family(special.point.closed.flow, over.scene_at)
-    raise NumericsError(f"no {KINDS[kind]} was found on the branch over {over.name} from {over.first:g} to {over.last:g}")
+        last = step.point
+    ended = f"it was followed to {over.name} = {last.parameter:.7g} and a period of {last.closed.cycle.period:.5g} transits"
+    raise NumericsError(
+        f"no {KINDS[kind]} was found on the branch over {over.name} from {over.first:g} to {over.last:g}: {ended}"
+    )
 
 
 def _closes(before: Point, after: Point) -> bool:

@@ -11,6 +11,7 @@ import slipwave
 from reduced.parameters import PARAMETERS
 from slipwave.errors import SceneError
 from slipwave.input import SceneSource
+from slipwave.input.quantity import KINDS, looks_measured, quantity
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 
@@ -36,6 +37,11 @@ class Over:
     first: float
     last: float
     scene_at: Callable[[float], Scene]
+    unit: str = ""
+
+    def written(self, value: float) -> float | str:
+        """A value as the scene's key takes it: with its unit, if both ends of the range had one."""
+        return f"{value!r} {self.unit}" if self.unit else value
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -74,7 +80,16 @@ def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:
         raise SceneError(f"{option} {shorten(text)}: must be KEY=FROM:TO, as in log10_r=-2.72:-2.30")
     key = found["name"].strip()
     name = _SHORT.get(key, key)
-    first, last = (_number(text, found[word], option) for word in ("first", "last"))
+    base = slipwave.read(source)
+    measured = [_has_unit(found[word]) for word in ("first", "last")]
+    if measured[0] is not measured[1]:
+        raise SceneError(f"{option} {shorten(text)}: FROM and TO must both have a unit, or none")
+    if measured[0]:
+        (first, unit), (last, other) = (_measured(name, key, base, found[word]) for word in ("first", "last"))
+        if unit != other:
+            raise SceneError(f"{option} {shorten(text)}: FROM and TO must have units of one kind")
+    else:
+        unit, (first, last) = "", (_number(text, found[word], option) for word in ("first", "last"))
     if first == last:
         raise SceneError(f"{option} {shorten(text)}: FROM and TO must differ")
     if name not in PARAMETERS and "." not in name:
@@ -82,13 +97,29 @@ def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:
             f"{option} {shorten(text)}: {shorten(name)} is no parameter; must be one of {', '.join(PARAMETERS)}, or a key of the "
             "scene with its dots, as upper.epsilon or slab.face.stiffness"
         )
-    base = slipwave.read(source)
     if not base.drive.is_constant:
         raise SceneError(f"scene {base.name!r}: a branch of periodic orbits needs a constant drive.velocity")
-    over = Over(base, name, first, last, _reader(name, base, (first, last)))
+    over = Over(base, name, first, last, _reader(name, base, (first, last), unit), unit)
     for value in over.ends:
         over.scene_at(value)
     return over
+
+
+def _has_unit(text: str) -> bool:
+    """Whether a text is a number with a unit; 2e-5 is none with the unit e^-5."""
+    with suppress(ValueError):
+        float(text)
+        return False
+    return looks_measured(text)
+
+
+def _measured(name: str, key: str, base: Scene, text: str) -> tuple[float, str]:
+    """The value of a parameter given with a unit, and the SI unit of it; of a short name the number in the scene's own units."""
+    scene = slipwave.read(base, {key: text.strip()})
+    if name in PARAMETERS:
+        return _present(name, scene), ""
+    given = quantity(text.strip(), *KINDS)
+    return given.value, given.unit
 
 
 def _number(text: str, word: str, option: str) -> float:
@@ -101,12 +132,12 @@ def _number(text: str, word: str, option: str) -> float:
     return value
 
 
-def _reader(name: str, base: Scene, ends: tuple[float, float]) -> Callable[[float], Scene]:
+def _reader(name: str, base: Scene, ends: tuple[float, float], unit: str) -> Callable[[float], Scene]:
     """The scene with a value of its key. A short name without a key in this scene, as epsilon of unlike slabs or in SI, changes
     both slabs by the same factor. One with a key is read with it at both `ends`, so that an error names the key of a wrong value,
     and set in the scene in between, which takes a hundredth of the time."""
     if name not in PARAMETERS:
-        return _keyed(name, base)
+        return lambda value: slipwave.read(base, {name: f"{value!r} {unit}" if unit else value})
     key = next((key for key, short in _SHORT.items() if short == name), "")
     keyed = _keyed(key, base)
     if key and _has(keyed, _present(name, base)):

@@ -1,5 +1,6 @@
 """`slipwave branch`: periodic orbits followed in a parameter, through folds, with the points where their stability changes."""
 
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -115,17 +116,29 @@ def _print(found: "Branch", wall_s: float) -> None:
     if found.shown_special:
         print_table(*_special_rows(found))
         print()
-    heading = [found.over.name, "period", "stress drop", "elastic stress drop", "v_max", "v_min", "stable"]
+    scene, listed = found.over.base, thinned(points, _LISTED)
+    seconds = scene.units.time if scene.units else 0.0
+    heading = [found.over.name, "period", *(["period [s]"] if seconds else []), "stress drop", "elastic stress drop"]
+    digits = _telling([point.value for point in listed])
     table = [
         [
-            figures(point.value, 8),
-            *(figures(getattr(point, name), 7) for name in ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")),
+            figures(point.value, digits),
+            figures(point.period, 7),
+            *([figures(point.period * found.over.scene_at(point.value).transit * seconds, 7)] if seconds else []),
+            *(figures(getattr(point, name), 7) for name in ("stress_drop", "elastic_stress_drop", "v_max", "v_min")),
             {True: "yes", False: f"no ({point.unstable})", None: "not decided"}[point.stable],
         ]
-        for point in thinned(points, _LISTED)
+        for point in listed
     ]
-    print_table(heading, table)
+    print_table([*heading, "v_max", "v_min", "stable"], table)
     print(f"\nperiods in transits; wall time {wall_s:.3g} s")
+
+
+def _telling(values: list[float]) -> int:
+    """Digits with which neighbours that differ are printed differently."""
+    pairs = [pair for pair in pairwise(values) if pair[0] != pair[1]]
+    enough = (n for n in range(8, 17) if all(figures(one, n) != figures(other, n) for one, other in pairs))
+    return next(enough, 17)
 
 
 def _special_rows(found: "Branch") -> tuple[list[str], list[list[str]]]:
