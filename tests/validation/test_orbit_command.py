@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from validation.branches import at_scene
 from validation.branches.primary import Primary
 from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
 from validation.references.published import half_digit, reference, reference_orbit
-from validation.registry.orbits import OrbitFound
+from validation.registry.orbits import OrbitFound, most_transits
 
 RATES = {"v_max", "v_min"}
 ODE = ("--model", "kelvin-voigt")
@@ -216,6 +217,21 @@ def test_what_has_no_orbit_is_told_in_one_line(capsys, words, status, said):
     out, err = capsys.readouterr()
     assert out == ""
     assert said in err.splitlines()[-1]
+
+
+@pytest.mark.parametrize(("expected", "most"), [(100.0, 6000.0), (1e3, 25e3), (2e4, 5e5), (1e5, 6000.0), (math.inf, 6000.0)])
+def test_a_run_to_an_orbit_is_long_enough_for_its_cycles(monkeypatch, expected, most):
+    monkeypatch.setattr("validation.registry.orbits.outlook", lambda scene, model: SimpleNamespace(period=expected))
+    assert most_transits(sw.read("paper"), "delay") == most
+
+
+@pytest.mark.slow
+def test_an_orbit_of_an_si_sample_is_that_of_its_run():
+    """Steel on PMMA: cycles of 22,444 transits. The run's last ones, to 1e-6, are those of the orbit."""
+    found = sw.orbit("steel-on-pmma", tol=1e-6)
+    assert found.summary["stable"] is not False
+    assert found.summary["period"] == pytest.approx(22444.458, rel=1e-7)
+    assert found.summary["error_estimate"]["period"] < 1e-6 * found.summary["period"]
 
 
 def test_a_branch_of_long_periods_is_not_begun():

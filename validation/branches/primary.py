@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 from reduced.continuation.crossing import orbits_at
 from reduced.continuation.point import Point
-from reduced.orbit.approach import MOST_TRANSITS
 from reduced.orbit.closing import Closed
 from reduced.parameters import with_parameter
 from reduced.stability.critical import critical_round_trip
@@ -15,6 +14,7 @@ from validation.branches.follow import Limits, begin, follow
 from validation.branches.parameter import Over
 from validation.branches.record import Branch
 from validation.registry.families import one_port_of
+from validation.registry.orbits import most_transits
 from validation.run.progress import progress
 
 _NAME = "log10_r"
@@ -54,7 +54,7 @@ def _points(model: str, scene: Scene, cells: int | None, here: float, longest: f
         raise NumericsError(f"{said}steady sliding of {model} never loses its stability as r grows: no branch of orbits begins")
     period = 2.0 * math.pi / (omega * critical)
     if period > _LONGEST:
-        tried = f"a run of {MOST_TRANSITS:g} transits leads to no orbit, and " if said else ""
+        tried = f"a run of {most_transits(scene, model):g} transits leads to no orbit, and " if said else ""
         raise NumericsError(
             f"{model}: {tried}the branch of orbits that begins where steady sliding loses its stability is not followed: their "
             f"periods are {period:.3g} transits there, over {_LONGEST:g}, and Newton's method needs the derivative of each "

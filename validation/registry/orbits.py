@@ -15,11 +15,15 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.orbit import Estimate, Orbit
 from slipwave.scene import Scene
 from slipwave.step.flow import Flow
+from validation.registry.families import one_port_of
 from validation.registry.flows import Moving
+from validation.run.outlook import outlook
 from validation.run.progress import progress
 
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-11, 1e-2
 _MESHES = 6.0
+_CYCLES = 25.0  # expected in a run before it is given up
+_LONGEST_EXPECTED = 3e4  # transits; steel on PMMA, with periods of 22,444, takes 20 s
 _SAME = 1e-6  # relative difference of two periods on one mesh that count as one orbit's
 
 
@@ -118,8 +122,16 @@ def orbits_near(model: Moving, period: float) -> list[Closed]:
 def _guesses(model: Moving, near: float | None = None) -> Iterator[Guess]:
     """`guesses` with progress."""
     solver = model.solver
-    with progress(f"{solver.scene.name}, {solver.model}, on the way to an orbit", MOST_TRANSITS) as report:
-        yield from guesses(solver, model.freeze, progress=report, near=near)
+    most = most_transits(solver.scene, solver.model)
+    with progress(f"{solver.scene.name}, {solver.model}, on the way to an orbit", most) as report:
+        yield from guesses(solver, model.freeze, most, report, near)
+
+
+def most_transits(scene: Scene, model: str) -> float:
+    """Length of a run (transits) after which no orbit is looked for any longer: enough for many cycles, if one is not expected to
+    take so long that the derivative of its motion takes minutes."""
+    expected = outlook(scene, one_port_of(model)).period
+    return max(MOST_TRANSITS, _CYCLES * expected) if expected <= _LONGEST_EXPECTED else MOST_TRANSITS
 
 
 def refined(scene: Scene, guess: Guess, tolerance: float) -> PeriodicOrbit:
