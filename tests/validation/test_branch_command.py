@@ -374,3 +374,22 @@ def _numbers(part):
         return [part]
     inner = part if isinstance(part, tuple) else [getattr(part, one.name) for one in fields(part)] if is_dataclass(part) else ()
     return [number for one in inner for number in _numbers(one)]
+
+
+@pytest.mark.parametrize("damage", ["nan", "gone"])
+@pytest.mark.parametrize("name", ["mesh_levels", "monodromy", "metric"])
+def test_a_damaged_file_is_not_gone_on_from(whole, tmp_path, capsys, name, damage):
+    import netCDF4
+
+    path = tmp_path / "x.nc"
+    path.write_bytes((whole[1] / "x.nc").read_bytes())
+    with netCDF4.Dataset(path, "a") as file:
+        if damage == "nan":
+            file["resume"][name][:] = np.nan
+        else:
+            file["resume"].renameVariable(name, "gone")
+    capsys.readouterr()
+    assert main(["branch", *COARSE, "--resume", str(path)]) == INPUT_WRONG
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert "x.nc': is no file of a branch, or damaged: its contents have changed since it was written" in err

@@ -1,5 +1,6 @@
 """What files of branches and of curves have in common: tables of points, and arrays from which they go on."""
 
+import hashlib
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -39,6 +40,7 @@ def write_points(
         file.setncattr("facts", json.dumps(facts))
         file.setncattr("notes", json.dumps(notes))
         fill(file)
+        file.setncattr("contents", _digest(file))
 
 
 def read_points(path: Path, what: str, facts: Mapping[str, Any], take: "Callable[[Dataset, list[str]], Read]") -> Read:
@@ -53,11 +55,24 @@ def read_points(path: Path, what: str, facts: Mapping[str, Any], take: "Callable
             notes = [
                 note for note in json.loads(file.getncattr("notes")) if not note.startswith(("stopped ", f"the {what} leaves "))
             ]
+            if file.getncattr("contents") != _digest(file):
+                raise ValueError("its contents have changed since it was written")
             return take(file, notes)
     except SceneError:
         raise
     except (OSError, LookupError, ValueError, TypeError, RuntimeError, AttributeError) as error:
         raise SceneError(f"--resume {str(path)!r}: is no file of a {what}, or damaged: {reason_of(error)}") from None
+
+
+def _digest(file: "Dataset") -> str:
+    """Hash of all variables, also of the groups."""
+    digest = hashlib.sha256()
+    for group in (file, *(file.groups[name] for name in sorted(file.groups))):
+        for name in sorted(group.variables):
+            values = np.asarray(group[name][:])
+            content = str(values.tolist()).encode() if values.dtype == object else values.tobytes()
+            digest.update(f"{group.path} {name} {values.shape}".encode() + content)
+    return digest.hexdigest()
 
 
 def _require_same(path: Path, what: str, facts: dict[str, Any], wanted: dict[str, Any]) -> None:
