@@ -11,6 +11,7 @@ from slipwave.observe import Spread
 from tests.granite import THIN as GRANITE
 from validation.cli import main
 from validation.registry.build import build
+from validation.run.outlook import outlook
 from validation.run.reasons import engineering, reasons
 from validation.run.simulate import simulate
 
@@ -88,3 +89,16 @@ def test_figures_of_a_run_in_si(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*words[:-3], "--until", "2", "--json"]) == 0
     short = json.loads(capsys.readouterr().out)["si"]
     assert (short["period_s"], short["transit_s"]) == (None, pytest.approx(transit, rel=1e-12))
+
+
+def test_an_interface_that_is_hardly_loaded_has_no_expected_cycle() -> None:
+    """The spring of the machine takes 1e11 transits, or 1e300, to load it: the run gives its verdict, and no length to try."""
+    done = slipwave.run("machine", settings=["slab.face.stiffness=1e-9"], until=20.0)
+    assert done.summary["verdict"] == "too short"
+    assert math.isinf(done.needed)
+    assert outlook(slipwave.read("machine", ["slab.face.stiffness=1e-300"]), "delay").period > 1e290
+
+
+def test_a_run_whose_roots_all_decay_within_a_transit_says_so() -> None:
+    lines = slipwave.run("regularised", "quasistatic", settings=["drive.velocity=1e10"], until=20.0).summary["reasons"]
+    assert any(line.startswith("steady sliding is stable; a disturbance decays by a factor e in 2.93e-06") for line in lines)
