@@ -15,7 +15,8 @@ EXTRAS = {
 
 def missing(extra: str) -> list[str]:
     """The modules of `extra` that are not installed."""
-    return [name for name in EXTRAS[extra] if not _is_installed(name)]
+    names = EXTRAS[extra] if extra != "report" else [name for modules in EXTRAS.values() for name in modules]
+    return [name for name in names if not _is_installed(name)]
 
 
 def require(extra: str, what: str) -> None:

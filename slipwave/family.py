@@ -85,10 +85,11 @@ class Family:
         """The number after the colon if the user gave none."""
         return self.default if tolerance is None or self.suited is None else self.suited(tolerance)
 
-    def maker(self) -> Callable[..., Any]:
-        """The function that makes a member; imports the solver. Raises SceneError if a library of its `extra` is missing."""
+    def maker(self, number: int | None = None) -> Callable[..., Any]:
+        """The function that makes members; imports the solver. Raises SceneError, which names that with `number`, if a library
+        of its `extra` is missing."""
         if self.extra:
-            require(self.extra, f"model = {self.example!r}")
+            require(self.extra, f"model = {self.called(self.default if number is None else number)!r}")
         made: Callable[..., Any] = getattr(import_module(self.module), self.made_by.partition(":")[2])
         return made
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from slipwave.errors import SceneError
-from slipwave.input.wording import nearest, one_line, shorten
+from slipwave.input.wording import nearest, one_line, sentence, shorten
 
 LARGEST_FILE = 1_000_000
 """Bytes; a longer file is not a scene."""
@@ -64,7 +64,7 @@ def _parse(path: Path) -> dict[str, Any]:
     except RecursionError:
         raise SceneError(f"SCENE = {shorten(str(path))}: nested too deeply to be a scene file") from None
     except ValueError as error:  # TOMLDecodeError, and integers with too many digits
-        raise SceneError(f"SCENE = {shorten(str(path))}: must be a TOML file; {shorten(str(error))}") from None
+        raise SceneError(f"SCENE = {shorten(str(path))}: must be a TOML file; {sentence(str(error))}") from None
 
 
 def _read_text(path: Path) -> str:

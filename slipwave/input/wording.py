@@ -22,6 +22,11 @@ def shorten(value: Any) -> str:
     return _cut(one_line(text), _LONGEST_VALUE)  # one control character becomes up to ten characters
 
 
+def sentence(text: str) -> str:
+    """Another program's message, whole but for a monstrous one, with its control characters made visible."""
+    return _cut(one_line(text), _LONGEST_VALUE)
+
+
 def one_line(text: str) -> str:
     """`text` with line breaks and control characters made visible."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape", "backslashreplace").decode() for c in text)

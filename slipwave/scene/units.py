@@ -22,7 +22,7 @@ class Units:
 
     def size(self, unit: str, transit: float) -> float:
         """The size in SI of one `unit` of `IN_SI`, with a `transit` in L/V*."""
-        sizes = {"transit": transit * self.time, "normal stress": self.normal_stress}
+        sizes = {"transit": float(f"{transit * self.time:.15g}"), "normal stress": self.normal_stress}
         return (sizes | {"V*": self.reference_velocity, "L": self.memory_length})[unit]
 
     @property

@@ -10,8 +10,9 @@ import pytest
 import slipwave as sw
 from slipwave.observe.statistics import Margins, RunStatistics, Spread
 from slipwave.observe.verdict import Verdict
-from validation.commands.wording import without_errors, without_period
-from validation.door.conclusion import conclusion
+from validation.cli import INPUT_WRONG, main
+from validation.commands.wording import barred, errors_of, remarks, without_errors
+from validation.door.conclusion import conclusion, nothing
 from validation.run.difference import differences, in_json
 from validation.run.simulate import Run
 
@@ -34,9 +35,16 @@ APART = {
         ([row("delay", 1.0, 0.0), row("block8", 1.5), row("fd", 0.1), FAILED],
          "delay is cheaper than any reduction here and exact"),
         ([row("delay", 1.0), row("block8", 0.5), row("kelvin-voigt", 0.2, -0.037)],
-         "kelvin-voigt is cheaper than delay, 5 times, with an error of 3.7e-02 in the period"),
+         "kelvin-voigt is cheaper than delay, 5 times, with errors of 3.7 % in the period"),
+        ([row("delay", 1.0), row("block8", 0.1, -0.051), row("kelvin-voigt", 0.2, -0.07)],
+         "nothing cheaper than delay is within 5 %: the nearest is block8, 10 times cheaper, with errors of 5.1 % in the period"),
         ([row("delay", 1.0, None, **APART), row("modal:2", 0.5, None, **APART)],
-         "modal:2 is cheaper than delay, 2 times, and its mean period differs by +3.0e-02 +- 4.0e-03"),
+         "nothing cheaper than delay is within 5 %: the nearest is modal:2, 2 times cheaper, off by 3 +- 0.4 % in the period and "
+         "20 +- 10 % in the stress drop"),
+        ([row("delay", 1.0, None, **APART), row("modal:2", 0.5, None, **APART | {"difference": {"period": -0.045}})],
+         "modal:2 is cheaper than delay, 2 times, off by 4.5 +- 0.4 % in the period"),
+        ([row("delay", 1.0, None, **APART), row("modal:2", 0.5, None, **APART | {"difference": {"period": -0.047}})],
+         "nothing cheaper than delay is within 5 %: the nearest is modal:2, 2 times cheaper, off by 4.7 +- 0.4 % in the period"),
         ([row("delay", 1.0), row("delay", 0.5), row("fd", 5.0), row("dg:7", 2.0), STEADY],
          "delay is exact and 4 times cheaper than the cheapest full wave here, dg:7"),
         ([row("delay", 1.0), FAILED, STEADY], ""),
@@ -96,9 +104,38 @@ def test_words_on_rows_without_errors() -> None:
         "no figures of block8: it slides steadily in the second half of the run, without cycles",
         "no figures of fd: the second half of the run is decaying",
     ]
-    assert without_period(rows) == [
-        "modal:2 is irregular: against the reference T differs by +3.0e-02 +- 4.0e-03, the drop by -2.0e-01 +- unknown"
+    assert [errors_of(row | {"error": row["error"] | {"stress_drop": None}}) for row in rows[1:3]] == [
+        ["-", "-"],
+        ["0.0300 +- 0.0040", "-0.2 +- ?"],
     ]
+    shown = remarks({"models": rows, "conclusion": "so", "notes": ["odd", "nothing to compare"]})
+    assert shown[0].startswith("+-: half the width of the 95 % interval")
+    assert shown[-2:] == ["nothing to compare", "so"]
+
+
+@pytest.mark.parametrize(
+    ("margin", "cell"), [(0.0, "12.346"), (0.0234, "12.346 +- 0.023"), (30.0, "12 +- 30"), (math.nan, "12.346 +- ?")]
+)
+def test_a_number_with_its_bar(margin: float, cell: str) -> None:
+    assert barred(12.3456, margin, 5) == cell
+
+
+def test_a_reference_does_not_differ_from_itself(runs: tuple[Run, Run]) -> None:
+    one = changed(runs[0], "irregular", 10.0, 0.4)
+    assert in_json(one, one)["difference"] == in_json(one, one)["margin"] == {"period": 0.0, "stress_drop": 0.0}
+
+
+def test_an_empty_comparison_says_how_long_a_run_must_be(runs: tuple[Run, Run], capsys: pytest.CaptureFixture[str]) -> None:
+    assert nothing(runs[0]) == ""
+    assert main(["bench", "paper", "--until", "40", "--json"]) == INPUT_WRONG
+    printed = capsys.readouterr()
+    told = "nothing to compare: the run of delay is too short; try --until 1100"
+    assert (printed.out, printed.err.splitlines()[-1]) == ("", f"slipwave: until = 40: {told}")
+    found = sw.compare("paper", "delay", until=40)
+    assert found.notes == [told]
+    assert told in [text.get_text() for text in found.plot().axes[0].texts]
+    steady = sw.compare("paper", "delay", until=10, size=0)
+    assert steady.notes == ["nothing to compare: the second half of the run of delay is steady"]
 
 
 def test_the_figure_has_the_means_of_the_table_and_the_reference_on_top(runs: tuple[Run, Run]) -> None:

@@ -39,6 +39,7 @@ WORK = {
     "run paper --model block8 --until 60 --json": ("events", 1),
     "run paper --model auto --until 5 --json": ("model", "delay"),
     "stability paper --json": ("unstable_roots", 2),
+    "compare paper --models block8,kelvin-voigt --until 5 --json": ("reference", "block8"),
     "orbit paper --model block8 --tol 1e-3 --json": ("period", pytest.approx(76.610300, rel=1e-6)),
 }
 NO_FILES = "needs xarray and netCDF4 and meshio: pip install 'slipwave[files]'"
@@ -49,7 +50,9 @@ REFUSED = {
     "run run.nc": f"SCENE = 'run.nc': {NO_FILES}",
     "run paper --model fem:4": "model = 'fem:4': needs skfem: pip install 'slipwave[fem]'",
     "compare paper --models delay,fd": "--out = 'compare.png': needs matplotlib: pip install 'slipwave[plot]'",
-    "report --quick": f"the report: {NO_FILES}",
+    "run paper --model fem:2": "model = 'fem:2': needs skfem: pip install 'slipwave[fem]'",
+    "report --quick": f"the report: needs {' and '.join(name for names in EXTRAS.values() for name in names)}: "
+    "pip install 'slipwave[report]'",
 }
 
 

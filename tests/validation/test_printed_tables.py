@@ -44,13 +44,21 @@ def test_run_time_against_error(capsys: pytest.CaptureFixture[str]) -> None:
         return {"model": model, "setting": setting, "wall_s": 0.512345, "error": error, "verdict": "periodic"}
 
     rows = [row("fd", {"cells": 64}, (1.23456e-3, 2.34567e-3)), row("delay", {"tolerance": 1e-7}, (3e-7, 4e-7))]
+    apart = {
+        "verdict": "torus",
+        "difference": {"period": 0.02, "stress_drop": -0.3},
+        "margin": {"period": 1e-3, "stress_drop": 0.1},
+    }
+    rows.append(row("block8", {}, (None, None)) | apart)  # type: ignore[arg-type]
     bench._print({"models": rows, "until": 200.0, "reference": "delay", "conclusion": "a conclusion"})
     lines = capsys.readouterr().out.splitlines()
     assert table(lines, ["model", "setting", "wall s", "error T", "error drop"]) == [
         {"model": "fd", "setting": "cells 64", "wall s": "0.512", "error T": "0.00123", "error drop": "0.00235"},
         {"model": "delay", "setting": "tolerance 1e-07", "wall s": "0.512", "error T": "3e-07", "error drop": "4e-07"},
+        {"model": "block8", "setting": "-", "wall s": "0.512", "error T": "0.0200 +- 0.0010", "error drop": "-0.30 +- 0.10"},
     ]
-    assert lines[-2:] == ["200 transits; relative errors of the second half's mean against delay (tight)", "a conclusion"]
+    assert lines[-3] == "200 transits; relative errors of the second half's mean against delay (tight)"
+    assert lines[-1] == "a conclusion"
 
 
 def test_stability_in_si(capsys: pytest.CaptureFixture[str]) -> None:

@@ -145,10 +145,14 @@ def test_the_table_is_the_json_and_its_si_column_is_by_hand(told: Told) -> None:
         assert float(row[0]) == pytest.approx(mean, rel=1e-8)
         assert row[1] == "-" if std is None else float(row[1]) == pytest.approx(std, rel=5e-3)
         assert (float(row[2]), row[3]) == (pytest.approx(mean * unit, rel=1e-5), name)
+        assert row[4:] == ["-"] if std is None else (float(row[4]), row[5]) == (pytest.approx(std * unit, rel=5e-3), name)
     (margins,) = [line for line in lines if "95 %" in line]
     numbers = [float(word.strip("(,")) for word in margins.split() if word.strip("(,")[0].isdigit()]
     period, drop = result["margins"]["period"], result["margins"]["stress_drop"]
-    assert numbers[1:] == pytest.approx([period, period * SECONDS, drop], rel=5e-3)
+    assert numbers[1:] == pytest.approx([period, period * SECONDS, drop, drop * PRESSURE], rel=5e-3)
+    spreads = {"period_std_s": result["period"]["std"] * SECONDS, "period_margin_s": period * SECONDS}
+    spreads |= {"stress_drop_std_Pa": result["stress_drop"]["std"] * PRESSURE, "stress_drop_margin_Pa": drop * PRESSURE}
+    assert {name: result["si"][name] for name in spreads} == pytest.approx(spreads)
     (transit,) = [line for line in lines if line.startswith("one transit = ")]
     assert float(transit.split("one transit = ")[1].split()[0]) == pytest.approx(SECONDS, rel=1e-5)
     slabs, _ = [line for line in lines if line.startswith("slabs:")]

@@ -77,6 +77,19 @@ def test_a_mistyped_word_is_answered_by_the_one_that_is_meant(
     assert err.lower().endswith((f'did you mean "{meant}"?\n', f"did you mean '{meant}'?\n"))
 
 
+@pytest.mark.parametrize("words", ["--model delay --model block8", "--until 5 --json --until=6"])
+def test_an_option_is_given_once(words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "paper", "--set", "V=3", "--set", "size=0.1", *words.split()]) == INPUT_WRONG
+    assert capsys.readouterr().err == f"slipwave: {words.split()[0]}: is given more than once\n"
+
+
+def test_what_is_wrong_in_a_file_is_told_whole(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "mine.toml").write_text("[slab]\nepsilon = 1e-5\ndensity 2700 kg/m3\n")
+    assert main(["show", str(tmp_path / "mine.toml")]) == INPUT_WRONG
+    told = "Expected '=' after a key in a key/value pair (at line 3, column 9)"
+    assert capsys.readouterr().err.endswith(f"must be a TOML file; {told}\n")
+
+
 def test_a_word_like_no_other_is_answered_without_a_guess(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "paper", "--set", "interface.law=xyz"]) == INPUT_WRONG
     assert "did you mean" not in capsys.readouterr().err

@@ -26,7 +26,7 @@ def bench(
 
 
 def _print(summary: dict[str, Any]) -> None:
-    from validation.commands.wording import remarks
+    from validation.commands.wording import errors_of, remarks
 
     heading = ["model", "setting", "wall s", "error T", "error drop"]
     table = [
@@ -34,8 +34,7 @@ def _print(summary: dict[str, Any]) -> None:
             row["model"],
             ", ".join(f"{name} {value:g}" for name, value in row["setting"].items()) or "-",
             figures(row["wall_s"], 3),
-            figures(row["error"]["period"], 3),
-            figures(row["error"]["stress_drop"], 3),
+            *errors_of(row),
         ]
         for row in summary["models"]
     ]

@@ -24,7 +24,10 @@ from validation.output import FIGURES, conclude, deliver, figures, print_json, p
 Models = Annotated[
     str, typer.Option(metavar="M1,M2,...", help="the models; the reference is delay if it is among them, else the first")
 ]
-OutFile = Annotated[Path, typer.Option(metavar="FILE.png", help="the overlay figure")]
+DEFAULT = "compare.png"
+OutFile = Annotated[
+    Path | None, typer.Option(metavar="FILE.png", help=f"the overlay figure (default {DEFAULT}; with --json none)")
+]
 
 EXAMPLES = ("slipwave compare paper --models delay,kelvin-voigt,fd --out compare.png",)
 
@@ -39,13 +42,15 @@ def compare(
     cfl: Cfl = None,
     time: TimeMarch = None,
     tol: Tolerance = None,
-    out: OutFile = Path("compare.png"),
+    out: OutFile = None,
     yes: Yes = False,
     json: Json = False,
 ) -> None:
     """Draw one cycle of each model in one figure; print periods and stress drops with their errors."""
     from validation.door.result import delivered
 
+    if out is None and not json:
+        out = Path(DEFAULT)
     require_writable(out, FIGURES)
     result, failed, stopped = delivered(
         lambda: slipwave.compare(
@@ -60,26 +65,29 @@ def compare(
             most_seconds=most_seconds(yes),
         )
     )
-    summary = result.summary | {"figure": str(out)}
+    summary = result.summary | ({"figure": str(out)} if out else {})
     problems = deliver(lambda: print_json(summary) if json else _print(summary), (result.save_plot, out))
     conclude(failed, problems, stopped)
 
 
 def _print(summary: dict[str, Any]) -> None:
-    from validation.commands.wording import remarks
+    from validation.commands.wording import barred, errors_of, remarks
+
+    def mean(row: dict[str, Any], name: str, digits: int) -> str:
+        """A cell, with a bar for motion that never repeats."""
+        return barred(row[name]["mean"], row["margins"][name] if row["margins"] else 0.0, digits)
 
     heading = ["model", "period", "std", "stress drop", "elastic drop", "v_max", "v_min", "error T", "error drop", "wall s"]
     table = [
         [
             row["model"],
-            figures(row["period"]["mean"]),
+            mean(row, "period", 9),
             figures(row["period"]["std"], 2),
-            figures(row["stress_drop"]["mean"], 7),
-            figures(row["elastic_stress_drop"]["mean"], 7),
+            mean(row, "stress_drop", 7),
+            mean(row, "elastic_stress_drop", 7),
             figures(row["v_max"], 7),
             figures(row["v_min"], 7),
-            figures(row["error"]["period"], 3),
-            figures(row["error"]["stress_drop"], 3),
+            *errors_of(row),
             figures(row["wall_s"], 3),
         ]
         for row in summary["models"]

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from slipwave.errors import Interrupted
-from slipwave.extras import EXTRAS, require
+from slipwave.extras import require
 from validation.output import require_folder
 
 EXAMPLES = (
@@ -24,8 +24,7 @@ def report(
     from validation.report.build import make_report
     from validation.report.red import RedReport
 
-    for extra in EXTRAS:  # the studies draw, write files and use every model
-        require(extra, "the report")
+    require("report", "the report")
     require_folder(out)
     try:
         print(make_report(out=out, quick=quick, only=only or None))

@@ -10,6 +10,7 @@ from slipwave.observe.lyapunov import Exponent
 from slipwave.observe.orbit import Orbit
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
+from validation.door.conclusion import distances
 from validation.output import figures
 
 ENDED = {
@@ -52,20 +53,26 @@ def _with_units(
         ("v_min [V*]", known["v_min"], metre, "m/s"),
     ]
     rows = [
-        [label, figures(value), figures(spread, 3), f"{figures(value * unit, 6)} {name}"]
+        [label, figures(value), figures(spread, 3), f"{figures(value * unit, 6)} {name}", _sized(spread * unit, name)]
         for label, (value, spread), unit, name in facts
     ]
-    heading = ["", *columns, "SI"]
-    return (heading, rows) if units else (heading[:-1], [row[:-1] for row in rows])
+    heading = ["", *columns, "SI", f"{columns[1]} in SI"]
+    return (heading, rows) if units else (heading[:-2], [row[:-2] for row in rows])
+
+
+def _sized(spread: float, unit: str) -> str:
+    return "-" if math.isnan(spread) else f"{figures(spread, 3)} {unit}"
 
 
 def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
     """A line with the intervals of the means of cycles that never repeat; none if they do."""
     if math.isnan(found.margins.period):
         return []
-    seconds = f" ({figures(found.margins.period * scene.transit * scene.units.time, 3)} s)" if scene.units else ""
-    period, drop = figures(found.margins.period, 3), figures(found.margins.stress_drop, 3)
-    return [f"the mean of an endless run lies within (95 %): period +- {period} transits{seconds}, stress drop +- {drop}"]
+    period, drop, units = found.margins.period, found.margins.stress_drop, scene.units
+    seconds = f" ({figures(period * scene.transit * units.time, 3)} s)" if units else ""
+    pascals = f" ({figures(drop * units.normal_stress, 3)} Pa)" if units else ""
+    known = f"period +- {figures(period, 3)} transits{seconds}, stress drop +- {figures(drop, 3)}{pascals}"
+    return [f"the mean of an endless run lies within (95 %): {known}"]
 
 
 def exponent_in_words(found: Exponent) -> str:
@@ -106,10 +113,13 @@ def verdict_in_words(verdict: Verdict, needed: float) -> str:
 
 
 def remarks(summary: Mapping[str, Any]) -> list[str]:
-    """The lines below a table of models: whose figures are missing and why, what failed, and the conclusion."""
+    """The lines below a table of models: what bars are, whose figures are missing and why, what failed, and the conclusion."""
     rows = summary["models"]
     failed = {row["model"]: f"failed: {row['failed']}" for row in rows if "failed" in row}
-    return [*without_errors(rows), *without_period(rows), *failed.values(), *filter(None, [summary["conclusion"]])]
+    wanders = any("difference" in row for row in rows)
+    bars = ["+-: half the width of the 95 % interval of a mean of motion that never repeats"] * wanders
+    notes = (line for line in summary.get("notes", []) if line.startswith("nothing to compare"))
+    return [*bars, *without_errors(rows), *failed.values(), *notes, *filter(None, [summary["conclusion"]])]
 
 
 def without_errors(rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -127,12 +137,17 @@ def _no_figures(names: str, verdict: str) -> str:
     return f"no figures of {names}: the second half of the run is {verdict}"
 
 
-def without_period(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """One line for each model whose difference from the reference is no error, because one of the motions never repeats."""
-    lines = []
-    for row in rows:
-        if "difference" in row:
-            pairs = zip(row["difference"].values(), row["margin"].values(), strict=True)
-            period, drop = (f"{value:+.1e} +- {'unknown' if margin is None else f'{margin:.1e}'}" for value, margin in pairs)
-            lines.append(f"{row['model']} is {row['verdict']}: against the reference T differs by {period}, the drop by {drop}")
-    return list(dict.fromkeys(lines))
+def errors_of(row: Mapping[str, Any]) -> list[str]:
+    """The cells of a model's errors in period and stress drop; with a bar where one of the motions never repeats."""
+    known = distances(row)
+    return [barred(*known[name]) if name in known else "-" for name in ("period", "stress_drop")]
+
+
+def barred(value: float | None, margin: float | None, digits: int = 3) -> str:
+    """A number for a table; with its margin, to two figures, where that is not 0, and as many decimals."""
+    if value is None or margin == 0.0:
+        return figures(value, digits)
+    if margin is None or not math.isfinite(margin):
+        return f"{figures(value, digits)} +- ?"
+    decimals = max(0, 1 - math.floor(math.log10(margin)))
+    return f"{value:.{decimals}f} +- {margin:.{decimals}f}"

@@ -12,7 +12,7 @@ from slipwave.observe.foresight import DAY
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.door.checked import checked
-from validation.door.conclusion import conclusion
+from validation.door.conclusion import conclusion, nothing
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of
 from validation.registry import build as models
@@ -82,14 +82,16 @@ def bench(
     """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance.
     `changes` are those of `slipwave.read_scene`.
 
-    A model that cannot do the scene (quasistatic runs away) still has a row. Raises SceneError for wrong input; NumericsError,
-    with all of them as its `result`, if solves of the interface failed.
+    A model that cannot do the scene (quasistatic runs away) still has a row. Raises SceneError for wrong input and where the
+    reference has no cycles; NumericsError, with all of them as its `result`, if solves of the interface failed.
     """
     scene = scene_of(source, settings, changes, until)
     trials = [(family, setting) for family in models.honouring(scene) for setting in _settings(family)]
     if not trials:
         raise SceneError(f"scene = {scene.name!r}: no model of this installation can do it")
     reference = _reference(scene, trials, most_seconds)
+    if nothing(reference):
+        raise SceneError(f"until = {reference.until:g}: {nothing(reference)}")
     length = Until(reference.until)
     runs: list[tuple[Run, dict[str, Any]]] = []
     stopped = ""

@@ -12,7 +12,7 @@ from slipwave.observe.foresight import DAY, require_time
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.door.checked import checked
-from validation.door.conclusion import conclusion
+from validation.door.conclusion import conclusion, nothing
 from validation.door.motion_figure import second_axis
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of
@@ -50,8 +50,8 @@ class CompareResult(Result):
         rows = [_row(run, self.reference) for run in self.runs]
         facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.reference.until}
         facts |= {"reference": self.reference.solver.model, "conclusion": conclusion(finite(rows))}
-        doubtful = doubts(self.scene)
-        return dict(finite(facts | {"models": rows} | ({"notes": doubtful} if doubtful else {})))
+        notes = [*doubts(self.scene), *filter(None, [nothing(self.reference)])]
+        return dict(finite(facts | {"models": rows} | ({"notes": notes} if notes else {})))
 
     @cached_property
     def dataset(self) -> Dataset:
@@ -78,7 +78,8 @@ class CompareResult(Result):
         above.set_ylabel("friction stress / normal stress")
         below.set(ylabel="slip rate / V*", xlabel="transits since v passed half its largest value in the slip event")
         if not any(len(line.get_ydata()) for line in above.get_lines()):
-            above.text(0.5, 0.5, "no run has cycles that represent its motion", ha="center", transform=above.transAxes)
+            told = nothing(self.reference) or "no run has cycles that represent its motion"
+            above.text(0.5, 0.5, told, ha="center", transform=above.transAxes)
         above.legend(fontsize="small")
         for axes, direction, name in ((above, "x", "time"), (above, "y", "stress"), (below, "y", "slip_rate")):
             second_axis(axes, direction, name, self.scene)
@@ -155,6 +156,7 @@ def _row(run: Run, reference: Run) -> dict[str, Any]:
         "events": run.starts,
         "verdict": run.kind,
         **{name: asdict(getattr(ours, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
+        "margins": asdict(ours.margins) if run.verdict and run.verdict.wanders else None,
         "v_max": ours.v_max,
         "v_min": ours.v_min,
         **in_json(run, reference),

@@ -67,7 +67,7 @@ def _numbers(scene: Scene) -> dict[str, float]:
         return numbers
     units = scene.units
     return numbers | {
-        "transit_s": scene.transit * units.time,
+        "transit_s": units.size("transit", scene.transit),
         "memory_length_m": units.memory_length,
         "reference_velocity_m_per_s": units.reference_velocity,
         "normal_stress_Pa": units.normal_stress,

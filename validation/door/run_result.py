@@ -72,7 +72,7 @@ class RunResult(Result):
             "reasons": self.reasons,
             "failures": done.solver.failures,
             "wall_s": done.wall_s,
-        } | cycle_in_si(found.values(), done.solver.scene)
+        } | cycle_in_si(found.values() | self._spreads, done.solver.scene)
         if "time" in done.solver.settings:
             result["time"] = done.solver.settings["time"]
         if isinstance(done.solver, Leaping) and done.solver.skipped:
@@ -86,6 +86,15 @@ class RunResult(Result):
             "notes": [*doubts(done.solver.scene), *self.notes],
         }
         return dict(finite(result | {name: value for name, value in more.items() if value}))
+
+    @property
+    def _spreads(self) -> dict[str, float]:
+        """The std of the cycles' figures, and of motion that never repeats the margins of their means."""
+        found = self.done.statistics
+        names = ("period", "stress_drop", "elastic_stress_drop")
+        spreads = {f"{name}_std": getattr(found, name).std for name in names}
+        wanders = self.done.verdict and self.done.verdict.wanders
+        return spreads | ({f"{name}_margin": getattr(found.margins, name) for name in names} if wanders else {})
 
     @property
     def stages(self) -> list[StageFigures]:

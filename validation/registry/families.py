@@ -102,7 +102,7 @@ def _on_a_grid(family: Family, scene: "Scene", number: int | None, options: Opti
 
     def member(scene: "Scene", **options: Any) -> Any:
         """The member with its number, on a grid of its own or with its options."""
-        return family.maker()(scene, *numbers, **options)
+        return family.maker(number)(scene, *numbers, **options)
 
     tolerance, cells = options.get("tolerance"), options.get("cells")
     if tolerance is None:

@@ -21,11 +21,11 @@ def is_error(run: Run, reference: Run) -> bool:
 
 
 def differences(run: Run, reference: Run) -> dict[str, Difference]:
-    """Those of the mean period and stress drop; NaN where a run has none, or failed."""
+    """Those of the mean period and stress drop; NaN where a run has none, or failed. A run does not differ from itself."""
     found = {}
     for name, value in run.errors(reference).items():
         parts = [_share(one, name) for one in (run, reference)]
-        found[name] = Difference(value, (1.0 + value) * math.hypot(*parts))
+        found[name] = Difference(value, 0.0 if run is reference else (1.0 + value) * math.hypot(*parts))
     return found
 
 

@@ -98,11 +98,13 @@ def in_si(name: str, values: ArrayLike, quantity: Quantity, scene: Scene) -> dic
 
 
 def cycle_in_si(values: Mapping[str, float], scene: Scene) -> dict[str, dict[str, float]]:
-    """{"si": the figures of a cycle in SI}, for the JSON of a scene with units; else nothing."""
+    """{"si": the figures of a cycle in SI}, for the JSON of a scene with units; else nothing. `period_std` and `period_margin`
+    are in the unit of `period`."""
     if scene.units is None:
         return {}
-    twins = {twin: float(size) for name in values for twin, (size, _) in in_si(name, values[name], EVENTS[name], scene).items()}
-    return {"si": twins | {"transit_s": scene.transit * scene.units.time}}
+    kinds = {name: EVENTS[name.removesuffix("_std").removesuffix("_margin")] for name in values}
+    twins = {twin: float(size) for name in values for twin, (size, _) in in_si(name, values[name], kinds[name], scene).items()}
+    return {"si": twins | {"transit_s": scene.units.size("transit", scene.transit)}}
 
 
 def variables(
