@@ -1,0 +1,64 @@
+"""Numbers that the pages and the help texts give are those of the program.
+
+In a page a number is followed by a comment that the reader does not see, `300<!--validation.run.length.LIMIT-->`: the constant,
+or an expression of constants, that it must equal. In a help text every number must be one of `HELP`.
+"""
+
+import re
+from importlib import import_module
+from typing import Any
+
+import pytest
+import typer
+
+from slipwave.sources import ROOT
+from validation.cli import app
+
+MARKED = re.compile(r"([\w.+-]+)<!--(.+?)-->")
+WORDS = {"eight": 8.0, "sixteen": 16.0}
+NUMBER = re.compile(r"(?<![\w.:=-])\d[\d.]*(?:e-?\d+)?(?![\w:]|\.\d)")
+HELP = {
+    "run --fields": "validation.run.recording.FIELD_WINDOW",
+    "run --checkpoint-every": "validation.run.recording._EVERY",
+    "orbit --tol": "validation.door.orbit.TOLERANCE",
+    "branch --tol": "validation.door.branch._DEFAULTS['tol']",
+    "branch --most-points": "validation.door.branch._DEFAULTS['most_points']",
+    "curve --tol": "validation.door.curve._DEFAULTS['tol']",
+    "curve --most-points": "validation.door.curve._DEFAULTS['most_points']",
+}
+RANGES = {"--cfl": {0.0, 1.0}}
+"""Whose ends are refused or taken in `tests/fullwave`."""
+
+
+def value(expression: str) -> float:
+    """Of constants by their full names, and what is computed from them."""
+
+    def constant(name: re.Match[str]) -> str:
+        module, _, attribute = name[0].rpartition(".")
+        return repr(getattr(import_module(module), attribute))
+
+    return float(eval(re.sub(r"[a-z]\w*(?:\.\w+)+", constant, expression)))
+
+
+def number(text: str) -> float:
+    return WORDS[text] if text in WORDS else float(text)
+
+
+PAGES = sorted(page for page in (ROOT / "docs").glob("*.md") if MARKED.search(page.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_numbers_of_a_page_are_those_of_the_program(page: Any) -> None:
+    marked = MARKED.findall(page.read_text(encoding="utf-8"))
+    assert [(text, name) for text, name in marked if number(text) != pytest.approx(value(name), rel=1e-12)] == []
+
+
+def test_numbers_of_help_texts_are_those_of_the_program() -> None:
+    commands: dict[str, Any] = typer.main.get_command(app).commands  # type: ignore[attr-defined]
+    told = {}
+    for name, command in commands.items():
+        for option in command.params:
+            found = {float(text) for text in NUMBER.findall(option.help or "")}
+            if found and found != RANGES.get(option.opts[0]):
+                told[f"{name} {option.opts[0]}"] = found
+    assert told == {key: {value(name)} for key, name in HELP.items()}
