@@ -27,7 +27,8 @@ def apply_overrides(data: dict[str, Any], overrides: Iterable[str] | Mapping[str
     if isinstance(overrides, Mapping):
         pairs = [(_key(str(key)), copy.deepcopy(value)) for key, value in overrides.items()]
     else:
-        pairs = [_parse(text) for text in ([overrides] if isinstance(overrides, str) else overrides)]
+        texts = [overrides] if isinstance(overrides, str) or not isinstance(overrides, Iterable) else list(overrides)
+        pairs = [_parse(text) for text in texts]
     for key, value in sorted(pairs, key=lambda pair: pair[0][-1] != "kind"):
         _set(data, full_key(key, value, data), value)
     return data
@@ -41,7 +42,7 @@ def _key(text: str) -> list[str]:
 
 
 def _parse(text: str) -> tuple[list[str], Any]:
-    key, sign, value = text.partition("=")
+    key, sign, value = text.partition("=") if isinstance(text, str) else ("", "", "")
     if not sign:
         raise SceneError(f"--set {shorten(text)}: must be KEY=VALUE, as in slab.log10_r=-2.3")
     return _key(key), _value(key.strip(), value.strip())

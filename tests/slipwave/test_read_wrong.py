@@ -260,6 +260,8 @@ def test_a_monstrous_value_is_cut_short_after_its_control_characters_are_spelled
 
 
 def test_overrides_that_name_no_key() -> None:
+    for wrong in (3, [3], (1, 2)):
+        assert "must be KEY=VALUE, as in slab.log10_r=-2.3" in complaint("paper", wrong)
     assert "slab.r = '1\\n" in complaint("paper", ["slab.r=1\nx=2"])
     assert "slab.epsilon.x" in complaint("paper", ["slab.epsilon.x=1"])
     assert "slob" in complaint("paper", ["slob.x=1"])
