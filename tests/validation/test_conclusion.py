@@ -134,7 +134,7 @@ def test_an_empty_comparison_says_how_long_a_run_must_be(runs: tuple[Run, Run], 
     found = sw.compare("paper", "delay", until=40)
     assert found.notes == [told]
     assert told in [text.get_text() for text in found.plot().axes[0].texts]
-    steady = sw.compare("paper", "delay", until=10, size=0)
+    steady = sw.compare("paper", "delay", until=10, size=0, r=1e-3)
     assert steady.notes == ["nothing to compare: the second half of the run of delay is steady"]
 
 
