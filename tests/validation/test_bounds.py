@@ -8,6 +8,7 @@ from roomy import too_roomy
 from validation.references.published import half_digit
 from validation.study import Evidence, Outcome, StudyResult, Verdict
 from validation.study.bounds import bounded
+from validation.study.known import as_known
 
 
 @pytest.mark.parametrize(
@@ -39,3 +40,14 @@ def test_no_study_answers_yes_beside_a_red_light():
 @pytest.mark.parametrize(("value", "half"), [(73.47, 0.005), (73.4721449443, 5e-11), (1.5e-07, 5e-9)])
 def test_half_of_the_last_digit(value, half):
     assert half_digit(value) == pytest.approx(half)
+
+
+@pytest.mark.parametrize(("evidence", "outcome"), [(Evidence.WITNESS, "fail"), (Evidence.EXACT, "pass")])
+def test_a_witness_that_agrees_to_the_last_bit_is_none(evidence, outcome):
+    assert bounded("agree", evidence, 0.0, 1.0).outcome == outcome
+
+
+@pytest.mark.parametrize(("share", "outcome"), [(0.9, "pass"), (1.2, "fail"), (70.0, "fail")])
+def test_periods_are_held_against_the_digits_known(share, outcome):
+    """Of the ODE 70.73234499 is known, by another program."""
+    assert as_known({"kelvin-voigt": 70.73234499 + share * 5e-9}, -2.68, 0.0).outcome == outcome

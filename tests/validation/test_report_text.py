@@ -5,7 +5,7 @@ import math
 import pytest
 
 from validation.study import Column, Table, table
-from validation.study.text import cell, markup, number, plain
+from validation.study.text import cell, markup, number, places, plain, power
 
 
 @pytest.mark.parametrize(
@@ -50,3 +50,7 @@ def test_the_heading_of_a_table_is_one_line():
     )
     heading = "model | log_{10} r, exact [ODE, (27)] .11f | spread .1% | step [at cfl 1]"
     assert table("t", "Told.", heading, rows, [1]) == Table("t", "Told.", columns, ((0, 0.0), (1, 0.5)), (1,))
+
+
+def test_powers_and_places_in_a_sentence():
+    assert (power(1e-13), power(1e3), places([-2.69, -2.6])) == ("10^{−13}", "10^{3}", "−2.69, −2.6")
