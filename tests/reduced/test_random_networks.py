@@ -38,6 +38,7 @@ def test_every_break_point_is_the_end_of_a_step_after_every_refinement(seed):
     solver, ends = DelayNetwork(scene, tolerance), []
     while solver.time < 16.0:
         piece = solver.advance(solver.time + 1e-6)
+        assert piece.time[0] == pytest.approx(ends[-1] if ends else 0.0, abs=1e-12)
         ends.append(piece.time[-1] + piece.length[-1])
         if len(ends) % 11 == 0 and solver.steps < 200.0:
             solver._refine(NOT_SMOOTH)
@@ -46,7 +47,7 @@ def test_every_break_point_is_the_end_of_a_step_after_every_refinement(seed):
     assert np.abs(np.array(ends)[np.searchsorted(ends, expected - 1e-9)] - expected).max() < 1e-9
 
 
-@pytest.mark.parametrize("seed", [0, 1, 3, 4])
+@pytest.mark.parametrize("seed", [1, 4, 51, LIGHT_MASS])
 def test_a_march_resumed_at_an_awkward_moment_equals_the_uninterrupted_one(seed):
     """Right after the steps became shorter, and at every knot of V; to the bit, whatever the chunks. (The count of iterations,
     the last of `counts`, depends on the chunks: a step that is rejected last in one is tried again in the next.)"""
