@@ -35,7 +35,7 @@ class TransitMesh:
         step = np.clip(np.searchsorted(self.starts, at - SAME, side="left") - 1, 0, self.steps - 1)
         local = np.clip((at - self.starts[step]) / self.lengths[step], 0.0, 1.0)
         weights = interpolation_matrix(lagrange_basis(nodes), local.ravel()).reshape(*at.shape, nodes.size)
-        return np.asarray(np.einsum("isk,...isk->...is", weights, values[..., step, :]))
+        return np.asarray(np.einsum("isk,...isk->...is", weights, np.ascontiguousarray(values[..., step, :])))
 
 
 def cuts_of(drive: Drive) -> Array:
