@@ -24,8 +24,8 @@ class Final:
 
 class Observer(Protocol):
     """Anything that reads the pieces of a run. It is given every transit, unless it is also `Spanning`: then those in which
-    nothing happens may be left out, and where nothing but slow motion happens pieces may be as long as that is smooth. One that compares
-    two marches has a true `needs_every_transit`: then nothing is leapt over."""
+    nothing happens may be left out, and where nothing but slow motion happens pieces may be as long as that is smooth. One that
+    compares two marches has a true `needs_every_transit`: then nothing is leapt over."""
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces, in order."""
