@@ -7,6 +7,7 @@ from slipwave.observe import EventObserver, Final, Solver, Verdict, follow, judg
 from slipwave.observe.checkpoint import Checkpoints
 from slipwave.observe.follow import Mark, Observer
 from slipwave.observe.foresight import Foresight, require_time
+from validation.run.advice import Advice
 from validation.run.length import Ended, Judged, Length, second_half
 from validation.run.progress import progress
 
@@ -55,7 +56,13 @@ class Course:
             if isinstance(mark, Checkpoints):
                 mark.prolong(end)
         with progress(f"{self.solver.scene.name}, {self.solver.model}", end) as report:
-            self.final = follow(self.solver, end, self._observers, report, self._marks)
+            advice = Advice(self.solver, end)
+
+            def reached(done: float) -> None:
+                report(done)
+                advice(done)
+
+            self.final = follow(self.solver, end, self._observers, reached, self._marks)
 
     def judged(self) -> Judged:
         """The second half of what was run so far, and the verdict on it."""
