@@ -1,13 +1,14 @@
 """Measures the stages of a laboratory protocol during a run (`stages`): memory does not grow with the run."""
 
 import math
+from itertools import islice, takewhile
 from typing import NamedTuple
 
 import numpy as np
 
 from slipwave.friction import rates, respond, steady_state, unknown_of
 from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
-from slipwave.observe.stages import LATE, Seen, Stage, StageFigures, figures_of, stages_of
+from slipwave.observe.stages import LATE, Range, Seen, Stage, StageFigures, figures_of, stages_of
 from slipwave.scene import Scene
 
 LEFT = math.exp(-1.0)
@@ -31,7 +32,7 @@ class ProtocolObserver:
         self._scene, self._basis = scene, lagrange_basis(nodes)
         self.stages = stages_of(scene.drive, until)
         self._seen = [Seen() for _ in self.stages]
-        self._slip, self._last = 0.0, math.nan
+        self._slip, self._last, self._now = 0.0, math.nan, 0  # `_now`: the first stage that is not over
         # pieces of a grid hold equal steps and are not cut at jumps of V: between their nodes they would overshoot
         self._cut = nodes[0] > 0.0
         self._coarse = _sampling(self._basis, np.append(0.0, nodes) if self._cut else nodes)
@@ -40,11 +41,10 @@ class ProtocolObserver:
     @property
     def whole_from(self) -> float:
         """As `Spanning`: never while a hold has begun that is not over, because of a hold only the end has a figure."""
-        holds = any(
-            stage.kind == "hold" and -math.inf < seen.reached < stage.end
-            for stage, seen in zip(self.stages, self._seen, strict=True)
-        )
-        return math.inf if holds else 0.0
+        if self._now == len(self.stages):
+            return 0.0
+        stage, seen = self.stages[self._now], self._seen[self._now]
+        return math.inf if stage.kind == "hold" and -math.inf < seen.reached < stage.end else 0.0
 
     @property
     def figures(self) -> list[StageFigures]:
@@ -70,15 +70,23 @@ class ProtocolObserver:
         place = (middle if self._cut else time).ravel()
         samples = np.stack([column.ravel() for column in columns])
         now = float(pieces.time[-1] + pieces.length[-1])
-        for k, stage in enumerate(self.stages):
-            inside = (place >= stage.start) & (place < stage.end) & (samples[0] <= stage.end + 1e-9)
-            if inside.any():
-                self._take(k, stage, samples[:, inside], min(now, stage.end))
+        begins, ends = (np.searchsorted(place, [getattr(stage, side) for stage in self._until(now)]) for side in ("start", "end"))
+        for k, (stage, first, end) in enumerate(zip(self._until(now), begins, ends, strict=True), self._now):
+            inside = samples[:, first:end][:, samples[0, first:end] <= stage.end + 1e-9]
+            if inside.size:
+                self._take(k, stage, inside, min(now, stage.end))
+        while self._now < len(self.stages) and self.stages[self._now].end <= now:
+            self._now += 1
+
+    def _until(self, time: float) -> list[Stage]:
+        """The stages from the first that is not over to that of `time`."""
+        return list(takewhile(lambda stage: stage.start <= time, islice(self.stages, self._now, None)))
 
     def _looks_for_peaks(self, pieces: Pieces) -> bool:
         """Whether the peak of a stage, or where the stress has come back after it, may lie in `pieces`."""
         begin, end = pieces.time[0], pieces.time[-1] + pieces.length[-1]
-        for stage, seen in zip(self.stages, self._seen, strict=True):
+        for k, stage in enumerate(self._until(end), self._now):
+            seen = self._seen[k]
             inside = stage.kind in ("step", "slide") and stage.start < end and begin < stage.end
             if inside and (math.isnan(seen.recovered) or (stage.sign * pieces.mu).max() >= stage.sign * seen.peak):
                 return True
@@ -92,13 +100,12 @@ class ProtocolObserver:
         seen = _peak(seen, stage.sign, self._steady(stage), mu, slip)
         with np.errstate(divide="ignore", invalid="ignore"):
             ln_v = np.log(rate)
-        half, late = (ln_v[time >= stage.end - share * (stage.end - stage.start)] for share in (0.5, LATE))
+        half, last, late = (time >= stage.end - share * (stage.end - stage.start) for share in (0.5, 0.25, LATE))
         self._seen[k] = seen._replace(
             last=float(mu[-1]),
-            half_low=min(seen.half_low, half.min(initial=math.inf)),
-            half_high=max(seen.half_high, half.max(initial=-math.inf)),
-            late_low=min(seen.late_low, late.min(initial=math.inf)),
-            late_high=max(seen.late_high, late.max(initial=-math.inf)),
+            third=_widened(seen.third, ln_v[half & ~last]),
+            fourth=_widened(seen.fourth, ln_v[last]),
+            late=_widened(seen.late, ln_v[late]),
             reached=reached,
         )
         self._last = float(mu[-1])
@@ -113,14 +120,23 @@ class ProtocolObserver:
     def state(self) -> dict[str, Array]:
         """What was seen, a row for each stage, for a checkpoint."""
         return {
-            "seen": np.array(self._seen, dtype=float).reshape(-1, len(Seen._fields)),
+            "seen": np.array([np.hstack(seen) for seen in self._seen], dtype=float),
             "slip": np.array([self._slip, self._last]),
         }
 
     def restore(self, state: dict[str, Array]) -> None:
         """Continue from what `state` returned."""
-        self._seen = [Seen(*row) for row in state["seen"].tolist()]
+        rows = state["seen"].tolist()
+        self._seen = [
+            Seen(*row[:5])._replace(third=Range(*row[5:7]), fourth=Range(*row[7:9]), late=Range(*row[9:11]), reached=row[11])
+            for row in rows
+        ]
+        self._now = sum(seen.reached >= stage.end for stage, seen in zip(self.stages, self._seen, strict=True))
         self._slip, self._last = state["slip"].tolist()
+
+
+def _widened(known: Range, values: Array) -> Range:
+    return Range(float(min(known.low, values.min(initial=math.inf))), float(max(known.high, values.max(initial=-math.inf))))
 
 
 def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array) -> Seen:

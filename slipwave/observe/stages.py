@@ -8,7 +8,8 @@
     level   V stays where a ramp has led it
 
 A stage has settled if it ends within the run and, in its last tenth, the slip rate is within 1 % of V. It stick-slips if it has
-not settled and the slip rate changes by more than a factor e in its second half. Figures that need a settled stage are None where
+not settled and the slip rate changes by more than a factor e in its third quarter and in its last, there as much as before: a
+ringing that decays changes less. Figures that need a settled stage are None where
 it has not settled; all are None where it stick-slips.
 """
 
@@ -28,7 +29,8 @@ LATE = 0.1
 STEADY = 0.01
 """Largest |ln(v/V)| there."""
 
-_STICKS = 1.0  # range of ln v in the second half of a stage that stick-slips
+_STICKS = 1.0  # range of ln v in both later quarters of a stage that stick-slips
+_LASTS = 0.9  # that of the last quarter, over that of the third
 
 
 class Stage(NamedTuple):
@@ -46,20 +48,31 @@ class Stage(NamedTuple):
         return 1.0 if self.velocity >= self.before else -1.0
 
 
+class Range(NamedTuple):
+    """The lowest and the highest of some values."""
+
+    low: float = math.inf
+    high: float = -math.inf
+
+    @property
+    def width(self) -> float:
+        """Highest minus lowest; 0 of none."""
+        return max(self.high - self.low, 0.0)
+
+
 class Seen(NamedTuple):
     """What was seen in a stage: friction stress just `before` it, at its `peak` (the lowest where friction falls first) and
     `last`; slip in L since the stage began, `peak_slip` and where the stress had come back, `recovered` (NaN: not yet); the
-    ranges of ln v in the second half and in the last tenth; the time reached (transits)."""
+    ranges of ln v in its third and fourth quarter and in the last tenth; the time reached (transits)."""
 
     before: float = math.nan
     peak: float = math.nan
     last: float = math.nan
     peak_slip: float = math.nan
     recovered: float = math.nan
-    half_low: float = math.inf
-    half_high: float = -math.inf
-    late_low: float = math.inf
-    late_high: float = -math.inf
+    third: Range = Range()
+    fourth: Range = Range()
+    late: Range = Range()
     reached: float = -math.inf
 
 
@@ -120,10 +133,13 @@ def _kind_of(stages: list[Stage], before: float, velocity: float) -> Kind:
 
 
 def figures_of(stages: list[Stage], seen: list[Seen]) -> list[StageFigures]:
-    """The figures of the stages that the run has begun."""
+    """The figures of the stages that the run has begun. One that no step of the run has seen, because it is shorter, has none."""
     found: list[StageFigures] = []
-    for k, (stage, here) in enumerate(zip(stages, seen, strict=True)):
-        if here.reached > -math.inf:
+    begun = max((k + 1 for k, here in enumerate(seen) if here.reached > -math.inf), default=0)
+    for k, (stage, here) in enumerate(zip(stages[:begun], seen[:begun], strict=True)):
+        if here.reached == -math.inf:
+            found.append(StageFigures(stage.kind, stage.start, stage.end, stage.velocity))
+        else:
             found.append(_figures(stage, here, found[k - 1] if k else None, seen[k - 1].before if k else math.nan))
     return found
 
@@ -131,7 +147,8 @@ def figures_of(stages: list[Stage], seen: list[Seen]) -> list[StageFigures]:
 def _figures(stage: Stage, seen: Seen, earlier: StageFigures | None, before_hold: float) -> StageFigures:
     settled = _has_settled(stage, seen)
     facts = StageFigures(stage.kind, stage.start, stage.end, stage.velocity)
-    if stage.velocity > 0.0 and stage.kind != "ramp" and not settled and seen.half_high - seen.half_low > _STICKS:
+    swings = min(seen.third.width, seen.fourth.width) > _STICKS and seen.fourth.width >= _LASTS * seen.third.width
+    if stage.velocity > 0.0 and stage.kind != "ramp" and not settled and swings:
         return replace(facts, stick_slips=True)
     numbers: dict[str, Any] = {"steady_stress": seen.last} if settled else {}
     was_steady = earlier is not None and earlier.steady_stress is not None
@@ -153,4 +170,4 @@ def _has_settled(stage: Stage, seen: Seen) -> bool:
     if stage.velocity == 0.0 or stage.kind == "ramp" or seen.reached < stage.end - SAME:
         return False
     wanted = math.log(stage.velocity)
-    return max(abs(seen.late_low - wanted), abs(seen.late_high - wanted)) < STEADY
+    return max(abs(seen.late.low - wanted), abs(seen.late.high - wanted)) < STEADY

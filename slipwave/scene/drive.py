@@ -76,7 +76,7 @@ class Drive:
         """True if V never changes, so that solvers may skip everything that depends on changes of V."""
         return len(set(self.velocities)) == 1
 
-    @property
+    @cached_property
     def knots(self) -> tuple[float, ...]:
         """Times (transits) at which V may have a kink or a jump; none if V is constant."""
         return () if self.is_constant else tuple(dict.fromkeys(self.times))

@@ -35,6 +35,64 @@ def test_the_run_ends_the_last_stage() -> None:
     assert stages_of(steady_drive(7.0), 6.0) == []
 
 
+def test_a_step_right_after_a_ramp_is_a_step() -> None:
+    drive = Drive((5.0, 8.0, 8.0), (1.0, 3.0, 10.0))
+    assert [(stage.kind, stage.before, stage.velocity) for stage in stages_of(drive, 12.0)] == [
+        ("start", 1.0, 1.0),
+        ("ramp", 1.0, 3.0),
+        ("step", 3.0, 10.0),
+    ]
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_stage_shorter_than_a_step_has_no_figures_and_the_others_keep_theirs() -> None:
+    drive = [[0, 100], [1.001, 100], [1.001, 0], [1.002, 0], [1.002, 100]]
+    start, hold, slide = slipwave.run("paper", "fd", until=20, cells=16, **{"drive.velocity": drive}).stages
+    assert start.steady_stress == pytest.approx(slipwave.read("paper").steady_stress, abs=1e-12)
+    assert (hold.kind, hold.start, hold.end, hold.relaxation) == ("hold", 1.001, 1.002, None)
+    assert (slide.kind, slide.healing) == ("slide", None)
+
+
+def ringing(rate: float, period: float) -> ProtocolObserver:
+    """What is seen of a step after which ln v oscillates about ln V with an amplitude of 2 exp(-rate t)."""
+    scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 220})
+    nodes = np.array([0.2, 0.5, 1.0])
+    observer, begins = ProtocolObserver(scene, nodes, 220.0), np.arange(0.0, 220.0)
+    time = begins[:, None] + nodes
+    swing = np.where(time > 20.0, 2.0 * np.exp(-rate * (time - 20.0)) * np.sin(2 * np.pi * time / period), 0.0)
+    velocity = np.where(time > 20.0, 300.0, 100.0)
+    observer.scan(Pieces(begins, np.ones(220), np.log(velocity) + swing, swing, 0.3 + 0.01 * swing, swing))
+    return observer
+
+
+def test_a_ringing_that_decays_is_no_stick_slip() -> None:
+    start, rings = ringing(0.006, 12.0).figures
+    assert (start.steady_stress, start.stick_slips) == (0.3, False)
+    assert (rings.steady_stress, rings.stick_slips) == (None, False)
+    assert ringing(0.0, 12.0).figures[1].stick_slips
+    assert not ringing(0.0, 300.0).figures[1].stick_slips  # one way through, no cycle
+
+
+@pytest.mark.parametrize("end", [3, 20, 25, 120])
+def test_a_protocol_goes_on_as_without_a_stop(end: int) -> None:
+    """Inside the start, at a jump, after the peak of a step and in the middle of a hold."""
+    drive = [[0, 100], [20, 100], [20, 300], [100, 300], [100, 0], [150, 0], [150, 100]]
+    scene = slipwave.read("paper", {"slab.log10_r": -3.0, "start.size": 0.0, "drive.velocity": drive, "run.until": 220})
+    rng = np.random.default_rng(1)
+    parts = [Pieces(np.array([t]), np.ones(1), *(4.0 + 0.1 * rng.standard_normal((4, 1, 3)))) for t in np.arange(0.0, 220.0)]
+    whole, before, after = (ProtocolObserver(scene, np.array([0.2, 0.5, 1.0]), 220.0) for _ in range(3))
+    for part in parts:
+        whole.scan(part)
+    for part in parts[:end]:
+        before.scan(part)
+    after.restore(before.state())
+    assert after.whole_from == before.whole_from == (math.inf if end == 120 else 0.0)
+    for part in parts[end:]:
+        after.scan(part)
+    assert repr(after.figures) == repr(whole.figures)
+    assert [stage.reached for stage in after._seen] == [20.0, 100.0, 150.0, 220.0]
+
+
 def test_polynomials_are_integrated_exactly() -> None:
     nodes, points = np.array([0.1, 0.5, 1.0]), np.array([0.0, 0.3, 1.0])
     rows = _integrals(lagrange_basis(nodes), points)

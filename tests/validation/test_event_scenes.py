@@ -165,7 +165,8 @@ REAL = [
     (["paper", "--set", "slab.log10_r=-2.7003", "--until", "16000"], "decaying", None),  # by 0.6 % in two cycles, for ever
     (["unlike", "--set", *WANDERS, "--until", "3000"], "irregular", None),
     (["paper", "--until", "300"], "too short", None),
-    (["paper", "--set", "drive.velocity=[[0,100],[3000,100],[3500,120]]"], "driven", None),
+    (["paper", "--set", "drive.velocity=[[0,100],[3000,100],[3500,120]]"], "protocol", None),
+    (["paper", "--set", "drive.velocity=[[0,100],[4001,120]]"], "driven", None),
 ]
 
 

@@ -133,7 +133,7 @@ def _print(result: "RunResult") -> None:
     from validation.commands.header import print_header
     from validation.commands.wording import ENDED, events_in_words, exponent_in_words, margins_in_words, statistics_rows
     from validation.door.run import grid_in_words
-    from validation.run.stage_table import stage_rows
+    from validation.run.stage_table import missing_in_words, stage_rows, stages_in_words
 
     done, choice = result.done, result.choice
     print_header(done.solver.scene)
@@ -142,9 +142,9 @@ def _print(result: "RunResult") -> None:
     for note in result.notes:
         print(f"note: {note}")
     march = f" ({done.solver.settings['time']} in time)" if "time" in done.solver.settings else ""
-    print(
-        f"model {done.solver.model}{march}, {done.until:g} transits: {events_in_words(done.starts, done.verdict, result.needed)}"
-    )
+    words = f": {stages_in_words(result.stages)}" if done.kind == "protocol" else ""
+    judged = f"{events_in_words(done.starts, done.verdict, result.needed)}{words}"
+    print(f"model {done.solver.model}{march}, {done.until:g} transits: {judged}")
     for line in result.reasons:
         print(line)
     if done.ended in ENDED:
@@ -159,6 +159,8 @@ def _print(result: "RunResult") -> None:
     if result.stages:
         print()
         print_table(*stage_rows(result.stages, done.solver.scene))
+        for line in missing_in_words(result.stages):
+            print(line)
     if done.final:
         state = {"ln v": done.final.ln_v, "psi": done.final.psi, "mu": done.final.mu}
         print("\nat the end: " + ", ".join(f"{name} = {figures(value, 12)}" for name, value in state.items()))

@@ -106,6 +106,8 @@ def verdict_in_words(verdict: Verdict, needed: float) -> str:
         "driven": "V changes or is zero there",
         "too short": f"too few cycles to judge; {longer}",
     }
+    if verdict.kind == "protocol":
+        return "a protocol"
     reason = reasons[verdict.kind]
     counted = f", {verdict.cycles} complete cycle{'s' if verdict.cycles != 1 else ''}," if verdict.kind in _COUNTED else ""
     kind = f"a {verdict.kind}" if verdict.kind == "torus" else verdict.kind
@@ -132,6 +134,8 @@ def without_errors(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def _no_figures(names: str, verdict: str) -> str:
+    if verdict == "protocol":
+        return f"no figures of {names}: a protocol is judged by its stages (slipwave run)"
     if verdict == "steady":
         return f"no figures of {names}: it slides steadily in the second half of the run, without cycles"
     return f"no figures of {names}: the second half of the run is {verdict}"

@@ -9,7 +9,9 @@ from slipwave.errors import NumericsError
 from slipwave.observe import Energy, EventObserver, Events, Final, RunStatistics, Solver, Verdict, summarise
 from slipwave.observe.follow import Mark, Observer
 from slipwave.observe.foresight import DAY
+from slipwave.observe.stages import stages_of
 from slipwave.observe.verdict import Kind
+from slipwave.scene.drive import Drive
 from validation.run.course import Course
 from validation.run.length import LEFT, Ended, Length, Until
 from validation.run.outlook import outlook
@@ -100,9 +102,16 @@ def reconsidered(run: Run, model: str) -> Run:
     return run if run.until > grown else replace(run, verdict=run.verdict._replace(kind="too short", needed=2.0 * grown))
 
 
+def _of_protocol(verdict: Verdict | None, drive: Drive, until: float) -> Verdict | None:
+    """`verdict`, or "protocol" where the second half of a run to `until` (transits) of a drive that changes holds no cycles that
+    repeat or wander, but a stage of constant V to judge."""
+    levels = [stage for stage in stages_of(drive, until) if stage.kind not in ("ramp", "hold") and stage.end > 0.5 * until]
+    return verdict._replace(kind="protocol") if verdict and not verdict.repeats and levels else verdict
+
+
 def _result(course: Course, wall_s: float, failed: str) -> Run:
     solver, watch, judged = course.solver, course.watch, course.judged()
-    verdict, none = judged.verdict, watch.events(math.inf)
+    verdict, none = _of_protocol(judged.verdict, solver.scene.drive, course.until), watch.events(math.inf)
     return Run(
         solver=solver,
         until=course.until,

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from itertools import pairwise
 from typing import Any
 
 from slipwave.observe.stages import StageFigures
@@ -27,6 +28,36 @@ def _in_si(stage: StageFigures, scene: Scene) -> dict[str, Any]:
     sizes |= {"slip_to_recovery_m": units.memory_length}
     values = {name: getattr(stage, name.rpartition("_m_per_s")[0] or name.rpartition("_")[0]) for name in sizes}
     return {"si": {name: None if value is None else value * sizes[name] for name, value in values.items()}}
+
+
+def stages_in_words(stages: Sequence[StageFigures]) -> str:
+    """How many stages there are, and what they are: "3 stages, all settled"."""
+    states = [_state(stage) for stage in stages]
+    counts = [f"{states.count(state)} {state}" for state in dict.fromkeys(states)]
+    words = f"all {states[0]}" if len(counts) == 1 and len(states) > 1 else ", ".join(counts)
+    return f"{len(stages)} stage{'s' * (len(stages) != 1)}, {words}"
+
+
+def _state(stage: StageFigures) -> str:
+    if stage.kind in ("hold", "ramp"):
+        return stage.kind
+    return "settled" if stage.steady_stress is not None else "in stick-slip" if stage.stick_slips else "not settled"
+
+
+def missing_in_words(stages: Sequence[StageFigures]) -> list[str]:
+    """Why a hold has no relaxation, or the slide after it no healing; a line for each."""
+    lines = []
+    for before, stage in pairwise(stages):
+        name = {"hold": "relaxation", "slide": "healing"}.get(stage.kind, "")
+        if name and getattr(stage, name) is None:
+            lines.append(f"no {name} of the {stage.kind} from {figures(stage.start, 6)} transits on: {_why(before)}")
+    return lines
+
+
+def _why(before: StageFigures) -> str:
+    if before.kind == "hold":
+        return "its hold has no relaxation"
+    return f"the {before.kind} before it is {_state(before)}, so there is no steady stress to compare with"
 
 
 def stage_rows(stages: Sequence[StageFigures], scene: Scene) -> tuple[list[str], list[list[str]]]:
