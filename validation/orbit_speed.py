@@ -1,4 +1,4 @@
-"""Processor time of orbits and branches, against what was asked for; nothing is judged.
+"""Processor time of orbits and branches; nothing is judged.
 
 python -m validation.orbit_speed       # half a minute
 """
@@ -24,11 +24,10 @@ _FINER = 4.0  # of two meshes or periods whose costs are compared
 
 
 class Row(NamedTuple):
-    """What was timed, in words, what was measured and what was asked for."""
+    """What was timed, in words, and what was measured."""
 
     what: str
     measured: str
-    asked: str
 
 
 def rows() -> Iterator[Row]:
@@ -36,18 +35,18 @@ def rows() -> Iterator[Row]:
     scene = scene_at(-2.68)
     own_orbit("delay", scene, _TOLERANCE)  # compiled
     seconds = _least(lambda: own_orbit("delay", scene, _TOLERANCE))
-    yield Row("delay orbit at log10 r = -2.68 to 1e-10, run included", f"{1e3 * seconds:.0f} ms", "")
+    yield Row("delay orbit at log10 r = -2.68 to 1e-10, run included", f"{1e3 * seconds:.0f} ms")
     for model in ("delay", "kelvin-voigt"):
         guess = _guess(model)
         seconds = _least(partial(periodic_orbit, *guess[:3], _TOLERANCE))
-        yield Row(f"{model}: from the run's last cycle to errors of 1e-10", f"{1e3 * seconds:.0f} ms", "30 ms (delay)")
-        yield Row(f"{model}: power of the cost of an orbit in mesh points", f"{_in_mesh(guess):.2f}", "1")
-        yield Row(f"{model}: power of the cost in T", f"{_in_period(guess):.2f}", "1 at most")
-    for model, longest, asked in (("kelvin-voigt", FAR, "10 s"), ("delay", 85.0, "15 s")):
+        yield Row(f"{model}: from the run's last cycle to errors of 1e-10", f"{1e3 * seconds:.0f} ms")
+        yield Row(f"{model}: power of the cost of an orbit in mesh points", f"{_in_mesh(guess):.2f}")
+        yield Row(f"{model}: power of the cost in T", f"{_in_period(guess):.2f}")
+    for model, longest in (("kelvin-voigt", FAR), ("delay", 85.0)):
         seconds, branch = timed(partial(branch_of, model, -2.3, longest))
         end = branch.points[-1]
         what = f"{model} branch from the Hopf point to log10 r = {end.parameter:.3f}, T = {end.closed.cycle.period:.2f}"
-        yield Row(what, f"{seconds:.1f} s, {1 + len(branch.special)} special points", asked)
+        yield Row(what, f"{seconds:.1f} s, {1 + len(branch.special)} special points")
 
 
 def _guess(model: str) -> Guess:
@@ -84,4 +83,4 @@ def _least(work: Callable[[], object]) -> float:
 
 
 if __name__ == "__main__":
-    print_table(["what", "measured", "asked"], [list(row) for row in rows()])
+    print_table(["what", "measured"], [list(row) for row in rows()])

@@ -29,12 +29,12 @@ print(json.dumps({"degree": 7, "elements": 8.0, "error": 1e-9, "ms": 1e3 * (time
 
 def test_times_are_compared_at_equal_errors() -> None:
     assert [*ratios(FOUND, "plain")] == [
-        ("plain to 1e-09 over exact to 1e-9", "40.00", "at least 40"),
-        ("explicit to 1e-09 over exact to 1e-9", "5.50", ""),
-        ("fd to 1e-05 over exact to 1e-9", "1.50", ""),
-        ("exact to 1e-11 over exact to 1e-9", "1.25", "less than 2"),
-        ("exact over delay, both to 1e-09", "2.00", "at most 3"),
-        ("exact over delay, both to 1e-11", "2.50", "at most 3"),
+        ("plain to 1e-09 over exact to 1e-9", "40.00"),
+        ("explicit to 1e-09 over exact to 1e-9", "5.50"),
+        ("fd to 1e-05 over exact to 1e-9", "1.50"),
+        ("exact to 1e-11 over exact to 1e-9", "1.25"),
+        ("exact over delay, both to 1e-09", "2.00"),
+        ("exact over delay, both to 1e-11", "2.50"),
     ]
     assert fastest(FOUND, "plain", 1e-11) is None
     assert next(ratios(FOUND[3:], "plain"))[1] == "-"
