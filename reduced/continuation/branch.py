@@ -101,12 +101,13 @@ def _longest_step(
         except NumericsError as failed:
             reason = str(failed)
         size *= 0.5
+    place = f"parameter = {point.parameter:.10g}, period {point.closed.cycle.period:.6g} transits"
     if abs(point.tangent[-1]) < _VERTICAL * metric.parameter:
-        reason += "; the branch is vertical there up to rounding errors: orbits of other sizes lie at the same parameter"
-    raise NumericsError(
-        f"the branch cannot be followed beyond parameter = {point.parameter:.10g}, period {point.closed.cycle.period:.6g} "
-        f"transits: {reason}"
-    )
+        raise NumericsError(
+            f"the branch is vertical at {place}: orbits of all sizes lie there within rounding errors, so that it cannot be "
+            "followed any further; slipwave run at several values of the parameter shows the motion on either side"
+        )
+    raise NumericsError(f"the branch cannot be followed beyond {place}: {reason}")
 
 
 def is_smooth(point: Point, new: Point, metric: Metric) -> bool:

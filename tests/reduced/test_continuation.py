@@ -14,7 +14,7 @@ from reduced.continuation.mesh import Family, refined
 from reduced.continuation.point import Metric, Point
 from reduced.continuation.special import between
 from reduced.continuation.start import from_orbit, from_stored, stored
-from reduced.orbit.closing import close
+from reduced.orbit.closing import TOLERANCE, close
 from slipwave.errors import NumericsError
 from tests.orbit_by_hand import SHRINKS, SNAKE, SUBCRITICAL, SUPERCRITICAL, TURN, FlowByHand, Oscillator
 from validation.branches.record import point_of
@@ -93,7 +93,7 @@ def test_a_subcritical_branch_turns_at_its_fold():
     assert fold.point.parameter == pytest.approx(-0.25, abs=1e-11)
     assert fold.point.closed.cycle.period == pytest.approx(2.0 * math.pi / 1.15, abs=1e-4)
     assert fold.multiplier == pytest.approx(1.0, abs=1e-3)
-    assert fold.bracket < WIDEST
+    assert fold.bracket == TOLERANCE  # the parameter hardly changes beside a fold, but orbits close to this only
     require_closed_form(SUBCRITICAL, steps)
 
 
@@ -158,6 +158,20 @@ def test_a_multiplier_that_passes_minus_one(sign):
     assert doubling.multiplier == pytest.approx(-1.0, abs=1e-8)
     assert doubling.point.multipliers[1] == pytest.approx(-math.exp(SHRINKS * period), abs=1e-8)
     assert doubling.bracket < WIDEST
+
+
+@pytest.mark.parametrize("half", [1e-9, 1e-18])
+def test_a_doubling_beside_a_multiplier_that_is_nearer_to_minus_one(half, monkeypatch):
+    """At the right end the multiplier that has passed is -2.8, and that of the strip's other direction, -0.13, is the nearer one:
+    the test function has one sign at both ends. A bracket within rounding errors is widened until its ends tell the sides."""
+    monkeypatch.setattr("reduced.continuation.special._BRACKET", half)
+    oscillator = beside(lambda p: p - 0.5, moebius=True)
+    family = family_of(oscillator)
+    (doubling,) = between(family, at(family, oscillator, 0.3), at(family, oscillator, 0.7), METRIC)
+    assert (doubling.kind, doubling.unstable_before, doubling.unstable_after) == ("PD", 0, 1)
+    assert doubling.point.parameter == pytest.approx(0.5, abs=1e-11)
+    assert doubling.multiplier == pytest.approx(-1.0, abs=1e-9)
+    assert TOLERANCE <= doubling.bracket < WIDEST
 
 
 def test_events_within_one_step_are_told_apart():
@@ -290,6 +304,19 @@ def test_a_branch_that_is_lost_says_where():
     family, control = family_of(SUBCRITICAL), Control(0.6, shortest=0.3)
     with pytest.raises(NumericsError, match=r"cannot be followed beyond parameter = -0\.21, period 5\.764"):
         branch(family, at(family, SUBCRITICAL, 0.3, -1.0), lambda q: q.parameter < 0.9, control=control)
+
+
+def test_a_vertical_branch_says_what_to_do_instead():
+    """With g = s 1e-10 all orbits lie at p = 0; periods shrink so fast with s that no step of 0.3 is straight enough."""
+    vertical = Oscillator(lambda s: 1e-10 * s, lambda s: 1e-10, 5.0)
+    family = family_of(vertical)
+    with pytest.raises(NumericsError) as failed:
+        branch(family, at(family, vertical, 0.3), lambda q: True, control=Control(0.6, shortest=0.3))
+    said = str(failed.value)
+    assert said.startswith("the branch is vertical at parameter = ")
+    assert float(said.split()[7].rstrip(",")) == pytest.approx(0.0, abs=1e-9)
+    assert "period 2.51327 transits: orbits of all sizes lie there within rounding errors" in said
+    assert said.endswith("; slipwave run at several values of the parameter shows the motion on either side")
 
 
 def test_two_folds_between_two_points_are_found():

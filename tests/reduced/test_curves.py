@@ -35,11 +35,11 @@ def scene_of(p, q):
     return SimpleNamespace(p=p, q=q)
 
 
-def curve(kind, made, s, towards, count, steps=STEPS, ahead=9.0):
+def curve(kind, made, s, towards, count, steps=STEPS, ahead=9.0, **settings):
     """The first `count` points after the one on the branch at q = 0 beyond |w|^2 = s, and that one."""
     flow_type = type("Made", (TwoParameters,), {"made": staticmethod(made)})
     oscillator, plane = made(0.0), Plane(scene_of, (1.0, 1.0))
-    flow = flow_type(oscillator, 0.0)
+    flow = flow_type(oscillator, 0.0, **settings)
     family = Family(flow, lambda p: scene_of(p, 0.0))
     p = float(oscillator.g(s))
     first = from_orbit(family, close(family(p), oscillator.state(s), oscillator.period(s)), p, ahead, METRIC)
@@ -65,6 +65,16 @@ def test_a_curve_of_folds(sign):
         assert special.point.closed.cycle.period == pytest.approx(2.0 * math.pi / (1.0 + 0.15 * (1.0 + q)), abs=1e-4)
         assert (special.kind, special.unstable_before + special.unstable_after) == ("LP", 1)
     assert (sign * np.diff([0.0, *(place[1] for place, _ in points)]) > 0.0).all()
+
+
+def test_the_mesh_of_a_curve_is_refined_as_the_motion_gets_rougher():
+    """|w| grows along the folds, and with it the roughness; beyond 1 the mesh does not reach the tolerance of 1e-8."""
+    start, points = curve("LP", leaning, 0.3, (0.0, 1.0), 3, Steps(0.05), -9.0, roughest=1.7e-7)
+    flows = [special.point.closed.flow for _, special in (start, *points)]
+    rough = [flow.roughness(one.special.point.closed.cycle, 1e-8) for flow, one in zip(flows, (start, *points), strict=True)]
+    assert flows[-1].steps > flows[0].steps
+    assert max(rough) <= 1.0
+    assert [p for (p, _), _ in points] == pytest.approx([-0.25 * (1.0 + q) ** 2 for (_, q), _ in points], abs=1e-10)
 
 
 def circle(q):

@@ -21,7 +21,7 @@ _NAME = "log10_r"
 _BEYOND = 0.03  # in log10 r: how far a branch is followed beyond the scene's r, from which it may fold back
 _BACK = 0.002  # how far back beyond the onset, where orbits of smaller r than the onset's were left behind
 _MOST = 400  # points
-_LONGEST = 600.0  # transits; a branch of such orbits takes minutes
+_LONGEST = 600.0  # transits; one orbit of 22,444 takes 6 s, a branch hundreds of orbits
 _TOLERANCE = 1e-6
 
 
@@ -57,8 +57,9 @@ def _points(model: str, scene: Scene, cells: int | None, here: float, longest: f
         tried = f"a run of {most_transits(scene, model):g} transits leads to no orbit, and " if said else ""
         raise NumericsError(
             f"{model}: {tried}the branch of orbits that begins where steady sliding loses its stability is not followed: their "
-            f"periods are {period:.3g} transits there, over {_LONGEST:g}, and Newton's method needs the derivative of each "
-            f"transit; slipwave run leaps over long sticks (scene {scene.name!r})"
+            f"periods are {period:.3g} transits there, over {_LONGEST:g}, and for each of up to {_MOST} orbits Newton's method "
+            "marches a dense derivative through every transit, in time proportional to the period; slipwave run, which leaps "
+            f"over long sticks, gives period and drops at single values of the parameters (scene {scene.name!r})"
         )
     onset = math.log10(critical)
     first, last = (onset + _BACK, here - _BEYOND) if here < onset else (onset - _BEYOND, here + _BEYOND)
