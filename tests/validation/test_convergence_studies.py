@@ -1,6 +1,7 @@
 """The two studies of convergence: outcomes on both sides of every limit, answers, shared code, figures."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -121,6 +122,33 @@ def test_the_full_wave_as_r_grows():
     rows = orbits.growth_table([beside(2e-10), beside(0.00177, 0.1, 50)]).rows
     assert rows[0][5:] == ("2 · 10^{−10}", None)
     assert rows[1][5:] == ("1.0 standard errors", 50)
+
+
+WAVE, DELAY = (orbits._WAVE, orbits._WAVE_CELLS), ("delay", None)
+
+
+@pytest.mark.parametrize(
+    ("model", "figure", "outcome"),
+    [(WAVE, "", "pass"), *((model, figure, "fail") for model in (WAVE, DELAY) for figure in ("period", "stress_drop"))],
+)
+def test_means_of_a_displaced_model_are_red(model, figure, outcome, monkeypatch):
+    """400 irregular cycles with a spread of 1 % for each model; one figure of one model is displaced by 2 % in turn."""
+    draw = {WAVE: np.random.default_rng(1).standard_normal, DELAY: np.random.default_rng(2).standard_normal}
+
+    def cycles(name, scene, until, cells):
+        found = {key: value * (1.0 + 0.01 * draw[name, cells](400)) for key, value in (("period", 80.0), ("stress_drop", 0.2))}
+        if (name, cells) == model and figure:
+            found[figure] *= 1.02
+        return SimpleNamespace(**found)
+
+    monkeypatch.setattr(orbits, "late_cycles", cycles)
+    (found,) = orbits.as_r_grows((), (-2.5,))
+    assert found.cycles == 400
+    assert [verdict.outcome for verdict in orbits._grown([found])] == [outcome]
+
+
+def test_a_run_beside_itself_is_red():
+    assert next(orbits._grown([beside(0.0, 0.1, 50)])).outcome is Outcome.FAIL
 
 
 def climbed(model="sbp:4", order=4.0):

@@ -16,6 +16,7 @@ CAUGHT = {
     "user": "periods 4 % long",
     "caught": True,
     "caught_by": "tests/slipwave/test_scene.py::test_impedance_of_two_slabs",
+    "by_its_check": True,
     "seconds": 1.25,
 }
 SURVIVES = {
@@ -51,6 +52,16 @@ def test_each_fault_has_its_row_and_each_room_its_verdict(record):
     assert [(v.outcome, v.ours) for v in result.verdicts] == [(Outcome.PASS, "2 of 2"), (Outcome.FAIL, "0 of 1")]
     assert result.verdicts[1].remark == "in `reduced`; survives: late-nudge"
     assert result.answer == "2 of 3 planted faults are caught."
+
+
+def test_a_fault_that_only_another_test_catches_is_red(record):
+    record.write_text(json.dumps({"faults": [CAUGHT, CAUGHT | {"name": "by-chance", "by_its_check": False}]}))
+    result = planted_faults.run(Budget())
+    assert [(v.outcome, v.ours, v.remark) for v in result.verdicts] == [
+        (Outcome.FAIL, "1 of 2", "in `slipwave`; survives: by-chance")
+    ]
+    assert result.tables[0].emphasis == (1,)
+    assert result.answer == "1 of 2 planted faults are caught."
 
 
 def test_without_a_record_it_says_so(record):

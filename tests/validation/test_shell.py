@@ -140,6 +140,16 @@ def test_figures_are_written_whole(words: list[str], file: str, tmp_path: Path, 
     assert main([*words, str(tmp_path / "x.doc")]) == INPUT_WRONG
 
 
+def test_matplotlib_is_silent_where_it_cannot_keep_its_fonts() -> None:
+    """HOME cannot be written, and MPLCONFIGDIR is not set; it speaks where it is loaded first, as by --plot."""
+    variables = {name: value for name, value in os.environ.items() if not name.startswith(("MPL", "XDG"))}
+    variables |= {"HOME": "/dev/null/none"}
+    code = "from validation.cli import main; main(['--version']); import matplotlib; print(matplotlib.get_cachedir())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=variables, check=True)
+    assert (done.stdout.split()[0], done.stderr) == ("slipwave", "")
+    assert "none" not in done.stdout.splitlines()[-1]  # a temporary folder: it would have told
+
+
 def test_a_run_that_is_compiled_loads_little(capsys: pytest.CaptureFixture[str]) -> None:
     """Neither what draws and writes, nor scipy's functions, nor the half of numba that only compiles: 0.6 s of 1.5."""
     words = ["run", "paper"]

@@ -23,7 +23,7 @@ def run(budget: Budget) -> StudyResult:
             "Not answered in this report.", omissions=(Omission("The planted faults.", "No record of them is here."),)
         )
     faults: list[dict[str, Any]] = json.loads(RECORD.read_text(encoding="utf-8"))["faults"]
-    survivors = [fault["name"] for fault in faults if not fault["caught"]]
+    survivors = [fault["name"] for fault in faults if not _is_caught(fault)]
     rooms = list(dict.fromkeys(fault["room"] for fault in faults))
     return StudyResult(
         answer=f"{len(faults) - len(survivors)} of {len(faults)} planted faults are caught.",
@@ -31,6 +31,11 @@ def run(budget: Budget) -> StudyResult:
         verdicts=tuple(_verdict(room, [fault for fault in faults if fault["room"] == room]) for room in rooms),
         notes=("`make faults` plants them again, one at a time, in a copy of the checkout.",),
     )
+
+
+def _is_caught(fault: dict[str, Any]) -> bool:
+    """Whether the check that a fault names notices it; another test that does may do so by chance."""
+    return bool(fault["caught"] and fault["by_its_check"])
 
 
 def _table(faults: list[dict[str, Any]]) -> Table:
@@ -47,7 +52,7 @@ def _table(faults: list[dict[str, Any]]) -> Table:
     caption = (
         "Every planted fault, the test that noticed it, and the time that this took (test and compilation, on a busy machine)."
     )
-    survivors = (number for number, fault in enumerate(faults) if not fault["caught"])
+    survivors = (number for number, fault in enumerate(faults) if not _is_caught(fault))
     heading = "file | what is changed | what it would do to a user | caught by | time [s] .0f"
     return table("faults", caption, heading, rows, survivors)
 
@@ -61,9 +66,9 @@ def _test_in_words(test: str | None) -> str:
 
 
 def _verdict(room: str, faults: list[dict[str, Any]]) -> Verdict:
-    survivors = [fault["name"] for fault in faults if not fault["caught"]]
+    survivors = [fault["name"] for fault in faults if not _is_caught(fault)]
     return Verdict(
-        "Planted faults are caught",
+        "Planted faults are caught by the checks that they name",
         Evidence.EXACT,
         f"{len(faults)} of {len(faults)}",
         f"{len(faults) - len(survivors)} of {len(faults)}",

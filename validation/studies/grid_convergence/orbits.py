@@ -162,7 +162,9 @@ def _grown(beside: list[Beside]) -> Iterator[Verdict]:
         off = max(one.apart for one in means)
         claim = "Where the motion is irregular, means of T and Δμ of the full wave are the delay system’s"
         expected, ours = f"within {_ERRORS:g} standard errors", f"within {off:.1f}"
-        yield Verdict(claim, Evidence.WITNESS, expected, ours, judge(off < _ERRORS), _where(means))
+        yield Verdict(
+            claim, Evidence.WITNESS, expected, ours, judge(0.0 < off < _ERRORS), _where(means)
+        )  # 0: one run with itself
 
 
 def _where(some: list[Beside]) -> str:
