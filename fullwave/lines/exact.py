@@ -74,6 +74,8 @@ class ExactMarch(PortMarch):
     def advance(self, until: float) -> Pieces:
         """As `Solver`."""
         before = self.values / self.slabs.scale
+        if math.isfinite(self._frame):  # frames are of steps whose lengths are halves of one
+            until = min(until, self.slabs.next_break(self.time))
         pieces = super().advance(until)
         self._frames = self._between(before, pieces) if math.isfinite(self._frame) else []
         return pieces

@@ -1,7 +1,6 @@
 """A grid as friction's step meets it (`slipwave.step.port`): propagated exactly, by tables made for a step length when it is
 first needed, by doubling shorter steps."""
 
-import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -19,7 +18,7 @@ from fullwave.lines.viscous_heat import dissipation_of
 from slipwave.observe.pieces import SAME, Array
 from slipwave.scene import Scene
 from slipwave.step.collocation import radau
-from slipwave.step.port import LEVELS, Port, aligned, blank_port, padded
+from slipwave.step.port import LEVELS, Levels, Port, aligned, blank_port, padded
 from slipwave.threads import one_thread
 
 DRIVE_TERMS = 2
@@ -130,13 +129,12 @@ class GridSlabs:
             port.ledger.heat[level] = spread.T @ heat @ spread
         port.ready[level] = True
 
-    def resistance(self, port: Port, level: int, growth: float) -> float:
+    def resistance(self, port: Port, levels: Levels, growth: float) -> Array:
         """As `Slabs`."""
         with one_thread():
-            return impedance_at(self.slabs, growth / float(port.length[level]))
+            return np.array([impedance_at(self.slabs, growth / length) for length in port.length[levels].tolist()])
 
     def next_break(self, time: float) -> float:
         """As `Slabs`: knots of the drive, and their arrivals at the interface."""
         travels = [0.5 * slab.round_trip / self.scene.transit for slab in (self.scene.upper, self.scene.lower)]
-        arrivals = (knot + delay for knot in self.scene.drive.knots for delay in (0.0, *travels))
-        return min((arrival for arrival in arrivals if arrival > time + SAME), default=math.inf)
+        return min(self.scene.drive.knot_after(time + SAME - delay) + delay for delay in (0.0, *travels))

@@ -164,7 +164,7 @@ class LeapingDelay(Delay):
 
     def _next_kink(self, time: float) -> float:
         """The next time (transits) at which V has a kink; infinite if there is none."""
-        return min((knot for knot in self.scene.drive.knots if knot > time), default=math.inf)
+        return self.scene.drive.knot_after(time)
 
     def _size(self, pieces: Pieces, change: Array) -> float:
         """The largest change of psi, of y and of ln v (that of the wave over F_z) that a `change` of the state amounts to."""

@@ -115,7 +115,7 @@ class LeapingNetwork(DelayNetwork):
 
     def _next_kink(self) -> float:
         """The next time (transits) at which V has a kink; infinite if there is none."""
-        return min((knot for knot in self.scene.drive.knots if knot > self.time + SAME), default=math.inf)
+        return self.scene.drive.knot_after(self.time + SAME)
 
     def _meet(self, knot: float) -> Pieces:
         """March to a `knot` between the ends of steps, by one or two shorter ones; the grid of steps begins anew there."""

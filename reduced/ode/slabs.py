@@ -10,7 +10,6 @@ is one s x s matrix K(h), so the cost of a Newton iteration does not depend on t
 epsilon, on the transit clock.
 """
 
-import math
 from collections.abc import Callable
 from functools import lru_cache
 
@@ -20,7 +19,7 @@ from reduced.impedance.reduction import Reduction
 from slipwave.observe.pieces import SAME, Array
 from slipwave.scene import Scene
 from slipwave.step.collocation import radau
-from slipwave.step.port import LEVELS, Port, blank_port
+from slipwave.step.port import LEVELS, Levels, Port, blank_port
 
 
 class ReducedSlabs:
@@ -54,13 +53,13 @@ class ReducedSlabs:
     def prepare(self, port: Port, level: int) -> None:
         """As `Slabs`."""
 
-    def resistance(self, port: Port, level: int, growth: float) -> float:
+    def resistance(self, port: Port, levels: Levels, growth: float) -> Array:
         """As `Slabs`."""
-        return self.scene.upper.epsilon * float(impedance_at(self.reduction, growth / port.length[[level]])[0])
+        return self.scene.upper.epsilon * impedance_at(self.reduction, growth / port.length[levels])
 
     def next_break(self, time: float) -> float:
         """As `Slabs`: the knots of the drive."""
-        return min((knot for knot in self.scene.drive.knots if knot > time + SAME), default=math.inf)
+        return self.scene.drive.knot_after(time + SAME)
 
 
 def impedance_at(reduction: Reduction, s: Array) -> Array:

@@ -1,7 +1,7 @@
 """Measures the stages of a laboratory protocol during a run (`stages`): memory does not grow with the run."""
 
 import math
-from itertools import islice, takewhile
+from bisect import bisect_right
 from typing import NamedTuple
 
 import numpy as np
@@ -80,7 +80,7 @@ class ProtocolObserver:
 
     def _until(self, time: float) -> list[Stage]:
         """The stages from the first that is not over to that of `time`."""
-        return list(takewhile(lambda stage: stage.start <= time, islice(self.stages, self._now, None)))
+        return self.stages[self._now : bisect_right(self.stages, time, key=lambda stage: stage.start)]
 
     def _looks_for_peaks(self, pieces: Pieces) -> bool:
         """Whether the peak of a stage, or where the stress has come back after it, may lie in `pieces`."""

@@ -1,5 +1,7 @@
 """The drive: the relative velocity of the two outer faces, V(t), split evenly (upper +V/2, lower -V/2)."""
 
+import math
+from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -71,7 +73,7 @@ class Drive:
     times: tuple[float, ...]
     velocities: tuple[float, ...]
 
-    @property
+    @cached_property
     def is_constant(self) -> bool:
         """True if V never changes, so that solvers may skip everything that depends on changes of V."""
         return len(set(self.velocities)) == 1
@@ -80,6 +82,11 @@ class Drive:
     def knots(self) -> tuple[float, ...]:
         """Times (transits) at which V may have a kink or a jump; none if V is constant."""
         return () if self.is_constant else tuple(dict.fromkeys(self.times))
+
+    def knot_after(self, time: float) -> float:
+        """The first knot after `time` (transits); infinite if there is none."""
+        following = bisect_right(self.knots, time)
+        return self.knots[following] if following < len(self.knots) else math.inf
 
     @cached_property
     def compiled(self) -> Constant | Ramps:
@@ -104,13 +111,18 @@ class Drive:
 
     def travel(self, times: Array) -> Array:
         """The integral of V (in V*) from its first knot to `times` (transits)."""
-        knots, paces = np.array(self.times), np.array(self.velocities)
-        lasts, rise = np.append(np.diff(knots), 1.0), np.append(np.diff(paces), 0.0)
-        passed = np.concatenate(([0.0], np.cumsum(lasts * (paces + 0.5 * rise))))
+        knots, paces, lasts, rise, passed = self._travelled
         here = np.maximum(np.searchsorted(knots, times, side="right") - 1, 0)
         since = times - knots[here]
         gains = np.divide(rise, lasts, out=np.zeros_like(rise), where=lasts > 0.0)
         return np.asarray(passed[here] + since * (paces[here] + 0.5 * gains[here] * np.maximum(since, 0.0)))
+
+    @cached_property
+    def _travelled(self) -> tuple[Array, Array, Array, Array, Array]:
+        """All times, the V there, how long V takes to the next one, by how much it rises, and its integral before."""
+        knots, paces = np.array(self.times), np.array(self.velocities)
+        lasts, rise = np.append(np.diff(knots), 1.0), np.append(np.diff(paces), 0.0)
+        return knots, paces, lasts, rise, np.concatenate(([0.0], np.cumsum(lasts * (paces + 0.5 * rise))))
 
 
 def steady_drive(velocity: float) -> Drive:

@@ -58,7 +58,7 @@ def mesh_of(slabs: Slabs, start: Array, period: float, longest: float, resolutio
 
 def _prepare(slabs: Slabs, port: Port, limits: Limits, level: int) -> None:
     slabs.prepare(port, level)
-    limits.impedance[level] = slabs.resistance(port, level, limits.growth)
+    limits.impedance[level] = slabs.resistance(port, np.array([level]), limits.growth)[0]
 
 
 def begin_at(slabs: Slabs, port: Port, start: Array, level: int) -> Memory:

@@ -1,7 +1,7 @@
 """What a slab model is to the collocated step: a linear map, for every step length, of what it remembers, of the slip rate and of
 the drive."""
 
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,8 @@ from slipwave.step.rows import DRIVE, RATE
 
 LEVELS = 32
 """Step lengths of a march, each half of the one before."""
+
+Levels: TypeAlias = NDArray[np.int64]
 
 _LANES = 8  # doubles in a cache line; rows of the tables begin and end with a line, otherwise a long step costs twice as much
 
@@ -77,8 +79,8 @@ class Slabs(Protocol):
     def prepare(self, port: Port, level: int) -> None:
         """Make the tables of a level that is not ready."""
 
-    def resistance(self, port: Port, level: int, growth: float) -> float:
-        """Impedance Z at s = growth/length of a level, in units of the normal stress over V*."""
+    def resistance(self, port: Port, levels: Levels, growth: float) -> Array:
+        """Impedances Z at s = growth/length of some levels, in units of the normal stress over V*."""
 
     def next_break(self, time: float) -> float:
         """The first time after `time` (transits) at which a step must end, because the motion has a kink there; inf if none."""

@@ -26,7 +26,7 @@ from slipwave.step.march import (
     march,
     resolution_of,
 )
-from slipwave.step.port import Slabs, padded
+from slipwave.step.port import Levels, Slabs, padded
 from slipwave.step.port_flow import PortFlow, flow_near
 from slipwave.step.rows import scratch_of
 
@@ -73,10 +73,10 @@ class PortMarch:
     def advance(self, until: float) -> Pieces:
         """As `Solver`; NumericsError if no step is short enough."""
         pieces = empty_pieces(self._most_steps, self.nodes.size)
-        if self.time > self._stop - SAME:
-            self._take_stretch(self._stop, float(self._port.length[self._memory.levels[NEXT]]))
         scene, steps, ended = self.slabs.scene, 0, NOT_READY
-        while ended == NOT_READY and steps < self._most_steps:
+        while ended != TOO_LONG and steps < self._most_steps and (ended == NOT_READY or self.time < until - SAME):
+            if self.time >= self._stop - SAME:
+                self._take_stretch(self._stop, float(self._port.length[self._memory.levels[NEXT]]))
             left = Pieces(*(array[steps:] for array in pieces))
             physics = (scene.law, scene.forcing, scene.drive.compiled, self._port)
             memory, stretch = (self._memory, self._impedance, self._scratch), (self._origin, self._stop, self._limits)
@@ -154,17 +154,17 @@ class PortMarch:
             longest = distance / 2 ** max(0, math.ceil(math.log2(distance / longest)))
         self._port = self.slabs.port(longest)._replace(values=self._whole)
         stages = self.nodes.size
-        growth = growth_limit(stages, self._tolerance)
         self._limits = Limits(
             max(1e-2 * self._tolerance, 1e-14),
             max(resolution_of(self._tolerance, stages), 1e-10),
-            growth,
-            np.array([self._resistance(level, growth) for level in range(self._port.length.size)]),
+            growth_limit(stages, self._tolerance),
+            np.full(self._port.length.size, math.nan),
         )
+        self._resist(np.flatnonzero(self._port.ready))
 
-    def _resistance(self, level: int, growth: float) -> float:
-        return self.slabs.resistance(self._port, level, growth) if self._port.ready[level] else math.nan
+    def _resist(self, levels: Levels) -> None:
+        self._limits.impedance[levels] = self.slabs.resistance(self._port, levels, self._limits.growth)
 
     def _prepare(self, level: int) -> None:
         self.slabs.prepare(self._port, level)
-        self._limits.impedance[level] = self._resistance(level, self._limits.growth)
+        self._resist(np.array([level]))

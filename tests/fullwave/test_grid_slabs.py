@@ -33,7 +33,7 @@ def test_steps_end_on_breaks_far_apart_and_none_is_tiny(name: str) -> None:
     ends, shortest = [], np.inf
     while solver.time < 1230.0:
         pieces = solver.advance(1230.0)
-        ends.append(pieces.time[-1] + pieces.length[-1])
+        ends.extend(pieces.time + pieces.length)
         shortest = min(shortest, pieces.length.min())
     travels = [0.5 * slab.round_trip / solver.scene.transit for slab in (solver.scene.upper, solver.scene.lower)]
     for arrival in (knot + delay for knot in (105.3, 1211.17) for delay in (0.0, *travels)):

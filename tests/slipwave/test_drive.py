@@ -35,6 +35,12 @@ def test_ramps_are_the_broken_line_through_the_knots(knots: int) -> None:
     np.testing.assert_allclose([drive.at(float(time)) for time in times[::40]], expected[::40], rtol=0, atol=1e-12)
 
 
+def test_the_next_knot_lies_after_a_time() -> None:
+    drive = Drive((0.0, 5.0, 5.0, 7.0), (1.0, 1.0, 2.0, 3.0))
+    assert [drive.knot_after(time) for time in (-1.0, 0.0, 4.9, 5.0, 6.0, 7.0)] == [0.0, 5.0, 5.0, 7.0, 7.0, math.inf]
+    assert Drive((0.0, 5.0), (1.0, 1.0)).knot_after(0.0) == math.inf
+
+
 def test_knots_and_what_lies_beyond_are_exact() -> None:
     drive = zigzag(MANY)
     beyond = [(drive.times[0] - 1.0, drive.velocities[0]), (drive.times[-1] + 1e6, drive.velocities[-1])]
