@@ -26,6 +26,7 @@ _CYCLING = ("block8", "block12", "kelvin-voigt", "modal:1", "modal:2")
 _SCALES = 4.0 ** np.arange(2.5, -3.0, -0.5)
 _QUICK, _FULL = (2.0, 0.5), (2.0, 1.0, 0.5, 0.25, 0.125)
 _BEYOND = 1.02
+_PERCENT = f"{100.0 * (_BEYOND - 1.0):.0f} %"
 _PUSH = 2.0
 _TEXT = {
     "quasistatic": "θ²/12",
@@ -148,8 +149,8 @@ def _onset_table(onsets: Onsets) -> Table:
 def _cycle_table(cycles: list[CycleErrors]) -> Table:
     rows = ((cycle.theta, cycle.swiftness, *(cycle.errors[model] for model in _CYCLING)) for cycle in cycles)
     caption = (
-        "Relative error of the period against the delay system, 2 % beyond the exact onset, while ε and with it r fall at fixed "
-        "V. v_{max} r: how often friction’s state renews itself, at the fastest slip, during one transit of a wave."
+        f"Relative error of the period against the delay system, {_PERCENT} beyond the exact onset, while ε and with it r fall "
+        "at fixed V. v_{max} r: how often friction’s state renews itself, at the fastest slip, during one transit of a wave."
     )
     heading = " | ".join(["θ = r ω_{c} .4f", "v_{max} r .3f", *(f"`{model}` .2e" for model in _CYCLING)])
     return table("period", caption, heading, rows)
@@ -202,8 +203,8 @@ _NO_SMALL_PARAMETER = (
     "v_{max} ~ Δμ/ε; and r_{c} ~ ε/(b − a). So v_{max} r ~ Δμ/(b − a) for every ε."
 )
 _CAPTION = (
-    "Relative error over θ = r ω_{c}: of the critical r with the laws as lines, left; of the period 2 % beyond the onset, right. "
-    "Left, errors fall as the laws say; right, they do not fall."
+    "Relative error over θ = r ω_{c}: of the critical r with the laws as lines, left; of the period "
+    f"{_PERCENT} beyond the onset, right. Left, errors fall as the laws say; right, they do not fall."
 )
 
 

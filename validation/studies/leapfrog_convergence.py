@@ -24,8 +24,8 @@ SECONDS = (4.0, 20.0)
 
 CFLS = (0.5, 0.9, 1.0)
 _QUICK, _FULL = (48, 96, 192, 384), (48, 96, 192, 384, 768)
-_SMOOTH, _JUMP = "ψ(400), smooth start", "ψ(400), jump start"
 _FINAL = 400.0
+_SMOOTH, _JUMP = (f"ψ({_FINAL:g}), {start} start" for start in ("smooth", "jump"))
 _NEXT_ORDER = {0.5: 60.0, 0.9: 60.0, 1.0: 3.0}
 """By CFL: cells N of `_extrapolated`; 19 to 22, 16 to 19 and 1.3 were measured."""
 _SETTLED = 5e-13  # relative change of settled periods from run to run
@@ -92,8 +92,9 @@ def _orders(fits: dict[str, dict[float, Fit]]) -> Table:
     heading = " | ".join(["error in", *(f"order [CFL {cfl}] | finest two .3f" for cfl in CFLS)])
     caption = (
         "Fitted order with its 95 % confidence interval, and the order of the two finest grids alone. T, Δμ, Δy, v_{max}, "
-        "v_{min}: the settled orbit at log_{10} r = −2.68; ψ(400): the friction state ln φ after 400 transits. Coarse grids "
-        "that do not follow the power law yet are left out by rule."
+        f"v_{{min}}: the settled orbit at log_{{10}} r = −2.68; ψ({_FINAL:g}): the friction state ln φ after "
+        f"{_FINAL:g} transits. "
+        "Coarse grids that do not follow the power law yet are left out by rule."
     )
     return table("orders", caption, heading, rows)
 
@@ -136,7 +137,8 @@ def _extrapolated(errors: Array, cells: int, cfl: float) -> Verdict:
 
 _CAPTION = (
     "Errors of the leapfrog against the delay system, by cells per slab, at three Courant numbers. First five: relative error "
-    "of quantities of the settled orbit; last two: error of the state ψ = ln φ after 400 transits. Thin lines: fits. Triangles: "
+    f"of quantities of the settled orbit; last two: error of the state ψ = ln φ after {_FINAL:g} "
+    "transits. Thin lines: fits. Triangles: "
     "slope 2, slope 1 for the jump."
 )
 
@@ -147,8 +149,8 @@ _TITLES = {
     "elastic_stress_drop": r"elastic drop $\Delta y$",
     "v_max": r"$v_{\max}$",
     "v_min": r"$v_{\min}$",
-    "ψ(400), smooth start": r"$\psi(400)$, smooth start",
-    "ψ(400), jump start": r"$\psi(400)$, jump start",
+    _SMOOTH: rf"$\psi({_FINAL:g})$, smooth start",
+    _JUMP: rf"$\psi({_FINAL:g})$, jump start",
 }
 _LOOKS = {0.5: ("#d55e00", "s", "white"), 0.9: ("#0072b2", "D", "#0072b2"), 1.0: ("#111111", "o", "#111111")}
 

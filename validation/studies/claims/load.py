@@ -13,7 +13,7 @@ import numpy as np
 
 import slipwave
 from slipwave.observe.pieces import Array
-from validation.studies.claims.runs import DEEP, Branch, Deep, Ripples, recurrence, spread, where
+from validation.studies.claims.runs import DEEP, LONGEST, Branch, Deep, Ripples, recurrence, spread, where
 from validation.study import Evidence, Outcome, Verdict, of_paper
 from validation.study.bounds import bounded
 
@@ -99,8 +99,8 @@ def _aperiodic(ode: Deep) -> Verdict:
         f"above {_IRREGULAR:g}",
         ", ".join(f"{value:.2f}" for value in found.values()),
         min(found.values()) > _IRREGULAR,
-        f"distance of {ode.events.period.size} cycles from repeating after up to 12 cycles, in T, Δμ and ln v_{{max}}: 0 for a "
-        "periodic orbit, 1 for a sequence without memory",
+        f"distance of {ode.events.period.size} cycles from repeating after up to {LONGEST} cycles, in T, Δμ and "
+        "ln v_{max}: 0 for a periodic orbit, 1 for a sequence without memory",
     )
 
 

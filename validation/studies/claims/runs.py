@@ -28,8 +28,10 @@ MODELS = ("delay", "kelvin-voigt", "block8", "block12")
 DEEP = -2.3
 LARGE_NUDGE = 2.0
 _RESTLESS = 1e-6  # an orbit whose cycles still differ by more, relative, is not compared
-_SHOWN = (1000.0, 1420.0)
-_LONGEST = 12  # cycles of a periodic orbit that `recurrence` knows
+SHOWN = (1000.0, 1420.0)
+"""Transits of a long run after its transient that are drawn."""
+LONGEST = 12
+"""Cycles of a periodic orbit that `recurrence` knows."""
 
 Branch: TypeAlias = dict[float, dict[str, Orbit]]
 """By log10 r, where all models have settled: their orbits."""
@@ -84,11 +86,11 @@ def run_deep(model: str, until: float) -> Deep:
     """Run `model` at log10 r = -2.3 to `until` (transits)."""
     solver = build(model, slipwave.read("paper-2.3"), tolerance=1e-9)
     history = HistoryObserver(solver.scene.law, solver.nodes)
-    observer = watch(solver, _SHOWN[0])
-    follow(solver, _SHOWN[1], [observer, history])
+    observer = watch(solver, SHOWN[0])
+    follow(solver, SHOWN[1], [observer, history])
     follow(solver, until, [observer])
     time, _, _, stress, _ = history.samples(per_piece=8)
-    return Deep(observer.events(_SHOWN[0]), time, stress)
+    return Deep(observer.events(SHOWN[0]), time, stress)
 
 
 def measure_ripples(model: str) -> Ripples:
@@ -133,5 +135,5 @@ def recurrence(values: Array) -> float:
     the least over k up to 12. 0 for every orbit of up to 12 cycles, about 1 for a sequence without memory."""
     if float(np.std(values)) < _RESTLESS * float(np.max(np.abs(values))):
         return 0.0
-    steps = [float(np.sqrt(np.mean((values[k:] - values[:-k]) ** 2))) for k in range(1, _LONGEST + 1)]
+    steps = [float(np.sqrt(np.mean((values[k:] - values[:-k]) ** 2))) for k in range(1, LONGEST + 1)]
     return float(min(steps) / (np.std(values) * 2.0**0.5))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from validation.studies.claims.runs import MODELS, Branch, Deep, onset_at, recurrence, spread
+from validation.studies.claims.runs import LONGEST, MODELS, SHOWN, Branch, Deep, onset_at, recurrence, spread
 from validation.study import Cell, Table, table
 from validation.study.drawing import WIDTH, Drawing, canvas, pen
 
@@ -50,8 +50,8 @@ def deep_table(deep: dict[str, Deep]) -> Table:
     ]
     heading = " | ".join(["model | cycles .0f", *stated_of, "v_{max} [V*] .1e"])
     caption = (
-        "Statistics of the cycles at log_{10} r = −2.3 after the first 1000 transits: mean, standard deviation over mean, and "
-        "how far the sequence is from repeating itself after up to 12 cycles (0: periodic, 1: no memory)."
+        f"Statistics of the cycles at log_{{10}} r = −2.3 after the first {SHOWN[0]:g} transits: mean, standard deviation over "
+        f"mean, and how far the sequence is from repeating itself after up to {LONGEST} cycles (0: periodic, 1: no memory)."
     )
     return table("deep", caption, heading, rows)
 

@@ -167,7 +167,8 @@ _NOTES = (
 
 _CAPTION = (
     f"Error of the state (ψ, ln v, μ over the last {GENTLE.window:g} of {GENTLE.until:g} transits, relative to their range) at V "
-    f"= 2000, log_{{10}} r = {places([GENTLE.log10_r])}, smooth start, against the delay system: left over points per slab, "
+    f"= {GENTLE.scene.velocity:g}, log_{{10}} r = {places([GENTLE.log10_r])}, smooth start, against the "
+    "delay system: left over points per slab, "
     "right over run time; from order 3 on marched exactly in time. Numbers after a family’s name are its order (summation by "
     "parts) or polynomial degree (finite elements, discontinuous Galerkin)."
 )

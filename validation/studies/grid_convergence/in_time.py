@@ -59,9 +59,9 @@ class Marches:
 
     @property
     def excess(self) -> float:
-        """By how much errors of the exact march exceed the requested ones, at most; 0 if none does. What the explicit steps leave
-        is not counted."""
-        return float(np.maximum(0.0, self.exact.max(axis=1) - self.apart - np.array(REQUESTS)).max())
+        """By how much errors of the exact march exceed the requested ones, at most; below 0 if none does. What the explicit steps
+        leave is not counted."""
+        return float((self.exact.max(axis=1) - self.apart - np.array(REQUESTS)).max())
 
 
 def marches_of(model: str) -> Marches:

@@ -36,7 +36,8 @@ def orders_table(climbs: list[Climb], unjudged: Iterable[FullWave] = ()) -> Tabl
         "Fitted orders with their 95 % confidence intervals, rounded up. T, Δμ, Δy, v_{max}: period, stress drop, elastic "
         "drop and largest rate, errors as root mean squares over all complete cycles; state: ψ, ln v and μ over the last "
         "transits; all together: geometric mean of the five errors. Cells: grids on which the waves are resolved. Smooth "
-        f"start, V = 2000; scene s: log_{{10}} r = {_course(GENTLE)}; scene r (rougher, for orders from {ROUGH_FROM:g} on): "
+        f"start, V = {GENTLE.scene.velocity:g}; scene s: log_{{10}} r = {_course(GENTLE)}; scene r (rougher, "
+        f"for orders from {ROUGH_FROM:g} on): "
         f"{_course(ROUGH)}; scene t (steeper still, for orders from {STEEP_FROM:g} on): {_course(STEEP)}."
     )
     return table("orders", caption, heading, rows)

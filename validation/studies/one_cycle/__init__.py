@@ -8,7 +8,7 @@ from validation.measure.settle import SYMBOLS, NoCycle, settle
 from validation.references.onset import onset_of
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.build import build
-from validation.studies.one_cycle.runs import CELLS, CFL, COMPARED, LOG10_R, CycleRun, at_r, error, run_model
+from validation.studies.one_cycle.runs import CELLS, CFL, COMPARED, IN_TURN, LOG10_R, CycleRun, at_r, error, run_model
 from validation.studies.one_cycle.shown import beside_reference, cycles_over_r, drops, over_r_table, overlay, panels, rates
 from validation.study import Budget, Evidence, Figure, Number, Omission, StudyResult, Verdict, judge
 from validation.study.bounds import bounded
@@ -152,7 +152,8 @@ def _numbers(runs: dict[str, CycleRun]) -> dict[str, Number]:
 _OVERLAY = (
     "One stick-slip cycle of the paper’s scene, every model on its own orbit and aligned at its slip event (v has risen "
     "to half its largest value). Left: the whole cycle; right: a piece of the slow phase, where the echo of the slip event runs "
-    "to and fro, so that stress and rate ripple with a period of one transit (1.28 in the Kelvin–Voigt ODE, none in the blocks). "
+    "to and fro, so that stress and rate ripple with a period of one transit "
+    f"({math.pi / math.sqrt(6.0):.2f} in the Kelvin–Voigt ODE, none in the blocks). "
     "μ: interface stress in units of σ; v: slip rate in units of V*; time in transits of the wave."
 )
 _DAMPED = (
@@ -161,5 +162,5 @@ _DAMPED = (
 _PANELS = "Stress μ over the same cycle, model by model, each over the delay system (grey), with the error of its period."
 _GROWTH = (
     "Elastic stress, above its least, over a cycle as r grows from the onset to the paper’s largest, aligned at the slip event: "
-    "the stable orbit or, where a model has none, six cycles of a run in turn. Its height is the elastic drop Δy."
+    f"the stable orbit or, where a model has none, {IN_TURN} cycles of a run in turn. Its height is the elastic drop Δy."
 )

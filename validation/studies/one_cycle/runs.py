@@ -24,7 +24,8 @@ COMPARED = ("delay", "kelvin-voigt", "block12", "quasidynamic")
 _TOLERANCE = 1e-10
 _MARGIN = 4.0  # transits shown on either side of a cycle
 _UNTIL, _LONGEST = 10000.0, 130.0
-_IN_TURN = 6
+IN_TURN = 6
+"""Cycles of a run that are drawn where a model has no stable orbit."""
 
 
 class CycleRun(NamedTuple):
@@ -69,7 +70,7 @@ def at_r(model: str, log10_r: float) -> AtR | None:
     if found is not None:
         return AtR(found.orbit.period, found.orbit.stress_drop, [cycle_of(found.closed, 0.0, 0.0)])
     events = late_cycles(model, scene, _UNTIL)
-    drawn = cycles_in_turn(model, scene, _IN_TURN, _LONGEST)
+    drawn = cycles_in_turn(model, scene, IN_TURN, _LONGEST)
     return AtR(mean_of(events.period), mean_of(events.stress_drop), drawn, events.period.size)
 
 

@@ -6,11 +6,12 @@ import numpy as np
 
 from reduced.orbit.periodic import relative_error
 from validation.measure.cycle import Cycle
-from validation.measure.settle import SYMBOLS
+from validation.measure.settle import SYMBOLS, WINDOW
 from validation.references.published import reference_orbit
 from validation.studies.one_cycle.runs import COMPARED, LOG10_R, AtR, CycleRun, error
 from validation.study import Cell, Table, table
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
+from validation.study.text import places
 
 _SHOWN = ("delay", "fd", "modal:1", "kelvin-voigt", "block12")
 _PANELS = ("fd", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
@@ -31,7 +32,7 @@ def drops(runs: dict[str, CycleRun]) -> Table:
     off = "error [relative] .1e"
     heading = f"model | T [transits] .9g | {off} | Δμ [σ] .7f | {off} | Δy [σ] .7f | {off}"
     caption = (
-        "The orbit at log_{10} r = −2.68, V = 100, by Newton’s method but for the leapfrog’s. T: time from one slip "
+        f"The orbit at log_{{10}} r = {places([LOG10_R])}, by Newton’s method but for the leapfrog’s. T: time from one slip "
         "event to the next on the transit clock; Δμ: "
         "largest minus smallest stress; Δy: the same for the elastic stress, y′ = ε (V − v). Errors are relative, against the "
         "delay system."
@@ -49,7 +50,7 @@ def rates(runs: dict[str, CycleRun]) -> Table:
     caption = (
         "Largest and smallest slip rate v over the cycle, from the dense polynomials. *Own error*: the largest relative error of "
         "any of the five quantities by the difference of two meshes; for the leapfrog, which is run until it settles, half of "
-        "what its last four cycles differ by."
+        f"what its last {WINDOW} cycles differ by."
     )
     return table("rates", caption, heading, rows, (0,))
 

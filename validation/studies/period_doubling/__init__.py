@@ -1,6 +1,6 @@
 """The ODE's unstable orbit beside its doubled one (the paper's Fig 7), and the bubble of doubled orbits between two doublings."""
 
-from validation.studies.period_doubling.runs import AT, Doubled, bubble, doubled
+from validation.studies.period_doubling.runs import AT, NEAR, Doubled, bubble, doubled
 from validation.studies.period_doubling.shown import bubble_table, orbit_table, planes
 from validation.studies.period_doubling.verdicts import all_verdicts, ends_simple
 from validation.study import Budget, Figure, Number, Omission, StudyResult
@@ -51,6 +51,6 @@ _CAPTION = (
 _HOW = (
     "Both orbits come from Newton’s method on the motion over one or two cycles; it began from a run that passes the unstable "
     "orbit and settles on the doubled one. The branch of doubled orbits is followed in both directions until their largest "
-    "multiplier exceeds 0.997; a straight line takes it to 1."
+    f"multiplier exceeds {NEAR:g}; a straight line takes it to 1."
 )
 _OTHERS = Omission("The other two pairs of period doublings.", "The quick report does not follow their doubled orbits.")

@@ -26,10 +26,14 @@ MODEL = "kelvin-voigt"
 AT = -2.590007
 """log10 r at which AUTO-07p finds the orbit of T = 79.09."""
 
-_TOLERANCE = 1e-9
+TOLERANCE = 1e-9
+"""Relative error of the figures of both orbits."""
+
 _MARCHED = 6000.0
 _BEYOND = (-2.597, -2.578)  # log10 r just outside the pair of period doublings
-_NEAR = 0.997  # multiplier of doubled orbits above which their branch is taken to its end by a straight line
+NEAR = 0.997
+"""Multiplier of doubled orbits above which their branch is taken to its end by a straight line."""
+
 _STEPS = Control(longest=0.02)
 _ROUGH = 1e-5  # of the other bubbles
 
@@ -49,13 +53,13 @@ class Doubled(NamedTuple):
 @cache
 def doubled() -> Doubled:
     """Both orbits by Newton's method from a run, and their branches in both directions."""
-    model = moving(MODEL, scene_at(AT), _TOLERANCE)
-    single = periodic_orbit(*approach(model.solver, model.freeze)[:3], _TOLERANCE)
-    settled = moving(MODEL, scene_at(AT), _TOLERANCE)
+    model = moving(MODEL, scene_at(AT), TOLERANCE)
+    single = periodic_orbit(*approach(model.solver, model.freeze)[:3], TOLERANCE)
+    settled = moving(MODEL, scene_at(AT), TOLERANCE)
     twice = float(watch(settled.solver, _MARCHED).events().period[-2:].sum())
-    double = periodic_orbit(*settled.freeze(settled.solver, twice), twice, _TOLERANCE)
+    double = periodic_orbit(*settled.freeze(settled.solver, twice), twice, TOLERANCE)
     primary, special = _both_ways(single, 1e9)
-    bubble, _ = _both_ways(double, _NEAR)
+    bubble, _ = _both_ways(double, NEAR)
     return Doubled(single, double, twice, primary, special, bubble)
 
 
@@ -76,7 +80,7 @@ def _both_ways(orbit: PeriodicOrbit, largest: float) -> tuple[list[Point], list[
 
     begin = from_orbit(family, orbit.closed, AT, _BEYOND[1], metric)
     ways = [
-        list(follow_branch(family, start, metric, inside, 10.0 * _TOLERANCE, _STEPS))
+        list(follow_branch(family, start, metric, inside, 10.0 * TOLERANCE, _STEPS))
         for start in (from_orbit(family, orbit.closed, AT, _BEYOND[0], metric), begin)
     ]
     down, up = ([point for step in way for point in (*(one.point for one in step.special), step.point)] for way in ways)

@@ -10,10 +10,10 @@ from reduced.continuation.point import Point
 from reduced.orbit import PeriodicOrbit
 from slipwave.observe.pieces import Array
 from validation.studies.bifurcation.shown import MARKS
-from validation.studies.period_doubling.runs import AT, Bubble, Doubled
+from validation.studies.period_doubling.runs import AT, TOLERANCE, Bubble, Doubled
 from validation.study import Table, table
 from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
-from validation.study.text import plain
+from validation.study.text import places, plain, power
 
 _DOUBLE = "#d55e00"
 _THIN = (0, (1.5, 1.2))
@@ -25,7 +25,7 @@ def orbit_table(found: Doubled) -> Table:
     """Figures and leading multipliers of both orbits."""
     rows = [_row(name, orbit) for name, orbit in (("single", found.single), ("doubled", found.double))]
     heading = "orbit | T [transits] .9f | Δμ [σ] .10f | Δy [σ] .10f | v_{max} [V*] .4f | v_{min} [V*] .8f | multipliers"
-    caption = f"Both orbits of the ODE at log_{{10}} r = {AT:.6f}; relative errors are below 10^{{-9}}.".replace("= -", "= −")
+    caption = f"Both orbits of the ODE at log_{{10}} r = {places([AT], '.6f')}; relative errors are below {power(TOLERANCE)}."
     return table("orbits", caption, heading, rows)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from itertools import count
 
 from validation.studies.stability_attacks import shown, verdicts
-from validation.studies.stability_attacks.limits import MEDIA, around_the_limit, limit_at, state_reach, stops_beyond
+from validation.studies.stability_attacks.limits import BEYOND, MEDIA, around_the_limit, limit_at, state_reach, stops_beyond
 from validation.studies.stability_attacks.runs import ATTACKS, CELLS, advised, attack, locked_noise
 from validation.studies.stability_attacks.verdicts import Found
 from validation.study import Budget, Number, StudyResult
@@ -70,7 +70,7 @@ def _measure(budget: Budget) -> Found:
         limits,
         {model: state_reach(model) for model in each(CELLS)},
         media,
-        {model: stops_beyond(model, 1.25) for model in each(CELLS)},
+        {model: stops_beyond(model, BEYOND) for model in each(CELLS)},
         not budget.quick,
         {name: attack(name, not budget.quick) for name in each(ATTACKS)},
         {model: advised(model) for model in (_ADVISED if budget.quick else CELLS)},

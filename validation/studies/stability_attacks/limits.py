@@ -45,8 +45,18 @@ MEDIA: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
 }
 """Changes to the paper's upper slab and to the lower one (None: alike)."""
 
-_SOFT_AND_STIFF = (-2.0, 4.0)
-_STEPS = 400
+SOFT_AND_STIFF = (-2.0, 4.0)
+"""log10 of a/v over Z."""
+
+STEPS = 400
+"""Steps of a run that looks for the limit."""
+
+AROUND = ((0.99, STEPS), (1.05, 2000))
+"""Shares of the limit and steps at which noise must stay, and grow."""
+
+BEYOND = 1.25
+"""Share of the limit at which a run has to stop."""
+
 _GROWN = 100.0
 _LOW, _HIGH = 0.8, 1.5
 _SHARPNESS = 1.01
@@ -78,7 +88,7 @@ def ageing(relaxation: float) -> Scene:
     return replace(plain, upper=slab, lower=slab, start=Start(StartKind.JUMP, 1e-3))
 
 
-def growth(model: str, scene: Scene, share: float, steps: int = _STEPS) -> float:
+def growth(model: str, scene: Scene, share: float, steps: int = STEPS) -> float:
     """Largest field after `steps` at `share` of the limit, over the noise's amplitude; infinite if the run broke down."""
     solver = with_step(model, scene, share)
     noise = 1e-3 * scene.velocity
@@ -134,7 +144,7 @@ def state_reach(model: str) -> float:
 def _calms_down(model: str, scene: Scene, share: float) -> bool:
     solver = with_step(model, scene, share)
     try:
-        follow(solver, _STEPS * solver.step)
+        follow(solver, STEPS * solver.step)
     except NumericsError:
         return False
     return solver.failures == 0
@@ -154,11 +164,9 @@ def _largest(stable: Callable[[float], bool]) -> float:
 
 
 def around_the_limit(model: str, medium: str) -> tuple[float, float]:
-    """Growth of noise in 400 steps at 0.99 of the limit and in 2000 at 1.05, the larger of soft and stiff friction."""
-    scenes = [rubbing(decade, medium) for decade in _SOFT_AND_STIFF]
-    below, above = (
-        max(growth(model, scene, share, steps) for scene in scenes) for share, steps in ((0.99, _STEPS), (1.05, 2000))
-    )
+    """Growth of noise on both sides of the limit (AROUND), the larger of soft and stiff friction."""
+    scenes = [rubbing(decade, medium) for decade in SOFT_AND_STIFF]
+    below, above = (max(growth(model, scene, share, steps) for scene in scenes) for share, steps in AROUND)
     return below, above
 
 

@@ -62,7 +62,12 @@ ATTACKS = {
 }
 """The most extreme scenes that still make sense."""
 
-_MOMENTS = (6.0, 8.0, 12.0, 20.0, 40.0)
+MOMENTS = (6.0, 8.0, 12.0, 20.0, 40.0)
+"""Transits at which psi is compared."""
+
+ADVISED = 400.0
+"""Transits of a run that takes the cells it asks for."""
+
 _FEWEST_CYCLES = 2
 
 
@@ -96,7 +101,7 @@ class _Course(NamedTuple):
 def attack(name: str, late: bool = False) -> dict[str, AttackOutcome]:
     """The outcome of attack `name` for every family, in 40 transits or until its late time."""
     scene, finer = _scene(name), ATTACKS[name].finer
-    until = ATTACKS[name].late if late else _MOMENTS[-1]
+    until = ATTACKS[name].late if late else MOMENTS[-1]
     exact = _course(build("delay", scene, tolerance=1e-10), until)
     return {model: _outcome(model, finer * cells, scene, exact, until) for model, cells in CELLS.items()}
 
@@ -107,8 +112,8 @@ def _scene(name: str) -> Scene:
 
 def _course(solver: Solver, until: float) -> _Course:
     watch = EventObserver(solver.scene, solver.nodes)
-    psis = [follow(solver, moment, [watch]).psi for moment in _MOMENTS]
-    late = follow(solver, until, [watch]).psi if until > _MOMENTS[-1] else psis[-1]
+    psis = [follow(solver, moment, [watch]).psi for moment in MOMENTS]
+    late = follow(solver, until, [watch]).psi if until > MOMENTS[-1] else psis[-1]
     return _Course(psis, late, summarise(watch.events(0.5 * until)))
 
 
@@ -118,7 +123,7 @@ def _outcome(model: str, cells: int, scene: Scene, exact: _Course, until: float)
     except (SceneError, NumericsError) as error:
         return AttackOutcome(math.nan, message=str(error))
     off = max(abs(psi - theirs) for psi, theirs in zip(ours.psis, exact.psis, strict=True))
-    return AttackOutcome(off, _late_error(ours, exact) if until > _MOMENTS[-1] else 0.0)
+    return AttackOutcome(off, _late_error(ours, exact) if until > MOMENTS[-1] else 0.0)
 
 
 def _late_error(ours: _Course, exact: _Course) -> float:
@@ -141,7 +146,7 @@ class Advice(NamedTuple):
     error: float
 
 
-def advised(model: str, until: float = 400.0, most: int = 16) -> Advice:
+def advised(model: str, until: float = ADVISED, most: int = 16) -> Advice:
     """V = 1e5 from `model`'s usual cells, doubled (up to `most` times as many) for as long as the run ends with a message."""
     scene = _scene("V 5")
     exact = _course(build("delay", scene, tolerance=1e-10), until)

@@ -2,11 +2,11 @@
 
 import math
 
+from validation.studies.stability_attacks.limits import AROUND, SOFT_AND_STIFF, STEPS, step_per_cell
 from validation.studies.stability_attacks.limits import CELLS as COARSE
-from validation.studies.stability_attacks.limits import step_per_cell
-from validation.studies.stability_attacks.runs import ATTACKS, CELLS, Advice, AttackOutcome
+from validation.studies.stability_attacks.runs import ADVISED, ATTACKS, CELLS, MOMENTS, Advice, AttackOutcome
 from validation.study import Cell, Table, table
-from validation.study.text import plain
+from validation.study.text import places, plain
 
 
 def limit_table(decades: tuple[int, ...], limits: dict[str, list[float]], reach: dict[str, float]) -> Table:
@@ -19,7 +19,8 @@ def limit_table(decades: tuple[int, ...], limits: dict[str, list[float]], reach:
     heading = " | ".join(["family | cells [a slab] .0f | c Δt / cell [at cfl 1] .4f", *stiffness, "Δt r V [state] .2f"])
     caption = (
         "Largest stable step over the declared one (cfl 1), by bisection to 1 per cent, against a/v in units of Z, the impedance "
-        "of the interface. With a stable step, noise at the grid scale does not grow a hundredfold in 400 steps. Friction is "
+        "of the interface. With a stable step, noise at the grid scale does not grow a hundredfold in "
+        f"{STEPS} steps. Friction is "
         "F = a ln v and sliding is steady, so that all growth comes from the scheme; at 10^{0} the interface absorbs waves, "
         "which allows discontinuous elements longer steps. The last column is a limit that does not depend on waves or "
         "stiffness: ψ relaxes r V times in a transit, and all but the leapfrog step it explicitly; shown is the longest stable "
@@ -35,9 +36,11 @@ def medium_table(found: dict[str, dict[str, tuple[float, float]]]) -> Table:
         (medium, *(f"{_size(below)}, {_size(above)}" for below, above in (by_family[model] for model in CELLS)))
         for medium, by_family in found.items()
     )
+    (below, few), (above, many) = AROUND
+    soft, stiff = (f"10^{{{decade:g}}} Z" for decade in SOFT_AND_STIFF)
     caption = (
-        "Largest field, over the size of the noise put in, after 400 steps at 0.99 of the limit, then after 2000 steps at 1.05 "
-        "of it; the larger of soft (a/v = 10^{-2} Z) and stiff (10^{4} Z) friction. ∞: beyond the range of numbers."
+        f"Largest field, over the size of the noise put in, after {few} steps at {below:g} of the limit, then after {many} steps "
+        f"at {above:g} of it; the larger of soft (a/v = {soft}) and stiff ({stiff}) friction. ∞: beyond the range of numbers."
     )
     return table("media", caption, " | ".join(["medium", *CELLS]), rows)
 
@@ -51,7 +54,7 @@ def attack_table(found: dict[str, dict[str, AttackOutcome]], late: bool) -> Tabl
     rows: list[tuple[Cell, ...]] = [
         (
             ATTACKS[name].title + (f", cells × {ATTACKS[name].finer}" if ATTACKS[name].finer > 1 else ""),
-            ATTACKS[name].late if late else 40.0,
+            ATTACKS[name].late if late else MOMENTS[-1],
             *(by_family[model].wording for model in CELLS),
         )
         for name, by_family in found.items()
@@ -64,7 +67,7 @@ def attack_table(found: dict[str, dict[str, AttackOutcome]], late: bool) -> Tabl
     )
     cells = ", ".join(f"{model} {size}" for model, size in CELLS.items())
     caption = (
-        "Largest difference of ψ from the delay system’s at 6, 8, 12, 20 and 40 transits of the upper slab"
+        f"Largest difference of ψ from the delay system’s at {places(MOMENTS)} transits of the upper slab"
         f"{ending}. Smooth start of the paper’s scene unless stated otherwise. *message*: the run was refused or ended with the "
         "words in a table below. Cells of the faster slab: "
         f"{cells}."
@@ -91,7 +94,7 @@ def advice_table(advice: dict[str, Advice]) -> Table:
     )
     heading = "family | stops at [cells] | message | goes through at [cells] .0f | largest error of ψ"
     caption = (
-        "V = 10^{5} V* for 400 transits: ψ relaxes 200 times in a transit and more in events, so that the steps of "
+        f"V = 10^{{5}} V* for {ADVISED:g} transits: ψ relaxes 200 times in a transit and more in events, so that the steps of "
         "coarse grids are too long. Cells are doubled as long as the run ends with a message; then ψ is compared with the delay "
         "system’s."
     )

@@ -4,7 +4,8 @@ import math
 from typing import NamedTuple
 
 from validation.registry.families import grid_of
-from validation.studies.stability_attacks.runs import ATTACKS, CELLS, Advice, AttackOutcome
+from validation.studies.stability_attacks.limits import AROUND, BEYOND
+from validation.studies.stability_attacks.runs import ADVISED, ATTACKS, CELLS, Advice, AttackOutcome
 from validation.study import Evidence, Verdict, judge
 from validation.study.bounds import bounded
 from validation.study.text import plain
@@ -61,7 +62,8 @@ def limit_verdict(found: Found) -> Verdict:
         f"{min(returning):.2f} to {max(returning):.2f}",
         judge(all(abs(value - 1.0) <= SHARP for value in returning) and min(value for value, _ in every) >= 1.0 - SHARP),
         f"largest stable step over the declared one, {len(found.limits)} families, a/v from 10^{{{found.decades[0]}}} to "
-        f"10^{{8}} times Z; where friction absorbs the waves (a/v = Z) up to {max(value for value, _ in every):.2f}",
+        f"10^{{{found.decades[-1]}}} times Z; where friction absorbs the waves (a/v = Z) up to "
+        f"{max(value for value, _ in every):.2f}",
     )
 
 
@@ -70,7 +72,7 @@ def medium_verdict(media: dict[str, dict[str, tuple[float, float]]]) -> Verdict:
     below = max(pair[0] for by_family in media.values() for pair in by_family.values())
     above = min(pair[1] for by_family in media.values() for pair in by_family.values())
     return Verdict(
-        "Noise stays at 0.99 of the limit and grows at 1.05, for all slabs and faces",
+        f"Noise stays at {AROUND[0][0]:g} of the limit and grows at {AROUND[1][0]:g}, for all slabs and faces",
         Evidence.EXACT,
         f"below {_CALM:g}, above {_GROWN:g}",
         f"at most {below:.1f}, " + (f"at least {plain(above, '.0e')}" if math.isfinite(above) else "all beyond any number"),
@@ -89,7 +91,8 @@ def state_verdict(reach: dict[str, float]) -> Verdict:
         f"1, ± {100 * _REACHED:.0f} %",
         f"{min(ratios):.3f} to {max(ratios):.3f}",
         judge(all(abs(ratio - 1.0) <= _REACHED for ratio in ratios) and unlimited),
-        "Δt r V over 2.785 (Runge-Kutta of order 4) or 6.394 (order 8); the leapfrog takes ψ implicitly and has no such limit",
+        f"Δt r V over {_REACH[4]:g} (Runge-Kutta of order 4) or {_REACH[8]:g} (order 8); the leapfrog takes ψ "
+        "implicitly and has no such limit",
     )
 
 
@@ -107,7 +110,7 @@ def stop_verdict(stopped: dict[str, bool]) -> Verdict:
         f"{len(stopped)} of {len(stopped)}",
         f"{len(stopped) - len(silent)} of {len(stopped)}",
         judge(not silent),
-        f"steps 1.25 times the limit, paper’s scene{'; silent: ' + ', '.join(silent) if silent else ''}",
+        f"steps {BEYOND:g} times the limit, paper’s scene{'; silent: ' + ', '.join(silent) if silent else ''}",
     )
 
 
@@ -134,7 +137,8 @@ def advice_verdict(advice: dict[str, Advice]) -> Verdict:
     worst = max(advice, key=lambda model: advice[model].error / allowed[model])
     claim = "A run that asks for more cells is right once it has them"
     remark = (
-        f"ψ, V = 10^{{5}} V*, 400 transits; {sum(advised.stopped > 0 for advised in advice.values())} of {len(advice)} families "
+        f"ψ, V = 10^{{5}} V*, {ADVISED:g} transits; {sum(advised.stopped > 0 for advised in advice.values())} "
+        f"of {len(advice)} families "
         f"asked; shown: `{worst}`, the closest to its limit"
     )
     return bounded(claim, Evidence.WITNESS, advice[worst].error, allowed[worst], remark)

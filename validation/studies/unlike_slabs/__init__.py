@@ -2,11 +2,11 @@
 
 import slipwave
 from validation.studies.unlike_slabs.cost import Costs, cost_table, cost_verdicts, costs
-from validation.studies.unlike_slabs.runs import UNTIL, PairRun, march
+from validation.studies.unlike_slabs.runs import TOLERANCE, UNTIL, PairRun, march
 from validation.studies.unlike_slabs.shown import last_cycles
 from validation.study import Budget, Evidence, Figure, Number, Omission, StudyResult, Table, Verdict, judge, table
 from validation.study.bounds import bounded
-from validation.study.text import plain
+from validation.study.text import plain, power
 
 NAME = "unlike-slabs"
 QUESTION = "Do the exact delay system and the full wave agree for slabs that differ, and what does the difference cost?"
@@ -41,7 +41,8 @@ def run(budget: Budget) -> StudyResult:
         tables=(_table(runs), cost_table(timed)),
         verdicts=(*_agreements(runs), *_families(runs), *_leapfrog(runs), *cost_verdicts(timed)),
         notes=(
-            "Neither scene has settled at 600 transits. The last complete cycle is compared as it is, at the same time of every "
+            f"Neither scene has settled at {UNTIL:.0f} transits. The last complete cycle is compared as it is, at "
+            "the same time of every "
             "model’s run.",
             "The full wave marches two slabs where the alike pair needs one, and the longer slab of the commensurate pair has "
             "twice the cells: three times the work. Run times on a busy machine prove nothing, so a ratio that is not reached is "
@@ -81,7 +82,8 @@ def _table(runs: dict[str, list[PairRun]]) -> Table:
     heading = " | ".join([f"ratio | model | cells [a slab] .0f | ψ({UNTIL:.0f}) .12g", *differences_in])
     caption = (
         f"Friction state ψ = ln φ after {UNTIL:.0f} transits of the upper slab from the smooth start, and differences from "
-        "the delay system (tolerance 10^{-11}) in ψ and in period T, stress drop Δμ and largest rate v_{max} of the last "
+        f"the delay system (tolerance {power(TOLERANCE)}) in ψ and in period T, stress drop Δμ and largest "
+        "rate v_{max} of the last "
         "complete cycle. Lower slab: round trip 2 or √2 times the upper one’s, impedance 3 times."
     )
     return table("differences", caption, heading, rows, (i for i, row in enumerate(rows) if row[1] == "delay"))
@@ -130,8 +132,9 @@ def _leapfrog(runs: dict[str, list[PairRun]]) -> list[Verdict]:
 
 
 _CAPTION = (
-    "The last complete cycle before 600 transits of two unlike pairs: stress μ, slip rate v in units of V*. Line: delay system; "
-    "circles: discontinuous Galerkin, degree 7, at the same moments of its own run; t = 0 where v has risen to "
+    f"The last complete cycle before {UNTIL:.0f} transits of two unlike pairs: stress μ, slip rate v in units of V*. "
+    "Line: delay system; circles: discontinuous Galerkin, degree 7, at the same moments of its own run; "
+    "t = 0 where v has risen to "
     "half its largest value. The lower slab has three times the upper "
     "one’s impedance and twice (left) or √2 times (right) its round trip; time in transits of the upper slab."
 )

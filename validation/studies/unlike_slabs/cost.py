@@ -18,6 +18,7 @@ _MODELS: dict[str, tuple[float, dict[str, Any]]] = {
     "fd": (200.0, {"cells": 128, "cfl": 0.5}),
 }
 """Row -> transits timed and options."""
+_R = (0.0026, 0.0029)  # of the upper slab, commensurate and irrational
 _CELLS_RATIO = 3.0
 """Cells of the 2 : 1 pair over those of one alike slab: the longer round trip takes twice as many of the same size."""
 _LIMITS = {
@@ -36,8 +37,8 @@ def pairs() -> dict[str, Scene]:
     V*: larger r than the gallery's for the unlike ones."""
     return {
         "alike": slipwave.read("paper"),
-        "commensurate": slipwave.read("unlike", {"upper.r": 0.0026, "lower.r": 0.0052}),
-        "irrational": slipwave.read("unlike-irrational", {"upper.r": 0.0029, "lower.r": 0.0029 * math.sqrt(2.0)}),
+        "commensurate": slipwave.read("unlike", {"upper.r": _R[0], "lower.r": 2.0 * _R[0]}),
+        "irrational": slipwave.read("unlike-irrational", {"upper.r": _R[1], "lower.r": _R[1] * math.sqrt(2.0)}),
     }
 
 
@@ -65,8 +66,9 @@ def cost_table(found: Costs) -> Table:
     heading = "model | setting | alike [μs] .1f | 2 : 1 [μs] .1f | ratio .2f | √2 : 1 [μs] .1f | ratio .2f"
     caption = (
         "Processor time of one transit of the upper slab, march and event detection, fastest of several alternating runs. r is "
-        "10^{−2.68} for the alike pair, 0.0026 and 0.0029 for the unlike ones, so that the slip events of all three reach about "
-        "the same rate (3300 to 3600 V* in 600 transits): faster events need smaller steps, alike slabs or not."
+        f"10^{{−2.68}} for the alike pair, {_R[0]:g} and {_R[1]:g} for the unlike ones, so that the slip events of all three "
+        f"reach about the same rate (3300 to 3600 V* in {_MODELS['delay'][0]:g} transits): faster events need smaller steps, "
+        "alike slabs or not."
     )
     return table("cost", caption, heading, rows)
 

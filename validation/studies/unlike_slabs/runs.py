@@ -9,6 +9,8 @@ from validation.registry.build import build
 from validation.registry.families import explicit_time
 
 UNTIL = 600.0
+TOLERANCE = 1e-11
+"""Of the delay system."""
 _WATCHED = 140.0  # transits before UNTIL that are kept for the picture
 _BEFORE, _AFTER = 3.0, 2.0
 
@@ -32,7 +34,7 @@ class PairRun:
 def march(scene: Scene, model: str, cells: int | None = None, cfl: float | None = None) -> PairRun:
     """Run `model` on `scene` to UNTIL."""
     if model == "delay":
-        solver = build(model, scene, tolerance=1e-11)
+        solver = build(model, scene, tolerance=TOLERANCE)
     else:
         solver = build(model, scene, cells=cells, cfl=cfl, time=explicit_time(model))
     observer = watch(solver, UNTIL - _WATCHED)
