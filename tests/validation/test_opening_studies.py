@@ -99,14 +99,14 @@ def test_the_growth_shows_orbits_and_cycles_of_runs():
         AtR(Estimate(80.0, 0.1), Estimate(0.2, 0.01), [cycle] * 3, 90),
     )
     places = {-2.699: dict.fromkeys(one_cycle.COMPARED, orbit), -2.3: dict.fromkeys(one_cycle.COMPARED, run)}
-    first, last = cycles_over_r(places).axes
+    count, (first, last) = len(one_cycle.COMPARED), cycles_over_r(places).axes
     assert [axes.get_title() for axes in (first, last)] == [r"$\log_{10} r = -2.699$", r"$\log_{10} r = -2.3$"]
-    assert [sum(line.get_ydata().size > 0 for line in axes.get_lines()) for axes in (first, last)] == [3, 9]
+    assert [sum(line.get_ydata().size > 0 for line in axes.get_lines()) for axes in (first, last)] == [count, 3 * count]
     assert first.get_lines()[0].get_ydata()[[0, -1]] == pytest.approx([0.0, 0.3])
     assert first.get_lines()[0].get_linewidth() == 2.0 * last.get_lines()[0].get_linewidth()
     rows = over_r_table(places).rows
     assert rows[0] == (-2.699, "delay", 64.0, 1e-9, 0.12, 1e-9, None)
-    assert rows[-1] == (-2.3, "block12", 80.0, 0.1, 0.2, 0.01, 90)
+    assert rows[-1] == (-2.3, one_cycle.COMPARED[-1], 80.0, 0.1, 0.2, 0.01, 90)
 
 
 def test_the_own_error_of_a_run_is_its_worst():
