@@ -44,4 +44,5 @@ def _network(solver: DelayNetwork, saved: State, flow: DelayFlow, cycle: Cycle, 
     counts[:3] = count, 0.0, cursor
     stages = solver.nodes.size
     guess = np.repeat([[place.psi], [place.z]], stages, axis=1)
-    return {"counts": counts, "origin": np.array([place.time]), "waves": waves, "tops": tops, "guess": guess, "now": now}
+    origin = np.array([place.time])
+    return saved | {"counts": counts, "origin": origin, "waves": waves, "tops": tops, "guess": guess, "now": now}

@@ -31,7 +31,19 @@ TRANSIENT = 40
 _DISTANCE = (
     1e-6  # of the change of the state in WHOLE transits: far above the errors of the marches, and small enough to be linear
 )
-_BOOKS = {"counts", "stretch", "origin", "waiting", "leaps", "tries", "past", "past.incoming", "arrivals", "ledger"}
+_BOOKS = {
+    "counts",
+    "stretch",
+    "origin",
+    "orbit start",
+    "waiting",
+    "leaps",
+    "tries",
+    "past",
+    "past.incoming",
+    "arrivals",
+    "ledger",
+}
 """Entries of a solver's state that are no part of the motion."""
 
 

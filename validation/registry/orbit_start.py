@@ -25,6 +25,7 @@ from validation.registry.orbit_place import place_on_orbit
 from validation.run.progress import progress
 
 _TOLERANCE = 1e-9
+_OWN = "orbit start"  # no solver's own name: networks have an `origin`
 
 
 class OnOrbit:
@@ -78,13 +79,13 @@ class OnOrbit:
         return None if now is None else Energy(*(_entries(now) - self._ledger).tolist())
 
     def state(self) -> State:
-        """As `Solver`; `origin` holds the date of t = 0 on the solver's own clock and its ledger then."""
-        return self._solver.state() | {"origin": np.array([self._origin, *self._ledger])}
+        """As `Solver`; `orbit start` holds the date of t = 0 on the solver's own clock and its ledger then."""
+        return self._solver.state() | {_OWN: np.array([self._origin, *self._ledger])}
 
     def restore(self, state: State) -> None:
         """As `Solver`; no march to the orbit is needed before."""
-        origin = tables(state, {"origin": (1 + self._ledger.size,)}, self.model)["origin"]
-        self._solver.restore({name: array for name, array in state.items() if name != "origin"})
+        origin = tables(state, {_OWN: (1 + self._ledger.size,)}, self.model)[_OWN]
+        self._solver.restore({name: array for name, array in state.items() if name != _OWN})
         self._origin, self._ledger = float(origin[0]), origin[1:]
 
 
