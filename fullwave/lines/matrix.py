@@ -57,9 +57,9 @@ class Motion(NamedTuple):
 
     @property
     def moving(self) -> NDArray[np.int64]:
-        """Places in q of all that moves or moves something else."""
-        size = self.rates.shape[0]
-        return np.flatnonzero(np.abs(self.rates).sum(axis=1) + np.abs(self.rates[:, :size]).sum(axis=0))
+        """Places in q of all that moves. The load of a face without a spring does not, although it would move the face: kept, it
+        would be an idle mode that lets no orbit be found."""
+        return np.flatnonzero(np.abs(self.rates).sum(axis=1))
 
 
 def motion_matrix(system: System, locked: bool) -> Array:

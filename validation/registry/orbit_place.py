@@ -9,6 +9,7 @@ from reduced.orbit.closing import Closed
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Solver
 from slipwave.observe.pieces import Pieces, lagrange_basis, values_at
+from slipwave.observe.snapshot import FieldSolver
 from slipwave.observe.solver import State
 from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.step.flow import Place
@@ -28,7 +29,7 @@ def place_on_orbit(solver: Solver) -> float:
     """Put `solver` onto its orbit between two slip events; returns the date (transits, its own clock) of the next event.
 
     Raises NumericsError if no orbit is found, SceneError if the run that looks for it would take too long."""
-    cells = solver.settings["cells"][0] if "cells" in solver.settings else None
+    cells = solver.cells if isinstance(solver, FieldSolver) else None
     model = moving(solver.model, solver.scene, _TOLERANCE, cells)
     try:
         closed = find_orbit(model, _TOLERANCE).found.closed
