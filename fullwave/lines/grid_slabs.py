@@ -83,8 +83,10 @@ class GridSlabs:
         self.is_kept[0] = True
 
     def known(self, longest: float) -> Known:
-        """What is known of steps of `longest` (transits) and its halves."""
-        key = f"{longest:.12e}"  # stretches of equal length differ by rounding
+        """What is known of steps of `longest` (transits) and its halves; of one length for all that differ by rounding, whichever
+        of them came first: a run that goes on from a checkpoint meets them from there on only."""
+        key = f"{longest:.12e}"
+        longest = float(key)
         dissipation = self._dissipation if self.is_kept[0] else None
         known = self._known.pop(key, None) or Known(maps_of(self.slabs, dissipation, longest), self._blank(longest))
         self._known[key] = known  # the last used is the last to be forgotten

@@ -27,11 +27,13 @@ class StepMaps:
         self.heats: dict[int, Array] = {}
 
     def find(self, level: int) -> StepMap:
-        """The map of a level; makes those of levels between it and a shorter one for which a series holds."""
+        """The map of a level: from a series or, where none holds, by doubling that of half the length. The same to the bit,
+        whichever levels were asked for before."""
         with one_thread():
-            if level > max(self._maps, default=-1):
-                self._begin(level)
-            for k in range(max(self._maps), level, -1):
+            series = min(LEVELS - 1, shortest_halving(self._slabs, self._longest))
+            if max(level, series) not in self._maps:
+                self._begin(max(level, series))
+            for k in range(series, level, -1):
                 if k - 1 not in self._maps:
                     self._maps[k - 1] = doubled(self._slabs, self._maps[k])
                     if self._dissipation:
@@ -39,9 +41,8 @@ class StepMaps:
         return self._maps[level]
 
     def _begin(self, level: int) -> None:
-        """Make the map of `level` or, if a series does not hold for it yet, of the longest level for which one does."""
-        shortest = max(level, min(LEVELS - 1, shortest_halving(self._slabs, self._longest)))
-        length = math.ldexp(self._longest, -shortest)
+        """Make the map of `level`, from a step for which a series holds."""
+        length = math.ldexp(self._longest, -level)
         extra = shortest_halving(self._slabs, length)
         first = math.ldexp(length, -extra)
         step = short_step(self._slabs, first)
@@ -49,9 +50,9 @@ class StepMaps:
         for _ in range(extra):
             heat = doubled_heat(self._slabs, step, heat) if heat is not None else None
             step = doubled(self._slabs, step)
-        self._maps[shortest] = step
+        self._maps[level] = step
         if heat is not None:
-            self.heats[shortest] = heat
+            self.heats[level] = heat
 
 
 @contextmanager
