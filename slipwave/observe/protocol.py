@@ -15,6 +15,7 @@ LEFT = math.exp(-1.0)
 """The share of the peak's height over the steady stress that is left where the stress has come back."""
 
 _POINTS = 33  # of a piece, its ends included
+_AT_ONCE = 256  # pieces that are searched for a peak
 
 
 class Sampling(NamedTuple):
@@ -52,52 +53,64 @@ class ProtocolObserver:
         return figures_of(self.stages, self._seen)
 
     def scan(self, pieces: Pieces) -> None:
-        """Take the next pieces of the run, in order."""
+        """Take the next pieces of the run, in order. Figures are the same to the bit, however many come at once."""
         if not self.stages or not pieces.time.size:
             return
-        points, rows, sums = self._fine if self._looks_for_peaks(pieces) else self._coarse
-        time = pieces.time[:, None] + pieces.length[:, None] * points
-        middle = np.repeat((pieces.time + 0.5 * pieces.length)[:, None], points.size, axis=1)
-        slip = self._scene.transit * pieces.length[:, None] * (rates(self._scene.law, pieces.z) @ sums.T)
-        begun = self._slip + np.concatenate(([0.0], np.cumsum(slip[:-1, -1])))
-        columns = (
-            time,
-            pieces.mu @ rows.T,
-            rates(self._scene.law, pieces.z @ rows.T),
-            slip[:, :-1] + begun[:, None],
-        )
-        self._slip = float(begun[-1] + slip[-1, -1])
-        place = (middle if self._cut else time).ravel()
-        samples = np.stack([column.ravel() for column in columns])
+        samples, begun = self._sampled(self._coarse, pieces, self._slip)
+        middle = pieces.time + 0.5 * pieces.length
         now = float(pieces.time[-1] + pieces.length[-1])
-        begins, ends = (np.searchsorted(place, [getattr(stage, side) for stage in self._until(now)]) for side in ("start", "end"))
-        for k, (stage, first, end) in enumerate(zip(self._until(now), begins, ends, strict=True), self._now):
-            inside = samples[:, first:end][:, samples[0, first:end] <= stage.end + 1e-9]
+        for k, stage in enumerate(self._until(now), self._now):
+            first, end = np.searchsorted(np.repeat(middle, samples.shape[2]) if self._cut else samples[0].ravel(), stage[1:3])
+            inside = samples.reshape(len(samples), -1)[:, first:end]
+            inside = inside[:, inside[0] <= stage.end + 1e-9]
+            if not inside.size and self._seen[k].reached > -math.inf:
+                self._seen[k] = self._seen[k]._replace(reached=min(now, stage.end))
             if inside.size:
                 self._take(k, stage, inside, min(now, stage.end))
+                if self._cut and stage.kind in ("step", "slide"):
+                    first, end = np.searchsorted(middle, stage[1:3])
+                    self._look_for_peaks(k, stage, Pieces(*(column[first:end] for column in pieces)), begun[first:])
+                else:
+                    self._seen[k] = _peak(self._seen[k], stage.sign, self._steady(stage), inside[1], inside[3])
+        self._slip = float(begun[-1])
         while self._now < len(self.stages) and self.stages[self._now].end <= now:
             self._now += 1
+
+    def _sampled(self, sampling: Sampling, pieces: Pieces, slip: float | Array) -> tuple[Array, Array]:
+        """(time, mu, slip rate, slip) at the points of each piece, (4, k, p), and the slip at the beginnings of the pieces and at
+        their end, of which `slip` has the first or, as many as there are pieces, all."""
+        points, rows, sums = sampling
+        gained = self._scene.transit * pieces.length[:, None] * _at(sums, rates(self._scene.law, pieces.z))
+        begun = np.cumsum(np.append(slip, gained[:, -1])) if np.ndim(slip) == 0 else np.asarray(slip)
+        time = pieces.time[:, None] + pieces.length[:, None] * points
+        rate = rates(self._scene.law, _at(rows, pieces.z))
+        return np.stack([time, _at(rows, pieces.mu), rate, gained[:, :-1] + begun[: len(gained), None]]), begun
 
     def _until(self, time: float) -> list[Stage]:
         """The stages from the first that is not over to that of `time`."""
         return self.stages[self._now : bisect_right(self.stages, time, key=lambda stage: stage.start)]
 
-    def _looks_for_peaks(self, pieces: Pieces) -> bool:
-        """Whether the peak of a stage, or where the stress has come back after it, may lie in `pieces`."""
-        begin, end = pieces.time[0], pieces.time[-1] + pieces.length[-1]
-        for k, stage in enumerate(self._until(end), self._now):
-            seen = self._seen[k]
-            inside = stage.kind in ("step", "slide") and stage.start < end and begin < stage.end
-            if inside and (math.isnan(seen.recovered) or (stage.sign * pieces.mu).max() >= stage.sign * seen.peak):
-                return True
-        return False
+    def _look_for_peaks(self, k: int, stage: Stage, pieces: Pieces, begun: Array) -> None:
+        """The peak of a stage, and where the stress has come back after it, in those of its `pieces` in which they may lie."""
+        first, count, highest = 0, pieces.time.size, (stage.sign * pieces.mu).max(axis=1)
+        while first < count:
+            seen, many = self._seen[k], _AT_ONCE
+            if not math.isnan(seen.recovered):
+                higher, many = np.flatnonzero(highest[first:] >= stage.sign * seen.peak), 1
+                first = first + int(higher[0]) if higher.size else count
+            these = slice(first, min(first + many, count))
+            if first < count:
+                fine, _ = self._sampled(self._fine, Pieces(*(column[these] for column in pieces)), begun[these])
+                steady, mu, slip = self._steady(stage), fine[1].ravel(), fine[3].ravel()
+                used = _until_recovered(seen, stage.sign, steady, mu) // _POINTS + 1
+                self._seen[k] = _peak(seen, stage.sign, steady, mu[: used * _POINTS], slip[: used * _POINTS])
+                first += used
 
     def _take(self, k: int, stage: Stage, samples: Array, reached: float) -> None:
-        time, mu, rate, slip = samples
+        time, mu, rate, _ = samples
         seen = self._seen[k]
-        if math.isnan(seen.peak):  # the stage begins
+        if math.isnan(seen.before):  # the stage begins
             seen = seen._replace(before=mu[0] if math.isnan(self._last) else self._last)
-        seen = _peak(seen, stage.sign, self._steady(stage), mu, slip)
         with np.errstate(divide="ignore", invalid="ignore"):
             ln_v = np.log(rate)
         half, last, late = (time >= stage.end - share * (stage.end - stage.start) for share in (0.5, 0.25, LATE))
@@ -135,8 +148,27 @@ class ProtocolObserver:
         self._slip, self._last = state["slip"].tolist()
 
 
+def _at(rows: Array, values: Array) -> Array:
+    """values @ rows.T, term by term: the same to the bit, however many `values` (k, s) come at once."""
+    total = values[:, :1] * rows[:, 0]
+    for j in range(1, rows.shape[1]):
+        total += values[:, j : j + 1] * rows[:, j]
+    return total
+
+
 def _widened(known: Range, values: Array) -> Range:
     return Range(float(min(known.low, values.min(initial=math.inf))), float(max(known.high, values.max(initial=-math.inf))))
+
+
+def _until_recovered(seen: Seen, sign: float, steady: float, mu: Array) -> int:
+    """The place in `mu` where the stress has come back, first, after a peak there or before; the last one if it has not."""
+    known = -math.inf if math.isnan(seen.peak) else sign * seen.peak
+    highest = np.maximum.accumulate(np.append(known, sign * mu))[1:]
+    height = highest - sign * steady
+    back = (height > 0.0) & (sign * (mu - steady) <= LEFT * height)
+    if not math.isnan(seen.recovered):
+        back &= highest > known
+    return int(np.argmax(back)) if back.any() else mu.size - 1
 
 
 def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array) -> Seen:
