@@ -1,0 +1,231 @@
+"""Scenes in which any two abilities meet: rows of a table that covers every allowed pair, and the runs that they are held to."""
+
+import itertools
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from slipwave import read
+from slipwave.observe.checkpoint import load, save
+from slipwave.observe.snapshot import FieldSolver
+from slipwave.observe.solver import State
+from slipwave.scene import Scene
+from validation.door.run_result import RunResult
+from validation.registry.build import prepare
+from validation.registry.families import Options, family_of
+from validation.run.recording import Wanted, records_of
+from validation.run.simulate import simulate
+
+Row = tuple[str, ...]
+
+FACTORS = {
+    "model": (
+        "delay",
+        "kelvin-voigt",
+        "quasidynamic",
+        "fitted:4",
+        "modal:2",
+        "dg:3 exact 3",
+        "dg:3 explicit 3",
+        "sbp:4 explicit 11",
+        "fem:2 exact 3",
+        "fd - 16",
+    ),
+    "slabs": ("alike", "commensurate", "irrational", "layered"),
+    "face": ("rigid", "grip", "reflection", "machine"),
+    "drive": ("constant", "ramp", "hold", "step after ramp"),
+    "viscosity": ("none", "kelvin-voigt", "standard-linear"),
+    "start": ("nudge", "jump", "orbit"),
+    "units": ("none", "SI"),
+}
+NAMES = tuple(FACTORS)
+KNOTS = {
+    "constant": [(0.0, 100.0)],
+    "ramp": [(0.0, 100.0), (8.3, 100.0), (13.7, 160.0)],
+    "hold": [(0.0, 100.0), (8.0, 100.0), (8.0, 0.0), (12.3, 0.0), (12.3, 100.0)],
+    "step after ramp": [(0.0, 100.0), (7.0, 100.0), (10.5, 140.0), (10.5, 70.0)],
+}
+INTERFACE = {"law": "ageing", "a_star": 0.369, "a": 0.0349, "b": 0.0489}
+EPSILON, R = 2.8e-5, 0.00276
+SIGMA, LENGTH, PACE, SPEED = 1e6, 1e-5, 1e-6, 2500.0
+"""Normal stress (Pa), L (m), V* (m/s), and the wave speed (m/s) of the slabs in SI."""
+
+
+def pairwise_rows(rows: Sequence[Row], seed: int) -> list[Row]:
+    """Some of `rows` that cover every pair of levels that any of them has; greedy, in an order that `seed` gives."""
+    rows = [rows[k] for k in np.random.default_rng(seed).permutation(len(rows))]
+    numbers = {pair: k for k, pair in enumerate(dict.fromkeys(pair for row in rows for pair in pairs_of(row)))}
+    has = np.zeros((len(rows), len(numbers)), dtype=np.float32)
+    for row, marks in zip(rows, has, strict=True):
+        marks[[numbers[pair] for pair in pairs_of(row)]] = 1.0
+    new, chosen = np.ones(len(numbers), dtype=np.float32), []
+    while new.any():
+        best = int(np.argmax(has @ new))
+        new[has[best] > 0.0] = 0.0
+        chosen.append(rows[best])
+    return chosen
+
+
+def pairs_of(row: Row) -> list[Any]:
+    """Every two of its levels, with the places of both."""
+    return list(itertools.combinations(enumerate(row), 2))
+
+
+def rows_allowed() -> list[Row]:
+    """All rows of the table that no rule refuses: units never matter, and V only where it changes."""
+    told: dict[Row, bool] = {}
+    allowed = []
+    for row in itertools.product(*FACTORS.values()):
+        kind = (*row[:3], "constant" if row[3] == "constant" else "hold", *row[4:6], "none")
+        if kind not in told:
+            told[kind] = not refusal(kind)
+        if told[kind]:
+            allowed.append(row)
+    return allowed
+
+
+def refusal(row: Row) -> str:
+    """The line with which a row is refused before anything is computed; empty if it is not."""
+    chosen = dict(zip(NAMES, row, strict=True))
+    if chosen["start"] == "orbit" and chosen["drive"] != "constant":
+        return "needs a constant drive.velocity"
+    family = family_of(chosen["model"].split()[0])
+    assert family is not None
+    return family.refusal(scene_of(row))
+
+
+def scene_of(row: Row, units: str | None = None) -> Scene:
+    """The scene of a row, with or without `units` (default: as the row says)."""
+    chosen = dict(zip(NAMES, row, strict=True))
+    in_si = (units or chosen["units"]) == "SI"
+    upper = slab(chosen, 1.0, 1.0, in_si)
+    ratio, weight = {"commensurate": (2.0, 3.0), "irrational": (2.0**0.5, 3.0)}.get(chosen["slabs"], (1.0, 1.0))
+    interface = INTERFACE | ({"normal_stress": SIGMA, "memory_length": LENGTH, "reference_velocity": PACE} if in_si else {})
+    return read(
+        {
+            "name": "pair",
+            "interface": interface,
+            "upper": upper,
+            "lower": slab(chosen, ratio, weight, in_si),
+            "drive": {"velocity": [[time_of(t, in_si), f"{v * PACE!r} m/s" if in_si else v] for t, v in KNOTS[chosen["drive"]]]},
+            "start": {"kind": chosen["start"], "size": 0.05 if chosen["start"] == "jump" else 0.5},
+        }
+    )
+
+
+def time_of(transits: float, in_si: bool) -> float | str:
+    """As a scene file gives it."""
+    return f"{transits * R * LENGTH / PACE!r} s" if in_si else transits
+
+
+def slab(chosen: dict[str, str], ratio: float, weight: float, in_si: bool) -> dict[str, Any]:
+    """The table of a slab of `ratio` times the round trip and `weight` times the impedance."""
+    epsilon, r = EPSILON * weight, R * ratio
+    table: dict[str, Any] = {"epsilon": epsilon, "r": r}
+    unit = SIGMA / PACE  # of impedance
+    if in_si:
+        density = epsilon * unit / SPEED
+        table = {"density": density, "shear_modulus": density * SPEED**2, "thickness": 0.5 * r * LENGTH / PACE * SPEED}
+    if chosen["slabs"] == "layered":
+        table["layers"] = [{"fraction": 0.5, "impedance": 1.0}, {"fraction": 0.5, "impedance": 2.0}]
+    if chosen["viscosity"] != "none":
+        time = 0.02 * R
+        table["viscosity"] = {"kind": chosen["viscosity"], "time": f"{time * LENGTH / PACE!r} s" if in_si else time}
+        if chosen["viscosity"] == "standard-linear":
+            table["viscosity"]["ratio"] = 0.4
+    faces = {
+        "grip": {"stiffness": 10.0, "impedance": 3.0},
+        "reflection": {"coefficient": 0.999},
+        "machine": {"stiffness": 10.0, "impedance": 0.5, "mass": 0.5},
+    }
+    if chosen["face"] != "rigid":
+        face = dict(faces[chosen["face"]])
+        if in_si and chosen["face"] == "machine":
+            sizes = {
+                "stiffness": epsilon / r * unit * PACE / LENGTH,
+                "impedance": epsilon * unit,
+                "mass": epsilon * r * unit * LENGTH / PACE,
+            }
+            face = {key: value * sizes[key] for key, value in face.items()}
+        table["face"] = {"kind": chosen["face"], **face}
+    return table
+
+
+class Played(NamedTuple):
+    """A run to its end: the state of the solver when it `begun` (only where it was put somewhere first), the JSON of
+    `slipwave run` but for wall time, the final state of solver and observers."""
+
+    begun: State | None
+    text: str
+    state: State
+    solver: Any
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """The JSON, read."""
+        return dict(json.loads(self.text))
+
+
+class Saving:
+    """A mark that saves checkpoints in a folder as soon as a time of `dates` is reached."""
+
+    def __init__(self, folder: Path, dates: list[float]) -> None:
+        self.folder, self.dates, self.act = folder, list(dates), lambda: None
+
+    @property
+    def due(self) -> float:
+        """As `Mark`."""
+        return self.dates[0] if self.dates else math.inf
+
+
+class Stops:
+    """A mark every so many transits that does nothing: advances end there."""
+
+    def __init__(self, every: float) -> None:
+        self.due, self.every = every, every
+
+    def act(self) -> None:
+        """As `Mark`."""
+        self.due += self.every
+
+
+def built(row: Row, begun: State | None = None, units: str | None = None) -> Any:
+    """The solver of a row, with the ledger kept; from the state `begun` of another one if it is given."""
+    model, time, cells = [*row[0].split(), "-", "-"][:3]
+    options: Options = {"time": time if time != "-" else None, "cells": int(cells) if cells != "-" else None}
+    solver = prepare(model, scene_of(row, units), begun is not None, **options).solver
+    if isinstance(solver, FieldSolver):
+        solver.keep_ledger()
+    if begun is not None:
+        solver.restore(begun)
+    return solver
+
+
+def play(solver: Any, until: float, saving: Saving | None = None, chunk: float = math.inf, resume: Path | None = None) -> Played:
+    """Run `solver` to `until` (transits) as `slipwave run` does, in chunks of `chunk` transits, from the checkpoint `resume`."""
+    begun = solver.state() if solver.scene.start.kind == "orbit" else None
+    records = records_of(solver, until, Wanted())
+    parts: dict[str, Any] = {"events": records.watch, "envelope": records.envelope}
+    if records.protocol is not None:
+        parts["protocol"] = records.protocol
+    marks: list[Any] = [Stops(chunk)]
+    if saving is not None:
+
+        def act() -> None:
+            save(saving.folder / f"{len(saving.dates)}.npz", solver, parts)
+            saving.dates.pop(0)
+
+        saving.act = act
+        marks.append(saving)
+    if resume is not None:
+        load(resume, solver, parts)
+    done = simulate(solver, until, records.observers, watch=records.watch, marks=marks)
+    assert not done.failed
+    summary = RunResult(done, records, None, [], {}).summary
+    del summary["wall_s"]
+    state = solver.state() | {f"{label} {name}": array for label, part in parts.items() for name, array in part.state().items()}
+    return Played(begun, json.dumps(summary), state, solver)

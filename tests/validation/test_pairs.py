@@ -1,0 +1,133 @@
+"""Any two abilities together: a pairwise table of scenes, each held to what must be true of every run (`pairs`)."""
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from slipwave.errors import SceneError
+from slipwave.observe import follow
+from tests.validation.pairs import (
+    KNOTS,
+    NAMES,
+    Played,
+    Row,
+    Saving,
+    built,
+    pairs_of,
+    pairwise_rows,
+    play,
+    refusal,
+    rows_allowed,
+    scene_of,
+)
+from tests.validation.test_every_model_resumes import assert_same_bits
+from validation.registry.build import build
+
+UNTIL = 40.0
+CHUNK = 0.37
+STAGE = ("start", "end", "velocity", "steady_stress", "direct_effect", "evolution", "slip_to_recovery", "healing")
+ALLOWED = rows_allowed()
+ROWS = pairwise_rows(ALLOWED, 1)
+WAVES = [row for row in ROWS if (":" in row[0] and row[0][:2] not in ("fi", "mo")) or row[0].startswith("fd")]
+EXACT = [row for row in (*WAVES, *(row for row in ROWS if row[0] == "delay")) if "orbit" not in row]
+
+
+def named(row: Row) -> str:
+    return ", ".join(row)
+
+
+def each(rows: list[Row]) -> pytest.MarkDecorator:
+    """A test for each row; those with an orbit that takes a second or more to find are slow, but for one viscous grid."""
+    seconds = ("fitted", "dg", "sbp", "quasidynamic")
+    slow = {row: [pytest.mark.slow] for row in rows if "orbit" in row and row[0].startswith(seconds)}
+    return pytest.mark.parametrize("row", [pytest.param(row, id=named(row), marks=slow.get(row, [])) for row in rows])
+
+
+@cache
+def whole(row: Row) -> Played:
+    """The run in one piece."""
+    return play(built(row), UNTIL)
+
+
+def checkpoints_of(row: Row) -> list[float]:
+    """Right at the last knot of V or, without one, anywhere; and somewhere behind it."""
+    last = KNOTS[row[NAMES.index("drive")]][-1][0] or 11.0
+    return [last, last + 16.1234]
+
+
+def assert_same(ours: Played, theirs: Played) -> None:
+    """To the bit, but for the number of iterations of a network, which counts steps that were tried and not taken too."""
+    assert ours.text == theirs.text
+    states = [one.state | {"counts": one.state["counts"][: -1 if "waves" in one.state else None]} for one in (ours, theirs)]
+    assert_same_bits(*states)
+
+
+@each(ROWS)
+def test_chunks_and_checkpoints_change_nothing(tmp_path: Path, row: Row) -> None:
+    straight = whole(row)
+    chunked = play(built(row, straight.begun), UNTIL, Saving(tmp_path, checkpoints_of(row)), chunk=CHUNK)
+    assert_same(chunked, straight)
+    files = sorted(tmp_path.glob("*.npz"))
+    assert len(files) == len(checkpoints_of(row))
+    for file in files:
+        assert_same(play(built(row, straight.begun), UNTIL, resume=file), straight)
+
+
+@each(WAVES)
+def test_the_ledger_closes(row: Row) -> None:
+    """Within rounding for the leapfrog, within what steps resolve for an exact march; measured: up to 1.2e-4 on orbits and 1e-3
+    for explicit steps. Viscosity takes a little, never more than the work that is done."""
+    energy, limit = whole(row).facts["energy"], 1e-12 if row[0].startswith("fd") else 3e-3 if "explicit" in row[0] else 6e-4
+    assert abs(energy["residual"]) < limit
+    largest = max(abs(energy[name]) for name in ("input", "friction", "stored"))
+    assert ("viscous" in energy) == (row[NAMES.index("viscosity")] != "none")
+    assert 0.0 <= energy.get("viscous", 0.0) < 0.1 * largest
+    assert (energy["radiated"] > 0.0) == ("rigid" not in row)
+
+
+@each([row for row in ROWS if "SI" in row])
+def test_units_change_nothing(row: Row) -> None:
+    """Measured: 5e-13 of the final state."""
+    ours, theirs = whole(row).facts, play(built(row, units="none"), UNTIL).facts
+    assert list(ours["final"].values()) == pytest.approx(list(theirs["final"].values()), abs=1e-11)
+    assert (ours["verdict"], ours["events"], ours["failures"]) == (theirs["verdict"], theirs["events"], theirs["failures"])
+    for one, other in zip(ours.get("protocol", []), theirs.get("protocol", []), strict=True):
+        assert (one["kind"], one["stick_slips"]) == (other["kind"], other["stick_slips"])
+        ours, theirs = ({name: stage[name] for name in STAGE if stage[name] is not None} for stage in (one, other))
+        assert ours == pytest.approx(theirs, rel=1e-8)
+
+
+@each(EXACT)
+def test_two_exact_models_agree(row: Row) -> None:
+    """Friction at the end, against elements of degree 7. Measured: 1.2e-4 for the delay system where V jumps, else 2e-8;
+    1.6e-4 for coarse exact grids; 5e-3 for coarse explicit ones, where an event is near."""
+    witness = follow(build("dg:7", scene_of(row), cells=3, time="exact"), UNTIL)
+    smooth = row[0] == "delay" and row[NAMES.index("drive")] in ("constant", "ramp")
+    limit = 1e-7 if smooth else 1e-2 if "exact" not in row[0] and row[0] != "delay" else 4e-4
+    assert whole(row).facts["final"]["mu"] == pytest.approx(witness.mu, abs=limit)
+
+
+def test_every_pair_of_levels_is_in_the_table() -> None:
+    wanted, found = ({pair for row in rows for pair in pairs_of(row)} for rows in (ALLOWED, ROWS))
+    assert found == wanted
+    assert len(ROWS) < 48
+    assert len(wanted) == 348
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        ("delay", "alike", "grip", "ramp", "kelvin-voigt", "nudge", "SI"),
+        ("modal:2", "layered", "machine", "constant", "none", "orbit", "none"),
+        ("quasidynamic", "irrational", "reflection", "hold", "standard-linear", "jump", "SI"),
+        ("fem:2 exact 3", "commensurate", "grip", "step after ramp", "none", "orbit", "none"),
+    ],
+    ids=named,
+)
+def test_what_is_refused_is_refused_in_one_line(row: Row) -> None:
+    assert refusal(row)
+    with pytest.raises(SceneError) as refused:
+        built(row)
+    assert refusal(row) in str(refused.value)
+    assert "\n" not in str(refused.value)
