@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY
 from reduced.delay.transmission_lines import Lines
+from slipwave.compiled import njit
 from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
-from slipwave.step.collocation import rule_of
+from slipwave.step.collocation import Nodes, rule_of
 from slipwave.step.guess import judge_step
 from slipwave.step.impedance import full_impedance
 from slipwave.step.newton import solve
@@ -106,6 +107,12 @@ class Slow(NamedTuple):
     verdict: int
 
 
+@njit
+def _judged(nodes: Nodes, tail: Array, guess: Array, work: Array, used: int, resolution: float, steepest: float) -> int:
+    """`judge_step` for calls from Python: what is inlined would be compiled again in each process."""
+    return judge_step(nodes, tail, guess, work, used, resolution, steepest)
+
+
 class SlowMotion:
     """Steps of slow motion of the `lines` of a `scene`, with polynomials through `stages` Radau nodes."""
 
@@ -136,7 +143,7 @@ class SlowMotion:
         h, integral = length * scene.transit, self._rule.integral
         arrays = (guess, work, self._scratch.system)
         used = solve(shape, scene.law, self._impedance, h, psi, incoming, 0, integral, newton, *arrays)
-        verdict = judge_step(shape, self._rule.tail, guess, work, used, resolution, steepest)
+        verdict = _judged(shape, self._rule.tail, guess, work, used, resolution, steepest)
         tail = abs(float(self._rule.tail @ guess[UNKNOWN]))
         return Slow(start, length, guess.copy(), work[RATE] - velocity, load, psi, tail, verdict)
 

@@ -29,7 +29,10 @@ from slipwave.scene import Scene
 
 Real: TypeAlias = NDArray[np.float64]
 _THETA = np.unique(np.concatenate([np.geomspace(1e-9, 1.0, 1200), np.linspace(1.0, 60.0, 6000)]))
-_FIRST_OCTAVE, _LAST_OCTAVE, _FIRST_STEP = -20, 10, 0.125
+FIRST_OCTAVE, LAST_OCTAVE = -20, 10
+"""Powers of two of the factors among which critical ones are sought."""
+
+_FIRST_STEP = 0.125
 _TRIED, _HALVINGS, _SMALL = 3, 60, 1e-6
 _BESIDE = (1e-6, 1e-4, 1e-2)
 """Relative distances from a critical value at which roots are counted; a larger one if all of them are neutral at the smaller."""
@@ -59,7 +62,7 @@ def critical_round_trip(scene: Scene, model: str = "delay") -> tuple[float, floa
         for found in _by_angle(problem):
             if _is_lost(with_round_trip, found[0]):
                 return found
-    start = critical_round_trip(scene)[0] / scene.transit if model.startswith("fitted") else 2.0**_FIRST_OCTAVE
+    start = critical_round_trip(scene)[0] / scene.transit if model.startswith("fitted") else 2.0**FIRST_OCTAVE
     factor, omega = critical_factor(at, model, start) if math.isfinite(start) else (math.nan, math.nan)
     return scene.transit * factor, omega
 
@@ -137,7 +140,7 @@ def critical_factor(at: Callable[[float], Scene], model: str, start: float = 1.0
     began = unstable(last)
     while True:
         here = last - step if began else last + step
-        if not _FIRST_OCTAVE <= here <= _LAST_OCTAVE:
+        if not FIRST_OCTAVE <= here <= LAST_OCTAVE:
             return math.nan, math.nan
         if unstable(here) != began:
             break

@@ -161,3 +161,16 @@ def test_nothing_is_leapt_over_where_steady_sliding_is_left_quickly():
     assert isinstance(solver, LeapingNetwork)
     assert follow(solver, 1500.0, [EventObserver(scene, solver.nodes)]).psi == pytest.approx(follow(plain, 1500.0).psi, abs=1e-6)
     assert solver.skipped == 0.0
+
+
+def test_tries_that_fail_are_made_ever_more_rarely(monkeypatch: pytest.MonkeyPatch):
+    """Of steel on PMMA, which sticks for too short a time: after a try that is given up late, twice as long as before."""
+    scene, began = slipwave.read("steel-on-pmma"), []
+    solver = LeapingNetwork(scene, TOLERANCE)
+    check = solver._check
+    monkeypatch.setattr(solver, "_check", lambda split, count: began.append(solver.time) or check(split, count))
+    follow(solver, 40_000.0, [EventObserver(scene, solver.nodes)])
+    assert solver.skipped == 0.0
+    assert len(began) == 4
+    assert began[1] - began[0] == pytest.approx(2048.0, abs=2.0)
+    assert solver.state()["leaps"][1] == 1024.0 * 2.0 ** len(began)

@@ -129,3 +129,25 @@ def test_a_ramp_says_which_velocity_is_analysed(capsys: pytest.CaptureFixture[st
     assert same["notes"] == []
     assert main(["stability", "paper", "--set", ramp]) == 0
     assert "note: the drive changes: this is steady sliding at V = 1000" in capsys.readouterr().out
+
+
+def test_figures_that_do_not_exist_have_a_reason(capsys: pytest.CaptureFixture[str]) -> None:
+    """Quasi-dynamic slabs on a machine whose onset lies beyond every thickness, and friction that strengthens."""
+    rock = {"density": 2700.0, "shear_modulus": "30 GPa", "thickness": 1.0}
+    face = {"kind": "machine", "stiffness": 1e11, "impedance": 1e6, "mass": 400.0}
+    units = {"normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6}
+    friction = {"law": "ageing", "a_star": 0.6, "a": 0.010, "b": 0.015}
+    scene = {"interface": friction | units, "slab": rock | {"face": face}, "drive": {"velocity": 1e6}}
+    found = slipwave.stability(scene, "quasidynamic").summary
+    reach = "between 9.5e-07 and 1024 times the present one"
+    assert (found["log10_r_c"], found["omega_c"], found["si"]["critical_thickness_m"]) == (None, None, None)
+    assert found["epsilon_c"] > 0.0
+    assert found["notes"] == [
+        f"no critical r: steady sliding loses its stability at no r {reach}",
+        f"no critical thickness: steady sliding loses its stability at none {reach}",
+    ]
+    found = answer(capsys, "paper", "--set", "interface.b=0.01")
+    assert (found["log10_r_c"], found["epsilon_c"]) == (None, None)
+    assert found["notes"] == [
+        "no critical values: friction does not weaken with the slip rate, so that steady sliding is always stable"
+    ]

@@ -1,6 +1,7 @@
 """`slipwave.stability`: is steady sliding stable, where does it lose stability, and how do small disturbances grow?"""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -8,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from reduced.families import DELAY
-from reduced.stability import Stability, analyse
+from reduced.stability import Stability, analyse, friction_slopes
+from reduced.stability.critical import FIRST_OCTAVE, LAST_OCTAVE
 from reduced.stability.physical import PhysicalStability, in_si
 from slipwave.extras import require
 from slipwave.input import SceneSource
@@ -113,7 +115,8 @@ class StabilityResult(Result):
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on the numbers: which V was taken on a ramp, why there is no verdict on a neutral root, what was not found."""
+        """Remarks on the numbers: which V was taken on a ramp, why there is no verdict on a neutral root, what was not found and
+        what does not exist."""
         notes, found = [], self.found
         if not self.scene.drive.is_constant:
             notes.append(
@@ -125,7 +128,23 @@ class StabilityResult(Result):
                 f"neutral within rounding: the leading root's real part {found.rate:.2g} cannot be told from 0; no other root "
                 "grows"
             )
-        return [*notes, *found.missing, *(self.physical.missing if self.physical else ())]
+        absent = [] if found.model == "taylor" else self._absent()
+        return [*notes, *found.missing, *(self.physical.missing if self.physical else ()), *absent]
+
+    def _absent(self) -> Iterator[str]:
+        """Why critical values do not exist, where nothing else says so."""
+        found = self.found
+        if not friction_slopes(self.scene.law, self.scene.velocity).weakening:
+            yield "no critical values: friction does not weaken with the slip rate, so that steady sliding is always stable"
+            return
+        missing = " ".join([*found.missing, *(self.physical.missing if self.physical else ())])
+        reach = f"between {2.0**FIRST_OCTAVE:.2g} and {2.0**LAST_OCTAVE:g} times"
+        if math.isnan(found.log10_r_c) and "the critical r " not in missing:
+            yield f"no critical r: steady sliding loses its stability at no r {reach} the present one"
+        if math.isnan(found.epsilon_c) and "the critical epsilon" not in missing:
+            yield "no critical epsilon: there is none above which steady sliding is stable and just below which it is not"
+        if self.physical and math.isnan(self.physical.critical_thickness) and "the critical thickness" not in missing:
+            yield f"no critical thickness: steady sliding loses its stability at none {reach} the present one"
 
 
 @checked

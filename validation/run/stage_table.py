@@ -55,6 +55,8 @@ def missing_in_words(stages: Sequence[StageFigures]) -> list[str]:
 
 
 def _why(before: StageFigures) -> str:
+    if before.relaxation is not None or before.steady_stress is not None:
+        return "no time step of the model lies within it"
     if before.kind == "hold":
         return "its hold has no relaxation"
     return f"the {before.kind} before it is {_state(before)}, so there is no steady stress to compare with"
