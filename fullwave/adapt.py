@@ -17,7 +17,7 @@ credited with more than the scheme's order p, i.e. the estimate is at least the 
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
@@ -84,7 +84,7 @@ def to_tolerance(
     enough.
     """
     least, most = GALERKIN.tolerances
-    if isinstance(tolerance, bool) or not isinstance(tolerance, int | float) or not least <= tolerance <= most:
+    if not isinstance(cast(object, tolerance), int | float) or not least <= tolerance <= most:
         raise SceneError(f"tolerance = {tolerance!r}: must lie in [{least:g}, {most:g}]")
     if kind is DiscontinuousGalerkin:
         options = {"degree": degree_for(tolerance), "resolution": resolution_for(tolerance)} | options

@@ -14,13 +14,13 @@ class AnyShare(float):
     """A `cfl` that may exceed 1, so that steps beyond the limit can be studied. No option of a user becomes one."""
 
 
-def require_whole(name: str, value: int, least: int, most: int) -> None:
+def require_whole(name: str, value: object, least: int, most: int) -> None:
     """Raises SceneError unless `value` is a whole number from `least` to `most`."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
         raise SceneError(f"{name} = {value!r}: must be a whole number from {least} to {most}")
 
 
-def require_cfl(cfl: float) -> None:
+def require_cfl(cfl: object) -> None:
     """Raises SceneError unless `cfl` is a number in (0, 1], or an `AnyShare`, and at least LEAST_CFL; smaller steps would be lost
     in rounding."""
     most = math.inf if isinstance(cfl, AnyShare) else 1.0

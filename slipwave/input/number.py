@@ -20,7 +20,7 @@ class Range:
 
     def __call__(self, value: Any) -> float:
         """`value` as a float; raises the pydantic error that states the range."""
-        if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        if not isinstance(value, bool) and isinstance(value, numbers.Real):
             try:
                 number = float(value)
             except (OverflowError, ValueError):

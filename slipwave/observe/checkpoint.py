@@ -143,7 +143,8 @@ def _read(path: Path) -> tuple[dict[str, Any], _Arrays]:
     """(facts, arrays) of a file. Raises SceneError if it cannot be read or if its contents do not match its own digest."""
     unreadable = f"checkpoint {str(path)!r} cannot be read"
     try:
-        with np.load(path, allow_pickle=False) as file:
+        # opened here, because numpy leaves a damaged file open
+        with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         facts = json.loads(str(arrays.pop("facts")))
         contents = facts.pop("contents", None)
