@@ -82,7 +82,7 @@ def test_a_run_from_a_checkpoint_has_the_stages_of_the_whole(tmp_path: Path) -> 
 def test_slip_events_as_csv(name: str, options: list[str], tmp_path: Path) -> None:
     path = tmp_path / "events.csv"
     assert main(["run", name, "--until", "1500", *options, "--events", str(path), "--json"]) == 0
-    rows = list(csv.reader(path.open(encoding="utf-8")))
+    rows = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
     scene = slipwave.read(name, options[1:])
     events = slipwave.run(scene, until=1500).done.events
     units = scene.units

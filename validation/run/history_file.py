@@ -7,7 +7,7 @@ import weakref
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import BinaryIO, Literal, NamedTuple
 
 import numpy as np
 
@@ -99,16 +99,17 @@ class HistoryFile:
         self._reached = float(state["reached"])
         samples, checksum, self._seen = (int(number) for number in state["samples"])
         try:
-            self._file = self.path.open("r+b")
+            self._hold("r+b")
         except OSError as error:
             raise SceneError(f"{self._label} is gone: {reason_of(error)}") from None
+        file = self._opened()
         self._samples, self._checksum = samples, 0
-        if self._file.seek(0, os.SEEK_END) >= self._bytes:
+        if file.seek(0, os.SEEK_END) >= self._bytes:
             for block in self._blocks():
                 self._checksum = zlib.crc32(block.tobytes(), self._checksum)
         if self._checksum != checksum:
             raise SceneError(f"{self._label} is not the one that belongs to it")
-        self._file.truncate(self._file.seek(self._bytes))
+        file.truncate(file.seek(self._bytes))
 
     def __len__(self) -> int:
         """Samples recorded."""
@@ -148,8 +149,12 @@ class HistoryFile:
         file.flush()
 
     def _opened(self) -> BinaryIO:
-        if self._file is None:
-            self._file = self.path.open("w+b")
+        return self._file or self._hold("w+b")
+
+    def _hold(self, mode: Literal["r+b", "w+b"]) -> BinaryIO:
+        """Open the file until this is closed or no longer used."""
+        self._file = self.path.open(mode)
+        weakref.finalize(self, self._file.close)
         return self._file
 
     def _attempt(self, action: Callable[[], None]) -> bool:
