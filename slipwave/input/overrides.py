@@ -8,7 +8,7 @@ empties its table.
 import copy
 import re
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, cast
 
 from slipwave.errors import SceneError
 from slipwave.input.keys import full_key
@@ -42,7 +42,7 @@ def _key(text: str) -> list[str]:
 
 
 def _parse(text: str) -> tuple[list[str], Any]:
-    key, sign, value = text.partition("=") if isinstance(text, str) else ("", "", "")
+    key, sign, value = text.partition("=") if isinstance(cast(object, text), str) else ("", "", "")
     if not sign:
         raise SceneError(f"--set {shorten(text)}: must be KEY=VALUE, as in slab.log10_r=-2.3")
     return _key(key), _value(key.strip(), value.strip())

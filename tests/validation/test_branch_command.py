@@ -257,7 +257,7 @@ def test_a_failed_branch_goes_on_to_the_file_of_one_that_did_not_fail(tmp_path, 
 
 
 def test_limits_are_kept_and_told(capsys):
-    few = branch(capsys, *SHORT, "--most-points", "7")
+    few = branch(capsys, *SHORT[:-1], "7")
     assert len(few["points"]) == 7
     assert few["notes"] == ["stopped after 7 points: --most-points goes further"]
     short = branch(capsys, *COARSE, "--longest-period", "51")
@@ -317,7 +317,7 @@ def test_what_cannot_be_followed_is_told_in_one_line(capsys, words, status, said
 def test_a_branch_goes_on_with_another_tolerance(capsys, tmp_path):
     """The points that it has stay; the next ones lie on a finer mesh, and it passes through the known fold all the same."""
     path = str(tmp_path / "x.nc")
-    few = branch(capsys, *SHORT, "--most-points", "5", "--out", path)
+    few = branch(capsys, *SHORT[:-1], "5", "--out", path)
     words = [*(word if word != "1e-4" else "1e-7" for word in COARSE), "--stop-at", "LP"]
     found = branch(capsys, *words, "--resume", path)
     assert found["points"][:5] == few["points"]

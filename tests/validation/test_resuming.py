@@ -1,5 +1,6 @@
 """`slipwave run --checkpoint`: a killed run goes on with bit-identical results; a wrong file is refused in one line."""
 
+import itertools
 import json
 import signal
 import subprocess
@@ -74,7 +75,7 @@ def test_killed_run_goes_on_to_the_same_bits(tmp_path, uninterrupted, at, count)
 
 def test_prolonged_run_equals_one_that_never_stopped(tmp_path, capsys):
     file = str(tmp_path / "run.npz")
-    whole = [*BASE, "--model", "fd", "--until", "500"]
+    whole = ["run", "paper", "--model", "fd", "--json", "--until", "500"]
     assert main([*whole[:-1], "300", "--checkpoint", file, "--checkpoint-every", "90"]) == 0
     capsys.readouterr()
     assert main([*whole, "--checkpoint", file]) == 0
@@ -103,7 +104,8 @@ def test_what_does_not_belong_is_refused(tmp_path, capsys, monkeypatch, words, h
     monkeypatch.chdir(tmp_path)
     assert main([*BASE, "--until", "200", "--checkpoint", "run.npz", "--checkpoint-every", "90"]) == 0
     capsys.readouterr()
-    assert main([*BASE, "--until", "200", "--checkpoint", "run.npz", *words]) == 2
+    options = {"--model": "dg:7", "--until": "200", "--checkpoint": "run.npz"} | dict([words])
+    assert main(["run", "paper", "--json", *itertools.chain(*options.items())]) == 2
     said = capsys.readouterr()
     assert said.out == ""
     assert said.err.count("\n") == 1

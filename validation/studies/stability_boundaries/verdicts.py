@@ -134,7 +134,7 @@ def _beside(paper: Scene, model: str, curve: Boundary) -> tuple[int, int]:
 def crossed(paper: Scene, onsets: Mapping[str, tuple[float, float]], found: Mapping[str, Stability]) -> Verdict:
     """The certified count of growing roots just below and beyond every onset, which the onset was found without."""
     places = {f"`{model}`": (paper, model, math.log10(r)) for model, (r, _) in onsets.items()}
-    places |= {name: (slipwave.read(name), "delay", one.log10_r_c) for name, one in found.items() if one.log10_r_c is not None}
+    places |= {name: (slipwave.read(name), "delay", one.log10_r_c) for name, one in found.items() if math.isfinite(one.log10_r_c)}
     counts = {
         name: [unstable_count(characteristic(with_parameter(scene, "log10_r", at + step), model)) for step in (-_STEP, _STEP)]
         for name, (scene, model, at) in places.items()
