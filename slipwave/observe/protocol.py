@@ -16,6 +16,7 @@ LEFT = math.exp(-1.0)
 
 _POINTS = 33  # of a piece, its ends included
 _AT_ONCE = 256  # pieces that are searched for a peak
+_NEAR = 1.2  # nodes this close to the stress that is looked for: it may lie between them
 
 
 class Sampling(NamedTuple):
@@ -92,16 +93,19 @@ class ProtocolObserver:
 
     def _look_for_peaks(self, k: int, stage: Stage, pieces: Pieces, begun: Array) -> None:
         """The peak of a stage, and where the stress has come back after it, in those of its `pieces` in which they may lie."""
-        first, count, highest = 0, pieces.time.size, (stage.sign * pieces.mu).max(axis=1)
+        count, steady = pieces.time.size, self._steady(stage)
+        first, highest, lowest = 0, (stage.sign * pieces.mu).max(axis=1), (stage.sign * pieces.mu).min(axis=1)
         while first < count:
-            seen, many = self._seen[k], _AT_ONCE
-            if not math.isnan(seen.recovered):
-                higher, many = np.flatnonzero(highest[first:] >= stage.sign * seen.peak), 1
-                first = first + int(higher[0]) if higher.size else count
+            seen, many = self._seen[k], 1
+            may = ~(highest[first:] < stage.sign * seen.peak)
+            if math.isnan(seen.recovered):
+                near, many = _NEAR * LEFT * stage.sign * (seen.peak - steady), _AT_ONCE
+                may |= lowest[first:] - stage.sign * steady <= near
+            first = first + int(np.argmax(may)) if may.any() else count
             these = slice(first, min(first + many, count))
             if first < count:
                 fine, _ = self._sampled(self._fine, Pieces(*(column[these] for column in pieces)), begun[these])
-                steady, mu, slip = self._steady(stage), fine[1].ravel(), fine[3].ravel()
+                mu, slip = fine[1].ravel(), fine[3].ravel()
                 used = _until_recovered(seen, stage.sign, steady, mu) // _POINTS + 1
                 self._seen[k] = _peak(seen, stage.sign, steady, mu[: used * _POINTS], slip[: used * _POINTS])
                 first += used
