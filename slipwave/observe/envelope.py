@@ -96,15 +96,15 @@ class Envelope:
         begin, end, self._reached, self._origin, *widths = state["numbers"].tolist()
         if (begin, end) != (self._begin, self._end):
             raise ValueError(f"the window is {begin:g}:{end:g}; this run asks for {self._begin:g}:{self._end:g}")
-        for n, (bins, width) in enumerate(zip(self._bins, widths, strict=True)):
-            bins.width, bins.ranges = width, np.array(np.split(state[f"ranges{n}"], 2))
+        by_time, by_slip = (_Bins(width, np.array(np.split(state[f"ranges{n}"], 2))) for n, width in enumerate(widths))
+        self._bins = by_time, by_slip
 
 
 class _Bins:
     """`ranges` (low and high, rows, intervals) of samples over intervals `width` long."""
 
-    def __init__(self) -> None:
-        self.width, self.ranges = _FIRST, self._empty(COUNT)
+    def __init__(self, width: float = _FIRST, ranges: Array | None = None) -> None:
+        self.width, self.ranges = width, self._empty(COUNT) if ranges is None else ranges
 
     def add(self, places: Array, samples: Array) -> None:
         """Take samples (rows, n) at `places` (n,) from 0 on, as a rule rising."""

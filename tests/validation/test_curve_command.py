@@ -144,7 +144,7 @@ def test_a_file_of_another_curve_is_refused(tmp_path, capsys):
     words = ["curve", "paper", "--of", "LP", "--model", "kelvin-voigt", "--tol", "1e-4", "--resume", str(file)]
     assert main([*words, "--over", "log10_r=-2.72:-2.69", "--and", "V=100:130"]) == INPUT_WRONG
     assert "rectangle is [['log10_r', -2.72, -2.69], ['V', 100.0, 120.0]]; this curve has" in capsys.readouterr().err
-    assert main([*words, "--of", "HB", "--over", "log10_r=-2.72:-2.69", "--and", "V=100:120"]) == INPUT_WRONG
+    assert main([*words[:2], "--of", "HB", *words[4:], "--over", "log10_r=-2.72:-2.69", "--and", "V=100:120"]) == INPUT_WRONG
     assert "--resume: a curve of Hopf points is computed at once" in capsys.readouterr().err
 
 

@@ -131,11 +131,6 @@ def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypat
 
 
 @pytest.mark.filterwarnings("error")
-def test_bench_without_cycles_draws_an_empty_frame_in_silence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(models, "honouring", lambda _: [family for family in models.families() if family.name == "block8"])
-    assert values(sw.bench("paper", until=5, **{"drive.velocity": 2000}).plot().axes[0]) == []
-
-
 def orbits(count: int) -> list[tuple[float, ...]]:
     """Parameter, period, both drops and extreme rates, all different."""
     rows = np.array([[-2.7, 50.0, 0.1, 0.2, 900.0, 20.0]]) * (1.0 + 0.01 * np.arange(count)[:, None])

@@ -24,7 +24,7 @@ CALLS: dict[str, tuple[str, dict[str, Any]]] = {
     "run --model dg:3 --until 7 --cycles 5 --cells 6 --cfl 0.25 --time explicit --tol 1e-4 --checkpoint c.npz "
     "--checkpoint-every 30 --every 3 --window 1.5:2.5 --lyapunov --yes": STEPS
     | {"model": "dg:3", "cycles": 5, "time": "explicit", "interface": False, "every": 3, "window": "1.5:2.5", "fields": False}
-    | {"samples": None, "checkpoint": Path("c.npz"), "checkpoint_every": 30.0, "lyapunov": True},
+    | {"samples": None, "checkpoint": Path("c.npz"), "checkpoint_every": "30", "lyapunov": True},
     "compare --models fd,delay --until 7 --cells 6 --cfl 0.25 --time exact --tol 1e-4 --yes": STEPS
     | {"models": "fd,delay", "time": "exact"},
     "bench --until 7 --yes": {"until": "7", "most_seconds": math.inf},

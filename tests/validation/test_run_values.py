@@ -15,7 +15,7 @@ import xarray
 import slipwave
 from validation.cli import main
 
-UNTIL = 3000.0
+UNTIL = 4000.0
 THICKNESS = 0.0805
 """Of one slab of `paper-si` (m), so that its cycles are irregular: their spread is 6 per cent."""
 SPEED = math.sqrt(1e6 / 784.0)  # m/s
