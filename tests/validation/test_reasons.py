@@ -83,6 +83,10 @@ def test_figures_of_a_run_in_si(capsys: pytest.CaptureFixture[str]) -> None:
             "v_max_m_per_s": 1e-6 * found["v_max"],
             "v_min_m_per_s": 1e-6 * found["v_min"],
             "transit_s": transit,
+        }
+        | {
+            f"{name}_std_{unit}": scale * found[name]["std"]
+            for name, unit, scale in (("period", "s", transit), ("stress_drop", "Pa", 1e3), ("elastic_stress_drop", "Pa", 1e3))
         },
         rel=1e-12,
     )
