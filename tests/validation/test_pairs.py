@@ -27,6 +27,12 @@ from validation.registry.build import build
 UNTIL = 40.0
 CHUNK = 0.37
 STAGE = ("start", "end", "velocity", "steady_stress", "direct_effect", "evolution", "slip_to_recovery", "healing")
+KINDS = {
+    "constant": [],
+    "ramp": ["start", "ramp", "level"],
+    "hold": ["start", "hold", "slide"],
+    "step after ramp": ["start", "ramp", "step"],
+}
 ALLOWED = rows_allowed()
 ROWS = pairwise_rows(ALLOWED, 1)
 WAVES = [row for row in ROWS if (":" in row[0] and row[0][:2] not in ("fi", "mo")) or row[0].startswith("fd")]
@@ -68,6 +74,7 @@ def test_chunks_and_checkpoints_change_nothing(tmp_path: Path, row: Row) -> None
     straight = whole(row)
     chunked = play(built(row, straight.begun), UNTIL, Saving(tmp_path, checkpoints_of(row)), chunk=CHUNK)
     assert_same(chunked, straight)
+    assert [stage["kind"] for stage in straight.facts.get("protocol", [])] == KINDS[row[NAMES.index("drive")]]
     files = sorted(tmp_path.glob("*.npz"))
     assert len(files) == len(checkpoints_of(row))
     for file in files:
