@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from one_port_scenes import EPSILON, EVERY, LOSSY, PAPER, ROUND_TRIP, paper, scene_of, slab
 
+import slipwave
 from reduced import closed_forms
 from reduced.stability import (
     analyse,
@@ -116,6 +117,16 @@ def test_reference_hopf_points():
     assert found["delay"][0] * found["delay"][1] == pytest.approx(0.1265032224, abs=1e-10)
     assert math.log10(found["kelvin-voigt"][0]) == pytest.approx(-2.69954994745, abs=1e-11)
     assert abs(math.log10(found["delay"][0]) + 2.6996) < 1e-4
+
+
+def test_a_crossing_above_which_other_roots_still_grow_is_no_critical_epsilon():
+    """A pair crosses at 1.4498e-6, but 22 roots grow above it, whatever epsilon is."""
+    rock = slipwave.read("rock")
+    rock = scaled(rock, round_trip=0.01 / rock.transit)
+    shares = (1.43e-6, 1.47e-6, 1e-4, 1e-1)
+    counts = [unstable_count(characteristic(scaled(rock, epsilon=size / rock.upper.epsilon))) for size in shares]
+    assert counts == [24, 22, 22, 22]
+    assert math.isnan(critical_epsilon(rock))
 
 
 def test_critical_epsilon_closed_forms():
