@@ -45,7 +45,7 @@ def named(row: Row) -> str:
 
 def each(rows: list[Row]) -> pytest.MarkDecorator:
     """A test for each row; those with an orbit that takes a second or more to find are slow, but for one viscous grid."""
-    seconds = ("fitted", "dg", "sbp", "quasidynamic")
+    seconds = ("fitted", "dg", "sbp", "quasidynamic", "kelvin", "modal", "fd")
     slow = {row: [pytest.mark.slow] for row in rows if "orbit" in row and row[0].startswith(seconds)}
     return pytest.mark.parametrize("row", [pytest.param(row, id=named(row), marks=slow.get(row, [])) for row in rows])
 
