@@ -45,6 +45,7 @@ _FEW, _STRAIGHT = 8, (0.98, 0.9)  # share of the variance that is exponential, o
 _CHANGED = 0.2  # in the logarithm of the prominence
 _KEEPS = 0.8  # of the rate of growth from third to third of the window
 _HALF = 0.5  # of the last prominence: the largest limit of a motion that decays
+_STEEP, _ENOUGH = 1.0, 6  # fall of the logarithm from third to third, and events, in which a limit is looked for
 _SLIDES = 1e-6
 _SMOOTH, _ROUND = 0.04, 24  # misfit of a torus, and its fewest cycles; of chaos 0.05 or more in these, in fewer down to 0.005
 _STAYS, _ERRORS = 0.03, 4.0  # largest change of the amplitude of a torus over its cycles, itself or in its standard errors
@@ -127,6 +128,16 @@ def _multiplicity(figures: Array) -> int | None:
     return next((n for n in range(tried + 1, count // 2 + 1) if _apart(figures, n) <= min(REPEATS, _CLOSELY * own)), None)
 
 
+def repeating(cycles: Events, multiplicity: int) -> Events:
+    """The last of the `cycles` of a periodic motion, as many as agree with every `multiplicity`-th of them within `REPEATS`."""
+    figures = np.array(cycles[1:]).T
+    first, last = 0, len(figures) - 2 * multiplicity  # bisection: the more cycles, the larger their spread
+    while first < last:
+        middle = (first + last) // 2
+        first, last = (first, middle) if _apart(figures[middle:], multiplicity) <= REPEATS else (middle + 1, last)
+    return Events(*(column[first:] for column in cycles))
+
+
 def _apart(figures: Array, n: int) -> float:
     """The largest spread of a figure over every n-th cycle, relative."""
     return float(max(np.max(np.ptp(figures[k::n], axis=0) / np.abs(figures[k::n].mean(axis=0))) for k in range(n)))
@@ -142,9 +153,20 @@ def _trend(prominence: Array, ratio: float) -> float:
     slower = late / early
     if late > 0.0:
         return change if slower >= _KEEPS else 0.0
-    # x = limit + A exp(-k t) slows down by this factor; the limit over x, if x falls by `fall` meanwhile
-    fall = -0.5 * (early + late)
-    return change if 1.0 - slower <= _HALF * (1.0 - slower * np.exp(-fall)) else 0.0
+    return change if _limit(values) <= _HALF else 0.0
+
+
+def _limit(values: Array) -> float:
+    """The limit of x = limit + A exp(-k t), over the last x, from the logarithms of x: its slope slows down. Of a steep fall the
+    last events say it: at most `_STEEP` from third to third, as long as there are `_ENOUGH`."""
+    while values.size >= 2 * _ENOUGH and between_thirds(values)[1] < -_STEEP:
+        values = values[values.size // 2 :]
+    early, late = (float(part) for part in between_thirds(values))
+    if early >= 0.0 or late >= 0.0:
+        return 0.0 if late < 0.0 else 1.0
+    slower, fall = late / early, -0.5 * (early + late)
+    there = (1.0 - slower) / (1.0 - slower * np.exp(-fall))  # over x between the two last thirds
+    return float(there * np.exp(-late))
 
 
 def _rate(cycles: Events) -> float:

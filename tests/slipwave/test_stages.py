@@ -93,6 +93,22 @@ def test_a_protocol_goes_on_as_without_a_stop(end: int) -> None:
     assert [stage.reached for stage in after._seen] == [20.0, 100.0, 150.0, 220.0]
 
 
+def test_the_slip_to_recovery_is_that_without_a_stop_after_the_peak() -> None:
+    """The stress above the steady one decays by a factor e in 20 transits at 300 V*; the run is resumed after ten."""
+    scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 80})
+    nodes, steady = np.array([0.2, 0.5, 1.0]), slipwave.read("paper", {"drive.velocity": 300.0}).steady_stress
+    before, after = (ProtocolObserver(scene, nodes, 80.0) for _ in range(2))
+    for begin in np.arange(0.0, 80.0):
+        if begin == 30.0:
+            after.restore(before.state())
+        time = begin + nodes[None, :]
+        late = time > 20.0
+        mu = np.where(late, steady + 0.02 * np.exp(-(time - 20.0) / 20.0), scene.steady_stress)
+        z = np.log(np.where(late, 300.0, 100.0))
+        (before if begin < 30.0 else after).scan(Pieces(np.array([begin]), np.ones(1), z, z, mu, z))
+    assert after.figures[1].slip_to_recovery == pytest.approx(scene.transit * 300.0 * 20.0, rel=1e-3)
+
+
 def test_polynomials_are_integrated_exactly() -> None:
     nodes, points = np.array([0.1, 0.5, 1.0]), np.array([0.0, 0.3, 1.0])
     rows = _integrals(lagrange_basis(nodes), points)

@@ -5,7 +5,7 @@ import pytest
 
 from slipwave.observe.events import Events
 from slipwave.observe.torus import rotation
-from slipwave.observe.verdict import Verdict, judge_motion
+from slipwave.observe.verdict import Verdict, judge_motion, repeating
 
 K = np.arange(24)
 
@@ -81,6 +81,29 @@ def test_the_ups_and_downs_of_chaos_are_no_approach():
     kinds = [verdict(sizes[first : first + 60], ratio=4.0).kind for first in range(0, 540, 20)]
     assert kinds.count("irregular") >= 25
     assert "torus" not in kinds
+
+
+@pytest.mark.parametrize("share", [0.3, 0.4, 0.6, 0.7])
+@pytest.mark.parametrize("factor", [0.85, 0.9, 0.95])
+def test_a_fall_whose_limit_is_above_half_of_the_last_event_is_no_decay(share, factor):
+    """1 at the last event, of which `share` stays for ever."""
+    assert verdict(share + (1.0 - share) * factor ** (K - 23.0)).kind == ("decaying" if share < 0.5 else "settling")
+
+
+def test_a_steep_decay_is_judged_by_its_end():
+    """Slower by a tenth as it becomes smaller, by e^4 in all before."""
+    assert verdict(np.exp(-0.4 * K[:12]).tolist() + (np.exp(-4.4) * np.exp(-0.36 * K[1:13])).tolist()).kind == "decaying"
+
+
+@pytest.mark.parametrize(("events", "transient", "left"), [(1, 5, 25), (3, 5, 25), (3, 9, 23), (1, 0, 30)])
+def test_means_of_a_periodic_motion_are_of_the_cycles_that_repeat(events, transient, left):
+    """Of 30 cycles; an excess of 2^-7 of 11 is the first below 1e-3."""
+    period = 10.0 + np.arange(30) % events
+    period[:transient] += 2.0 ** -np.arange(transient)
+    columns = [np.cumsum(period), period, *np.tile(period / 10.0, (4, 1))]
+    found = repeating(Events(*columns), events)
+    assert found.time.tolist() == columns[0][-left:].tolist()
+    assert found.period.tolist() == period[-left:].tolist()
 
 
 def test_what_changes_is_told():

@@ -10,7 +10,7 @@ from slipwave.observe import Energy, EventObserver, Events, Final, RunStatistics
 from slipwave.observe.follow import Mark, Observer
 from slipwave.observe.foresight import DAY
 from slipwave.observe.stages import stages_of
-from slipwave.observe.verdict import Kind
+from slipwave.observe.verdict import Kind, repeating
 from slipwave.scene.drive import Drive
 from validation.run.course import Course
 from validation.run.length import LEFT, Ended, Length, Until
@@ -111,14 +111,16 @@ def _of_protocol(verdict: Verdict | None, drive: Drive, until: float) -> Verdict
 
 def _result(course: Course, wall_s: float, failed: str) -> Run:
     solver, watch, judged = course.solver, course.watch, course.judged()
-    verdict, none = _of_protocol(judged.verdict, solver.scene.drive, course.until), watch.events(math.inf)
+    verdict, cycles = _of_protocol(judged.verdict, solver.scene.drive, course.until), watch.events(math.inf)
+    if verdict and verdict.repeats:
+        cycles = repeating(judged.cycles, verdict.multiplicity) if verdict.multiplicity else judged.cycles
     return Run(
         solver=solver,
         until=course.until,
         events=watch.events(),
         starts=watch.count if verdict else None,
         verdict=verdict,
-        statistics=summarise(judged.cycles if verdict and verdict.repeats else none, not (verdict and verdict.wanders)),
+        statistics=summarise(cycles, not (verdict and verdict.wanders)),
         final=course.final,
         energy=None if failed else solver.energy(),
         wall_s=wall_s,
