@@ -48,7 +48,12 @@ def fault(old: str, new: str, within: str = "total") -> Fault:
 def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Copy:
     """A copy of a checkout of one module and one test, with the programme's own plugin."""
     root = tmp_path / "original"
-    for name, text in {"slipwave/sums.py": SUM, "tests/test_sums.py": TEST, "pyproject.toml": SETTINGS}.items():
+    for name, text in {
+        "slipwave/__init__.py": "",
+        "slipwave/sums.py": SUM,
+        "tests/test_sums.py": TEST,
+        "pyproject.toml": SETTINGS,
+    }.items():
         (root / name).parent.mkdir(parents=True, exist_ok=True)
         (root / name).write_text(text)
     for name in ("tests/faults/witness.py", "tests/faults/__init__.py", "tests/__init__.py"):

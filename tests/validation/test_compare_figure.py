@@ -63,7 +63,7 @@ def test_a_transient_has_a_word_in_the_legend_and_no_cycle(tmp_path: Path, drawn
     assert main([*words, "--set", "run.record=[]"]) == 0
     above, below = drawn[0].axes
     assert legend(above) == [
-        "delay: periodic, T = 73.4742",  # mean of the table: the last is 73.4721
+        "delay: periodic, T = 73.4718",  # mean of the cycles that repeat: the last is 73.4721
         "quasidynamic: decaying, no cycle drawn",
     ]
     assert legend(drawn[1].axes[0]) == [f"{model}: events not watched, no cycle drawn" for model in ("delay", "quasidynamic")]
