@@ -73,7 +73,7 @@ def run(budget: Budget) -> StudyResult:
         tables=(_onset_table(onsets), _cycle_table(cycles)),
         verdicts=(*onset_verdicts, cycle_verdict),
         notes=(_why(onsets, cycles),),
-        numbers={f"error of r_c, {model}": Number(float(onset.error[_paper()]), 1e-6) for model, onset in onsets.items()}
+        numbers={f"error of r_c, {model}": _remembered(float(onset.error[_paper()])) for model, onset in onsets.items()}
         | {f"error of T at ε/2, {model}": Number(_half(cycles)[model], 1e-3) for model in ("kelvin-voigt", "block12", "block8")},
     )
 
@@ -92,6 +92,11 @@ def _answer(onsets: Onsets, cycles: list[CycleErrors], falls: bool) -> str:
 def _paper() -> int:
     """Index of the paper's own epsilon."""
     return int(np.argmin(np.abs(_SCALES - 1.0)))
+
+
+def _remembered(error: float) -> Number:
+    """A relative error of r_c, which the rounding of the ratio of two critical r moves."""
+    return Number(error, 1e-6 + _ROUNDING / abs(error))
 
 
 def _half(cycles: list[CycleErrors]) -> dict[str, float]:
