@@ -36,7 +36,7 @@ def further_results(scene: str) -> Iterator[Any]:
     yield sw.run(scene, until=4000, **{"slab.log10_r": -2.3} if scene == "paper" else {"slab.thickness": "60 cm"})
     yield sw.curve(scene, "HB", "log10_r=-2.72:-2.68", "V=100:101", "block8", tol=1e-4)
     yield sw.compare(scene, ["delay", "block8"], until=1000)
-    yield sw.bench(scene, until=40)
+    yield sw.bench(scene, until=200, **{"drive.velocity": 2000 if scene == "paper" else "2 mm/s"})
 
 
 def written(folder: Path) -> list[Path]:
