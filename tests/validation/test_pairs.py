@@ -43,10 +43,12 @@ def named(row: Row) -> str:
     return ", ".join(row)
 
 
-def each(rows: list[Row]) -> pytest.MarkDecorator:
-    """A test for each row; those with an orbit that takes a second or more to find are slow, but for one viscous grid."""
+def each(rows: list[Row], every: int = 1) -> pytest.MarkDecorator:
+    """A test for each row; those with an orbit that takes a second or more to find are slow, but for one viscous grid, and so are
+    all but each `every`-th."""
     seconds = ("fitted", "dg", "sbp", "quasidynamic", "kelvin", "modal", "fd")
     slow = {row: [pytest.mark.slow] for row in rows if "orbit" in row and row[0].startswith(seconds)}
+    slow |= {row: [pytest.mark.slow] for k, row in enumerate(rows) if k % every}
     return pytest.mark.parametrize("row", [pytest.param(row, id=named(row), marks=slow.get(row, [])) for row in rows])
 
 
@@ -93,7 +95,7 @@ def test_the_ledger_closes(row: Row) -> None:
     assert (energy["radiated"] > 0.0) == ("rigid" not in row)
 
 
-@each([row for row in ROWS if "SI" in row])
+@each([row for row in ROWS if "SI" in row], every=2)
 def test_units_change_nothing(row: Row) -> None:
     """Measured: 5e-13 of the final state."""
     ours, theirs = whole(row).facts, play(built(row, units="none"), UNTIL).facts
@@ -105,7 +107,7 @@ def test_units_change_nothing(row: Row) -> None:
         assert ours == pytest.approx(theirs, rel=1e-8)
 
 
-@each(EXACT)
+@each(EXACT, every=2)
 def test_two_exact_models_agree(row: Row) -> None:
     """Friction at the end, against elements of degree 7. Measured: 1.2e-4 for the delay system where V jumps, else 2e-8;
     1.6e-4 for coarse exact grids; 5e-3 for coarse explicit ones, where an event is near."""
