@@ -11,6 +11,7 @@ not divide has a slightly smaller Courant number. The scheme conserves the energ
 """
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -124,6 +125,21 @@ class Leapfrog:
         if self._sample < 0:  # the interface's velocity at t = 0 is only known once the sample there is taken
             self._fill(empty_pieces(0, self.nodes.size))
         return snapshot_of(self.scene, self.time, self._memory, self._sides, self._grids)
+
+    def disturb(self, noise: Callable[[int], Array], stressed: bool = True) -> None:
+        """As `FieldSolver`; stresses, which belong to other times, stay."""
+        for side in self._sides:
+            side.medium.velocity[1:-1] += noise(side.medium.velocity.size - 2)
+
+    def deviation(self) -> float:
+        """As `FieldSolver`."""
+        return max(float(np.abs(side.medium.velocity - 0.5 * self.scene.velocity).max()) for side in self._sides)
+
+    def deviation_energy(self) -> float:
+        """As `FieldSolver`; that of the upper slab."""
+        shot = self.snapshot().upper
+        moving, loaded = shot.velocity - 0.5 * self.scene.velocity, shot.stress - self.scene.steady_stress
+        return float(np.mean(moving**2) + np.mean((loaded / self.scene.upper.epsilon) ** 2))
 
     def keep_frames(self, interval: float) -> None:
         """As `FieldSolver`; does nothing, because four steps of a leapfrog are short."""

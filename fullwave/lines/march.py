@@ -10,7 +10,7 @@ from fullwave.lines.blocks import Section, assemble, sections_of, state_size
 from fullwave.lines.budget import enough_memory, march_work, require_few_unknowns, require_memory
 from fullwave.lines.exact import EXACT_TOLERANCE, ExactMarch
 from fullwave.lines.explicit import ExplicitMarch
-from fullwave.lines.readout import Shape, impose_fields, snapshot_of, stored_energy
+from fullwave.lines.readout import Shape, impose_fields, snapshot_of, stored_energy, twice_energy
 from fullwave.lines.runge_kutta import RungeKutta, method_of
 from fullwave.lines.scene_limits import Builder, relaxation_limit, spectral_limit
 from fullwave.lines.system import ELASTIC, PSI, System
@@ -181,6 +181,23 @@ class MethodOfLines:
         values = self._march.layout
         impose_fields(self.grid, self.system, values, slab, velocity, stress)
         self._march.begin_from(values)
+
+    def disturb(self, noise: Callable[[int], Array], stressed: bool = True) -> None:
+        """As `FieldSolver`."""
+        values = self._march.layout
+        for block in self.grid.blocks:
+            values[block.velocity] += noise(block.velocity.size)
+            if stressed:
+                values[block.stress] += noise(block.stress.size)
+        self._march.begin_from(values)
+
+    def deviation(self) -> float:
+        """As `FieldSolver`."""
+        return float(np.abs(self._march.layout[: self.grid.size]).max())
+
+    def deviation_energy(self) -> float:
+        """As `FieldSolver`; that of the marched slabs."""
+        return twice_energy(self.grid, self._march.layout)
 
     def flow(self, period: float, tolerance: float) -> tuple[PortFlow, Array]:
         """As `PortMarch`. Raises SceneError if it marches explicitly."""

@@ -48,8 +48,18 @@ def _block_energy(block: Block, system: System, state: Array) -> float:
 
 def _excess(norm: Any, change: Array, mean: float) -> float:
     """Integral of ((mean + change)^2 - mean^2)/2."""
-    weighted = norm * change if isinstance(norm, np.ndarray) else norm @ change
+    weighted = _weighted(norm, change)
     return float(0.5 * (change @ weighted) + mean * weighted.sum())
+
+
+def _weighted(norm: Any, values: Array) -> Array:
+    return np.asarray(norm * values if isinstance(norm, np.ndarray) else norm @ values)
+
+
+def twice_energy(grid: BlockGrid, state: Array) -> float:
+    """w.H w + s.H s of the deviations from steady sliding in the marched slabs (V*^2)."""
+    fields = [(block.norm, state[slots]) for block in grid.blocks for slots in (block.velocity, block.stress)]
+    return float(sum(values @ _weighted(norm, values) for norm, values in fields))
 
 
 def snapshot_of(grid: BlockGrid, system: System, time: float, state: Array) -> Snapshot:

@@ -1,5 +1,6 @@
 """The fields of a full-wave solver at one time; every family offers `snapshot() -> Snapshot`."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -47,6 +48,17 @@ class FieldSolver(Solver, Protocol):
 
     def snapshot(self) -> Snapshot:
         """The fields now."""
+
+    def disturb(self, noise: Callable[[int], Array], stressed: bool = True) -> None:
+        """Add `noise(n)`, in V*, to n velocities of each marched slab and, if `stressed` and where both belong to one time, to
+        its stresses over the impedance."""
+
+    def deviation(self) -> float:
+        """Largest deviation of the stored velocities (and, if they belong to one time, stresses) from steady sliding (V*)."""
+
+    def deviation_energy(self) -> float:
+        """Twice the energy of all deviations from steady sliding over the impedance (V*^2): in the scheme's own norm, or as the
+        mean over the nodes where velocity and stress belong to different times."""
 
     def keep_frames(self, interval: float) -> None:
         """From now on `frames` returns the fields at the ends of steps, if pieces are longer, and within steps that are longer

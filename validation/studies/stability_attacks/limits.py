@@ -92,40 +92,15 @@ def growth(model: str, scene: Scene, share: float, steps: int = STEPS) -> float:
     """Largest field after `steps` at `share` of the limit, over the noise's amplitude; infinite if the run broke down."""
     solver = with_step(model, scene, share)
     noise = 1e-3 * scene.velocity
-    _disturb(solver, noise)
+    draw = np.random.default_rng(2).standard_normal
+    solver.disturb(lambda size: noise * draw(size))
     try:
         while solver.time < steps * solver.step:
             solver.advance(steps * solver.step)
     except NumericsError:
         return math.inf
-    largest = max(float(np.abs(values).max()) for values in _fields(solver))
+    largest = solver.deviation()
     return largest / noise if math.isfinite(largest) else math.inf
-
-
-def _disturb(solver: Any, noise: float) -> None:
-    """Add normal noise of size `noise` to every velocity, and, where it can be set, to the stress over the impedance."""
-    scene, draw = solver.scene, np.random.default_rng(2).standard_normal
-    if solver.model == "fd":
-        state = solver.state()
-        for name in state:
-            if name.endswith("velocity"):
-                state[name] += noise * draw(state[name].size)
-        solver.restore(state)
-        return
-    for slab, one in enumerate(scene.slabs):
-        solver.impose(
-            slab,
-            lambda x: 0.5 * scene.velocity + noise * draw(x.size),
-            lambda x, epsilon=one.epsilon: scene.steady_stress + noise * epsilon * draw(x.size),
-        )
-
-
-def _fields(solver: Any) -> list[Any]:
-    """Deviations of the fields from steady sliding, in V*."""
-    state = solver.state()
-    if solver.model == "fd":
-        return [values - 0.5 * solver.scene.velocity for name, values in state.items() if name.endswith("velocity")]
-    return [state["state"][: solver.grid.size]]
 
 
 def limit_at(model: str, decade: float) -> float:

@@ -2,15 +2,16 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
 import slipwave
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, RunStatistics, Solver, follow, summarise
+from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
-from validation.registry.build import build
+from validation.registry.build import build, build_full_wave
 from validation.registry.families import explicit_time
 from validation.studies.stability_attacks.limits import ATTACKED
 from validation.studies.stability_attacks.limits import CELLS as COARSE
@@ -163,33 +164,16 @@ def advised(model: str, until: float = ADVISED, most: int = 16) -> Advice:
 def locked_noise(model: str, transits: float) -> float:
     """Energy left of noise in a locked slab after `transits`, over its mean in the first ten; infinite if the run broke down."""
     scene = slipwave.read("paper", ["drive.velocity=1e-6", "start.size=0"])
-    solver = cast(Any, build(model, scene, cells=COARSE[model], cfl=1.0))
-    draw = np.random.default_rng(1).standard_normal
-    if model == "fd":
-        state = solver.state()
-        state["upper.velocity"][1:-1] += draw(state["upper.velocity"].size - 2)
-        solver.restore(state)
-    else:
-        solver.impose(0, lambda depth: draw(depth.size), lambda depth: np.full(depth.size, scene.steady_stress))
+    solver = build_full_wave(model, scene, cells=COARSE[model], cfl=1.0)
+    solver.disturb(np.random.default_rng(1).standard_normal, stressed=False)
     try:
-        first = np.mean([_energy(solver, scene, moment) for moment in 2.0 * np.arange(1.0, 6.0)])
-        last = np.mean([_energy(solver, scene, moment) for moment in transits + 2.0 * np.arange(1.0, 6.0)])
+        first = np.mean([_energy(solver, moment) for moment in 2.0 * np.arange(1.0, 6.0)])
+        last = np.mean([_energy(solver, moment) for moment in transits + 2.0 * np.arange(1.0, 6.0)])
     except NumericsError:
         return math.inf
     return float(last / first)
 
 
-def _energy(solver: Any, scene: Scene, moment: float) -> float:
-    """Twice the energy of the deviations from steady sliding, over the impedance (V*^2): in the family's own norm, or as the mean
-    over the nodes for the leapfrog, whose velocities and stresses belong to different times."""
+def _energy(solver: FieldSolver, moment: float) -> float:
     follow(solver, moment)
-    if solver.model == "fd":
-        shot = solver.snapshot().upper
-        moving, loaded = shot.velocity - 0.5 * scene.velocity, (shot.stress - scene.steady_stress) / scene.upper.epsilon
-        return float(np.mean(moving**2) + np.mean(loaded**2))
-    state = solver.state()["state"]
-    return sum(_product(block.norm, state[slots]) for block in solver.grid.blocks for slots in (block.velocity, block.stress))
-
-
-def _product(norm: Any, field: Any) -> float:
-    return float(field @ (norm * field if isinstance(norm, np.ndarray) else norm @ field))
+    return solver.deviation_energy()
