@@ -12,11 +12,11 @@ from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import Guess, approach
 from slipwave.observe.pieces import Array
 from slipwave.step.flow import Flow
-from validation.branches.over_r import own_orbit
 from validation.output import print_table
 from validation.registry.flows import moving
+from validation.registry.orbits import find_orbit
 from validation.run.timing import timed
-from validation.studies.bifurcation.branches import FAR, branch_of, scene_at
+from validation.study.over_r import FAR, branch_of, scene_at
 
 _REPEATS = 5
 _TOLERANCE = 1e-10
@@ -33,8 +33,8 @@ class Row(NamedTuple):
 def rows() -> Iterator[Row]:
     """Orbits, how their cost grows, and branches."""
     scene = scene_at(-2.68)
-    own_orbit("delay", scene, _TOLERANCE)  # compiled
-    seconds = _least(lambda: own_orbit("delay", scene, _TOLERANCE))
+    find_orbit(moving("delay", scene, _TOLERANCE), _TOLERANCE)  # compiled
+    seconds = _least(lambda: find_orbit(moving("delay", scene, _TOLERANCE), _TOLERANCE))
     yield Row("delay orbit at log10 r = -2.68 to 1e-10, run included", f"{1e3 * seconds:.0f} ms")
     for model in ("delay", "kelvin-voigt"):
         guess = _guess(model)

@@ -9,10 +9,10 @@ from shown import quick
 
 from validation.studies import bifurcation
 from validation.studies.bifurcation import verdicts
-from validation.studies.bifurcation.branches import Corner, branch_of, parts, unaccounted
 from validation.studies.bifurcation.shown import structure_table
 from validation.studies.bifurcation.waves import WaveOrbit
 from validation.study import Outcome
+from validation.study.over_r import Corner, branch_of, parts, unaccounted
 
 
 @pytest.fixture(scope="module")

@@ -26,7 +26,7 @@ def test_costs_are_compared_on_two_meshes_and_over_two_lengths(monkeypatch):
 def test_a_branch_is_told_by_its_end_and_its_special_points(monkeypatch):
     end = SimpleNamespace(parameter=-2.614, closed=SimpleNamespace(cycle=SimpleNamespace(period=85.0)))
     monkeypatch.setattr(orbit_speed, "branch_of", lambda *_: SimpleNamespace(points=[end], special=[1, 2]))
-    monkeypatch.setattr(orbit_speed, "own_orbit", lambda *_: None)
+    monkeypatch.setattr(orbit_speed, "find_orbit", lambda *_: None)
     monkeypatch.setattr(orbit_speed, "_guess", lambda _: (None, None, None))
     monkeypatch.setattr(orbit_speed, "periodic_orbit", lambda *_: None)
     for power in ("_in_mesh", "_in_period"):

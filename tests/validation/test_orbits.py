@@ -9,10 +9,10 @@ import pytest
 import slipwave
 from slipwave.observe import EventObserver, HistoryObserver, Pieces, follow
 from slipwave.observe.snapshot import FieldSolver
-from validation.branches.over_r import cycle_of, cycles_in_turn, late_cycles, own_orbit
 from validation.measure.settle import NoCycle, one_cycle, settle
 from validation.references.published import reference_orbit
 from validation.registry.build import build
+from validation.study.memo import cycle_of, cycles_in_turn, late_cycles, own_orbit
 
 PERIOD = 50.0
 
@@ -42,6 +42,12 @@ class Relaxing:
 
     def energy(self):
         return None
+
+    def state(self):
+        return {"time": self.time}
+
+    def restore(self, state):
+        self.time = state["time"]
 
 
 def test_settles_and_tells_the_orbit():

@@ -5,9 +5,9 @@ from pathlib import Path
 
 from reduced.stability import analyse
 from validation.registry.families import one_port_of
-from validation.studies.bifurcation.branches import scene_at
 from validation.studies.model_error.runs import MODELS, SHOWN, onset_of_damped
 from validation.studies.model_error.verdicts import SHORT
+from validation.study.over_r import scene_at
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

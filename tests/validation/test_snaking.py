@@ -8,13 +8,13 @@ from roomy import too_roomy
 from shown import quick
 
 from slipwave.observe.orbit import Estimate
-from validation.branches.over_r import own_orbit
-from validation.studies.bifurcation.branches import branch_of, scene_at
 from validation.studies.snaking import verdicts
 from validation.studies.snaking.beside import Side, multiplier_seen, sides
 from validation.studies.snaking.reappearance import in_thicker_slabs
 from validation.studies.snaking.runs import Attractor, Run, Torus, attractor, multiplier_of, passages
 from validation.study import Outcome
+from validation.study.memo import own_orbit
+from validation.study.over_r import branch_of, scene_at
 
 
 @pytest.fixture(scope="module")

@@ -16,10 +16,10 @@ from reduced.orbit.closing import close
 from reduced.orbit.figures import figures
 from slipwave import read
 from slipwave.observe import EventObserver, follow
-from validation.branches.over_r import own_orbit
 from validation.measure.order_fit import fit, shortfall
 from validation.registry.build import build
 from validation.registry.orbit_place import BEGIN, state_on
+from validation.study.memo import own_orbit
 
 PERIOD, DROP = 73.4721449443, 0.1739634131
 """At log10 r = -2.68, by lifted shooting; the period to 1e-10."""

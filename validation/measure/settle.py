@@ -6,6 +6,7 @@ not the solver's discretisation error.
 """
 
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -117,11 +118,13 @@ def estimate(events: Events) -> Orbit:
 
 
 def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> Cycle:
-    """March two more cycles and return one, from `before` transits ahead of its event to `after` transits past its end."""
-    solver, period = settled.solver, settled.orbit.period.value
-    begin = solver.time
+    """A cycle of the next two periods, from `before` transits ahead of its event to `after` transits past its end. The solver is
+    put back where it was."""
+    solver, observer, period = settled.solver, deepcopy(settled.observer), settled.orbit.period.value
+    begin, here = solver.time, solver.state()
     history = HistoryObserver(solver.scene.law, solver.nodes)
-    follow(solver, begin + 2.02 * period + before + after, [history, settled.observer])
-    dates = settled.observer.dates()
+    follow(solver, begin + 2.02 * period + before + after, [history, observer])
+    solver.restore(here)
+    dates = observer.dates()
     date = float(dates[dates >= begin + before][0])
     return cut(solver.scene.law, history.samples(per_piece), date, period, before, after)

@@ -13,10 +13,10 @@ from validation.branches.parameter import over_range
 from validation.branches.record import Branch
 from validation.references.onset import onset_of
 from validation.references.published import reference
-from validation.studies.bifurcation.branches import scene_at
 from validation.study import Budget, Cell, Evidence, Figure, Number, StudyResult, Table, Verdict, of_paper, table
 from validation.study.bounds import bounded
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
+from validation.study.over_r import scene_at
 
 NAME = "special-curves"
 QUESTION = "How do the points where orbits are born and change their stability depend on ε and V?"

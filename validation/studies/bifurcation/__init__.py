@@ -1,6 +1,5 @@
 """The bifurcation diagrams that the paper could not draw: orbits of the delay system and of the ODE, stable or not, over r."""
 
-from validation.studies.bifurcation.branches import FAR, Branch, branch_of
 from validation.studies.bifurcation.shown import diagram, special_table, structure_table, wave_table
 from validation.studies.bifurcation.verdicts import (
     bubbles,
@@ -13,6 +12,7 @@ from validation.studies.bifurcation.verdicts import (
 )
 from validation.studies.bifurcation.waves import WaveOrbit, wave_orbit
 from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, Verdict
+from validation.study.over_r import FAR, Branch, branch_of
 
 NAME = "bifurcation"
 QUESTION = "How do the periodic orbits of the exact system and of the paper’s ODE depend on r, and where do they lose stability?"

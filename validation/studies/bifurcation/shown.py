@@ -8,10 +8,10 @@ import numpy as np
 from reduced.continuation.special import Special
 from reduced.orbit.figures import figures_of
 from slipwave.observe.pieces import Array
-from validation.studies.bifurcation.branches import Branch, Corner, column, parts
 from validation.studies.bifurcation.waves import COMPARED, WAVE, WaveOrbit
 from validation.study import Cell, Table, table
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen, ruled
+from validation.study.over_r import Branch, Corner, column, parts
 from validation.study.text import plain
 
 NAMES = {"HB": "Hopf point", "LP": "fold", "PD": "period doubling", "NS": "torus point"}

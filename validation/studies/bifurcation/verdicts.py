@@ -4,10 +4,10 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
 from validation.references.published import half_digit, reference
-from validation.studies.bifurcation.branches import Branch, unaccounted
 from validation.studies.bifurcation.waves import WAVE, WaveOrbit
 from validation.study import Evidence, Verdict, judge, of_paper
 from validation.study.bounds import bounded
+from validation.study.over_r import Branch, unaccounted
 
 _PUBLISHED = {"first fold": "LP", "first period doubling": "PD", "first torus point": "NS"}
 _DIGITS = 5e-9  # half the last published digit, 5e-10, was measured

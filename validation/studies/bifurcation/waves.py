@@ -6,7 +6,7 @@ from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import approach
 from reduced.orbit.figures import figures_of
 from validation.registry.flows import moving
-from validation.studies.bifurcation.branches import Branch, scene_at
+from validation.study.over_r import Branch, scene_at
 
 WAVE, CELLS = "dg:7", 8
 _TOLERANCE = 1e-8

@@ -5,12 +5,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from slipwave.observe.orbit import Estimate
-from validation.branches.over_r import late_cycles, own_orbit
 from validation.measure.correlated import mean_of
 from validation.registry.families import grid_of
-from validation.studies.bifurcation.branches import begun_at, scene_at
 from validation.study import Evidence, Table, Verdict, judge, table
 from validation.study.bounds import bounded
+from validation.study.memo import late_cycles, own_orbit
+from validation.study.over_r import begun_at, scene_at
 from validation.study.text import plain
 
 _AT = -2.68

@@ -1,6 +1,5 @@
 """Every reduction's orbit against the delay system's as the waves gain in weight (r grows); its means where none is stable."""
 
-from validation.studies.bifurcation.branches import scene_at
 from validation.studies.model_error.runs import (
     DAMPED,
     MODELS,
@@ -16,6 +15,7 @@ from validation.studies.model_error.runs import (
 from validation.studies.model_error.shown import error_table, errors_of_means, errors_over_r, mean_table, omissions
 from validation.studies.model_error.verdicts import RUN_AT, TARGETS, all_verdicts
 from validation.study import Budget, Figure, Number, StudyResult
+from validation.study.over_r import scene_at
 from validation.study.text import places, plain
 from validation.work_precision import Setting, warm_up
 

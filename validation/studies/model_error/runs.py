@@ -10,13 +10,13 @@ from reduced.impedance import reduction_of
 from slipwave.errors import NumericsError
 from slipwave.observe.orbit import Estimate
 from slipwave.observe.pieces import Array
-from validation.branches.over_r import late_cycles, own_orbit
 from validation.measure.correlated import mean_of
 from validation.measure.cycle import watch
 from validation.references.onset import onset_of
 from validation.registry.build import build
 from validation.run.timing import timed
-from validation.studies.bifurcation.branches import begun_at, scene_at
+from validation.study.memo import late_cycles, own_orbit
+from validation.study.over_r import begun_at, scene_at
 
 MODELS = ("block12", "block8", "kelvin-voigt", "modal:1", "modal:2", "modal:4", "modal:8")
 DAMPED = "quasidynamic"

@@ -11,11 +11,11 @@ from reduced.impedance import reduction_of
 from reduced.impedance.fit import exact_impedance
 from validation.measure.settle import settle
 from validation.registry.build import build
-from validation.studies.bifurcation.branches import scene_at
 from validation.studies.model_error.runs import DAMPED, TOLERANCE, Runs, error, onset_of_damped, orbit_of, sizes
 from validation.study import Evidence, Verdict, judge
 from validation.study.bounds import bounded
 from validation.study.known import as_known
+from validation.study.over_r import scene_at
 from validation.study.text import places, plain
 
 TARGETS = {"modal:1": 1e-3, "modal:2": 1e-5}

@@ -8,13 +8,13 @@ from reduced.orbit.approach import approach
 from reduced.stability import analyse
 from slipwave.observe.orbit import Estimate, Orbit
 from slipwave.scene import Scene
-from validation.branches.over_r import cycle_of, cycles_in_turn, late_cycles, own_orbit
 from validation.measure.correlated import mean_of
 from validation.measure.cycle import Cycle
 from validation.measure.settle import one_cycle, settle
 from validation.registry.build import build
 from validation.registry.flows import moving
-from validation.studies.bifurcation.branches import begun_at, scene_at
+from validation.study.memo import cycle_of, cycles_in_turn, late_cycles, own_orbit
+from validation.study.over_r import begun_at, scene_at
 
 LOG10_R = -2.68
 CELLS, CFL = 128, 0.5

@@ -1,11 +1,11 @@
 """The period of stick-slip over the delay r, the paper's Fig 8, from the onset to log10 r = -2.3."""
 
-from validation.studies.bifurcation.branches import FAR, branch_of, scene_at
 from validation.studies.period_against_delay.law import MASSES, period_of
 from validation.studies.period_against_delay.runs import Periods, orbit, periods_at, settled_period
 from validation.studies.period_against_delay.shown import mean_table, period_table, periods_over_r
 from validation.studies.period_against_delay.verdicts import at_onset, known, order, printed, settled, thick
 from validation.study import Budget, Figure, Number, StudyResult
+from validation.study.over_r import FAR, branch_of, scene_at
 
 NAME = "period-against-delay"
 QUESTION = "How does the period of stick-slip depend on the delay, in the exact system, the paper’s ODE and the blocks?"

@@ -11,8 +11,8 @@ from validation.measure.cycle import watch
 from validation.measure.settle import settle
 from validation.registry.build import build
 from validation.registry.flows import moving
-from validation.studies.bifurcation.branches import Branch, scene_at
 from validation.studies.period_against_delay.law import MASSES
+from validation.study.over_r import Branch, scene_at
 
 WAVES = ("kelvin-voigt", "delay")
 """Models with reverberations; their orbits lose stability."""

@@ -3,12 +3,12 @@
 from typing import Any
 
 from validation.references.published import reference
-from validation.studies.bifurcation.branches import Branch, scene_at
 from validation.studies.bifurcation.shown import draw_branch, special_keys
 from validation.studies.period_against_delay.law import MASSES, period_of
 from validation.studies.period_against_delay.runs import WAVES, Periods
 from validation.study import Cell, Table, table
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen, ruled
+from validation.study.over_r import Branch, scene_at
 
 _TICKS = (50, 60, 70, 80, 90, 100, 120, 140)
 _LOWEST, _HIGHEST = 47.0, 145.0

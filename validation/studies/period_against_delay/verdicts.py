@@ -5,11 +5,11 @@ import math
 import slipwave
 from validation.references.onset import onset_of
 from validation.references.published import half_digit, reference
-from validation.studies.bifurcation.branches import Branch
 from validation.studies.period_against_delay.law import MASSES
 from validation.studies.period_against_delay.runs import WAVES, Periods
 from validation.study import Evidence, Verdict, judge, of_paper
 from validation.study.bounds import bounded
+from validation.study.over_r import Branch
 
 _ONSET = 1e-12  # 3e-16 was measured; the onset is bracketed to 1e-13
 _KNOWN = 1e-9  # 6e-11 was measured, half the last digit known

@@ -20,7 +20,7 @@ from validation.branches.parameter import over_range
 from validation.branches.record import Branch
 from validation.measure.cycle import watch
 from validation.registry.flows import moving
-from validation.studies.bifurcation.branches import RANGE, scene_at
+from validation.study.over_r import RANGE, scene_at
 
 MODEL = "kelvin-voigt"
 AT = -2.590007

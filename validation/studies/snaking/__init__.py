@@ -1,8 +1,6 @@
 """The delay system's branch of orbits folds back and forth: evidence from two meshes and from runs beside a torus point."""
 
 from reduced.continuation.branch import Control
-from validation.branches.over_r import own_orbit
-from validation.studies.bifurcation.branches import Branch, branch_of, scene_at
 from validation.studies.snaking.beside import sides
 from validation.studies.snaking.reappearance import in_thicker_slabs
 from validation.studies.snaking.runs import attractor, run_at, torus_at
@@ -18,6 +16,8 @@ from validation.studies.snaking.shown import (
 )
 from validation.studies.snaking.verdicts import coexisting, grows, meshes, on_torus, once_per_transit, reappears, settles, wanders
 from validation.study import Budget, Figure, Number, StudyResult
+from validation.study.memo import own_orbit
+from validation.study.over_r import Branch, branch_of, scene_at
 
 NAME = "snaking"
 QUESTION = "How many orbits does the exact system have at one r, and which of them are stable?"

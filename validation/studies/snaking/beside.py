@@ -13,7 +13,7 @@ from slipwave.observe import HistoryObserver, follow
 from slipwave.observe.pieces import Array
 from validation.registry.build import build
 from validation.registry.orbit_place import BEGIN, state_on
-from validation.studies.bifurcation.branches import Branch
+from validation.study.over_r import Branch
 
 _CYCLES = 4
 _OFF = 1e-6  # largest component of the state by which a run is off its orbit

@@ -15,7 +15,7 @@ from slipwave.observe.torus import rotation
 from validation.measure.correlated import mean_of
 from validation.measure.settle import settle
 from validation.registry.build import build
-from validation.studies.bifurcation.branches import scene_at
+from validation.study.over_r import scene_at
 
 _MOST = 9000.0
 _LAST = 0.7  # share of a run after which its cycles are judged

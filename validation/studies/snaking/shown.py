@@ -10,13 +10,13 @@ from reduced.continuation.special import Special
 from reduced.orbit.closing import Closed
 from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import count_unstable, floquet
-from validation.studies.bifurcation.branches import Branch, Corner, column, parts
 from validation.studies.bifurcation.shown import draw_branch, draw_special, special_keys
 from validation.studies.bifurcation.waves import COMPARED
 from validation.studies.snaking.beside import Side
 from validation.studies.snaking.runs import Attractor, Run
 from validation.study import Cell, Table, table
 from validation.study.drawing import WIDTH, Drawing, canvas, ruled
+from validation.study.over_r import Branch, Corner, column, parts
 from validation.study.text import plain
 
 _LEAST = 74.0

@@ -8,12 +8,12 @@ from reduced.continuation.special import Special
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import floquet
 from validation.references.published import reference
-from validation.studies.bifurcation.branches import Branch
 from validation.studies.snaking.beside import Side
 from validation.studies.snaking.runs import Attractor, Run, Torus, multiplier_of
 from validation.studies.snaking.shown import fold_pairs
 from validation.study import Evidence, Verdict, judge
 from validation.study.bounds import bounded
+from validation.study.over_r import Branch
 
 _MESHES = 1e-8  # 5e-10 was measured
 _ONE = 0.2  # distance from 1 of the last growth of T: 0.03 was measured on the quick branch, 0.008 on the full one

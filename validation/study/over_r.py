@@ -70,6 +70,7 @@ class Branch:
         return orbits_at(self.points, log10_r, scene_at(log10_r))
 
 
+@cache
 def branch_of(model: str, highest: float, longest: float, tolerance: float = TOLERANCE, steps: Control = STEPS) -> Branch:
     """The branch that is born where the steady sliding of `model` loses stability, until log10 r reaches `highest` or the period
     `longest` (transits); on a mesh that keeps relative errors of the figures below `tolerance`."""

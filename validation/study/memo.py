@@ -1,0 +1,115 @@
+"""What studies measure of a model on a scene: its own orbit, where its run settles, the cycles of a long run and their means.
+
+Each is measured once in a process: it is kept by model, digest of the scene and settings, so that studies share it.
+"""
+
+from collections.abc import Callable
+from functools import wraps
+from inspect import signature
+from typing import Any, NamedTuple, ParamSpec, TypeVar
+
+import numpy as np
+
+from reduced.orbit import PeriodicOrbit
+from reduced.orbit.closing import Closed
+from slipwave.observe import EventObserver, Events, HistoryObserver, follow
+from slipwave.observe.orbit import Estimate
+from slipwave.observe.pieces import lagrange_basis, values_at
+from slipwave.scene import Scene
+from validation.measure.correlated import mean_of
+from validation.measure.cycle import Cycle, cut, watch
+from validation.measure.settle import MOST_TRANSITS, Settled, settle
+from validation.registry.build import build
+from validation.registry.flows import moving
+from validation.registry.orbit_place import first_event
+from validation.registry.orbits import find_orbit
+
+_TRANSIENT = 1500.0  # transits
+_TOLERANCE = 1e-7  # of a run whose cycles never repeat
+_TURNS = (-1, 0, 1, 2)  # periods of an orbit, of which a cycle needs some
+
+Settings = ParamSpec("Settings")
+Measured = TypeVar("Measured")
+
+
+def kept(measure: Callable[Settings, Measured]) -> Callable[Settings, Measured]:
+    """`measure`, called once in a process for equal arguments; a scene counts by its digest. What raises is not kept."""
+    known: dict[tuple[Any, ...], Measured] = {}
+
+    @wraps(measure)
+    def recalled(*args: Settings.args, **options: Settings.kwargs) -> Measured:
+        given = signature(measure).bind(*args, **options)
+        given.apply_defaults()
+        key = tuple(one.digest if isinstance(one, Scene) else one for one in given.arguments.values())
+        if key not in known:
+            known[key] = measure(*args, **options)
+        return known[key]
+
+    return recalled
+
+
+class Means(NamedTuple):
+    """Means of period and stress drop over so many `cycles` of a run after its transient, with their standard errors."""
+
+    period: Estimate
+    stress_drop: Estimate
+    cycles: int
+
+
+@kept
+def own_orbit(model: str, scene: Scene, tolerance: float = 1e-10, cells: int | None = None) -> PeriodicOrbit:
+    """The orbit of `model` that its run from the start of `scene` comes near to, by Newton's method, with relative errors of the
+    figures below `tolerance`. Raises NumericsError if there is none."""
+    return find_orbit(moving(model, scene, tolerance, cells), tolerance).found
+
+
+@kept
+def settled(
+    model: str,
+    scene: Scene,
+    tolerance: float | None = 1e-9,
+    to: float = 1e-8,
+    most: float = MOST_TRANSITS,
+    cells: int | None = None,
+    cfl: float | None = None,
+) -> Settled:
+    """Where a run of `model` at this `tolerance` settles: its cycles agree `to` so much, relative (`settle`). Leave its solver
+    where it is: others are given the same. Raises NoCycle and NumericsError as `settle`."""
+    return settle(build(model, scene, tolerance=tolerance, cells=cells, cfl=cfl), to, most)
+
+
+@kept
+def late_cycles(model: str, scene: Scene, until: float, cells: int | None = None) -> Events:
+    """The cycles of a run to `until` (transits) after its transient. Raises NumericsError as a run does."""
+    solver = build(model, scene, tolerance=_TOLERANCE) if cells is None else build(model, scene, cells=cells)
+    return watch(solver, until).events(_TRANSIENT)
+
+
+def means(model: str, scene: Scene, until: float, cells: int | None = None) -> Means:
+    """Means over the same cycles."""
+    found = late_cycles(model, scene, until, cells)
+    return Means(mean_of(found.period), mean_of(found.stress_drop), found.period.size)
+
+
+def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -> Cycle:
+    """A closed orbit as the cycle of its first slip event, with `before` transits ahead of it and `after` transits past its end;
+    its elastic stress is known but for a constant."""
+    period, pieces = closed.cycle.period, closed.cycle.pieces
+    points = (np.arange(per_piece) + 0.5) / per_piece
+    once = (pieces.time[:, None] + pieces.length[:, None] * points).ravel()
+    once = once[once < period]
+    times = np.concatenate([once + turn * period for turn in _TURNS])
+    samples = np.stack([times, *values_at(pieces, lagrange_basis(closed.flow.nodes), np.mod(times, period))])
+    return cut(closed.flow.scene.law, samples, first_event(closed), period, before, after)
+
+
+@kept
+def cycles_in_turn(model: str, scene: Scene, count: int, longest: float, per_piece: int = 4) -> list[Cycle]:
+    """So many cycles of a run in turn, after its transient, if none is longer than `longest` (transits)."""
+    solver = build(model, scene, tolerance=_TOLERANCE)
+    end = _TRANSIENT + (count + 2) * longest
+    history, observer = HistoryObserver(scene.law, solver.nodes, _TRANSIENT), EventObserver(scene, solver.nodes)
+    follow(solver, end, [history, observer])
+    events, samples = observer.events(_TRANSIENT), history.samples(per_piece)
+    each = zip(events.time.tolist(), events.period.tolist(), strict=True)
+    return [cut(scene.law, samples, date, period) for date, period in each][:count]
