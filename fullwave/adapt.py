@@ -25,11 +25,11 @@ from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.families import GALERKIN, degree_for
 from fullwave.lines.march import MethodOfLines
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe import EventObserver, Solver, follow
-from slipwave.observe.foresight import require_time
+from slipwave.observe import EventObserver
 from slipwave.observe.pieces import Array
-from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
+from slipwave.solve import FieldSolver, Solver, follow
+from slipwave.solve.foresight import require_time
 
 Solved = TypeVar("Solved")
 

@@ -26,12 +26,9 @@ from fullwave.leapfrog.sides import Mirror, Side
 from fullwave.lines.budget import enough_memory, require_bytes, steps_at_once
 from fullwave.options import MOST_CELLS, require_cfl, require_whole
 from fullwave.sampling import pieces_until, sample_nodes
-from slipwave.observe import Energy, Pieces
-from slipwave.observe.pieces import Array, empty_pieces
-from slipwave.observe.restoring import take_back, whole_numbers
-from slipwave.observe.snapshot import Snapshot
-from slipwave.observe.solver import State
+from slipwave.observe.pieces import Array, Pieces, empty_pieces
 from slipwave.scene import Scene
+from slipwave.solve import Energy, Snapshot, State, take_back, whole_numbers
 
 _CELL_BYTES = 150.0  # measured, including the building of the grid: 50 in an elastic slab, 130 in a Kelvin-Voigt one
 _CELL_WORK = 20.0  # products in the time of one step of a cell: 1 ns in an elastic slab, 10 in a Kelvin-Voigt one
@@ -40,7 +37,7 @@ _MUTABLE = ("velocity", "stress", "relaxing", "lost")
 
 
 class Leapfrog:
-    """Marches `scene` with `cells` per slab at Courant number `cfl` in (0, 1]; a `FieldSolver` (slipwave.observe.snapshot).
+    """Marches `scene` with `cells` per slab at Courant number `cfl` in (0, 1]; a `FieldSolver` (slipwave.solve).
 
     `cells` is the number in the slab with the shorter round trip; the other slab has as many as keep its Courant number at or
     just below `cfl`. Honours every scene. Raises SceneError naming cells or cfl and the allowed range.

@@ -5,9 +5,10 @@ import dataclasses
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from slipwave.observe import HistoryObserver, Solver, follow
+from slipwave.observe import HistoryObserver
 from slipwave.scene import Scene
 from slipwave.scene.start import Start
+from slipwave.solve import Solver, follow
 
 BEFORE, AFTER = 60.0, 160.0
 STEP = 0.25

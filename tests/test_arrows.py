@@ -21,7 +21,7 @@ BELOW = {
 """What each room may import besides itself: the two that hold models never import each other."""
 
 ORDER = {
-    "slipwave": "errors extras files sources threads compiled friction scene features input observe step family __main__",
+    "slipwave": "errors extras files sources threads compiled friction scene features input observe solve step family __main__",
     "reduced": "families commensurate parameters delay impedance ode stability closed_forms flows orbit continuation",
     "fullwave": "families options sampling operators leapfrog lines fields * adapt",
     "validation": (

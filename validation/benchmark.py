@@ -21,9 +21,10 @@ import numpy as np
 
 import slipwave
 from slipwave.files import whole_or_absent
-from slipwave.observe import EventObserver, HistoryObserver, follow
+from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.scene import Scene
 from slipwave.scene.slab import Face, GripFace, KelvinVoigtViscosity, ReflectingFace, StandardLinearViscosity, Viscosity
+from slipwave.solve import follow
 from validation.output import print_table
 from validation.references.lsoda import plain_kelvin_voigt
 from validation.registry.families import explicit_time

@@ -17,7 +17,7 @@ from statistics import median
 from typing import NamedTuple
 
 import slipwave
-from slipwave.observe import Final, follow
+from slipwave.solve import Final, follow
 from validation.output import print_table
 from validation.run.timing import in_turn
 from validation.work_precision import Setting, solver_of, warm_up

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from slipwave.errors import NumericsError
-from slipwave.observe import EventObserver, Final, Solver, follow
+from slipwave.observe import EventObserver
 from slipwave.scene import Scene
+from slipwave.solve import Final, Solver, follow
 from validation.measure.cycle import watch
 from validation.measure.settle import estimate
 from validation.registry.build import build

@@ -1,6 +1,6 @@
 """Space-time record of one window of a full-wave run: velocity and shear stress in the slabs, sampled at the ends of steps.
 
-Any solver with `snapshot()` (see `slipwave.observe.snapshot`) can be recorded. Only the window is kept in memory. For alike slabs
+Any solver with `snapshot()` (see `slipwave.solve`) can be recorded. Only the window is kept in memory. For alike slabs
 one slab is kept; the other is its mirror image, with the sign of the velocity changed.
 """
 
@@ -16,14 +16,10 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import CONVENTIONS, TIME
-from slipwave.observe import Final, follow
-from slipwave.observe.follow import Observer
 from slipwave.observe.pieces import SAME, Array
-from slipwave.observe.restoring import tables
-from slipwave.observe.snapshot import FieldSolver, SlabSnapshot, Snapshot
-from slipwave.observe.solver import State
 from slipwave.scene import Scene
 from slipwave.scene.units import IN_SI
+from slipwave.solve import FieldSolver, Final, Observer, SlabSnapshot, Snapshot, State, follow, tables
 
 if TYPE_CHECKING:
     import xarray

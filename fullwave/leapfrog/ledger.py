@@ -12,9 +12,9 @@ from fullwave.leapfrog.grid import LeapfrogGrid
 from fullwave.leapfrog.kernel import FRICTION, INPUT
 from fullwave.leapfrog.sides import Side
 from fullwave.leapfrog.viscous import StandardLinear
-from slipwave.observe import Energy
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from slipwave.solve import Energy
 
 
 def energy_of(scene: Scene, memory: Array, sides: list[tuple[Side, LeapfrogGrid]]) -> Energy:

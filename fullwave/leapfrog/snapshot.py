@@ -9,8 +9,8 @@ from fullwave.leapfrog.sides import Side
 from fullwave.leapfrog.viscous import KelvinVoigt
 from slipwave.friction import rate_of
 from slipwave.observe.pieces import Array
-from slipwave.observe.snapshot import SlabSnapshot, Snapshot
 from slipwave.scene import Scene
+from slipwave.solve import SlabSnapshot, Snapshot
 
 
 def snapshot_of(scene: Scene, time: float, memory: Array, sides: list[Side], grids: list[LeapfrogGrid]) -> Snapshot:

@@ -12,9 +12,8 @@ from fullwave.lines.propagator import halves
 from fullwave.lines.system import System
 from slipwave.friction import rate_of
 from slipwave.observe.pieces import Array, Pieces
-from slipwave.observe.restoring import tables
-from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.solve import State, tables
 from slipwave.step.port_march import CHUNK, PortMarch
 
 STAGES = 8

@@ -13,11 +13,9 @@ from fullwave.lines.system import ELASTIC, FRICTION, INPUT, PSI, RADIATED, VISCO
 from fullwave.sampling import pieces_until, sample_nodes
 from slipwave.errors import NumericsError
 from slipwave.friction import unknown_of
-from slipwave.observe import Pieces
-from slipwave.observe.pieces import Array
-from slipwave.observe.restoring import take_back, whole_numbers
-from slipwave.observe.solver import State
+from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
+from slipwave.solve import State, take_back, whole_numbers
 from slipwave.step.flow import Place
 
 

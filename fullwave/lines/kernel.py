@@ -4,8 +4,7 @@ from fullwave.lines.motion import rates_of
 from fullwave.lines.runge_kutta import RungeKutta, combine
 from fullwave.lines.system import ELASTIC, PSI, System
 from slipwave.compiled import njit
-from slipwave.observe import Pieces
-from slipwave.observe.pieces import Array
+from slipwave.observe.pieces import Array, Pieces
 
 STEPS_PER_PIECE = 8
 """Steps in one piece: its nine samples make a polynomial of degree 8, so observers never limit a scheme of order 8 or less."""

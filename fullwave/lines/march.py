@@ -17,11 +17,9 @@ from fullwave.lines.system import ELASTIC, PSI, System
 from fullwave.lines.time_march import TimeMarch, cheaper_march
 from fullwave.options import require_cfl
 from slipwave.errors import SceneError
-from slipwave.observe import Energy, Pieces
-from slipwave.observe.pieces import Array
-from slipwave.observe.snapshot import Snapshot
-from slipwave.observe.solver import State
+from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
+from slipwave.solve import Energy, Snapshot, State
 from slipwave.step.flow import Cycle, Place
 from slipwave.step.port_flow import PortFlow
 
@@ -40,7 +38,7 @@ def method_for(family: FullWave, number: int) -> RungeKutta:
 
 class MethodOfLines:
     """Marches `scene` as the member of `family` with `number`; `build` makes the grid of its `sections`. A `FieldSolver`
-    (slipwave.observe.snapshot).
+    (slipwave.solve).
 
     `time` "exact" propagates the slabs without error in time, in steps that resolve friction to `resolution`, the relative error
     of the figures of a cycle. "explicit" takes Runge-Kutta steps: `limit()` is the longest stable one (transits) of elastic

@@ -9,7 +9,7 @@ from fullwave.lines.blocks import Block, BlockGrid, Chain
 from fullwave.lines.system import GRIP, IMPEDANCE, MASS, SCALARS, SPRING, System
 from fullwave.lines.viscosity import Viscous
 from slipwave.observe.pieces import Array
-from slipwave.observe.snapshot import SlabSnapshot, Snapshot
+from slipwave.solve import SlabSnapshot, Snapshot
 
 Shape: TypeAlias = Callable[[Array], Array]
 """A field as a function of depth."""

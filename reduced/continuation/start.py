@@ -8,7 +8,7 @@ from reduced.continuation.mesh import Family
 from reduced.continuation.point import FlowAt, Metric, Point, direction
 from reduced.orbit.closing import Closed, by_parameter
 from slipwave.observe.pieces import Array
-from slipwave.observe.solver import State
+from slipwave.solve import State
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,8 @@ from reduced.delay.transit_mesh import cuts_of, transit_mesh
 from slipwave.errors import SceneError
 from slipwave.friction import respond, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
-from slipwave.observe.restoring import tables, whole_numbers
-from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.guess import DONE, first_guess
 from slipwave.step.rows import UNKNOWN, scratch_of

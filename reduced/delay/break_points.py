@@ -17,9 +17,8 @@ from reduced.delay.transmission_lines import Lines
 from slipwave.errors import NumericsError
 from slipwave.friction import respond
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
-from slipwave.observe.restoring import tables, whole_numbers
-from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import radau
 from slipwave.step.rows import UNKNOWN
 

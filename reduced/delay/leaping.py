@@ -13,10 +13,9 @@ from reduced.delay.alike_kernel import ELASTIC, PSI, TIME, AlikeMemory
 from reduced.delay.multirevolution import ORDER, Past, no_past
 from slipwave.friction import rates, respond, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
-from slipwave.observe.restoring import tables, whole_numbers
-from slipwave.observe.solver import State
 from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.guess import DONE
 
 _SLOW = 0.98  # of V, at most, in a stick

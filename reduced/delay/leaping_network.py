@@ -23,10 +23,9 @@ from reduced.delay.slow_motion import Slow, SlowMotion
 from reduced.delay.transmission_lines import Lines
 from slipwave.friction import respond
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
-from slipwave.observe.restoring import tables, whole_numbers
-from slipwave.observe.solver import State
 from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import radau
 from slipwave.step.guess import DONE
 from slipwave.step.rows import STATE, UNKNOWN

@@ -7,9 +7,9 @@ from reduced.delay.alike_kernel import PSI, TIME, AlikeMemory
 from reduced.delay.network_kernel import NetworkMemory
 from slipwave.errors import NumericsError
 from slipwave.friction import respond
-from slipwave.observe.ledger import Energy
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from slipwave.solve import Energy
 from slipwave.step.guess import TOO_STEEP
 from slipwave.step.rows import UNKNOWN
 

@@ -13,9 +13,8 @@ from reduced.delay.transit_mesh import TransitMesh
 from reduced.delay.transmission_lines import Lines, lines_of
 from slipwave.friction import unknown_of
 from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
-from slipwave.observe.restoring import tables, whole_numbers
-from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import from_moments, growth_limit, radau, rule_of
 from slipwave.step.guess import first_guess
 from slipwave.step.rows import scratch_of

@@ -20,8 +20,8 @@ from reduced.flows.idle_states import idle_states, without
 from slipwave.errors import NumericsError
 from slipwave.friction import unknown_of
 from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
-from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.solve import State
 from slipwave.step.collocation import radau, rule_of
 from slipwave.step.flow import Cycle
 from slipwave.step.guess import DONE, first_guess

@@ -8,7 +8,7 @@ from reduced.delay.transit_mesh import cuts_of, transit_mesh
 from reduced.flows.delay import DelayFlow
 from slipwave.friction import rates
 from slipwave.observe.pieces import Array, lagrange_basis, values_at
-from slipwave.observe.solver import State
+from slipwave.solve import State
 from slipwave.step.flow import Cycle, Place
 
 

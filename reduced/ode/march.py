@@ -6,8 +6,8 @@ from typing import Any
 from reduced.impedance.reduce import reduction_of
 from reduced.impedance.reduction import Reduction
 from reduced.ode.slabs import ReducedSlabs
-from slipwave.observe.ledger import Energy
 from slipwave.scene import Scene
+from slipwave.solve import Energy
 from slipwave.step.port_march import PortMarch
 
 STAGES = 8

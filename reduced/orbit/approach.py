@@ -7,9 +7,10 @@ import numpy as np
 
 from reduced.orbit.returns import Section, closest_returns
 from slipwave.errors import NumericsError
-from slipwave.observe import EventObserver, Events, Solver, follow
-from slipwave.observe.foresight import Foresight
+from slipwave.observe import EventObserver, Events
 from slipwave.observe.pieces import Array
+from slipwave.solve import Solver, follow
+from slipwave.solve.foresight import Foresight
 from slipwave.step.flow import Flow
 
 MOST_TRANSITS = 6000.0

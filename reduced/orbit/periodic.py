@@ -7,8 +7,8 @@ from reduced.orbit.closing import Closed, close
 from reduced.orbit.figures import amplitude, figures_of, unresolved
 from reduced.orbit.multipliers import Multipliers, multipliers
 from slipwave.errors import NumericsError
-from slipwave.observe.orbit import Estimate, Orbit
 from slipwave.observe.pieces import Array
+from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.step.flow import Flow
 
 FINER = 1.5

@@ -1,26 +1,19 @@
 """Observers reduce a run to events, period, drops and extrema during the run, piece by piece."""
 
 from slipwave.observe.events import EventObserver, Events
-from slipwave.observe.follow import Final, follow
 from slipwave.observe.history import HistoryObserver
-from slipwave.observe.ledger import Energy
 from slipwave.observe.pieces import Pieces
-from slipwave.observe.solver import Solver
 from slipwave.observe.statistics import RunStatistics, Spread, summarise
 from slipwave.observe.verdict import Verdict, judge_motion, slides_at
 
 __all__ = [
-    "Energy",
     "EventObserver",
     "Events",
-    "Final",
     "HistoryObserver",
     "Pieces",
     "RunStatistics",
-    "Solver",
     "Spread",
     "Verdict",
-    "follow",
     "judge_motion",
     "slides_at",
     "summarise",

@@ -46,7 +46,7 @@ class Envelope:
 
     @property
     def whole_from(self) -> float:
-        """As `slipwave.observe.follow.Spanning`."""
+        """As `slipwave.solve.Spanning`."""
         return self._begin if self._end - self._begin <= 2.0 * COUNT and self._reached <= self._end else math.inf
 
     def scan(self, pieces: Pieces) -> None:

@@ -21,8 +21,7 @@ from slipwave.friction import rate_of, respond, unknown_of
 from slipwave.observe.detector import empty_memory, scan
 from slipwave.observe.pieces import Array, Pieces, lagrange_basis
 from slipwave.observe.rise import KEPT, MOST_ROOM, room_for_rise
-from slipwave.observe.swings import BEGIN, COLUMNS, DATE, END, RECORDS
-from slipwave.observe.window import Judged, judge
+from slipwave.observe.swings import BEGIN, COLUMNS, DATE, END, RECORDS, Judged, judge
 from slipwave.scene import Scene
 
 _QUIET_RATE, _QUIET_STRESS = 1e-9, 1e-13  # relative; what the floor is made of

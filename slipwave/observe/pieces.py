@@ -4,7 +4,7 @@ Piece k covers (time[k], time[k] + length[k]] and holds values at time[k] + node
 solver, so one event detector works for collocation (Radau nodes) and for grids (groups of equispaced steps).
 
 Where a piece begins later than the one before it ends, there is a gap: the motion was not computed there (`Leaping`). Only
-observers that say so (`slipwave.observe.follow.Spanning`) are given pieces with gaps.
+observers that say so (`slipwave.solve.Spanning`) are given pieces with gaps.
 """
 
 from typing import NamedTuple

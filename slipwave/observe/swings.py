@@ -6,6 +6,10 @@ removals, nor on whether smaller thresholds came first. Therefore swings can be 
 """
 
 import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
@@ -89,3 +93,45 @@ def thin(swings: Array, count: int, floor: float) -> int:
     while first > 0 and not (swings[first, DIRECTION] < 0.0 and size_of(swings[first]) >= _SEARCHED * fall):
         first -= 1
     return simplify(swings, max(first, 0), count, max(floor, SHARE * fall))
+
+
+class Judged(NamedTuple):
+    """The `swings` of a run without those too small for the window, the rows of the window's `events` in them, and the
+    `prominence` of each event (normal stress). `over` is true if a rise that counts has ended the last event's fall."""
+
+    swings: Array
+    events: NDArray[np.intp]
+    prominence: Array
+    over: bool
+
+    @property
+    def complete(self) -> Array:
+        """The prominence of the events whose falls are over."""
+        return self.prominence if self.over else self.prominence[:-1]
+
+
+def judge(swings: Array, floor: float, after: float) -> Judged:
+    """The events from `after` (transits) on among the `swings` of a run: falls of at least SHARE of the largest one, and `floor`.
+
+    The size of a fall depends on how large a rise it may continue through. The largest fall is the largest of all falls that
+    continue only through rises below SHARE of their own size.
+    """
+    threshold = _threshold(swings, floor, after)
+    swings = swings.copy()
+    swings = swings[: simplify(swings, 0, len(swings), threshold)]
+    sizes = swings[:, DIRECTION] * (swings[:, END] - swings[:, BEGIN])
+    events = np.flatnonzero((swings[:, DIRECTION] < 0.0) & (swings[:, DATE] >= after) & (sizes >= threshold))
+    over = bool(events.size) and bool((sizes[events[-1] + 1 :] >= threshold).any())
+    return Judged(swings, events, sizes[events], over)
+
+
+def _threshold(swings: Array, floor: float, after: float) -> float:
+    """The prominence that an event needs."""
+    falls = np.flatnonzero((swings[:, DIRECTION] < 0.0) & (swings[:, DATE] >= after))
+    first = int(falls[0]) if falls.size else len(swings)
+    threshold = float(np.inf)
+    while True:
+        lower = max(floor, SHARE * largest_fall(swings, first, threshold))
+        if lower >= threshold:
+            return threshold
+        threshold = lower

@@ -5,8 +5,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from slipwave.observe.pieces import Array, Pieces
-from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.solve import State
 
 _CHANGE = 1e-6  # of the period, relative
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array, empty_pieces
-from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.solve import State
 from slipwave.step.carry import carry
 from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.flow import Cycle, velocity_by_difference

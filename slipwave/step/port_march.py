@@ -7,8 +7,7 @@ import numpy as np
 from slipwave.errors import NumericsError
 from slipwave.friction import rate_of, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
-from slipwave.observe.restoring import tables, whole_numbers
-from slipwave.observe.solver import State
+from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.flow import Cycle, Place
 from slipwave.step.impedance import full_impedance

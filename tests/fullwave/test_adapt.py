@@ -11,9 +11,10 @@ from fullwave.adapt import _Outcome, _probed_until, degree_for, judge_grid, to_t
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe import EventObserver, follow
+from slipwave.observe import EventObserver
 from slipwave.scene.drive import Drive
 from slipwave.scene.start import Start, StartKind
+from slipwave.solve import follow
 
 
 def cycles(solver, until=400.0):

@@ -23,7 +23,8 @@ from fullwave.finite_element import FiniteElement
 from fullwave.lines import budget
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import SceneError
-from slipwave.observe import EventObserver, HistoryObserver, follow
+from slipwave.observe import EventObserver, HistoryObserver
+from slipwave.solve import follow
 from slipwave.step.port_march import CHUNK
 from tests.compiled_work import count_calls
 

@@ -13,8 +13,9 @@ from leapfrog_scenes import PAPER, SCENES
 
 from fullwave.finite_difference import Leapfrog
 from slipwave.errors import SceneError
-from slipwave.observe import EventObserver, HistoryObserver, follow
-from slipwave.observe.checkpoint import Checkpoints, load, save
+from slipwave.observe import EventObserver, HistoryObserver
+from slipwave.solve import follow
+from slipwave.solve.checkpoint import Checkpoints, load, save
 
 UNTIL = 3000.0
 SCRIPT = """
@@ -22,8 +23,8 @@ import sys
 from pathlib import Path
 import slipwave
 from fullwave.finite_difference import Leapfrog
-from slipwave.observe import EventObserver, follow
-from slipwave.observe.checkpoint import Checkpoints
+from slipwave.observe import EventObserver
+from slipwave.solve.checkpoint import Checkpoints
 chosen = slipwave.read("paper")
 solver = Leapfrog(chosen, 32, 0.9)
 print("go", flush=True)

@@ -13,8 +13,9 @@ from fullwave.finite_difference import Leapfrog
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import SceneError
-from slipwave.observe import EventObserver, HistoryObserver, checkpoint, follow
-from slipwave.observe.checkpoint import load, save
+from slipwave.observe import EventObserver, HistoryObserver
+from slipwave.solve import checkpoint, follow
+from slipwave.solve.checkpoint import load, save
 
 FAST = slipwave.read("paper", ["drive.velocity=1e6"])  # friction's state limits the step: it says nothing of the cells
 KINDS = {

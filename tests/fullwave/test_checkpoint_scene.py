@@ -8,10 +8,10 @@ import slipwave
 from fullwave.finite_difference import Leapfrog
 from slipwave.errors import SceneError
 from slipwave.friction.slip import Slip
-from slipwave.observe.checkpoint import load, save
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
 from slipwave.scene.start import Start, StartKind
+from slipwave.solve.checkpoint import load, save
 
 UNLIKE = slipwave.read("unlike")
 SLABS = [

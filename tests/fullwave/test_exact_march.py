@@ -15,7 +15,7 @@ from fullwave.lines.viscosity import Viscous
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
 from slipwave.errors import SceneError
-from slipwave.observe import follow
+from slipwave.solve import follow
 from slipwave.step.collocation import radau
 from slipwave.threads import one_thread
 

@@ -16,9 +16,10 @@ from fullwave.fields.picture import picture
 from fullwave.fields.record import FieldRecord, record_field
 from fullwave.finite_difference import Leapfrog
 from slipwave.errors import SceneError
-from slipwave.observe import EventObserver, HistoryObserver, follow
+from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.scene.start import Start, StartKind
 from slipwave.scene.units import Units
+from slipwave.solve import follow
 
 
 @pytest.fixture(scope="module", params=["alike", "unlike"])

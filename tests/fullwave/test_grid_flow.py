@@ -9,7 +9,8 @@ from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import SceneError
-from slipwave.observe import EventObserver, follow
+from slipwave.observe import EventObserver
+from slipwave.solve import follow
 from tests.closing import closed, difference, largest
 
 STRONG = ["slab.epsilon=2e-3"]

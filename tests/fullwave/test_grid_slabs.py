@@ -15,7 +15,7 @@ from fullwave.lines.exact import ExactMarch
 from fullwave.lines.grid_slabs import GridSlabs
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe import follow
+from slipwave.solve import follow
 
 FAR_RAMP = "drive.velocity=[[0.0, 100.0], [105.3, 100.0], [1211.17, 200.0]]"
 PAPER = slipwave.read("paper")

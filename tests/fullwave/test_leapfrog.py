@@ -13,9 +13,10 @@ from fullwave.finite_difference import Leapfrog
 from fullwave.leapfrog.grid import LeapfrogGrid
 from fullwave.options import AnyShare
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe import EventObserver, follow, summarise
+from slipwave.observe import EventObserver, summarise
 from slipwave.scene.drive import steady_drive
 from slipwave.scene.start import Start, StartKind
+from slipwave.solve import follow
 
 
 @pytest.mark.parametrize("cells", [0, 1, -3, 2.5, 10**7, True, "64", float("nan")])

@@ -5,7 +5,7 @@ from leapfrog_scenes import SCENES
 
 from fullwave.finite_difference import Leapfrog
 from fullwave.leapfrog.build import steady_side
-from slipwave.observe import follow
+from slipwave.solve import follow
 
 
 @pytest.mark.parametrize("name", SCENES)

@@ -17,9 +17,9 @@ from fullwave.options import AnyShare
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe import follow
 from slipwave.scene.slab import Slab
 from slipwave.scene.start import Start, StartKind
+from slipwave.solve import follow
 
 PAPER = slipwave.read("paper")
 FINE = {

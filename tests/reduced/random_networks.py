@@ -11,7 +11,7 @@ import numpy as np
 from reduced.delay.system import delay_system
 from slipwave import read
 from slipwave.errors import NumericsError
-from slipwave.observe import follow
+from slipwave.solve import follow
 from tests.reduced.plain_network import plain_network
 
 KINDS = ("unlike", "irrational", "layered", "grip", "machine", "reflection")

@@ -8,7 +8,8 @@ from slipwave import read
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction import rate_of, respond, unknown_of
 from slipwave.friction.interface import solve_interface
-from slipwave.observe import EventObserver, follow, summarise
+from slipwave.observe import EventObserver, summarise
+from slipwave.solve import follow
 from slipwave.step.collocation import radau
 
 JUMP = {"start.kind": "jump", "start.size": 0.05}

@@ -10,8 +10,9 @@ from reduced.delay.network import DelayNetwork
 from reduced.flows.delay import DelayFlow
 from slipwave import read
 from slipwave.friction import respond
-from slipwave.observe import HistoryObserver, follow
+from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import lagrange_basis, values_at
+from slipwave.solve import follow
 
 SCENES = {
     "alike": ("paper", []),

@@ -11,7 +11,8 @@ from reduced.delay.network import DelayNetwork, delay_rows
 from reduced.delay.system import delay_system
 from slipwave import read
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe import EventObserver, follow, summarise
+from slipwave.observe import EventObserver, summarise
+from slipwave.solve import follow
 from slipwave.step.collocation import radau
 from slipwave.step.guess import NOT_SMOOTH
 

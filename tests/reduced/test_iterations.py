@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import pytest
 
 import slipwave
-from slipwave.observe import follow
 from slipwave.observe.pieces import Pieces
+from slipwave.solve import follow
 from validation.registry.build import build
 
 ROUNDING = 2e-3

@@ -8,7 +8,8 @@ from reduced.impedance.reduction import reduction
 from reduced.ode.march import ReducedModel
 from slipwave import read
 from slipwave.errors import NumericsError
-from slipwave.observe import EventObserver, follow, summarise
+from slipwave.observe import EventObserver, summarise
+from slipwave.solve import follow
 
 
 def cycle(model, log10_r=-2.68, tolerance=1e-10, until=6000):

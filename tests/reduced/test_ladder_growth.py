@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from reduced.impedance import reduction_of
 from reduced.ode.march import ReducedModel
 from reduced.stability import characteristic, critical_round_trip, leading_roots, scaled
-from slipwave.observe import follow
+from slipwave.solve import follow
 from tests.growth import measured_root, nudged
 from tests.one_port_by_hand import friction_impedance, leading_root, pair_impedance
 

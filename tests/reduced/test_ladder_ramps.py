@@ -7,7 +7,7 @@ from reduction_equations import Equations
 import slipwave
 from reduced.impedance import reduction_of
 from reduced.ode.march import LONGEST, ReducedModel
-from slipwave.observe import follow
+from slipwave.solve import follow
 
 KNOTS = (20.1234567, 21.3456789, 70.77777, 70.87777, 141.42135)
 RAMP = "drive.velocity=" + str([[0.0, 100.0], *map(list, zip(KNOTS, (100.0, 300.0, 60.0, 200.0, 100.0), strict=True))])

@@ -10,7 +10,7 @@ import slipwave
 from reduced.impedance import reduction_of
 from reduced.impedance.reduction import Reduction
 from reduced.ode.march import ReducedModel
-from slipwave.observe import follow
+from slipwave.solve import follow
 
 UNLIKE = ["upper.epsilon=2.8e-5", "upper.r=0.00244", "lower.epsilon=8.4e-5", "lower.r=0.00388"]
 RAMPS = "drive.velocity=[[0.0,100.0],[20.3,100.0],[31.7,180.0],[44.1,70.0]]"

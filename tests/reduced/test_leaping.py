@@ -9,13 +9,13 @@ import slipwave
 from reduced.delay.alike import Delay
 from reduced.delay.leaping import LeapingDelay
 from reduced.delay.system import delay_system
-from slipwave.observe import EventObserver, Final, Solver, follow
-from slipwave.observe.checkpoint import Checkpoints
-from slipwave.observe.follow import Mark
+from slipwave.observe import EventObserver
 from slipwave.observe.history import HistoryObserver
 from slipwave.observe.pieces import Pieces, lagrange_basis, values_at
 from slipwave.observe.protocol import ProtocolObserver
 from slipwave.scene import Scene
+from slipwave.solve import Final, Mark, Solver, follow
+from slipwave.solve.checkpoint import Checkpoints
 
 CYCLE = 80_000.0
 """Transits; two slip events of granite, and the rise after the second."""

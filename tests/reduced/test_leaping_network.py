@@ -14,12 +14,13 @@ from reduced.delay.slow_motion import transfer_of
 from reduced.delay.system import delay_system
 from reduced.delay.transmission_lines import lines_of
 from reduced.impedance.models import impedance
-from slipwave.observe import EventObserver, HistoryObserver, follow
-from slipwave.observe.checkpoint import Checkpoints
+from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.observe.pieces import Pieces
 from slipwave.observe.protocol import ProtocolObserver
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
+from slipwave.solve import follow
+from slipwave.solve.checkpoint import Checkpoints
 
 TOLERANCE = 1e-6
 ROCK = {"density": 2650.0, "shear_modulus": 3e10, "thickness": 0.5}

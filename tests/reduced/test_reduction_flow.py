@@ -12,7 +12,8 @@ from reduced.impedance.reduction import Reduction
 from reduced.ode.march import STAGES, ReducedModel
 from reduced.ode.slabs import ReducedSlabs
 from slipwave.errors import NumericsError
-from slipwave.observe import EventObserver, follow
+from slipwave.observe import EventObserver
+from slipwave.solve import follow
 from slipwave.step.port_flow import PortFlow
 from tests.closing import closed, difference, largest
 

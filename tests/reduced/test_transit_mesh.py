@@ -11,7 +11,8 @@ from reduced.delay.break_points import DelayBreaks
 from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.system import delay_system
 from reduced.delay.transit_mesh import cuts_of, transit_mesh
-from slipwave.observe import EventObserver, follow
+from slipwave.observe import EventObserver
+from slipwave.solve import follow
 from slipwave.step.collocation import radau_nodes
 
 ODD = ["drive.velocity=[[0.0, 100.0], [20.3, 100.0], [41.17, 200.0]]"]

@@ -16,7 +16,7 @@ from reduced.delay.system import delay_system
 from reduced.impedance import reduction_of
 from reduced.ode.march import ReducedModel
 from slipwave.errors import NumericsError
-from slipwave.observe import follow
+from slipwave.solve import follow
 from slipwave.step.collocation import growth_limit, radau
 
 TINY = ['start.kind="jump"', "start.size=1e-10"]

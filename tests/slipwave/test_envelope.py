@@ -5,10 +5,11 @@ import pytest
 
 import slipwave
 from slipwave.friction import rates
-from slipwave.observe import HistoryObserver, Pieces, Solver, follow
+from slipwave.observe import HistoryObserver
 from slipwave.observe.envelope import COUNT, Envelope
-from slipwave.observe.pieces import Array
+from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
+from slipwave.solve import Solver, follow
 from validation.registry.build import build
 
 STEP = {"drive.velocity": [[0, 100], [30, 100], [30, 300], [200, 300], [230.5, 0], [260, 0], [260, 50]]}

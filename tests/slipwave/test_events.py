@@ -8,8 +8,8 @@ import pytest
 from motions import EQUISPACED, RADAU, Array, Motion, V, through, watch
 
 import slipwave
-from slipwave.observe import EventObserver, Pieces, summarise
-from slipwave.observe.pieces import interpolation_matrix, lagrange_basis
+from slipwave.observe import EventObserver, summarise
+from slipwave.observe.pieces import Pieces, interpolation_matrix, lagrange_basis
 from slipwave.observe.rise import HEAD, _highest
 
 PERIOD = 20.0

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import slipwave
-from slipwave.observe import HistoryObserver, Pieces
-from slipwave.observe.pieces import Array, lagrange_basis, values_at
+from slipwave.observe import HistoryObserver
+from slipwave.observe.pieces import Array, Pieces, lagrange_basis, values_at
 
 LAW = slipwave.read("paper").law
 NODES = np.array([0.2, 0.7, 1.0])

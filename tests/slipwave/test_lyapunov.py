@@ -8,8 +8,9 @@ import pytest
 
 import slipwave
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe import Pieces, follow
-from slipwave.observe.lyapunov import WHOLE, largest_exponent
+from slipwave.observe import Pieces
+from slipwave.solve import follow
+from slipwave.solve.lyapunov import WHOLE, largest_exponent
 from validation.registry.build import build
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from slipwave.observe.events import Events
-from slipwave.observe.margin import BATCHES, margin_of_mean
-from slipwave.observe.statistics import summarise
+from slipwave.observe.statistics import BATCHES, margin_of_mean, summarise
 
 RUNS = 400
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from slipwave.observe.orbit import Estimate
+from slipwave.observe.statistics import Estimate
 from validation.study import Budget, Outcome, Study
 
 Change = Callable[[Any], Any]

@@ -10,10 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from slipwave import read
-from slipwave.observe.checkpoint import load, save
-from slipwave.observe.snapshot import FieldSolver
-from slipwave.observe.solver import State
 from slipwave.scene import Scene
+from slipwave.solve import FieldSolver, State
+from slipwave.solve.checkpoint import load, save
 from validation.door.run_result import RunResult
 from validation.registry.build import prepare
 from validation.registry.families import Options, family_of

@@ -7,8 +7,8 @@ from functools import partial
 import pytest
 
 import slipwave
-from slipwave.observe import follow
 from slipwave.scene.slab import GripFace, ReflectingFace
+from slipwave.solve import follow
 from validation import benchmark
 from validation.benchmark import Race, last, main, measure, races
 from validation.registry.families import explicit_time

@@ -7,7 +7,7 @@ import pytest
 
 import slipwave
 from slipwave.observe import Events
-from slipwave.observe.orbit import Estimate, Orbit
+from slipwave.observe.statistics import Estimate, Orbit
 from validation.measure.cycle import Cycle
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT
 from validation.studies import claims

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import slipwave
-from slipwave.observe import EventObserver, HistoryObserver, Pieces, follow
+from slipwave.observe import EventObserver, HistoryObserver, Pieces
+from slipwave.solve import follow
 from validation.cli import main
 from validation.measure.cycle import CycleObserver
 from validation.registry.build import build

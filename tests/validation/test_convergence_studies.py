@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fullwave.families import GALERKIN
-from slipwave.observe.orbit import Estimate
+from slipwave.observe.statistics import Estimate
 from validation.measure.grid_ladders import LADDERS
 from validation.measure.order_fit import fit
 from validation.measure.orders import QUANTITIES, Climb

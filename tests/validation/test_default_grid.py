@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import slipwave as sw
-from slipwave.observe import follow
+from slipwave.solve import follow
 from validation.registry.build import build
 
 SCENE = sw.read("paper", {"drive.velocity": 2000, "run.until": 9.0})

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 import slipwave
-from slipwave.observe import Pieces, follow
+from slipwave.observe import Pieces
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import GripFace, Layer, Slab, StandardLinearViscosity
 from slipwave.scene.start import Start, StartKind
+from slipwave.solve import follow
 from validation.registry.build import build
 
 PAPER = slipwave.read("paper")

@@ -5,7 +5,8 @@ from typing import Any
 import pytest
 
 import slipwave
-from slipwave.observe import EventObserver, follow
+from slipwave.observe import EventObserver
+from slipwave.solve import follow
 from validation.registry.build import build
 
 BRIEF_STICKS = ["drive.velocity=1e4"]

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import slipwave
-from slipwave.observe import EventObserver, Pieces, follow
-from slipwave.observe.pieces import Array
+from slipwave.observe import EventObserver
+from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
+from slipwave.solve import follow
 from validation.cli import main
 from validation.registry.build import build
 

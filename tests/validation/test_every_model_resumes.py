@@ -12,8 +12,9 @@ from reduced.delay.leaping import LeapingDelay
 from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.system import delay_system
 from slipwave.errors import SceneError
-from slipwave.observe import EventObserver, HistoryObserver, Solver, follow
-from slipwave.observe.checkpoint import load, save
+from slipwave.observe import EventObserver, HistoryObserver
+from slipwave.solve import Solver, follow
+from slipwave.solve.checkpoint import load, save
 from validation.registry.build import build
 from validation.registry.families import FAMILIES
 

@@ -8,8 +8,8 @@ import pytest
 
 import slipwave
 from slipwave.errors import NumericsError
-from slipwave.observe import Energy, Pieces, Solver, follow
-from slipwave.observe.pieces import Array
+from slipwave.observe.pieces import Array, Pieces
+from slipwave.solve import Energy, Solver, follow
 from validation.cli import NUMERICS_FAILED, main
 from validation.measure.settle import settle
 from validation.registry import build as models

@@ -10,7 +10,8 @@ import xarray
 
 import slipwave
 from slipwave.errors import SceneError
-from slipwave.observe import HistoryObserver, Pieces, follow
+from slipwave.observe import HistoryObserver, Pieces
+from slipwave.solve import follow
 from validation.cli import INPUT_WRONG, main
 from validation.registry.build import build
 from validation.run.history_file import HistoryFile, Kept

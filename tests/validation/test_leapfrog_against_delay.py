@@ -10,7 +10,7 @@ import pytest
 import slipwave
 from fullwave.finite_difference import Leapfrog
 from reduced.delay.alike import Delay
-from slipwave.observe import follow
+from slipwave.solve import follow
 from validation.measure.order_fit import fit, shortfall
 
 UNTIL = 200.0

@@ -12,8 +12,8 @@ import pytest
 
 import slipwave
 from slipwave.observe import EventObserver, Events, judge_motion
-from slipwave.observe.checkpoint import Checkpoints
 from slipwave.observe.pieces import Pieces
+from slipwave.solve.checkpoint import Checkpoints
 from validation.cli import main
 from validation.registry.build import build
 from validation.run.length import Judged, Until, UntilCycles, UntilSettled, halves_agree, length_of

@@ -6,7 +6,7 @@ from roomy import too_roomy
 from shown import quick
 
 from reduced.impedance import reduction_of
-from slipwave.observe.orbit import Estimate
+from slipwave.observe.statistics import Estimate
 from validation.studies import load
 from validation.studies.model_error import runs, verdicts
 from validation.studies.model_error.runs import Figures, error, states

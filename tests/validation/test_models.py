@@ -11,8 +11,8 @@ import slipwave
 from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.features import FEATURES, features_of
-from slipwave.observe import follow
 from slipwave.scene.slab import Face, GripFace, MachineFace
+from slipwave.solve import follow
 from validation.cli import main
 from validation.registry.build import build, build_all, families, honouring, resolve
 from validation.registry.families import FAMILIES, GRIDS

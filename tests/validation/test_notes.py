@@ -8,7 +8,7 @@ import pytest
 from scipy.special import wofz
 
 import slipwave
-from slipwave.observe import follow
+from slipwave.solve import follow
 from validation.cli import main
 from validation.registry.build import build
 from validation.run.determinacy import _tail, amplified_rounding

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import slipwave
-from slipwave.observe.orbit import Estimate, Orbit
+from slipwave.observe.statistics import Estimate, Orbit
 from validation.measure.cycle import Cycle
 from validation.references.published import reference_orbit
 from validation.studies import one_cycle, scene_facts

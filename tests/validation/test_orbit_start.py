@@ -9,7 +9,8 @@ from scipy.interpolate import CubicSpline
 
 import slipwave
 from fullwave.fields.record import Field, record_field
-from slipwave.observe import Final, HistoryObserver, Solver, follow
+from slipwave.observe import HistoryObserver
+from slipwave.solve import Final, Solver, follow
 from validation.cli import main
 from validation.registry.build import build
 from validation.registry.families import explicit_time

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import slipwave
-from slipwave.observe import EventObserver, HistoryObserver, Pieces, follow
-from slipwave.observe.snapshot import FieldSolver
+from slipwave.observe import EventObserver, HistoryObserver, Pieces
+from slipwave.solve import FieldSolver, follow
 from validation.measure.settle import NoCycle, one_cycle, settle
 from validation.references.published import reference_orbit
 from validation.registry.build import build

@@ -16,11 +16,11 @@ from reduced.impedance import impedance
 from reduced.stability import analyse, leading_roots
 from reduced.stability.characteristic import characteristic
 from slipwave.errors import SceneError
-from slipwave.observe import Final, follow
 from slipwave.scene import Scene
 from slipwave.scene.slab import Face, GripFace, MachineFace, ReflectingFace, Slab
 from slipwave.scene.start import Start, StartKind
 from slipwave.scene.termination import Termination
+from slipwave.solve import Final, follow
 from tests.growth import measured_root, nudged
 from tests.one_port_by_hand import leading_root
 from validation.registry.build import build

@@ -6,7 +6,8 @@ import pytest
 
 import slipwave
 from reduced.stability import characteristic, leading_roots
-from slipwave.observe import EventObserver, follow
+from slipwave.observe import EventObserver
+from slipwave.solve import follow
 from tests.granite import GRANITE
 from validation.registry.build import build
 from validation.run.outlook import outlook, stress_released

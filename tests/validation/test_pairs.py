@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from slipwave.errors import SceneError
-from slipwave.observe import follow
+from slipwave.solve import follow
 from tests.validation.pairs import (
     KNOTS,
     NAMES,

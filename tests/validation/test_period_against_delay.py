@@ -8,7 +8,7 @@ from roomy import too_roomy
 from shown import quick
 
 import slipwave
-from slipwave.observe.orbit import Estimate
+from slipwave.observe.statistics import Estimate
 from validation.references.published import reference_orbit
 from validation.studies.period_against_delay import verdicts
 from validation.studies.period_against_delay.law import period_of

@@ -7,7 +7,7 @@ import pytest
 from roomy import too_roomy
 from shown import quick
 
-from slipwave.observe.orbit import Estimate
+from slipwave.observe.statistics import Estimate
 from validation.studies.period_doubling import verdicts
 from validation.studies.period_doubling.runs import Bubble, bubble, doubled, end
 from validation.studies.period_doubling.shown import bubble_table

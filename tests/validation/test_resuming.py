@@ -14,8 +14,9 @@ import xarray
 
 import slipwave
 from fullwave.finite_difference import Leapfrog
-from slipwave.observe import HistoryObserver, follow
-from slipwave.observe.checkpoint import load, save, saved_time
+from slipwave.observe import HistoryObserver
+from slipwave.solve import follow
+from slipwave.solve.checkpoint import load, save, saved_time
 from validation.cli import main
 
 BASE = ["run", "paper", "--model", "dg:7", "--json"]

@@ -7,7 +7,7 @@ import pytest
 from roomy import too_roomy
 from shown import quick
 
-from slipwave.observe.orbit import Estimate
+from slipwave.observe.statistics import Estimate
 from validation.studies.snaking import verdicts
 from validation.studies.snaking.beside import Side, multiplier_seen, sides
 from validation.studies.snaking.reappearance import in_thicker_slabs

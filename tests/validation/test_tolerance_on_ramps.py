@@ -5,8 +5,9 @@ import pytest
 from numpy.typing import NDArray
 
 import slipwave
-from slipwave.observe import EventObserver, Solver, follow
+from slipwave.observe import EventObserver
 from slipwave.scene import Scene
+from slipwave.solve import Solver, follow
 from validation.registry.build import build, prepare
 
 STEEP = "drive.velocity=[[0.0,100.0],[120.0,100.0],[123.0,1000.0]]"

@@ -15,7 +15,8 @@ from reduced.orbit.approach import approach
 from reduced.orbit.closing import close
 from reduced.orbit.figures import figures
 from slipwave import read
-from slipwave.observe import EventObserver, follow
+from slipwave.observe import EventObserver
+from slipwave.solve import follow
 from validation.measure.order_fit import fit, shortfall
 from validation.registry.build import build
 from validation.registry.orbit_place import BEGIN, state_on

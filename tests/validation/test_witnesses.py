@@ -3,7 +3,7 @@
 import pytest
 
 import slipwave
-from slipwave.observe import follow
+from slipwave.solve import follow
 from validation.registry.build import build
 
 SMOOTH = ("paper-2.6", "unlike", "unlike-irrational", "grip", "reflection", "layered", "slip-law", "regularised")

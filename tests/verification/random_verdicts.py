@@ -30,13 +30,13 @@ from reduced.stability import analyse, characteristic, scaled, spectrum, unstabl
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.ageing import Ageing
 from slipwave.friction.slip import Slip
-from slipwave.observe import follow
-from slipwave.observe.lyapunov import largest_exponent
 from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
 from slipwave.scene.drive import steady_drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, Slab
 from slipwave.scene.start import Start
+from slipwave.solve import follow
+from slipwave.solve.lyapunov import largest_exponent
 from validation.registry.build import build
 from validation.registry.families import one_port_of
 from validation.run.outlook import outlook

@@ -21,11 +21,12 @@ from slipwave.friction.ageing import Ageing
 from slipwave.friction.ageing_regularised import AgeingRegularised
 from slipwave.friction.slip import Slip
 from slipwave.friction.slip_regularised import SlipRegularised
-from slipwave.observe import HistoryObserver, follow
+from slipwave.observe import HistoryObserver
 from slipwave.scene import Scene
 from slipwave.scene.drive import steady_drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, ReflectingFace, Slab, StandardLinearViscosity
 from slipwave.scene.start import Start
+from slipwave.solve import follow
 from validation.registry.build import build
 from validation.registry.families import one_port_of
 

@@ -10,8 +10,8 @@ import tracemalloc
 import pytest
 
 import slipwave
-from slipwave.observe import follow
 from slipwave.scene.slab import GripFace, ReflectingFace
+from slipwave.solve import follow
 from tests.compiled_work import count_calls
 from validation.registry.build import build
 from validation.registry.families import explicit_time

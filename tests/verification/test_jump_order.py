@@ -18,8 +18,8 @@ from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
-from slipwave.observe import follow
 from slipwave.scene.start import Start, StartKind
+from slipwave.solve import follow
 
 JUMP = dataclasses.replace(slipwave.read("paper"), start=Start(StartKind.JUMP, 0.05))
 EARLY, LATE = np.arange(40.25, 60.0), np.arange(400.25, 420.0)

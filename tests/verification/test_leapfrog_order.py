@@ -12,9 +12,10 @@ from order import assert_order
 
 import slipwave
 from fullwave.finite_difference import Leapfrog
-from slipwave.observe import EventObserver, follow
+from slipwave.observe import EventObserver
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, StandardLinearViscosity
 from slipwave.scene.start import Start, StartKind
+from slipwave.solve import follow
 from validation.measure.order_fit import extrapolated
 
 CELLS = (54, 108, 216, 432)

@@ -10,8 +10,8 @@ import pytest
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_difference import Leapfrog
-from slipwave.observe import follow
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, StandardLinearViscosity
+from slipwave.solve import follow
 from validation.measure.order_fit import extrapolated
 
 PAPER = slipwave.read("paper")

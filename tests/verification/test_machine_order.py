@@ -13,8 +13,8 @@ from fullwave.finite_difference import Leapfrog
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
-from slipwave.observe import follow
 from slipwave.scene.slab import MachineFace
+from slipwave.solve import follow
 
 PAPER = slipwave.read("paper")
 SLAB = dataclasses.replace(PAPER.upper, face=MachineFace(2.0, 0.5, 0.4))

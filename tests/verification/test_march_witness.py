@@ -9,8 +9,9 @@ from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
-from slipwave.observe import EventObserver, follow
+from slipwave.observe import EventObserver
 from slipwave.scene.slab import GripFace, Layer, MachineFace, ReflectingFace
+from slipwave.solve import follow
 
 PAPER = slipwave.read("paper")
 SLAB = PAPER.upper

@@ -11,9 +11,9 @@ from functools import cache
 import pytest
 
 import slipwave
-from slipwave.observe import follow
 from slipwave.observe.protocol import ProtocolObserver
 from slipwave.observe.stages import StageFigures
+from slipwave.solve import follow
 from validation.registry.build import prepare
 
 A, B, X = 0.01, 0.015, 10.0

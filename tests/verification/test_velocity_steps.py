@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import slipwave
-from slipwave.observe import Final, follow
+from slipwave.solve import Final, follow
 from validation.registry.build import prepare
 
 STEPS = [[0, 100], [10.3, 100], [10.3, 1000], [14.0, 1000], [14.0, 0], [20.7, 0], [20.7, 50]]

@@ -93,6 +93,6 @@ def most_seconds(yes: bool) -> float:
     """Longest expected run time that is accepted, in seconds."""
     import math
 
-    from slipwave.observe.foresight import DAY
+    from slipwave.solve.foresight import DAY
 
     return math.inf if yes else DAY

@@ -6,10 +6,10 @@ from dataclasses import fields
 from typing import Any
 
 from slipwave.observe import RunStatistics, Verdict
-from slipwave.observe.lyapunov import Exponent
-from slipwave.observe.orbit import Orbit
+from slipwave.observe.statistics import Orbit
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
+from slipwave.solve.lyapunov import Exponent
 from validation.door.conclusion import distances
 from validation.output import figures
 

@@ -8,9 +8,9 @@ from typing import Any
 from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.input import SceneSource
-from slipwave.observe.foresight import DAY
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from slipwave.solve.foresight import DAY
 from validation.door.checked import checked
 from validation.door.conclusion import conclusion, nothing
 from validation.door.provenance import SCHEMA, provenance

@@ -7,10 +7,10 @@ from functools import cached_property
 from typing import Any
 
 from slipwave.input import SceneSource
-from slipwave.observe import Solver
-from slipwave.observe.foresight import DAY, require_time
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from slipwave.solve import Solver
+from slipwave.solve.foresight import DAY, require_time
 from validation.door.checked import checked
 from validation.door.conclusion import conclusion, nothing
 from validation.door.motion_figure import second_axis

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import SceneSource
 from slipwave.input.stored import recall
-from slipwave.observe import Solver
-from slipwave.observe.foresight import DAY
-from slipwave.observe.lyapunov import Exponent
-from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
+from slipwave.solve import FieldSolver, Solver
+from slipwave.solve.foresight import DAY
+from slipwave.solve.lyapunov import Exponent
 from validation.door.checked import checked
 from validation.door.result import announced, as_path, deliver, log, scene_of
 from validation.door.run_result import RunResult

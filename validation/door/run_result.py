@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 from fullwave.fields.files import write_field
 from slipwave.errors import SceneError
 from slipwave.observe import Events
-from slipwave.observe.lyapunov import Exponent
-from slipwave.observe.solver import Leaping
 from slipwave.observe.stages import StageFigures
 from slipwave.scene.doubts import doubts
+from slipwave.solve import Leaping
+from slipwave.solve.lyapunov import Exponent
 from validation.door.motion_figure import motion_figure
 from validation.door.protocol_figure import protocol_figure
 from validation.door.provenance import SCHEMA, provenance

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from slipwave.observe.orbit import Estimate
 from slipwave.observe.pieces import Array
+from slipwave.observe.statistics import Estimate
 
 
 def mean_of(values: Array) -> Estimate:

@@ -3,9 +3,10 @@
 from typing import NamedTuple
 
 from slipwave.friction import Law
-from slipwave.observe import EventObserver, HistoryObserver, Pieces, Solver, follow
+from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.observe.history import named_columns
-from slipwave.observe.pieces import Array
+from slipwave.observe.pieces import Array, Pieces
+from slipwave.solve import Solver, follow
 
 _FIRST_MOST = 16  # chunks of pieces that are kept before the first check whether they are still needed
 

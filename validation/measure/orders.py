@@ -19,8 +19,9 @@ from typing import TypeAlias
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe import EventObserver, HistoryObserver, Solver, follow
+from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.observe.pieces import Array
+from slipwave.solve import Solver, follow
 from validation.measure.grid_ladders import Course, GridLadder
 from validation.measure.order_fit import Fit, fit_dense
 from validation.measure.settle import SYMBOLS

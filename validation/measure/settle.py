@@ -11,10 +11,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from slipwave.observe import EventObserver, Events, HistoryObserver, Solver, follow
-from slipwave.observe.foresight import Foresight
-from slipwave.observe.orbit import Estimate, Orbit
+from slipwave.observe import EventObserver, Events, HistoryObserver
 from slipwave.observe.pieces import Array
+from slipwave.observe.statistics import Estimate, Orbit
+from slipwave.solve import Solver, follow
+from slipwave.solve.foresight import Foresight
 from validation.measure.cycle import Cycle, cut
 from validation.run.timing import timed
 

@@ -13,10 +13,9 @@ from slipwave.errors import SceneError
 from slipwave.family import Exact, Family
 from slipwave.features import features_of, in_words
 from slipwave.input.wording import nearest, shorten
-from slipwave.observe import Solver
-from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
+from slipwave.solve import FieldSolver, Solver
 from validation.registry.families import DELAY, FAMILIES, OPTIONS, Built, Options, family_of, given, make
 
 

@@ -3,9 +3,8 @@ it is left to the user."""
 
 from typing import TYPE_CHECKING
 
-from slipwave.observe import Solver
-from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene.start import StartKind
+from slipwave.solve import FieldSolver, Solver
 from validation.registry.build import build_full_wave
 
 if TYPE_CHECKING:

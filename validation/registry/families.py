@@ -11,8 +11,8 @@ from slipwave.family import Exact, Family
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice
-    from slipwave.observe import Solver
     from slipwave.scene import Scene
+    from slipwave.solve import Solver
 
 __all__ = [
     "DELAY",

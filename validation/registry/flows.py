@@ -13,8 +13,8 @@ from validation.registry.families import DELAY, GRIDS, family_of, make
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from slipwave.observe import Solver
     from slipwave.observe.pieces import Array
+    from slipwave.solve import Solver
     from slipwave.step.flow import Flow
 
 _RUN = 1e-6

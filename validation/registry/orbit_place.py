@@ -7,11 +7,10 @@ import numpy as np
 
 from reduced.orbit.closing import Closed
 from slipwave.errors import NumericsError
-from slipwave.observe import EventObserver, Solver
+from slipwave.observe import EventObserver
 from slipwave.observe.pieces import Pieces, lagrange_basis, values_at
-from slipwave.observe.snapshot import FieldSolver
-from slipwave.observe.solver import State
 from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+from slipwave.solve import FieldSolver, Solver, State
 from slipwave.step.flow import Place
 from validation.registry.families import DELAY, family_of
 from validation.registry.flows import moving

@@ -11,13 +11,10 @@ from typing import Any
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe import Energy, Pieces, Solver, follow
-from slipwave.observe.foresight import require_time
-from slipwave.observe.pieces import Array
-from slipwave.observe.restoring import tables
-from slipwave.observe.snapshot import FieldSolver, Snapshot
-from slipwave.observe.solver import State
+from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
+from slipwave.solve import Energy, FieldSolver, Snapshot, Solver, State, follow, tables
+from slipwave.solve.foresight import require_time
 from validation.measure.settle import MOST_TRANSITS, NoCycle, settle
 from validation.registry.families import family_of
 from validation.registry.flows import has_flow
@@ -90,7 +87,7 @@ class OnOrbit:
 
 
 class FieldsOnOrbit(OnOrbit):
-    """The same for a full wave (`slipwave.observe.snapshot.FieldSolver`): its fields carry the orbit's clock too."""
+    """The same for a full wave (`slipwave.solve.FieldSolver`): its fields carry the orbit's clock too."""
 
     _solver: FieldSolver
 

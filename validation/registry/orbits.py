@@ -12,7 +12,7 @@ from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import multipliers
 from reduced.orbit.returns import repeats_sooner
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe.orbit import Estimate, Orbit
+from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
 from slipwave.step.flow import Flow
 from validation.registry.families import one_port_of

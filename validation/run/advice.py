@@ -5,8 +5,8 @@ import time
 from collections.abc import Callable
 
 from slipwave.friction import respond, steady_state, unknown_of
-from slipwave.observe import Solver
 from slipwave.scene import Scene
+from slipwave.solve import Solver
 
 LONG = 60.0
 """Seconds."""

@@ -3,10 +3,10 @@
 import math
 from collections.abc import Sequence
 
-from slipwave.observe import EventObserver, Final, Solver, Verdict, follow, judge_motion, slides_at
-from slipwave.observe.checkpoint import Checkpoints
-from slipwave.observe.follow import Mark, Observer
-from slipwave.observe.foresight import Foresight, require_time
+from slipwave.observe import EventObserver, Verdict, judge_motion, slides_at
+from slipwave.solve import Final, Mark, Observer, Solver, follow
+from slipwave.solve.checkpoint import Checkpoints
+from slipwave.solve.foresight import Foresight, require_time
 from validation.run.advice import Advice
 from validation.run.length import Ended, Judged, Length, second_half
 from validation.run.progress import progress

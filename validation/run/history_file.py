@@ -58,7 +58,7 @@ class HistoryFile:
 
     @property
     def whole_from(self) -> float:
-        """As `slipwave.observe.follow.Spanning`."""
+        """As `slipwave.solve.Spanning`."""
         return self._kept.begin if self._reached <= self._kept.end else math.inf
 
     def expect(self, samples: float) -> None:

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, Protocol, TypeAlias
 
 from slipwave.errors import SceneError
-from slipwave.observe import Events, Solver, Verdict, summarise
+from slipwave.observe import Events, Verdict, summarise
 from slipwave.observe.torus import MANY
 from slipwave.observe.verdict import REPEATS
 from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+from slipwave.solve import Solver
 from validation.run.outlook import Outlook, outlook
 
 Ended: TypeAlias = Literal["until", "cycles", "settled", "limit"]

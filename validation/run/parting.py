@@ -3,11 +3,11 @@
 import math
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe import Solver
-from slipwave.observe.foresight import DAY
-from slipwave.observe.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
+from slipwave.solve import Solver
+from slipwave.solve.foresight import DAY
+from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
 from validation.run.outlook import outlook
 from validation.run.progress import progress
 from validation.run.simulate import Run

@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from slipwave.errors import SceneError
 from slipwave.files import part_of, remove_leftovers
-from slipwave.observe import EventObserver, Solver
-from slipwave.observe.checkpoint import Checkpoints
+from slipwave.observe import EventObserver
 from slipwave.observe.envelope import Envelope
-from slipwave.observe.follow import Mark, Observer
 from slipwave.observe.protocol import ProtocolObserver
-from slipwave.observe.snapshot import FieldSolver
-from slipwave.observe.solver import Resumable
+from slipwave.solve import FieldSolver, Mark, Observer, Resumable, Solver
+from slipwave.solve.checkpoint import Checkpoints
 from validation.run.history_file import ALL, HistoryFile, Kept
 
 if TYPE_CHECKING:

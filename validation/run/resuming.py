@@ -6,8 +6,8 @@ from pathlib import Path
 from slipwave.errors import SceneError
 from slipwave.input.relate import moment
 from slipwave.input.wording import shorten
-from slipwave.observe.checkpoint import saved_time
 from slipwave.scene import Scene
+from slipwave.solve.checkpoint import saved_time
 from validation.output import require_writable
 
 

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from slipwave.errors import NumericsError
-from slipwave.observe import Energy, EventObserver, Events, Final, RunStatistics, Solver, Verdict, summarise
-from slipwave.observe.follow import Mark, Observer
-from slipwave.observe.foresight import DAY
+from slipwave.observe import EventObserver, Events, RunStatistics, Verdict, summarise
 from slipwave.observe.stages import stages_of
 from slipwave.observe.verdict import Kind, repeating
 from slipwave.scene.drive import Drive
+from slipwave.solve import Energy, Final, Mark, Observer, Solver
+from slipwave.solve.foresight import DAY
 from validation.run.course import Course
 from validation.run.length import LEFT, Ended, Length, Until
 from validation.run.outlook import outlook
@@ -71,7 +71,7 @@ def simulate(
     `watch` is passed in if it has already seen the beginning of the run. A scene that records nothing is not watched for events.
     A NumericsError of the solver does not escape: it is kept in `failed`, beside what was computed before. Raises RunInterrupted
     with the same if the user stops it, and SceneError if the run would take more than `most_seconds`
-    (`slipwave.observe.foresight`).
+    (`slipwave.solve.foresight`).
     """
     watch = watch or EventObserver(solver.scene, solver.nodes)
     wanted = Until(length) if isinstance(length, int | float) else length

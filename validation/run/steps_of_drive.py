@@ -4,8 +4,8 @@ front of its wave."""
 import math
 from itertools import pairwise
 
-from slipwave.observe import Solver
 from slipwave.scene.drive import Drive
+from slipwave.solve import Solver
 
 _ON_A_STEP = 1e-6
 """Of a step: nearer to its end than this, a step of V is on it."""

@@ -6,9 +6,9 @@ from typing import TypeAlias
 import numpy as np
 
 import slipwave
-from slipwave.observe import follow
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from slipwave.solve import follow
 from validation.measure.order_fit import Fit, extrapolated, fit, shortfall
 from validation.measure.settle import SYMBOLS, settle
 from validation.registry.build import build

@@ -12,10 +12,11 @@ import numpy as np
 
 from reduced.orbit import PeriodicOrbit
 from reduced.orbit.closing import Closed
-from slipwave.observe import EventObserver, Events, HistoryObserver, follow
-from slipwave.observe.orbit import Estimate
+from slipwave.observe import EventObserver, Events, HistoryObserver
 from slipwave.observe.pieces import lagrange_basis, values_at
+from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
+from slipwave.solve import follow
 from validation.measure.correlated import mean_of
 from validation.measure.cycle import Cycle, cut, watch
 from validation.measure.settle import MOST_TRANSITS, Settled, settle

@@ -5,10 +5,11 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 import slipwave
-from slipwave.observe import Events, HistoryObserver, follow
-from slipwave.observe.orbit import Orbit
+from slipwave.observe import Events, HistoryObserver
 from slipwave.observe.pieces import Array
+from slipwave.observe.statistics import Orbit
 from slipwave.scene import Scene
+from slipwave.solve import follow
 from validation.measure.cycle import Cycle, watch
 from validation.measure.ripples import ripple_period
 from validation.measure.settle import Settled, one_cycle, settle

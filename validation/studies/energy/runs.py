@@ -5,9 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import slipwave
-from slipwave.observe import Energy, follow
 from slipwave.observe.pieces import Array
-from slipwave.observe.snapshot import FieldSolver
+from slipwave.solve import Energy, FieldSolver, follow
 from validation.measure.cycle import watch
 from validation.measure.order_fit import Fit, fit
 from validation.registry.build import build_full_wave

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slipwave.observe import Solver
 from slipwave.observe.pieces import Array
+from slipwave.solve import Solver
 from validation.measure.grid_ladders import GENTLE
 from validation.measure.order_fit import Fit, fit_dense, shortfall
 from validation.measure.orders import QUANTITIES, Measured, errors, measure

@@ -4,8 +4,8 @@ from functools import cache
 from typing import Any
 
 from reduced.delay.alike import Delay
-from slipwave.observe import Solver
 from slipwave.scene import Scene
+from slipwave.solve import Solver
 from validation.measure.grid_ladders import Course
 from validation.measure.orders import Measured, measure
 from validation.registry.build import build

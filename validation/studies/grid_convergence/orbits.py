@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
-from slipwave.observe.orbit import Estimate
+from slipwave.observe.statistics import Estimate
 from validation.measure.correlated import mean_of
 from validation.registry.families import grid_of
 from validation.study import Evidence, Table, Verdict, judge, table

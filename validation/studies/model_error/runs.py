@@ -8,8 +8,8 @@ import numpy as np
 
 from reduced.impedance import reduction_of
 from slipwave.errors import NumericsError
-from slipwave.observe.orbit import Estimate
 from slipwave.observe.pieces import Array
+from slipwave.observe.statistics import Estimate
 from validation.measure.correlated import mean_of
 from validation.measure.cycle import watch
 from validation.references.onset import onset_of

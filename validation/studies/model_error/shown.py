@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from slipwave.observe.orbit import Estimate
+from slipwave.observe.statistics import Estimate
 from validation.studies.model_error.runs import (
     DAMPED,
     MODELS,

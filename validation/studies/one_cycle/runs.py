@@ -6,7 +6,7 @@ import slipwave
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import approach
 from reduced.stability import analyse
-from slipwave.observe.orbit import Estimate, Orbit
+from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
 from validation.measure.correlated import mean_of
 from validation.measure.cycle import Cycle

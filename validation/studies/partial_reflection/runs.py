@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import slipwave
 from slipwave.friction.ageing import Ageing
-from slipwave.observe import follow
 from slipwave.scene import Scene
+from slipwave.solve import follow
 from validation.measure.cycle import watch
 from validation.measure.settle import NoCycle, settle
 from validation.registry.build import build

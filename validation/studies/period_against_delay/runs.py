@@ -5,7 +5,7 @@ from typing import NamedTuple
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import Closed, close
 from reduced.orbit.multipliers import count_unstable
-from slipwave.observe.orbit import Estimate
+from slipwave.observe.statistics import Estimate
 from validation.measure.correlated import mean_of
 from validation.measure.cycle import watch
 from validation.measure.settle import settle

@@ -9,8 +9,9 @@ import numpy as np
 from reduced.continuation.point import Point
 from reduced.continuation.special import Special, critical
 from reduced.orbit.closing import Closed
-from slipwave.observe import HistoryObserver, follow
+from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
+from slipwave.solve import follow
 from validation.registry.build import build
 from validation.registry.orbit_place import BEGIN, state_on
 from validation.study.over_r import Branch

@@ -8,10 +8,11 @@ import numpy as np
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable
 from slipwave.friction import unknown_of
-from slipwave.observe import HistoryObserver, follow
-from slipwave.observe.orbit import Estimate
+from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
+from slipwave.observe.statistics import Estimate
 from slipwave.observe.torus import rotation
+from slipwave.solve import follow
 from validation.measure.correlated import mean_of
 from validation.measure.settle import settle
 from validation.registry.build import build

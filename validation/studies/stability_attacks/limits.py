@@ -15,11 +15,10 @@ import numpy as np
 import slipwave
 from fullwave.options import AnyShare
 from slipwave.errors import NumericsError
-from slipwave.observe import follow
-from slipwave.observe.snapshot import FieldSolver
 from slipwave.scene import Scene
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
 from slipwave.scene.start import Start, StartKind
+from slipwave.solve import FieldSolver, follow
 from validation.registry.build import build_full_wave
 from validation.registry.families import GRIDS
 

@@ -8,9 +8,9 @@ import numpy as np
 
 import slipwave
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe import EventObserver, RunStatistics, Solver, follow, summarise
-from slipwave.observe.snapshot import FieldSolver
+from slipwave.observe import EventObserver, RunStatistics, summarise
 from slipwave.scene import Scene
+from slipwave.solve import FieldSolver, Solver, follow
 from validation.registry.build import build, build_full_wave
 from validation.registry.families import explicit_time
 from validation.studies.stability_attacks.limits import ATTACKED

@@ -2,8 +2,9 @@
 
 from dataclasses import dataclass
 
-from slipwave.observe import HistoryObserver, follow
+from slipwave.observe import HistoryObserver
 from slipwave.scene import Scene
+from slipwave.solve import follow
 from validation.measure.cycle import Cycle, cut, watch
 from validation.registry.build import build
 from validation.registry.families import explicit_time

@@ -8,7 +8,7 @@ import math
 
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Pieces
-from slipwave.observe.solver import Solver
+from slipwave.solve.solver import Solver
 
 DAY = 86400.0
 _ENOUGH = 20_000  # pieces, some 0.1 s; from then on their number per transit is extrapolated to the rest of the run

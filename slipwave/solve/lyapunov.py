@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from slipwave.errors import NumericsError
-from slipwave.observe.follow import follow
-from slipwave.observe.foresight import DAY, Foresight
-from slipwave.observe.margin import margin_of_mean
 from slipwave.observe.pieces import SAME, Array
-from slipwave.observe.solver import Solver, State
+from slipwave.observe.statistics import margin_of_mean
+from slipwave.solve.follow import follow
+from slipwave.solve.foresight import DAY, Foresight
+from slipwave.solve.solver import Solver, State
 
 WHOLE = 2.0
 """Transits: every march of equal or halved steps has a step that ends at their multiples."""

@@ -1,6 +1,6 @@
 """Checkpoints: a run killed at any moment continues from the last one and gives bit-identical results.
 
-A checkpoint holds the solver and, by labels, everything else that has a `state()` (`slipwave.observe.solver.Resumable`), such as
+A checkpoint holds the solver and, by labels, everything else that has a `state()` (`slipwave.solve.Resumable`), such as
 observers and records of fields. The .npz file is written whole or not at all. It also holds the scene's digest (without `until`,
 so a run may be prolonged), the model, its settings, a digest of the solver packages' sources and one of its own contents. A
 checkpoint of another run, or a damaged one, is refused.
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from slipwave.errors import SceneError
 from slipwave.files import whole_or_absent
 from slipwave.observe.pieces import SAME
-from slipwave.observe.solver import Resumable, Solver
+from slipwave.solve.solver import Resumable, Solver
 from slipwave.sources import source_digest
 
 FORMAT = 2

@@ -10,7 +10,7 @@ import numpy as np
 from slipwave.errors import NumericsError
 from slipwave.friction import rate_of
 from slipwave.observe.pieces import SAME, Pieces, lagrange_basis, values_at
-from slipwave.observe.solver import Leaping, Solver
+from slipwave.solve.solver import Leaping, Solver
 
 
 @dataclass(frozen=True)
