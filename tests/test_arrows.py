@@ -25,7 +25,7 @@ ORDER = {
     "reduced": "families commensurate parameters delay impedance ode stability closed_forms flows orbit continuation",
     "fullwave": "families options sampling operators leapfrog lines fields * adapt",
     "validation": (
-        "output run measure references registry study branches work_precision studies orbit_speed error_bars wave_race report "
+        "output run measure references registry study branches timing studies error_bars wave_race report "
         "benchmark door commands cli"
     ),
 }

@@ -11,29 +11,38 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from functools import partial
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
 import slipwave
-from slipwave.solve import Final, follow
+from slipwave.solve import follow
 from validation.output import print_table
-from validation.run.timing import in_turn
-from validation.work_precision import Setting, solver_of, warm_up
+from validation.timing import Setting, in_turn, solver_of, warm_up, whole
 
 PSI = -2.8174018894888
 """psi(600) by the delay system at three resolutions, and by another program."""
 
+_EXACT, _EXPLICIT = Setting("dg:8", cells=4, time="exact"), Setting("dg:8", cells=4, time="explicit")
 SETTINGS = (
     *(Setting("delay", tolerance=tolerance) for tolerance in (1e-8, 1e-9, 1e-11)),
-    *(Setting(f"dg:{degree}", tolerance, cells, time="exact") for degree, cells, tolerance in ((8, 4, 1e-9), (24, 1, 3e-9))),
-    *(Setting(f"dg:{degree}", 1e-10, cells, time="exact") for degree, cells in ((16, 2), (20, 2))),
-    Setting("dg:8", cells=4, time="exact"),
-    *(Setting(f"dg:{degree}", cells=cells, time="explicit") for degree, cells in ((8, 4), (16, 2))),
+    *(replace(_EXACT, tolerance=1e-9), replace(_EXACT, model="dg:24", cells=1, tolerance=3e-9)),
+    *(replace(_EXACT, model=model, cells=2, tolerance=1e-10) for model in ("dg:16", "dg:20")),
+    *(_EXACT, _EXPLICIT, replace(_EXPLICIT, model="dg:16", cells=2)),
     *(Setting("fd", cells=cells) for cells in (64, 256)),
 )
 """The delay system; exact marches with errors of 1e-9 and of 1e-11, and with the steps of the default; explicit; leapfrog."""
+
+_COMPARED = (
+    ("rival", 1e-9, "exact", 1e-9),
+    ("explicit", 1e-9, "exact", 1e-9),
+    ("fd", 1e-5, "exact", 1e-9),
+    ("exact", 1e-11, "exact", 1e-9),
+    ("exact", 1e-9, "delay", 1e-9),
+    ("exact", 1e-11, "delay", 1e-11),
+)
+"""Ratios of times: kind and largest error of the one, kind and largest error of the other."""
 
 _BY_PROCESSOR = (
     "import runpy, sys, time; time.perf_counter = time.process_time; sys.path.insert(0, sys.argv[2]); "
@@ -45,8 +54,8 @@ _EACH = 2  # runs of each setting in a round
 
 
 class Entrant(NamedTuple):
-    """A program at a setting: its `kind` (delay, exact, explicit, fd or the other program's name), what it is in words, its error
-    and its time in ms."""
+    """A program at a setting: its `kind` (delay, exact, explicit, fd or rival), what it is in words, its error and its time in
+    ms."""
 
     kind: str
     what: str
@@ -54,51 +63,47 @@ class Entrant(NamedTuple):
     ms: float
 
 
-def timed_in_turn(yardstick: Path | None) -> list[Entrant]:
+def timed_in_turn(yardstick: Path | None, settings: Sequence[Setting] = SETTINGS, rounds: int = _ROUNDS) -> list[Entrant]:
     """The other program and every setting, in turn, so that a machine that slows down slows all; medians."""
-    scene = slipwave.read("paper-2.6")
-    ends: dict[str, Final] = {}
+    scene, theirs, ours = slipwave.read("paper-2.6"), list[list[Entrant]](), list[dict[Setting, float]]()
+    errors: dict[Setting, float] = {}
 
-    def march(name: str, setting: Setting) -> None:
-        ends[name] = follow(solver_of(setting, scene), _UNTIL)
+    def march(setting: Setting) -> None:
+        errors[setting] = abs(follow(solver_of(setting, scene), _UNTIL).psi - PSI)
 
-    for setting in SETTINGS:
+    for setting in settings:
         warm_up(setting, scene)
-    settings = {_in_words(setting): setting for setting in SETTINGS}
-    works = {name: partial(partial, march, name, setting) for name, setting in settings.items()}
-    theirs: list[list[Entrant]] = []
-    ours: list[dict[str, float]] = []
-    for _ in range(_ROUNDS):
-        theirs += [_rival(yardstick)] if yardstick else []
-        ours += in_turn(works, _EACH)
+    for _ in range(rounds):
+        theirs += [run_program(yardstick)] if yardstick else []
+        ours += in_turn({setting: whole(march, setting) for setting in settings}, _EACH)
     rivals = [case[0]._replace(ms=median(run.ms for run in case)) for case in zip(*theirs, strict=True)]
     return rivals + [
-        Entrant(setting.time or setting.model, name, abs(ends[name].psi - PSI), 1e3 * median(times[name] for times in ours))
-        for name, setting in settings.items()
+        Entrant(one.time or one.model, _in_words(one), errors[one], 1e3 * median(times[one] for times in ours))
+        for one in settings
     ]
 
 
 def _in_words(setting: Setting) -> str:
-    return f"{setting.model}, {setting.words}".replace("10^{", "1e").replace("}", "")
+    name = setting.time or setting.model
+    return f"{name}: {setting.model}, {setting.words}".replace("10^{", "1e").replace("}", "")
 
 
-def _rival(program: Path) -> list[Entrant]:
+def run_program(program: Path) -> list[Entrant]:
     """The lines of another program, which sees processor time on its clock."""
     command = [sys.executable, "-c", _BY_PROCESSOR, str(program), str(program.parent)]
     printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     cases = [json.loads(line) for line in printed.splitlines()]
     words = [", ".join(f"{name} {value:g}" for name, value in case.items() if name not in ("error", "ms")) for case in cases]
-    return [Entrant(program.stem, name, case["error"], case["ms"]) for name, case in zip(words, cases, strict=True)]
+    return [
+        Entrant("rival", f"{program.stem}: {name}", case["error"], case["ms"]) for name, case in zip(words, cases, strict=True)
+    ]
 
 
-def ratios(found: Sequence[Entrant], rivals: str) -> Iterator[tuple[str, str]]:
-    """Which times are compared, and their ratio."""
-    exact = {error: fastest(found, "exact", error) for error in (1e-9, 1e-11)}
-    for kind, error in ((rivals, 1e-9), ("explicit", 1e-9), ("fd", 1e-5)):
-        yield f"{kind} to {error:g} over exact to 1e-9", _over(fastest(found, kind, error), exact[1e-9])
-    yield "exact to 1e-11 over exact to 1e-9", _over(exact[1e-11], exact[1e-9])
-    for error, march in exact.items():
-        yield f"exact over delay, both to {error:g}", _over(march, fastest(found, "delay", error))
+def ratios(found: Sequence[Entrant]) -> Iterator[tuple[str, str]]:
+    """The ratios of times of `_COMPARED`; a dash where nothing reached the error."""
+    for kind, error, other, its_error in _COMPARED:
+        first, second = fastest(found, kind, error), fastest(found, other, its_error)
+        yield f"{kind} to {error:g} over {other} to {its_error:g}", f"{first.ms / second.ms:.2f}" if first and second else "-"
 
 
 def fastest(found: Sequence[Entrant], kind: str, error: float) -> Entrant | None:
@@ -107,21 +112,14 @@ def fastest(found: Sequence[Entrant], kind: str, error: float) -> Entrant | None
     return min(able, key=lambda entrant: entrant.ms, default=None)
 
 
-def _over(first: Entrant | None, second: Entrant | None) -> str:
-    return f"{first.ms / second.ms:.2f}" if first and second else "-"
-
-
-def main(yardstick: Path | None) -> None:
-    """Run all, print the table and the ratios."""
-    found = timed_in_turn(yardstick)
-    rows = [[f"{entrant.kind}: {entrant.what}", f"{entrant.error:.1e}", f"{entrant.ms:.1f}"] for entrant in found]
-    print_table(["march", "error of psi(600)", "ms"], rows)
+def main(found: Sequence[Entrant]) -> None:
+    """Print the table and the ratios."""
+    print_table(["march", "error of psi(600)", "ms"], [[one.what, f"{one.error:.1e}", f"{one.ms:.1f}"] for one in found])
     print()
-    compared = ratios(found, yardstick.stem if yardstick else "another program")
-    print_table(["ratio of times", "measured"], [list(row) for row in compared])
+    print_table(["ratio of times", "measured"], [list(row) for row in ratios(found)])
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--yardstick", type=Path, metavar="PROGRAM.py")
-    main(parser.parse_args().yardstick)
+    main(timed_in_turn(parser.parse_args().yardstick))

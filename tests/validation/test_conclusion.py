@@ -156,7 +156,7 @@ def test_the_figure_has_the_means_of_the_table_and_the_reference_on_top(runs: tu
 
 def test_runs_are_timed_after_a_warm_up_that_changes_nothing() -> None:
     from validation.registry.build import build
-    from validation.work_precision import warm
+    from validation.timing import warm
 
     for model in ("delay", "kelvin-voigt", "fd", "dg:3"):
         solver, fresh = (build(model, sw.read_scene("paper")) for _ in range(2))

@@ -10,7 +10,7 @@ from validation.references.lsoda import PlainRun, plain_kelvin_voigt, right_hand
 from validation.studies import cost_and_error
 from validation.studies.cost_and_error import work_precision
 from validation.study import Outcome
-from validation.work_precision import Point, Setting
+from validation.timing import Point, Setting
 
 KNOWN = 70.732344990  # AUTO-07p, log10 r = -2.68
 

@@ -14,7 +14,7 @@ from validation.studies import STUDIES, load
 from validation.studies import one_cycle as one_cycle_study
 from validation.studies.one_cycle.runs import run_model
 from validation.study import Evidence, Outcome, StudyResult
-from validation.work_precision import Point, Setting, cheapest, time_final, time_run
+from validation.timing import Point, Setting, cheapest, time_final, time_run
 
 
 @pytest.mark.parametrize("name", STUDIES)
@@ -98,7 +98,7 @@ def test_timed_run_knows_its_error():
 
 def test_the_time_of_a_run_is_the_least_of_its_repetitions(monkeypatch):
     spent = iter([3.0, 1.0, 2.0, 5.0, 4.0])
-    monkeypatch.setattr("validation.work_precision.timed", lambda work: (next(spent), work()))
+    monkeypatch.setattr("validation.timing.timed", lambda work: (next(spent), work()))
     fast = slipwave.read("paper", ["drive.velocity=2000"])
     assert time_run(Setting("block8"), fast, 60.0, {"period": 4.0, "stress_drop": 0.1}).seconds == 1.0
     assert time_final(Setting("block8"), fast, 5.0, repeats=2)[0] == 4.0

@@ -22,7 +22,7 @@ from validation.run.length import Length, Until, length_of
 from validation.run.progress import progress
 from validation.run.simulate import Run, RunInterrupted, simulate
 from validation.study.drawing import Drawing, canvas, pen, styled
-from validation.work_precision import Setting, solver_of, warm_up
+from validation.timing import Setting, solver_of, warm_up
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)
 _REFERENCE_TOLERANCE = 1e-11

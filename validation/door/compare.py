@@ -23,7 +23,7 @@ from validation.run.difference import in_json
 from validation.run.length import Until, length_of, second_half
 from validation.run.simulate import Run, RunInterrupted, reconsidered, simulate
 from validation.study.drawing import Drawing, canvas, styled
-from validation.work_precision import warm
+from validation.timing import warm
 
 _ON_TOP = {"color": "#111111", "linewidth": 0.9, "dashes": (4, 2), "zorder": 3}
 """How the reference is drawn: what it covers shows between the dashes."""

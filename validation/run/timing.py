@@ -4,7 +4,7 @@ hardly changes it. Also the number of cores."""
 import os
 import resource
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import TypeVar
 
 Answer = TypeVar("Answer")
@@ -25,11 +25,3 @@ def cores() -> int:
 def _spent() -> float:
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     return time.process_time() + children.ru_utime + children.ru_stime
-
-
-def in_turn(works: Mapping[str, Callable[[], Callable[[], object]]], repeats: int) -> list[dict[str, float]]:
-    """Processor seconds of every work, once in each of `repeats` rounds, so that a machine that slows down slows all of them.
-
-    A work first prepares, untimed, and returns what is timed.
-    """
-    return [{name: timed(prepare())[0] for name, prepare in works.items()} for _ in range(repeats)]

@@ -16,7 +16,7 @@ from validation.study.bounds import bounded
 from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
 from validation.study.known import as_known
 from validation.study.text import places, plain, power
-from validation.work_precision import Point, Setting, cheapest, time_final, time_run
+from validation.timing import Point, Setting, cheapest, time_final, time_run
 
 NAME = "cost-and-error"
 QUESTION = "What does each answer cost?"

@@ -17,7 +17,7 @@ from validation.studies.model_error.verdicts import RUN_AT, TARGETS, all_verdict
 from validation.study import Budget, Figure, Number, StudyResult
 from validation.study.over_r import scene_at
 from validation.study.text import places, plain
-from validation.work_precision import Setting, warm_up
+from validation.timing import Setting, warm_up
 
 NAME = "model-error"
 QUESTION = "How wrong is each reduction, from the onset to where its motion is irregular, and what does a smaller error cost?"

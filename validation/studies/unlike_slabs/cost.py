@@ -1,14 +1,10 @@
 """Processor time per transit of unlike slabs beside alike ones, in one run, on orbits of the same kind."""
 
 import math
-from functools import partial
 from typing import Any
 
-import slipwave
-from slipwave.scene import Scene
-from validation.run.timing import in_turn
 from validation.study import Cell, Evidence, Outcome, Table, Verdict, judge, table
-from validation.work_precision import Setting, march_of, warm_up
+from validation.timing import UNLIKE_R, March, Setting, alike_and_unlike, in_turn, warm_up
 
 _MODELS: dict[str, tuple[float, dict[str, Any]]] = {
     "delay": (600.0, {"tolerance": 1e-9}),
@@ -18,7 +14,6 @@ _MODELS: dict[str, tuple[float, dict[str, Any]]] = {
     "fd": (200.0, {"cells": 128, "cfl": 0.5}),
 }
 """Row -> transits timed and options."""
-_R = (0.0026, 0.0029)  # of the upper slab, commensurate and irrational
 _CELLS_RATIO = 3.0
 """Cells of the 2 : 1 pair over those of one alike slab: the longer round trip takes twice as many of the same size."""
 _LIMITS = {
@@ -32,23 +27,13 @@ Costs = dict[str, dict[str, float]]
 """model -> pair -> microseconds a transit."""
 
 
-def pairs() -> dict[str, Scene]:
-    """An alike, a commensurate and an irrational pair whose slip events in these runs reach about the same rate, 3300 to 3600
-    V*: larger r than the gallery's for the unlike ones."""
-    return {
-        "alike": slipwave.read("paper"),
-        "commensurate": slipwave.read("unlike", {"upper.r": _R[0], "lower.r": 2.0 * _R[0]}),
-        "irrational": slipwave.read("unlike-irrational", {"upper.r": _R[1], "lower.r": _R[1] * math.sqrt(2.0)}),
-    }
-
-
 def costs(repeats: int) -> Costs:
     """Least of `repeats` runs of every model on every pair; the pairs alternate."""
-    scene = pairs()
+    scene = alike_and_unlike()
     found: Costs = {}
     for row, (until, options) in _MODELS.items():
         setting = Setting(row.partition(",")[0], **options)
-        runs = {name: partial(march_of, setting, pair, until) for name, pair in scene.items()}
+        runs = {name: March(setting, pair, until) for name, pair in scene.items()}
         for pair in scene.values():
             warm_up(setting, pair)
         rounds = in_turn(runs, repeats)
@@ -66,9 +51,9 @@ def cost_table(found: Costs) -> Table:
     heading = "model | setting | alike [μs] .1f | 2 : 1 [μs] .1f | ratio .2f | √2 : 1 [μs] .1f | ratio .2f"
     caption = (
         "Processor time of one transit of the upper slab, march and event detection, fastest of several alternating runs. r is "
-        f"10^{{−2.68}} for the alike pair, {_R[0]:g} and {_R[1]:g} for the unlike ones, so that the slip events of all three "
-        f"reach about the same rate (3300 to 3600 V* in {_MODELS['delay'][0]:g} transits): faster events need smaller steps, "
-        "alike slabs or not."
+        f"10^{{−2.68}} for the alike pair, {UNLIKE_R[0]:g} and {UNLIKE_R[1]:g} for the unlike ones, so that the slip events of "
+        f"all three reach about the same rate (3300 to 3600 V* in {_MODELS['delay'][0]:g} transits): faster events need smaller "
+        "steps, alike slabs or not."
     )
     return table("cost", caption, heading, rows)
 

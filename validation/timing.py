@@ -1,15 +1,19 @@
-"""Run time against error: one model at several settings, each timed on the same stretch of the same scene.
+"""The timer of all comparisons of run times: pieces of work that alternate in the same process, and the ratios of their times.
 
-Every point is a whole run (march and event detection) after a warm-up that loads the compiled code. The processor time is the
-least of a few repetitions. Errors are those of the mean over the run's last cycles, relative to given values.
+Times are processor seconds (`validation.run.timing`), taken after the compiled code is loaded. Errors are those of the mean over
+a run's last cycles, relative to given values.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
+import numpy as np
+
+import slipwave
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver
 from slipwave.scene import Scene
@@ -20,6 +24,12 @@ from validation.registry.build import build
 from validation.run.timing import timed
 
 _WARM_UP = 2.0  # transits
+UNLIKE_R = (0.0026, 0.0029)
+"""r of the upper slab of the commensurate and of the irrational pair of `alike_and_unlike`."""
+
+Name = TypeVar("Name")
+Work: TypeAlias = Callable[[], Callable[[], object]]
+"""Prepares, untimed, and returns what is timed."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +53,42 @@ class Setting:
 
 
 @dataclass(frozen=True)
+class March:
+    """The work of `transits` of march and event detection by a solver that has been marched to `begin`."""
+
+    setting: Setting
+    scene: Scene
+    transits: float
+    begin: float = 0.0
+
+    def __call__(self) -> Callable[[], Final]:
+        """Prepare it."""
+        solver = solver_of(self.setting, self.scene)
+        if self.begin:
+            follow(solver, self.begin)
+        return partial(follow, solver, self.begin + self.transits, [EventObserver(self.scene, solver.nodes)])
+
+
+def whole(function: Callable[..., object], *given: Any, **named: Any) -> Work:
+    """The work of one call, all of which is timed."""
+    return lambda: partial(function, *given, **named)
+
+
+class Ratio(NamedTuple):
+    """The ratio of the times of two pieces of work, `first` over `second`, and its `name`."""
+
+    name: str
+    first: Work
+    second: Work
+
+    def measure(self, rounds: int) -> dict[str, float]:
+        """Median and quartiles over `rounds`, after one round that loads the compiled code."""
+        times = in_turn({"first": self.first, "second": self.second}, rounds + 1)[1:]
+        low, median, high = np.quantile([pair["first"] / pair["second"] for pair in times], (0.25, 0.5, 0.75))
+        return {"median": float(median), "low": float(low), "high": float(high)}
+
+
+@dataclass(frozen=True)
 class Point:
     """One timed run: seconds, relative errors of period and stress drop (signed), period in transits."""
 
@@ -53,8 +99,14 @@ class Point:
     drop_error: float
 
 
+def in_turn(works: Mapping[Name, Work], rounds: int) -> list[dict[Name, float]]:
+    """Processor seconds of every work, once in each round, so that a machine that slows down slows all of them."""
+    return [{name: timed(prepare())[0] for name, prepare in works.items()} for _ in range(rounds)]
+
+
 def time_run(setting: Setting, scene: Scene, until: float, exact: Mapping[str, float], repeats: int = 3) -> Point:
-    """Run `setting` on `scene` to `until` (transits) and compare its last cycles with `exact` (names of `Orbit`)."""
+    """Run `setting` on `scene` to `until` (transits), the fastest of `repeats` runs, and compare its last cycles with `exact`
+    (names of `Orbit`)."""
     warm_up(setting, scene)
     runs = [timed(lambda: watch(solver_of(setting, scene), until)) for _ in range(repeats)]
     orbit = estimate(runs[0][1].events()).values()
@@ -71,21 +123,12 @@ def time_final(setting: Setting, scene: Scene, until: float, repeats: int = 3) -
 
 def cheapest(points: Sequence[Point], error: float) -> Point | None:
     """The fastest point whose period is right to `error`, if there is one."""
-    able = [point for point in points if abs(point.period_error) <= error]
-    return min(able, key=lambda point: point.seconds) if able else None
+    return min((one for one in points if abs(one.period_error) <= error), key=lambda one: one.seconds, default=None)
 
 
 def solver_of(setting: Setting, scene: Scene) -> Solver:
     """The solver that `setting` asks for, at the start of `scene`."""
     return build(setting.model, scene, cells=setting.cells, cfl=setting.cfl, tolerance=setting.tolerance, time=setting.time)
-
-
-def march_of(setting: Setting, scene: Scene, transits: float, begin: float = 0.0) -> "partial[Final]":
-    """The work that is timed: `transits` of march and event detection, by a solver that has been marched to `begin`."""
-    solver = solver_of(setting, scene)
-    if begin:
-        follow(solver, begin)
-    return partial(follow, solver, begin + transits, [EventObserver(scene, solver.nodes)])
 
 
 def warm(solver: Solver) -> None:
@@ -100,3 +143,14 @@ def warm_up(setting: Setting, scene: Scene) -> None:
     """Load or compile what `setting` needs, before a clock starts."""
     with suppress(NumericsError):  # a run that fails reports it itself
         watch(solver_of(setting, scene), _WARM_UP if scene.until is None else min(_WARM_UP, scene.until))
+
+
+def alike_and_unlike() -> dict[str, Scene]:
+    """An alike, a commensurate and an irrational pair whose slip events in the first 600 transits reach about the same rate, 3300
+    to 3600 V*: larger r than the gallery's for the unlike ones."""
+    commensurate, irrational = UNLIKE_R
+    return {
+        "alike": slipwave.read("paper"),
+        "commensurate": slipwave.read("unlike", {"upper.r": commensurate, "lower.r": 2.0 * commensurate}),
+        "irrational": slipwave.read("unlike-irrational", {"upper.r": irrational, "lower.r": irrational * math.sqrt(2.0)}),
+    }
