@@ -27,8 +27,7 @@ from slipwave.scene import Scene
 from validation.output import print_table
 from validation.registry.build import build, build_full_wave, prepare
 from validation.registry.families import one_port_of
-from validation.registry.flows import moving
-from validation.registry.orbits import find_orbit
+from validation.registry.orbits import find_orbit, moving
 
 _FINER = 3.0
 _BEYOND = (1.01, 1.25)  # times the round trip at which steady sliding loses its stability

@@ -323,7 +323,7 @@ def test_compare_lays_models_over_each_other(tmp_path: Path, capsys: pytest.Capt
 
 
 def test_bench_rows_have_time_and_error(capsys: pytest.CaptureFixture[str]) -> None:
-    from validation.registry.build import families
+    from validation.registry.choice import families
 
     assert main(["bench", "paper", *FAST, "--json"]) == 0
     result = json.loads(capsys.readouterr().out)

@@ -14,7 +14,8 @@ from slipwave.features import FEATURES, features_of
 from slipwave.scene.slab import Face, GripFace, MachineFace
 from slipwave.solve import follow
 from validation.cli import main
-from validation.registry.build import build, build_all, families, honouring, resolve
+from validation.registry.build import build, build_all
+from validation.registry.choice import families, honouring, resolve
 from validation.registry.families import FAMILIES, GRIDS
 
 

@@ -189,7 +189,7 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_b
     assert found.found.orbit.period.value == pytest.approx(SUBCRITICAL.period(s), rel=1e-10)
     assert found.found.multipliers.stable is (s == 0.8)
     assert (found.source == "from the run") is (s == own and s not in (on_branch or ()))
-    assert [one.told for one in found.others] == ([f"{SUBCRITICAL.period(other):.7g} ({word})"] if other else [])
+    assert [str(one) for one in found.others] == ([f"{SUBCRITICAL.period(other):.7g} ({word})"] if other else [])
 
 
 @pytest.mark.parametrize(

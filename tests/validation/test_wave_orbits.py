@@ -19,7 +19,7 @@ from slipwave.observe import EventObserver
 from slipwave.solve import follow
 from validation.measure.order_fit import fit, shortfall
 from validation.registry.build import build
-from validation.registry.orbit_place import BEGIN, state_on
+from validation.registry.orbit_start import BEGIN, state_on
 from validation.study.memo import own_orbit
 
 PERIOD, DROP = 73.4721449443, 0.1739634131

@@ -10,8 +10,7 @@ from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable, is_decided
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
-from validation.registry.flows import moving
-from validation.registry.orbits import OrbitFound, Other, find_orbit, orbits_near, refined
+from validation.registry.orbits import OrbitFound, Other, find_orbit, moving, orbits_near, refined
 
 if TYPE_CHECKING:
     from validation.branches.primary import Primary
@@ -50,10 +49,10 @@ def _with_others(found: OrbitFound, model: str, cells: int | None) -> OrbitFound
     except NumericsError as reason:
         return replace(found, searched=f"no other orbit was found: {reason}", wall_s=found.wall_s + time.perf_counter() - began)
     others = tuple(_other(orbit) for orbit in known.orbits if abs(orbit.cycle.period / period - 1.0) > _SAME)
-    return replace(found, others=others, searched=_told(known), wall_s=found.wall_s + time.perf_counter() - began)
+    return replace(found, others=others, searched=_extent(known), wall_s=found.wall_s + time.perf_counter() - began)
 
 
-def _told(known: "Primary") -> str:
+def _extent(known: "Primary") -> str:
     return f"others were looked for along the branch of orbits that begins where stability is lost: {known.searched}"
 
 
@@ -96,7 +95,7 @@ def _chosen(known: "Primary", one: Closed, scene: Scene, tolerance: float, began
     cycle = one.cycle
     found = refined(scene, Guess(one.flow.of(scene), cycle.start, cycle.period, False), tolerance)
     others = tuple(_other(orbit) for orbit in known.orbits if orbit is not one)
-    searched = _told(known) if known.searched else ""
+    searched = _extent(known) if known.searched else ""
     return OrbitFound(found, tolerance, source, time.perf_counter() - began, others, searched)
 
 

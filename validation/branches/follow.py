@@ -22,8 +22,7 @@ from validation.branches import KINDS
 from validation.branches.parameter import Over
 from validation.branches.record import Branch, SpecialPoint, point_of, special_of
 from validation.registry.families import one_port_of
-from validation.registry.flows import moving
-from validation.registry.orbits import find_orbit
+from validation.registry.orbits import find_orbit, moving
 
 _SMALL = 0.1  # amplitude of ln v
 _MOST_OUTSIDE = 200  # points of a branch that begins just outside of its range before it is given up

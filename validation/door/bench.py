@@ -15,7 +15,7 @@ from validation.door.checked import checked
 from validation.door.conclusion import conclusion, nothing
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of
-from validation.registry import build as models
+from validation.registry.choice import honouring
 from validation.registry.families import one_port_of
 from validation.run.difference import in_json
 from validation.run.length import Length, Until, length_of
@@ -86,7 +86,7 @@ def bench(
     reference has no cycles; NumericsError, with all of them as its `result`, if solves of the interface failed.
     """
     scene = scene_of(source, settings, changes, until)
-    trials = [(family, setting) for family in models.honouring(scene) for setting in _settings(family)]
+    trials = [(family, setting) for family in honouring(scene) for setting in _settings(family)]
     if not trials:
         raise SceneError(f"scene = {scene.name!r}: no model of this installation can do it")
     reference = _reference(scene, trials, most_seconds)

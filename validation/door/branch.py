@@ -22,8 +22,7 @@ from validation.branches.stored import read, write
 from validation.door.checked import checked
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Place, Result, along, announced, as_path, deliver, finite, parameter_column, scene_of
-from validation.registry.flows import flowing
-from validation.registry.orbits import require_tolerance
+from validation.registry.orbits import flowing, require_tolerance
 from validation.run.progress import progress
 from validation.run.quantities import EVENTS, variables
 from validation.study.drawing import Drawing, styled

@@ -20,8 +20,7 @@ from validation.door.checked import checked
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, announced, as_path, deliver, finite, parameter_column, scene_of, table_of
 from validation.door.result import along as in_order
-from validation.registry.flows import flowing
-from validation.registry.orbits import require_tolerance
+from validation.registry.orbits import flowing, require_tolerance
 from validation.run.progress import progress
 from validation.study.drawing import Drawing, styled
 

@@ -8,7 +8,7 @@ from slipwave.input.source import gallery_titles
 from slipwave.input.tables import to_toml
 from validation.door.checked import checked
 from validation.door.result import scene_of
-from validation.registry import build
+from validation.registry.choice import families, honouring
 
 
 @checked
@@ -20,7 +20,7 @@ def scenes() -> dict[str, str]:
 @checked
 def models(source: "SceneSource | None" = None, *, settings: Iterable[str] = (), **changes: Any) -> dict[str, str]:
     """The models of this installation, cheapest first: name and what it is. With a scene, those that can compute it."""
-    able = build.families() if source is None else build.honouring(scene_of(source, settings, changes))
+    able = families() if source is None else honouring(scene_of(source, settings, changes))
     return {family.pattern: family.title for family in able}
 
 

@@ -25,8 +25,7 @@ from validation.door.checked import checked
 from validation.door.motion_figure import motion_figure
 from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Place, Result, announced, finite, scene_of
-from validation.registry.flows import flowing
-from validation.registry.orbits import OrbitFound, orbit_at, require_tolerance
+from validation.registry.orbits import OrbitFound, flowing, orbit_at, require_tolerance
 from validation.run.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
 from validation.study.drawing import Drawing, styled
 

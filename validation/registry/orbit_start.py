@@ -6,22 +6,31 @@ with the reason.
 """
 
 import dataclasses
+import math
 from typing import Any
 
 import numpy as np
 
+from reduced.orbit.closing import Closed
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe.pieces import Array, Pieces
+from slipwave.observe import EventObserver
+from slipwave.observe.pieces import Array, Pieces, lagrange_basis, values_at
 from slipwave.scene import Scene
+from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import Energy, FieldSolver, Snapshot, Solver, State, follow, tables
 from slipwave.solve.foresight import require_time
+from slipwave.step.flow import Place
 from validation.measure.settle import MOST_TRANSITS, NoCycle, settle
-from validation.registry.families import family_of
-from validation.registry.flows import has_flow
-from validation.registry.orbit_place import place_on_orbit
+from validation.registry.families import DELAY, family_of
+from validation.registry.orbits import find_orbit, has_flow, moving
 from validation.run.progress import progress
 
+BEGIN = float(math.ceil(NUDGE_CENTRE + NUDGE_REACH))
+"""Date (transits) of the orbit's start on the solver's own clock: a whole transit after the nudge."""
+
 _TOLERANCE = 1e-9
+_SAMPLES = 4096  # of a period, for the means of stresses
+_PERIODS = 3
 _OWN = "orbit start"  # no solver's own name: networks have an `origin`
 
 
@@ -33,8 +42,7 @@ class OnOrbit:
         self._solver = solver
         self._origin, self._ledger = 0.0, _entries(None)
         self.scene: Scene = solver.scene
-        self.model = solver.model
-        self.nodes: Array = solver.nodes
+        self.model, self.nodes = solver.model, solver.nodes
         self.settings: dict[str, Any] = solver.settings
         self.seconds_per_piece, self.transits_per_piece = solver.seconds_per_piece, solver.transits_per_piece
 
@@ -47,7 +55,7 @@ class OnOrbit:
             raise SceneError("start.kind = 'orbit': needs a constant drive.velocity; with a ramp use 'nudge' or 'jump'")
         family = family_of(self.model)
         assert family is not None
-        follow(self._solver, place_on_orbit(self._solver) if has_flow(family) else _next_event(self._solver))
+        follow(self._solver, _by_newton(self._solver) if has_flow(family) else _by_settling(self._solver))
         self._origin, self._ledger = self._solver.time, _entries(self._solver.energy())
 
     @property
@@ -125,8 +133,19 @@ def _entries(ledger: Energy | None) -> Array:
     return np.zeros(5) if ledger is None else np.array(dataclasses.astuple(ledger))
 
 
-def _next_event(solver: Solver) -> float:
-    """Date of the first slip event to come, on the settled orbit that `solver` is marched to."""
+def _by_newton(solver: Solver) -> float:
+    """Put `solver` onto its orbit between two slip events; returns the date (transits, its own clock) of the next event."""
+    cells = solver.cells if isinstance(solver, FieldSolver) else None
+    try:
+        closed = find_orbit(moving(solver.model, solver.scene, _TOLERANCE, cells), _TOLERANCE).found.closed
+    except NumericsError as reason:
+        raise NumericsError(f"start.kind = 'orbit': {reason}") from None
+    solver.restore(state_on(solver, closed))
+    return solver.time + first_event(closed)
+
+
+def _by_settling(solver: Solver) -> float:
+    """March `solver` to its settled orbit; returns the date of the next slip event."""
     scene = solver.scene
     try:
         require_time(solver, MOST_TRANSITS)
@@ -139,8 +158,32 @@ def _next_event(solver: Solver) -> float:
             f"start.kind = 'orbit': {solver.model} had not settled after {settled.transits:.0f} transits: its last cycles differ "
             f"by {settled.unrest:.1e} (scene {scene.name!r}); it may have no stable periodic orbit here"
         )
-    period = settled.orbit.period.value
-    date = float(settled.observer.dates()[-1]) + period
-    while date <= solver.time:
-        date += period
-    return date
+    last, period = float(settled.observer.dates()[-1]), settled.orbit.period.value
+    return last + period * (1 + max(0, math.floor((solver.time - last) / period)))
+
+
+def state_on(solver: Any, closed: Closed) -> State:
+    """The state of `solver` at the start of a motion of its own flow that closes, or nearly so. The flow knows the elastic stress
+    but for a constant: over a period, mean stresses are the same at all depths, so that the mean of y is that of mu."""
+    cycle = closed.cycle
+    times = np.linspace(0.0, cycle.period, _SAMPLES, endpoint=False)
+    z, _, mu, y = values_at(cycle.pieces, lagrange_basis(closed.flow.nodes), times)
+    place = Place(BEGIN, float(z[0]), float(cycle.start[-1]), float(y[0] + (mu - y).mean()))
+    if family_of(solver.model) is DELAY:
+        from reduced.flows.delay_start import placed as placed_delay
+
+        flow: Any = closed.flow
+        return placed_delay(solver, flow, cycle, place)
+    state: State = solver.placed(cycle, place)
+    return state
+
+
+def first_event(closed: Closed) -> float:
+    """Date (transits from its start) of the first slip event of a `closed` orbit."""
+    cycle, flow = closed.cycle, closed.flow
+    observer = EventObserver(flow.scene, flow.nodes)
+    within = cycle.pieces.time + cycle.pieces.length <= cycle.period + 1e-9
+    pieces = Pieces(*(values[within] for values in cycle.pieces))
+    for k in range(_PERIODS):
+        observer.scan(pieces._replace(time=pieces.time + k * cycle.period))
+    return float(observer.dates()[1]) % cycle.period

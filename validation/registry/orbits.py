@@ -1,9 +1,9 @@
 """The periodic orbit of a scene, by a run that comes near it and Newton's method from there."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import MOST_TRANSITS, Guess, guesses
@@ -12,19 +12,34 @@ from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import multipliers
 from reduced.orbit.returns import repeats_sooner
 from slipwave.errors import NumericsError, SceneError
+from slipwave.family import Family
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
+from slipwave.scene.start import StartKind
 from slipwave.step.flow import Flow
-from validation.registry.families import one_port_of
-from validation.registry.flows import Moving
+from validation.registry.choice import families, honouring, requested, resolve
+from validation.registry.families import DELAY, GRIDS, family_of, make, one_port_of
 from validation.run.outlook import outlook
 from validation.run.progress import progress
 
+if TYPE_CHECKING:
+    from slipwave.observe.pieces import Array
+    from slipwave.solve import Solver
+
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-11, 1e-2
+_RUN = 1e-6  # tolerance of a run that only has to come near an orbit
 _MESHES = 6.0
 _CYCLES = 25.0  # expected in a run before it is given up
 _LONGEST_EXPECTED = 3e4  # transits; steel on PMMA, with periods of 22,444, takes 20 s
 _SAME = 1e-6  # relative difference of two periods on one mesh that count as one orbit's
+
+
+class Moving(NamedTuple):
+    """A `solver` at the scene's start, and `freeze` (solver, period), which gives its flow over a period and its present
+    state."""
+
+    solver: "Solver"
+    freeze: "Callable[[Any, float], tuple[Flow, Array]]"
 
 
 class Other(NamedTuple):
@@ -34,9 +49,7 @@ class Other(NamedTuple):
     period: float
     unstable: int | None
 
-    @property
-    def told(self) -> str:
-        """In words."""
+    def __str__(self) -> str:
         stability = "stability not decided" if self.unstable is None else "unstable" if self.unstable else "stable"
         return f"{self.period:.7g} ({stability})"
 
@@ -66,17 +79,51 @@ class OrbitFound:
     @property
     def notes(self) -> list[str]:
         """Remarks on the numbers: what they do not say by themselves."""
-        notes = [self.found.multipliers.reason] if self.found.multipliers.reason else []
-        if not self.found.settled:
-            notes.append(f"the requested error of {self.tolerance:g} was not reached on the finest mesh: see error_estimate")
-        if self.source:
-            notes.append(self.source)
-        if self.others:
-            periods = ", ".join(other.told for other in self.others)
-            notes.append(f"other orbits of this scene have the periods {periods}: --near-period finds one of them")
-        if self.searched:
-            notes.append(self.searched)
-        return notes
+        coarse = f"the requested error of {self.tolerance:g} was not reached on the finest mesh: see error_estimate"
+        periods = ", ".join(map(str, self.others))
+        others = f"other orbits of this scene have the periods {periods}: --near-period finds one of them"
+        settled, reason = self.found.settled, self.found.multipliers.reason
+        notes = [reason, "" if settled else coarse, self.source, others if self.others else "", self.searched]
+        return [note for note in notes if note]
+
+
+def has_flow(family: Family) -> bool:
+    """Whether the motion of its members over a period is a differentiable map: the leapfrog's is not, for its steps cannot be
+    fractions of a period."""
+    return family not in GRIDS or "time" in family.options
+
+
+def flowing(model: str, scene: Scene) -> tuple[str, str]:
+    """As `resolve`, of the models that have a flow. Raises SceneError for another, and if the drive changes."""
+    if not scene.drive.is_constant:
+        raise SceneError(f"scene {scene.name!r}: a periodic orbit needs a constant drive.velocity")
+    model, why = resolve(model, scene, [family for family in families() if has_flow(family)])
+    family = family_of(model)
+    if family is not None and not has_flow(family):
+        able = ", ".join(other.pattern for other in honouring(scene) if has_flow(other))
+        raise SceneError(
+            f"model = {model!r}: its steps cannot be fractions of a period, so it gives no orbits; models that do: {able}"
+        )
+    return model, why
+
+
+def moving(model: str, scene: Scene, tolerance: float, cells: int | None = None) -> Moving:
+    """The model called `model`, ready to look for an orbit to `tolerance`, the relative error of its figures. Full waves march
+    exactly. A scene that starts on its orbit starts with the nudge.
+
+    Raises SceneError if the drive changes, as `prepare` does, and for a model without flow.
+    """
+    model, _ = flowing(model, scene)
+    if scene.start.kind is StartKind.ORBIT:
+        scene = replace(scene, start=replace(scene.start, kind=StartKind.NUDGE))
+    asked = requested(model, scene, cells=cells, time="exact" if family_of(model) in GRIDS else None)
+    known, scene, *_ = asked
+    if known is DELAY:
+        from reduced.delay.network import DelayNetwork
+        from reduced.flows.delay import frozen as frozen_delay
+
+        return Moving(DelayNetwork(scene, tolerance=_RUN), frozen_delay)
+    return Moving(make(*asked).solver, lambda solver, period: solver.flow(period, tolerance))
 
 
 def require_tolerance(tolerance: float) -> None:

@@ -21,9 +21,8 @@ from validation.measure.correlated import mean_of
 from validation.measure.cycle import Cycle, cut, watch
 from validation.measure.settle import MOST_TRANSITS, Settled, settle
 from validation.registry.build import build
-from validation.registry.flows import moving
-from validation.registry.orbit_place import first_event
-from validation.registry.orbits import find_orbit
+from validation.registry.orbit_start import first_event
+from validation.registry.orbits import find_orbit, moving
 
 _TRANSIENT = 1500.0  # transits
 _TOLERANCE = 1e-7  # of a run whose cycles never repeat

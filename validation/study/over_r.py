@@ -21,7 +21,7 @@ from reduced.orbit.figures import figures_of
 from reduced.parameters import with_parameter
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.registry.flows import moving
+from validation.registry.orbits import moving
 
 RANGE = (-2.72, -2.3)
 """log10 r."""

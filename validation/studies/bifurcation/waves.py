@@ -5,7 +5,7 @@ from typing import NamedTuple
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import approach
 from reduced.orbit.figures import figures_of
-from validation.registry.flows import moving
+from validation.registry.orbits import moving
 from validation.study.over_r import Branch, scene_at
 
 WAVE, CELLS = "dg:7", 8

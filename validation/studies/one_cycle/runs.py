@@ -12,7 +12,7 @@ from validation.measure.correlated import mean_of
 from validation.measure.cycle import Cycle
 from validation.measure.settle import one_cycle, settle
 from validation.registry.build import build
-from validation.registry.flows import moving
+from validation.registry.orbits import moving
 from validation.study.memo import cycle_of, cycles_in_turn, late_cycles, own_orbit
 from validation.study.over_r import begun_at, scene_at
 

@@ -10,7 +10,7 @@ from validation.measure.correlated import mean_of
 from validation.measure.cycle import watch
 from validation.measure.settle import settle
 from validation.registry.build import build
-from validation.registry.flows import moving
+from validation.registry.orbits import moving
 from validation.studies.period_against_delay.law import MASSES
 from validation.study.over_r import Branch, scene_at
 

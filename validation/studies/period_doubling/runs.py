@@ -19,7 +19,7 @@ from validation.branches.follow import Head, Limits, begin, follow
 from validation.branches.parameter import over_range
 from validation.branches.record import Branch
 from validation.measure.cycle import watch
-from validation.registry.flows import moving
+from validation.registry.orbits import moving
 from validation.study.over_r import RANGE, scene_at
 
 MODEL = "kelvin-voigt"

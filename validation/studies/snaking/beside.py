@@ -13,7 +13,7 @@ from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.solve import follow
 from validation.registry.build import build
-from validation.registry.orbit_place import BEGIN, state_on
+from validation.registry.orbit_start import BEGIN, state_on
 from validation.study.over_r import Branch
 
 _CYCLES = 4
