@@ -2,7 +2,7 @@
 
 If the modes are known (elastic slabs behind rigid faces), it is modal:N. Otherwise the poles come from vector fitting of exact
 samples on the imaginary axis, and the coefficients from least squares under Re Z >= 0. The spring is not fitted; it is the exact
-quasi-static one. Passivity is certified on the whole axis, not on a grid (`dissipation`). A fit that is not passive, or not
+quasi-static one. Passivity is certified on the whole axis, not on a grid (`of_reduction`). A fit that is not passive, or not
 accurate at low frequency, is refused.
 """
 
@@ -11,8 +11,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.impedance.dissipation import dissipation, telling_frequencies
 from reduced.impedance.jet import Complex, Jet
+from reduced.impedance.of_reduction import dissipation, reduction_ratio, telling_frequencies
 from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import pair_ratio
 from reduced.impedance.vector_fit import fit_poles, partial_fractions, passive_coefficients
@@ -116,8 +116,6 @@ def _watch(s: Complex, pairs: Complex) -> NDArray[np.float64]:
 
 
 def _require_accuracy(scene: Scene, fit: Reduction, longest: float) -> None:
-    from reduced.impedance.of_reduction import reduction_ratio
-
     s = np.asarray(1j * np.geomspace(0.02, np.pi, 200) / longest, dtype=np.complex128)
     p, q = reduction_ratio(fit, scene.upper.epsilon, scene.transit, Jet.variable(s / scene.transit))
     exact = exact_impedance(scene, s)

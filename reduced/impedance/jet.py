@@ -28,9 +28,6 @@ class Jet:
         """`number` as a jet of this one's shape: slope 0."""
         return Jet(np.full_like(self.value, number), np.zeros_like(self.value))
 
-    def _lift(self, other: Jet | complex) -> Jet:
-        return other if isinstance(other, Jet) else self.constant(other)
-
     def __add__(self, other: Jet | complex) -> Jet:
         if not isinstance(other, Jet):
             return Jet(self.value + other, self.slope)

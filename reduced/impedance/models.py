@@ -6,9 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from reduced.families import DELAY
-from reduced.impedance.dissipation import telling_frequencies
 from reduced.impedance.jet import Complex, Jet
-from reduced.impedance.of_reduction import poles_and_residues, real_part_on_axis, reduction_ratio, taylor_poles, taylor_ratio
+from reduced.impedance.of_reduction import (
+    poles_and_residues,
+    real_part_on_axis,
+    reduction_ratio,
+    taylor_poles,
+    taylor_ratio,
+    telling_frequencies,
+)
 from reduced.impedance.reduce import reduction_of
 from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import Ratio, pair_ratio
@@ -59,7 +65,7 @@ class Passivity:
 def check_passivity(scene: Scene, model: str = "delay") -> Passivity:
     """Checks that Z is positive real: Re Z >= 0 on the imaginary axis up to 200 radians per transit and in the right half
     plane, poles in the closed left half plane, and positive residues of poles on the axis. A reduction is also checked wherever
-    its Re Z may change its sign (`dissipation`)."""
+    its Re Z may change its sign (`of_reduction`)."""
     axis = np.concatenate([np.geomspace(1e-4, 1.0, 200), np.linspace(1.0, _HIGHEST, 4001)])
     s = np.concatenate([shift + 1j * axis for shift in (0.0, 1e-3, 0.1, 1.0, 10.0, 100.0)])
     if not (is_exact(model) or model == "taylor"):

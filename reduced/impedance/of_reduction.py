@@ -1,6 +1,17 @@
-"""The impedance of a reduction: a rational function of s, its poles, and its real part."""
+"""The impedance of a reduction: a rational function of s, its poles, its linear equations, and where its real part can change
+its sign, from the eigenvalues of a Hamiltonian pencil, so that no interval is missed.
+
+Spring and mass dissipate nothing on the axis. The rest is G(s) = D + C (s - A)^-1 B with the damping D, and G(s) + G(-s) is 0
+exactly at the finite eigenvalues of
+
+    [[A, 0, B], [0, -A^T, -C^T], [C, B^T, 2 D]] x = s [[1, 0, 0], [0, 1, 0], [0, 0, 0]] x
+
+(Boyd, Balakrishnan and Kabamba 1989, as a pencil, so that D may be 0). Re G(i omega) changes its sign only at imaginary ones.
+Rounding moves these off the axis, so the imaginary parts of all eigenvalues are used; some of them are not zeros of Re G.
+"""
 
 import cmath
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,3 +83,47 @@ def real_part_on_axis(ratio: Ratio) -> NDArray[np.float64]:
     """Re Z relative to |Z| from a (p, q) evaluated on s = i omega or in the right half plane: >= 0 for a passive one-port."""
     p, q = ratio[0].value, ratio[1].value
     return np.asarray((q * p.conj()).real / (np.abs(q) * np.abs(p) + 1e-300))
+
+
+def state_space(model: Reduction) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """(A, B, C) of Z/epsilon = C (s - A)^-1 B + damping + mass s, transit clock: the spring, if there is one, two states of every
+    mode, those of an oscillator scaled by its frequency to equal size, and the relaxations."""
+    sprung, pairs = int(model.spring > 0.0), len(model.frequencies)
+    n = sprung + 2 * pairs + len(model.relaxations)
+    a, b, c = np.zeros((n, n)), np.zeros(n), np.zeros(n)
+    b[:sprung], c[:sprung] = 1.0, model.spring
+    modes = zip(model.frequencies, model.residues, model.decays, model.offsets, strict=True)
+    for first, (omega, residue, decay, offset) in zip(range(sprung, n, 2), modes, strict=False):
+        second = first + 1
+        a[first, second], a[second, first], a[second, second] = omega, -omega, -2.0 * decay
+        b[second], c[first], c[second] = 1.0, offset / omega, residue
+    for k, (strength, rate) in enumerate(model.relaxations, start=sprung + 2 * pairs):
+        a[k, k], b[k], c[k] = -rate, 1.0, strength
+    return a, b, c
+
+
+def dissipation(model: Reduction, omega: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Re Z(i omega)/epsilon, omega in radians per transit."""
+    terms = _terms(replace(model, spring=0.0), Jet.variable(1j * np.asarray(omega, dtype=float)))
+    return np.asarray(model.damping + np.zeros(np.shape(omega)) + sum((n.value / d.value).real for n, d in terms))
+
+
+def telling_frequencies(model: Reduction) -> NDArray[np.float64]:
+    """Frequencies (radians per transit): those of the poles, and at least one in every interval of the axis in which Re Z keeps
+    its sign. A reduction is passive if Re Z is not negative at any of them and its poles are stable."""
+    turns = np.unique(np.concatenate([[0.0], np.abs(_zeros(model).imag), model.frequencies]))
+    return np.concatenate([turns, 0.5 * (turns[1:] + turns[:-1]), [2.0 * turns[-1] + 1.0, 1e3 * (turns[-1] + 1.0)]])
+
+
+def _zeros(model: Reduction) -> NDArray[np.complex128]:
+    """Zeros of G(s) + G(-s)."""
+    from scipy.linalg import eigvals
+
+    a, b, c = state_space(replace(model, spring=0.0))
+    n = b.size
+    pencil, weight = np.zeros((2 * n + 1, 2 * n + 1)), np.diag(np.append(np.ones(2 * n), 0.0))
+    pencil[:n, :n], pencil[n : 2 * n, n : 2 * n] = a, -a.T
+    pencil[:n, -1], pencil[n : 2 * n, -1] = b, -c
+    pencil[-1, :n], pencil[-1, n : 2 * n], pencil[-1, -1] = c, b, 2.0 * model.damping
+    zeros = np.asarray(eigvals(pencil, weight), dtype=np.complex128)
+    return zeros[np.isfinite(zeros)]

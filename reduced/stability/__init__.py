@@ -4,7 +4,7 @@ from reduced.parameters import scaled, with_parameter
 from reduced.stability.analyse import Stability, analyse
 from reduced.stability.boundary import Boundary, boundary
 from reduced.stability.characteristic import characteristic
-from reduced.stability.critical import critical_epsilon, critical_round_trip, critical_velocity
+from reduced.stability.critical import critical_epsilon, critical_round_trip
 from reduced.stability.error_laws import ErrorLaw, error_law
 from reduced.stability.essential import essential_abscissa
 from reduced.stability.friction import FrictionSlopes, friction_slopes
@@ -21,7 +21,6 @@ __all__ = [
     "characteristic",
     "critical_epsilon",
     "critical_round_trip",
-    "critical_velocity",
     "error_law",
     "essential_abscissa",
     "follow_root",

@@ -1,6 +1,8 @@
 """Stability boundaries in any two parameters: pseudo-arclength continuation of D(i omega; p_1, p_2) = 0."""
 
+import contextlib
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,8 +10,8 @@ from numpy.typing import NDArray
 
 from reduced.parameters import with_parameter
 from reduced.stability.characteristic import Characteristic, characteristic
-from reduced.stability.crossing import central_differences, crossing
-from reduced.stability.spectrum import unstable_count
+from reduced.stability.crossing import between
+from reduced.stability.spectrum import leading_roots, unstable_count
 from slipwave.errors import NumericsError
 from slipwave.scene import Scene
 
@@ -17,6 +19,7 @@ Real = NDArray[np.float64]
 _LINES = 4  # per parameter, on which boundaries are searched
 _STEP = 0.02  # of the rectangle's side
 _ROUNDS = 12
+_DIFFERENCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -73,7 +76,7 @@ class _Plane:
     def corrected(self, x: Real, tangent: Real) -> Real | None:
         """Newton orthogonal to `tangent`; None if it does not converge."""
         for _ in range(_ROUNDS):
-            matrix = np.vstack([central_differences(self.residual, x), tangent])
+            matrix = np.vstack([_central_differences(self.residual, x), tangent])
             try:
                 change = np.linalg.solve(matrix, np.append(-self.residual(x), 0.0))
             except np.linalg.LinAlgError:
@@ -95,9 +98,8 @@ def _seeds(plane: _Plane) -> list[Real]:
             at = [np.insert(np.array([fixed]), axis, moving) for moving in samples]
             counts = [_count(plane.problem(u)) for u in at]
             for i in np.flatnonzero(np.diff(counts)):
-                point = _seed_between(plane, at[i], at[i + 1])
-                if point is not None:
-                    points.append(point)
+                fewer, more = (i, i + 1) if counts[i] < counts[i + 1] else (i + 1, i)
+                points += _crossings(plane, at[fewer], at[more], counts[more])
     return points
 
 
@@ -108,12 +110,17 @@ def _count(problem: Characteristic) -> int:
         return -1
 
 
-def _seed_between(plane: _Plane, low: Real, high: Real) -> Real | None:
-    try:
-        share, omega = crossing(lambda t: plane.problem(low + t * (high - low)), 0.5)
-    except NumericsError:
-        return None
-    return np.concatenate([[math.log(omega)], low + share * (high - low)]) if -0.01 <= share <= 1.01 else None
+def _crossings(plane: _Plane, low: Real, high: Real, growing: int) -> list[Real]:
+    """The point between two points of the plane at which one of the `growing` roots of the second crosses; none if none does."""
+
+    def problem(share: float) -> Characteristic:
+        return plane.problem(low + share * (high - low))
+
+    for root in leading_roots(problem(1.0), growing)[::-1]:  # the last is the most likely to have crossed last
+        with contextlib.suppress(NumericsError):
+            share, omega = between(problem, 0.0, 1.0, complex(root))
+            return [np.concatenate([[math.log(omega)], low + share * (high - low)])]
+    return []
 
 
 def _trace(plane: _Plane, start: Real) -> Real:
@@ -126,7 +133,7 @@ def _trace(plane: _Plane, start: Real) -> Real:
 
 def _march(plane: _Plane, start: Real, direction: float) -> list[Real]:
     points, size = [start], _STEP
-    tangent = direction * _tangent(central_differences(plane.residual, start), None)
+    tangent = direction * _tangent(_central_differences(plane.residual, start), None)
     while len(points) < 4000:
         trial = plane.corrected(points[-1] + size * tangent, tangent)
         if trial is None or np.linalg.norm(trial - points[-1]) > 3.0 * size:
@@ -139,7 +146,7 @@ def _march(plane: _Plane, start: Real, direction: float) -> list[Real]:
             break
         if len(points) > 10 and np.linalg.norm(trial - start) < 0.75 * size:
             break
-        tangent = _tangent(central_differences(plane.residual, trial), tangent)
+        tangent = _tangent(_central_differences(plane.residual, trial), tangent)
         size = min(_STEP, 1.5 * size)
     return points
 
@@ -153,3 +160,9 @@ def _tangent(jacobian: Real, before: Real | None) -> Real:
 
 def _distance(curve: Real, point: Real) -> float:
     return float(np.min(np.linalg.norm(curve[:, 1:] - point[1:], axis=1) + 0.2 * np.abs(curve[:, 0] - point[0])))
+
+
+def _central_differences(residual: Callable[[Real], Real], x: Real) -> Real:
+    """The Jacobian of `residual` at x."""
+    shifts = _DIFFERENCE * np.eye(x.size)
+    return np.column_stack([(residual(x + d) - residual(x - d)) / (2.0 * _DIFFERENCE) for d in shifts])

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.impedance import Complex, Jet, Ratio, is_exact, ratio_of, reduction_of
+from reduced.impedance.of_reduction import state_space
 from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import slab_ratio
 from reduced.stability.friction import FrictionSlopes, friction_slopes
@@ -59,6 +60,22 @@ class Characteristic:
             p, q = slab_ratio(slab, variable)
             small.append(np.abs(q.value) < _SHARED * np.abs(p.value) * slab.epsilon)
         return np.logical_and(*small)
+
+    def eigenvalues(self) -> Complex:
+        """All roots of a `reduction`: eigenvalues of its linear equations (`state_space`) for deviations u of the slip rate from
+        steady sliding, with friction's stress  F_v u + x,  x' = -G_phi (x + (F_v - F_ss') u).  With a mass, u is a state."""
+        assert self.reduction is not None
+        model, slopes, transit, epsilon = self.reduction, self.slopes, self.transit, self.scene.upper.epsilon
+        a, b, c = state_space(model)
+        rates = np.diag(np.append(np.zeros(b.size), -slopes.healing * transit))
+        rates[:-1, :-1] = a
+        driven = np.append(b, slopes.healing * (slopes.steady - slopes.direct) * transit)
+        load, resistance = -np.append(epsilon * c, 1.0), slopes.direct + model.damping * epsilon
+        if model.is_algebraic:  # u = load/resistance
+            return np.asarray(np.linalg.eigvals(rates + np.outer(driven, load / resistance)) / transit, dtype=complex)
+        inertia = model.mass * epsilon
+        with_rate = np.block([[rates, driven[:, None]], [load / inertia, -resistance / inertia]])
+        return np.asarray(np.linalg.eigvals(with_rate) / transit, dtype=complex)
 
     @property
     def longest(self) -> float:

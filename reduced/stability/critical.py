@@ -1,4 +1,4 @@
-"""The critical r, epsilon and V at which steady sliding loses stability, for any scene under any model.
+"""The critical r and epsilon at which steady sliding loses stability, for any scene under any model.
 
 "r" scales both round trips together, "epsilon" both impedances; ratios between the slabs and a grip's relative stiffness stay.
 For slabs without viscosity Z depends only on theta = omega r, so a crossing requires, with zeta(theta) = Z at s = i theta/r,
@@ -21,21 +21,14 @@ from numpy.typing import NDArray
 from reduced.impedance import Jet, Ratio
 from reduced.parameters import scaled
 from reduced.stability.characteristic import Characteristic, characteristic
-from reduced.stability.crossing import between
+from reduced.stability.crossing import FIRST_OCTAVE, critical_factor, is_lost
 from reduced.stability.friction import FrictionSlopes, friction_slopes
-from reduced.stability.spectrum import leading_roots, unstable_count
-from slipwave.errors import NumericsError
+from reduced.stability.spectrum import unstable_count
 from slipwave.scene import Scene
 
 Real: TypeAlias = NDArray[np.float64]
 _THETA = np.unique(np.concatenate([np.geomspace(1e-9, 1.0, 1200), np.linspace(1.0, 60.0, 6000)]))
-FIRST_OCTAVE, LAST_OCTAVE = -20, 10
-"""Powers of two of the factors among which critical ones are sought."""
-
-_FIRST_STEP = 0.125
 _TRIED, _HALVINGS, _SMALL = 3, 60, 1e-6
-_BESIDE = (1e-6, 1e-4, 1e-2)
-"""Relative distances from a critical value at which roots are counted; a larger one if all of them are neutral at the smaller."""
 
 
 def critical_round_trip(scene: Scene, model: str = "delay") -> tuple[float, float]:
@@ -60,20 +53,11 @@ def critical_round_trip(scene: Scene, model: str = "delay") -> tuple[float, floa
             return replace(problem, scene=at(factor), one_port=lambda s: problem.one_port(s * factor), transit=r)
 
         for found in _by_angle(problem):
-            if _is_lost(with_round_trip, found[0]):
+            if is_lost(with_round_trip, found[0]):
                 return found
     start = critical_round_trip(scene)[0] / scene.transit if model.startswith("fitted") else 2.0**FIRST_OCTAVE
     factor, omega = critical_factor(at, model, start) if math.isfinite(start) else (math.nan, math.nan)
     return scene.transit * factor, omega
-
-
-def _is_lost(problem_at: Callable[[float], Characteristic], value: float, rising: bool = True) -> bool:
-    """Whether roots begin to grow at this value of a parameter that rises, or falls: none does before it, by a count."""
-    for aside in _BESIDE:
-        before, after = (unstable_count(problem_at(value * (1.0 + (aside if rising else -aside) * way))) for way in (-1.0, 1.0))
-        if before > 0 or after > 0:
-            return before == 0
-    return False
 
 
 def _by_angle(problem: Characteristic) -> list[tuple[float, float]]:
@@ -120,52 +104,6 @@ def _reactance(slopes: FrictionSlopes, omega: NDArray[np.float64]) -> NDArray[np
     return omega * slopes.healing * (slopes.direct - slopes.steady) / (omega**2 + slopes.healing**2)
 
 
-def critical_factor(at: Callable[[float], Scene], model: str, start: float = 1.0) -> tuple[float, float]:
-    """(factor, omega): the factor next to `start` at which steady sliding of the scene `at(factor)` loses stability, and the
-    frequency there: above `start` if it is stable there, below if not. (nan, nan) if there is none from 2^-20 to 2^10.
-
-    Steps of an eighth to one octave are counted until the stability changes; the bracket is halved, and the root that crosses is
-    followed through it. No root grows just below the result, and one does just above.
-    """
-
-    def problem(exponent: float) -> Characteristic:
-        """The characteristic function for the factor 2^exponent."""
-        return characteristic(at(2.0**exponent), model)
-
-    def unstable(exponent: float) -> bool:
-        """Whether a root lies in the right half plane for this exponent."""
-        return unstable_count(problem(exponent)) > 0
-
-    last, step = math.log2(start), _FIRST_STEP
-    began = unstable(last)
-    while True:
-        here = last - step if began else last + step
-        if not FIRST_OCTAVE <= here <= LAST_OCTAVE:
-            return math.nan, math.nan
-        if unstable(here) != began:
-            break
-        last, step = here, min(2.0 * step, 1.0)
-    low, high = min(last, here), max(last, here)
-    for width in (1.0, 1e-4):
-        low, high = _halved(unstable, low, high, width)
-        try:
-            exponent, omega = between(problem, low, high)
-        except NumericsError:  # no single root can be followed from one end to the other
-            continue
-        if _is_lost(lambda factor: problem(math.log2(factor)), 2.0**exponent):
-            return 2.0**exponent, omega
-    _, high = _halved(unstable, low, high, 1e-12 * max(1.0, abs(low)))
-    return 2.0**high, abs(float(leading_roots(problem(high), 1)[0].imag))
-
-
-def _halved(unstable: Callable[[float], bool], low: float, high: float, width: float) -> tuple[float, float]:
-    """The bracket of a change to `unstable`, halved until it is no wider than `width`."""
-    while high - low > width:
-        middle = 0.5 * (low + high)
-        low, high = (low, middle) if unstable(middle) else (middle, high)
-    return low, high
-
-
 def critical_epsilon(scene: Scene, model: str = "delay") -> float:
     """The upper slab's epsilon above which steady sliding is stable at the scene's r (40), (28); nan if there is none.
 
@@ -190,7 +128,7 @@ def critical_epsilon(scene: Scene, model: str = "delay") -> float:
     sizes = [size for size, omega in sorted(_balances(problem), reverse=True) if size > 0.0 and _enters(problem, size, omega)]
     below = [math.sqrt(size * lower) for size, lower in zip(sizes, [*sizes[1:], 0.25 * sizes[-1]], strict=True)] if sizes else []
     first = bisect_left(below, True, key=lambda size: unstable_count(multiplied(size)) > 0)
-    largest = next((size for size in sizes[first : first + _TRIED] if _is_lost(multiplied, size, rising=False)), math.nan)
+    largest = next((size for size in sizes[first : first + _TRIED] if is_lost(multiplied, size, rising=False)), math.nan)
     return scene.upper.epsilon * largest
 
 
@@ -220,27 +158,3 @@ def _balances(problem: Characteristic) -> list[tuple[float, float]]:
     sizes = balance(crossings)
     real = np.abs(sizes.imag) < _SMALL * np.abs(sizes)  # not where it is infinite
     return list(zip(sizes.real[real].tolist(), crossings[real].tolist(), strict=True))
-
-
-def critical_velocity(scene: Scene, model: str = "delay", decades: float = 6.0, per_decade: int = 4) -> float:
-    """The velocity (V*), nearest to the scene's, at which the scene's round trip is critical; nan if none within `decades`."""
-    from scipy.optimize import brentq
-
-    def margin(exponent: float) -> float:
-        """ln(r_c / r) at V = 10^exponent."""
-        r_c, _ = critical_round_trip(scaled(scene, velocity=10.0**exponent), model)
-        return math.log(r_c / scene.transit) if math.isfinite(r_c) else math.inf
-
-    here = math.log10(scene.velocity)
-    start = margin(here)
-    critical = []
-    for direction in (1.0, -1.0):
-        last, last_margin = here, start
-        for k in range(1, round(decades * per_decade) + 1):
-            exponent = here + direction * k / per_decade
-            value = margin(exponent)
-            if math.isfinite(value) and math.isfinite(last_margin) and (value > 0.0) != (last_margin > 0.0):
-                critical.append(brentq(margin, min(last, exponent), max(last, exponent), rtol=1e-14))
-                break
-            last, last_margin = exponent, value
-    return 10.0 ** min(critical, key=lambda x: abs(x - here)) if critical else math.nan

@@ -1,45 +1,28 @@
-"""A crossing of the imaginary axis as one parameter varies, by Newton's method for the parameter and the frequency."""
+"""Where steady sliding loses its stability as one parameter varies: counts bracket the change, and the root that crosses the
+imaginary axis is followed through the bracket."""
 
 import math
 from collections.abc import Callable
 
-import numpy as np
-from numpy.typing import NDArray
-
-from reduced.stability.characteristic import Characteristic
-from reduced.stability.spectrum import follow_root, leading_roots
+from reduced.stability.characteristic import Characteristic, characteristic
+from reduced.stability.spectrum import follow_root, leading_roots, unstable_count
 from slipwave.errors import NumericsError
+from slipwave.scene import Scene
 
-Real = NDArray[np.float64]
-_DIFFERENCE = 1e-6
+FIRST_OCTAVE, LAST_OCTAVE = -20, 10
+"""Powers of two of the factors among which critical ones are sought."""
 
-
-def crossing(problem_at: Callable[[float], Characteristic], start: float) -> tuple[float, float]:
-    """(parameter, omega), nearest to `start`, at which a root is i omega: Newton from the minima of |D(i omega)| over omega.
-
-    Raises NumericsError if no start converges.
-    """
-    here = problem_at(start)
-    omega = here.slopes.reach * np.geomspace(1e-8, 1.0, 1600)
-    size = np.abs(here.imbalance(1j * omega))
-    minima = np.flatnonzero((size[1:-1] <= size[:-2]) & (size[1:-1] <= size[2:])) + 1
-    best = (math.inf, math.nan, math.nan)
-    for i in minima:
-        parameter, frequency = _newton(problem_at, start, float(omega[i]))
-        best = min(best, (abs(parameter - start) if math.isfinite(parameter) else math.inf, parameter, frequency))
-    if not math.isfinite(best[0]):
-        raise NumericsError(f"stability: no crossing found near parameter {start:.6g}")
-    return best[1], best[2]
+_FIRST_STEP = 0.125
+_BESIDE = (1e-6, 1e-4, 1e-2)
+"""Relative distances from a critical value at which roots are counted; a larger one if all of them are neutral at the smaller."""
 
 
-def between(problem_at: Callable[[float], Characteristic], low: float, high: float) -> tuple[float, float]:
-    """(parameter, omega) at which the leading root at `high`, where roots grow that do not at `low`, crosses the imaginary axis.
+def between(problem_at: Callable[[float], Characteristic], low: float, high: float, root: complex) -> tuple[float, float]:
+    """(parameter, omega) between `low` and `high` at which the `root` at `high`, which grows, crosses the imaginary axis.
 
     Newton's method follows it from parameter to parameter. Raises NumericsError if it is no single pair that crosses in between.
     """
     from scipy.optimize import brentq
-
-    root = complex(leading_roots(problem_at(high), 2)[0])
 
     def followed(parameter: float) -> float:
         """Re s of the root at `parameter`."""
@@ -56,27 +39,56 @@ def between(problem_at: Callable[[float], Characteristic], low: float, high: flo
     return float(at), abs(root.imag)
 
 
-def central_differences(residual: Callable[[Real], Real], x: Real) -> Real:
-    """The Jacobian of `residual` at x."""
-    shifts = _DIFFERENCE * np.eye(x.size)
-    return np.column_stack([(residual(x + d) - residual(x - d)) / (2.0 * _DIFFERENCE) for d in shifts])
+def is_lost(problem_at: Callable[[float], Characteristic], value: float, rising: bool = True) -> bool:
+    """Whether roots begin to grow at this value of a parameter that rises, or falls: none does before it, by a count."""
+    for aside in _BESIDE:
+        before, after = (unstable_count(problem_at(value * (1.0 + (aside if rising else -aside) * way))) for way in (-1.0, 1.0))
+        if before > 0 or after > 0:
+            return before == 0
+    return False
 
 
-def _newton(problem_at: Callable[[float], Characteristic], start: float, omega: float) -> tuple[float, float]:
-    def residual(x: Real) -> Real:
-        """(Re, Im) of the imbalance at x = (exponent, ln omega)."""
-        value = complex(problem_at(float(x[0])).imbalance(1j * math.exp(x[1])))
-        return np.array([value.real, value.imag])
+def critical_factor(at: Callable[[float], Scene], model: str, start: float = 1.0) -> tuple[float, float]:
+    """(factor, omega): the factor next to `start` at which steady sliding of the scene `at(factor)` loses stability, and the
+    frequency there: above `start` if it is stable there, below if not. (nan, nan) if there is none from 2^-20 to 2^10.
 
-    x = np.array([start, math.log(omega)])
-    for _ in range(30):
+    Steps of an eighth to one octave are counted until the stability changes; the bracket is halved, and the root that crosses is
+    followed through it. No root grows just below the result, and one does just above.
+    """
+
+    def problem(exponent: float) -> Characteristic:
+        """The characteristic function for the factor 2^exponent."""
+        return characteristic(at(2.0**exponent), model)
+
+    def unstable(exponent: float) -> bool:
+        """Whether a root lies in the right half plane for this exponent."""
+        return unstable_count(problem(exponent)) > 0
+
+    last, step = math.log2(start), _FIRST_STEP
+    began = unstable(last)
+    while True:
+        here = last - step if began else last + step
+        if not FIRST_OCTAVE <= here <= LAST_OCTAVE:
+            return math.nan, math.nan
+        if unstable(here) != began:
+            break
+        last, step = here, min(2.0 * step, 1.0)
+    low, high = min(last, here), max(last, here)
+    for width in (1.0, 1e-4):
+        low, high = _halved(unstable, low, high, width)
         try:
-            change = np.linalg.solve(central_differences(residual, x), -residual(x))
-        except np.linalg.LinAlgError:
-            break
-        x = x + change * min(1.0, 0.5 / max(float(np.linalg.norm(change)), 1e-300))
-        if not np.all(np.isfinite(x)) or abs(x[0] - start) > 3.0:
-            break
-        if np.linalg.norm(change) < 1e-12:
-            return float(x[0]), math.exp(x[1])
-    return math.nan, math.nan
+            exponent, omega = between(problem, low, high, complex(leading_roots(problem(high), 2)[0]))
+        except NumericsError:  # no single root can be followed from one end to the other
+            continue
+        if is_lost(lambda factor: problem(math.log2(factor)), 2.0**exponent):
+            return 2.0**exponent, omega
+    _, high = _halved(unstable, low, high, 1e-12 * max(1.0, abs(low)))
+    return 2.0**high, abs(float(leading_roots(problem(high), 1)[0].imag))
+
+
+def _halved(unstable: Callable[[float], bool], low: float, high: float, width: float) -> tuple[float, float]:
+    """The bracket of a change to `unstable`, halved until it is no wider than `width`."""
+    while high - low > width:
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if unstable(middle) else (middle, high)
+    return low, high

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass, replace
 
 from reduced.stability.analyse import Stability, found_or
-from reduced.stability.critical import critical_factor
+from reduced.stability.crossing import critical_factor
 from reduced.stability.friction import friction_slopes
 from slipwave.scene import Scene
 from slipwave.scene.slab import MachineFace, Slab

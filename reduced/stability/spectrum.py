@@ -7,7 +7,6 @@ import numpy as np
 
 from reduced.impedance import Complex
 from reduced.stability.characteristic import Characteristic, characteristic
-from reduced.stability.eigenvalues import eigenvalues
 from reduced.stability.roots import OnContour, count_zeros, distinct, polish, resolved, upper_half, upper_rectangle, zeros_in
 from slipwave.errors import NumericsError
 from slipwave.scene import Scene
@@ -106,8 +105,7 @@ def _all_leading(problem: Characteristic, most: int) -> Complex:
     """At least `most` roots (conjugates count, idle ones do not), if there are so many, by falling real part: those with
     Im s >= 0, of a certified number."""
     if problem.reduction is not None:
-        known = eigenvalues(problem.reduction, problem.slopes, problem.transit, problem.scene.upper.epsilon)
-        starts = np.concatenate([known, _fan(problem)])  # slow ones are lost to rounding beside fast ones
+        starts = np.concatenate([problem.eigenvalues(), _fan(problem)])  # slow ones are lost to rounding beside fast ones
         roots, exact = polish(problem.jet, starts), np.abs(problem.imbalance(starts)) < _SMALL
         return _upper(np.where(np.isfinite(roots), roots, np.where(exact, starts, np.nan)))
     unit, wall = 1.0 / problem.longest, 0.9 * problem.leftmost

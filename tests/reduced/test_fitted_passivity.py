@@ -7,7 +7,7 @@ from one_port_scenes import LOSSY, paper
 import reduced.impedance.fit as fit
 import slipwave
 from reduced.impedance import check_passivity, reduction_of
-from reduced.impedance.dissipation import dissipation, telling_frequencies
+from reduced.impedance.of_reduction import dissipation, telling_frequencies
 from reduced.impedance.reduction import Reduction
 from slipwave.errors import SceneError
 from slipwave.scene import Scene

@@ -163,14 +163,13 @@ def test_fits_below_half_the_first_mode_against_impedances_by_hand(name, count, 
 def test_a_fit_that_is_too_far_off_is_refused_with_place_and_size(monkeypatch, share, refused):
     """A good fit is spoiled by a share of its impedance: at 0.02 radians per transit |Z| is 33 epsilon, 33/34 of it count."""
     from reduced.impedance import fit
-    from reduced.impedance import of_reduction as rational
 
     def spoiled(model, epsilon, transit, s):
         p, q = ratio(model, epsilon, transit, s)
         return p, q * (1.0 + share)
 
-    ratio = rational.reduction_ratio
-    monkeypatch.setattr(rational, "reduction_ratio", spoiled)
+    ratio = fit.reduction_ratio
+    monkeypatch.setattr(fit, "reduction_ratio", spoiled)
     scene = LOSSY["standard linear"]
     fit.fit_scene.cache_clear()
     if refused:

@@ -10,7 +10,7 @@ import numpy as np
 
 from reduced.families import DELAY
 from reduced.stability import Stability, analyse, friction_slopes
-from reduced.stability.critical import FIRST_OCTAVE, LAST_OCTAVE
+from reduced.stability.crossing import FIRST_OCTAVE, LAST_OCTAVE
 from reduced.stability.physical import PhysicalStability, in_si
 from slipwave.extras import require
 from slipwave.input import SceneSource
