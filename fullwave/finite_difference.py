@@ -44,6 +44,7 @@ class Leapfrog:
     """
 
     model = LEAPFROG.name
+    bookkeeping = frozenset({"counts"})
 
     def __init__(self, scene: Scene, cells: int = LEAPFROG.cells, cfl: float = LEAPFROG.cfl) -> None:
         require_whole("cells", cells, 2, MOST_CELLS)

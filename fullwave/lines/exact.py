@@ -36,6 +36,7 @@ class ExactMarch(PortMarch):
     failures, failed_at = 0, math.nan
     step = LONGEST
     transits_per_piece = math.nan
+    bookkeeping = PortMarch.bookkeeping | {"ledger"}
 
     def __init__(
         self, scene: Scene, grid: Callable[[Scene], System], values: Array, model: str, tolerance: float = EXACT_TOLERANCE

@@ -24,6 +24,7 @@ class ExplicitMarch:
     number of products in a step and `cells` the requested number, for messages."""
 
     name = "explicit"
+    bookkeeping = frozenset({"counts"})
 
     def __init__(
         self, scene: Scene, system: System, method: RungeKutta, step: float, values: Array, work: float, cells: int, model: str

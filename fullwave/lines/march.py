@@ -71,7 +71,7 @@ class MethodOfLines:
         self.sections, self._build = tuple(sections), build
         with enough_memory(sections[0].asked):
             self._set_up(build, sections, limit, time, resolution)
-        self.nodes = self._march.nodes
+        self.nodes, self.bookkeeping = self._march.nodes, self._march.bookkeeping
 
     def _set_up(
         self, build: Builder, sections: list[Section], limit: Callable[[], float], time: TimeMarch | None, resolution: float

@@ -21,6 +21,7 @@ class DelayMarch:
     seconds_per_piece = 2e-6  # 0.9 to 1.9 measured
     transits_per_piece = math.nan
     failed_at = math.nan
+    bookkeeping = frozenset({"counts", "origin", "waiting", "leaps", "tries", "past", "past.incoming", "arrivals"})
     nodes: Array
     settings: dict[str, Any]
     _memory: AlikeMemory | NetworkMemory

@@ -6,15 +6,5 @@ from slipwave.observe.pieces import Pieces
 from slipwave.observe.statistics import RunStatistics, Spread, summarise
 from slipwave.observe.verdict import Verdict, judge_motion, slides_at
 
-__all__ = [
-    "EventObserver",
-    "Events",
-    "HistoryObserver",
-    "Pieces",
-    "RunStatistics",
-    "Spread",
-    "Verdict",
-    "judge_motion",
-    "slides_at",
-    "summarise",
-]
+__all__ = ["EventObserver", "Events", "HistoryObserver", "Pieces", "RunStatistics", "Spread", "Verdict", "judge_motion"]
+__all__ += ["slides_at", "summarise"]

@@ -4,21 +4,5 @@ from slipwave.solve.follow import Final, Mark, Observer, final_state, follow
 from slipwave.solve.restoring import tables, take_back, whole_numbers
 from slipwave.solve.solver import Energy, FieldSolver, Leaping, Resumable, SlabSnapshot, Snapshot, Solver, State
 
-__all__ = [
-    "Energy",
-    "FieldSolver",
-    "Final",
-    "Leaping",
-    "Mark",
-    "Observer",
-    "Resumable",
-    "SlabSnapshot",
-    "Snapshot",
-    "Solver",
-    "State",
-    "final_state",
-    "follow",
-    "tables",
-    "take_back",
-    "whole_numbers",
-]
+__all__ = ["Energy", "FieldSolver", "Final", "Leaping", "Mark", "Observer", "Resumable", "SlabSnapshot", "Snapshot", "Solver"]
+__all__ += ["State", "final_state", "follow", "tables", "take_back", "whole_numbers"]

@@ -53,7 +53,7 @@ def load(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None =
     watching = {f"observer/{label}/": observer for label, observer in (observers or {}).items()}
     try:
         for prefix, part in ({"solver/": solver} | watching).items():
-            saved = _under(arrays, prefix)
+            saved = {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}
             _require_layout(saved, part.state())
             part.restore(saved)
     except (SceneError, ValueError, LookupError, TypeError, OverflowError) as error:
@@ -67,18 +67,12 @@ def saved_time(path: Path) -> float:
 
 
 class Checkpoints:
-    """Marks of a run to `until` (transits): saves `solver` and `observers` to `path` every `every`
-    transits."""
+    """Marks of a run to `until` (transits): saves `solver` and `observers` to `path` every `every` transits."""
 
     def __init__(self, solver: Solver, observers: Mapping[str, Resumable], path: Path, until: float, every: float) -> None:
         self.until = until
         self._solver, self._observers, self._path, self._every = solver, observers, path, every
-        self._due = 0.0
         self._schedule()
-
-    def prolong(self, until: float) -> None:
-        """The run goes on to `until` (transits)."""
-        self.until = until
 
     @property
     def due(self) -> float:
@@ -100,7 +94,7 @@ class Checkpoints:
 
     def _schedule(self) -> None:
         """Make the next whole multiple of `every` due."""
-        self._due = self._every * (math.floor(self._solver.time / self._every + 1e-9) + 1)
+        self._due: float = self._every * (math.floor(self._solver.time / self._every + 1e-9) + 1)
 
 
 def _facts(solver: Solver) -> dict[str, Any]:
@@ -131,7 +125,6 @@ def _short(value: Any) -> str:
 
 
 def _digest(facts: Mapping[str, Any], arrays: _Arrays) -> str:
-    """Hash of everything in a checkpoint."""
     digest = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
     for name, array in sorted(arrays.items()):
         digest.update(f"{name} {array.dtype.str} {array.shape}".encode())
@@ -148,10 +141,10 @@ def _read(path: Path) -> tuple[dict[str, Any], _Arrays]:
             arrays = {name: file[name] for name in file.files}
         facts = json.loads(str(arrays.pop("facts")))
         contents = facts.pop("contents", None)
-        if facts["format"] == FORMAT and contents != _digest(facts, arrays):
-            raise SceneError(f"{unreadable}: its contents have changed since it was written")
         if facts["format"] != FORMAT:
             raise SceneError(f"{unreadable}: format is {_short(facts['format'])}; this version reads {FORMAT}")
+        if contents != _digest(facts, arrays):
+            raise SceneError(f"{unreadable}: its contents have changed since it was written")
     except SceneError:
         raise
     except OSError as error:
@@ -171,7 +164,3 @@ def _require_layout(saved: _Arrays, own: _Arrays) -> None:
         changed = sum(a != b for a, b in zip(array.shape, other.shape, strict=False))
         if not alike or changed > (array.ndim > 1):
             raise ValueError(f"{name} is {other.dtype} {other.shape}; this run needs {array.dtype} {array.shape}")
-
-
-def _under(arrays: _Arrays, prefix: str) -> _Arrays:
-    return {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}

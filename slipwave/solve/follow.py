@@ -23,9 +23,8 @@ class Final:
 
 
 class Observer(Protocol):
-    """Anything that reads the pieces of a run. It is given every transit, unless it is also `Spanning`: then those in which
-    nothing happens may be left out, and where nothing but slow motion happens pieces may be as long as that is smooth. One that
-    compares two marches has a true `needs_every_transit`: then nothing is leapt over."""
+    """Reads the pieces of a run. It is given every transit, unless it is also `Spanning`: then transits in which nothing happens
+    may be left out. Where nothing but slow motion happens pieces may be as long as that is smooth."""
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces, in order."""
@@ -37,8 +36,7 @@ class Spanning(Observer, Protocol):
 
     @property
     def whole_from(self) -> float:
-        """The time (transits) from which on it needs every transit; infinite if, as far as it knows, it never does. Asked again
-        after all that it was given."""
+        """The time (transits) from which on it needs every transit, as far as it knows; read again after each `scan`."""
 
 
 class Mark(Protocol):
@@ -49,7 +47,7 @@ class Mark(Protocol):
         """The next time (transits); infinite if there is none."""
 
     def act(self) -> None:
-        """Do it. The solver is at the end of its first piece that ends at or beyond `due`, or at the end of the run."""
+        """Act. The solver is at the end of its first piece that ends at or beyond `due`, or at the end of the run."""
 
 
 def follow(
@@ -58,22 +56,22 @@ def follow(
     observers: Sequence[Observer] = (),
     progress: Callable[[float], None] | None = None,
     marks: Sequence[Mark] = (),
+    leaps: bool = True,
 ) -> Final:
     """March `solver` to `until` (transits); returns the interface's state there, from the last piece's polynomial. When a mark is
-    due, all observers have seen all earlier pieces; marks due together act in their order. A `Leaping` solver leaps over slow
-    motion, and until the first observer needs every transit also where its pieces would not show the waves.
+    due, all observers have seen all earlier pieces; marks due together act in their order. If `leaps` are allowed, a `Leaping`
+    solver leaps over slow motion, until the first observer needs every transit also where its pieces would not show the waves.
 
     Raises NumericsError with the time, the model and the scene's digest if the numbers stop being finite or a solve does not
     converge; the observers have then seen the pieces before that.
     """
     pieces: Pieces | None = None
-    leaper = solver if isinstance(solver, Leaping) else None
+    leaper = solver if leaps and isinstance(solver, Leaping) else None
     _act(solver, marks)
     while solver.time < until - SAME:
-        stop = min([until, *(mark.due for mark in marks)])
-        stop = max(stop, solver.time + 2.0 * SAME)
+        stop = max(min([until, *(mark.due for mark in marks)]), solver.time + 2.0 * SAME)
         whole = min([until, *(one.whole_from if isinstance(one, Spanning) else 0.0 for one in observers)])
-        if leaper is None or any(getattr(one, "needs_every_transit", False) for one in observers):
+        if leaper is None:
             pieces = solver.advance(stop)
         elif whole > solver.time + SAME:
             pieces = leaper.leap(min(stop, whole), whole, gaps=True)
@@ -98,8 +96,7 @@ def _act(solver: Solver, marks: Sequence[Mark]) -> None:
 
 
 def _require_finite(solver: Solver, pieces: Pieces) -> None:
-    total = float(pieces.z.sum() + pieces.psi.sum() + pieces.mu.sum())
-    if not math.isfinite(total):
+    if not math.isfinite(float(pieces.z.sum() + pieces.psi.sum() + pieces.mu.sum())):
         raise NumericsError(
             f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} transits "
             f"(scene {solver.scene.name!r}, digest {solver.scene.digest})"
@@ -108,9 +105,7 @@ def _require_finite(solver: Solver, pieces: Pieces) -> None:
 
 def _before_failure(solver: Solver, pieces: Pieces) -> Pieces:
     """The pieces that end before the first failed solve; all of them if none failed."""
-    if not solver.failures:
-        return pieces
-    good = pieces.time + pieces.length < _failed_at(solver, pieces)
+    good = pieces.time + pieces.length < (_failed_at(solver, pieces) if solver.failures else math.inf)
     return Pieces(*(array[good] for array in pieces))
 
 

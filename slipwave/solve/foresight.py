@@ -22,19 +22,17 @@ def require_time(solver: Solver, until: float, most: float = DAY) -> None:
 
 
 class Foresight:
-    """Observer of a run to `until` (transits); raises SceneError as soon as it predicts more than `most`
-    seconds for the run."""
+    """Observer of a run to `until` (transits); raises SceneError when it predicts more than `most` seconds for the run."""
 
     whole_from = math.inf
 
     def __init__(self, solver: Solver, until: float, most: float = DAY) -> None:
-        self.until = until
-        self._solver, self._most = solver, most
+        self.until, self._solver, self._most = until, solver, most
         self._pieces, self._next = 0, _ENOUGH
         self._began = self._reached = math.nan
 
     def scan(self, pieces: Pieces) -> None:
-        """Take the next pieces of the run, in order."""
+        """Count the next pieces of the run."""
         self._began = float(pieces.time[0]) if math.isnan(self._began) else self._began
         self._reached = float(pieces.time[-1] + pieces.length[-1])
         self._pieces += pieces.time.size
@@ -42,16 +40,11 @@ class Foresight:
             self._next *= 2
             _require(self._solver, self.until, self._expected(self.until), self._most)
 
-    def prolong(self, until: float) -> None:
-        """The run goes on to `until` (transits)."""
-        self.until = until
-
     def seconds(self, until: float) -> float:
         """Predicted time of a run to `until` (transits) from where this one began, from the pieces so far; 0 before them."""
         return self._expected(until) * self._solver.seconds_per_piece if self._pieces else 0.0
 
     def _expected(self, until: float) -> float:
-        """Pieces of a run to `until`."""
         return self._pieces * (until - self._began) / (self._reached - self._began)
 
 
@@ -66,7 +59,6 @@ def _require(solver: Solver, until: float, pieces: float, most: float) -> None:
 
 
 def _in_words(seconds: float) -> str:
-    """A long time in years or days, as text."""
     if not seconds < 1e4 * 365 * DAY:
         return "more than ten thousand years"
     return f"{seconds / (365 * DAY):.2g} years" if seconds > 365 * DAY else f"{seconds / DAY:.3g} days"

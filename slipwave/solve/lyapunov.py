@@ -28,23 +28,8 @@ INTERVALS = 200
 TRANSIENT = 40
 """Intervals before them, until the difference has turned to where it grows most."""
 
-_DISTANCE = (
-    1e-6  # of the change of the state in WHOLE transits: far above the errors of the marches, and small enough to be linear
-)
-_BOOKS = {
-    "counts",
-    "stretch",
-    "origin",
-    "orbit start",
-    "waiting",
-    "leaps",
-    "tries",
-    "past",
-    "past.incoming",
-    "arrivals",
-    "ledger",
-}
-"""Entries of a solver's state that are no part of the motion."""
+# of the change of the state in WHOLE transits: far above the errors of the marches, and small enough to be linear
+_DISTANCE = 1e-6
 
 
 class Exponent(NamedTuple):
@@ -53,23 +38,6 @@ class Exponent(NamedTuple):
     rate: float
     margin: float
     transits: float
-
-
-class _Marches:
-    """The solver and its twin, marched together to the same times; never over a gap, which they might leave out differently."""
-
-    def __init__(self, solver: Solver, twin: Solver, until: float, most_seconds: float) -> None:
-        self._both = [(one, _Guard(one, until, most_seconds)) for one in (solver, twin)]
-
-    def to(self, time: float, count: int = 2) -> None:
-        """March the first `count` of them to `time` (transits), or to the first end of a piece beyond."""
-        for one, guard in self._both[:count]:
-            follow(one, time, [guard])
-
-
-class _Guard(Foresight):
-    whole_from = 0.0
-    needs_every_transit = True
 
 
 def largest_exponent(
@@ -87,11 +55,11 @@ def largest_exponent(
     `most_seconds`.
     """
     interval, time = WHOLE * max(1, round(cycle / WHOLE)), WHOLE * math.ceil(solver.time / WHOLE + SAME)
-    marches = _Marches(solver, twin, time + (TRANSIENT + intervals) * interval, most_seconds)
-    marches.to(time, 1)
+    both = [(one, Foresight(one, time + (TRANSIENT + intervals) * interval, most_seconds)) for one in (solver, twin)]
+    _march(both[:1], time)
     before = _moving(solver)
     time += WHOLE
-    marches.to(time, 1)
+    _march(both[:1], time)
     difference = {name: array - before[name] for name, array in _moving(solver).items()}
     scales = {name: _scale(array, before[name]) for name, array in difference.items()}
     if not any(scales.values()):
@@ -101,9 +69,10 @@ def largest_exponent(
         )
     rates: list[float] = []
     for count in range(TRANSIENT + intervals):
-        _place_beside(solver, twin, difference, _DISTANCE / _size(difference, scales))
+        share, state = _DISTANCE / _size(difference, scales), solver.state()
+        twin.restore(state | {name: state[name] + share * array for name, array in difference.items()})
         time += interval
-        marches.to(time)
+        _march(both, time)
         difference = _difference(solver, twin)
         rates.append(math.log(_size(difference, scales) / _DISTANCE) / interval)
         if progress is not None:
@@ -112,10 +81,18 @@ def largest_exponent(
     return Exponent(float(kept.mean()), margin_of_mean(kept), intervals * interval)
 
 
+def _march(solvers: list[tuple[Solver, Foresight]], time: float) -> None:
+    """March to `time` (transits), or to the first end of a piece beyond; without leaps, in which the solvers might differ."""
+    for solver, foresight in solvers:
+        follow(solver, time, [foresight], leaps=False)
+
+
 def _moving(solver: Solver) -> State:
-    """What moves: all of the state but the clock and the books."""
-    time = solver.time
-    return {name: np.where(array == time, 0.0, array) for name, array in solver.state().items() if name not in _BOOKS}
+    """The state but for its bookkeeping and the time, with which `now` begins."""
+    state = {name: array for name, array in solver.state().items() if name not in solver.bookkeeping}
+    if "now" in state:
+        state["now"][0] = 0.0
+    return state
 
 
 def _difference(solver: Solver, twin: Solver) -> State:
@@ -127,13 +104,6 @@ def _difference(solver: Solver, twin: Solver) -> State:
             f"be compared (scene {solver.scene.name!r})"
         )
     return {name: theirs[name] - array for name, array in ours.items()}
-
-
-def _place_beside(solver: Solver, twin: Solver, difference: State, share: float) -> None:
-    """Put the twin at this share of a `difference` from the solver."""
-    state = solver.state()
-    moved = {name: array + share * difference[name] for name, array in state.items() if name in difference}
-    twin.restore(state | moved)
 
 
 def _size(difference: State, scales: dict[str, float]) -> float:

@@ -79,6 +79,10 @@ class Solver(Resumable, Protocol):
     def transits_per_piece(self) -> float:
         """Length of its pieces; NaN where steps adapt."""
 
+    @property
+    def bookkeeping(self) -> frozenset[str]:
+        """The entries of `state()` that are no part of the motion: counters, times, records. `now` begins with the time."""
+
     def advance(self, until: float) -> Pieces:
         """March towards `until` (transits) and return the new pieces. Raises NumericsError if it cannot."""
 

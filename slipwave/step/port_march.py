@@ -37,6 +37,8 @@ class PortMarch:
     their distance over powers of two; `first` is the length of the first. `tolerance` is the requested relative error of the
     figures of a cycle. `reason`: why no step may be short enough. `most_steps` are taken in one call of compiled code."""
 
+    bookkeeping = frozenset({"counts", "stretch"})
+
     def __init__(
         self,
         slabs: Slabs,

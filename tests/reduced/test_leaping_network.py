@@ -45,15 +45,6 @@ def sample(kind: str, drive: Drive) -> Scene:
     return dataclasses.replace(slipwave.read(tables), drive=drive)
 
 
-class EveryTransit:
-    """An observer because of which nothing is leapt over."""
-
-    needs_every_transit = True
-
-    def scan(self, pieces: Pieces) -> None:
-        pass
-
-
 def test_the_transfer_to_slow_motion_is_the_impedance_of_the_slabs():
     """-Z(s) = c_(-1)/s + c_0 + c_1 s + .. on the transit clock, to the order of the terms left out."""
     for kind in KINDS:
@@ -80,7 +71,7 @@ def test_leapt_and_marched_runs_agree(kind: str, drive: Drive, least: float):
     scene, until = sample(kind, drive), 36_000.5
     leaping, marching = (LeapingNetwork(scene, TOLERANCE) for _ in range(2))
     protocols = [ProtocolObserver(scene, marching.nodes, until) for _ in range(2)]
-    ends = [follow(leaping, until, protocols[:1]), follow(marching, until, [protocols[1], EveryTransit()])]
+    ends = [follow(leaping, until, protocols[:1]), follow(marching, until, [protocols[1]], leaps=False)]
     assert leaping.skipped > least * until
     assert marching.skipped == 0.0
     assert ends[0].psi == pytest.approx(ends[1].psi, abs=0.1 * TOLERANCE)
@@ -97,7 +88,7 @@ def test_a_leap_without_waves_has_pieces_everywhere():
     leaping, marching = (LeapingNetwork(scene, TOLERANCE) for _ in range(2))
     ours, theirs = (HistoryObserver(scene.law, leaping.nodes) for _ in range(2))
     follow(leaping, until, [ours])
-    follow(marching, until, [theirs, EveryTransit()])
+    follow(marching, until, [theirs], leaps=False)
     assert leaping.skipped > 0.8 * until
     times = np.linspace(2500.0, until, 4321)
     found, known = ours.at(times), theirs.at(times)

@@ -19,7 +19,7 @@ class Logistic:
 
     model, failures, failed_at = "logistic", 0, math.nan
     seconds_per_piece, transits_per_piece = 0.0, WHOLE
-    nodes = np.array([0.0, 1.0])
+    nodes, bookkeeping = np.array([0.0, 1.0]), frozenset({"counts"})
 
     def __init__(self, r: float, x: float = 0.3) -> None:
         self.scene, self.r, self.steps = slipwave.read("paper"), r, 0

@@ -43,6 +43,7 @@ class OnOrbit:
         self._origin, self._ledger = 0.0, _entries(None)
         self.scene: Scene = solver.scene
         self.model, self.nodes = solver.model, solver.nodes
+        self.bookkeeping: frozenset[str] = solver.bookkeeping | {_OWN}
         self.settings: dict[str, Any] = solver.settings
         self.seconds_per_piece, self.transits_per_piece = solver.seconds_per_piece, solver.transits_per_piece
 

@@ -51,10 +51,10 @@ class Course:
     def _stretch(self, end: float) -> None:
         require_time(self.solver, end, self._most)
         self.until, self.final = end, None
-        self._work.prolong(end)
+        self._work.until = end
         for mark in self._marks:
             if isinstance(mark, Checkpoints):
-                mark.prolong(end)
+                mark.until = end
         with progress(f"{self.solver.scene.name}, {self.solver.model}", end) as report:
             advice = Advice(self.solver, end)
 
