@@ -8,9 +8,9 @@ from roomy import too_roomy
 from shown import quick
 
 from validation.studies import bifurcation
-from validation.studies.bifurcation import verdicts
-from validation.studies.bifurcation.shown import structure_table
-from validation.studies.bifurcation.waves import WaveOrbit
+from validation.studies.bifurcation import measured as verdicts
+from validation.studies.bifurcation import structure_table
+from validation.studies.bifurcation.measured import WaveOrbit
 from validation.study import Outcome
 from validation.study.over_r import Corner, branch_of, parts, unaccounted
 

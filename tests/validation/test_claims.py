@@ -11,10 +11,10 @@ from slipwave.observe.statistics import Estimate, Orbit
 from validation.measure.cycle import Cycle
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT
 from validation.studies import claims
-from validation.studies.claims import load as claims_load
-from validation.studies.claims import verdicts as claims_verdicts
-from validation.studies.claims.runs import MODELS, Deep, Loading, Ripples, loading_of, recurrence, where
-from validation.studies.claims.shown import irregular, returns
+from validation.studies.claims import irregular, returns
+from validation.studies.claims import measured as claims_load
+from validation.studies.claims import measured as claims_verdicts
+from validation.studies.claims.measured import MODELS, Deep, Loading, Ripples, loading_of, recurrence, where
 from validation.study import Evidence, Outcome, Verdict
 
 FIGURES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")

@@ -8,11 +8,11 @@ from shown import quick
 from reduced.impedance import reduction_of
 from slipwave.observe.statistics import Estimate
 from validation.studies import load
-from validation.studies.model_error import runs, verdicts
-from validation.studies.model_error.runs import Figures, error, states
-from validation.studies.model_error.shown import errors_of_means, errors_over_r, mean_table, omissions
-from validation.studies.model_error.verdicts import target
-from validation.studies.one_cycle import runs as one_cycle_runs
+from validation.studies.model_error import errors_of_means, errors_over_r, mean_table, omissions
+from validation.studies.model_error import measured as runs
+from validation.studies.model_error import measured as verdicts
+from validation.studies.model_error.measured import Figures, error, states, target
+from validation.studies.one_cycle import measured as one_cycle_runs
 from validation.study import Outcome
 
 STUDY = load("model-error")

@@ -11,8 +11,8 @@ from slipwave.observe.statistics import Estimate, Orbit
 from validation.measure.cycle import Cycle
 from validation.references.published import reference_orbit
 from validation.studies import one_cycle, scene_facts
-from validation.studies.one_cycle.runs import AtR, CycleRun
-from validation.studies.one_cycle.shown import cycles_over_r, over_r_table, overlay, panels, rates
+from validation.studies.one_cycle import cycles_over_r, over_r_table, overlay, panels, rates
+from validation.studies.one_cycle.measured import AtR, CycleRun
 from validation.study import Outcome
 
 FIGURES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")

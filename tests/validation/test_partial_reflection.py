@@ -6,9 +6,8 @@ from roomy import too_roomy
 from shown import quick
 
 from validation.studies import load
-from validation.studies.partial_reflection.runs import Pair, Point, locking_leak
-from validation.studies.partial_reflection.shown import bare_and_grip, over_grip
-from validation.studies.partial_reflection.verdicts import agreement, dies, keeps, locks
+from validation.studies.partial_reflection import bare_and_grip, over_grip
+from validation.studies.partial_reflection.measured import Pair, Point, agreement, dies, keeps, locking_leak, locks
 from validation.study import Outcome
 
 STUDY = load("partial-reflection")

@@ -10,9 +10,9 @@ from shown import quick
 import slipwave
 from slipwave.observe.statistics import Estimate
 from validation.references.published import reference_orbit
-from validation.studies.period_against_delay import verdicts
+from validation.studies.period_against_delay import measured as verdicts
 from validation.studies.period_against_delay.law import period_of
-from validation.studies.period_against_delay.runs import Periods
+from validation.studies.period_against_delay.measured import Periods
 from validation.study import Outcome
 
 

@@ -8,9 +8,9 @@ from roomy import too_roomy
 from shown import quick
 
 from slipwave.observe.statistics import Estimate
-from validation.studies.period_doubling import verdicts
-from validation.studies.period_doubling.runs import Bubble, bubble, doubled, end
-from validation.studies.period_doubling.shown import bubble_table
+from validation.studies.period_doubling import bubble_table
+from validation.studies.period_doubling import measured as verdicts
+from validation.studies.period_doubling.measured import Bubble, bubble, doubled, end
 from validation.study import Outcome
 
 

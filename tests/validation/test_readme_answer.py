@@ -5,8 +5,7 @@ from pathlib import Path
 
 from reduced.stability import analyse
 from validation.registry.families import one_port_of
-from validation.studies.model_error.runs import MODELS, SHOWN, onset_of_damped
-from validation.studies.model_error.verdicts import SHORT
+from validation.studies.model_error.measured import MODELS, SHORT, SHOWN, onset_of_damped
 from validation.study.over_r import scene_at
 
 ROOT = Path(__file__).parents[2]

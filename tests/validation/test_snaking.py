@@ -8,10 +8,19 @@ from roomy import too_roomy
 from shown import quick
 
 from slipwave.observe.statistics import Estimate
-from validation.studies.snaking import verdicts
-from validation.studies.snaking.beside import Side, multiplier_seen, sides
-from validation.studies.snaking.reappearance import in_thicker_slabs
-from validation.studies.snaking.runs import Attractor, Run, Torus, attractor, multiplier_of, passages
+from validation.studies.snaking import measured as verdicts
+from validation.studies.snaking.measured import (
+    Attractor,
+    Run,
+    Side,
+    Torus,
+    attractor,
+    in_thicker_slabs,
+    multiplier_of,
+    multiplier_seen,
+    passages,
+    sides,
+)
 from validation.study import Outcome
 from validation.study.memo import own_orbit
 from validation.study.over_r import branch_of, scene_at
@@ -173,7 +182,7 @@ def test_two_orbits_must_attract_runs_at_one_r(second, outcomes):
 
 
 def test_a_run_is_compared_with_the_nearest_stable_orbit(monkeypatch):
-    monkeypatch.setattr("validation.studies.snaking.runs.run_at", lambda log10_r, size: run([78.4] * 8))
+    monkeypatch.setattr("validation.studies.snaking.measured.run_at", lambda log10_r, size: run([78.4] * 8))
     orbits = [orbit(77.0), orbit(78.3, multiplier=1.2 + 0.1j), orbit(79.0)]
     assert attractor(-2.66, 2.0, orbits).orbit == 79.0
 

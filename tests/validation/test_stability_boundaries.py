@@ -5,8 +5,7 @@ from shown import quick
 
 import slipwave
 from reduced import closed_forms
-from validation.studies.stability_boundaries.measured import critical_over_velocity
-from validation.studies.stability_boundaries.verdicts import closed_form_verdicts
+from validation.studies.stability_boundaries.measured import closed_form_verdicts, critical_over_velocity
 from validation.study import Outcome
 
 

@@ -9,9 +9,9 @@ import slipwave
 from reduced import closed_forms
 from reduced.stability import Boundary, friction_slopes
 from validation.studies import stability_boundaries as study
-from validation.studies.stability_boundaries import verdicts
+from validation.studies.stability_boundaries import critical_curves, impedances, planes, spectra
+from validation.studies.stability_boundaries import measured as verdicts
 from validation.studies.stability_boundaries.measured import Curves
-from validation.studies.stability_boundaries.shown import critical_curves, impedances, planes, spectra
 from validation.study import Outcome
 
 PAPER = slipwave.read("paper")

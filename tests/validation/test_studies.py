@@ -12,7 +12,7 @@ from slipwave.input.source import gallery_names
 from validation.report.build import make_report, store
 from validation.studies import STUDIES, load
 from validation.studies import one_cycle as one_cycle_study
-from validation.studies.one_cycle.runs import run_model
+from validation.studies.one_cycle.measured import run_model
 from validation.study import Evidence, Outcome, StudyResult
 from validation.timing import Point, Setting, cheapest, time_final, time_run
 

@@ -29,6 +29,9 @@ RANGE = (-2.72, -2.3)
 FAR = 200.0
 """A period (transits) that no branch of these reaches."""
 
+COMPARED = ("period", "stress_drop", "elastic_stress_drop")
+"""The figures of an orbit that tables and diagrams show."""
+
 _NEAR_ONSET, _LARGE_NUDGE = -2.697, 2.0
 
 TOLERANCE = 1e-7

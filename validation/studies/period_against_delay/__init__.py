@@ -1,11 +1,26 @@
 """The period of stick-slip over the delay r, the paper's Fig 8, from the onset to log10 r = -2.3."""
 
+from typing import Any
+
+from validation.references.published import reference
 from validation.studies.period_against_delay.law import MASSES, period_of
-from validation.studies.period_against_delay.runs import Periods, orbit, periods_at, settled_period
-from validation.studies.period_against_delay.shown import mean_table, period_table, periods_over_r
-from validation.studies.period_against_delay.verdicts import at_onset, known, order, printed, settled, thick
-from validation.study import Budget, Figure, Number, StudyResult
-from validation.study.over_r import FAR, branch_of, scene_at
+from validation.studies.period_against_delay.measured import (
+    WAVES,
+    Periods,
+    at_onset,
+    known,
+    orbit,
+    order,
+    periods_at,
+    printed,
+    settled,
+    settled_period,
+    thick,
+)
+from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, table
+from validation.study.branch_drawing import draw_branch, special_keys
+from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen, ruled
+from validation.study.over_r import FAR, Branch, branch_of, scene_at
 
 NAME = "period-against-delay"
 QUESTION = "How does the period of stick-slip depend on the delay, in the exact system, the paper’s ODE and the blocks?"
@@ -74,3 +89,94 @@ _ENERGY = (
     "loses nothing and swings through, so that the elastic drop is twice the fall of friction; slabs keep part of the energy in "
     "waves."
 )
+
+
+_TICKS = (50, 60, 70, 80, 90, 100, 120, 140)
+_LOWEST, _HIGHEST = 47.0, 145.0
+_LAW: dict[str, Any] = {"color": "#777777", "linewidth": 0.9}
+_MEAN: dict[str, Any] = {"fmt": "o", "markerfacecolor": "white", "markersize": 4.0, "linewidth": 1.0, "capsize": 2.0}
+_LAW_FROM = -2.55
+"""log10 r from which the law is drawn."""
+_PAPER: dict[str, Any] = {"color": "#d55e00", "marker": "x", "markersize": 7.0, "markeredgewidth": 1.5, "linestyle": "none"}
+
+
+def period_table(listed: list[Periods]) -> Table:
+    """Orbits of all models, with the law beside the blocks."""
+    models = (*WAVES, *MASSES)
+    rows = [
+        (one.log10_r, *(_first(one, model) for model in models), *(period_of(scene_at(one.log10_r), model) for model in MASSES))
+        for one in listed
+    ]
+    heading = " | ".join(
+        ["log_{10} r .4f", *(f"T [{model}] .9g" for model in models), *(f"law [{model}] .4g" for model in MASSES)]
+    )
+    caption = (
+        "Periods in transits, by Newton’s method: the orbit of lowest period known at each r, stable or not. A dash: beyond the "
+        "part of the branch that was followed. Law: the asymptotic period of the blocks for thick slabs; it is no approximation "
+        "near the onset."
+    )
+    return table("periods", caption, heading, rows)
+
+
+def _first(one: Periods, model: str) -> Cell:
+    found = one.orbits.get(model)
+    return found[0] if found else None
+
+
+def mean_table(listed: list[Periods]) -> Table:
+    """Means over the cycles of runs."""
+    rows = [
+        (model, one.log10_r, mean.value, mean.error, float(one.cycles[model]), one.orbits.get(model, [None])[0])
+        for model in WAVES
+        for one in listed
+        if (mean := one.means.get(model))
+    ]
+    caption = (
+        "Mean period over the cycles of a run where no orbit is known to be stable, with its standard error, which allows for "
+        "the dependence of a cycle on those before it; beside it the unstable orbit, where it is known."
+    )
+    heading = "model | log_{10} r .4f | mean T [transits] .6g | error .1e | cycles .0f | T of the orbit [transits] .8g"
+    return table("deep", caption, heading, rows)
+
+
+def periods_over_r(branches: dict[str, Branch], listed: list[Periods], ratios: dict[str, dict[float, float]]) -> Drawing:
+    """Left: periods over r. Right: the blocks' over their law, as slabs become thicker."""
+    figure = canvas(WIDTH, 4.6)
+    left, right = figure.subplots(1, 2, width_ratios=(1.7, 1.0))
+    for model, branch in branches.items():
+        draw_branch(left, model, branch.corners, "period")
+    for model in MASSES:
+        look = pen(model)
+        x, y = [one.log10_r for one in listed], [one.orbits[model][0] for one in listed]
+        left.plot(x, y, color=look.color, linestyle=look.dashes, linewidth=look.width)
+        right.plot(*zip(*ratios[model].items(), strict=True), look.marker, color=look.color, linestyle=look.dashes)
+        thick = [value for value in x if value >= _LAW_FROM]
+        left.plot(thick, [period_of(scene_at(value), model) for value in thick], linestyle=look.dashes, **_LAW)
+    _means(left, listed)
+    paper = reference()["paper"]
+    left.plot([-2.68, -2.68], [paper["T_ode"], paper["T_dde"]], **_PAPER)
+    left.set(xlabel=r"$\log_{10} r$", ylabel="$T$ (transits)", yscale="log", ylim=(_LOWEST, _HIGHEST))
+    left.set_yticks(_TICKS, [str(tick) for tick in _TICKS], minor=False)
+    left.minorticks_off()
+    right.axhline(1.0, **_LAW)
+    right.set(xlabel=r"$\log_{10} r$", title="$T$ of the blocks over the law")
+    ruled(left, right)
+    figure.legend(handles=_keys(), loc="outside upper left", ncols=4, handlelength=2.4)
+    return figure
+
+
+def _means(axes: Axes, listed: list[Periods]) -> None:
+    for model in WAVES:
+        found = [(one.log10_r, one.means[model]) for one in listed if model in one.means]
+        values, bars = [mean.value for _, mean in found], [2.0 * mean.error for _, mean in found]
+        axes.errorbar([log10_r for log10_r, _ in found], values, bars, color=pen(model).color, **_MEAN)
+
+
+def _keys() -> list[Any]:
+    from matplotlib.lines import Line2D
+
+    looks = {model: pen(model) for model in (*WAVES, *MASSES)}
+    lines = [Line2D([], [], color=p.color, linestyle=p.dashes, linewidth=p.width, label=p.label) for p in looks.values()]
+    mean = Line2D([], [], marker="o", color="#555555", markerfacecolor="white", linestyle="none", label="mean of a run")
+    law = Line2D([], [], label="law for thick slabs", **_LAW)
+    return [*lines, *special_keys(()), mean, law, Line2D([], [], label="the paper’s values", **_PAPER)]

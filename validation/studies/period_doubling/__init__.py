@@ -1,9 +1,29 @@
 """The ODE's unstable orbit beside its doubled one (the paper's Fig 7), and the bubble of doubled orbits between two doublings."""
 
-from validation.studies.period_doubling.runs import AT, NEAR, Doubled, bubble, doubled
-from validation.studies.period_doubling.shown import bubble_table, orbit_table, planes
-from validation.studies.period_doubling.verdicts import all_verdicts, ends_simple
-from validation.study import Budget, Figure, Number, Omission, StudyResult
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from reduced.continuation.point import Point
+from reduced.orbit import PeriodicOrbit
+from slipwave.observe.pieces import Array
+from validation.studies.period_doubling.measured import (
+    AT,
+    NEAR,
+    TOLERANCE,
+    Bubble,
+    Doubled,
+    all_verdicts,
+    bubble,
+    doubled,
+    ends_simple,
+)
+from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, table
+from validation.study.branch_drawing import MARKS
+from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
+from validation.study.text import places, plain, power
 
 NAME = "period-doubling"
 QUESTION = "What becomes of the paper’s ODE where its orbit loses stability by period doubling?"
@@ -54,3 +74,79 @@ _HOW = (
     f"multiplier exceeds {NEAR:g}; a straight line takes it to 1."
 )
 _OTHERS = Omission("The other two pairs of period doublings.", "The quick report does not follow their doubled orbits.")
+
+
+_DOUBLE = "#d55e00"
+_THIN = (0, (1.5, 1.2))
+_TEN = math.log(10.0)
+_EVERY = 4  # nodes of a step, of which one is drawn
+
+
+def orbit_table(found: Doubled) -> Table:
+    """Figures and leading multipliers of both orbits."""
+    rows = [_row(name, orbit) for name, orbit in (("single", found.single), ("doubled", found.double))]
+    heading = "orbit | T [transits] .9f | Δμ [σ] .10f | Δy [σ] .10f | v_{max} [V*] .4f | v_{min} [V*] .8f | multipliers"
+    caption = f"Both orbits of the ODE at log_{{10}} r = {places([AT], '.6f')}; relative errors are below {power(TOLERANCE)}."
+    return table("orbits", caption, heading, rows)
+
+
+def _row(name: str, orbit: PeriodicOrbit) -> tuple[str | float, ...]:
+    multipliers = ", ".join(plain(float(value.real), ".5f") for value in orbit.multipliers.values[:2])
+    return (name, *orbit.orbit.values().values(), multipliers)
+
+
+def bubble_table(bubbles: Iterable[Bubble]) -> Table:
+    """The other bubbles, with the special points of their doubled orbits."""
+    rows = [(one.born, one.ends, _places(one, "PD"), _places(one, "LP")) for one in bubbles]
+    heading = "born at [log_{10} r] .9f | ends at [log_{10} r] .6f | doubles again at [log_{10} r] | turns at [log_{10} r]"
+    return table("bubbles", "Branches of doubled orbits of the other two pairs of period doublings.", heading, rows)
+
+
+def _places(bubble: Bubble, kind: str) -> str:
+    return ", ".join(f"{place:.7f}" for name, place in bubble.special if name == kind).replace("-", "−") or "–"
+
+
+def planes(found: Doubled, others: Iterable[Bubble] = ()) -> Drawing:
+    """The paper's Fig 7: both orbits in two planes; below, T and half the doubled period over r."""
+    figure = canvas(WIDTH, 6.6)
+    grid = figure.subplot_mosaic([["stress", "state"], ["branch", "branch"]], height_ratios=(1.2, 1.0))
+    single: dict[str, Any] = {
+        "color": pen("kelvin-voigt").color,
+        "linestyle": _THIN,
+        "linewidth": 1.2,
+        "label": "T = 79.09, unstable",
+    }
+    double: dict[str, Any] = {"color": _DOUBLE, "linestyle": "-", "linewidth": 0.9, "label": "doubled orbit, stable"}
+    for orbit, look in ((found.double, double), (found.single, single)):
+        rate, stress, state = _curves(orbit)
+        grid["stress"].plot(rate, stress, **look)
+        grid["state"].plot(rate, state, **look)
+    grid["stress"].set(xlabel=r"$\log_{10} v$", ylabel=r"$\mu$")
+    grid["state"].set(xlabel=r"$\log_{10} v$", ylabel=r"$\log_{10}\phi$")
+    axes = grid["branch"]
+    ends = sorted(one.point.parameter for one in found.special)
+    for stable in (True, False):
+        r, period = _periods(found.primary, 1.0)
+        period[(r > ends[0]) & (r < ends[-1]) if stable else (r < ends[0]) | (r > ends[-1])] = np.nan
+        axes.plot(r, period, color=single["color"], linestyle="-" if stable else _THIN, linewidth=1.3)
+    axes.plot(*_periods(found.bubble, 0.5), color=_DOUBLE, linewidth=1.3)
+    for other in others:
+        axes.plot(*np.array(other.points).T, color=_DOUBLE, linewidth=1.3)
+    places = [[one.point.parameter, one.point.closed.cycle.period] for one in found.special]
+    axes.plot(*np.array(places).T, MARKS["PD"], color=single["color"], markerfacecolor="white", label="period doubling")
+    axes.set(xlabel=r"$\log_{10} r$", ylabel="$T$, half of the doubled $T$")
+    ruled(*grid.values())
+    handles = [*grid["stress"].get_lines(), axes.get_lines()[-1]]
+    figure.legend(handles=handles, loc="outside upper left", ncols=3, handlelength=2.6)
+    return figure
+
+
+def _periods(points: list[Point], share: float) -> tuple[Array, Array]:
+    """log10 r and a share of the period along a branch."""
+    return np.array([point.parameter for point in points]), share * np.array([point.closed.cycle.period for point in points])
+
+
+def _curves(orbit: PeriodicOrbit) -> list[Array]:
+    """log10 v, mu and log10 phi at some nodes of an orbit's steps."""
+    pieces = orbit.closed.cycle.pieces
+    return [values[:, _EVERY - 1 :: _EVERY].ravel() for values in (pieces.z / _TEN, pieces.mu, pieces.psi / _TEN)]

@@ -1,13 +1,35 @@
-"""What the study of stability boundaries measures: critical r over V."""
+"""DOC"""
 
+import cmath
+import math
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+import slipwave
 from reduced import closed_forms
-from reduced.stability import critical_round_trip, friction_slopes, scaled
+from reduced.impedance import check_passivity, taylor_poles
+from reduced.stability import (
+    Boundary,
+    FrictionSlopes,
+    Stability,
+    analyse,
+    characteristic,
+    critical_round_trip,
+    follow_root,
+    friction_slopes,
+    scaled,
+    unstable_count,
+    with_parameter,
+)
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from validation.study import Evidence, Verdict, judge, of_paper
+from validation.study.bounds import bounded
+from validation.study.known import error_of_27
+from validation.study.text import plain
 
 TRACED = {"delay": closed_forms.delay_epsilon, "kelvin-voigt": closed_forms.kelvin_voigt_epsilon}
 """Models whose boundary is traced, with its closed form."""
@@ -38,3 +60,121 @@ def critical_over_velocity(paper: Scene, velocities: Array) -> Curves:
             gap = max(gap, abs(r_c / closed(slopes, paper.upper.epsilon) - 1.0))
             computed[model].append(r_c)
     return Curves(velocities, np.array(computed["delay"]), np.array(computed["kelvin-voigt"]), gap)
+
+
+_ROUNDING = 2e-14  # relative; 1.3e-15 was measured
+_STEP = 1e-6  # log10 r
+_TRACED = 1e-9  # Newton's method ends at steps of about this size squared; 6e-11 was measured
+_FIRST_TRACED = 2e-3  # at eps = 1e-6 the branch (28) lies 9e-4 beyond its asymptote, relative; 8e-4 was measured
+
+
+def closed_form_verdicts(paper: Scene, curves: Curves) -> tuple[Verdict, ...]:
+    """The closed forms against each other and against roots found from impedance."""
+    epsilon, worst = paper.upper.epsilon, {"cubic": 0.0, "quartic": 0.0, "root": 0.0}
+    for velocity in (1.0, 10.0, 100.0, 1e3, 1e4):
+        slopes = friction_slopes(paper.law, velocity)
+        worst = {name: max(worst[name], gap) for name, gap in _gaps(paper, slopes, epsilon, velocity).items()}
+    claims = {
+        "(27) is the middle root of the cubic (21)": worst["cubic"],
+        "(27) makes the quartic (18) vanish at i ω_{c}": worst["quartic"],
+        "at r of (39) the delay system’s own equation has the root i ω_{c}": worst["root"],
+        "r_{c} from impedance alone equals (39) and (27), all V": curves.gap,
+    }
+    return tuple(bounded(claim, Evidence.EXACT, gap, _ROUNDING, "relative, V = 1 to 10^{4}") for claim, gap in claims.items())
+
+
+def _gaps(paper: Scene, slopes: FrictionSlopes, epsilon: float, velocity: float) -> dict[str, float]:
+    r = closed_forms.kelvin_voigt_r(slopes, epsilon)
+    cubic, x = closed_forms.kelvin_voigt_cubic(slopes, epsilon), r / closed_forms.quasistatic_r(slopes, epsilon)
+    quartic, s = closed_forms.kelvin_voigt_quartic(slopes, epsilon, r), 1j * slopes.omega_c
+    at_39 = replace(paper.upper, round_trip=closed_forms.delay_r(slopes, epsilon))
+    driven = replace(scaled(paper, velocity=velocity), upper=at_39, lower=at_39)
+    return {
+        "cubic": float(abs(np.polyval(cubic, x) / (np.polyval(np.polyder(cubic), x) * x))),
+        "quartic": float(abs(np.polyval(quartic, s) / (np.polyval(np.polyder(quartic), s) * s))),
+        "root": abs(follow_root(characteristic(driven), s * (1.0 + 1e-3j)) / s - 1.0),
+    }
+
+
+def fig_2(curves: Curves) -> tuple[Verdict, ...]:
+    """What the paper concludes from its Fig 2."""
+    slow, fast = float(np.abs(curves.error[curves.velocity <= 1e3]).max()), abs(float(curves.error[-1]))
+    return error_of_27("Fig 2:", slow, fast)
+
+
+def fig_3(traced: dict[str, list[Boundary]], slopes: FrictionSlopes, paper: Scene) -> tuple[Verdict, ...]:
+    """The branches of Fig 3, traced and counted."""
+    off = 0.0
+    for model, closed in TRACED.items():
+        for curve in traced[model]:
+            known = np.array([closed(slopes, 10**x) for x in curve.first])
+            off = max(off, float(np.abs(10**curve.second / known - 1.0).max()))
+    branches = {model: len(curves) for model, curves in traced.items()}
+    counts = {model: [_beside(paper, model, curve) for curve in curves] for model, curves in traced.items()}
+    parted = all(abs(above - below) == 2 for pairs in counts.values() for above, below in pairs)
+    asymptote = math.sqrt(24.0) / slopes.omega_c
+    second = min(float(10 ** curve.first.min()) for curve in traced["kelvin-voigt"] if 10 ** curve.first.min() > 0.5 * asymptote)
+    whole = branches == {"delay": 2, "kelvin-voigt": 2}
+    return (
+        bounded(
+            "Fig 3: boundaries traced in the (r, ε) plane without knowing them lie on (28) and (40)",
+            Evidence.EXACT,
+            off if whole else math.inf,
+            _TRACED,
+            f"{branches['delay']} branches of the delay system, {branches['kelvin-voigt']} of the ODE",
+        ),
+        of_paper(
+            "Fig 3: beyond r = √24/ω_{c} a second pair of roots of the ODE crosses",
+            f"from r = {plain(asymptote, '.5g')}",
+            f"from r = {plain(second, '.5g')}",
+            0.0 <= second / asymptote - 1.0 < _FIRST_TRACED and parted,
+            "traced down to ε = 10^{-6}; the certified number of growing roots changes by 2 across every branch: "
+            f"{'yes' if parted else 'no'}",
+        ),
+    )
+
+
+def _beside(paper: Scene, model: str, curve: Boundary) -> tuple[int, int]:
+    """Growing roots just above and below the middle of a boundary."""
+    middle = len(curve.first) // 2
+    at = with_parameter(paper, "log10_r", float(curve.first[middle]))
+    above, below = (with_parameter(at, "log10_epsilon", float(curve.second[middle]) + shift) for shift in (1e-3, -1e-3))
+    return unstable_count(characteristic(above, model)), unstable_count(characteristic(below, model))
+
+
+def crossed(paper: Scene, onsets: Mapping[str, tuple[float, float]], found: Mapping[str, Stability]) -> Verdict:
+    """The certified count of growing roots just below and beyond every onset, which the onset was found without."""
+    places = {f"`{model}`": (paper, model, math.log10(r)) for model, (r, _) in onsets.items()}
+    places |= {name: (slipwave.read(name), "delay", one.log10_r_c) for name, one in found.items() if math.isfinite(one.log10_r_c)}
+    counts = {
+        name: [unstable_count(characteristic(with_parameter(scene, "log10_r", at + step), model)) for step in (-_STEP, _STEP)]
+        for name, (scene, model, at) in places.items()
+    }
+    wrong = [name for name, (below, beyond) in counts.items() if beyond - below != 2]
+    return Verdict(
+        "Beyond every onset a pair of roots grows that decays below it",
+        Evidence.WITNESS,
+        f"{len(counts)} onsets",
+        f"{len(counts) - len(wrong)} onsets",
+        judge(not wrong),
+        f"certified count {plain(_STEP, '.0e')} in log_{{10}} r on both sides"
+        + (f"; not so: {', '.join(wrong)}" if wrong else ""),
+    )
+
+
+def taylor(paper: Scene) -> Verdict:
+    """The next truncation, which has growing roots of its own."""
+    pole = max(taylor_poles(), key=lambda value: (value.real, value.imag))
+    known = cmath.sqrt(complex(-40.0, math.sqrt(320.0)))  # 1 + s^2/24 + s^4/1920 = 0
+    stable_scene = with_parameter(paper, "log10_r", -3.5)
+    growing = analyse(stable_scene, "taylor").unstable_roots
+    passive = check_passivity(paper, "taylor").passive
+    return Verdict(
+        "The next Taylor truncation after the paper’s cannot be used",
+        Evidence.EXACT,
+        f"poles at {known.real:.4f} ± {known.imag:.4f} i",
+        f"{pole.real:.4f} ± {abs(pole.imag):.4f} i per transit",
+        judge(abs(pole / known - 1.0) < _ROUNDING and pole.real > 0.0 and growing == 2 and not passive),
+        f"its slab is {'' if passive else 'not '}passive: at r = 10^{{-3.5}}, where sliding is stable, it has {growing} growing "
+        "roots of its own",
+    )

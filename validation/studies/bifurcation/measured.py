@@ -1,13 +1,42 @@
-"""What the branches must show: published special points, the index, the full wave's orbits, and the paper's P8, P9 and P14."""
+"""DOC"""
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
+from typing import NamedTuple
 
+from reduced.orbit import periodic_orbit
+from reduced.orbit.approach import approach
+from reduced.orbit.figures import figures_of
 from validation.references.published import half_digit, reference
-from validation.studies.bifurcation.waves import WAVE, WaveOrbit
+from validation.registry.orbits import moving
 from validation.study import Evidence, Verdict, judge, of_paper
 from validation.study.bounds import bounded
-from validation.study.over_r import Branch, unaccounted
+from validation.study.over_r import COMPARED, Branch, scene_at, unaccounted
+
+WAVE, CELLS = "dg:7", 8
+_TOLERANCE = 1e-8
+
+
+class WaveOrbit(NamedTuple):
+    """Figures of the full wave's orbit at one r, and of the nearest orbit of the delay system's branch there, by period."""
+
+    log10_r: float
+    wave: dict[str, float]
+    delay: dict[str, float]
+
+    @property
+    def apart(self) -> float:
+        """Largest relative difference of period and drops."""
+        return max(abs(self.wave[name] / self.delay[name] - 1.0) for name in COMPARED)
+
+
+def wave_orbit(branch: Branch, log10_r: float) -> WaveOrbit:
+    """The orbit that the full wave reaches from the scene's own start; `branch` is the delay system's."""
+    model = moving(WAVE, scene_at(log10_r), _TOLERANCE, CELLS)
+    wave = figures_of(periodic_orbit(*approach(model.solver, model.freeze)[:3], _TOLERANCE).closed)
+    others = [figures_of(orbit) for orbit in branch.orbits_at(log10_r)]
+    return WaveOrbit(log10_r, wave, min(others, key=lambda one: abs(one["period"] - wave["period"])))
+
 
 _PUBLISHED = {"first fold": "LP", "first period doubling": "PD", "first torus point": "NS"}
 _DIGITS = 5e-9  # half the last published digit, 5e-10, was measured
