@@ -17,7 +17,7 @@ import typer
 
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of
-from validation.commands import bench, branch, compare, curve, orbit, report, run, scenes, show, stability
+from validation.commands import bench, branch, compare, curve, orbit, report, run, scenes, schema, show, stability
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 _OBJECTS_BEFORE_COLLECTION = 1_000_000
@@ -28,7 +28,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-for _command in (report, run, orbit, branch, curve, stability, compare, bench, scenes, show):
+for _command in (report, run, orbit, branch, curve, stability, compare, bench, scenes, schema, show):
     _name = _command.__name__.rpartition(".")[2]
     _examples = "\n".join(f"  {line}" for line in _command.EXAMPLES)
     app.command(_name, epilog=f"\b\nExamples:\n{_examples}")(getattr(_command, _name))

@@ -12,7 +12,7 @@ from reduced.stability.analyse import Stability, found_or
 from reduced.stability.crossing import critical_factor
 from reduced.stability.friction import friction_slopes
 from slipwave.scene import Scene
-from slipwave.scene.slab import MachineFace, Slab
+from slipwave.scene.slab import Slab
 
 
 @dataclass(frozen=True)
@@ -60,15 +60,12 @@ def thickened(scene: Scene, factor: float) -> Scene:
 
 
 def _thickened(slab: Slab, factor: float) -> Slab:
-    face = slab.face
-    if isinstance(face, MachineFace):
-        face = replace(face, stiffness=face.stiffness * factor, mass=face.mass / factor)
-    return replace(slab, round_trip=slab.round_trip * factor, face=face)
+    return replace(slab, round_trip=slab.round_trip * factor, face=slab.face.thickened(factor))
 
 
 def _critical_factor(scene: Scene, found: Stability) -> float:
     """By how much both thicknesses must be multiplied for steady sliding to lose, or regain, its stability."""
-    if not any(isinstance(slab.face, MachineFace) for slab in scene.slabs):
+    if not any(slab.face.is_own for slab in scene.slabs):
         return float(10.0**found.log10_r_c) / scene.transit
     if not friction_slopes(scene.law, scene.velocity).weakening:
         return math.nan

@@ -22,19 +22,22 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
     from slipwave.input.assemble import assemble
     from slipwave.input.overrides import apply_overrides
     from slipwave.input.source import load
-    from slipwave.input.tables import keep, tables_of
+    from slipwave.input.stored import is_stored, read_stored
+    from slipwave.input.tables import tables_of
     from slipwave.input.validate import validate
+    from slipwave.input.wording import one_line
     from slipwave.scene import Scene
 
+    if isinstance(source, Scene) and not overrides:
+        return source
     if isinstance(source, Scene):
-        if not overrides:
-            return source
         name, data = tables_of(source)
+    elif isinstance(source, str | Path) and is_stored(source):
+        name, data = one_line(Path(source).stem), read_stored(source).tables
     else:
         name, data = load(source)
     data = apply_overrides(data, overrides)
-    checked = validate(data)
-    return keep(assemble(checked, name), data, checked)
+    return assemble(data, validate(data), name)
 
 
 def read_scene(source: SceneSource, **changes: Any) -> "Scene":

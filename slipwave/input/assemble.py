@@ -9,8 +9,7 @@ from slipwave.friction import LAWS
 from slipwave.input import schema
 from slipwave.input.number import EPSILON, LATER_VELOCITY, RELAXATION, ROUND_TRIP, TIME, UNTIL, VELOCITY, Range
 from slipwave.input.outer_face import outer_face
-from slipwave.input.relate import UNIT_KEYS, in_reference_velocity, in_time, in_transits, require_units
-from slipwave.input.validate import Validated
+from slipwave.input.relate import in_scene, require_units
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubt
@@ -23,28 +22,36 @@ from slipwave.scene.units import Units
 _DEFAULT_SIZES = {"nudge": 0.5, "jump": 0.05, "orbit": 0.5}
 
 
-def assemble(checked: Validated, name: str) -> Scene:
-    """The scene of `checked`, called `name` if its file gives no name. Raises SceneError for keys that do not fit together."""
-    tables, run = checked.tables, checked.tables.run
-    units = _units(checked.units)
+def assemble(data: dict[str, Any], tables: schema.SceneTable, name: str) -> Scene:
+    """The scene of the raw tables `data`, which are `tables` once validated, called `name` if they give no name. Raises
+    SceneError for keys that do not fit together."""
+    run = tables.run
+    interface = dict(tables.interface)
+    units = _units({key: interface[key] for key in schema.UNIT_KEYS if interface[key] is not None})
+    law = LAWS[tables.interface.law].parameters
     upper, lower = _slabs(tables, units)
+    filled = {
+        key: {name: value for name, value in table if value is not None} | data.get(key, {})
+        for key, table in (("start", tables.start), ("run", run))
+    }
     return Scene(
         name=tables.name or name,
-        law=LAWS[checked.law].parameters(**checked.parameters),
+        law=law(**{key: interface[key] for key in law._fields}),
         upper=upper,
         lower=lower,
         drive=_drive(tables.drive, units, upper.round_trip),
         start=_start(tables.start),
-        until=None if run.until is None else in_transits("run.until", run.until, units, upper.round_trip, UNTIL),
+        until=None if run.until is None else in_scene("run.until", run.until, units, UNTIL, upper.round_trip),
         record=frozenset(run.record),
         units=units,
+        written={"name": tables.name or name} | data | filled,
     )
 
 
 def _units(given: dict[str, float]) -> Units | None:
     if not given:
         return None
-    for key in UNIT_KEYS:
+    for key in schema.UNIT_KEYS:
         if key not in given:
             raise SceneError(f"interface.{key}: missing; must be given with {' and '.join(sorted(given))} (all three or none)")
     return Units(**given)
@@ -135,7 +142,7 @@ def _in_range(quantity: str, result: float, allowed: Range, sources: dict[str, f
 def _viscosity(key: str, table: Any, units: Units | None) -> Viscosity | None:
     if table is None:
         return None
-    time = in_time(f"{key}.time", table.time, units, RELAXATION)
+    time = in_scene(f"{key}.time", table.time, units, RELAXATION)
     is_kelvin_voigt = isinstance(table, schema.KelvinVoigtTable)
     return KelvinVoigtViscosity(time) if is_kelvin_voigt else StandardLinearViscosity(time, table.ratio)
 
@@ -152,8 +159,8 @@ def _layers(key: str, tables: list[schema.LayerTable] | None) -> tuple[Layer, ..
 
 def _drive(table: schema.DriveTable, units: Units | None, transit: float) -> Drive:
     key, given = "drive.velocity", table.velocity
-    times = [in_transits(key, time, units, transit, TIME) for time, _ in given]
-    velocities = [in_reference_velocity(key, v, units, LATER_VELOCITY if k else VELOCITY) for k, (_, v) in enumerate(given)]
+    times = [in_scene(key, time, units, TIME, transit) for time, _ in given]
+    velocities = [in_scene(key, v, units, LATER_VELOCITY if k else VELOCITY) for k, (_, v) in enumerate(given)]
     is_rising = all(earlier <= later for earlier, later in pairwise(times))
     if not is_rising or any(times[k] == times[k - 2] for k in range(2, len(times))):
         given_times = f"{key}: times = {shorten(times)} (transits of the upper slab)"

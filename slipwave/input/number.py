@@ -3,23 +3,33 @@
 import math
 import numbers
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeAlias
+from typing import Any
 
-from pydantic import BeforeValidator, PlainValidator
-from pydantic_core import PydanticCustomError
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from slipwave.input.quantity import Quantity, examples, looks_measured, quantity
+from slipwave.input.quantity import KINDS, Quantity, examples, looks_measured, quantity
 
 
 @dataclass(frozen=True)
 class Range:
-    """The closed range [low, high], used as a pydantic validator."""
+    """The numbers from `low` to `high`, as metadata of a key's type: its validator and its JSON Schema.
+
+    With `units` a text with one of them ("5 MPa") is allowed too and becomes a `Quantity`. `bare` says what numbers without a
+    unit are in.
+    """
 
     low: float
     high: float
+    units: tuple[str, ...] = ()
+    bare: str = ""
 
-    def __call__(self, value: Any) -> float:
-        """`value` as a float; raises the pydantic error that states the range."""
+    def __call__(self, value: Any) -> Any:
+        """`value` as a float or a `Quantity`; raises the pydantic error that states what is allowed."""
+        if self.units and isinstance(value, str) and looks_measured(value):
+            try:
+                return quantity(value, *self.units)
+            except ValueError as error:
+                raise PydanticCustomError("range", "{reason}", {"reason": str(error)}) from None
         if not isinstance(value, bool) and isinstance(value, numbers.Real):
             try:
                 number = float(value)
@@ -27,78 +37,49 @@ class Range:
                 number = math.inf
             if self.low <= number <= self.high:
                 return number
-        raise PydanticCustomError("range", "must be {allowed}", {"allowed": str(self)})
+        raise self.refusal()
+
+    def refusal(self) -> PydanticCustomError:
+        """The error that states what is allowed."""
+        return PydanticCustomError("range", "must be {allowed}", {"allowed": str(self)})
 
     def __str__(self) -> str:
-        return f"a number from {self.low:g} to {self.high:g}"
+        number = f"a number from {self.low:g} to {self.high:g}"
+        return f"{number}, or with a unit, as in {examples(self.units)}" if self.units else number
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self)
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
+        return self.json_schema()
+
+    def json_schema(self) -> dict[str, Any]:
+        """The range, and a text that begins with a number if there are units, in the words of JSON Schema."""
+        number = {"type": "number", "minimum": self.low, "maximum": self.high}
+        measured = {"type": "string", "pattern": r"^\s*[-+]?\.?\d", "examples": [KINDS[unit][1] for unit in self.units]}
+        return {"anyOf": [number, measured]} if self.units else number
 
 
-@dataclass(frozen=True)
-class Measured(Range):
-    """A number in [low, high], or a text with one of `units` ("5 MPa"), which becomes a `Quantity`; used as a pydantic
-    validator."""
-
-    units: tuple[str, ...]
+class Physical(Range):
+    """A number in SI units in the range, or a text with such a unit; both become a float in SI."""
 
     def __call__(self, value: Any) -> Any:
-        """`value` as a float or a `Quantity`; raises the pydantic error that states what is allowed."""
-        if not (isinstance(value, str) and looks_measured(value)):
-            return super().__call__(value)
-        try:
-            return quantity(value, *self.units)
-        except ValueError as error:
-            raise PydanticCustomError("range", "{reason}", {"reason": str(error)}) from None
-
-    def __str__(self) -> str:
-        return f"{super().__str__()}, or with a unit, as in {examples(self.units)}"
-
-
-@dataclass(frozen=True)
-class Physical(Measured):
-    """A number in SI units in [low, high], or a text with such a unit; both become a float in SI."""
-
-    def __call__(self, value: Any) -> float:
-        """As `Measured`, but a float in all cases."""
+        """As `Range`, but a float in all cases."""
         given = super().__call__(value)
-        return Range.__call__(self, given.value if isinstance(given, Quantity) else given)
+        return super().__call__(given.value) if isinstance(given, Quantity) else given
 
 
-def _physical(unit: str) -> Physical:
+def physical(unit: str) -> Physical:
+    """Any number that a laboratory may have, in the SI `unit`."""
     return Physical(1e-15, 1e15, (unit,))
 
 
 EPSILON = Range(1e-12, 1e6)
 ROUND_TRIP = Range(1e-9, 1e6)
-VELOCITY = Measured(1e-12, 1e12, ("m/s",))
-LATER_VELOCITY = Measured(0.0, VELOCITY.high, VELOCITY.units)
-TIME = Measured(0.0, 1e9, ("s",))
-RELAXATION = Measured(1e-15, 1e9, ("s",))
-RELATIVE = Range(1e-9, 1e9)
-NON_NEGATIVE = Range(0.0, 1e9)
-UNTIL = Measured(1e-3, 1e9, ("s",))
-
-Epsilon: TypeAlias = Annotated[float, BeforeValidator(EPSILON)]
-RoundTrip: TypeAlias = Annotated[float, BeforeValidator(ROUND_TRIP)]
-LogRoundTrip: TypeAlias = Annotated[float, BeforeValidator(Range(-9.0, 6.0))]
-
-Stress: TypeAlias = Annotated[float, BeforeValidator(_physical("Pa"))]
-Length: TypeAlias = Annotated[float, BeforeValidator(_physical("m"))]
-Area: TypeAlias = Annotated[float, BeforeValidator(_physical("m2"))]
-Speed: TypeAlias = Annotated[float, BeforeValidator(_physical("m/s"))]
-Density: TypeAlias = Annotated[float, BeforeValidator(_physical("kg/m3"))]
-
-Relative: TypeAlias = Annotated[float, BeforeValidator(RELATIVE)]
-"""A positive ratio."""
-
-GripStiffness: TypeAlias = Annotated[float | Quantity, PlainValidator(Measured(RELATIVE.low, RELATIVE.high, ("Pa/m",)))]
-GripImpedance: TypeAlias = Annotated[float | Quantity, PlainValidator(Measured(NON_NEGATIVE.low, NON_NEGATIVE.high, ("Pa s/m",)))]
-MachineStiffness: TypeAlias = Annotated[float | Quantity, PlainValidator(Measured(0.0, 1e15, ("Pa/m", "N/m")))]
-MachineImpedance: TypeAlias = Annotated[float | Quantity, PlainValidator(Measured(0.0, 1e15, ("Pa s/m", "N s/m")))]
-MachineMass: TypeAlias = Annotated[float | Quantity, PlainValidator(Measured(0.0, 1e15, ("kg/m2", "kg")))]
-"""Of a machine: in SI units where the scene has units; relative to the slab they must be in `NON_NEGATIVE`."""
-
-Fraction: TypeAlias = Annotated[float, BeforeValidator(Range(1e-9, 1.0))]
-Coefficient: TypeAlias = Annotated[float, BeforeValidator(Range(-1.0, 1.0))]
-Relaxation: TypeAlias = Annotated[float | Quantity, PlainValidator(RELAXATION)]
-Until: TypeAlias = Annotated[float | Quantity, PlainValidator(UNTIL)]
-Size: TypeAlias = Annotated[float, BeforeValidator(Range(-100.0, 100.0))]
+VELOCITY = Range(1e-12, 1e12, ("m/s",), "in V*")
+LATER_VELOCITY = Range(0.0, VELOCITY.high, VELOCITY.units, VELOCITY.bare)
+TIME = Range(0.0, 1e9, ("s",), "of transits")
+RELAXATION = Range(1e-15, 1e9, ("s",), "in L/V*")
+UNTIL = Range(1e-3, 1e9, ("s",), "of transits")
+RATIO = Range(1e-9, 1e9)
+"""Of two quantities of the same kind."""

@@ -1,38 +1,36 @@
 """Outer faces from their tables: springs, dashpots and masses in SI or in newtons become relative to the slab."""
 
 from slipwave.errors import SceneError
-from slipwave.input.number import NON_NEGATIVE, RELATIVE, Range
+from slipwave.input.number import Range
 from slipwave.input.quantity import KINDS, Quantity
 from slipwave.input.relate import require_units
-from slipwave.input.schema import FaceTable, GripTable, MachineTable
-from slipwave.scene.slab import FACES, Face
+from slipwave.input.schema import FaceTable
+from slipwave.input.validate import allowed_in
+from slipwave.scene.slab import FACES, Face, face_sizes
 from slipwave.scene.units import Units
 
 _PER_AREA = {"N/m": "Pa/m", "N s/m": "Pa s/m", "kg": "kg/m2"}
+_LARGEST = 1e9  # relative to the slab
 
 
 def outer_face(key: str, table: FaceTable, units: Units | None, epsilon: float, round_trip: float) -> Face:
     """The face of the table at `key` on a slab of `epsilon` and `round_trip`. Raises SceneError for a value out of range and for
     units that the scene lacks."""
-    given = {name: getattr(table, name) for name in type(table).model_fields if name not in ("kind", "area")}
-    if isinstance(table, GripTable | MachineTable):
-        slab = {"stiffness": epsilon / round_trip, "impedance": epsilon, "mass": epsilon * round_trip}
-        area = _area(key, table, units)
-        for name, value in given.items():
-            if isinstance(value, Quantity):
-                require_units(f"{key}.{name}", _as_given(value), units, "relative to the slab")
-            if isinstance(table, MachineTable) or isinstance(value, Quantity):
-                one = slab[name] * units.face[name] if units else 1.0
-                lowest = RELATIVE if isinstance(table, GripTable) and name == "stiffness" else NON_NEGATIVE
-                given[name] = _relative(f"{key}.{name}", value, _per_area(key, name, value, area) / one, lowest)
-    return FACES[table.kind](**given)
-
-
-def _area(key: str, table: GripTable | MachineTable, units: Units | None) -> float | None:
-    area = table.area if isinstance(table, MachineTable) else None
+    kind = FACES[table.kind]
+    given = {name: value for name, value in table if name != "kind"}
+    area = given.pop("area", None)
     if area is not None:
         require_units(f"{key}.area", f"{area:g}", units, "left out")
-    return area
+    slab = face_sizes(epsilon, round_trip)
+    for name, value in given.items():
+        if isinstance(value, Quantity):
+            require_units(f"{key}.{name}", _as_given(value), units, "relative to the slab")
+        if isinstance(value, Quantity) or (kind.is_own and name in slab):
+            one = slab[name] * units.face[name] if units else 1.0
+            result = _per_area(key, name, value, area) / one
+            allowed = next(item for item in allowed_in(type(table).model_fields[name]) if isinstance(item, Range))
+            given[name] = _relative(f"{key}.{name}", value, result, Range(allowed.low, min(allowed.high, _LARGEST)))
+    return kind(**given)
 
 
 def _per_area(key: str, name: str, given: float | Quantity, area: float | None) -> float:

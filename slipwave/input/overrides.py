@@ -1,25 +1,30 @@
 """`key=value` overrides of a scene's raw tables, before validation.
 
-A key may be told by its last words alone (`keys`). `slab.log10_r` also removes `r` and `thickness`, which state the same
-quantity. `upper.x` on a scene with one [slab] first gives each slab a table of its own. A new `kind` of face or viscosity first
-empties its table.
+A key may be told by its last words alone: `log10_r` is slab.log10_r, `face.stiffness` is slab.face.stiffness. `slab.log10_r` also
+removes `r` and `thickness`, which state the same quantity. `upper.x` on a scene with one [slab] first gives each slab a table of
+its own. A new `kind` of face or viscosity first empties its table.
 """
 
 import copy
 import re
-from collections.abc import Iterable, Mapping
-from typing import Any, cast
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, cast, get_args, get_origin
+
+from pydantic import BaseModel
 
 from slipwave.errors import SceneError
-from slipwave.input.keys import full_key
 from slipwave.input.quantity import looks_measured
+from slipwave.input.schema import InterfaceTable, SceneTable, scene_table
 from slipwave.input.source import parse_toml
-from slipwave.input.wording import key_text, shorten
+from slipwave.input.wording import key_text, listed, shorten
 
-_SIBLINGS = ({"r", "log10_r", "thickness"},)
+_SYMBOLS = {"V": "velocity"}
+"""Keys by the symbol that commands print."""
+
+_SAME_QUANTITY = {"r", "log10_r", "thickness"}
 _BARE_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+){0,19}")
-_FRESH_TABLES = {"face", "viscosity"}
+_FRESH_TABLES = ("face", "viscosity")
 
 
 def apply_overrides(data: dict[str, Any], overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
@@ -32,6 +37,47 @@ def apply_overrides(data: dict[str, Any], overrides: Iterable[str] | Mapping[str
     for key, value in sorted(pairs, key=lambda pair: pair[0][-1] != "kind"):
         _set(data, full_key(key, value, data), value)
     return data
+
+
+def full_key(key: Sequence[str], value: Any, data: Mapping[str, Any]) -> list[str]:
+    """`key`, or, if its first word is no table of a scene, the only full key of the scene `data` that ends in its words.
+
+    A key without any is returned as it is. Raises SceneError for one that several end in: `kind = ...: which of ...?`.
+    """
+    found = endings(key, data)
+    if len(found) > 1:
+        raise SceneError(f"{key_text(key)} = {shorten(value)}: give the whole key, {listed(map(key_text, found))}")
+    return list(found[0] if found else key)
+
+
+def endings(key: Sequence[str], data: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """The full keys of the scene `data` that end in the words of `key`; it is one itself if it begins with a table's name.
+    Keys of slabs are of [slab], or of [upper] and [lower]; those of [interface] are of the scene's law."""
+    if key[0] in SceneTable.model_fields:
+        return [tuple(key)]
+    words = (*key[:-1], _SYMBOLS.get(key[-1], key[-1]))
+    absent = ("upper", "lower") if "slab" in data or not {"upper", "lower"} & set(data) else ("slab",)
+    interface = data.get("interface")
+    law = interface.get("law") if isinstance(interface, Mapping) else None
+    known = (full for full in _keys(scene_table(), law) if full[0] not in absent)
+    return [full for full in known if full[-len(words) :] in (words, tuple(key))]
+
+
+def _keys(table: type[BaseModel], law: Any) -> Iterator[tuple[str, ...]]:
+    """The keys of `table` and of the tables in it; several kinds of table may have the same key."""
+    for name, field in table.model_fields.items():
+        yield (name,)
+        tables = _tables(field.annotation)
+        if name == "interface":
+            tables = [one for one in tables if one.__name__ == law] or [InterfaceTable]
+        yield from ((name, *key) for key in dict.fromkeys(key for one in tables for key in _keys(one, law)))
+
+
+def _tables(hint: Any) -> list[type[BaseModel]]:
+    """The tables that a type of the schema names, those in lists left out: they have no keys of their own."""
+    if isinstance(hint, type) and issubclass(hint, BaseModel):
+        return [hint]
+    return [] if get_origin(hint) is list else [table for part in get_args(hint) for table in _tables(part)]
 
 
 def _key(text: str) -> list[str]:
@@ -72,10 +118,9 @@ def _set(data: dict[str, Any], key: list[str], value: Any) -> None:
     last = key[-1]
     if last == "kind" and key[-2:-1] and key[-2] in _FRESH_TABLES and table.get("kind") != value:
         table.clear()
-    for siblings in _SIBLINGS:
-        if last in siblings and len(key) == 2:
-            for other in siblings - {last}:
-                table.pop(other, None)
+    if last in _SAME_QUANTITY and len(key) == 2:
+        for other in _SAME_QUANTITY - {last}:
+            table.pop(other, None)
     table[last] = value
 
 

@@ -1,37 +1,29 @@
-"""Every key of a scene file with its type and range (README: the table of scene keys). Shape only: `assemble` joins the keys.
+"""The table of keys: every key of a scene file with its type, what it may be, its units and its meaning, on one line.
 
-A text in an annotation says what is allowed, as a `Range` does for a number; `complain` reads both.
+Validation, messages, short keys, the JSON Schema (`slipwave schema`) and README's table of keys are all read from here. Shape
+only: `assemble` joins the keys. A text in an annotation says what is allowed, as a `Range` does for a number.
 """
 
-from typing import Annotated, Any, Literal, TypeAlias
+from functools import cache
+from typing import Annotated, Any, Literal, TypeAlias, Union
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, PlainValidator, StringConstraints, Tag
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints, create_model
+from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import PydanticCustomError
 
-from slipwave.input.number import (
-    LATER_VELOCITY,
-    TIME,
-    VELOCITY,
-    Area,
-    Coefficient,
-    Density,
-    Epsilon,
-    Fraction,
-    GripImpedance,
-    GripStiffness,
-    Length,
-    LogRoundTrip,
-    MachineImpedance,
-    MachineMass,
-    MachineStiffness,
-    Relative,
-    Relaxation,
-    RoundTrip,
-    Size,
-    Stress,
-    Until,
-)
+from slipwave.friction import LAWS
+from slipwave.input.number import EPSILON, LATER_VELOCITY, RATIO, RELAXATION, ROUND_TRIP, TIME, UNTIL, VELOCITY, Range, physical
 from slipwave.input.quantity import Quantity
+
+UNIT_KEYS = ("normal_stress", "memory_length", "reference_velocity")
+MAX_LAYERS = 100
+MAX_RAMPS = 10_000
+_PARAMETERS = {
+    "a_star": (Range(-1e3, 1e3), "friction of steady sliding at V*"),
+    "a": (Range(1e-9, 10.0), "direct effect"),
+    "b": (Range(0.0, 10.0), "evolution effect"),
+}
+_OTHER_PARAMETER = (Range(-1e9, 1e9), "parameter of the law")
 
 
 def _printable(text: str) -> str:
@@ -41,14 +33,13 @@ def _printable(text: str) -> str:
     return text
 
 
-Text: TypeAlias = Annotated[
-    str,
-    StringConstraints(min_length=1, max_length=200),
-    AfterValidator(_printable),
-    "a text of 1 to 200 printable characters",
-]
-MAX_LAYERS = 100
-MAX_RAMPS = 10_000
+_SHORT = StringConstraints(min_length=1, max_length=200)
+Measured: TypeAlias = float | Quantity
+Text: TypeAlias = Annotated[str, _SHORT, AfterValidator(_printable), "a text of 1 to 200 printable characters"]
+
+
+def _optional(meaning: str) -> Any:
+    return Field(default=None, description=meaning)
 
 
 class Table(BaseModel):
@@ -57,144 +48,196 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
+class InterfaceTable(Table):
+    """The friction law, its parameters and, for scenes in SI, all three units."""
+
+    law: str = Field(description="friction law")
+    normal_stress: Annotated[float, physical("Pa")] | None = _optional("sigma, for scenes in SI")
+    memory_length: Annotated[float, physical("m")] | None = _optional("L, for scenes in SI")
+    reference_velocity: Annotated[float, physical("m/s")] | None = _optional("V*, for scenes in SI")
+
+
 class RigidTable(Table):
     """The drive moves the outer face."""
 
-    kind: Literal["rigid"] = "rigid"
+    kind: Literal["rigid"] = Field(default="rigid", description="what holds the outer face")
 
 
 class GripTable(Table):
-    """Spring (relative to epsilon/r) and dashpot (relative to epsilon) between drive and outer face."""
+    """Spring and dashpot between drive and outer face."""
 
     kind: Literal["grip"]
-    stiffness: GripStiffness
-    impedance: GripImpedance
+    stiffness: Annotated[Measured, Range(1e-9, 1e9, ("Pa/m",))] = Field(description="relative to epsilon/r")
+    impedance: Annotated[Measured, Range(0.0, 1e9, ("Pa s/m",))] = Field(description="relative to epsilon")
 
 
 class MachineTable(Table):
-    """A grip with a mass on the slab's face (relative to epsilon r). Scenes with units give Pa/m, Pa s/m and kg/m2 instead, or,
-    with the `area` of contact, N/m, N s/m and kg."""
+    """A grip with a mass on the slab's face. A mass of 1 is twice the slab's own."""
 
     kind: Literal["machine"]
-    stiffness: MachineStiffness
-    impedance: MachineImpedance
-    mass: MachineMass
-    area: Area | None = None
+    stiffness: Annotated[Measured, Range(0.0, 1e15, ("Pa/m", "N/m"))] = Field(description="relative to epsilon/r, or in SI")
+    impedance: Annotated[Measured, Range(0.0, 1e15, ("Pa s/m", "N s/m"))] = Field(description="relative to epsilon, or in SI")
+    mass: Annotated[Measured, Range(0.0, 1e15, ("kg/m2", "kg"))] = Field(description="relative to epsilon r, or in SI")
+    area: Annotated[float, physical("m2")] | None = _optional("of contact, in SI: then numbers are N/m, N s/m, kg")
 
 
 class ReflectionTable(Table):
     """Bare reflection coefficient."""
 
     kind: Literal["reflection"]
-    coefficient: Coefficient
+    coefficient: Annotated[float, Range(-1.0, 1.0)] = Field(description="1 is rigid, 0 absorbs waves and load")
 
 
 class KelvinVoigtTable(Table):
-    """Retardation time in L/V* (in SI scenes too, unless it has a unit)."""
+    """Creep that ends."""
 
-    kind: Literal["kelvin-voigt"]
-    time: Relaxation
+    kind: Literal["kelvin-voigt"] = Field(description="viscosity; none: elastic")
+    time: Annotated[Measured, RELAXATION] = Field(description="retardation time in L/V*, in SI scenes too")
 
 
 class StandardLinearTable(Table):
-    """Relaxation time in L/V* (in SI scenes too, unless it has a unit) and ratio of the relaxing to the lasting modulus."""
+    """Stress that relaxes to a part of itself."""
 
-    kind: Literal["standard-linear"]
-    time: Relaxation
-    ratio: Relative
+    kind: Literal["standard-linear"] = Field(description="viscosity; none: elastic")
+    time: Annotated[Measured, RELAXATION] = Field(description="relaxation time in L/V*, in SI scenes too")
+    ratio: Annotated[float, RATIO] = Field(description="the relaxing modulus over the lasting one")
 
 
-def _kind(default: str) -> Discriminator:
-    def tag(value: Any) -> Any:
-        """The `kind` of a table."""
-        return value.get("kind", default) if isinstance(value, dict) else getattr(value, "kind", default)
-
-    return Discriminator(tag)
+def _rigid_by_default(face: Any) -> Any:
+    return {"kind": "rigid"} | face if isinstance(face, dict) else face
 
 
 FaceTable: TypeAlias = Annotated[
-    Annotated[RigidTable, Tag("rigid")]
-    | Annotated[GripTable, Tag("grip")]
-    | Annotated[MachineTable, Tag("machine")]
-    | Annotated[ReflectionTable, Tag("reflection")],
-    _kind("rigid"),
+    RigidTable | GripTable | MachineTable | ReflectionTable,
+    Field(discriminator="kind"),
+    BeforeValidator(_rigid_by_default),
 ]
-ViscosityTable: TypeAlias = Annotated[
-    Annotated[KelvinVoigtTable, Tag("kelvin-voigt")] | Annotated[StandardLinearTable, Tag("standard-linear")], _kind("")
-]
+ViscosityTable: TypeAlias = Annotated[KelvinVoigtTable | StandardLinearTable, Field(discriminator="kind")]
 
 
 class LayerTable(Table):
-    """A sublayer, from the interface outwards: share of the round trip, impedance relative to the slab's epsilon."""
+    """A sublayer."""
 
-    fraction: Fraction
-    impedance: Relative
+    fraction: Annotated[float, Range(1e-9, 1.0)] = Field(description="share of the round trip; all add up to 1")
+    impedance: Annotated[float, RATIO] = Field(description="relative to the slab's epsilon")
 
 
-Layers: TypeAlias = Annotated[
-    list[LayerTable],
-    Field(min_length=2, max_length=MAX_LAYERS),
-    f"a list of 2 to {MAX_LAYERS} tables {{fraction, impedance}}, from the interface outwards",
-]
+_LAYERS = f"a list of 2 to {MAX_LAYERS} tables {{fraction, impedance}}, from the interface outwards"
+Layers: TypeAlias = Annotated[list[LayerTable], Field(min_length=2, max_length=MAX_LAYERS), _LAYERS]
 
 
 class SlabTable(Table):
     """A slab: epsilon, or density and shear_modulus; and one of r, log10_r, thickness."""
 
-    epsilon: Epsilon | None = None
-    r: RoundTrip | None = None
-    log10_r: LogRoundTrip | None = None
-    density: Density | None = None
-    shear_modulus: Stress | None = None
-    thickness: Length | None = None
+    epsilon: Annotated[float, EPSILON] | None = _optional("impedance rho c V*/sigma")
+    r: Annotated[float, ROUND_TRIP] | None = _optional("round trip over L/V*")
+    log10_r: Annotated[float, Range(-9.0, 6.0)] | None = _optional("its decimal logarithm, instead of r")
+    density: Annotated[float, physical("kg/m3")] | None = _optional("rho, with shear_modulus, in SI instead of epsilon")
+    shear_modulus: Annotated[float, physical("Pa")] | None = _optional("G, with density, in SI instead of epsilon")
+    thickness: Annotated[float, physical("m")] | None = _optional("H of one slab, in SI instead of r")
     face: FaceTable = RigidTable()
     viscosity: ViscosityTable | None = None
     layers: Layers | None = None
 
 
-Ramps: TypeAlias = list[tuple[float | Quantity, float | Quantity]]
-_RAMPS = "a velocity or a list of [time, velocity]"
+Ramps: TypeAlias = list[tuple[Measured, Measured]]
 
 
-def _ramps(value: Any) -> Ramps:
-    """The ramps: one velocity V becomes [[0, V]]; in a list the first velocity must be positive."""
-    if not isinstance(value, list):
-        return [(0.0, VELOCITY(value))]
-    if not 1 <= len(value) <= MAX_RAMPS or not all(isinstance(pair, list) and len(pair) == 2 for pair in value):
-        raise PydanticCustomError("ramps", f"must be {_RAMPS}")
-    return [(TIME(time), (LATER_VELOCITY if k else VELOCITY)(velocity)) for k, (time, velocity) in enumerate(value)]
+class _Ramps(Range):
+    """V, or a list of [time, V] whose first V is positive; one V becomes [[0, V]]."""
+
+    def __call__(self, value: Any) -> Ramps:
+        if not isinstance(value, list):
+            return [(0.0, VELOCITY(value))]
+        if not 1 <= len(value) <= MAX_RAMPS or not all(isinstance(pair, list) and len(pair) == 2 for pair in value):
+            raise self.refusal()
+        return [(TIME(time), (LATER_VELOCITY if k else VELOCITY)(velocity)) for k, (time, velocity) in enumerate(value)]
+
+    def __str__(self) -> str:
+        return "a velocity or a list of [time, velocity]"
+
+    def json_schema(self) -> dict[str, Any]:
+        pair = {"type": "array", "prefixItems": [TIME.json_schema(), super().json_schema()], "minItems": 2, "maxItems": 2}
+        return {"anyOf": [VELOCITY.json_schema(), {"type": "array", "items": pair, "minItems": 1, "maxItems": MAX_RAMPS}]}
 
 
 class DriveTable(Table):
-    """Total velocity in V*, or ramps [time in transits of the upper slab, velocity], constant outside them; the same time
-    twice is a step, V = 0 a hold."""
+    """The relative velocity of the outer faces, constant outside the ramps."""
 
-    velocity: Annotated[Ramps, PlainValidator(_ramps), _RAMPS]
+    velocity: Annotated[Ramps, _Ramps(**vars(LATER_VELOCITY))] = Field(
+        description="V in V*, or ramps [time in transits, V]; the same time twice is a step, V = 0 a hold"
+    )
 
 
 class StartTable(Table):
-    """How the run starts; `size` is the disturbance of psi."""
+    """How the run starts."""
 
-    kind: Literal["nudge", "jump", "orbit"] = "nudge"
-    size: Size | None = None
+    kind: Literal["nudge", "jump", "orbit"] = Field(
+        default="nudge", description="smooth, a jump of psi, or on the model's own orbit"
+    )
+    size: Annotated[float, Range(-100.0, 100.0)] | None = _optional("of the disturbance of psi")
+
+
+_RECORD = 'a list of "events", "interface", "fields"'
 
 
 class RunTable(Table):
-    """Length of the run in transits of the upper slab, or until its motion is settled, and what is recorded."""
+    """The length of the run and what is recorded."""
 
-    until: Until | None = None
-    record: Annotated[list[Literal["events", "interface", "fields"]], 'a list of "events", "interface", "fields"'] = ["events"]
+    until: Annotated[Measured, UNTIL] | None = _optional(
+        "length in transits of the upper slab; none: until the motion is settled"
+    )
+    record: Annotated[list[Literal["events", "interface", "fields"]], _RECORD] = Field(
+        default=["events"], description="what is kept"
+    )
 
 
 class SceneTable(Table):
-    """A whole scene file; [interface] is checked against its law's own parameters (`validate`)."""
+    """A whole scene file; `scene_table` has the [interface] of each law."""
 
-    name: Text | None = None
-    title: Text | None = None
-    interface: dict[str, Any]
+    name: Text | None = _optional("name of the scene; none: that of the file")
+    title: Text | None = _optional("one line about it")
+    interface: InterfaceTable
     slab: SlabTable | None = None
-    upper: SlabTable | None = None
-    lower: SlabTable | None = None
+    upper: SlabTable | None = _optional("instead of slab, where the slabs differ: the same keys")
+    lower: SlabTable | None = _optional("instead of slab, where the slabs differ: the same keys")
     drive: DriveTable
     start: StartTable = StartTable()
     run: RunTable = RunTable()
+
+
+def scene_table() -> type[SceneTable]:
+    """The schema of scene files with the friction laws that this process knows."""
+    return _scene_table(tuple((name, law.parameters) for name, law in LAWS.items()))
+
+
+@cache
+def _scene_table(laws: tuple[tuple[str, Any], ...]) -> type[SceneTable]:
+    tables = tuple(_interface_table(name, parameters) for name, parameters in laws)
+    union: Any = Annotated[Union[tables], Field(discriminator="law")]  # noqa: UP007
+    return create_model("Scene", __base__=SceneTable, interface=(union, ...))
+
+
+def _interface_table(name: str, parameters: Any) -> type[Table]:
+    """[interface] of the law `name` with this parameter class."""
+    fields: dict[str, Any] = {"law": (Literal[name], Field(description="friction law"))}
+    for key in parameters._fields:
+        allowed, meaning = _PARAMETERS.get(key, _OTHER_PARAMETER)
+        fields[key] = (Annotated[float, allowed], Field(parameters._field_defaults.get(key, ...), description=meaning))
+    fields |= {key: (field.annotation, field) for key, field in InterfaceTable.model_fields.items() if key != "law"}
+    return create_model(name, __base__=Table, **fields)
+
+
+class _WithoutNull(GenerateJsonSchema):
+    """TOML has no null: a key without a value is left out."""
+
+    def nullable_schema(self, schema: Any) -> dict[str, Any]:
+        return self.generate_inner(schema["schema"])
+
+    def default_schema(self, schema: Any) -> dict[str, Any]:
+        return self.generate_inner(schema["schema"]) if schema.get("default") is None else super().default_schema(schema)
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema (draft 2020-12) of scene files, for editors."""
+    return {"$schema": _WithoutNull.schema_dialect} | scene_table().model_json_schema(schema_generator=_WithoutNull)

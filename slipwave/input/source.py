@@ -42,10 +42,6 @@ def load(source: str | Path | Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
     if isinstance(source, str) and source in gallery_names():
         return source, _parse(_GALLERY / f"{source}.toml")
     path = Path(source)
-    if path.suffix == ".nc":  # a file of results holds its scene
-        from slipwave.input.stored import read_stored
-
-        return one_line(path.stem), read_stored(path).tables
     return one_line(path.stem), _parse(path)
 
 

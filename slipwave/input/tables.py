@@ -1,4 +1,4 @@
-"""The tables that a scene was read from, kept with it so that it can be written as TOML and read again with changes."""
+"""A scene as the tables that it was read from: written as TOML, or read again with changes."""
 
 import copy
 import numbers
@@ -6,18 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from slipwave.errors import SceneError
-from slipwave.input.validate import Validated
 from slipwave.scene import Scene
-
-
-def keep(scene: Scene, data: dict[str, Any], checked: Validated) -> Scene:
-    """`scene` with the tables `data` that it was read from, where the defaults of name, start and run are filled in."""
-    written = copy.deepcopy(data)
-    tables = {"start": checked.tables.start, "run": checked.tables.run}
-    defaults = {key: {name: value for name, value in table if value is not None} for key, table in tables.items()}
-    filled = {key: table | written.get(key, {}) for key, table in defaults.items()}
-    object.__setattr__(scene, "tables", {"name": scene.name} | written | filled)
-    return scene
 
 
 def tables_of(scene: Scene) -> tuple[str, dict[str, Any]]:

@@ -1,64 +1,133 @@
-"""Turns raw tables into validated tables; the first fault becomes a SceneError of one line."""
+"""Turns raw tables into validated tables; the first fault that pydantic finds becomes a SceneError of one line."""
 
-from collections.abc import Hashable
-from functools import cache
-from typing import Annotated, Any, NamedTuple, TypeVar, cast
+import re
+from collections.abc import Iterator
+from typing import Any, NamedTuple, get_args
 
-from pydantic import BaseModel, BeforeValidator, ValidationError, create_model
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
 
 from slipwave.errors import SceneError
-from slipwave.friction import LAWS
-from slipwave.input import schema
-from slipwave.input.complain import complaint
-from slipwave.input.number import Length, Range, Speed, Stress
-from slipwave.input.wording import choices, shorten
+from slipwave.input.number import Range
+from slipwave.input.schema import SceneTable, Table, scene_table
+from slipwave.input.wording import choices, key_text, nearest, shorten
 
-Checked = TypeVar("Checked", bound=BaseModel)
-
-_PARAMETER_RANGES = {"a_star": Range(-1e3, 1e3), "a": Range(1e-9, 10.0), "b": Range(0.0, 10.0)}
-_OTHER_PARAMETER = Range(-1e9, 1e9)
-_UNITS: dict[str, Any] = {"normal_stress": Stress, "memory_length": Length, "reference_velocity": Speed}
+_UNKNOWN = ("extra_forbidden", "invalid_key")
 
 
-class Validated(NamedTuple):
-    """The scene's tables, the law's name, its parameters, and L, V*, sigma if given."""
-
-    tables: schema.SceneTable
-    law: str
-    parameters: dict[str, float]
-    units: dict[str, float]
-
-
-def validate(data: dict[str, Any]) -> Validated:
+def validate(data: dict[str, Any]) -> SceneTable:
     """Check every key of a scene's raw tables. Raises SceneError naming the first faulty key, its value and its range."""
-    tables = _checked(schema.SceneTable, data, ())
-    law = tables.interface.get("law")
-    if not isinstance(law, str) or law not in LAWS:
-        raise SceneError(f"interface.law = {shorten(law)}: must be {choices(LAWS, law)}")
-    table = _interface_table(cast(Hashable, LAWS[law].parameters))
-    checked = _checked(table, tables.interface, ("interface",)).model_dump()
-    units = {key: checked[key] for key in _UNITS if checked[key] is not None}
-    parameters = {key: checked[key] for key in LAWS[law].parameters._fields}
-    return Validated(tables, law, parameters, units)
-
-
-@cache
-def _interface_table(parameters: Any) -> type[BaseModel]:
-    """Schema of [interface] for the law with this parameter class: its parameters and, for SI scenes, the three units."""
-    fields: dict[str, Any] = {"law": (Annotated[str, "the name of a friction law"], ...)}
-    for key in parameters._fields:
-        allowed = Annotated[float, BeforeValidator(_PARAMETER_RANGES.get(key, _OTHER_PARAMETER))]
-        fields[key] = (allowed, parameters._field_defaults.get(key, ...))
-    fields |= {key: (kind | None, None) for key, kind in _UNITS.items()}
-    return create_model("InterfaceTable", __base__=schema.Table, **fields)
-
-
-def _checked(model: type[Checked], data: dict[str, Any], above: tuple[str, ...]) -> Checked:
     try:
-        return model.model_validate(data)
+        return scene_table().model_validate(data)
     except ValidationError as failure:
-        # a misspelt key is unknown, and the right one is missing: the unknown key is reported, because it explains both
-        faults = sorted(
-            failure.errors(include_url=False), key=lambda fault: fault["type"] not in ("extra_forbidden", "invalid_key")
-        )
-        raise SceneError(complaint(faults[0], above, model.model_fields)) from None
+        raise SceneError(_complaint(min(failure.errors(include_url=False), key=_rank))) from None
+
+
+def _rank(fault: ErrorDetails) -> tuple[bool, bool]:
+    """A misspelt key is unknown, and the right one is missing: the unknown key is reported, because it explains both. What a
+    law lacks is reported last."""
+    return fault["loc"][:1] == ("interface",) and fault["type"] != "missing", fault["type"] not in _UNKNOWN
+
+
+class _Located(NamedTuple):
+    """The key at fault as the user wrote it, the table whose key it is, which of its `kinds` the table is if there are several,
+    and the tables that the key itself may hold, by kind."""
+
+    place: list[str | int]
+    table: type[BaseModel]
+    kind: str
+    kinds: dict[str, type[Table]]
+    below: dict[str, type[Table]]
+
+
+def tables_in(hint: Any) -> dict[str, type[Table]]:
+    """The tables that a type of the schema names, by their kind, which is the only word of their first key."""
+    if isinstance(hint, type) and issubclass(hint, Table):
+        words = get_args(next(iter(hint.model_fields.values())).annotation)
+        return {words[0] if len(words) == 1 else "": hint}
+    return {kind: table for part in get_args(hint) for kind, table in tables_in(part).items()}
+
+
+def _located(loc: tuple[str | int, ...]) -> _Located:
+    """Where a fault is; pydantic puts the kind of a table between its keys (slab.face.grip.stiffness)."""
+    found = _Located([], Table, "", {}, {"": scene_table()})
+    for part in loc:
+        if len(found.below) > 1 and part in found.below:
+            kind = str(part)
+            found = _Located(found.place, found.below[kind], kind, found.below, {})
+            continue
+        if isinstance(part, str) and len(found.below) == 1:
+            (table,) = found.below.values()
+            found = _Located(found.place, table, "", {}, {})
+        field = found.table.model_fields.get(str(part))
+        below = found.below if isinstance(part, int) else tables_in(field.annotation) if field else {}
+        found = found._replace(place=[*found.place, part], below=below)
+    return found
+
+
+def _complaint(fault: ErrorDetails) -> str:
+    """The line for `fault`: dotted key = value: what is allowed there."""
+    at = _located(fault["loc"])
+    key, value = key_text(at.place), shorten(fault["input"])
+    match fault["type"]:
+        case "extra_forbidden" | "invalid_key":
+            return f"{key} = {value}: unknown key; {_suggestion(at)}"
+        case "missing":
+            return f"{key}: missing; {_wanted(fault, at)}"
+        case "range":
+            return f"{key} = {value}: {fault['msg']}{_logarithm(at, fault['input'])}"
+        case "union_tag_invalid" | "union_tag_not_found":
+            word = next(iter(next(iter(at.below.values())).model_fields))
+            given = fault["input"].get(word) if isinstance(fault["input"], dict) else fault["input"]
+            return f"{key}.{word} = {shorten(given)}: must be {choices(at.below, given)}"
+    return f"{key} = {value}: {_wanted(fault, at)}"
+
+
+def _logarithm(at: _Located, value: Any) -> str:
+    """Names the key of the logarithm if a number that is not positive may be one."""
+    name = f"log10_{at.place[-1]}"
+    negative = isinstance(value, int | float) and value <= 0.0
+    return f"; its logarithm is {key_text([*at.place[:-1], name])}" if name in at.table.model_fields and negative else ""
+
+
+def _suggestion(at: _Located) -> str:
+    """Names the known key nearest to an unknown one, in another table or in its own; if none is near, lists the table's keys."""
+    word, known = str(at.place[-1]), at.table.model_fields
+    owner = next((part for part in reversed(at.place[:-1]) if isinstance(part, str)), "")
+    others = {
+        key: next(iter(tables_in(SceneTable.model_fields[key].annotation).values())) for key in ("slab", "drive", "start", "run")
+    }
+    elsewhere = {name: key for key, table in others.items() for name in table.model_fields}
+    if word in elsewhere and (not at.kind or owner == "interface"):
+        return f"did you mean {elsewhere[word]}.{word}?"
+    guess = nearest(word, known if owner else [*known, *elsewhere])
+    if guess:
+        return f"did you mean {guess if guess in known else f'{elsewhere[guess]}.{guess}'}?"
+    of = next(iter(known))
+    owners = [kind for kind, table in at.kinds.items() if word in table.model_fields]
+    if owners:
+        return f"it belongs to {of} {choices(owners)}, not to {of} {choices([at.kind])}"
+    own = f"{of} {choices([at.kind])}" if at.kind and of == "kind" else (f"[{owner}]" if owner else "a scene")
+    return f"{own} takes {', '.join(known)}"
+
+
+def _wanted(fault: ErrorDetails, at: _Located) -> str:
+    """What is allowed at a key, for faults whose own message does not say it."""
+    if fault["type"] == "literal_error":
+        expected = str(fault["ctx"]["expected"])
+        guess = nearest(fault["input"], re.findall(r"'([^']*)'", expected)) if isinstance(fault["input"], str) else None
+        return f"must be {expected}" + (f'; did you mean "{guess}"?' if guess else "")
+    allowed = next(allowed_in(at.table.model_fields.get(str(at.place[-1]))), None)
+    if allowed:
+        return f"must be {allowed}"
+    if fault["type"] in ("model_type", "dict_type", "model_attributes_type", "missing"):
+        return f"must be a table, [{key_text(at.place)}]"
+    return f"must be valid: {fault['msg'].lower()}"
+
+
+def allowed_in(hint: Any) -> Iterator[Range | str]:
+    """What the schema allows for a key, from the metadata of its type or of the type's parts."""
+    yield from (item for item in getattr(hint, "metadata", getattr(hint, "__metadata__", ())) if isinstance(item, Range | str))
+    for part in (hint.annotation,) if isinstance(hint, FieldInfo) else get_args(hint):
+        yield from allowed_in(part)

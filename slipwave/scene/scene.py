@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -20,7 +20,8 @@ class Scene:
 
     Units: length L, velocity V*, stress sigma, friction clock L/V*. "transit" is the round trip of the upper slab; `until` is in
     transits; None leaves the length of a run to its motion. `units` holds L, V* and sigma when the scene was given in SI.
-    `tables` are those that it was read from; a scene made in any other way, also by `dataclasses.replace`, has none.
+    `tables` are those that it was read from, `written` in its file; a scene made in any other way, also by `dataclasses.replace`,
+    has none.
     """
 
     name: str
@@ -32,7 +33,11 @@ class Scene:
     until: float | None = None
     record: frozenset[str] = frozenset({"events"})
     units: Units | None = None
-    tables: Mapping[str, Any] | None = field(default=None, init=False, repr=False, compare=False)
+    written: InitVar[Mapping[str, Any] | None] = None
+    tables: Mapping[str, Any] | None = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self, written: Mapping[str, Any] | None) -> None:
+        object.__setattr__(self, "tables", written)
 
     @property
     def alike(self) -> bool:

@@ -7,23 +7,39 @@ interface to the outer face and back.
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Protocol, TypeAlias
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Self, TypeAlias
 
 from slipwave.scene.material import Material
 from slipwave.scene.termination import Termination
 
 
-class Face(Protocol):
-    """A kind of outer face: data that can be expressed as a `Termination`."""
-
-    def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
-        """Its numbers (time in L/V*) on a slab of `epsilon` and `round_trip`, whose outermost layer has impedance `outermost`."""
+def face_sizes(impedance: float, time: float) -> dict[str, float]:
+    """What a spring, a dashpot and a mass are measured in, by the field of a face: of a slab of `impedance` and round trip
+    `time`, or in SI with units of both."""
+    return {"stiffness": impedance / time, "impedance": impedance, "mass": impedance * time}
 
 
 @dataclass(frozen=True)
-class RigidFace:
+class Face:
+    """A kind of outer face: data that can be expressed as a `Termination`. Its fields are its keys in scene files; those of
+    `face_sizes` are relative to the slab."""
+
+    is_own: ClassVar[bool] = False
+    """Whether it is a thing of its own: in SI where the scene has units, and the same beside a thicker slab."""
+
+    def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
+        """Its numbers (time in L/V*) on a slab of `epsilon` and `round_trip`, whose outermost layer has impedance `outermost`."""
+        raise NotImplementedError
+
+    def thickened(self, factor: float) -> Self:
+        """The same face on a slab `factor` times as thick."""
+        sizes = face_sizes(1.0, factor) if self.is_own else {}
+        return replace(self, **{name: value / sizes.get(name, 1.0) for name, value in vars(self).items()})
+
+
+@dataclass(frozen=True)
+class RigidFace(Face):
     """The drive moves the outer face itself: full reflection of velocity, no state."""
 
     def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
@@ -32,7 +48,7 @@ class RigidFace:
 
 
 @dataclass(frozen=True)
-class GripFace:
+class GripFace(Face):
     """A spring and a dashpot in parallel between drive and outer face (MODEL.md section 3).
 
     `stiffness` K is relative to the slab's epsilon/round_trip, `impedance` Z_g to its epsilon. Z_g = 1 absorbs every wave and
@@ -48,9 +64,10 @@ class GripFace:
 
 
 @dataclass(frozen=True)
-class MachineFace:
+class MachineFace(Face):
     """A grip with a mass on the slab's face: `mass` is relative to epsilon * round_trip, twice the slab's own mass."""
 
+    is_own = True
     stiffness: float
     impedance: float
     mass: float
@@ -61,7 +78,7 @@ class MachineFace:
 
 
 @dataclass(frozen=True)
-class ReflectingFace:
+class ReflectingFace(Face):
     """A bare reflection coefficient R in [-1, 1] between drive and slab: R = 1 is rigid, R = 0 absorbs waves *and* load."""
 
     coefficient: float
@@ -72,7 +89,7 @@ class ReflectingFace:
         return Termination(0.0, outermost * (1.0 + self.coefficient) / lost if lost > 0.0 else math.inf)
 
 
-FACES: dict[str, Callable[..., Face]] = {
+FACES: dict[str, type[Face]] = {
     "rigid": RigidFace,
     "grip": GripFace,
     "machine": MachineFace,

@@ -3,6 +3,8 @@
 import math
 from dataclasses import dataclass
 
+from slipwave.scene.slab import face_sizes
+
 IN_SI = {"transit": ("s", "s"), "normal stress": ("Pa", "Pa"), "V*": ("m s-1", "m_per_s"), "L": ("m", "m")}
 """By the unit of a value: its unit in SI, and how names of values in it end."""
 
@@ -28,8 +30,7 @@ class Units:
     @property
     def face(self) -> dict[str, float]:
         """The size of one unit of an outer face's stiffness [Pa/m], impedance [Pa s/m] and mass [kg/m2]."""
-        impedance = self.normal_stress / self.reference_velocity
-        return {"stiffness": impedance / self.time, "impedance": impedance, "mass": impedance * self.time}
+        return face_sizes(self.normal_stress / self.reference_velocity, self.time)
 
     def epsilon(self, density: float, shear_modulus: float) -> float:
         """Slab impedance rho c over frictional impedance sigma/V*, c = sqrt(G/rho)."""

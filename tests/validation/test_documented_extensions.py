@@ -24,7 +24,7 @@ class Reader:
     """Does what a section says, in `folder`."""
 
     def __init__(self, folder):
-        self.folder, self.output, self.status = folder, "", 0
+        self.folder, self.output, self.changed = folder, "", set()
         for room in FOR_ALL:
             shutil.copytree(ROOT / room, folder / room, ignore=shutil.ignore_patterns("__pycache__"))
 
@@ -41,6 +41,7 @@ class Reader:
         return json.loads(self.output)
 
     def change(self, file, old, new):
+        self.changed.add(file)
         path = self.folder / file
         text = path.read_text()
         assert text.count(old) == 1
@@ -48,6 +49,7 @@ class Reader:
 
     def add(self, table, file, lines):
         """Put `lines` last into a table that ends with a bracket at the beginning of a line."""
+        self.changed.add(file)
         path = self.folder / file
         added = "".join(f"    {line}\n" for line in lines.splitlines())
         text, count = re.subn(
@@ -75,9 +77,10 @@ class Reader:
             elif place := re.search(r"Add before `([^`]+)` in `([^`]+)`:$", words):
                 self.change(place[2], place[1], f"{content}\n\n{place[1]}")
             else:
-                file = self.folder / re.search(r"Write `([^`]+)`[^`]*(\[[^]]*\]\([^)]*\))?:$", words)[1]
-                assert not file.exists()
-                file.write_text(content)
+                name = re.search(r"Write `([^`]+)`[^`]*(\[[^]]*\]\([^)]*\))?:$", words)[1]
+                self.changed.add(name)
+                assert not (self.folder / name).exists()
+                (self.folder / name).write_text(content)
             words = after
 
 
@@ -114,6 +117,7 @@ def test_a_friction_law(reader):
     """Its models are as far apart as the paper's; a cut-off weakens healing, and shortens the cycle."""
     program, fault = EXTENDING["Adding a friction law of your own"].split("\nIf one is wrong")
     reader.follow(program)
+    assert len(reader.changed) == 1
     periods = {line.split(":")[0]: float(line.split()[2]) for line in reader.output.splitlines() if ": period" in line}
     assert set(periods) == {"fd", "kelvin-voigt"}
     assert 60 < periods["kelvin-voigt"] < periods["fd"] < 73.4
@@ -121,18 +125,27 @@ def test_a_friction_law(reader):
 
 
 def test_an_outer_face(reader):
-    """Two files: the face and its keys. It is then a machine of the same numbers."""
+    """Two files: the face and its keys. It is then a machine of the same numbers, in SI too."""
     reader.follow(EXTENDING["Adding an outer face"])
-    bolt = reader.json("slipwave stability paper --set slab.face.kind=bolt --set slab.face.stiffness=2")
-    machine = ("kind=machine", "stiffness=2", "impedance=0", "mass=0.1")
-    wanted = reader.json("slipwave stability paper " + " ".join(f"--set slab.face.{key}" for key in machine))
-    assert (bolt["log10_r_c"], bolt["leading_roots"]) == (wanted["log10_r_c"], wanted["leading_roots"])
-    assert reader.run("slipwave run paper --set slab.face.kind=bolt --set slab.face.stiffness=0") == 2
+    assert reader.changed == {"slipwave/scene/slab.py", "slipwave/input/schema.py"}
+    for scene, stiffness, mass in (("paper", "2", "0.1"), ("paper-si", "5e7", "2")):
+        given = {"stiffness": stiffness, "mass": mass}
+        bolt, machine = (
+            reader.json(
+                f"slipwave stability {scene} " + " ".join(f"--set slab.face.{key}={value}" for key, value in face.items())
+            )
+            for face in ({"kind": "bolt"} | given, {"kind": "machine", "impedance": "0"} | given)
+        )
+        for key in ("log10_r_c", "leading_roots", "si"):
+            assert bolt.get(key) == machine.get(key)
+    wrong = "--set slab.face.kind=bolt --set slab.face.mass=0 --set slab.face.stiffness=0"
+    assert reader.run(f"slipwave run paper {wrong}") == 2
     assert "slab.face.stiffness = 0: must be a number from 1e-09" in reader.output
 
 
 def test_a_reduction(reader):
     reader.follow(EXTENDING["Adding an ODE reduction"])
+    assert len(reader.changed) == 2
     compared = reader.json("slipwave compare paper --models block8,block10,block12 --until 4000")
     light, middle, heavy = (row["period"]["mean"] for row in compared["models"])
     assert light < middle < heavy
@@ -144,6 +157,7 @@ def test_a_reduction(reader):
 @pytest.mark.slow
 def test_a_discretisation(reader):
     reader.follow(EXTENDING["Adding a discretisation"])
+    assert len(reader.changed) == 2
     words = ("delay", "fv --cells 200", "fv --cells 400")
     exact, *found = (reader.json(f"slipwave run paper --until 12 --model {model}")["final"]["psi"] for model in words)
     coarse, fine = (abs(psi - exact) for psi in found)
@@ -157,12 +171,14 @@ def test_a_discretisation(reader):
 
 def test_an_observer(reader):
     reader.follow(EXTENDING["Adding an observer"])
+    assert len(reader.changed) == 1
     assert float(reader.output.split()[-1]) == pytest.approx(2000 * 100 * 0.8, rel=0.25)
 
 
 def test_a_study(reader):
     assert "reading-the-report.md" in EXTENDING["Adding a study"]
     reader.follow(REPORT["Adding a study"])
+    assert len(reader.changed) == 2
     assert "Does the stress drop depend on the drive?" in (reader.folder / "reports" / "index.html").read_text()
 
 

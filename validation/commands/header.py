@@ -79,7 +79,7 @@ def _viscosity(viscosity: Viscosity, units: Units | None) -> str:
 
 def _values(part: Face | Viscosity) -> str:
     """The fields of a dataclass as in "stiffness 2, impedance 0.5"."""
-    return ", ".join(f"{field.name} {getattr(part, field.name):g}" for field in fields(part))  # type: ignore[arg-type]
+    return ", ".join(f"{field.name} {getattr(part, field.name):g}" for field in fields(part))
 
 
 def _units(scene: Scene, units: Units) -> list[str]:

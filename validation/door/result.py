@@ -144,7 +144,7 @@ def _options() -> list[str]:
 def _require_known(changes: Mapping[str, Any], tables: Mapping[str, Any]) -> None:
     """Raises SceneError for a keyword that is neither an option nor a key of a scene with these `tables`; it names the
     nearest."""
-    from slipwave.input.keys import endings
+    from slipwave.input.overrides import endings
     from slipwave.input.schema import SceneTable
 
     for key in changes:
