@@ -6,8 +6,7 @@ import pytest
 from roomy import too_roomy
 
 from validation.references.published import half_digit
-from validation.study import Evidence, Outcome, StudyResult, Verdict
-from validation.study.bounds import bounded
+from validation.study import PAPER, Evidence, Outcome, StudyResult, Verdict, claim
 from validation.study.known import as_known
 
 
@@ -16,15 +15,15 @@ from validation.study.known import as_known
     [(0.0, "pass"), (0.99e-6, "pass"), (1e-6, "fail"), (3e-6, "fail"), (math.nan, "fail"), (math.inf, "fail")],
 )
 def test_a_size_beyond_its_limit_is_red(size, outcome):
-    assert bounded("c", Evidence.EXACT, size, 1e-6).outcome == outcome
+    assert claim("c", Evidence.EXACT, size, 1e-6).outcome == outcome
 
 
 def test_a_bound_tells_its_limit_and_its_room():
-    verdict = bounded("c", Evidence.EXACT, 2e-8, 1e-6, otherwise=Outcome.FINDING)
-    assert (verdict.expected, verdict.ours) == ("below 1 · 10^{−6}", "2.0 · 10^{−8}")
-    assert (verdict.size, verdict.limit) == (2e-8, 1e-6)
-    assert len(too_roomy([verdict, bounded("c", Evidence.EXACT, 4e-8, 1e-6), bounded("c", Evidence.EXACT, 1e-15, 1e-12)])) == 1
-    assert bounded("c", Evidence.EXACT, 2e-6, 1e-6, otherwise=Outcome.FINDING).outcome is Outcome.FINDING
+    verdict = claim("c", Evidence.EXACT, 1.0 - 2.0**-25, 1e-6, near=1.0)
+    assert (verdict.expected, verdict.ours) == ("below 1 · 10^{−6}", "3.0 · 10^{−8}")
+    assert (verdict.size, verdict.limit) == (2.0**-25, 1e-6)
+    assert len(too_roomy([verdict, claim("c", Evidence.EXACT, 4e-8, 1e-6), claim("c", Evidence.EXACT, 1e-15, 1e-12)])) == 1
+    assert claim("c", PAPER, 2e-6, 1e-6).outcome is Outcome.FINDING
 
 
 def test_no_study_answers_yes_beside_a_red_light():
@@ -44,7 +43,7 @@ def test_half_of_the_last_digit(value, half):
 
 @pytest.mark.parametrize(("evidence", "outcome"), [(Evidence.WITNESS, "fail"), (Evidence.EXACT, "pass")])
 def test_a_witness_that_agrees_to_the_last_bit_is_none(evidence, outcome):
-    assert bounded("agree", evidence, 0.0, 1.0).outcome == outcome
+    assert claim("agree", evidence, 0.0, 1.0).outcome == outcome
 
 
 @pytest.mark.parametrize(("share", "outcome"), [(0.9, "pass"), (1.2, "fail"), (70.0, "fail")])

@@ -16,13 +16,13 @@ import re
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Protocol, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
+
+from validation.study.text import Cell as Cell
+from validation.study.text import plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
-
-Cell: TypeAlias = float | int | str | None
-"""One entry of a table; None prints as a dash."""
 
 Item = TypeVar("Item")
 
@@ -44,6 +44,9 @@ class Evidence(StrEnum):
     WITNESS = "independent witness"
     PAPER = "paper"
     ASYMPTOTIC = "asymptotics"
+
+
+EXACT, SELF, WITNESS, PAPER, ASYMPTOTIC = Evidence
 
 
 @dataclass(frozen=True)
@@ -107,7 +110,7 @@ class Figure:
 class Verdict:
     """One claim and one kind of evidence: what was expected, what was found, and the outcome.
 
-    `size` and `limit`: what was measured and what is allowed, for claims that bound a size (`validation.study.bounds`).
+    `size` and `limit`: what was measured and what is allowed, if the claim says that a number lies near another (`claim`).
     """
 
     claim: str
@@ -180,6 +183,25 @@ def judge(holds: bool, otherwise: Outcome = Outcome.FAIL) -> Outcome:
     return Outcome.PASS if holds else otherwise
 
 
-def of_paper(claim: str, expected: str, ours: str, holds: bool, remark: str = "", evidence: Evidence = Evidence.PAPER) -> Verdict:
-    """The verdict on a claim of the paper's: one that does not hold is a finding, no failure of this program."""
-    return Verdict(claim, evidence, expected, ours, judge(holds, Outcome.FINDING), remark)
+def claim(
+    title: str, evidence: Evidence, ours: float, within: float, remark: str = "", shown: str = "", near: float = 0.0
+) -> Verdict:
+    """PASS if `ours` lies `within` so much of `near`: 0 for an error, 1 for a ratio. NaN does not pass, nor does an independent
+    witness that agrees to the last bit: then a thing was compared with itself. A claim of the paper's that does not hold is a
+    finding, no failure of this program. `shown` may say more than the distance."""
+    size = abs(ours - near)
+    holds = size < within and not (evidence is WITNESS and size == 0.0)
+    outcome, known = judge(holds, Outcome.FINDING if evidence is PAPER else Outcome.FAIL), size if math.isfinite(size) else None
+    return Verdict(title, evidence, f"below {plain(within, '.2g')}", shown or plain(size, ".1e"), outcome, remark, known, within)
+
+
+def holding(
+    title: str, evidence: Evidence, expected: str, ours: str, holds: bool, remark: str = "", otherwise: Outcome = Outcome.FAIL
+) -> Verdict:
+    """The verdict on a claim in words: PASS if it `holds`."""
+    return Verdict(title, evidence, expected, ours, judge(holds, otherwise), remark)
+
+
+def of_paper(title: str, expected: str, ours: str, holds: bool, remark: str = "", evidence: Evidence = PAPER) -> Verdict:
+    """The verdict on a claim of the paper's in words: one that does not hold is a finding."""
+    return holding(title, evidence, expected, ours, holds, remark, Outcome.FINDING)

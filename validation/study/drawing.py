@@ -57,6 +57,12 @@ def pen(model: str) -> Pen:
     return pens.get(int(number) if number else None) or pens.get(None) or Pen(model, "#555555", "-", ".")
 
 
+def line(model: str, **more: Any) -> dict[str, Any]:
+    """Colour, dashes, width and label of the line of `model`, for matplotlib; `more` is added or replaces them."""
+    own = pen(model)
+    return {"color": own.color, "linestyle": own.dashes, "linewidth": own.width, "label": own.label} | more
+
+
 def grid_pens(models: Iterable[str]) -> dict[str, Pen]:
     """Pens of several full waves in one figure: colour and marker are the family's, dashes distinguish its members."""
     pens: dict[str, Pen] = {}

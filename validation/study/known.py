@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 
 from validation.references.published import half_digit, reference_orbit
-from validation.study import Evidence, Outcome, Verdict, of_paper
+from validation.study import Evidence, Verdict, of_paper
 from validation.study.bounds import bounded
 from validation.study.text import places
 
@@ -36,7 +36,6 @@ def error_of_27(prefix: str, slow: float, fast: float) -> tuple[Verdict, Verdict
             slow,
             _VERY_SMALL,
             "read as: below a tenth of the error that is claimed for V = 10^{4}",
-            otherwise=Outcome.FINDING,
         ),
         of_paper(
             f"{prefix} it grows to the order of 10 % at V = 10^{{4}}",

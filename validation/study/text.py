@@ -4,8 +4,10 @@ import html
 import math
 import re
 from collections.abc import Iterable
+from typing import TypeAlias
 
-from validation.study import Cell
+Cell: TypeAlias = float | int | str | None
+"""One entry of a table; None prints as a dash."""
 
 _MARKS = (
     (re.compile(r"_\{([^}]*)\}"), r"<sub>\1</sub>"),

@@ -19,7 +19,7 @@ from validation.measure.settle import Settled, one_cycle, settle
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, Onset, onset_of
 from validation.references.published import half_digit, reference
 from validation.registry.build import build
-from validation.study import Budget, Evidence, Outcome, Verdict, judge, of_paper
+from validation.study import Budget, Evidence, Verdict, judge, of_paper
 from validation.study.bounds import bounded
 from validation.study.known import as_known, error_of_27
 
@@ -368,7 +368,7 @@ def _aperiodic(ode: Deep) -> Verdict:
 def _constant(delay: Deep) -> Verdict:
     claim = "P13 At r = 10^{-2.3} the delay system’s stress drops are nearly constant"
     remark = f"standard deviation over mean, {delay.events.period.size} cycles"
-    return bounded(claim, Evidence.PAPER, spread(delay.events.stress_drop), _CONSTANT, remark, otherwise=Outcome.FINDING)
+    return bounded(claim, Evidence.PAPER, spread(delay.events.stress_drop), _CONSTANT, remark)
 
 
 def _contrast(deep: dict[str, Deep]) -> Verdict:
