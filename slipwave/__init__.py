@@ -17,13 +17,14 @@ if TYPE_CHECKING:
     from validation.door.curve import curve
     from validation.door.listing import models, scenes, show
     from validation.door.orbit import orbit
-    from validation.door.run import run
-    from validation.door.stability import stability
+    from validation.results.run import run
+    from validation.results.stability import stability
 
     __version__: str
 
-_FILES = dict.fromkeys(("models", "scenes", "show"), "listing")
-"""Files of the door that hold several functions."""
+_FILES = dict.fromkeys(("models", "scenes", "show"), "door.listing") | {name: f"results.{name}" for name in ("run", "stability")}
+_FILES |= {name: f"door.{name}" for name in ("bench", "branch", "compare", "curve", "orbit")}
+"""Where in `validation` each command is declared."""
 
 __all__ = [
     "NumericsError",
@@ -47,9 +48,9 @@ def __getattr__(name: str) -> Any:
     """The function `name` of the door. What it needs is imported here, on its first use."""
     if name == "__version__":
         return import_module("importlib.metadata").version("slipwave")
-    if name not in __all__:
+    if name not in _FILES:
         raise AttributeError(f"module 'slipwave' has no attribute {name!r}")
-    found = globals()[name] = getattr(import_module(f"validation.door.{_FILES.get(name, name)}"), name)
+    found = globals()[name] = getattr(import_module(f"validation.{_FILES[name]}"), name)
     return found
 
 

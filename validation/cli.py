@@ -5,6 +5,7 @@
 """
 
 import gc
+import importlib
 import io
 import logging
 import os
@@ -14,24 +15,73 @@ from contextlib import suppress
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of
-from validation.commands import bench, branch, compare, curve, orbit, report, run, scenes, schema, show, stability
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 _OBJECTS_BEFORE_COLLECTION = 1_000_000
 _SPREAD: dict[str, Callable[[str], bool]] = {"--set": lambda word: "=" in word, "--only": lambda word: True}
 
+COMMANDS = {
+    "report": "Run the studies whose scene, code or settings changed and write DIR/index.html.",
+    "run": "Run one model on one scene; print events, periods and stress drops of the run's second half.",
+    "orbit": "The periodic orbit that a run of the scene leads to, stable or not: figures with errors, and Floquet multipliers.",
+    "branch": "Follow periodic orbits from where steady sliding loses stability, stable or not, through folds.",
+    "curve": "Follow a special point of the branch of orbits in two parameters, also where its curve turns back.",
+    "stability": "Stability of steady sliding from the slabs' impedance alone, for any scene and model.",
+    "compare": "Draw one cycle of each model in one figure; print periods and stress drops with their errors.",
+    "bench": "Time every model against its error in period and stress drop; the reference is the delay system at a tight "
+    "tolerance.",
+    "scenes": "List the gallery's scenes, one line each.",
+    "schema": "Print the JSON Schema of scene files, for an editor that completes and checks them.",
+    "show": "Print the resolved scene as TOML, for a file of your own: slipwave show paper > mine.toml",
+}
+"""Every command with what it does. The rest of it is imported when it is named: `slipwave --help` is fast."""
+
+_WRITTEN = ("report", "scenes", "schema", "show", "orbit", "branch", "curve", "compare", "bench")
+"""Commands of `validation.commands`; the others are made from what they declare."""
+
+
+class _Commands(TyperGroup):
+    """Imports a command when it is named."""
+
+    def list_commands(self, context: Any) -> list[str]:
+        """All names."""
+        return list(COMMANDS)
+
+    def get_command(self, context: Any, name: str) -> Any:
+        """The command of this name."""
+        return command_called(name) if name in COMMANDS else None
+
+    def format_commands(self, context: Any, formatter: Any) -> None:
+        """All commands with what they do."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+def command_called(name: str) -> Any:
+    """The command of this name, ready to parse its words."""
+    if name in _WRITTEN:
+        module = importlib.import_module(f"validation.commands.{name}")
+        function, details, examples = getattr(module, name), "", module.EXAMPLES
+    else:
+        from validation.command_line import command_line
+
+        function, details, examples = command_line(name)
+    alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    shown = "\n".join(f"  {line}" for line in examples)
+    alone.command(name, help="\n\n".join(filter(None, [COMMANDS[name], details])), epilog=f"\b\nExamples:\n{shown}")(function)
+    return typer.main.get_command(alone)
+
+
 app = typer.Typer(
+    cls=_Commands,
     help="How far is each simplified model of two sliding elastic slabs from the wave physics, and what does each answer cost?",
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-for _command in (report, run, orbit, branch, curve, stability, compare, bench, scenes, schema, show):
-    _name = _command.__name__.rpartition(".")[2]
-    _examples = "\n".join(f"  {line}" for line in _command.EXAMPLES)
-    app.command(_name, epilog=f"\b\nExamples:\n{_examples}")(getattr(_command, _name))
 
 
 def _tell_version(wanted: bool) -> None:

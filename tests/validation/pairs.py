@@ -13,9 +13,9 @@ from slipwave import read
 from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, State
 from slipwave.solve.checkpoint import load, save
-from validation.door.run_result import RunResult
 from validation.registry.build import prepare
 from validation.registry.families import Options, family_of
+from validation.results.run_result import RunResult
 from validation.run.recording import Wanted, records_of
 from validation.run.simulate import simulate
 

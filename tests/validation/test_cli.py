@@ -183,7 +183,7 @@ def test_wrong_input_is_one_line_and_status_2(capsys: pytest.CaptureFixture[str]
 def test_wrong_output_places_are_refused_before_anything_is_computed(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("validation.door.run.simulate", lambda *_: pytest.fail("computed"))
+    monkeypatch.setattr("validation.results.run.simulate", lambda *_: pytest.fail("computed"))
     (tmp_path / "file").write_text("")
     for place, told in (
         ("missing/x.nc", "does not exist"),

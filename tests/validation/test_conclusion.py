@@ -11,8 +11,8 @@ import slipwave as sw
 from slipwave.observe.statistics import Margins, RunStatistics, Spread
 from slipwave.observe.verdict import Verdict
 from validation.cli import INPUT_WRONG, main
-from validation.commands.wording import barred, errors_of, remarks, without_errors
-from validation.door.conclusion import conclusion, nothing
+from validation.results.conclusion import conclusion, nothing
+from validation.results.wording import barred, errors_of, remarks, without_errors
 from validation.run.difference import differences, in_json
 from validation.run.simulate import Run
 

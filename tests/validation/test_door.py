@@ -20,7 +20,7 @@ from validation.cli import main
 from validation.door.bench import BenchResult
 from validation.door.branch import BranchResult
 from validation.door.result import Result
-from validation.door.run_result import RunResult
+from validation.results.run_result import RunResult
 
 FAST: dict[str, Any] = {"drive.velocity": 2000}
 """Cycles of four transits, which repeat after 100."""

@@ -14,8 +14,8 @@ from slipwave.observe import HistoryObserver, Pieces
 from slipwave.solve import follow
 from validation.cli import INPUT_WRONG, main
 from validation.registry.build import build
+from validation.results.quantities import stored_name
 from validation.run.history_file import HistoryFile, Kept
-from validation.run.quantities import stored_name
 
 PAPER = slipwave.read("paper")
 NODES = np.linspace(0.0, 1.0, 5)

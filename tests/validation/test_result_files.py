@@ -17,7 +17,7 @@ from slipwave.input.source import gallery_names
 from slipwave.observe.statistics import Margins
 from tests.conventions import quick_results
 from validation.cli import INPUT_WRONG, main
-from validation.door.provenance import provenance
+from validation.results.provenance import provenance
 
 ROOT = Path(__file__).resolve().parents[2]
 SHORT: dict[str, Any] = {"drive.velocity": 2000, "slab.thickness": 0.0335}

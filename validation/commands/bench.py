@@ -26,7 +26,7 @@ def bench(
 
 
 def _print(summary: dict[str, Any]) -> None:
-    from validation.commands.wording import errors_of, remarks
+    from validation.results.wording import errors_of, remarks
 
     heading = ["model", "setting", "wall s", "error T", "error drop"]
     table = [

@@ -106,9 +106,9 @@ def way_on(path: Path | None) -> str:
 
 
 def _print(found: "Branch", wall_s: float) -> None:
-    from validation.commands.header import print_header
+    from validation.results.header import header
 
-    print_header(found.over.base, found.notes)
+    print("\n".join(header(found.over.base, found.notes)))
     points = found.shown
     low, high = found.over.ends
     print(f"model {found.model}: {len(points)} orbits over {found.over.name} from {low:g} to {high:g}")

@@ -71,7 +71,7 @@ def compare(
 
 
 def _print(summary: dict[str, Any]) -> None:
-    from validation.commands.wording import barred, errors_of, remarks
+    from validation.results.wording import barred, errors_of, remarks
 
     def mean(row: dict[str, Any], name: str, digits: int) -> str:
         """A cell, with a bar for motion that never repeats."""

@@ -81,9 +81,9 @@ def curve(
 
 
 def _print(found: "Curve", wall_s: float) -> None:
-    from validation.commands.header import print_header
+    from validation.results.header import header
 
-    print_header(found.over.base, found.notes)
+    print("\n".join(header(found.over.base, found.notes)))
     print(f"model {found.model}: {found.kind} {KINDS[found.kind]}, {len(found.points)} points")
     print()
     rows = [

@@ -59,11 +59,11 @@ def orbit(
 
 
 def _print(done: "OrbitFound") -> None:
-    from validation.commands.header import print_header
-    from validation.commands.wording import orbit_rows
+    from validation.results.header import header
+    from validation.results.wording import orbit_rows
 
     multipliers, scene = done.found.multipliers, done.scene
-    print_header(scene, done.notes)
+    print("\n".join(header(scene, done.notes)))
     verdict = {True: "stable", False: "unstable", None: "its stability is not decided"}[multipliers.stable]
     print(f"model {done.flow.model}: periodic orbit, {verdict}; it closes to {figures(done.found.closed.residual, 2)}")
     print()

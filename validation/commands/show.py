@@ -15,7 +15,7 @@ def show(source: SceneName, settings: Settings = None, law: Law = None) -> None:
     from slipwave.input.stored import is_stored, read_stored
     from slipwave.input.tables import to_toml
     from slipwave.input.wording import one_line
-    from validation.commands.header import header
+    from validation.results.header import header
 
     scene = slipwave.read(source, settings or ())
     facts = read_stored(source).facts if is_stored(source) else {}

@@ -12,11 +12,11 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.solve.foresight import DAY
 from validation.door.checked import checked
-from validation.door.conclusion import conclusion, nothing
-from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of
 from validation.registry.choice import honouring
 from validation.registry.families import one_port_of
+from validation.results.conclusion import conclusion, nothing
+from validation.results.provenance import SCHEMA, provenance
 from validation.run.difference import in_json
 from validation.run.length import Length, Until, length_of
 from validation.run.progress import progress

@@ -20,11 +20,11 @@ from validation.branches.parameter import Values, over_range, range_text, scene_
 from validation.branches.record import Branch, BranchPoint, SpecialPoint
 from validation.branches.stored import read, write
 from validation.door.checked import checked
-from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Place, Result, along, announced, as_path, deliver, finite, parameter_column, scene_of
 from validation.registry.orbits import flowing, require_tolerance
+from validation.results.provenance import SCHEMA, provenance
+from validation.results.quantities import EVENTS, variables
 from validation.run.progress import progress
-from validation.run.quantities import EVENTS, variables
 from validation.study.drawing import Drawing, styled
 
 _DEFAULTS = {"tol": 1e-6, "most_points": 2000}

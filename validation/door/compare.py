@@ -12,13 +12,13 @@ from slipwave.scene.doubts import doubts
 from slipwave.solve import Solver
 from slipwave.solve.foresight import DAY, require_time
 from validation.door.checked import checked
-from validation.door.conclusion import conclusion, nothing
-from validation.door.motion_figure import second_axis
-from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of
 from validation.measure.cycle import Cycle, CycleObserver
 from validation.registry.build import build_all
 from validation.registry.families import one_port_of
+from validation.results.conclusion import conclusion, nothing
+from validation.results.motion_figure import second_axis
+from validation.results.provenance import SCHEMA, provenance
 from validation.run.difference import in_json
 from validation.run.length import Until, length_of, second_half
 from validation.run.simulate import Run, RunInterrupted, reconsidered, simulate

@@ -17,10 +17,10 @@ from validation.branches.curve_drawing import figure_of
 from validation.branches.parameter import Values, over_range, range_text
 from validation.branches.stored_curve import read, write
 from validation.door.checked import checked
-from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Result, announced, as_path, deliver, finite, parameter_column, scene_of, table_of
 from validation.door.result import along as in_order
 from validation.registry.orbits import flowing, require_tolerance
+from validation.results.provenance import SCHEMA, provenance
 from validation.run.progress import progress
 from validation.study.drawing import Drawing, styled
 

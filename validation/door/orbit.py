@@ -22,11 +22,11 @@ from slipwave.scene.doubts import doubts
 from slipwave.step.flow import Cycle
 from validation.branches.at_scene import orbit_of
 from validation.door.checked import checked
-from validation.door.motion_figure import motion_figure
-from validation.door.provenance import SCHEMA, provenance
 from validation.door.result import Dataset, Place, Result, announced, finite, scene_of
 from validation.registry.orbits import OrbitFound, flowing, orbit_at, require_tolerance
-from validation.run.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
+from validation.results.motion_figure import motion_figure
+from validation.results.provenance import SCHEMA, provenance
+from validation.results.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
 from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:

@@ -33,6 +33,12 @@ def judged(solver: Solver, cfl: float | None = None, time: str | None = None) ->
     return judge_grid(cells, on_grid(cells), first_accepted(on_grid, fewer) or on_grid(cells))
 
 
+def grid_in_words(choice: "Choice") -> str:
+    """Cells, steps and estimated error of a grid."""
+    steps = f"steps of {'at most ' * choice.adapts}{choice.step:.4g}"
+    return f"{choice.cells} cells, {steps}, estimated error of {choice.quantity} {choice.error_estimate:.1e}"
+
+
 def note_on(choice: "Choice") -> list[str]:
     """A warning about a default grid that is too coarse; empty if it is good enough."""
     if choice.error_estimate <= TOO_COARSE:

@@ -181,10 +181,8 @@ class UntilCycles:
         return "settled" if now.verdict.kind == "steady" and self.expected.stable is not False else None
 
 
-def require_cycles(scene: Scene, cycles: int | None) -> None:
-    """Raises SceneError for a number of cycles that is out of range, or that the scene does not count."""
-    if cycles is not None and not 1 <= cycles <= MOST_CYCLES:
-        raise SceneError(f"cycles = {cycles}: must be a whole number from 1 to {MOST_CYCLES}")
+def require_counted(scene: Scene, cycles: int | None) -> None:
+    """Raises SceneError for a number of cycles that the scene does not count."""
     if cycles is not None and not scene.record:
         raise SceneError(f"cycles = {cycles}: cannot be counted, because run.record is empty")
 

@@ -15,8 +15,8 @@ from slipwave.extras import require
 from slipwave.files import TIME, whole_or_absent
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
+from validation.results.quantities import EVENTS, INTERFACE, MARGINS, STAGES, attributes, in_si, stored_name, variables
 from validation.run.history_file import HistoryFile
-from validation.run.quantities import EVENTS, INTERFACE, MARGINS, STAGES, attributes, in_si, stored_name, variables
 from validation.run.simulate import Run
 
 if TYPE_CHECKING:

@@ -17,8 +17,6 @@ Window: TypeAlias = str | Sequence[float | str]
 def kept_of(every: int | None, window: Window | None, scene: Scene) -> Kept:
     """One in `every` samples from the beginning of the `window` to its end; all of them where None. Raises SceneError for a
     choice that makes no sense, and for a unit of time in a scene without one."""
-    if every is not None and every < 1:
-        raise SceneError(f"every = {every}: must be 1 or more: one in so many samples is kept")
     if window is None:
         return Kept(every or 1, 0.0, math.inf)
     ends = window.split(":") if isinstance(window, str) else list(window)

@@ -3,7 +3,7 @@
 from slipwave.observe.envelope import Range
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.run.quantities import INTERFACE, si_factor, stored_name
+from validation.results.quantities import INTERFACE, si_factor, stored_name
 from validation.study.drawing import Axes, Drawing, canvas
 
 _LABELS = {"time": "time / transits", "stress": "friction stress / normal stress", "slip_rate": "slip rate / V*"}

@@ -1,14 +1,14 @@
 """`slipwave.stability`: is steady sliding stable, where does it lose stability, and how do small disturbances grow?"""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from reduced.families import DELAY
+from reduced.families import DELAY, REDUCTIONS
 from reduced.stability import Stability, analyse, friction_slopes
 from reduced.stability.crossing import FIRST_OCTAVE, LAST_OCTAVE
 from reduced.stability.physical import PhysicalStability, in_si
@@ -16,10 +16,14 @@ from slipwave.extras import require
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.door.checked import checked
-from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Dataset, Result, finite, scene_of
+from validation.output import figures, table
 from validation.registry.families import one_port_of
+from validation.results.command import command
+from validation.results.facts import finite
+from validation.results.header import header
+from validation.results.options import SceneOptions, option
+from validation.results.provenance import SCHEMA, provenance
+from validation.results.result import Dataset, Result
 from validation.run.reasons import on_stability
 from validation.study.drawing import Drawing, canvas, styled
 
@@ -31,6 +35,20 @@ _CRITICAL = {
 
 
 _PHYSICAL = {"critical_thickness": "m", "critical_normal_stress": "Pa", "growth_time": "s", "decay_time": "s", "frequency": "Hz"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class StabilityOptions(SceneOptions):
+    """Options of `slipwave.stability`."""
+
+    EXAMPLES: ClassVar = ("slipwave stability paper", "slipwave stability grip --model fitted:4 --json")
+
+    model: str = option(
+        f"{DELAY.name} (exact; so are auto and the full-wave models), "
+        f"{', '.join(family.pattern for family in REDUCTIONS)}, or taylor (the truncation that cannot be used)",
+        "delay",
+        positional=True,
+    )
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -45,7 +63,7 @@ class StabilityResult(Result):
         """The JSON of `slipwave stability` (users rely on its keys); frequencies and roots in 1/(L/V*), None where there is no
         value."""
         found = self.found
-        result = {
+        result: dict[str, Any] = {
             "schema": SCHEMA,
             "scene": self.scene.name,
             "model": found.model,
@@ -59,16 +77,9 @@ class StabilityResult(Result):
             "essential_abscissa": found.essential_abscissa,
             "notes": [*doubts(self.scene), *self.notes],
         }
-        return dict(
-            finite(
-                result
-                | (
-                    {"si": {f"{name}_{unit}": getattr(self.physical, name) for name, unit in _PHYSICAL.items()}}
-                    if self.physical
-                    else {}
-                )
-            )
-        )
+        if self.physical:
+            result["si"] = {f"{name}_{unit}": getattr(self.physical, name) for name, unit in _PHYSICAL.items()}
+        return dict(finite(result))
 
     @property
     def leading_roots(self) -> "np.ndarray[Any, np.dtype[np.complex128]]":
@@ -113,6 +124,46 @@ class StabilityResult(Result):
             axes.set_title(f"{self.scene.name}, {self.found.model}: leading roots of steady sliding")
             return figure
 
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """The scene, the verdict with its reason, critical values and leading roots."""
+        scene, found = self.scene, self.found
+        yield from header(scene)
+        verdict = "stable" if found.stable else f"unstable: {found.unstable_roots} growing roots (certified count)"
+        verdict = "neutral" if found.stable is None else verdict
+        yield f"model {found.model}: steady sliding is {verdict} at V = {found.velocity:g}"
+        yield self.reason
+        yield from (f"note: {note}" for note in self.notes)
+        yield ""
+        rows = [
+            ["critical frequency omega_c [V*/L]", figures(found.omega_c, 12), ""],
+            ["critical round trip log10 r_c", figures(found.log10_r_c, 12), f"scene {figures(math.log10(scene.transit), 10)}"],
+            ["critical epsilon", figures(found.epsilon_c, 12), f"scene {figures(scene.upper.epsilon, 10)}"],
+            ["limit of the fast roots, Re s [V*/L]", figures(found.essential_abscissa, 10), ""],
+        ]
+        yield from table(["", "critical", "here"], [*rows, *self._rows_in_si()])
+        yield ""
+        roots = [
+            [f"{figures(root.real, 8)} {root.imag:+.8g} i", figures(abs(root.imag) * scene.transit / (2.0 * math.pi), 6)]
+            for root in found.leading_roots
+            if root.imag >= 0.0
+        ]
+        yield from table(["leading roots s [V*/L], conjugates left out", "cycles per transit"], roots)
+
+    def _rows_in_si(self) -> list[list[str]]:
+        """Rows of the table for a scene with units."""
+        scene, found = self.scene, self.physical
+        if found is None or scene.units is None:
+            return []
+        word, time = ("growth", found.growth_time) if self.found.stable is False else ("decay", found.decay_time)
+        slabs = "thickness" if scene.alike else "upper thickness, both scaled together"
+        stress, critical = scene.units.normal_stress, found.critical_normal_stress
+        return [
+            [f"critical {slabs} [m]", figures(found.critical_thickness, 9), f"scene {figures(found.thickness, 9)}"],
+            ["critical normal stress [Pa]", figures(critical, 9), f"scene {figures(stress, 9)}"],
+            [f"{word} time of the leading root [s]", "", figures(time, 9)],
+            ["frequency of the leading root [Hz]", "", figures(found.frequency, 9)],
+        ]
+
     @property
     def notes(self) -> list[str]:
         """Remarks on the numbers: which V was taken on a ramp, why there is no verdict on a neutral root, what was not found and
@@ -147,10 +198,9 @@ class StabilityResult(Result):
             yield f"no critical thickness: steady sliding loses its stability at none {reach} the present one"
 
 
-@checked
-def stability(source: SceneSource, model: str = "delay", *, settings: Iterable[str] = (), **changes: Any) -> StabilityResult:
-    """Stability of steady sliding from the slabs' impedance alone, for any scene and model; `changes` are those of
-    `slipwave.read_scene`. Raises SceneError for wrong input."""
-    scene = scene_of(source, settings, changes)
+@command
+def stability(source: SceneSource, options: StabilityOptions) -> StabilityResult:
+    """Stability of steady sliding from the slabs' impedance alone, for any scene and model. Raises SceneError for wrong input."""
+    scene, model = options.scene_of(source), options.model
     found = replace(analyse(scene, one_port_of(model)), model=DELAY.name if model == "auto" else model)
     return StabilityResult(scene, found)

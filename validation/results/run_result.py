@@ -1,32 +1,39 @@
 """What `slipwave.run` gives back."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from fullwave.fields.files import write_field
 from slipwave.errors import SceneError
+from slipwave.files import part_of
 from slipwave.observe import Events
 from slipwave.observe.stages import StageFigures
 from slipwave.scene.doubts import doubts
 from slipwave.solve import Leaping
 from slipwave.solve.lyapunov import Exponent
-from validation.door.motion_figure import motion_figure
-from validation.door.protocol_figure import protocol_figure
-from validation.door.provenance import SCHEMA, provenance
-from validation.door.result import Dataset, Result, finite
-from validation.door.return_map import return_map
+from validation.output import figures, table
+from validation.registry.default_grid import grid_in_words
 from validation.registry.families import one_port_of
+from validation.results.facts import finite
+from validation.results.header import header
+from validation.results.motion_figure import motion_figure
+from validation.results.protocol_figure import protocol_figure
+from validation.results.provenance import SCHEMA, provenance
+from validation.results.quantities import cycle_in_si
+from validation.results.result import FIGURES, Dataset, Output, Result, save_drawing
+from validation.results.return_map import return_map
+from validation.results.wording import ENDED, events_in_words, exponent_in_words, margins_in_words, statistics_rows
 from validation.run.event_table import write_events
 from validation.run.length import second_half
-from validation.run.quantities import cycle_in_si
 from validation.run.reasons import needed, reasons
-from validation.run.recording import Records
+from validation.run.recording import FIELD_FILES, Records
+from validation.run.resuming import way_on
 from validation.run.run_dataset import run_dataset, write_run
 from validation.run.simulate import Run
-from validation.run.stage_table import stage_results
+from validation.run.stage_table import missing_in_words, stage_results, stage_rows, stages_in_words
 from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
@@ -45,6 +52,66 @@ class RunResult(Result):
     notes: list[str]
     options: Mapping[str, Any]
     exponent: Exponent | None = None
+    failed: str = ""
+    stopped: bool = False
+
+    OUTPUTS: ClassVar = (
+        Output("--out", (".nc",), "to_netcdf", "write events, and the interface and fields if recorded", "FILE.nc"),
+        Output(
+            "--fields",
+            FIELD_FILES,
+            "write_fields",
+            "full wave: write velocity and stress of the last 100 transits, .vtu, .xdmf or .nc",
+        ),
+        Output("--events", (".csv",), "write_events", "write the slip events, in s and Pa for scenes in SI", "FILE.csv"),
+        Output("--plot", FIGURES, "save_plot", "draw stress and slip rate over time: .png, .pdf or .svg"),
+        Output("--return-map", FIGURES, "save_return_map", "draw the period of each cycle over that of the one before"),
+    )
+
+    @classmethod
+    def wanted_for(cls, files: Mapping[str, Path | None]) -> dict[str, Any]:
+        """The history for a netCDF file only, if its scene records it; the fields for theirs."""
+        out = files["out"]
+        if out is None:
+            return {"interface": False, "fields": files["fields"] is not None}
+        return {"samples": part_of(out, ".samples")} | ({"fields": True} if files["fields"] else {})
+
+    def to_go_on(self, options: Any) -> str:
+        """From its checkpoint."""
+        return way_on(options.checkpoint)
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """The scene, the run with its verdict, cycles, stages, the state at the end, and the energy ledger."""
+        done, choice, scene = self.done, self.choice, self.done.solver.scene
+        yield from header(scene)
+        if choice is not None:  # the default grid tried no others
+            yield f"{'grid chosen for the tolerance' if choice.tried else 'default grid'}: {grid_in_words(choice)}"
+        yield from (f"note: {note}" for note in self.notes)
+        march = f" ({done.solver.settings['time']} in time)" if "time" in done.solver.settings else ""
+        words = f": {stages_in_words(self.stages)}" if done.kind == "protocol" else ""
+        judged = f"{events_in_words(done.starts, done.verdict, self.needed)}{words}"
+        yield f"model {done.solver.model}{march}, {done.until:g} transits: {judged}"
+        yield from self.reasons
+        if done.ended in ENDED:
+            yield ENDED[done.ended]
+        if done.verdict and done.verdict.repeats:
+            yield ""
+            yield from table(*statistics_rows(done.statistics, scene))
+            yield from margins_in_words(done.statistics, scene)
+        if self.exponent is not None:
+            yield exponent_in_words(self.exponent)
+        if self.stages:
+            yield ""
+            yield from table(*stage_rows(self.stages, scene))
+            yield from missing_in_words(self.stages)
+        if done.final:
+            state = {"ln v": done.final.ln_v, "psi": done.final.psi, "mu": done.final.mu}
+            yield "\nat the end: " + ", ".join(f"{name} = {figures(value, 12)}" for name, value in state.items())
+        if self.energy:
+            yield "energy: " + ", ".join(f"{name} {figures(value, 6)}" for name, value in self.energy.items())
+        if done.solver.failures:
+            yield f"interface solves that did not converge: {done.solver.failures}"
+        yield f"wall time {done.wall_s:.3g} s"
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -160,6 +227,10 @@ class RunResult(Result):
         title = f"{done.solver.scene.name}, {done.solver.model}: {done.kind}"
         with styled():
             return return_map(title, Events(*(column[inside] for column in cycles)))
+
+    def save_return_map(self, path: str | Path) -> None:
+        """Write the return map as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
+        save_drawing(path, self.plot_return_map)
 
     def _facts(self) -> dict[str, Any]:
         facts = provenance("run", self.done.solver.scene, self.done.solver.model, self.options)

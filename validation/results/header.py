@@ -13,21 +13,15 @@ from slipwave.scene.units import Units
 from validation.output import figures
 
 
-def print_header(scene: Scene, notes: Iterable[str] = ()) -> None:
-    """Print the header of `scene`, and `notes` on the numbers that follow."""
-    for line in [*header(scene), *(f"note: {note}" for note in notes)]:
-        print(line)
-
-
-def header(scene: Scene) -> list[str]:
-    """A few lines: name, law, drive; each slab; the units, if the scene has them; a note for each doubt."""
+def header(scene: Scene, notes: Iterable[str] = ()) -> list[str]:
+    """A few lines: name, law, drive; each slab; the units, if the scene has them; a note for each doubt, and further `notes`."""
     parameters = ", ".join(f"{key} {value:g}" for key, value in zip(scene.law._fields, scene.law, strict=True))
     lines = [f"scene {scene.name}: {name_of(scene.law)} law ({parameters}), {_drive(scene.drive)}, digest {scene.digest}"]
     pairs = [("slabs", scene.upper)] if scene.alike else [("upper", scene.upper), ("lower", scene.lower)]
     lines += [f"{label}: {line}" for label, slab in pairs for line in _slab(slab, scene.units, scene.alike)]
     if scene.units:
         lines += _units(scene, scene.units)
-    return lines + [f"note: {line}" for line in doubts(scene)]
+    return lines + [f"note: {line}" for line in (*doubts(scene), *notes)]
 
 
 def _drive(drive: Drive) -> str:

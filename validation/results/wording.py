@@ -10,8 +10,8 @@ from slipwave.observe.statistics import Orbit
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.solve.lyapunov import Exponent
-from validation.door.conclusion import distances
 from validation.output import figures
+from validation.results.conclusion import distances
 
 ENDED = {
     "cycles": "the run ended here because its second half has the cycles asked for",

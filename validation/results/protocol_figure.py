@@ -7,7 +7,7 @@ import numpy as np
 from slipwave.observe.envelope import Envelope
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
-from validation.door.motion_figure import band, second_axis
+from validation.results.motion_figure import band, second_axis
 from validation.study.drawing import Drawing, canvas
 
 

@@ -1,0 +1,1 @@
+"""What commands take and give back, each declared once: options as fields, quantities as columns, files by their result."""

@@ -1,0 +1,60 @@
+"""A command as a function of Python: its signature, the section of its docstring on options and the refusal of wrong arguments
+follow from its class of options."""
+
+import inspect
+import textwrap
+from collections.abc import Callable, Mapping
+from functools import wraps
+from inspect import Parameter, Signature
+from typing import Any, TypeVar
+
+from slipwave.errors import NumericsError, SceneError
+from validation.results.options import SceneOptions, options_of
+from validation.results.result import Result, Stopped
+
+Answer = TypeVar("Answer")
+
+
+def command(compute: Callable[[Any, Any], Answer]) -> Callable[..., Answer]:
+    """`compute` (source, options) as a function of a source and keywords; `__wrapped__` is `compute` itself.
+
+    Raises SceneError for arguments that it does not have and for those of another type than the options declare. If the result
+    says that something failed, raises NumericsError, or Stopped if the user stopped it; both hold the result."""
+    kind: type[SceneOptions] = compute.__annotations__["options"]
+    known = options_of(kind)
+    first = inspect.signature(compute).parameters["source"]
+    keywords = [
+        Parameter(one.name, _kind(one.more), default=Parameter.empty if one.is_required else one.default, annotation=one.hint)
+        for one in known.values()
+        if one.is_in("python")
+    ]
+    signature = Signature([first, *keywords, Parameter("changes", Parameter.VAR_KEYWORD, annotation=Any)])
+
+    @wraps(compute)
+    def call(*given: Any, **named: Any) -> Answer:
+        try:
+            bound = signature.bind(*given, **named).arguments
+        except TypeError as error:
+            raise SceneError(f"{compute.__name__}: {error}") from None
+        source, changes = bound.pop("source", first.default), bound.pop("changes", {})
+        result = compute(source, kind(**{name: known[name].checked(value) for name, value in bound.items()}, changes=changes))
+        if isinstance(result, Result) and (result.failed or result.stopped):
+            raise (Stopped if result.stopped else NumericsError)(result.failed, result)
+        return result
+
+    call.__signature__ = signature.replace(return_annotation=compute.__annotations__["return"])  # type: ignore[attr-defined]
+    call.__doc__ = f"{inspect.cleandoc(compute.__doc__ or '')}\n\n{_section(known)}"
+    return call
+
+
+def _kind(more: Mapping[str, Any]) -> Any:
+    return Parameter.POSITIONAL_OR_KEYWORD if more.get("positional") else Parameter.KEYWORD_ONLY
+
+
+def _section(known: Mapping[str, Any]) -> str:
+    """The options in words."""
+    lines = [f"{one.name}: {one.help}" for one in known.values() if one.is_in("python")]
+    lines.append("changes: of the scene, as those of `slipwave.read_scene`")
+    return "\n".join(
+        ["Options:", *(textwrap.fill(line, 120, initial_indent="    ", subsequent_indent="        ") for line in lines)]
+    )

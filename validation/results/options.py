@@ -1,0 +1,257 @@
+"""The options of a command, each declared once, as a field of a dataclass: type, default, help, and what it may be.
+
+The Python function (`validation.results.command`), the command line (`validation.cli`), the attribute `options` of files and the
+refusal of wrong values follow from the field.
+"""
+
+import logging
+import math
+import numbers
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields, replace
+from inspect import get_annotations
+from pathlib import Path
+from types import NoneType
+from typing import Any, ClassVar, Literal, NamedTuple, Self, TypedDict, Unpack, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from slipwave.errors import SceneError
+from slipwave.input import SceneSource, read, read_scene
+from slipwave.input.stored import recall
+from slipwave.input.wording import listed, nearest, shorten
+from slipwave.scene import Scene
+from slipwave.scene.doubts import doubts
+from slipwave.solve.foresight import DAY
+from validation.registry.families import FAMILIES, GRIDS
+from validation.results.facts import Place
+
+log = logging.getLogger("slipwave")
+"""What is chosen for the user and how far long work has come, at level INFO; the command line prints it on stderr."""
+
+_WORDS = {bool: "True or False", int: "a whole number", float: "a number", str: "a text", NoneType: "None"}
+_WORDS[Path] = "a text, a path"
+_KINDS: dict[Any, Any] = {bool: bool, int: numbers.Integral, float: numbers.Real, Path: (str, Path)}
+
+
+class Declaration(TypedDict, total=False):
+    """What an option says besides type, default and help, where it is not the usual:
+
+    `flag` on the command line (`--name`) and `metavar`; `positional` in Python; `only` in one of the two; `stored`: files of
+    results keep it, and a call that computes such a file again takes it; `least` and `most`, and what a value `must` be, in
+    words; `suffixes` of a file that the command writes; `words` for the shell's completion; the value that a flag
+    `stands_for`."""
+
+    flag: str
+    metavar: str
+    positional: bool
+    only: Literal["python", "command line"]
+    stored: bool
+    least: float
+    most: float
+    must: str
+    suffixes: tuple[str, ...]
+    words: Callable[[], list[str]]
+    stands_for: Any
+
+
+def option(help: str, default: Any = None, /, **more: Unpack[Declaration]) -> Any:
+    """A field of a class of options; `default` `...` if it must be given."""
+    return field(default=MISSING if default is ... else default, metadata={"help": help, "more": more})
+
+
+class Option(NamedTuple):
+    """An option as it was declared, with the type that its value has in Python."""
+
+    name: str
+    hint: Any
+    default: Any
+    help: str
+    more: Declaration
+
+    @property
+    def flag(self) -> str:
+        """On the command line."""
+        return self.more.get("flag") or f"--{self.name.replace('_', '-')}"
+
+    @property
+    def stored_as(self) -> str:
+        """Name in files."""
+        return self.flag.removeprefix("--").replace("-", "_")
+
+    @property
+    def is_required(self) -> bool:
+        """Whether it must be given."""
+        return self.default is MISSING
+
+    def is_in(self, place: Literal["python", "command line"]) -> bool:
+        """Whether it can be given there."""
+        return self.more.get("only", place) == place
+
+    def checked(self, value: Any) -> Any:
+        """`value` as one of Python (not numpy), paths as such. Raises SceneError for another type and a value out of range."""
+        value = _plain(value, self.hint)
+        if not _fits(value, self.hint):
+            raise SceneError(f"{self.name} = {shorten(value)}: must be {listed(dict.fromkeys(_words(self.hint)))}")
+        least, most = self.more.get("least", -math.inf), self.more.get("most", math.inf)
+        if value is not None and {"least", "most"} & self.more.keys() and not least <= value <= most:
+            raise SceneError(f"{self.name} = {value}: must {self.more['must']}")
+        return Path(value) if value is not None and Path in get_args(self.hint) else value
+
+
+def _gallery_models() -> list[str]:
+    return ["auto", *(family.example for family in FAMILIES)]
+
+
+_STEPS = dict.fromkeys(
+    f"{family.step} ({', '.join(other.name for other in GRIDS if other.step == family.step)})" for family in GRIDS
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneOptions:
+    """Options of every command on a scene. `EXAMPLES` and `DETAILS` are for its help on the command line."""
+
+    EXAMPLES: ClassVar[tuple[str, ...]] = ()
+    DETAILS: ClassVar[str] = ""
+
+    settings: Iterable[str] = option(
+        "change one key of the scene, as in slab.log10_r=-2.3; may be repeated", (), flag="--set", metavar="KEY=VALUE ..."
+    )
+    law: Path | None = option("run this Python file, which registers a friction law", metavar="FILE.py", only="command line")
+    changes: Mapping[str, Any] = field(default_factory=dict)
+
+    def scene_of(self, source: SceneSource, until: float | str | None = None) -> Scene:
+        """The scene of a call: `source` with `settings` and `changes` and, if given, another length. The log says what is
+        doubtful about it."""
+        length = [] if until is None else [f"run.until={until}"]
+        settings = [self.settings] if isinstance(self.settings, str) else self.settings
+        given = read(source.scene if isinstance(source, Place) else source, [*settings, *length])
+        self._require_known(given.tables or {})
+        scene = read_scene(given, **self.changes)
+        for line in doubts(scene):
+            log.warning("note: %s", line)
+        return scene
+
+    def _require_known(self, tables: Mapping[str, Any]) -> None:
+        """Raises SceneError, naming the nearest, for a change that is neither an option nor a key of a scene with these
+        `tables`."""
+        from slipwave.input.keys import endings
+        from slipwave.input.schema import SceneTable
+
+        for key, value in self.changes.items():
+            if not endings(key.split("."), tables):
+                guess = nearest(key, [*options_of(type(self)), *SceneTable.model_fields])
+                hint = f"; did you mean {guess}?" if guess else ""
+                raise SceneError(f"{shorten(key)[1:-1]} = {shorten(value)}: neither an option nor a key of a scene{hint}")
+
+    @property
+    def stored(self) -> dict[str, Any]:
+        """Those that a file of results keeps, by their names there."""
+        return {one.stored_as: getattr(self, one.name) for one in options_of(type(self)).values() if one.more.get("stored")}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelOptions(SceneOptions):
+    """Options of every command that computes with a model."""
+
+    model: str = option(
+        f"{', '.join(family.pattern for family in FAMILIES)} (without P, it is chosen by --tol), or auto: the cheapest that is "
+        "exact for the scene",
+        "auto",
+        positional=True,
+        words=_gallery_models,
+    )
+
+    def recalled(self, source: SceneSource, command: str, without: Sequence[str] = ()) -> Self:
+        """With the model and the options (but those named) that a file of results of the same `command` holds, where none are
+        given. Raises SceneError for a file of another command."""
+        known = {one.stored_as: one for one in options_of(type(self)).values() if one.more.get("stored")}
+        model, found = recall(source, command, self.model, {name: getattr(self, one.name) for name, one in known.items()})
+        new = {one.name: one.checked(found[name]) for name, one in known.items() if one.name not in without}
+        return replace(self, model=model, **new)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunsOptions(SceneOptions):
+    """Options of every command that runs models."""
+
+    until: float | str | None = option(
+        "length of the run, in transits or, in scenes with SI units, as 60s (default: the scene's, else until the motion is "
+        "settled)",
+        metavar="TRANSITS|TIME",
+    )
+    most_seconds: float = option("run it even if it is expected to take more than a day", DAY, flag="--yes", stands_for=math.inf)
+
+
+@dataclass(frozen=True, kw_only=True)
+class NumericalOptions(SceneOptions):
+    """Options of a model's own: cells, step and march of a full wave, and the relative error."""
+
+    cells: int | None = option("full wave: cells per slab", stored=True)
+    cfl: float | None = option(f"full wave: time step, above 0 to 1, in units of {' or '.join(_STEPS)}", stored=True)
+    time: str | None = option(
+        "full wave: propagate the slabs exactly in time, in steps that resolve friction, or by explicit steps; by default "
+        "exactly, but explicitly with --cfl, after a jump and on large grids",
+        metavar="exact|explicit",
+        stored=True,
+    )
+    tol: float | None = option(
+        "requested relative error; a full wave chooses cells and steps for it and estimates the error that it reached; with "
+        "--cells it is for the steps of the exact march only",
+        stored=True,
+    )
+
+
+def options_of(kind: type[SceneOptions]) -> dict[str, Option]:
+    """The options that a class declares, by name: those that are positional in Python first, then its own, then inherited
+    ones."""
+    hints, known = get_type_hints(kind), {one.name: one for one in fields(kind)}
+    names = [name for base in kind.__mro__ for name in get_annotations(base) if name in known and known[name].metadata]
+    found = [Option(name, hints[name], known[name].default, **known[name].metadata) for name in dict.fromkeys(names)]
+    return {one.name: one for one in sorted(found, key=lambda one: not one.more.get("positional"))}
+
+
+def announced(model: str, why: str) -> str:
+    """`model`; the log says why `auto` chose it, if it did."""
+    if why:
+        log.info("model auto: %s (%s)", model, why)
+    return model
+
+
+def _plain(value: Any, hint: Any) -> Any:
+    """A number of numpy as one of Python, and what can be read only once as a list."""
+    if get_origin(hint) is Iterable and isinstance(value, Iterable) and not isinstance(value, str | Mapping):
+        return list(value)
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Whether `value` is of the type that an annotation names."""
+    kind, parts = get_origin(hint), get_args(hint)
+    if kind is tuple:
+        pairs = isinstance(value, tuple | list) and len(value) == len(parts)
+        return pairs and all(map(_fits, value, parts))
+    if kind is Mapping:
+        return isinstance(value, Mapping) and all(_fits(item, parts[1]) for item in value.values())
+    if kind in (Iterable, Sequence):
+        return isinstance(value, kind) and not isinstance(value, Mapping) and all(_fits(one, parts[0]) for one in value)
+    if parts:
+        return any(_fits(value, part) for part in parts)
+    return isinstance(value, _KINDS.get(hint, hint)) and (hint is bool or not isinstance(value, bool))
+
+
+def _words(hint: Any) -> Iterable[str]:
+    """What an annotation allows, in words."""
+    kind, parts = get_origin(hint), get_args(hint)
+    if kind is tuple:
+        yield f"({', '.join(' or '.join(_words(part)) for part in parts)})"
+    elif kind is Mapping:
+        yield f"{{a text: {next(iter(_words(parts[1])))}}}"
+    elif kind in (Iterable, Sequence):
+        yield f"a list of {next(iter(_words(parts[0])))}s".replace("a list of a ", "a list of ")
+    elif parts:
+        for part in parts:
+            yield from _words(part)
+    else:
+        yield _WORDS[hint]

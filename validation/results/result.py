@@ -1,0 +1,141 @@
+"""What every result has: the JSON of its command, a dataset, a figure, a table, and the files that the command writes."""
+
+import html
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+from slipwave.files import whole_or_absent
+from validation.results.facts import facts_of, leaves
+from validation.study.drawing import Drawing, styled
+
+if TYPE_CHECKING:
+    from xarray import Dataset as Dataset
+else:  # xarray is loaded only when a dataset is made
+    Dataset = Any
+
+FIGURES = (".png", ".pdf", ".svg")
+"""Kinds of file that figures are drawn to."""
+
+
+class Output(NamedTuple):
+    """A file that a command writes if its `flag` is given: the kinds that it may be, the `method` of the result that writes it,
+    and help.
+
+    `default`: written there without the flag, unless the command prints JSON; `key` of the JSON that names the file."""
+
+    flag: str
+    suffixes: tuple[str, ...]
+    method: str
+    help: str
+    metavar: str = "FILE"
+    default: str | None = None
+    key: str = ""
+
+    @property
+    def name(self) -> str:
+        """As a name in Python."""
+        return self.flag.removeprefix("--").replace("-", "_")
+
+
+class Result(ABC):
+    """A result of a command: its JSON as a dictionary and its keys as attributes, an `xarray.Dataset`, a figure, a netCDF file.
+
+    `failed` says what failed, or is empty; `stopped` is true if the user stopped the work: the result is what was known then."""
+
+    OUTPUTS: ClassVar[tuple[Output, ...]] = ()
+    failed: str = ""
+    stopped: bool = False
+
+    @property
+    @abstractmethod
+    def summary(self) -> dict[str, Any]:
+        """All figures by the keys of the command's JSON; None where there is no value."""
+
+    @property
+    @abstractmethod
+    def dataset(self) -> Dataset:
+        """All arrays with coordinates and units; for a scene in SI also in SI. The attributes say where it comes from."""
+
+    @abstractmethod
+    def plot(self) -> Drawing:
+        """A figure of it, in the house style."""
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterable[str]:
+        """What the command prints; `summary` names the files that are written too."""
+        return ()
+
+    @classmethod
+    def wanted_for(cls, files: Mapping[str, Path | None]) -> dict[str, Any]:
+        """The options in Python that files of these names (`Output.name`) need."""
+        return {}
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to print or write."""
+        return False
+
+    def to_go_on(self, options: Any) -> str:
+        """How to go on after an interruption."""
+        return ""
+
+    def to_netcdf(self, path: str | Path) -> None:
+        """Write the dataset. Raises SceneError if the file cannot be written."""
+        with whole_or_absent(Path(path)) as temporary:
+            whole = {name: {"_FillValue": None} for name in self.dataset.coords}  # of a coordinate no value is missing
+            self.dataset.to_netcdf(temporary, engine="netcdf4", encoding=whole)
+
+    def save_plot(self, path: str | Path) -> None:
+        """Write the figure as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
+        save_drawing(path, self.plot)
+
+    def close(self) -> None:  # noqa: B027
+        """Remove temporary files."""
+
+    def __getattr__(self, name: str) -> Any:
+        """What the JSON says by its key, tables as `Facts`."""
+        known = {} if name.startswith("_") or name == "summary" else self.summary
+        if name not in known:
+            raise AttributeError(
+                f"{type(self).__name__} has no attribute {name!r}" + (f"; it has {', '.join(known)}" if known else "")
+            )
+        return facts_of(known[name])
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self.summary})
+
+    def __repr__(self) -> str:
+        shown = (f"{name} = {value}" for name, value in _scalars(self.summary))
+        return f"<{type(self).__name__}: {', '.join(shown)}>"
+
+    def _repr_html_(self) -> str:
+        rows = (f"<tr><th>{html.escape(name)}</th><td>{html.escape(value)}</td></tr>" for name, value in _scalars(self.summary))
+        return f"<table><caption>{type(self).__name__}</caption>{''.join(rows)}</table>"
+
+
+class Stopped(KeyboardInterrupt):
+    """The user stopped the work; `result` is what was known by then."""
+
+    def __init__(self, message: str, result: Any) -> None:
+        super().__init__(message)
+        self.result = result
+
+
+def save_drawing(path: str | Path, draw: Callable[[], Drawing]) -> None:
+    """Write the figure that `draw` makes as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
+    with styled(), whole_or_absent(Path(path)) as temporary:
+        draw().savefig(temporary, dpi=150)
+
+
+def _scalars(facts: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Every single value among `facts` that there is, as text with its dotted key, numbers to six digits; of lists of tables
+    their number, of special points what each is and where."""
+    for key, value in leaves(facts):
+        if value is not None and key != "schema":
+            yield key, f"{value:.6g}" if isinstance(value, float) else str(value)
+    for key, rows in facts.items():
+        if key == "special":
+            yield key, "; ".join(f"{row['type']} at {row.get('value', row.get('log10_r')):.7g}" for row in rows) or "none"
+        elif isinstance(rows, list) and rows and isinstance(rows[0], Mapping):
+            yield key, str(len(rows))

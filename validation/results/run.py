@@ -1,0 +1,169 @@
+"""`slipwave.run`: one model on one scene."""
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+from slipwave.errors import NumericsError, SceneError
+from slipwave.input import SceneSource
+from slipwave.scene import Scene
+from slipwave.solve import FieldSolver, Solver
+from slipwave.solve.lyapunov import Exponent
+from validation.registry import build as models
+from validation.registry.default_grid import grid_in_words, judged, note_on, note_on_given
+from validation.registry.families import Built, Options, one_port_of
+from validation.results.command import command
+from validation.results.options import ModelOptions, NumericalOptions, RunsOptions, announced, log, option
+from validation.results.run_result import RunResult
+from validation.run.determinacy import amplified_rounding
+from validation.run.length import MOST_CYCLES, Length, length_of, require_counted
+from validation.run.parting import exponent_of, require_constant
+from validation.run.recording import Records, Wanted, records_of
+from validation.run.resuming import time_between
+from validation.run.simulate import Run, RunInterrupted, reconsidered, simulate
+from validation.run.steps_of_drive import costly_steps
+from validation.run.window import Window, kept_of
+
+if TYPE_CHECKING:
+    from fullwave.adapt import Choice
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions(NumericalOptions, RunsOptions, ModelOptions):
+    """Options of `slipwave.run`."""
+
+    EXAMPLES: ClassVar = (
+        "slipwave run paper --model modal:2 --set slab.log10_r=-2.6 --plot run.png",
+        "slipwave run paper --out run.nc --every 10",
+        "slipwave run run.nc",
+    )
+
+    cycles: int | None = option(
+        "end when the second half of the run has N complete cycles, not --until",
+        metavar="N",
+        stored=True,
+        least=1,
+        most=MOST_CYCLES,
+        must=f"be a whole number from 1 to {MOST_CYCLES}",
+    )
+    interface: bool | None = option(
+        "keep the interface's history, or not; a history that would not fit on the disk, or into a quarter of the memory, is "
+        "refused (default: as the scene records)",
+        only="python",
+        stored=True,
+    )
+    fields: bool | None = option(
+        "keep the last 100 transits of a full wave, or not (default: as the scene records)", only="python"
+    )
+    samples: Path | None = option("file of the history during the run (default: a temporary one)", only="python")
+    checkpoint: Path | None = option("save checkpoints here during the run, and go on from FILE if it exists", metavar="FILE")
+    checkpoint_every: float | str | None = option(
+        "time between checkpoints, in transits or as 10s (default 1000)", metavar="TRANSITS|TIME"
+    )
+    every: int | None = option(
+        "keep one in N samples of the interface's history",
+        metavar="N",
+        stored=True,
+        least=1,
+        must="be 1 or more: one in so many samples is kept",
+    )
+    window: Window | None = option(
+        "keep only the history from A to B, in transits or as 10s:60s; in Python also a pair of them", metavar="A:B", stored=True
+    )
+    lyapunov: bool = option("how fast motions close by part: the largest Lyapunov exponent, by a second march", False)
+
+    @property
+    def numerical(self) -> Options:
+        """Those of the model."""
+        return Options(cells=self.cells, cfl=self.cfl, tolerance=self.tol, time=self.time)
+
+
+@command
+def run(source: SceneSource, options: RunOptions) -> RunResult:
+    """Run one model on a scene.
+
+    Without `until` and `cycles` the scene gives the length, or the run ends when its motion is settled
+    (`validation.run.length`). If `source` is a netCDF file of an earlier run, it is run again: its model and its options hold
+    where none are given.
+
+    Raises SceneError for wrong input and for a run that is expected to take more than `most_seconds`; NumericsError if the
+    numerics fail, with the result so far as its `result`.
+    """
+    until, checkpoint = options.until, options.checkpoint
+    if until is not None and options.cycles is not None:
+        raise SceneError(f"cycles = {options.cycles}: must not be given together with until = {until}")
+    if options.interface is None and (options.every is not None or options.window is not None):
+        options = replace(options, interface=True)
+    options = options.recalled(source, "run", without=["cycles"] if until is not None else [])
+    scene = options.scene_of(source, until)
+    require_counted(scene, options.cycles)
+    if options.lyapunov:
+        require_constant(scene)
+    between = time_between(checkpoint, options.checkpoint_every, scene)
+    kept = kept_of(options.every, options.window, scene)
+    built = models.prepare(options.model, scene, checkpoint is not None and checkpoint.exists(), **options.numerical)
+    _tell(built)
+    if isinstance(built.solver, FieldSolver):
+        built.solver.keep_ledger()
+    length = length_of(scene, one_port_of(built.solver.model), options.cycles)
+    wanted = Wanted(options.interface, options.fields, kept, options.samples, next(length.ends(0.0), math.inf))
+    notes = _doubts(built.solver, length, options)
+    records = records_of(built.solver, length.until, wanted, checkpoint, between)
+    try:
+        done, stopped = _march(built.solver, length, records, options.most_seconds)
+        default = _default_grid(built.solver, options) if not done.failed else None
+        exponent, failed = None, done.failed
+        if options.lyapunov and not (failed or stopped):
+            exponent, failed, stopped = _exponent(done, scene, options)
+    except BaseException:
+        records.close()
+        raise
+    notes += note_on(default) if default else []
+    for note in notes:
+        log.info("note: %s", note)
+    return RunResult(done, records, built.choice or default, notes, options.stored, exponent, failed, stopped)
+
+
+def _default_grid(solver: Solver, options: RunOptions) -> "Choice | None":
+    """The grid that a full wave took by itself, with its estimated error."""
+    chosen = options.cells is not None or options.tol is not None
+    return None if chosen else judged(solver, options.cfl, options.time)
+
+
+def _tell(built: Built) -> None:
+    """Report what was chosen for the user."""
+    if built.choice is not None:
+        log.info("%s: %s", built.solver.model, grid_in_words(built.choice))
+    announced(built.solver.model, built.why)
+
+
+def _march(solver: Solver, length: Length, records: Records, most: float) -> tuple[Run, bool]:
+    """The run, and whether the user stopped it."""
+    try:
+        done = simulate(solver, length, records.observers, most, records.watch, records.marks)
+        return reconsidered(done, one_port_of(solver.model)), False
+    except RunInterrupted as stop:
+        return stop.run, True
+
+
+def _exponent(done: Run, scene: Scene, options: RunOptions) -> tuple[Exponent | None, str, bool]:
+    """The exponent of a run, by a twin of its solver, or why there is none, and whether the user stopped it. A grid chosen
+    for a tolerance is not chosen again."""
+    solver, numerical = done.solver, options.numerical
+    if isinstance(solver, FieldSolver):
+        numerical = numerical | Options(cells=solver.cells, tolerance=solver.settings.get("resolution"))
+    twin = models.prepare(solver.model, scene, True, **numerical).solver
+    try:
+        return exponent_of(done, twin, one_port_of(solver.model), options.most_seconds), "", False
+    except NumericsError as error:
+        return None, str(error), False
+    except KeyboardInterrupt:
+        return None, f"interrupted at t = {solver.time:.6g} transits, before the Lyapunov exponent was known", True
+
+
+def _doubts(solver: Solver, length: Length, options: RunOptions) -> list[str]:
+    """Warnings about the result that are known before the run."""
+    amplified = amplified_rounding(solver.scene, one_port_of(solver.model), length.until, options.tol)
+    given = note_on_given(options.cells, options.tol)
+    return [*([amplified.note] if amplified else []), *given, *costly_steps(solver)]
