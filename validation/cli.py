@@ -47,9 +47,9 @@ _WRITTEN = ("report", "scenes", "schema", "show", "orbit", "branch", "curve", "c
 class _Commands(TyperGroup):
     """Imports a command when it is named."""
 
-    def list_commands(self, context: Any) -> list[str]:
-        """All names."""
-        return list(COMMANDS)
+    def __init__(self, **more: Any) -> None:
+        super().__init__(**more)
+        self.commands = dict.fromkeys(COMMANDS)
 
     def get_command(self, context: Any, name: str) -> Any:
         """The command of this name."""

@@ -80,9 +80,9 @@ def test_compare_gives_every_models_own_run_and_its_signed_errors(capsys: pytest
 
 def test_bench_errors_are_those_of_the_runs_it_timed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """|T/T_reference - 1| of each setting, of one cheap family and the delay system; runs made again here."""
-    from validation.registry import build as models
+    from validation.registry.choice import families
 
-    monkeypatch.setattr(models, "honouring", lambda _: [family for family in models.families() if family.name in ("delay", "fd")])
+    monkeypatch.setattr("validation.door.bench.honouring", lambda _: [family for family in families() if family.name in ("delay", "fd")])
     found = answer(capsys, "bench", "paper", "--until", "2000")
     tight = answer(capsys, "run", "paper", "--until", "2000", "--model", "delay", "--tol", "1e-11")
     assert found["reference"] == "delay"

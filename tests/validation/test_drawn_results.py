@@ -18,7 +18,6 @@ from validation.branches.record import Branch, BranchPoint
 from validation.door.branch import BranchResult
 from validation.door.curve import CurveResult
 from validation.door.result import Result
-from validation.registry import build as models
 
 PAPER = sw.read("paper")
 RANGES = Over(PAPER, "log10_r", -2.8, -2.6, lambda value: PAPER), Over(PAPER, "V", 90.0, 120.0, lambda value: PAPER)
@@ -113,8 +112,8 @@ def test_what_a_model_does_not_have_is_missing_in_the_table_of_compare() -> None
 
 
 def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    chosen = [family for family in models.families() if family.name in ("block8", "kelvin-voigt", "delay")]
-    monkeypatch.setattr(models, "honouring", lambda _: chosen)
+    chosen = [family for family in families() if family.name in ("block8", "kelvin-voigt", "delay")]
+    monkeypatch.setattr("validation.door.bench.honouring", lambda _: chosen)
     found = sw.bench("paper", until=200, **{"drive.velocity": 2000})
     rows = found.summary["models"]
     assert_table(found, rows)

@@ -5,15 +5,15 @@ import inspect
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
-import typer
 
 import slipwave as sw
 from slipwave.errors import SceneError
-from validation.cli import INPUT_WRONG, app, main
+from validation.cli import COMMANDS, INPUT_WRONG, command_called, main
 from validation.registry import build as models
+from validation.results.options import options_of
 
 SETTINGS = " --set slab.r=0.002 drive.velocity=50"
 PASSED = {"source": "paper", "settings": ["slab.r=0.002", "drive.velocity=50"]}
@@ -21,14 +21,9 @@ GRID = {"model": "dg:3", "cells": 6, "tol": 1e-4}
 STEPS = {"until": "7", "cells": 6, "cfl": 0.25, "tol": 1e-4, "most_seconds": math.inf}
 
 CALLS: dict[str, tuple[str, dict[str, Any]]] = {
-    "run --model dg:3 --until 7 --cycles 5 --cells 6 --cfl 0.25 --time explicit --tol 1e-4 --checkpoint c.npz "
-    "--checkpoint-every 30 --every 3 --window 1.5:2.5 --lyapunov --yes": STEPS
-    | {"model": "dg:3", "cycles": 5, "time": "explicit", "interface": False, "every": 3, "window": "1.5:2.5", "fields": False}
-    | {"samples": None, "checkpoint": Path("c.npz"), "checkpoint_every": "30", "lyapunov": True},
     "compare --models fd,delay --until 7 --cells 6 --cfl 0.25 --time exact --tol 1e-4 --yes": STEPS
     | {"models": "fd,delay", "time": "exact"},
     "bench --until 7 --yes": {"until": "7", "most_seconds": math.inf},
-    "stability --model block8": {"model": "block8"},
     "orbit --model dg:3 --tol 1e-4 --cells 6 --near-period 80 --others": GRID | {"near_period": "80", "others": True},
     "branch --over V=1:2 --model dg:3 --tol 1e-4 --cells 6 --out o.nc --resume r.nc --stop-at LP --switch PD "
     "--longest-period 90 --most-points 8": GRID
@@ -70,40 +65,80 @@ def test_the_command_line_passes_every_option_on(words: str, calls: Callable[[st
 
 
 def test_every_argument_and_option_says_what_it_is_for() -> None:
-    commands: dict[str, Any] = typer.main.get_command(app).commands  # type: ignore[attr-defined]
+    commands: dict[str, Any] = {name: command_called(name) for name in COMMANDS}
     silent = [f"{name} {one.name}" for name, command in commands.items() for one in command.params if not one.help]
     assert not silent
     assert all(command.help and "slipwave " in command.epilog for command in commands.values())
 
 
+SAMPLES: dict[Any, tuple[str, Any]] = {
+    int: ("5", 5),
+    float: ("0.25", 0.25),
+    str: ("1.5:2.5", "1.5:2.5"),
+    Path: ("c.x", Path("c.x")),
+}
+
+
+@pytest.fixture
+def computed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[str], Any]:
+    """The options with which a command computes."""
+    monkeypatch.chdir(tmp_path)
+
+    def of(words: str) -> Any:
+        seen = []
+
+        def keep(source: str, options: Any) -> None:
+            seen.append((source, options))
+            raise SceneError("called")
+
+        function = getattr(sw, words.split()[0])
+        keep.__annotations__ = function.__wrapped__.__annotations__
+        with monkeypatch.context() as patch:
+            patch.setattr(function, "__wrapped__", keep)
+            assert main(words.split()) == INPUT_WRONG
+        return seen[0]
+
+    return of
+
+
+@pytest.mark.parametrize("name", ["run", "stability"])
+def test_every_declared_option_arrives_under_its_own_name(name: str, computed: Callable[[str], Any]) -> None:
+    wanted: dict[str, Any] = {"settings": ["slab.r=0.002", "drive.velocity=50"]}
+    words = [name, "paper", *SETTINGS.split()]
+    for one in options_of(getattr(sw, name).__wrapped__.__annotations__["options"]).values():
+        kinds = {one.hint, *get_args(one.hint)}
+        if one.name in wanted or one.name == "law" or not one.is_in("command line"):
+            continue
+        if one.hint is bool or "stands_for" in one.more:
+            words, wanted = [*words, one.flag], wanted | {one.name: one.more.get("stands_for", True)}
+        else:
+            text, value = next(SAMPLES[kind] for kind in (Path, str, float, int) if kind in kinds)
+            words, wanted = [*words, one.flag, text], wanted | {one.name: value}
+    source, options = computed(" ".join(words))
+    assert source == "paper"
+    assert {key: getattr(options, key) for key in wanted} == wanted
+    assert len(wanted) >= (2 if name == "stability" else 14)
+
+
 @pytest.mark.parametrize(
     ("words", "interface", "fields"),
-    [
-        ("", False, False),
-        ("--events a.csv", False, False),
-        ("--out a.nc", None, None),
-        ("--plot a.png", False, False),
-        ("--fields a.vtu", False, True),
-        ("--out a.nc --plot a.png --fields a.vtu", None, True),
-    ],
+    [("--events a.csv", False, False), ("--out a.nc", None, None), ("--out a.nc --plot a.png --fields a.vtu", None, True)],
 )
-def test_a_run_keeps_what_its_files_need(
-    words: str, interface: bool | None, fields: bool | None, calls: Callable[[str], dict[str, Any]]
-) -> None:
+def test_a_run_keeps_what_its_files_need(words: str, interface: bool | None, fields: bool | None, computed: Any) -> None:
     """In a file of results, what the scene records."""
-    given = calls(f"run {words}")
-    assert (given["interface"], given["fields"], given["samples"] is not None) == (interface, fields, "--out" in words)
+    given = computed(f"run paper {words}")[1]
+    assert (given.interface, given.fields, given.samples is not None) == (interface, fields, "--out" in words)
 
 
-@pytest.mark.parametrize(("command", "builder"), [("run", "prepare"), ("compare", "build_all")])
-def test_numerical_options_reach_the_solver(command: str, builder: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("command", "builder", "folder"), [("run", "prepare", "results"), ("compare", "build_all", "door")])
+def test_numerical_options_reach_the_solver(command: str, builder: str, folder: str, monkeypatch: pytest.MonkeyPatch) -> None:
     called: dict[str, Any] = {}
 
     def keep(*arguments: Any, **options: Any) -> None:
         called.update(options)
         raise SceneError("called")
 
-    for place in (models, importlib.import_module(f"validation.door.{command}")):
+    for place in (models, importlib.import_module(f"validation.{folder}.{command}")):
         monkeypatch.setattr(place, builder, keep, raising=False)
     with pytest.raises(SceneError, match="called"):
         getattr(sw, command)("paper", "dg:3", cells=6, cfl=0.25, tol=1e-4, time="explicit")

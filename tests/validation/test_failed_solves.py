@@ -12,7 +12,6 @@ from slipwave.observe.pieces import Array, Pieces
 from slipwave.solve import Energy, Solver, follow
 from validation.cli import NUMERICS_FAILED, main
 from validation.measure.settle import settle
-from validation.registry import build as models
 from validation.registry.build import build
 
 COARSE = ["--set", "slab.r=1", "--until", "40"]
@@ -100,8 +99,8 @@ def test_compare_prints_every_row_and_ends_with_status_3(tmp_path: Path, capsys:
 
 
 def test_bench_ends_with_status_3(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    leapfrog = next(family for family in models.families() if family.name == "fd")
-    monkeypatch.setattr(models, "honouring", lambda scene: [leapfrog])
+    leapfrog = next(family for family in families() if family.name == "fd")
+    monkeypatch.setattr("validation.door.bench.honouring", lambda scene: [leapfrog])
     assert main(["bench", "paper", *COARSE, "--json"]) == NUMERICS_FAILED
     text, err = capsys.readouterr()
     rows = json.loads(text)["models"]

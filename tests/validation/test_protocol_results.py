@@ -15,7 +15,7 @@ import xarray
 import slipwave
 from slipwave.observe.stages import StageFigures
 from validation.cli import main
-from validation.run.stage_table import stage_rows
+from validation.results.stage_table import stage_rows
 
 SCENE = {
     "slab.thickness": "10 m",

@@ -11,8 +11,8 @@ from slipwave.observe import Spread
 from tests.granite import THIN as GRANITE
 from validation.cli import main
 from validation.registry.build import build
+from validation.results.reasons import engineering, reasons
 from validation.run.outlook import outlook
-from validation.run.reasons import engineering, reasons
 from validation.run.simulate import simulate
 
 

@@ -39,8 +39,8 @@ from slipwave.solve import follow
 from slipwave.solve.lyapunov import largest_exponent
 from validation.registry.build import build
 from validation.registry.families import one_port_of
+from validation.results.reasons import needed
 from validation.run.outlook import outlook
-from validation.run.reasons import needed
 from validation.run.simulate import Run, reconsidered, simulate
 
 KINDS = ["plain", "plain", "plain", "unlike", "layers", "grip", "machine", "viscous"]

@@ -6,7 +6,7 @@ from typing import Any
 
 from slipwave.family import Exact
 from validation.registry.families import family_of, one_port_of
-from validation.run.reasons import needed
+from validation.results.reasons import needed
 from validation.run.simulate import Run
 
 _Row = Mapping[str, Any]

@@ -34,7 +34,7 @@ def band(axes: Axes, places: Array, ranges: Range) -> None:
 
 def second_axis(axes: Axes, direction: str, name: str, scene: Scene) -> None:
     """The axis of a quantity in SI, opposite its own; nothing for a scene without units."""
-    from validation.run.reasons import PREFIXES, power_of
+    from validation.results.reasons import PREFIXES, power_of
 
     size = si_factor(INTERFACE[stored_name(name)], scene)
     if size is None:

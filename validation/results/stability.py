@@ -23,8 +23,8 @@ from validation.results.facts import finite
 from validation.results.header import header
 from validation.results.options import SceneOptions, option
 from validation.results.provenance import SCHEMA, provenance
+from validation.results.reasons import on_stability
 from validation.results.result import Dataset, Result
-from validation.run.reasons import on_stability
 from validation.study.drawing import Drawing, canvas, styled
 
 _CRITICAL = {
