@@ -49,7 +49,7 @@ class _Commands(TyperGroup):
 
     def __init__(self, **more: Any) -> None:
         super().__init__(**more)
-        self.commands = dict.fromkeys(COMMANDS)
+        self.commands: Any = dict.fromkeys(COMMANDS)
 
     def get_command(self, context: Any, name: str) -> Any:
         """The command of this name."""

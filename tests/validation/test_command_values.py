@@ -82,7 +82,8 @@ def test_bench_errors_are_those_of_the_runs_it_timed(capsys: pytest.CaptureFixtu
     """|T/T_reference - 1| of each setting, of one cheap family and the delay system; runs made again here."""
     from validation.registry.choice import families
 
-    monkeypatch.setattr("validation.door.bench.honouring", lambda _: [family for family in families() if family.name in ("delay", "fd")])
+    chosen = [family for family in families() if family.name in ("delay", "fd")]
+    monkeypatch.setattr("validation.door.bench.honouring", lambda _: chosen)
     found = answer(capsys, "bench", "paper", "--until", "2000")
     tight = answer(capsys, "run", "paper", "--until", "2000", "--model", "delay", "--tol", "1e-11")
     assert found["reference"] == "delay"

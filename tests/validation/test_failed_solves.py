@@ -13,6 +13,7 @@ from slipwave.solve import Energy, Solver, follow
 from validation.cli import NUMERICS_FAILED, main
 from validation.measure.settle import settle
 from validation.registry.build import build
+from validation.registry.choice import families
 
 COARSE = ["--set", "slab.r=1", "--until", "40"]
 """64 cells of a leapfrog cannot follow psi through the first event of a transit of a hundred state relaxations."""
