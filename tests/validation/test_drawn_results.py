@@ -18,6 +18,7 @@ from validation.branches.record import Branch, BranchPoint
 from validation.door.branch import BranchResult
 from validation.door.curve import CurveResult
 from validation.door.result import Result
+from validation.registry.choice import families
 
 PAPER = sw.read("paper")
 RANGES = Over(PAPER, "log10_r", -2.8, -2.6, lambda value: PAPER), Over(PAPER, "V", 90.0, 120.0, lambda value: PAPER)

@@ -136,8 +136,7 @@ class SceneOptions:
     def _require_known(self, tables: Mapping[str, Any]) -> None:
         """Raises SceneError, naming the nearest, for a change that is neither an option nor a key of a scene with these
         `tables`."""
-        from slipwave.input.keys import endings
-
+        from slipwave.input.overrides import endings
         from slipwave.input.schema import SceneTable
 
         for key, value in self.changes.items():
