@@ -20,7 +20,7 @@ from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, Reflectin
 from slipwave.scene.start import Start, StartKind
 from slipwave.solve import FieldSolver, follow
 from validation.registry.build import build_full_wave
-from validation.registry.families import GRIDS
+from validation.registry.families import GRIDS, grid_of
 
 ATTACKED = {family.called(number): cells for family in GRIDS for number, cells in family.attacks.items()}
 """The models under attack, with their coarse and fine grids."""
@@ -110,9 +110,10 @@ def limit_at(model: str, decade: float) -> float:
 
 def state_reach(model: str) -> float:
     """Largest stable step times the relaxation rate of psi, to 1 per cent; infinite if psi sets no limit."""
+    if grid_of(model)[0].implicit_state:
+        return math.inf
     scene = ageing(1e4)
-    share = _largest(lambda share: _calms_down(model, scene, share))
-    return math.inf if model == "fd" else share * with_step(model, scene, 1.0).step * 1e4
+    return _largest(lambda share: _calms_down(model, scene, share)) * with_step(model, scene, 1.0).step * 1e4
 
 
 def _calms_down(model: str, scene: Scene, share: float) -> bool:
