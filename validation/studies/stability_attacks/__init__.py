@@ -171,10 +171,10 @@ def _reach_of(model: str) -> float:
 
 def stop_verdict(stopped: Mapping[str, bool]) -> Verdict:
     """Whether steps that are too long end with a message."""
-    silent = [model for model, stops in stopped.items() if not stops]
-    counted = [f"{number} of {len(stopped)}" for number in (len(stopped), len(stopped) - len(silent))]
+    silent, total = [model for model, stops in stopped.items() if not stops], len(stopped)
     remark = f"steps {BEYOND:g} times the limit, paper’s scene{'; silent: ' + ', '.join(silent) if silent else ''}"
-    return Verdict("A step past the limit ends the run with a message", Evidence.EXACT, *counted, judge(not silent), remark)
+    claim, ours = "A step past the limit ends the run with a message", f"{total - len(silent)} of {total}"
+    return Verdict(claim, Evidence.EXACT, f"{total} of {total}", ours, judge(not silent), remark)
 
 
 def attack_verdict(name: str, by_family: Mapping[str, AttackOutcome], beyond: bool) -> Verdict:
