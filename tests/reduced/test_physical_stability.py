@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import slipwave
-from reduced.stability import analyse, characteristic, scaled, unstable_count
+from reduced.stability import analyse, characteristic, scaled, spectrum, unstable_count
 from reduced.stability.physical import in_si, thickened
 from slipwave.scene import Scene
 from tests.granite import GRANITE
@@ -139,6 +139,7 @@ def test_fast_sliding_on_a_machine_loses_stability_where_roots_begin_to_grow(
 def test_a_growing_pair_beside_hundreds_of_slow_decaying_ones_is_unstable() -> None:
     """Fast roots decay at 0.0023 there, a slow pair grows at 0.793: none is neutral."""
     scene = fast(10.0, 8.0)
+    assert spectrum(scene).stable is False
     found = analyse(scene)
     assert (found.stable, found.unstable_roots) == (False, 2)
     assert found.leading_roots[0] == pytest.approx(0.7928570494 + 6308.306341j, rel=1e-8)
