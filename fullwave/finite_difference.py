@@ -7,7 +7,7 @@ Bulk: velocities at nodes and half times, stresses in cells and at whole times, 
 At cfl = 1 waves travel through a uniform slab without error, so the scheme is the delay system (35) discretised by the midpoint
 rule. Agreement with that system is therefore independent evidence only below cfl = 1. A slab or layer that the common cell does
 not divide has a slightly smaller Courant number. The scheme conserves the energy K(u at n + 1/2) + P(sigma at n, n + 1)
-(`leapfrog.ledger`).
+(`leapfrog.readout`).
 """
 
 import math
@@ -17,12 +17,11 @@ from typing import Any
 import numpy as np
 
 from fullwave.families import LEAPFROG
-from fullwave.leapfrog.build import steady_memory, steady_side
 from fullwave.leapfrog.faces import Grip
 from fullwave.leapfrog.grid import common_step, slab_grid
-from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, march
-from fullwave.leapfrog.ledger import energy_of
-from fullwave.leapfrog.sides import Mirror, Side
+from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, march, steady_memory
+from fullwave.leapfrog.readout import energy_of, snapshot_of
+from fullwave.leapfrog.viscous import steady_side
 from fullwave.lines.budget import enough_memory, require_bytes, steps_at_once
 from fullwave.options import MOST_CELLS, require_cfl, require_whole
 from fullwave.sampling import pieces_until, sample_nodes
@@ -62,7 +61,7 @@ class Leapfrog:
         require_bytes(cells, _CELL_BYTES * cfl * 0.5 * sum(travels) / self.step)
         self._grids = [slab_grid(slab, scene.transit, self.step, cfl, cells) for slab in scene.slabs]
         self._sides = [steady_side(scene, slab, grid) for slab, grid in zip(scene.slabs, self._grids, strict=True)]
-        self._lower: Side | Mirror = Mirror() if scene.alike else self._sides[1]
+        self._lower = None if scene.alike else self._sides[1]
         self._memory = steady_memory(scene)
         self._sample = -1
         self._stride = steps_at_once(_CELL_WORK * self.total_cells)
@@ -118,8 +117,6 @@ class Leapfrog:
 
     def snapshot(self) -> Snapshot:
         """Velocity and stress at the nodes at `time`, of second order."""
-        from fullwave.leapfrog.snapshot import snapshot_of
-
         if self._sample < 0:  # the interface's velocity at t = 0 is only known once the sample there is taken
             self._fill(empty_pieces(0, self.nodes.size))
         return snapshot_of(self.scene, self.time, self._memory, self._sides, self._grids)
@@ -161,6 +158,5 @@ class Leapfrog:
         arrays: dict[str, Any] = {}
         for label, side in zip(("upper", "lower"), self._sides, strict=False):
             arrays |= {f"{label}.{name}": getattr(side.medium, name) for name in _MUTABLE if hasattr(side.medium, name)}
-            if isinstance(side.face, Grip):
-                arrays[f"{label}.face"] = side.face.memory
+            arrays |= {f"{label}.face": side.face.memory} if isinstance(side.face, Grip) else {}
         return arrays

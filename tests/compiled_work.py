@@ -5,7 +5,7 @@ from typing import NamedTuple
 import fullwave.finite_difference
 import fullwave.lines.explicit
 from fullwave.leapfrog import kernel
-from fullwave.leapfrog.sides import Side
+from fullwave.leapfrog.media import Side
 from fullwave.lines.system import SCALARS
 
 

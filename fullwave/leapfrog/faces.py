@@ -83,6 +83,20 @@ def _push_grip(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
     return traction * mean
 
 
+def coupling(face: Rigid | Grip, inertia: float, damping: float) -> float:
+    """alpha of the face's row."""
+    return 0.0 if isinstance(face, Rigid) else damping / (inertia + face.impedance + face.half_spring + damping)
+
+
+def face_energy(face: Rigid | Grip, steady_stress: float, step: float) -> tuple[float, float]:
+    """(change of the spring's energy, radiated energy) of a face since t = 0, in units of sigma L / transit."""
+    if isinstance(face, Rigid):
+        return 0.0, 0.0
+    stiffness, load = 2.0 * face.half_spring / step, float(face.memory[0])
+    spring = load * (load + 2.0 * steady_stress) / (2.0 * stiffness) if stiffness > 0.0 else 0.0
+    return spring, float(face.memory[1]) * step
+
+
 def compiled_face(held: Termination, step: float, steady_stress: float) -> Rigid | Grip:
     """The kernel's form of an outer face; `held` and the time step `step` in transits."""
     if held.is_rigid:

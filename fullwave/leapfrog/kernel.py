@@ -2,15 +2,17 @@
 
 A step from the whole time t_n to t_n+1 has three parts: stresses advance with the velocities at n + 1/2, friction is solved at
 t_n+1, velocities advance to n + 3/2. A sample (z, psi, mu, y) is taken at each whole time; four steps make a piece. Nothing is
-allocated.
+allocated. Of alike slabs `lower` is None: the kernel compiled for that marches one slab only.
 """
 
+import numpy as np
+
 from fullwave.leapfrog.friction import solve_friction
-from fullwave.leapfrog.media import accelerate, load, strain
-from fullwave.leapfrog.sides import Mirror, Side, follow_on, meet, part, slip_rate, strain_lower
+from fullwave.leapfrog.media import Side, accelerate, load, strain
 from slipwave.compiled import inlined, njit
-from slipwave.friction import Law
+from slipwave.friction import Law, unknown_of
 from slipwave.observe.pieces import Array, Pieces
+from slipwave.scene import Scene
 from slipwave.scene.drive import Constant, Ramps, velocity_at
 from slipwave.scene.forcing import Forcing
 from slipwave.scene.start import nudge_rate
@@ -32,9 +34,21 @@ COARSEST_HALF_STEP = 1.0
 change is limited to this, so that the run stays near the quasi-steady state and does not oscillate."""
 
 
+def steady_memory(scene: Scene) -> Array:
+    """Interface memory of steady sliding half a step before t = 0, psi shifted if the start is a jump."""
+    memory = np.zeros(MEMORY)
+    psi = scene.steady_psi + scene.start.jump_size
+    memory[STATE] = psi
+    memory[Z:PSI] = unknown_of(scene.law, scene.velocity)
+    memory[PSI : PSI + 5] = psi
+    memory[[STRESS, ELASTIC]] = scene.steady_stress
+    memory[DRIVE] = scene.drive.initial
+    return memory
+
+
 @inlined
 def take_step(
-    law: Law, dt: float, forcing: Forcing, drive: Constant | Ramps, upper: Side, lower: Side | Mirror, memory: Array, n: int
+    law: Law, dt: float, forcing: Forcing, drive: Constant | Ramps, upper: Side, lower: Side | None, memory: Array, n: int
 ) -> bool:
     """March to sample `n` (time n dt, in transits). Returns False if the friction solve did not converge or the step was too long
     to follow the state."""
@@ -43,10 +57,15 @@ def take_step(
     mean = 0.25 * (previous + following)
     memory[DRIVE] = following
     strain(upper.medium)
-    strain_lower(lower)
-    memory[ELASTIC] += dt * forcing.stiffness * (previous - slip_rate(lower, upper.medium.velocity[0]))
+    slip_rate = 2.0 * upper.medium.velocity[0]
     own, own_load = load(upper.medium, upper.face, mean, 0.5 * following)
-    impedance, incoming = meet(lower, own, own_load, mean, 0.5 * following)
+    impedance, incoming = 0.5 * own, own_load
+    if lower is not None:
+        strain(lower.medium)
+        slip_rate = upper.medium.velocity[0] + lower.medium.velocity[0]
+        other, other_load = load(lower.medium, lower.face, mean, 0.5 * following)
+        impedance, incoming = own * other / (own + other), (own_load * other + other_load * own) / (own + other)
+    memory[ELASTIC] += dt * forcing.stiffness * (previous - slip_rate)
     z, psi, v, converged = solve_friction(
         law,
         impedance,
@@ -58,9 +77,9 @@ def take_step(
         _extrapolated(memory, PSI),
     )
     stress = incoming - impedance * v
-    rate = part(lower, own, own_load, stress, v)
+    rate = 0.5 * v if lower is None else (own_load - stress) / own
     power = accelerate(upper.medium, upper.face, rate, mean, 0.5 * following)
-    power = follow_on(lower, v - rate, power, mean, 0.5 * following)
+    power += power if lower is None else accelerate(lower.medium, lower.face, v - rate, mean, 0.5 * following)
     change = psi - memory[STATE]
     memory[STATE] = psi + min(COARSEST_HALF_STEP, max(-COARSEST_HALF_STEP, change))
     memory[RATE] = rate
@@ -93,7 +112,7 @@ def march(
     forcing: Forcing,
     drive: Constant | Ramps,
     upper: Side,
-    lower: Side | Mirror,
+    lower: Side | None,
     memory: Array,
     first: int,
     pieces: Pieces,

@@ -47,12 +47,26 @@ class Layered(NamedTuple):
     outer_inertia: float
 
 
+class Side(NamedTuple):
+    """A slab that is marched. Of alike slabs, which move antisymmetrically, only the upper one is."""
+
+    medium: Medium
+    face: Rigid | Grip
+
+
+def layered_medium(grid: LeapfrogGrid, velocity: float) -> Layered:
+    """A slab of any layers that moves steadily at `velocity`."""
+    n, inertia = grid.width.size, grid.inertia
+    ends = float(inertia[0]), float(inertia[-1])
+    return Layered(np.full(n + 1, velocity), np.zeros(n), 2.0 / inertia, grid.stiffness, *ends)
+
+
 def elastic_medium(grid: LeapfrogGrid, velocity: float) -> Uniform | Layered:
     """A slab that moves steadily at `velocity`."""
-    u, sigma = np.full(grid.width.size + 1, velocity), np.zeros(grid.width.size)
-    if grid.is_uniform:
-        return Uniform(u, sigma, 1.0 / float(grid.inertia[0]), float(grid.stiffness[0]), float(grid.inertia[0]))
-    return Layered(u, sigma, 2.0 / grid.inertia, grid.stiffness, float(grid.inertia[0]), float(grid.inertia[-1]))
+    layered = layered_medium(grid, velocity)
+    if not grid.is_uniform:
+        return layered
+    return Uniform(*layered[:2], 0.5 * float(layered.mobility[0]), float(layered.stiffness[0]), layered.inertia)
 
 
 @by_class(inline=True)

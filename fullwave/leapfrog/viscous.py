@@ -15,10 +15,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fullwave.leapfrog.faces import Grip, Rigid, push, settle
+from fullwave.leapfrog.faces import Grip, Rigid, compiled_face, coupling, push, settle
 from fullwave.leapfrog.grid import LeapfrogGrid
-from fullwave.leapfrog.media import accelerate, accelerate_layered, load, load_elastic, strain, strain_layered
+from fullwave.leapfrog.media import (
+    Side,
+    accelerate,
+    accelerate_layered,
+    elastic_medium,
+    layered_medium,
+    load,
+    load_elastic,
+    strain,
+    strain_layered,
+)
 from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
 
 
 class StandardLinear(NamedTuple):
@@ -55,21 +67,9 @@ class KelvinVoigt(NamedTuple):
 
 def standard_linear_medium(grid: LeapfrogGrid, velocity: float, time: float, ratio: float) -> StandardLinear:
     """A slab that moves steadily at `velocity`; relaxation `time` in transits."""
-    n = grid.width.size
-    share = ratio / (1.0 + ratio)
-    return StandardLinear(
-        np.full(n + 1, velocity),
-        np.zeros(n),
-        2.0 / grid.inertia,
-        grid.stiffness,
-        float(grid.inertia[0]),
-        float(grid.inertia[-1]),
-        np.zeros(n),
-        share * grid.stiffness,
-        0.5 * grid.step / time,
-        grid.width / (share * grid.impedance * time),
-        np.zeros(1),
-    )
+    elastic, share, n = layered_medium(grid, velocity), ratio / (1.0 + ratio), grid.width.size
+    weight = grid.width / (share * grid.impedance * time)
+    return StandardLinear(*elastic, np.zeros(n), share * grid.stiffness, 0.5 * grid.step / time, weight, np.zeros(1))
 
 
 def kelvin_voigt_medium(grid: LeapfrogGrid, velocity: float, time: float, face: Rigid | Grip) -> KelvinVoigt:
@@ -77,14 +77,24 @@ def kelvin_voigt_medium(grid: LeapfrogGrid, velocity: float, time: float, face: 
     n, inertia = grid.width.size, grid.inertia
     damping = grid.impedance * time / grid.width
     alpha, pivot = np.zeros(n + 1), np.zeros(n + 1)
-    if isinstance(face, Grip):
-        alpha[n] = damping[-1] / (inertia[-1] + face.impedance + face.half_spring + damping[-1])
+    alpha[n] = coupling(face, inertia[-1], damping[-1])
     for j in range(n - 1, 0, -1):
         pivot[j] = 1.0 / (inertia[j] + damping[j] * (1.0 - alpha[j + 1]) + damping[j - 1])
         alpha[j] = damping[j - 1] * pivot[j]
-    return KelvinVoigt(
-        np.full(n + 1, velocity), np.zeros(n), grid.stiffness, inertia, damping, alpha, pivot, np.zeros(n + 1), np.zeros(1)
-    )
+    fields = np.full(n + 1, velocity), np.zeros(n), grid.stiffness
+    return KelvinVoigt(*fields, inertia, damping, alpha, pivot, np.zeros(n + 1), np.zeros(1))
+
+
+def steady_side(scene: Scene, slab: Slab, grid: LeapfrogGrid) -> Side:
+    """A slab in steady sliding at the scene's initial velocity."""
+    face = compiled_face(slab.termination.in_transits(scene.transit), grid.step, scene.steady_stress)
+    velocity = 0.5 * scene.velocity
+    match slab.viscosity:
+        case KelvinVoigtViscosity(time) if time > 0.0:
+            return Side(kelvin_voigt_medium(grid, velocity, time / scene.transit, face), face)
+        case StandardLinearViscosity(time, ratio) if ratio > 0.0:
+            return Side(standard_linear_medium(grid, velocity, time / scene.transit, ratio), face)
+    return Side(elastic_medium(grid, velocity), face)
 
 
 @strain.register(StandardLinear)

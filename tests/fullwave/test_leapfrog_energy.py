@@ -4,7 +4,7 @@ import pytest
 from leapfrog_scenes import SCENES
 
 from fullwave.finite_difference import Leapfrog
-from fullwave.leapfrog.build import steady_side
+from fullwave.leapfrog.viscous import steady_side
 from slipwave.solve import follow
 
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from leapfrog_scenes import PAPER, SLAB
 
-from fullwave.leapfrog.build import steady_side
 from fullwave.leapfrog.grid import slab_grid
-from fullwave.leapfrog.ledger import side_energy
 from fullwave.leapfrog.media import accelerate, load, strain
+from fullwave.leapfrog.readout import side_energy
+from fullwave.leapfrog.viscous import steady_side
 from slipwave.compiled import njit
 from slipwave.scene.slab import KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
 
