@@ -8,15 +8,15 @@ count by what they are (`frozen`). A file begins with a digest of its contents; 
 the folder cannot be read or written, functions are compiled without it, and one line on stderr says so.
 
 The folder is `$NUMBA_CACHE_DIR` if that variable is set, else `$XDG_CACHE_HOME/slipwave` (default ~/.cache). Files that were not
-used for a month are removed. numba's own cache, which a user's functions may use, is left alone.
+used for a month are removed. numba's own cache, which a user's functions may use, is left alone: it sees a change of a
+function's own file only. What this one takes from numba without a public name, because there is none, is `_reduce` and `_rebuild`
+of a compiled function and `rtsys`, without which its code cannot be loaded.
 """
 
 import contextlib
 import hashlib
 import os
 import pickle
-import re
-import shutil
 import sys
 import time
 import uuid
@@ -36,10 +36,9 @@ from numba.core.serialize import dumps
 from slipwave.compiled.frozen import frozen
 from slipwave.sources import digest_of, import_closure, inside
 
-_STARTED = time.time()
+STARTED = time.time()
 _UNUSED_SECONDS = 30 * 86400.0
 _SUFFIX = ".compiled"
-_OLD_FOLDER = re.compile("[0-9a-f]{16}")  # up to version 0.1: one folder for each state of the sources
 _DIGEST_BYTES = hashlib.sha256().digest_size
 _VERSIONS = f"{sys.version} {np.__version__} {numba.__version__} {llvmlite.__version__}"
 
@@ -47,13 +46,37 @@ Choices: TypeAlias = Callable[[], Iterable[tuple[type, Callable[..., Any]]]]
 """The functions that a compiled call may become, each with the class it is chosen for."""
 
 _choices: list[tuple[Path, Choices]] = []
-_is_told = False
-_is_writable = True
 
 
 def add_choices(generic: Callable[..., Any], choices: Choices) -> None:
     """Declare that a compiled call of `generic` may become any of `choices()`; the module of `generic` need not import theirs."""
     _choices.append((_file_of(generic), choices))
+
+
+class _Trouble:
+    """What went wrong with the folder in this process: told once, and after a failed write nothing more is written."""
+
+    is_told = False
+    is_writing = True
+
+    def tell(self, trouble: str, is_writing: bool = True) -> None:
+        """Print one line on stderr, the first time only."""
+        self.is_writing = self.is_writing and is_writing
+        if not self.is_told:
+            where = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+            line = f"slipwave: the cache of compiled code in {where} {trouble}; compiling again, which may take half a minute"
+            with contextlib.suppress(OSError, ValueError):
+                print(" ".join(line.split()), file=sys.stderr)
+        self.is_told = True
+
+
+TROUBLE = _Trouble()
+
+
+def cache_folder() -> Path:
+    """Where compiled code is kept. Raises RuntimeError if there is no home folder."""
+    chosen, base = os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
+    return Path(chosen) if chosen else (Path(base) if base else Path.home() / ".cache") / "slipwave"
 
 
 class DiskCache(NullCache):  # type: ignore[misc]
@@ -66,72 +89,47 @@ class DiskCache(NullCache):  # type: ignore[misc]
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The function compiled for `sig`, or None."""
         rtsys.initialize(target_context)  # all that loading needs of refresh(), which imports every part of numba
-        path = None
         try:
             path = self._path(sig, target_context.codegen())
             packed = path.read_bytes() if path else None
         except FileNotFoundError:
             return None
         except (OSError, RuntimeError) as error:  # RuntimeError: there is no home folder
-            return _tell(f"cannot be read ({error})")
-        return self._unpacked(path, packed, sig, target_context) if path and packed is not None else None
-
-    def _unpacked(self, path: Path, packed: bytes, sig: Any, target_context: Any) -> Any:
+            return TROUBLE.tell(f"cannot be read ({error})")
+        if path is None or packed is None:
+            return None
         try:
-            kept, parts = pickle.loads(_checked(packed, path.name))
+            kept, parts = pickle.loads(checked(packed, path.name))
             compiled = CompileResult._rebuild(target_context, *parts) if kept == sig else None
         except Exception as error:  # a damaged file may raise anything; it is compiled again
             with contextlib.suppress(OSError):
                 path.unlink()
-            return _tell(f"holds a damaged file, which is replaced ({path.name}: {error})")
+            return TROUBLE.tell(f"holds a damaged file, which is replaced ({path.name}: {error})")
         with contextlib.suppress(OSError):
             os.utime(path)
         return compiled
 
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep `data`, the function compiled for `sig`."""
-        global _is_writable
-        if not _is_writable:
+        if not TROUBLE.is_writing:
             return
         try:
             path = self._path(sig, data.codegen)
-            if path is None or data.lifted or data.library.has_dynamic_globals:
-                return
-            _prune_once(path.parent)
-            contents = dumps((sig, data._reduce()))
-            _write(path, _digest(contents, path.name) + contents)
+            if path and not (data.lifted or data.library.has_dynamic_globals):
+                _write(path, dumps((sig, data._reduce())))
         except Exception as error:  # neither a full disk nor a new numba with other internals may end a run
-            _is_writable = False
-            _tell(f"cannot be written ({error})")
+            TROUBLE.tell(f"cannot be written ({error})", is_writing=False)
 
     def _path(self, sig: Any, codegen: Any) -> Path | None:
         """File for the code of `sig`; None if it depends on what cannot be known, or on a file edited since the process began."""
-        made_from = _made_from(self._function, set(_classes(getattr(sig, "args", sig))))
+        made_from = made_from_what(self._function, set(_classes(getattr(sig, "args", sig))))
         if made_from is None:
             return None
         name = f"{self._function.__module__}.{self._function.__qualname__}"
         facts = (
             f"{name} {self._is_part} {sig} {codegen.magic_tuple()} {_VERSIONS} {_program(made_from.sources)} {made_from.foreign}"
         )
-        return folder() / f"{name}-{hashlib.sha256(facts.encode()).hexdigest()[:24]}{_SUFFIX}"
-
-
-def folder() -> Path:
-    """Where compiled code is kept. Raises RuntimeError if there is no home folder."""
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    if chosen:
-        return Path(chosen)
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "slipwave"
-
-
-def _file_of(function: Callable[..., Any]) -> Path:
-    return _resolved(function.__code__.co_filename)
-
-
-@cache
-def _resolved(name: str) -> Path:
-    return Path(name).resolve()
+        return cache_folder() / f"{name}-{hashlib.sha256(facts.encode()).hexdigest()[:24]}{_SUFFIX}"
 
 
 def _classes(kinds: Iterable[Any]) -> Iterator[type]:
@@ -142,14 +140,14 @@ def _classes(kinds: Iterable[Any]) -> Iterator[type]:
         yield from _classes(getattr(kind, "types", ()))
 
 
-class _MadeFrom(NamedTuple):
+class MadeFrom(NamedTuple):
     """The project's files whose text shapes a function's code, sorted, and what a user's own functions bring into it."""
 
     sources: tuple[Path, ...]
     foreign: str
 
 
-def _made_from(function: Callable[..., Any], classes: set[type]) -> _MadeFrom | None:
+def made_from_what(function: Callable[..., Any], classes: set[type]) -> MadeFrom | None:
     """What shapes `function` compiled for arguments of `classes`; None if that cannot be known, or a file is too new. A
     choice counts if its class is in `classes` or in one of the files."""
     if function.__module__ not in sys.modules:  # where compiled code on disk looks for the function
@@ -168,11 +166,20 @@ def _made_from(function: Callable[..., Any], classes: set[type]) -> _MadeFrom | 
         pairs = [pair for owner, choices in _choices if owner in found for pair in choices()]
         functions = {function, *(version for kind, version in pairs if kind in classes or _home_of(kind) in found)}
     # a file edited after the start is no longer the text that this process has imported
-    return None if any(path.stat().st_mtime > _STARTED for path in found) else _MadeFrom(found, brought.text)
+    return None if any(path.stat().st_mtime > STARTED for path in found) else MadeFrom(found, brought.text)
 
 
 def _home_of(kind: type) -> Path:
     return _resolved(getattr(sys.modules.get(kind.__module__), "__file__", None) or kind.__module__)
+
+
+def _file_of(function: Callable[..., Any]) -> Path:
+    return _resolved(function.__code__.co_filename)
+
+
+@cache
+def _resolved(name: str) -> Path:
+    return Path(name).resolve()
 
 
 @cache
@@ -189,7 +196,7 @@ def _digest(contents: bytes, name: str) -> bytes:
     return hashlib.sha256(name.encode() + contents).digest()
 
 
-def _checked(packed: bytes, name: str) -> bytes:
+def checked(packed: bytes, name: str) -> bytes:
     """The contents of a file. Raises ValueError if a byte of it has changed."""
     contents = packed[_DIGEST_BYTES:]
     if packed[:_DIGEST_BYTES] != _digest(contents, name):
@@ -197,11 +204,12 @@ def _checked(packed: bytes, name: str) -> bytes:
     return contents
 
 
-def _write(path: Path, packed: bytes) -> None:
-    """Write the file whole or not at all, also when several processes write it."""
+def _write(path: Path, contents: bytes) -> None:
+    """Write a file, preceded by its digest, whole or not at all, also when several processes write it."""
+    _prune_once(path.parent)
     part = path.with_name(f"{uuid.uuid4().hex}.part")
     try:
-        part.write_bytes(packed)
+        part.write_bytes(_digest(contents, path.name) + contents)
         part.replace(path)
     finally:
         part.unlink(missing_ok=True)
@@ -213,20 +221,5 @@ def _prune_once(place: Path) -> None:
     place.mkdir(parents=True, exist_ok=True)
     for path in place.iterdir():
         with contextlib.suppress(OSError):  # another process may be removing them too
-            if path.stat().st_mtime > _STARTED - _UNUSED_SECONDS:
-                continue
-            if path.suffix in (_SUFFIX, ".part"):
+            if path.suffix in (_SUFFIX, ".part") and path.stat().st_mtime < STARTED - _UNUSED_SECONDS:
                 path.unlink()
-            elif _OLD_FOLDER.fullmatch(path.name):
-                shutil.rmtree(path)
-
-
-def _tell(trouble: str) -> None:
-    """Print one line on stderr, the first time only."""
-    global _is_told
-    if not _is_told:
-        _is_told = True
-        where = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache"
-        line = f"slipwave: the cache of compiled code in {where} {trouble}; compiling again, which may take half a minute"
-        with contextlib.suppress(OSError, ValueError):
-            print(" ".join(line.split()), file=sys.stderr)

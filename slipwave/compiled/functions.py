@@ -25,10 +25,13 @@ def allocating(function: Function) -> Function:
 
 
 def _compiled(function: Function, counts: bool) -> Function:
-    """Two versions: one for calls from Python, and one for calls from compiled code, which needs no wrapper for Python."""
+    """Two versions: one for calls from Python, and one for calls from compiled code, which needs no wrapper for Python.
+
+    No public option of numba leaves references uncounted (`_nrt`), keeps code in another cache (`_cache`), or gives compiled
+    callers another version, compiled once for a number and a constant of its type (`get_call_template`, `get_overload`).
+    """
     dispatcher, part = (_dispatcher(function, counts, is_part) for is_part in (False, True))
     called = part.get_call_template
-    # numba would compile the function once more for a call with a constant
     dispatcher.get_call_template = lambda arguments, named: called([unliteral(one) for one in arguments], named)
     dispatcher.get_overload = part.get_overload
     return cast(Function, dispatcher)

@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
-from slipwave.compiled.cache import folder as cache_folder
+from slipwave.compiled.cache import cache_folder
 from tests.faults.planting import ROOT, Fault
 from tests.faults.trial import WHOLE_SUITE, Copy
 
