@@ -8,9 +8,9 @@ otherwise the step is repeated with half its length.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TypeVar
 
-from reduced.continuation.mesh import MOST_REFINEMENTS, Family, refined, roughness, too_rough
-from reduced.continuation.point import FlowAt, Metric, Point, point_near
+from reduced.continuation.point import MOST_REFINEMENTS, Family, Metric, Point, point_near, refined, too_rough
 from reduced.continuation.special import Special, between, trend_of
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
@@ -24,7 +24,10 @@ LARGEST_ANGLE = 0.2
 
 _GROWTH, _EASY = 1.4, 0.4  # a step grows by this factor if the angle is below this share of the largest
 _EASY_ITERATIONS = 6
+TURNS = "it turns too sharply"
 _VERTICAL = 1e-7  # slope of a branch, in its metric, whose sign is that of rounding errors
+
+Stepped = TypeVar("Stepped")
 
 
 @dataclass(frozen=True)
@@ -63,10 +66,12 @@ def follow_branch(
     trend: Array | None = None
     while inside(point):
         new, special, used = _longest_step(family, point, metric, size, control, trend)
-        if roughness(new, tolerance) > 1.0:
+        if new.roughness(tolerance) > 1.0:
             if refinements == MOST_REFINEMENTS:
                 raise too_rough(new, tolerance)
-            family, point = _refined(family, point, metric, tolerance)
+            family, finer = refined(family, point, metric, tolerance)
+            _require_same_count(point, finer)
+            point = finer
             size, refinements = used if refinements == 0 else 0.5 * used, refinements + 1
             continue
         refinements = 0
@@ -77,45 +82,52 @@ def follow_branch(
         point, trend = new, trend_of(point, new, used)
 
 
-def _refined(family: Family, point: Point, metric: Metric, tolerance: float) -> tuple[Family, Point]:
-    """The same point on a finer mesh. Raises NumericsError if it has another number of unstable multipliers there."""
-    family, found = refined(family, point, metric, tolerance)
-    if found.unstable != point.unstable:
+def _require_same_count(point: Point, finer: Point) -> None:
+    if finer.unstable != point.unstable:
         raise NumericsError(
             f"the number of unstable multipliers at parameter = {point.parameter:.10g} depends on the mesh: {point.unstable} and "
-            f"{found.unstable}"
+            f"{finer.unstable}"
         )
-    return family, found
 
 
 def _longest_step(
-    flow_at: FlowAt, point: Point, metric: Metric, size: float, control: Control, trend: Array | None
+    family: Family, point: Point, metric: Metric, size: float, control: Control, trend: Array | None
 ) -> tuple[Point, tuple[Special, ...], float]:
-    """(the next point, special points on the way, length of the step): the longest of `size`, its half, its quarter ..."""
-    reason = "it turns too sharply"
-    while size >= control.shortest:
-        try:
-            new = point_near(flow_at, point.unknowns + size * point.tangent, point.tangent, metric, point)
-            if is_smooth(point, new, metric):
-                return new, between(flow_at, point, new, metric, trend), size
-        except NumericsError as failed:
-            reason = str(failed)
-        size *= 0.5
-    place = f"parameter = {point.parameter:.10g}, period {point.closed.cycle.period:.6g} transits"
-    if abs(point.tangent[-1]) < _VERTICAL * metric.parameter:
+    """(the next point, special points on the way, length of the step)."""
+
+    def step(length: float) -> tuple[Point, tuple[Special, ...], float]:
+        new = point_near(family, point.unknowns + length * point.tangent, point.tangent, metric, point)
+        if not is_smooth(point, new, metric):
+            raise NumericsError(TURNS)
+        return new, between(family, point, new, metric, trend), length
+
+    try:
+        return longest(step, size, control.shortest)
+    except NumericsError as reason:
+        at = f"parameter = {point.parameter:.10g}, period {point.closed.cycle.period:.6g} transits"
+        if abs(point.tangent[-1]) >= _VERTICAL * metric.parameter:
+            raise NumericsError(f"the branch cannot be followed beyond {at}: {reason}") from None
         raise NumericsError(
-            f"the branch is vertical at {place}: orbits of all sizes lie there within rounding errors, so that it cannot be "
+            f"the branch is vertical at {at}: orbits of all sizes lie there within rounding errors, so that it cannot be "
             "followed any further; slipwave run at several values of the parameter shows the motion on either side"
-        )
-    raise NumericsError(f"the branch cannot be followed beyond {place}: {reason}")
+        ) from None
+
+
+def longest(step: Callable[[float], Stepped], length: float, shortest: float) -> Stepped:
+    """The `step` of this `length`, or of its half, its quarter ... down to the `shortest`, that raises no NumericsError.
+    Raises that of the last one tried."""
+    failed = NumericsError(TURNS)
+    while length >= shortest:
+        try:
+            return step(length)
+        except NumericsError as reason:
+            failed = reason
+        length *= 0.5
+    raise failed
 
 
 def is_smooth(point: Point, new: Point, metric: Metric) -> bool:
     """Whether each point lies in the cone around the other's tangent."""
     chord = new.unknowns - point.unknowns
-    angles = (
-        metric.angle(point.tangent, new.tangent),
-        metric.angle(chord, point.tangent),
-        metric.angle(chord, new.tangent),
-    )
-    return max(angles) < LARGEST_ANGLE
+    pairs = ((point.tangent, new.tangent), (chord, point.tangent), (chord, new.tangent))
+    return max(metric.angle(*pair) for pair in pairs) < LARGEST_ANGLE

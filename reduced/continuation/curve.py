@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.continuation.mesh import Family, refined, roughness
-from reduced.continuation.point import Metric, Point, point_near
+from reduced.continuation.branch import TURNS, Control, longest
+from reduced.continuation.point import Family, Metric, Point, point_near, refined
 from reduced.continuation.special import Special, between
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
@@ -30,7 +30,7 @@ LARGEST_TURN = 0.3
 """Radians between a step and the one before it."""
 
 _REACHES = (2e-4, 1e-3, 4e-3, 0.016)  # of the search on both sides, in the metric; a short one tells two near points apart
-_GROWTH, _SHRINK = 1.5, 0.5
+_GROWTH = 1.5
 
 
 @dataclass(frozen=True)
@@ -68,74 +68,68 @@ class Reached(NamedTuple):
     length: float
 
 
-class Steps(NamedTuple):
-    """Lengths of steps in the plane, in units of its scales: the `first`, `shortest` and `longest`."""
-
-    first: float = 2e-3
-    shortest: float = 1e-5
-    longest: float = 0.05
+STEPS = Control(2e-3, 1e-5, 0.05)
+"""Lengths of steps in the plane, in units of its scales."""
 
 
-STEPS = Steps()
-
-
-def beginning(start: OnCurve, towards: Place, steps: Steps = STEPS) -> Reached:
+def beginning(start: OnCurve, towards: Place, steps: Control = STEPS) -> Reached:
     """The beginning of a curve at `start`, which was found on a branch in the first parameter, at first in the direction
     `towards`."""
     return Reached(start, start, towards, steps.first)
 
 
-def follow_curve(plane: Plane, reached: Reached, tolerance: float, steps: Steps = STEPS) -> Iterator[Reached]:
+def follow_curve(plane: Plane, reached: Reached, tolerance: float, steps: Control = STEPS) -> Iterator[Reached]:
     """The curve point after point beyond what is `reached`, without end; on meshes that keep relative errors of the figures below
     `tolerance`.
 
     Raises NumericsError where the curve cannot be followed; what came before has been yielded.
     """
     while True:
-        new = _next(plane, *reached, tolerance, steps.shortest)
+        new = _next(plane, reached, tolerance, steps.shortest)
         direction, used = plane.chord(reached.last.place, new.place)
         reached = Reached(reached.last, new, direction, min(steps.longest, _GROWTH * used))
         yield reached
 
 
-def _next(
-    plane: Plane, before: OnCurve, last: OnCurve, direction: Place, length: float, tolerance: float, shortest: float
-) -> OnCurve:
-    """The next point at about `length`, or a half, a quarter ... of it."""
-    reason = "it turns too sharply"
-    while length >= shortest:
-        try:
-            new = _across(plane, before, last, direction, length, tolerance)
-            turned, _ = plane.chord(last.place, new.place)
-            if before is last or turned[0] * direction[0] + turned[1] * direction[1] > math.cos(LARGEST_TURN):
-                return new
-        except NumericsError as failed:
-            reason = str(failed)
-        length *= _SHRINK
-    place = ", ".join(f"{value:.8g}" for value in last.place)
-    raise NumericsError(f"the curve cannot be followed beyond the parameters {place}: {reason}")
+def _next(plane: Plane, reached: Reached, tolerance: float, shortest: float) -> OnCurve:
+    before, last, direction, length = reached
+
+    def step(length: float) -> OnCurve:
+        new = _across(plane, reached, length, tolerance)
+        turned, _ = plane.chord(last.place, new.place)
+        if before is not last and not np.dot(turned, direction) > math.cos(LARGEST_TURN):
+            raise NumericsError(TURNS)
+        return new
+
+    try:
+        return longest(step, length, shortest)
+    except NumericsError as reason:
+        at = ", ".join(f"{value:.8g}" for value in last.place)
+        raise NumericsError(f"the curve cannot be followed beyond the parameters {at}: {reason}") from None
 
 
-def _across(plane: Plane, before: OnCurve, last: OnCurve, direction: Place, length: float, tolerance: float) -> OnCurve:
-    """The special point on the line across the curve's predicted place."""
+def _across(plane: Plane, reached: Reached, length: float, tolerance: float) -> OnCurve:
+    """The special point on the line across the curve's predicted place, at this `length` from the last one."""
+    _, last, direction, _ = reached
     centre, line = plane.moved(last.place, direction, length), (direction[1], -direction[0])
     known = last.special.point
     family = Family(known.closed.flow, lambda along: plane.scene_at(*plane.moved(centre, line, along)))
-    point = point_near(family, _predicted(plane, before, last, centre), known.tangent, METRIC)
-    special = _beside(family, point, last.special.kind)
-    if roughness(special.point, tolerance) > 1.0:
+    point = point_near(family, _predicted(plane, reached, centre), known.tangent, METRIC)
+    special = _nearest(family, point, last.special.kind)
+    if special.point.roughness(tolerance) > 1.0:
         family, point = refined(family, special.point, METRIC, tolerance)
-        special = _beside(family, point, last.special.kind)
+        special = _nearest(family, point, last.special.kind)
     return OnCurve(plane.moved(centre, line, special.point.parameter), special)
 
 
-def _predicted(plane: Plane, before: OnCurve, last: OnCurve, centre: Place) -> Array:
+def _predicted(plane: Plane, reached: Reached, centre: Place) -> Array:
     """Unknowns at the centre of a line: those of the last point, in the same deviation from steady sliding, and continued along
     the secant if both points have one mesh."""
-    guess = _deviation(last)
-    if before is not last and before.special.point.unknowns.size == guess.size:
+    before, last = reached.before, reached.last
+    guess, earlier = _deviation(last), _deviation(before)
+    if before is not last and earlier.size == guess.size:
         share = plane.chord(last.place, centre)[1] / plane.chord(before.place, last.place)[1]
-        guess = guess + share * (guess - _deviation(before))
+        guess = guess + share * (guess - earlier)
     steady = last.special.point.closed.flow.of(plane.scene_at(*centre)).steady
     return np.concatenate([guess[:-2] + steady, [guess[-2], 0.0]])
 
@@ -146,7 +140,7 @@ def _deviation(known: OnCurve) -> Array:
     return np.asarray(point.unknowns - np.append(point.closed.flow.steady, [0.0, 0.0]))
 
 
-def _beside(family: Family, point: Point, kind: str) -> Special:
+def _nearest(family: Family, point: Point, kind: str) -> Special:
     """The special point of `kind` on the branch through `point` that is nearest to it."""
     for reach in _REACHES:
         left, right = (

@@ -1,19 +1,39 @@
-"""A point of a branch of periodic orbits, with the direction of the branch there."""
+"""A branch of periodic orbits: its flows, all on one mesh, its points, and a finer mesh where the motion asks for it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy.linalg
 
-from reduced.orbit.closing import Closed, close_family
+from reduced.orbit.closing import Closed, FlowAt, close_family
 from reduced.orbit.multipliers import Complex, floquet
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
 from slipwave.step.flow import Flow
 
-FlowAt = Callable[[float], Flow]
+_LARGEST_REFINEMENT = 1.5
+_EXCESS = 1.1  # refined so far that the next points are fine enough too
+MOST_REFINEMENTS = 8
+"""Refinements in a row after which a branch ends."""
+
+
+class Family:
+    """`flow` for all scenes `scene_at(p)`: calling it gives the flow at the parameter p."""
+
+    def __init__(self, flow: Flow, scene_at: Callable[[float], Scene]) -> None:
+        self._scene_at = scene_at
+        self._at = lru_cache(maxsize=8)(lambda parameter: flow.of(scene_at(parameter)))
+
+    def __call__(self, parameter: float) -> Flow:
+        """The flow at a parameter."""
+        return self._at(parameter)
+
+    def on(self, flow: Flow) -> "Family":
+        """The same scenes on the mesh of `flow`."""
+        return Family(flow, self._scene_at)
 
 
 @dataclass(frozen=True)
@@ -69,6 +89,10 @@ class Point:
         """Number of `multipliers` outside the unit circle."""
         return int((np.abs(self.multipliers) > 1.0).sum())
 
+    def roughness(self, tolerance: float) -> float:
+        """How much too coarse the mesh is: above 1 it does not reach `tolerance`."""
+        return self.closed.flow.roughness(self.closed.cycle, tolerance)
+
 
 def point_near(flow_at: FlowAt, guess: Array, along: Array, metric: Metric, neighbour: Point | None = None) -> Point:
     """The point of the branch on the plane through `guess` that is orthogonal to `along`, oriented as `along`; the derivatives at
@@ -76,11 +100,10 @@ def point_near(flow_at: FlowAt, guess: Array, along: Array, metric: Metric, neig
 
     Raises NumericsError if there is none.
     """
-    size = guess.size - 2
-    weights = metric.weights(size) * along
+    *start, period, parameter = guess
+    weights = metric.weights(len(start)) * along / metric.length(along)
     known = neighbour.closed if neighbour is not None else None
-    at = (guess[:size], float(guess[size]), float(guess[size + 1]))
-    closed = close_family(flow_at, *at, weights / metric.length(along), neighbour=known)
+    closed = close_family(flow_at, np.array(start), float(period), float(parameter), weights, neighbour=known)
     return Point(closed, direction(closed, along, metric))
 
 
@@ -97,3 +120,28 @@ def direction(closed: Closed, along: Array, metric: Metric) -> Array:
     except np.linalg.LinAlgError:
         raise NumericsError("the branch has no unique direction here") from None
     return np.asarray(tangent / metric.length(tangent))
+
+
+def refined(family: Family, point: Point, metric: Metric, tolerance: float) -> tuple[Family, Point]:
+    """The family on a mesh that suits the motion at `point` to `tolerance`, and the point found again on it.
+
+    Raises NumericsError if no mesh does.
+    """
+    for _ in range(MOST_REFINEMENTS):
+        closed, excess = point.closed, point.roughness(tolerance)
+        finer = float(np.clip(_EXCESS * excess ** (1.0 / closed.flow.nodes.size), 1.0, _LARGEST_REFINEMENT))
+        flow, state = closed.flow.remeshed(closed.cycle, finer)
+        family = family.on(flow)
+        along = np.concatenate([np.zeros(flow.size), point.tangent[-2:]])
+        point = point_near(family, np.append(state, [closed.cycle.period, closed.parameter]), along, metric)
+        if point.roughness(tolerance) <= 1.0:
+            return family, point
+    raise too_rough(point, tolerance)
+
+
+def too_rough(point: Point, tolerance: float) -> NumericsError:
+    """The error of a branch that no mesh resolves beyond `point`."""
+    return NumericsError(
+        f"the branch ends at parameter = {point.parameter:.10g}: no mesh resolves the motion to {tolerance:g} (the highest "
+        f"coefficient is {point.roughness(tolerance):.2g} times too large)"
+    )

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reduced.continuation.point import FlowAt, Metric, Point, point_near
-from reduced.orbit.closing import TOLERANCE
+from reduced.continuation.point import Metric, Point, point_near
+from reduced.orbit.closing import TOLERANCE, FlowAt
 from reduced.orbit.multipliers import Complex
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
@@ -51,7 +51,6 @@ def between(flow_at: FlowAt, left: Point, right: Point, metric: Metric, trend: A
     number."""
 
     def halves(middle: Point) -> tuple[Special, ...]:
-        """What lies in both halves."""
         beyond = trend_of(left, middle, metric.length(middle.unknowns - left.unknowns))
         return between(flow_at, left, middle, metric, trend) + between(flow_at, middle, right, metric, beyond)
 
@@ -62,7 +61,8 @@ def between(flow_at: FlowAt, left: Point, right: Point, metric: Metric, trend: A
         middle = _middle(flow_at, left, right, metric)
         return halves(middle) if crosses or _differ(left, middle) else ()
     tests = [kind for kind, test in _TESTS.items() if test(left, right)]
-    if len(tests) == 1 and (left.closed.flow.undecided or _change(tests[0], left, right)):
+    change = abs(left.unstable - right.unstable)
+    if len(tests) == 1 and (left.closed.flow.undecided or change == _CHANGES[tests[0]]):
         return (_locate(flow_at, left, right, metric, tests[0]),)
     if metric.length(right.unknowns - left.unknowns) < 1e-7:
         raise Unaccounted(
@@ -77,10 +77,20 @@ def trend_of(left: Point, right: Point, length: float) -> Array:
     return (_moduli(right) - _moduli(left)) / length
 
 
+def _real(point: Point) -> Array:
+    """The real multipliers."""
+    return np.asarray(point.multipliers[np.abs(point.multipliers.imag) < _REAL].real)
+
+
+def _above(values: Complex) -> Complex:
+    """Of each complex pair the value above the real axis."""
+    return values[values.imag >= _REAL]
+
+
 def _moduli(point: Point) -> Array:
     """The largest moduli of complex pairs and of real multipliers below zero, in order."""
-    values = point.multipliers
-    turning = np.abs(values[(values.imag >= _REAL) | ((np.abs(values.imag) < _REAL) & (values.real < 0.0))])
+    real = _real(point)
+    turning = np.abs(np.concatenate([_above(point.multipliers), real[real < 0.0]]))
     return np.append(np.sort(turning)[::-1], np.zeros(_WATCHED))[:_WATCHED]
 
 
@@ -113,33 +123,19 @@ def _turns(left: Point, right: Point) -> bool:
 
 
 def _doubles(left: Point, right: Point) -> bool:
-    return _beyond(left) != _beyond(right)
+    return bool((_real(left) < -1.0).sum() != (_real(right) < -1.0).sum())
 
 
 def _winds(left: Point, right: Point) -> bool:
-    return _pairs(left) != _pairs(right)
+    return _pairs_outside(left) != _pairs_outside(right)
+
+
+def _pairs_outside(point: Point) -> int:
+    return int((np.abs(_above(point.multipliers)) > 1.0).sum())
 
 
 _TESTS: dict[str, Callable[[Point, Point], bool]] = {"LP": _turns, "PD": _doubles, "NS": _winds}
-_CHANGES = {"LP": 1, "PD": 1, "NS": 2}
-
-
-def _change(kind: str, left: Point, right: Point) -> bool:
-    """Whether the change of the number of unstable multipliers is that of one point of this kind."""
-    return abs(left.unstable - right.unstable) == _CHANGES[kind]
-
-
-def _beyond(point: Point) -> int:
-    """Number of real multipliers below -1."""
-    values = point.multipliers
-    real = values[np.abs(values.imag) < _REAL].real
-    return int((real < -1.0).sum())
-
-
-def _pairs(point: Point) -> int:
-    """Number of complex pairs outside the unit circle."""
-    values = point.multipliers
-    return int(((np.abs(values) > 1.0) & (values.imag >= _REAL)).sum())
+_CHANGES = {"LP": 1, "PD": 1, "NS": 2}  # of the number of unstable multipliers
 
 
 def _middle(flow_at: FlowAt, left: Point, right: Point, metric: Metric, share: float = 0.5) -> Point:
@@ -205,5 +201,5 @@ def critical(kind: str, values: Complex) -> complex:
     if kind == "PD":
         real = values[np.abs(values.imag) < _REAL]
         return complex(real[np.abs(real + 1.0).argmin()]) if real.size else complex(-np.inf)
-    pairs = values[values.imag >= _REAL]
+    pairs = _above(values)
     return complex(pairs[np.abs(np.abs(pairs) - 1.0).argmin()]) if pairs.size else complex(0.0)

@@ -1,14 +1,28 @@
-"""The first point of a branch that does not begin at a Hopf point (`hopf`): an orbit found otherwise, or a stored point."""
+"""The first point of a branch: beside a Hopf point, beside a period doubling, an orbit found otherwise, or a stored point; and
+the orbits of a branch at one value of its parameter."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+import scipy.linalg
 
-from reduced.continuation.mesh import Family
-from reduced.continuation.point import FlowAt, Metric, Point, direction
-from reduced.orbit.closing import Closed, by_parameter
+from reduced.continuation.point import Family, Metric, Point, direction, point_near
+from reduced.continuation.special import Special
+from reduced.orbit.closing import Closed, FlowAt, by_parameter, close
+from reduced.orbit.figures import difference_of_parts
+from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
 from slipwave.solve import State
+
+_FIRST_AMPLITUDE = 0.02  # of psi, of the first orbit beside a Hopf point
+_NULL = 1e-3  # singular values of two null vectors, relative to 1, which damped motions have, or to typical larger ones
+_AMPLITUDES = (3e-3, 1e-3, 1e-4)  # of the largest component of a doubled orbit; the first with which Newton's method converges
+_ALIKE = 0.1  # difference of the halves, over the amplitude, below which the orbit is a simple one
+_NEAR = 1e-3  # distance of the multiplier from -1
+_SAME_ORBIT = 1e-9  # difference of two periods that count as one orbit's, relative
 
 
 @dataclass(frozen=True)
@@ -34,11 +48,75 @@ def metric_for(low: float, high: float) -> Metric:
 
 def from_orbit(flow_at: FlowAt, closed: Closed, parameter: float, towards: float, metric: Metric) -> Point:
     """An orbit found at a fixed `parameter` as a point of its branch, oriented towards the parameter `towards`."""
-    cycle = closed.cycle
-    found = replace(closed, parameter=parameter, drift=by_parameter(flow_at, cycle, parameter))
-    along = np.zeros(cycle.start.size + 2)
+    found = replace(closed, parameter=parameter, drift=by_parameter(flow_at, closed.cycle, parameter))
+    along = np.zeros(closed.cycle.start.size + 2)
     along[-1] = np.sign(towards - parameter) * metric.parameter
     return Point(found, direction(found, along, metric))
+
+
+def from_hopf(flow_at: FlowAt, parameter: float, period: float, metric: Metric) -> Point:
+    """The first small orbit of the branch that begins at the Hopf point at `parameter`, where disturbances of steady sliding
+    oscillate with `period` (transits) and neither grow nor decay.
+
+    There the derivative of the motion over a period has two null vectors: the oscillation at two of its phases. The orbit is
+    sought at a given amplitude along one of them; the other is the motion along the orbit. Raises NumericsError if the steady
+    state does not oscillate so.
+    """
+    flow = flow_at(parameter)
+    steady = flow.steady
+    linear = flow.tangent(flow.march(steady, period)) - np.eye(steady.size)
+    _, sizes, rows = scipy.linalg.svd(linear)
+    if sizes[-2] > _NULL * max(1.0, float(np.median(sizes))):
+        raise NumericsError(
+            f"{flow.model}: steady sliding does not oscillate with a period of {period:.6g} transits there "
+            f"(scene {flow.scene.name!r})"
+        )
+    slow = rows[-2:]
+    shape = slow.T @ slow[:, -1]  # the phase at which psi is largest
+    along = np.append(shape / abs(shape[-1]), [0.0, 0.0])
+    guess = np.concatenate([steady, [period, parameter]]) + _FIRST_AMPLITUDE * along
+    return point_near(flow_at, guess, along, metric)
+
+
+def from_doubling(family: Family, special: Special, metric: Metric) -> tuple[Family, Point]:
+    """The first orbit of twice the period beside the period doubling `special`, and the family on a mesh for it: displaced along
+    the eigenvector of the multiplier -1, by which the two halves of the doubled orbit differ.
+
+    Raises NumericsError if the special point is no period doubling, or no such orbit is found.
+    """
+    closed = special.point.closed
+    values, vectors = scipy.linalg.eig(closed.monodromy)
+    passing = int(np.abs(values + 1.0).argmin())
+    if special.kind != "PD" or abs(values[passing] + 1.0) > _NEAR:
+        raise NumericsError(f"parameter = {closed.parameter:.10g} is no period doubling: the multiplier is {values[passing]:.6g}")
+    shape = vectors[:, passing].real
+    failed = NumericsError("")
+    for amplitude in _AMPLITUDES:
+        try:
+            return _displaced(family, special.point, shape / np.abs(shape).max(), amplitude, metric)
+        except NumericsError as reason:
+            failed = reason
+    raise failed
+
+
+def _displaced(family: Family, simple: Point, shape: Array, amplitude: float, metric: Metric) -> tuple[Family, Point]:
+    """The doubled orbit at this amplitude of its deviation `shape` from the simple one, measured across the branch of simple
+    orbits, so that none of these can be found instead."""
+    closed = simple.closed
+    period = 2.0 * closed.cycle.period
+    flow, state = closed.flow.remeshed(closed.cycle._replace(start=closed.cycle.start + amplitude * shape, period=period), 1.0)
+    family = family.on(flow)
+    branch = simple.tangent[:-2]
+    along = np.append(shape - (shape @ branch) / (branch @ branch) * branch, [0.0, 0.0])
+    point = point_near(family, np.append(state, [period, closed.parameter]), along, metric)
+    if difference_of_halves(point) < _ALIKE * amplitude:
+        raise NumericsError(f"no orbit of twice the period was found beside parameter = {closed.parameter:.10g}")
+    return family, point
+
+
+def difference_of_halves(point: Point) -> float:
+    """Largest difference of z and psi between the first and the second half of an orbit; 0 if it is a simple one, twice."""
+    return difference_of_parts(point.closed.cycle, point.closed.flow.nodes, 2)
 
 
 def stored(point: Point, step: float) -> Stored:
@@ -56,3 +134,18 @@ def from_stored(family: Family, saved: Stored) -> tuple[Family, Point]:
     residual = float(np.abs(cycle.end - cycle.start).max())
     closed = Closed(flow, cycle, residual, saved.monodromy, saved.velocity, saved.drift, parameter, 0)
     return family.on(flow), Point(closed, saved.tangent)
+
+
+def orbits_at(points: Iterable[Point], parameter: float, scene: Scene) -> list[Closed]:
+    """All orbits of a branch at one value of its `parameter`, in order along the branch, each by Newton's method from the points
+    on both sides; `scene` is that of this value. Raises NumericsError if it does not find one."""
+    found: list[Closed] = []
+    for left, right in pairwise(points):
+        if (left.parameter - parameter) * (right.parameter - parameter) <= 0.0:
+            same = left.unknowns.size == right.unknowns.size  # else their meshes differ
+            along = right.unknowns - left.unknowns if same else right.tangent
+            guess = right.unknowns + (parameter - right.parameter) / along[-1] * along
+            one = close(right.closed.flow.of(scene), guess[:-2], float(guess[-2]))
+            if not found or abs(one.cycle.period / found[-1].cycle.period - 1.0) > _SAME_ORBIT:
+                found.append(one)
+    return found

@@ -1,11 +1,13 @@
-"""Bring a run near a periodic orbit, so that Newton's method can take over: some cycles are enough, settled or not."""
+"""Bring a run near a periodic orbit, so that Newton's method can take over: some cycles are enough, settled or not.
+
+Where a motion that never repeats comes back near to itself, unstable periodic orbits are close by.
+"""
 
 from collections.abc import Callable, Iterator
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from reduced.orbit.returns import Section, closest_returns
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events
 from slipwave.observe.pieces import Array
@@ -21,6 +23,7 @@ _ALIKE = (1e-3, 1e-4, 1e-5)
 
 _LAST = 3
 _CYCLES = 24  # after so many that still change, it starts from the mean of so many more
+_RETURNS = 8  # closest returns from which an orbit is sought
 _STRETCH = 200.0
 _LATE = 10.0  # periods after which no further event is waited for
 _STEADY = 1e-3  # v_max/v_min - 1 below which a run has returned to steady sliding
@@ -28,6 +31,14 @@ _STEADY = 1e-3  # v_max/v_min - 1 below which a run has returned to steady slidi
 Marched = TypeVar("Marched", bound=Solver)
 Freeze = Callable[[Marched, float], tuple[Flow, Array]]
 """(solver, period) -> its flow for that period and its present state."""
+
+
+class Section(NamedTuple):
+    """The `state` of `flow` halfway between two slip events, of which the earlier one has this `date` (transits)."""
+
+    flow: Flow
+    state: Array
+    date: float
 
 
 class Guess(NamedTuple):
@@ -81,7 +92,8 @@ def guesses(
         return
     sections = _sections(solver, observer, freeze, period)
     if near is None:
-        yield _mean(sections)
+        mean = (sections[-1].date - sections[0].date) / (len(sections) - 1)
+        yield Guess(sections[0].flow, np.mean([section.state for section in sections], axis=0), mean, False)
     for section, returned in closest_returns(sections, cycles, near):
         yield Guess(section.flow, section.state, returned, False, cycles)
 
@@ -131,10 +143,14 @@ def _sections(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]
     return sections
 
 
-def _mean(sections: list[Section]) -> Guess:
-    """The mean of all states and periods."""
-    period = (sections[-1].date - sections[0].date) / (len(sections) - 1)
-    return Guess(sections[0].flow, np.mean([section.state for section in sections], axis=0), period, False)
+def closest_returns(sections: list[Section], cycles: int = 1, near: float | None = None) -> list[tuple[Section, float]]:
+    """Sections to which the motion returns closest (largest difference of a component of the state) after so many `cycles`, the
+    closest first, each with the time (transits) until then; with `near`, of the half whose time is nearest to it."""
+    pairs = [(first, last.date - first.date, last) for first, last in zip(sections, sections[cycles:], strict=False)]
+    if near is not None:
+        pairs = sorted(pairs, key=lambda pair: abs(pair[1] - near))[: (len(pairs) + 1) // 2]
+    pairs.sort(key=lambda pair: float(np.abs(pair[2].state - pair[0].state).max()))
+    return [pair[:2] for pair in pairs[:_RETURNS]]
 
 
 def _between(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]", period: float) -> tuple[Flow, Array]:

@@ -10,11 +10,10 @@ error of 1e-6 in the latter, a one-sided difference, costs Newton's method nothi
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from reduced.orbit.newton import solve
+from reduced.orbit.newton import Evaluated, solve
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 from slipwave.step.flow import Cycle, Flow
@@ -23,6 +22,9 @@ TOLERANCE = 1e-12
 _NEAR = 1e-7  # a monodromy matrix taken this near to the orbit counts as the orbit's own
 _BY_PARAMETER = 1e-7  # relative change in the difference
 _SMALL = 1e-3  # parameter below which the change is no longer relative, so that rounding errors stay small at zero
+
+FlowAt = Callable[[float], Flow]
+"""The flow at a value of the parameter."""
 
 
 @dataclass(frozen=True)
@@ -45,11 +47,43 @@ class Closed:
         return np.concatenate([self.cycle.start, [self.cycle.period, self.parameter]])
 
 
-class _At(NamedTuple):
-    unknowns: Array
-    residual: Array
-    flow: Flow
-    cycle: Cycle
+@dataclass(frozen=True)
+class _Equations:
+    """The equations above for `guess`, (x_0, T) if there are no `weights` w and else (x_0, T, p), with f = `along`, scaled."""
+
+    flow_at: FlowAt
+    guess: Array
+    parameter: float
+    weights: Array | None
+    along: Array
+
+    def evaluate(self, unknowns: Array) -> Evaluated[tuple[Flow, Cycle]]:
+        """What is left of the equations, by a march over the period."""
+        n = self.along.size
+        start, time, period = unknowns[:n], float(unknowns[n]), self.guess[n]
+        if not 0.5 * period < time < 2.0 * period:
+            raise NumericsError(f"a period of {time:.6g} transits is far from {period:.6g}, where the search began")
+        flow = self.flow_at(self.parameter if self.weights is None else float(unknowns[-1]))
+        cycle = flow.march(start, time)
+        border = [float(self.along @ (start - self.guess[:n]))]
+        if self.weights is not None:
+            border.append(float(self.weights @ (unknowns - self.guess)))
+        residual = np.concatenate([cycle.end - start, border])
+        if not np.isfinite(residual).all():
+            raise NumericsError(f"the motion over {time:.6g} transits is not finite")
+        return Evaluated(unknowns, residual, (flow, cycle))
+
+    def derivative(self, at: Evaluated[tuple[Flow, Cycle]]) -> Array:
+        """The derivative of the residual, after a march."""
+        flow, cycle = at.motion
+        drift = [] if self.weights is None else [by_parameter(self.flow_at, cycle, float(at.unknowns[-1]))]
+        return self.bordered(flow.tangent(cycle), flow.velocity(cycle), *drift)
+
+    def bordered(self, monodromy: Array, *columns: Array) -> Array:
+        """The same from the monodromy matrix and the columns of period and parameter."""
+        border = np.append(self.along, np.zeros(len(columns)))
+        rows = [np.column_stack([monodromy - np.eye(self.along.size), *columns]), border]
+        return np.vstack(rows if self.weights is None else [*rows, self.weights])
 
 
 def close(flow: Flow, state: Array, period: float, tolerance: float = TOLERANCE) -> Closed:
@@ -58,7 +92,7 @@ def close(flow: Flow, state: Array, period: float, tolerance: float = TOLERANCE)
 
 
 def close_family(
-    flow_at: Callable[[float], Flow],
+    flow_at: FlowAt,
     state: Array,
     period: float,
     parameter: float = 0.0,
@@ -71,67 +105,25 @@ def close_family(
     unknowns save time.
 
     Raises NumericsError if Newton's method does not converge to an orbit."""
-    free = weights is not None
+    n, flow = state.size, flow_at(parameter)
+    along = flow.velocity(flow.march(state, period)) if neighbour is None else neighbour.velocity
     guess = np.concatenate([state, [period] if weights is None else [period, parameter]])
-    along = neighbour.velocity if neighbour is not None else _motion(flow_at(parameter), state, period)
-    scale = 1.0 / max(float(np.abs(along).max()), 1e-300)
-
-    def evaluate(unknowns: Array) -> _At:
-        """What is left of the equations, by a march over the period."""
-        start, time = unknowns[: state.size], float(unknowns[state.size])
-        if not 0.5 * period < time < 2.0 * period:
-            raise NumericsError(f"a period of {time:.6g} transits is far from {period:.6g}, where the search began")
-        flow = flow_at(float(unknowns[-1]) if free else parameter)
-        cycle = flow.march(start, time)
-        border = [scale * float(along @ (start - state))]
-        if weights is not None:
-            border.append(float(weights @ (unknowns - guess)))
-        residual = np.concatenate([cycle.end - start, border])
-        if not np.isfinite(residual).all():
-            raise NumericsError(f"the motion over {time:.6g} transits is not finite")
-        return _At(unknowns, residual, flow, cycle)
-
-    def bordered(monodromy: Array, *columns: Array) -> Array:
-        """The derivative of the equations, from the monodromy matrix and the columns of period and parameter."""
-        border = np.zeros((1, guess.size))
-        border[0, : state.size] = scale * along
-        rows = [np.column_stack([monodromy - np.eye(state.size), *columns]), border]
-        return np.vstack(rows if weights is None else [*rows, weights[None]])
-
-    def derivative(at: _At) -> Array:
-        """The derivative after a march."""
-        columns = [at.flow.velocity(at.cycle)]
-        if free:
-            columns.append(by_parameter(flow_at, at.cycle, float(at.unknowns[-1])))
-        return bordered(at.flow.tangent(at.cycle), *columns)
-
-    known = bordered(neighbour.monodromy, neighbour.velocity, neighbour.drift) if neighbour is not None else None
+    equations = _Equations(flow_at, guess, parameter, weights, along / max(float(np.abs(along).max()), 1e-300))
+    known = None if neighbour is None else equations.bordered(neighbour.monodromy, neighbour.velocity, neighbour.drift)
     try:
-        solved = solve(evaluate, derivative, guess, tolerance, _NEAR, known)
+        solved = solve(equations.evaluate, equations.derivative, guess, tolerance, _NEAR, known)
     except NumericsError as reason:
-        flow = flow_at(parameter)
         raise NumericsError(
             f"{flow.model}: no periodic orbit found near a period of {period:.6g} transits: {reason} (scene {flow.scene.name!r}, "
             f"digest {flow.scene.digest})"
         ) from None
-    n, matrix = state.size, solved.derivative
-    return Closed(
-        solved.at.flow,
-        solved.at.cycle,
-        float(np.abs(solved.at.residual[:n]).max()),
-        matrix[:n, :n] + np.eye(n),
-        matrix[:n, n],
-        matrix[:n, n + 1] if free else np.empty(0),
-        float(solved.at.unknowns[-1]) if free else parameter,
-        solved.iterations,
-    )
+    (flow, cycle), matrix = solved.at.motion, solved.derivative
+    residual, drift = float(np.abs(solved.at.residual[:n]).max()), np.ravel(matrix[:n, n + 1 :])
+    parameter = parameter if weights is None else float(solved.at.unknowns[-1])
+    return Closed(flow, cycle, residual, matrix[:n, :n] + np.eye(n), matrix[:n, n], drift, parameter, solved.iterations)
 
 
-def by_parameter(flow_at: Callable[[float], Flow], cycle: Cycle, parameter: float) -> Array:
+def by_parameter(flow_at: FlowAt, cycle: Cycle, parameter: float) -> Array:
     """d end/d parameter (n,)."""
     change = _BY_PARAMETER * max(abs(parameter), _SMALL)
     return np.asarray((flow_at(parameter + change).march(cycle.start, cycle.period).end - cycle.end) / change)
-
-
-def _motion(flow: Flow, state: Array, period: float) -> Array:
-    return flow.velocity(flow.march(state, period))

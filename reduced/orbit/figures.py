@@ -1,18 +1,19 @@
-"""The figures of a closed cycle (MODEL.md section 6) from its polynomials."""
+"""The figures of a closed cycle (MODEL.md section 6) from its polynomials, and whether it is a shorter one, several times."""
 
 import numpy as np
 
 from reduced.orbit.closing import Closed
 from slipwave.friction import Law, rate_of
 from slipwave.observe.extrema import extrema
-from slipwave.observe.pieces import Array, lagrange_basis
+from slipwave.observe.pieces import Array, lagrange_basis, values_at
 from slipwave.step.collocation import highest_coefficient
 from slipwave.step.flow import Cycle
 
+# of the highest Legendre coefficient of a step: what is taken for the first one that is left out; a tenth on average
 _NEXT = 0.25
-"""Of the highest Legendre coefficient of a step: what is taken for the first one that is left out; a tenth on average."""
-
 _ROUNDING = 1e-14  # of a stress, relative
+_SAMPLES, _SAME = 200, 1e-6  # of a part of a cycle, and differences of ln v and psi in two parts that are none
+_NAMES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")
 
 
 def figures_of(closed: Closed) -> dict[str, float]:
@@ -25,13 +26,8 @@ def figures(law: Law, cycle: Cycle, nodes: Array) -> dict[str, float]:
     stress), v_max and v_min (V*)."""
     basis, pieces = lagrange_basis(nodes), cycle.pieces
     (mu_max, mu_min), (y_max, y_min), (z_max, z_min) = (extrema(basis, rows) for rows in (pieces.mu, pieces.y, pieces.z))
-    return {
-        "period": cycle.period,
-        "stress_drop": mu_max - mu_min,
-        "elastic_stress_drop": y_max - y_min,
-        "v_max": rate_of(law, z_max),
-        "v_min": rate_of(law, z_min),
-    }
+    values = cycle.period, mu_max - mu_min, y_max - y_min, rate_of(law, z_max), rate_of(law, z_min)
+    return dict(zip(_NAMES, values, strict=True))
 
 
 def unresolved(closed: Closed) -> dict[str, float]:
@@ -41,14 +37,9 @@ def unresolved(closed: Closed) -> dict[str, float]:
     tail = _NEXT * highest_coefficient(closed.flow.nodes)
     (mu_max, mu_min), (y_max, y_min), (z_max, z_min) = (_left_out(rows, tail) for rows in (pieces.mu, pieces.y, pieces.z))
     rounding = _ROUNDING * float(np.abs(pieces.mu).max())
-    rates = (_change(law, float(pieces.z.max()), z_max), _change(law, float(pieces.z.min()), z_min))
-    return {
-        "period": 0.0,
-        "stress_drop": mu_max + mu_min + rounding,
-        "elastic_stress_drop": y_max + y_min + rounding,
-        "v_max": rates[0],
-        "v_min": rates[1],
-    }
+    high, low = float(pieces.z.max()), float(pieces.z.min())
+    rates = rate_of(law, high + z_max) - rate_of(law, high), rate_of(law, low + z_min) - rate_of(law, low)
+    return dict(zip(_NAMES, (0.0, mu_max + mu_min + rounding, y_max + y_min + rounding, *rates), strict=True))
 
 
 def _left_out(rows: Array, tail: Array) -> tuple[float, float]:
@@ -58,11 +49,21 @@ def _left_out(rows: Array, tail: Array) -> tuple[float, float]:
     return largest, smallest
 
 
-def _change(law: Law, z: float, by: float) -> float:
-    """Of the slip rate by a change of its unknown."""
-    return rate_of(law, z + by) - rate_of(law, z)
-
-
 def amplitude(cycle: Cycle) -> float:
     """Largest less smallest rate unknown z at the nodes."""
     return float(np.ptp(cycle.pieces.z))
+
+
+def difference_of_parts(cycle: Cycle, nodes: Array, parts: int) -> float:
+    """Largest difference of z and psi between the first of so many equal `parts` of a closed cycle and the second; 0 if the
+    motion repeats after one part."""
+    basis, length = lagrange_basis(nodes), cycle.period / parts
+    times = np.linspace(0.0, length, _SAMPLES, endpoint=False)[1:]
+    first, second = (np.array(values_at(cycle.pieces, basis, times + shift)[:2]) for shift in (0.0, length))
+    return float(np.abs(second - first).max())
+
+
+def repeats_sooner(cycle: Cycle, nodes: Array, cycles: int) -> bool:
+    """Whether a closed cycle of so many slip events is one of fewer, several times."""
+    divisors = [parts for parts in range(2, cycles + 1) if cycles % parts == 0]
+    return any(difference_of_parts(cycle, nodes, parts) < _SAME for parts in divisors)

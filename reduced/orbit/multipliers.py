@@ -17,12 +17,9 @@ Complex = NDArray[np.complex128]
 NEUTRAL = 1e-6
 """Distance of a multiplier's modulus from 1 below which stability is not decided."""
 
-_AGREE = 1e-3
-"""Two meshes must agree on a multiplier to this part of it, or it is not reported: eigenvalues of the essential spectrum never
-do."""
+_AGREE = 1e-3  # relative; two meshes must agree so far on a multiplier: eigenvalues of the essential spectrum never do
+_SMALLEST = 1e-6  # modulus below which a multiplier is lost in the errors of larger ones
 _NONE = np.zeros((0, 0))
-_SMALLEST = 1e-6
-"""Modulus below which a multiplier is lost in the errors of larger ones."""
 
 
 class Multipliers(NamedTuple):
@@ -55,7 +52,11 @@ def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
         grows = bool(np.any(np.abs(isolated) > 1.0 + _AGREE))
         reason = _undamped(modes, closed.cycle.period, grows)
         return Multipliers(isolated, defect, max(radius, 1.0), False if grows else None, reason, modes)
-    return Multipliers(isolated, defect, radius, *_verdict(isolated))
+    largest = float(np.abs(isolated).max(initial=0.0))
+    if abs(largest - 1.0) < NEUTRAL:
+        reason = f"the largest multiplier has modulus {largest:.9f}: neutral within the error of the computation"
+        return Multipliers(isolated, defect, radius, None, reason)
+    return Multipliers(isolated, defect, radius, largest < 1.0)
 
 
 def is_decided(closed: Closed) -> bool:
@@ -89,10 +90,3 @@ def _undamped(modes: "tuple[IdleMode, ...]", period: float, grows: bool) -> str:
         "the waves' own multipliers reach a radius of 1: some motion of the slabs is never damped by friction, "
         f"{decided}: idle modes, in which both slabs swing alike without slip or stress at the interface{listed}"
     )
-
-
-def _verdict(isolated: Complex) -> tuple[bool | None, str]:
-    largest = float(np.abs(isolated).max(initial=0.0))
-    if abs(largest - 1.0) < NEUTRAL:
-        return None, f"the largest multiplier has modulus {largest:.9f}: neutral within the error of the computation"
-    return largest < 1.0, ""

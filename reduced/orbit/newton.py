@@ -2,7 +2,7 @@
 shortened until they help."""
 
 from collections.abc import Callable
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -15,108 +15,98 @@ _SERVES = 0.25  # reduction of the residual from which the corrected derivative 
 _STALLED = 0.5  # reduction that counts as none
 _ROUNDING = 1e-9  # residuals that no longer shrink are accepted below this
 
+Motion = TypeVar("Motion")
 
-class Evaluated(Protocol):
-    """The equations at some unknowns u (m,): their residual (m,)."""
+
+class Evaluated(NamedTuple, Generic[Motion]):
+    """The `residual` (m,) of the equations at some `unknowns` u (m,), and the `motion` that gives it."""
+
+    unknowns: Array
+    residual: Array
+    motion: Motion
 
     @property
-    def unknowns(self) -> Array:
-        """u."""
-
-    @property
-    def residual(self) -> Array:
-        """What should be zero."""
+    def size(self) -> float:
+        """The largest residual."""
+        return float(np.abs(self.residual).max())
 
 
-At = TypeVar("At", bound=Evaluated)
-
-
-class Solved(NamedTuple, Generic[At]):
+class Solved(NamedTuple, Generic[Motion]):
     """`at` the solution, the `derivative` (m, m) taken at most `away` from it, and the `iterations`."""
 
-    at: At
+    at: Evaluated[Motion]
     derivative: Array
     away: float
     iterations: int
 
 
 def solve(
-    evaluate: Callable[[Array], At],
-    derivative: Callable[[At], Array],
+    evaluate: Callable[[Array], Evaluated[Motion]],
+    derivative: Callable[[Evaluated[Motion]], Array],
     guess: Array,
     tolerance: float,
     near: float,
     first: Array | None = None,
-) -> Solved[At]:
+) -> Solved[Motion]:
     """Unknowns near `guess` at which the largest residual is below `tolerance`, or where rounding does not let it shrink. The
     derivative returned was taken at a distance (largest change of an unknown) of at most `near`. `first` may be a derivative from
     the neighbourhood, with which to begin.
 
     Raises NumericsError if there is no convergence, and what `evaluate` raises at the guess.
     """
+
+    def finished(iterations: int) -> Solved[Motion]:
+        if taken is None or away >= near:
+            return Solved(now, derivative(now), 0.0, iterations)
+        return Solved(now, taken, away, iterations)
+
     now, away, taken, matrix = evaluate(guess), np.inf, first, first
     for iteration in range(_MOST_ITERATIONS):
-        if _size(now) <= tolerance:
-            return _finished(derivative, now, taken, away, near, iteration)
+        if now.size <= tolerance:
+            return finished(iteration)
         if matrix is None:
             taken = matrix = derivative(now)
             away = 0.0
-        step = _solved(matrix, -now.residual)
         fresh = away == 0.0
-        new = _shortened(evaluate, now, step, fresh)
-        if not _size(new) < _STALLED * _size(now) and _size(now) < _ROUNDING:
-            return _finished(derivative, now, taken, away, near, iteration)
-        matrix = _corrected(matrix, now, new) if _size(new) < _SERVES * _size(now) else None
-        if not fresh and not _size(new) < _size(now):
-            continue  # once more from here, with a derivative of its own
-        away += float(np.abs(new.unknowns - now.unknowns).max())
-        now = new
-    raise NumericsError(f"no convergence in {_MOST_ITERATIONS} iterations: a residual of {_size(now):.2g} is left")
+        new = _shortened(evaluate, now, _step(matrix, now.residual), fresh)
+        if not new.size < _STALLED * now.size and now.size < _ROUNDING:
+            return finished(iteration)
+        matrix = _corrected(matrix, now, new) if new.size < _SERVES * now.size else None
+        if fresh or new.size < now.size:  # otherwise once more from here, with a derivative of its own
+            away += float(np.abs(new.unknowns - now.unknowns).max())
+            now = new
+    raise NumericsError(f"no convergence in {_MOST_ITERATIONS} iterations: a residual of {now.size:.2g} is left")
 
 
-def _solved(matrix: Array, right: Array) -> Array:
+def _step(matrix: Array, residual: Array) -> Array:
     try:
-        step = np.linalg.solve(matrix, right)
+        step = np.linalg.solve(matrix, -residual)
     except np.linalg.LinAlgError:
-        step = np.full_like(right, np.nan)
+        step = np.full_like(residual, np.nan)
     if not np.isfinite(step).all():
         raise NumericsError("the linearised equations are singular")
     return np.asarray(step)
 
 
-def _corrected(matrix: Array, before: Evaluated, after: Evaluated) -> Array:
+def _corrected(matrix: Array, before: Evaluated[Motion], after: Evaluated[Motion]) -> Array:
     """The nearest matrix that explains the change of the residual along the step."""
     step, change = after.unknowns - before.unknowns, after.residual - before.residual
     return np.asarray(matrix + np.outer(change - matrix @ step, step / (step @ step)))
 
 
-def _finished(
-    derivative: Callable[[At], Array], now: At, taken: Array | None, away: float, near: float, iterations: int
-) -> Solved[At]:
-    if taken is not None and away < near:
-        return Solved(now, taken, away, iterations)
-    return Solved(now, derivative(now), 0.0, iterations)
-
-
-def _size(at: Evaluated) -> float:
-    return float(np.abs(at.residual).max())
-
-
-def _shortened(evaluate: Callable[[Array], At], now: At, step: Array, fresh: bool) -> At:
+def _shortened(
+    evaluate: Callable[[Array], Evaluated[Motion]], now: Evaluated[Motion], step: Array, fresh: bool
+) -> Evaluated[Motion]:
     """The equations after `step` or, if that does not help though the derivative is `fresh`, after a half, a quarter ... of it:
-    the best one found.
-
-    Raises NumericsError if none of them can be evaluated.
-    """
-    best: At | None = None
+    the best one found. Raises NumericsError if none of them can be evaluated."""
+    best: Evaluated[Motion] | None = None
     for halving in range(_MOST_HALVINGS):
         try:
             new = evaluate(now.unknowns + 0.5**halving * step)
         except NumericsError:
             continue
-        if best is None or _size(new) < _size(best):
-            best = new
-        if not fresh or _size(new) < _size(now) or _size(now) < _ROUNDING:
+        best = new if best is None or new.size < best.size else best
+        if not fresh or new.size < now.size or now.size < _ROUNDING:
             return best
     if best is None:
         raise NumericsError("no motion can be computed along Newton's step")

@@ -1,7 +1,7 @@
 """A periodic orbit with its figures, their errors from two meshes, and its stability."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 from reduced.orbit.closing import Closed, close
 from reduced.orbit.figures import amplitude, figures_of, unresolved
@@ -73,7 +73,6 @@ def _estimates(coarse: Closed, fine: Closed) -> Orbit:
 
 
 def _error(name: str, value: float, before: float) -> float:
-    """By the difference of a figure on two meshes."""
     difference, size = abs(value - before), abs(value)
     least = _LEAST_PERIOD_ERROR if name == "period" else _LEAST_ERROR
     return max(difference / _LEAST_GAIN, min(2.0 * difference, _ROUNDING * size), least * size)
@@ -81,5 +80,5 @@ def _error(name: str, value: float, before: float) -> float:
 
 def relative_error(orbit: Orbit) -> float:
     """The largest relative error of its figures."""
-    estimates: list[Estimate] = [getattr(orbit, field.name) for field in fields(orbit)]
+    estimates: list[Estimate] = list(vars(orbit).values())
     return max(one.error / abs(one.value) for one in estimates)

@@ -5,10 +5,9 @@ import numpy as np
 import pytest
 
 from reduced.continuation.branch import follow_branch
-from reduced.continuation.hopf import from_hopf
-from reduced.continuation.mesh import Family
 from reduced.continuation.onset import onsets
-from reduced.continuation.start import from_orbit, metric_for
+from reduced.continuation.point import Family
+from reduced.continuation.start import from_hopf, from_orbit, metric_for
 from reduced.delay.network import DelayNetwork
 from reduced.flows import delay
 from reduced.flows.delay import DelayFlow

@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 
 from reduced.continuation.branch import Control, follow_branch, is_smooth
-from reduced.continuation.hopf import from_hopf
-from reduced.continuation.mesh import Family, refined
-from reduced.continuation.point import Metric, Point
+from reduced.continuation.point import Family, Metric, Point, refined
 from reduced.continuation.special import between
-from reduced.continuation.start import from_orbit, from_stored, stored
+from reduced.continuation.start import from_hopf, from_orbit, from_stored, stored
 from reduced.orbit.closing import TOLERANCE, close
 from slipwave.errors import NumericsError
 from tests.orbit_by_hand import SHRINKS, SNAKE, SUBCRITICAL, SUPERCRITICAL, TURN, FlowByHand, Oscillator

@@ -8,12 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reduced.continuation.branch import follow_branch
-from reduced.continuation.curve import METRIC, STEPS, OnCurve, Plane, Steps, beginning, follow_curve
-from reduced.continuation.hopf import from_hopf
-from reduced.continuation.mesh import Family
-from reduced.continuation.point import direction
-from reduced.continuation.start import from_orbit, metric_for
+from reduced.continuation.branch import Control, follow_branch
+from reduced.continuation.curve import METRIC, STEPS, OnCurve, Plane, beginning, follow_curve
+from reduced.continuation.point import Family, direction
+from reduced.continuation.start import from_hopf, from_orbit, metric_for
 from reduced.flows.delay import DelayFlow
 from reduced.orbit.closing import by_parameter, close
 from reduced.parameters import with_parameter
@@ -69,7 +67,7 @@ def test_a_curve_of_folds(sign):
 
 def test_the_mesh_of_a_curve_is_refined_as_the_motion_gets_rougher():
     """|w| grows along the folds, and with it the roughness; beyond 1 the mesh does not reach the tolerance of 1e-8."""
-    start, points = curve("LP", leaning, 0.3, (0.0, 1.0), 3, Steps(0.05), -9.0, roughest=1.7e-7)
+    start, points = curve("LP", leaning, 0.3, (0.0, 1.0), 3, replace(STEPS, first=0.05), -9.0, roughest=1.7e-7)
     flows = [special.point.closed.flow for _, special in (start, *points)]
     rough = [flow.roughness(one.special.point.closed.cycle, 1e-8) for flow, one in zip(flows, (start, *points), strict=True)]
     assert flows[-1].steps > flows[0].steps
@@ -84,7 +82,7 @@ def circle(q):
 
 def test_a_curve_that_turns_back_in_both_parameters():
     """A circle, once around, in equal steps that never go back."""
-    start, points = curve("NS", circle, 0.2, (0.0, 1.0), 42, Steps(2e-2, longest=0.04))
+    start, points = curve("NS", circle, 0.2, (0.0, 1.0), 42, Control(2e-2, 1e-5, 0.04))
     assert start.place == pytest.approx((0.3, 0.0), abs=1e-9)
     places = np.array([place for place, _ in points])
     np.testing.assert_allclose(np.hypot(places[:, 0] - 0.5, places[:, 1]), 0.2, rtol=0.0, atol=1e-8)
@@ -115,7 +113,7 @@ def test_folds_depend_on_two_products_alone():
     (fold,) = next(step.special for step in steps if step.special)
     plane = Plane(lambda p, v: with_parameter(family(p).scene, "V", v), (0.4, 100.0))
     start = OnCurve((fold.point.parameter, 100.0), fold)
-    steps = follow_curve(plane, beginning(start, (0.0, 1.0), Steps(0.02)), 1e-6, Steps(0.02))
+    steps = follow_curve(plane, beginning(start, (0.0, 1.0), replace(STEPS, first=0.02)), 1e-6, replace(STEPS, first=0.02))
     for (p, v), special in (one.last for one in itertools.islice(steps, 4)):
         point, share = special.point, v / 100.0
         epsilon = with_parameter(base, "epsilon", 2.8e-5 * share)

@@ -1,18 +1,12 @@
 """Newton's method on equations whose solutions are known."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from reduced.orbit.newton import solve
+from reduced.orbit.newton import Evaluated, solve
 from slipwave.errors import NumericsError
-
-
-class At(NamedTuple):
-    unknowns: np.ndarray
-    residual: np.ndarray
 
 
 class Equations:
@@ -23,7 +17,7 @@ class Equations:
 
     def evaluate(self, u):
         self.tried.append(u)
-        return At(u, self._residual(u))
+        return Evaluated(u, self._residual(u), None)
 
     def derivative(self, at):
         self.derivatives += 1

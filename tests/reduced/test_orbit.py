@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from reduced.orbit import approach, periodic_orbit
+from reduced.orbit.approach import Section, closest_returns
 from reduced.orbit.closing import by_parameter, close, close_family
-from reduced.orbit.figures import amplitude, figures
+from reduced.orbit.figures import amplitude, figures, repeats_sooner
 from reduced.orbit.multipliers import floquet, multipliers
-from reduced.orbit.returns import Section, closest_returns, repeats_sooner
 from slipwave import read_scene
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Pieces

@@ -18,9 +18,8 @@ from reduced.orbit import approach as approaching
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import approach, guesses
 from reduced.orbit.closing import close
-from reduced.orbit.figures import figures
+from reduced.orbit.figures import figures, repeats_sooner
 from reduced.orbit.multipliers import floquet
-from reduced.orbit.returns import repeats_sooner
 from slipwave import read
 from slipwave.errors import NumericsError
 from tests.closing import largest

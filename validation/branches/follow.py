@@ -6,13 +6,10 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from reduced.continuation.branch import Control, follow_branch
-from reduced.continuation.doubling import difference_of_halves, from_doubling
-from reduced.continuation.hopf import from_hopf
-from reduced.continuation.mesh import Family
 from reduced.continuation.onset import WIDTH, Onset, onsets
-from reduced.continuation.point import Metric, Point
+from reduced.continuation.point import Family, Metric, Point
 from reduced.continuation.special import Special
-from reduced.continuation.start import from_orbit, metric_for
+from reduced.continuation.start import difference_of_halves, from_doubling, from_hopf, from_orbit, metric_for
 from reduced.orbit.figures import amplitude
 from reduced.stability.characteristic import characteristic
 from reduced.stability.spectrum import unstable_count

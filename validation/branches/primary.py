@@ -3,8 +3,8 @@
 import math
 from typing import NamedTuple
 
-from reduced.continuation.crossing import orbits_at
 from reduced.continuation.point import Point
+from reduced.continuation.start import orbits_at
 from reduced.orbit.closing import Closed
 from reduced.parameters import with_parameter
 from reduced.stability.critical import critical_round_trip

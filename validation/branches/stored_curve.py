@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from reduced.continuation.curve import OnCurve, Place, Reached
-from reduced.continuation.mesh import Family
+from reduced.continuation.point import Family
 from reduced.continuation.special import Special
 from reduced.continuation.start import from_stored, stored
 from slipwave.sources import source_digest

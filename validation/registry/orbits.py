@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import MOST_TRANSITS, Guess, guesses
 from reduced.orbit.closing import Closed, close
-from reduced.orbit.figures import figures_of
+from reduced.orbit.figures import figures_of, repeats_sooner
 from reduced.orbit.multipliers import multipliers
-from reduced.orbit.returns import repeats_sooner
 from slipwave.errors import NumericsError, SceneError
 from slipwave.family import Family
 from slipwave.observe.statistics import Estimate, Orbit

@@ -8,13 +8,10 @@ import numpy as np
 
 import slipwave
 from reduced.continuation.branch import Control, follow_branch
-from reduced.continuation.crossing import orbits_at
-from reduced.continuation.hopf import from_hopf
-from reduced.continuation.mesh import Family
 from reduced.continuation.onset import Onset, onsets
-from reduced.continuation.point import Point
+from reduced.continuation.point import Family, Point
 from reduced.continuation.special import Special
-from reduced.continuation.start import metric_for
+from reduced.continuation.start import from_hopf, metric_for, orbits_at
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import Closed
 from reduced.orbit.figures import figures_of

@@ -6,11 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from reduced.continuation.branch import Control, follow_branch
-from reduced.continuation.doubling import difference_of_halves
-from reduced.continuation.mesh import Family
-from reduced.continuation.point import Point
+from reduced.continuation.point import Family, Point
 from reduced.continuation.special import Special
-from reduced.continuation.start import from_orbit, metric_for
+from reduced.continuation.start import difference_of_halves, from_orbit, metric_for
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import close
