@@ -105,7 +105,9 @@ def _require_finite(solver: Solver, pieces: Pieces) -> None:
 
 def _before_failure(solver: Solver, pieces: Pieces) -> Pieces:
     """The pieces that end before the first failed solve; all of them if none failed."""
-    good = pieces.time + pieces.length < (_failed_at(solver, pieces) if solver.failures else math.inf)
+    if not solver.failures:
+        return pieces
+    good = pieces.time + pieces.length < _failed_at(solver, pieces)
     return Pieces(*(array[good] for array in pieces))
 
 
