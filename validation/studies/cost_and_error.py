@@ -11,8 +11,7 @@ from validation.references.lsoda import PlainRun, plain_kelvin_voigt
 from validation.references.onset import onset_of
 from validation.references.published import reference, reference_orbit
 from validation.registry.build import build
-from validation.study import Budget, Evidence, Figure, Omission, StudyResult, Table, Verdict, table
-from validation.study.bounds import bounded
+from validation.study import WITNESS, Budget, Figure, Omission, StudyResult, Table, Verdict, claim, table
 from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
 from validation.study.known import as_known
 from validation.study.text import places, plain, power
@@ -35,10 +34,7 @@ _FLOOR = 1e-13
 _RACE_ERROR = 1e-8
 _RIVAL_ERROR = 5e-8  # LSODA at 1e-10; 5e-9 was measured
 _ELEMENTS = "dg:7"
-_CELLS = {
-    "fd": {True: (16, 32, 64, 128), False: (16, 32, 64, 128, 256, 512)},
-    _ELEMENTS: {True: (2, 4), False: (2, 3, 4, 6)},
-}
+_CELLS = {"fd": {True: (16, 32, 64, 128), False: (16, 32, 64, 128, 256, 512)}, _ELEMENTS: {True: (2, 4), False: (2, 3, 4, 6)}}
 """By family and quick or full report: cells per slab."""
 _MARCHES = ("exact", "explicit")
 _SAME_PERIOD = 2e-10  # relative; 9e-12 was measured
@@ -184,9 +180,9 @@ def _race_factor(ours: list[Point], rivals: list[PlainRun]) -> str:
 def _agreement(rivals: list[PlainRun]) -> Verdict:
     """The rival at its smallest tolerance."""
     best = min(rivals, key=lambda rival: rival.tolerance)
-    return bounded(
+    return claim(
         "A ten-line program of the paper’s ODE finds the same period",
-        Evidence.WITNESS,
+        WITNESS,
         abs(_error(best.period)),
         _RIVAL_ERROR,
         "scipy’s LSODA on system (41); shares no code with our models",
@@ -198,9 +194,9 @@ def _marches_agree(points: list[Point]) -> Verdict:
     """The two marches of one grid share neither step nor friction solve."""
     period = {(p.setting.cells, p.setting.time): p.period for p in points if p.setting.model == _ELEMENTS}
     apart = max(abs(period[cells, "exact"] / found - 1.0) for (cells, march), found in period.items() if march == "explicit")
-    claim = "The exact and the explicit march of one grid find the same period"
+    title = "The exact and the explicit march of one grid find the same period"
     remark = f"largest relative difference of the periods, {_ELEMENTS} on {len(period) // 2} grids"
-    return bounded(claim, Evidence.WITNESS, apart, _SAME_PERIOD, remark)
+    return claim(title, WITNESS, apart, _SAME_PERIOD, remark)
 
 
 def _grids(points: list[Point]) -> Verdict:
@@ -208,8 +204,8 @@ def _grids(points: list[Point]) -> Verdict:
     allowed = {"fd": _LEAPFROG / max(point.setting.cells or 1 for point in points) ** 2, _ELEMENTS: _FINE}
     off = {model: abs(_finest(points, model).period_error) for model in allowed}
     worst = max(off, key=lambda model: off[model] / allowed[model])
-    claim = "The finest grid of each full wave has the delay system’s period"
-    return bounded(claim, Evidence.WITNESS, off[worst], allowed[worst], f"{', '.join(off)}; shown: `{worst}`")
+    title = "The finest grid of each full wave has the delay system’s period"
+    return claim(title, WITNESS, off[worst], allowed[worst], f"{', '.join(off)}; shown: `{worst}`")
 
 
 def _finest(points: list[Point], model: str) -> Point:
@@ -221,9 +217,9 @@ def _finest(points: list[Point], model: str) -> Point:
 def _right(ours: list[Point]) -> Verdict:
     """Our own run at the smallest tolerance, in the race's setting."""
     best = min(ours, key=lambda point: point.setting.tolerance or 1.0)
-    claim = "The Kelvin–Voigt run of the race has the period of other programs"
+    title = "The Kelvin–Voigt run of the race has the period of other programs"
     remark = f"at {best.setting.words}"
-    return bounded(claim, Evidence.WITNESS, abs(best.period_error), _OUR_ERROR, remark)
+    return claim(title, WITNESS, abs(best.period_error), _OUR_ERROR, remark)
 
 
 _CELLS_FROM = " and ".join(f"{cells[True][0]} cells upwards with `{model}`" for model, cells in _CELLS.items())

@@ -11,8 +11,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.measure.settle import settle
 from validation.registry.build import build
-from validation.study import Budget, Evidence, Figure, Number, Outcome, StudyResult, Table, Verdict, of_paper, table
-from validation.study.bounds import bounded
+from validation.study import ASYMPTOTIC, Budget, Figure, Number, Outcome, StudyResult, Table, Verdict, claim, of_paper, table
 from validation.study.drawing import WIDTH, Drawing, canvas, pen
 from validation.study.text import plain
 
@@ -165,9 +164,9 @@ def _cycle_table(cycles: list[CycleErrors]) -> Table:
 def _onset_verdicts(onsets: Onsets) -> tuple[Verdict, ...]:
     finer = _paper() + 2
     return tuple(
-        bounded(
+        claim(
             f"{model}: error of r_{{c}} follows {_TEXT.get(model, 'its θ^{4} law')}",
-            Evidence.ASYMPTOTIC,
+            ASYMPTOTIC,
             abs(onset.ratio(finer) - 1.0),
             _next_term(model, onset, finer),
             f"shown: measured over law at θ = {onset.theta[finer]:.3f}; its distance from 1 is the next term",
@@ -193,7 +192,7 @@ def _cycle_verdict(cycles: list[CycleErrors]) -> Verdict:
         f"{plain(first.errors['kelvin-voigt'], '.1e')} → {plain(last.errors['kelvin-voigt'], '.1e')}",
         shrink < 0.5 * last.theta / first.theta,
         f"v_{{max}} r stays near {last.swiftness:.1f}: during an event the expansion in r has no small parameter",
-        evidence=Evidence.ASYMPTOTIC,
+        evidence=ASYMPTOTIC,
     )
 
 

@@ -12,8 +12,7 @@ from slipwave.solve import follow
 from validation.measure.order_fit import Fit, extrapolated, fit, shortfall
 from validation.measure.settle import SYMBOLS, settle
 from validation.registry.build import build
-from validation.study import Budget, Cell, Evidence, Figure, Number, StudyResult, Table, Verdict, judge, table
-from validation.study.bounds import bounded
+from validation.study import SELF, WITNESS, Budget, Cell, Figure, Number, StudyResult, Table, Verdict, claim, holding, table
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas
 from validation.study.text import plain
 
@@ -108,7 +107,7 @@ def _period_table(cells: tuple[int, ...], errors: Errors) -> Table:
 
 def _verdicts(fits: dict[str, dict[float, Fit]]) -> list[Verdict]:
     verdicts = []
-    for claim, names, declared in (
+    for title, names, declared in (
         ("Leapfrog: order 2 from the smooth start, in every output", [name for name in fits if name != _JUMP], 2.0),
         ("Leapfrog: order 1 from a jump", [_JUMP], 1.0),
     ):
@@ -116,9 +115,9 @@ def _verdicts(fits: dict[str, dict[float, Fit]]) -> list[Verdict]:
             chosen = [fits[name][cfl] for name in names]
             span = f"{min(fitted.order for fitted in chosen):.2f} to {max(fitted.order for fitted in chosen):.2f}"
             holds = not any(shortfall(fitted, declared) for fitted in chosen)
-            evidence = Evidence.SELF if cfl == 1.0 else Evidence.WITNESS
+            evidence = SELF if cfl == 1.0 else WITNESS
             ours = span if len(chosen) > 1 else f"{chosen[0].order:.3f}"
-            verdicts.append(Verdict(claim, evidence, f"{declared:.0f} at CFL {cfl}", ours, judge(holds)))
+            verdicts.append(holding(title, evidence, f"{declared:.0f} at CFL {cfl}", ours, holds))
     return verdicts
 
 
@@ -126,9 +125,9 @@ def _extrapolated(errors: Array, cells: int, cfl: float) -> Verdict:
     """`errors` of the period, the last one on `cells`. Extrapolation leaves an error of order 4: (N/cells)^2 of the last one."""
     coarse, fine = errors[-2:]
     left = abs(float(extrapolated(coarse, fine, 2.0)))
-    return bounded(
+    return claim(
         "Extrapolated to zero cell size, the period of the full wave is that of the delay system",
-        Evidence.SELF if cfl == 1.0 else Evidence.WITNESS,
+        SELF if cfl == 1.0 else WITNESS,
         left,
         (_NEXT_ORDER[cfl] / cells) ** 2 * abs(float(fine)) + _SETTLED,
         f"at CFL {cfl}; without extrapolation, on the finest grid: {plain(abs(float(fine)), '.0e')}",

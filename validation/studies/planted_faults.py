@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from slipwave.sources import ROOT
-from validation.study import Budget, Evidence, Omission, StudyResult, Table, Verdict, judge, table
+from validation.study import EXACT, Budget, Omission, StudyResult, Table, Verdict, holding, table
 
 NAME = "planted-faults"
 QUESTION = "Does the test suite notice when the program is wrong?"
@@ -67,11 +67,11 @@ def _test_in_words(test: str | None) -> str:
 
 def _verdict(room: str, faults: list[dict[str, Any]]) -> Verdict:
     survivors = [fault["name"] for fault in faults if not _is_caught(fault)]
-    return Verdict(
+    return holding(
         "Planted faults are caught by the checks that they name",
-        Evidence.EXACT,
+        EXACT,
         f"{len(faults)} of {len(faults)}",
         f"{len(faults) - len(survivors)} of {len(faults)}",
-        judge(bool(faults) and not survivors),
+        bool(faults) and not survivors,
         f"in `{room}`" + (f"; survives: {', '.join(survivors)}" if survivors else ""),
     )

@@ -5,8 +5,7 @@ import math
 import slipwave
 from slipwave.scene import Scene
 from validation.references.onset import Onset, onset_of
-from validation.study import Budget, Cell, Evidence, Figure, Number, StudyResult, Table, Verdict, of_paper, table
-from validation.study.bounds import bounded
+from validation.study import EXACT, Budget, Cell, Figure, Number, StudyResult, Table, Verdict, claim, of_paper, table
 from validation.study.drawing import Axes, Drawing, canvas
 
 NAME = "scene-facts"
@@ -99,7 +98,7 @@ def _verdicts(paper: Scene, same: Scene) -> tuple[Verdict, ...]:
     printed = math.sqrt(_TABLE_1["density"] * _TABLE_1["shear_modulus"]) * 1e-6 / 1e3
     agrees = abs(printed / _TABLE_1["epsilon"] - 1) < 5e-3
     return (
-        bounded("SI input and (ε, r) input give the same scene", Evidence.EXACT, gap, _ROUNDING),
+        claim("SI input and (ε, r) input give the same scene", EXACT, gap, _ROUNDING),
         of_paper(
             "Table 1’s paper material has the ε that the paper computes with",
             "ε = 2.8 · 10^{-5}",

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 from slipwave.sources import ROOT
 from validation.run.timing import cores
-from validation.study import Budget, Cell, Evidence, Omission, StudyResult, Verdict, judge, table
+from validation.study import EXACT, SELF, Budget, Cell, Omission, StudyResult, Verdict, holding, table
 
 NAME = "slow-verification"
 QUESTION = "Do the verification tests pass that are too slow for every commit?"
@@ -71,12 +71,12 @@ def _row(file: str, function: str, cases: list[Tested]) -> tuple[Cell, ...]:
 
 def _verdict(file: str, tests: list[Tested]) -> Verdict:
     faulty = [test.name for test in tests if test.fault]
-    return Verdict(
+    return holding(
         "Slow verification tests pass",
-        Evidence.SELF if "order" in file else Evidence.EXACT,
+        SELF if "order" in file else EXACT,
         f"{len(tests)} of {len(tests)}",
         f"{len(tests) - len(faulty)} of {len(tests)}",
-        judge(not faulty),
+        not faulty,
         f"`{file}`" + (f": {', '.join(faulty)}" if faulty else ""),
     )
 

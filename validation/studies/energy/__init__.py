@@ -18,8 +18,7 @@ from validation.studies.energy.ledgers import (
     order_of,
     residual_of,
 )
-from validation.study import Budget, Cell, Evidence, Figure, Number, StudyResult, Table, Verdict, judge, table
-from validation.study.bounds import bounded
+from validation.study import EXACT, Budget, Cell, Figure, Number, StudyResult, Table, Verdict, claim, holding, table
 from validation.study.drawing import WIDTH, Drawing, canvas, grid_pens
 from validation.study.text import plain
 
@@ -49,10 +48,7 @@ def run(budget: Budget) -> StudyResult:
     orders = {model: order_of(model, residuals[model]) for model in ORDERS}
     return StudyResult(
         answer=answer(shown, residuals["fd"], orders),
-        figures=(
-            Figure("entries", _ENTRIES, lambda: histories(shown)),
-            Figure("closure", _CLOSURE, lambda: closure(residuals)),
-        ),
+        figures=(Figure("entries", _ENTRIES, lambda: histories(shown)), Figure("closure", _CLOSURE, lambda: closure(residuals))),
         tables=(_shares_table(shown), _residual_table(residuals, orders), _high_table(high)),
         verdicts=(*ladder_verdicts(residuals["fd"], orders), _balances(shown), *high_verdicts(high)),
         numbers={f"order of {model}": Number(found.order, 2e-2) for model, found in orders.items()},
@@ -74,11 +70,11 @@ def answer(shown: Mapping[str, History], fd: Array, orders: Mapping[str, Fit]) -
 def ladder_verdicts(fd: Array, orders: Mapping[str, Fit]) -> Iterator[Verdict]:
     """The leapfrog on every grid; the order of every model that does not conserve, with its 95 % interval."""
     conserves = "The leapfrog’s ledger closes to rounding on every grid"
-    yield bounded(conserves, Evidence.EXACT, float(fd.max()), _CLOSED["rigid faces"])
-    claim = "Energy losses of the other families have the order of their squared jumps"
+    yield claim(conserves, EXACT, float(fd.max()), _CLOSED["rigid faces"])
+    title = "Energy losses of the other families have the order of their squared jumps"
     for model, found in orders.items():
         holds = not shortfall(found, ORDERS[model], _ALLOWANCE)
-        yield Verdict(claim, Evidence.EXACT, f"{ORDERS[model]:g}", _with_interval(found), judge(holds), f"`{model}`")
+        yield holding(title, EXACT, f"{ORDERS[model]:g}", _with_interval(found), holds, f"`{model}`")
 
 
 def _with_interval(found: Fit) -> str:
@@ -89,8 +85,8 @@ def _balances(shown: Mapping[str, History]) -> Verdict:
     """The entries of two cycles: the input is the sum of the others."""
     off = {name: abs(1.0 - sum(history.share(entry) for entry in ENTRIES[1:])) for name, history in shown.items()}
     worst = max(off, key=off.__getitem__)
-    claim = "Over two cycles the work of the drive is friction, radiation, viscous heat and what stays in the slabs"
-    return bounded(claim, Evidence.EXACT, off[worst], _BALANCED, f"relative to the work; {', '.join(off)}; shown: {worst}")
+    title = "Over two cycles the work of the drive is friction, radiation, viscous heat and what stays in the slabs"
+    return claim(title, EXACT, off[worst], _BALANCED, f"relative to the work; {', '.join(off)}; shown: {worst}")
 
 
 def high_verdicts(high: Mapping[str, Mapping[str, float]]) -> Iterator[Verdict]:
@@ -98,7 +94,7 @@ def high_verdicts(high: Mapping[str, Mapping[str, float]]) -> Iterator[Verdict]:
     for name in BOUNDARIES:
         worst = max(high, key=lambda model: high[model][name])
         remark = f"{name}; worst of {', '.join(high)}: `{worst}`"
-        yield bounded("Ledgers of high degree close to rounding", Evidence.EXACT, high[worst][name], _CLOSED[name], remark)
+        yield claim("Ledgers of high degree close to rounding", EXACT, high[worst][name], _CLOSED[name], remark)
 
 
 def _shares_table(shown: Mapping[str, History]) -> Table:

@@ -28,7 +28,7 @@ from validation.studies.grid_convergence.orbits import (
     orbit_verdicts,
 )
 from validation.studies.grid_convergence.shown import convergence_and_cost, finest_table, orders_table
-from validation.study import Budget, Evidence, Figure, Number, StudyResult, Verdict, judge
+from validation.study import WITNESS, Budget, Figure, Number, StudyResult, Verdict, holding
 from validation.study.text import places, plain
 
 NAME = "grid-convergence"
@@ -131,12 +131,12 @@ def _order_verdict(climbed: Climb) -> Verdict:
     symbols = {**OUTPUTS, "state": "the state", "together": "all together"}
     names = ", ".join(symbols[complaint.split(":")[0]] for complaint in short if not climbed.lost)
     two = climbed.ladder.declared == 2.0
-    return Verdict(
+    return holding(
         "Every full-wave family reaches its order in space in every output, from the smooth start",
-        Evidence.WITNESS,
+        WITNESS,
         f"{climbed.ladder.promised if not two else 2:g}" + ("" if two else " or more"),
         f"no order: {climbed.lost}" if climbed.lost else f"{climbed.fit_together().rounded}, outputs {low:.2f} to {high:.2f}",
-        judge(not short),
+        not short,
         f"`{climbed.ladder.model}`" + (f": short in {names}" if names else _REMARKS.get(climbed.ladder.model, "")),
     )
 

@@ -13,8 +13,7 @@ from validation.measure.orders import QUANTITIES, Measured, errors, measure
 from validation.registry.build import build
 from validation.registry.families import grid_of
 from validation.studies.grid_convergence.marches import without_error_in_time
-from validation.study import Cell, Evidence, Table, Verdict, judge, table
-from validation.study.bounds import bounded
+from validation.study import WITNESS, Cell, Table, Verdict, claim, holding, table
 from validation.study.text import plain
 
 _GRIDS = {"sbp:6": 32, "fem:4": 6, "dg:7": 3}
@@ -107,30 +106,26 @@ def time_table(found: list[Marches]) -> Table:
 
 def time_verdicts(found: list[Marches]) -> list[Verdict]:
     """Order of the explicit march, agreement of the two, and the error requested of the exact one."""
-    return [
-        *(_order_verdict(one) for one in found),
-        *(_agreement(one) for one in found),
-        _requested(found),
-    ]
+    return [*(_order_verdict(one) for one in found), *(_agreement(one) for one in found), _requested(found)]
 
 
 def _order_verdict(one: Marches) -> Verdict:
     short = shortfall(one.order, one.declared, tolerance=0.5, at_least=True, widest=1.0)
-    claim = "On one grid the explicit march approaches the exact one at the order of its Runge-Kutta method"
+    title = "On one grid the explicit march approaches the exact one at the order of its Runge-Kutta method"
     remark = f"`{one.model}` with {_GRIDS[one.model]} cells, Courant numbers from {COURANT[0]:.2f} down to {COURANT[-1]:.2f}"
-    return Verdict(claim, Evidence.WITNESS, f"{one.declared} or more", one.order.rounded, judge(not short), remark)
+    return holding(title, WITNESS, f"{one.declared} or more", one.order.rounded, not short, remark)
 
 
 def _agreement(one: Marches) -> Verdict:
-    claim = "The exact and the explicit march of one grid agree in every output"
+    title = "The exact and the explicit march of one grid agree in every output"
     remark = f"`{one.model}` with {_GRIDS[one.model]} cells; the worst of {len(QUANTITIES)} quantities"
-    return bounded(claim, Evidence.WITNESS, one.apart, _APART[one.model], remark)
+    return claim(title, WITNESS, one.apart, _APART[one.model], remark)
 
 
 def _requested(found: list[Marches]) -> Verdict:
-    claim = "The exact march keeps the error requested of it, measured by the explicit march of the same grid"
+    title = "The exact march keeps the error requested of it, measured by the explicit march of the same grid"
     remark = f"the largest excess; requests from {plain(REQUESTS[0], '.0e')} to {plain(REQUESTS[-1], '.0e')}"
-    return bounded(claim, Evidence.WITNESS, max(one.excess for one in found), _EXCESS, remark)
+    return claim(title, WITNESS, max(one.excess for one in found), _EXCESS, remark)
 
 
 TIME_NOTE = (

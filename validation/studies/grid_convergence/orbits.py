@@ -7,8 +7,7 @@ from typing import NamedTuple
 from slipwave.observe.statistics import Estimate
 from validation.measure.correlated import mean_of
 from validation.registry.families import grid_of
-from validation.study import Evidence, Table, Verdict, judge, table
-from validation.study.bounds import bounded
+from validation.study import WITNESS, Table, Verdict, claim, holding, table
 from validation.study.memo import late_cycles, own_orbit
 from validation.study.over_r import begun_at, scene_at
 from validation.study.text import plain
@@ -134,21 +133,21 @@ def _order(family: list[GridOrbit]) -> Verdict:
     members, number = grid_of(model)
     declared = members.order_interface(number)
     orders = [order_of(family, quantity) for quantity in _FLOOR]
-    return Verdict(
+    return holding(
         "The grid’s own orbit approaches the delay system’s at the declared order or faster",
-        Evidence.WITNESS,
+        WITNESS,
         f"{declared} or more",
         f"{orders[0]:.2g} in T, {orders[1]:.2g} in Δμ",
-        judge(min(orders) >= declared),
+        min(orders) >= declared,
         f"`{model}`, {family[0].cells} to {family[-1].cells} cells a slab",
     )
 
 
 def _agreement(last: GridOrbit, allowed: tuple[float, float]) -> list[Verdict]:
-    claim = "Discretisations of the wave agree with the delay system on the orbit’s period and stress drop"
+    title = "Discretisations of the wave agree with the delay system on the orbit’s period and stress drop"
     where = f"`{last.model}` with {last.cells} cells a slab, log_{{10}} r = −{-_AT:g}"
     return [
-        bounded(claim, Evidence.WITNESS, size, limit, f"{symbol}, {where}")
+        claim(title, WITNESS, size, limit, f"{symbol}, {where}")
         for symbol, size, limit in zip(("T", "Δμ"), (last.period, last.stress_drop), allowed, strict=True)
     ]
 
@@ -156,15 +155,13 @@ def _agreement(last: GridOrbit, allowed: tuple[float, float]) -> list[Verdict]:
 def _grown(beside: list[Beside]) -> Iterator[Verdict]:
     orbits, means = [one for one in beside if not one.cycles], [one for one in beside if one.cycles]
     if orbits:
-        claim = "The full wave’s own orbit is the delay system’s as r grows, where it is unstable too"
-        yield bounded(claim, Evidence.WITNESS, max(one.apart for one in orbits), _APART, f"T and Δμ, {_where(orbits)}")
+        title = "The full wave’s own orbit is the delay system’s as r grows, where it is unstable too"
+        yield claim(title, WITNESS, max(one.apart for one in orbits), _APART, f"T and Δμ, {_where(orbits)}")
     if means:
         off = max(one.apart for one in means)
-        claim = "Where the motion is irregular, means of T and Δμ of the full wave are the delay system’s"
+        title = "Where the motion is irregular, means of T and Δμ of the full wave are the delay system’s"
         expected, ours = f"within {_ERRORS:g} standard errors", f"within {off:.1f}"
-        yield Verdict(
-            claim, Evidence.WITNESS, expected, ours, judge(0.0 < off < _ERRORS), _where(means)
-        )  # 0: one run with itself
+        yield holding(title, WITNESS, expected, ours, 0.0 < off < _ERRORS, _where(means))  # 0: one run with itself
 
 
 def _where(some: list[Beside]) -> str:

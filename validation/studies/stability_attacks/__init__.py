@@ -29,8 +29,7 @@ from validation.studies.stability_attacks.runs import (
     attack,
     locked_noise,
 )
-from validation.study import Budget, Cell, Evidence, Number, StudyResult, Table, Verdict, judge, table
-from validation.study.bounds import bounded
+from validation.study import EXACT, WITNESS, Budget, Cell, Number, StudyResult, Table, Verdict, claim, holding, table
 from validation.study.text import places, plain
 
 NAME = "stability-attacks"
@@ -122,12 +121,12 @@ def limit_verdict(limits: Mapping[str, Mapping[int, float]]) -> Verdict:
     """Whether the limit stays where stiffness moves."""
     every = [(value, decade) for shares in limits.values() for decade, value in shares.items()]
     returning, decades = [value for value, decade in every if decade != 0], [decade for _, decade in every]
-    return Verdict(
+    return holding(
         "The step limit does not move with the stiffness of friction",
-        Evidence.EXACT,
+        EXACT,
         f"1, ± {100 * _SHARP:.0f} %",
         f"{min(returning):.2f} to {max(returning):.2f}",
-        judge(all(abs(value - 1.0) <= _SHARP for value in returning) and min(value for value, _ in every) >= 1.0 - _SHARP),
+        all(abs(value - 1.0) <= _SHARP for value in returning) and min(value for value, _ in every) >= 1.0 - _SHARP,
         f"largest stable step over the declared one, {len(limits)} families, a/v from 10^{{{min(decades)}}} to "
         f"10^{{{max(decades)}}} times Z; where friction absorbs the waves (a/v = Z) up to "
         f"{max(value for value, _ in every):.2f}",
@@ -138,12 +137,12 @@ def medium_verdict(media: Media) -> Verdict:
     """Whether the limit parts calm from growth in every medium."""
     below, above = zip(*(pair for by_family in media.values() for pair in by_family.values()), strict=True)
     grown = f"at least {plain(min(above), '.0e')}" if math.isfinite(min(above)) else "all beyond any number"
-    return Verdict(
+    return holding(
         f"Noise stays at {AROUND[0][0]:g} of the limit and grows at {AROUND[1][0]:g}, for all slabs and faces",
-        Evidence.EXACT,
+        EXACT,
         f"below {_CALM:g}, above {_GROWN:g}",
         f"at most {max(below):.1f}, {grown}",
-        judge(max(below) < _CALM and min(above) > _GROWN),
+        max(below) < _CALM and min(above) > _GROWN,
         f"{len(media)} media by {len(CELLS)} families, over the noise put in",
     )
 
@@ -153,12 +152,12 @@ def state_verdict(reach: Mapping[str, float]) -> Verdict:
     wanted = {model: _reach_of(model) for model in reach}
     ratios = [value / wanted[model] for model, value in reach.items() if math.isfinite(wanted[model])]
     unlimited = all(math.isinf(value) for model, value in reach.items() if math.isinf(wanted[model]))
-    return Verdict(
+    return holding(
         "Fast relaxation of ψ limits the step at the real stability limit of the time stepping",
-        Evidence.EXACT,
+        EXACT,
         f"1, ± {100 * _REACHED:.0f} %",
         f"{min(ratios):.3f} to {max(ratios):.3f}",
-        judge(all(abs(ratio - 1.0) <= _REACHED for ratio in ratios) and unlimited),
+        all(abs(ratio - 1.0) <= _REACHED for ratio in ratios) and unlimited,
         f"Δt r V over {_REACH[4]:g} (Runge-Kutta of order 4) or {_REACH[8]:g} (order 8); the leapfrog takes ψ "
         "implicitly and has no such limit",
     )
@@ -173,8 +172,8 @@ def stop_verdict(stopped: Mapping[str, bool]) -> Verdict:
     """Whether steps that are too long end with a message."""
     silent, total = [model for model, stops in stopped.items() if not stops], len(stopped)
     remark = f"steps {BEYOND:g} times the limit, paper’s scene{'; silent: ' + ', '.join(silent) if silent else ''}"
-    claim, ours = "A step past the limit ends the run with a message", f"{total - len(silent)} of {total}"
-    return Verdict(claim, Evidence.EXACT, f"{total} of {total}", ours, judge(not silent), remark)
+    title, ours = "A step past the limit ends the run with a message", f"{total - len(silent)} of {total}"
+    return holding(title, EXACT, f"{total} of {total}", ours, not silent, remark)
 
 
 def attack_verdict(name: str, by_family: Mapping[str, AttackOutcome], beyond: bool) -> Verdict:
@@ -187,12 +186,12 @@ def attack_verdict(name: str, by_family: Mapping[str, AttackOutcome], beyond: bo
         """Errors of psi, and of the late motion if the run goes on."""
         return f"ψ to {plain(early, '.0e')}" + (f", late {plain(late, '.0e')}" if beyond else "")
 
-    return Verdict(
+    return holding(
         "Extreme scenes end right or with a message, never silently wrong",
-        Evidence.WITNESS,
+        WITNESS,
         f"{words(*right)}, or a message",
         words(max(one.error for one in through), max(one.late for one in through)) if through else "messages",
-        judge(not silent),
+        not silent,
         f"{ATTACKS[name].title}, against the delay system" + (f"; silent: {', '.join(silent)}" if silent else ""),
     )
 
@@ -203,20 +202,20 @@ def advice_verdict(advice: Mapping[str, Advice]) -> Verdict:
     worst = max(advice, key=lambda model: advice[model].error / allowed[model])
     asked = f"{sum(one.stopped > 0 for one in advice.values())} of {len(advice)} families asked"
     remark = f"ψ, V = 10^{{5}} V*, {ADVISED:g} transits; {asked}; shown: `{worst}`, the closest to its limit"
-    claim = "A run that asks for more cells is right once it has them"
-    return bounded(claim, Evidence.WITNESS, advice[worst].error, allowed[worst], remark)
+    title = "A run that asks for more cells is right once it has them"
+    return claim(title, WITNESS, advice[worst].error, allowed[worst], remark)
 
 
 def noise_verdict(noise: Mapping[str, float], transits: float) -> Verdict:
     """Whether noise gained energy."""
     others = {model: ratio for model, ratio in noise.items() if not grid_of(model)[0].conserves}
     worst = max(others, key=others.__getitem__)
-    return Verdict(
+    return holding(
         "Noise at the grid scale gains no energy in a locked slab, and the leapfrog loses none",
-        Evidence.EXACT,
+        EXACT,
         f"1 ± {plain(_SWINGS, '.0e')}; less than 1",
         f"{noise['fd']:.6g}; {others[worst]:.3g}",
-        judge(abs(noise["fd"] - 1.0) < _SWINGS and all(ratio < 1.0 for ratio in others.values())),
+        abs(noise["fd"] - 1.0) < _SWINGS and all(ratio < 1.0 for ratio in others.values()),
         f"energy after {transits:,.0f} transits over that in the first ten: `fd`; largest of {len(others)} others: `{worst}`",
     )
 

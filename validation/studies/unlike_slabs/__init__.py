@@ -4,8 +4,7 @@ import slipwave
 from validation.studies.unlike_slabs.cost import Costs, cost_table, cost_verdicts, costs
 from validation.studies.unlike_slabs.runs import TOLERANCE, UNTIL, PairRun, march
 from validation.studies.unlike_slabs.shown import last_cycles
-from validation.study import Budget, Evidence, Figure, Number, Omission, StudyResult, Table, Verdict, judge, table
-from validation.study.bounds import bounded
+from validation.study import WITNESS, Budget, Figure, Number, Omission, StudyResult, Table, Verdict, claim, holding, table
 from validation.study.text import plain, power
 
 NAME = "unlike-slabs"
@@ -91,9 +90,9 @@ def _table(runs: dict[str, list[PairRun]]) -> Table:
 
 def _agreements(runs: dict[str, list[PairRun]]) -> list[Verdict]:
     return [
-        bounded(
+        claim(
             "Unlike slabs: delay network and discontinuous Galerkin agree",
-            Evidence.WITNESS,
+            WITNESS,
             abs(pair_runs[1].differs(pair_runs[0])["psi"]),
             _PROMISED,
             f"ψ({UNTIL:.0f}), round trips {_PAIRS[name]} : 1",
@@ -109,7 +108,7 @@ def _families(runs: dict[str, list[PairRun]]) -> list[Verdict]:
         limit = _AMONG * (_AMONG_CELLS / next(pair_run.cells or 1 for pair_run in pair_runs if pair_run.model == "sbp:6")) ** 3
         remark = f"{', '.join(f'`{model}`' for model in _HIGH)}; ψ({UNTIL:.0f}), round trips {_PAIRS[name]} : 1"
         off = max(states) - min(states)
-        verdicts.append(bounded("Unlike slabs: full-wave families agree", Evidence.WITNESS, off, limit, remark))
+        verdicts.append(claim("Unlike slabs: full-wave families agree", WITNESS, off, limit, remark))
     return verdicts
 
 
@@ -119,12 +118,12 @@ def _leapfrog(runs: dict[str, list[PairRun]]) -> list[Verdict]:
     for name, pair_runs in runs.items():
         coarse, fine = (abs(pair_run.differs(pair_runs[0])["psi"]) for pair_run in pair_runs if pair_run.model == "fd")
         verdicts.append(
-            Verdict(
+            holding(
                 "Unlike slabs: leapfrog’s error falls with the square of the cell",
-                Evidence.WITNESS,
+                WITNESS,
                 "ratio 4",
                 f"{coarse / fine:.3f}",
-                judge(abs(coarse / fine - 4.0) < _SECOND_ORDER),
+                abs(coarse / fine - 4.0) < _SECOND_ORDER,
                 f"error of ψ({UNTIL:.0f}) at half and at all the cells, round trips {_PAIRS[name]} : 1",
             )
         )

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from validation.study import Cell, Evidence, Outcome, Table, Verdict, judge, table
+from validation.study import SELF, Cell, Outcome, Table, Verdict, judge, table
 from validation.timing import UNLIKE_R, March, Setting, alike_and_unlike, in_turn, warm_up
 
 _MODELS: dict[str, tuple[float, dict[str, Any]]] = {
@@ -80,6 +80,6 @@ def _cost_verdict(model: str, pair: str, ratio: float, limit: float) -> Verdict:
     else:
         name, expected = "full wave", f"{_CELLS_RATIO:g} times, the ratio of the cells, within a tenth"
         why = "; two slabs are marched instead of one, and the longer one has twice the cells"
-    claim, outcome = f"Cost of unlike slabs over alike ones: {name}", judge(ratio <= limit, Outcome.FINDING)
+    title, outcome = f"Cost of unlike slabs over alike ones: {name}", judge(ratio <= limit, Outcome.FINDING)
     remark = f"`{model.partition(',')[0]}`, {_words(model)}, {pair} round trips{why}"
-    return Verdict(claim, Evidence.SELF, expected, f"{ratio:.1f} times", outcome, remark)
+    return Verdict(title, SELF, expected, f"{ratio:.1f} times", outcome, remark)
