@@ -67,10 +67,12 @@ def follow(
     """
     pieces: Pieces | None = None
     leaper = solver if leaps and isinstance(solver, Leaping) else None
+    spanning = [one for one in observers if isinstance(one, Spanning)]
+    patient = len(spanning) == len(observers)
     _act(solver, marks)
     while solver.time < until - SAME:
         stop = max(min([until, *(mark.due for mark in marks)]), solver.time + 2.0 * SAME)
-        whole = min([until, *(one.whole_from if isinstance(one, Spanning) else 0.0 for one in observers)])
+        whole = min([until, *(one.whole_from for one in spanning)]) if patient else 0.0
         if leaper is None:
             pieces = solver.advance(stop)
         elif whole > solver.time + SAME:
