@@ -31,10 +31,10 @@ def logarithms(figures: Array) -> Array:
 def still_changes(figures: Array) -> bool:
     """Whether the cycles with these `figures` (cycles, 5) approach or leave something, or drift."""
     values = logarithms(figures)
-    count = len(values)
-    if _one_way(values):
-        return True
-    return any(_shrinks(values, lag) or _drifts(values, lag) for lag in range(1, min(LAGS, count // 4) + 1))
+    steps = np.diff(values, axis=0)
+    one_way = ((steps > 0.0).all(axis=0) | (steps < 0.0).all(axis=0)).all()
+    lags = range(1, min(LAGS, len(values) // 4) + 1)
+    return bool(one_way) or any(_shrinks(values, lag) or _drifts(values, lag) for lag in lags)
 
 
 def goes_on(periods: Array, within: float) -> bool:
@@ -67,11 +67,6 @@ def line(values: Array) -> tuple[float, float, float]:
     return change, error, 1.0 - float(left @ left) / variance if variance > 0.0 else 0.0
 
 
-def _one_way(values: Array) -> bool:
-    steps = np.diff(values, axis=0)
-    return bool(((steps > 0.0).all(axis=0) | (steps < 0.0).all(axis=0)).all())
-
-
 def _shrinks(values: Array, lag: int) -> bool:
     """Whether the cycles `lag` apart come closer, or part, exponentially."""
     apart = np.log(np.maximum(np.abs(values[lag:] - values[:-lag]).max(axis=1), _NONE))
@@ -79,8 +74,8 @@ def _shrinks(values: Array, lag: int) -> bool:
         return bool(apart.size > 1 and apart[-1] < apart[0] - np.log(2.0) and (np.diff(apart) < 0.0).all())
     change, error, _ = line(apart)
     late, later, _ = line(apart[apart.size // 2 :])
-    goes_on = late * change > 0.0 and abs(late) >= max(_LATE * abs(change), later)
-    return goes_on and abs(change) >= max(np.log(2.0), _ERRORS * error)
+    lasts = late * change > 0.0 and abs(late) >= max(_LATE * abs(change), later)
+    return lasts and abs(change) >= max(np.log(2.0), _ERRORS * error)
 
 
 def _drifts(values: Array, lag: int) -> bool:

@@ -14,20 +14,20 @@ COUNT = 4096
 
 _FIRST = 2.0**-10  # length of an interval at first, in transits or in L of slip
 _ROWS = _TIME, _SLIP, _Z, _MU = range(4)
+_EMPTY = np.stack([np.full((len(_ROWS), COUNT), np.inf), np.full((len(_ROWS), COUNT), -np.inf)])
 
-
-Range: TypeAlias = tuple[Array, Array]
+Ranges: TypeAlias = tuple[Array, Array]
 """The least and the greatest values in each interval."""
 
 
-class Curve(NamedTuple):
+class Shown(NamedTuple):
     """The intervals that hold samples, as arrays of equal length: `time` (transits) and `slip` (L, from the first sample on) of
     the latest sample, and the ranges of the slip rate (V*) and of the friction stress."""
 
     time: Array
     slip: Array
-    rate: Range
-    stress: Range
+    rate: Ranges
+    stress: Ranges
 
 
 class Envelope:
@@ -50,40 +50,35 @@ class Envelope:
         return self._begin if self._end - self._begin <= 2.0 * COUNT and self._reached <= self._end else math.inf
 
     def scan(self, pieces: Pieces) -> None:
-        """Take the next pieces of the run, in order."""
+        """Take the next pieces of the run. Behind a gap, and in intervals of whole transits, all samples of a transit go to one
+        interval, where the next ones may be empty: a part of a transit has another range."""
         time = pieces.time[:, None] + pieces.length[:, None] * self._nodes
         inside = (time >= self._begin) & (time <= self._end)
+        ends = pieces.time + pieces.length
         if inside.any():
             transit = np.broadcast_to(np.floor(pieces.time + SAME)[:, None], time.shape)[inside]
             time, z, mu, y = (values[inside] for values in (time, pieces.z, pieces.mu, pieces.y))
             slip = self._scene.transit * (self._scene.drive.travel(time) - y / self._scene.stiffness)
             self._origin = float(slip[0]) if math.isnan(self._origin) else self._origin
-            self._add(transit, np.stack([time, slip - self._origin, z, mu]), gaps=self._has_gaps(pieces))
-        self._reached = float(pieces.time[-1] + pieces.length[-1]) if pieces.time.size else self._reached
+            samples = np.stack([time, slip - self._origin, z, mu])
+            by_time, by_slip = self._bins
+            by_time.add(np.maximum(transit - self._begin, 0.0) if by_time.width >= 1.0 else time - self._begin, samples)
+            gaps = (pieces.time > np.concatenate(([self._reached], ends[:-1])) + 0.5).any()
+            by_slip.add(samples[_SLIP][np.searchsorted(transit, transit)] if gaps else samples[_SLIP], samples)
+        self._reached = float(ends[-1]) if ends.size else self._reached
 
-    def _has_gaps(self, pieces: Pieces) -> bool:
-        ends = np.concatenate(([self._reached], (pieces.time + pieces.length)[:-1]))
-        return bool((pieces.time > ends + 0.5).any())
-
-    def _add(self, transit: Array, samples: Array, gaps: bool) -> None:
-        """All samples of a transit go to one interval where the next ones may be empty: a part of it has another range."""
-        by_time, by_slip = self._bins
-        by_time.add(np.maximum(transit - self._begin, 0.0) if by_time.width >= 1.0 else samples[_TIME] - self._begin, samples)
-        firsts = np.searchsorted(transit, transit)
-        by_slip.add(samples[_SLIP][firsts] if gaps else samples[_SLIP], samples)
-
-    def by_time(self) -> Curve:
+    def by_time(self) -> Shown:
         """The motion so far over equal intervals of time."""
-        return self._curve(self._bins[0])
+        return self._shown(self._bins[0])
 
-    def by_slip(self) -> Curve:
+    def by_slip(self) -> Shown:
         """The motion so far over equal intervals of slip."""
-        return self._curve(self._bins[1])
+        return self._shown(self._bins[1])
 
-    def _curve(self, bins: "_Bins") -> Curve:
-        low, high = bins.filled()
+    def _shown(self, bins: "_Bins") -> Shown:
+        low, high = bins.ranges[:, :, np.isfinite(bins.ranges[0, 0])]
         rate = rates(self._scene.law, low[_Z]), rates(self._scene.law, high[_Z])
-        return Curve(high[_TIME], high[_SLIP], rate, (low[_MU], high[_MU]))
+        return Shown(high[_TIME], high[_SLIP], rate, (low[_MU], high[_MU]))
 
     def state(self) -> dict[str, Array]:
         """All that was seen, for a checkpoint."""
@@ -103,25 +98,17 @@ class Envelope:
 class _Bins:
     """`ranges` (low and high, rows, intervals) of samples over intervals `width` long."""
 
-    def __init__(self, width: float = _FIRST, ranges: Array | None = None) -> None:
-        self.width, self.ranges = width, self._empty(COUNT) if ranges is None else ranges
+    def __init__(self, width: float = _FIRST, ranges: Array = _EMPTY) -> None:
+        self.width, self.ranges = width, ranges.copy()
 
     def add(self, places: Array, samples: Array) -> None:
         """Take samples (rows, n) at `places` (n,) from 0 on, as a rule rising."""
         while places.max() >= COUNT * self.width:
             pairs = self.ranges.reshape(2, len(_ROWS), -1, 2)
             halves = np.stack([pairs[0].min(axis=2), pairs[1].max(axis=2)])
-            self.ranges, self.width = np.concatenate([halves, self._empty(COUNT // 2)], axis=2), 2.0 * self.width
+            self.ranges, self.width = np.concatenate([halves, _EMPTY[:, :, COUNT // 2 :]], axis=2), 2.0 * self.width
         intervals = np.maximum(places / self.width, 0.0).astype(int)
         first = np.flatnonzero(np.diff(intervals, prepend=-1))
         for mine, extreme in zip(self.ranges, (np.minimum, np.maximum), strict=True):
             for row, values in zip(mine, extreme.reduceat(samples, first, axis=1), strict=True):
                 extreme.at(row, intervals[first], values)
-
-    def filled(self) -> Array:
-        """`ranges` of the intervals that hold samples."""
-        return self.ranges[:, :, np.isfinite(self.ranges[0, 0])]
-
-    @staticmethod
-    def _empty(count: int) -> Array:
-        return np.stack([np.full((len(_ROWS), count), np.inf), np.full((len(_ROWS), count), -np.inf)])

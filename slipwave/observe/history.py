@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from slipwave.friction import Law, rates
-from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis, values_at
+from slipwave.observe.pieces import Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis, values_at
 
 
 class HistoryObserver:
@@ -20,7 +20,7 @@ class HistoryObserver:
         self._kept: list[Pieces] = []
 
     def scan(self, pieces: Pieces) -> None:
-        """Take the next pieces of the run, in order."""
+        """Keep those of the next pieces that touch the window."""
         touching = (pieces.time + pieces.length >= self._start) & (pieces.time <= self._end)
         if touching.any():
             self._kept.append(Pieces(*(values[touching] for values in pieces)))
@@ -31,7 +31,6 @@ class HistoryObserver:
         self._kept = [part for part in self._kept if part.time[-1] + part.length[-1] >= before]
 
     def __len__(self) -> int:
-        """How many chunks of pieces are kept."""
         return len(self._kept)
 
     def samples(self, per_piece: int | None = None) -> Array:
@@ -52,10 +51,8 @@ class HistoryObserver:
         return named_columns(self._law, self.samples())
 
     def _pieces(self) -> Pieces:
-        if not self._kept:
-            empty, flat = np.empty(0), np.empty((0, self._basis.nodes.size))
-            return Pieces(empty, empty, flat, flat, flat, flat)
-        return Pieces(*(np.concatenate(parts) for parts in zip(*self._kept, strict=True)))
+        parts = self._kept or [empty_pieces(0, self._basis.nodes.size)]
+        return Pieces(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
     def state(self) -> dict[str, Array]:
         """The pieces, a row each, for a checkpoint."""

@@ -60,7 +60,8 @@ class ProtocolObserver:
         samples, begun = self._sampled(self._coarse, pieces, self._slip)
         middle = pieces.time + 0.5 * pieces.length
         now = float(pieces.time[-1] + pieces.length[-1])
-        for k, stage in enumerate(self._until(now), self._now):
+        begun_by_now = bisect_right(self.stages, now, key=lambda stage: stage.start)
+        for k, stage in enumerate(self.stages[self._now : begun_by_now], self._now):
             first, end = np.searchsorted(np.repeat(middle, samples.shape[2]) if self._cut else samples[0].ravel(), stage[1:3])
             inside = samples.reshape(len(samples), -1)[:, first:end]
             inside = inside[:, inside[0] <= stage.end + 1e-9]
@@ -86,10 +87,6 @@ class ProtocolObserver:
         time = pieces.time[:, None] + pieces.length[:, None] * points
         rate = rates(self._scene.law, _at(rows, pieces.z))
         return np.stack([time, _at(rows, pieces.mu), rate, gained[:, :-1] + begun[: len(gained), None]]), begun
-
-    def _until(self, time: float) -> list[Stage]:
-        """The stages from the first that is not over to that of `time`."""
-        return self.stages[self._now : bisect_right(self.stages, time, key=lambda stage: stage.start)]
 
     def _look_for_peaks(self, k: int, stage: Stage, pieces: Pieces, begun: Array) -> None:
         """The peak of a stage, and where the stress has come back after it, in those of its `pieces` in which they may lie."""
@@ -120,9 +117,9 @@ class ProtocolObserver:
         half, last, late = (time >= stage.end - share * (stage.end - stage.start) for share in (0.5, 0.25, LATE))
         self._seen[k] = seen._replace(
             last=float(mu[-1]),
-            third=_widened(seen.third, ln_v[half & ~last]),
-            fourth=_widened(seen.fourth, ln_v[last]),
-            late=_widened(seen.late, ln_v[late]),
+            third=seen.third.with_values(ln_v[half & ~last]),
+            fourth=seen.fourth.with_values(ln_v[last]),
+            late=seen.late.with_values(ln_v[late]),
             reached=reached,
         )
         self._last = float(mu[-1])
@@ -136,18 +133,13 @@ class ProtocolObserver:
 
     def state(self) -> dict[str, Array]:
         """What was seen, a row for each stage, for a checkpoint."""
-        return {
-            "seen": np.array([np.hstack(seen) for seen in self._seen], dtype=float),
-            "slip": np.array([self._slip, self._last]),
-        }
+        seen = np.array([np.hstack(seen) for seen in self._seen], dtype=float)
+        return {"seen": seen, "slip": np.array([self._slip, self._last])}
 
     def restore(self, state: dict[str, Array]) -> None:
         """Continue from what `state` returned."""
         rows = state["seen"].tolist()
-        self._seen = [
-            Seen(*row[:5])._replace(third=Range(*row[5:7]), fourth=Range(*row[7:9]), late=Range(*row[9:11]), reached=row[11])
-            for row in rows
-        ]
+        self._seen = [Seen._make([*row[:5], *(Range(*row[k : k + 2]) for k in (5, 7, 9)), row[11]]) for row in rows]
         self._now = sum(seen.reached >= stage.end for stage, seen in zip(self.stages, self._seen, strict=True))
         self._slip, self._last = state["slip"].tolist()
 
@@ -158,10 +150,6 @@ def _at(rows: Array, values: Array) -> Array:
     for j in range(1, rows.shape[1]):
         total += values[:, j : j + 1] * rows[:, j]
     return total
-
-
-def _widened(known: Range, values: Array) -> Range:
-    return Range(float(min(known.low, values.min(initial=math.inf))), float(max(known.high, values.max(initial=-math.inf))))
 
 
 def _until_recovered(seen: Seen, sign: float, steady: float, mu: Array) -> int:

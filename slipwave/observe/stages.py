@@ -9,8 +9,8 @@
 
 A stage has settled if it ends within the run and, in its last tenth, the slip rate is within 1 % of V. It stick-slips if it has
 not settled and the slip rate changes by more than a factor e in its third quarter and in its last, there as much as before: a
-ringing that decays changes less. Figures that need a settled stage are None where
-it has not settled; all are None where it stick-slips.
+ringing that decays changes less. Figures that need a settled stage are None where it has not
+settled; all are None where it stick-slips.
 """
 
 import math
@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple, TypeAlias
 
-from slipwave.observe.pieces import SAME
+from slipwave.observe.pieces import SAME, Array
 from slipwave.scene.drive import Drive
 
 Kind: TypeAlias = Literal["start", "step", "hold", "slide", "ramp", "level"]
@@ -58,6 +58,10 @@ class Range(NamedTuple):
     def width(self) -> float:
         """Highest minus lowest; 0 of none."""
         return max(self.high - self.low, 0.0)
+
+    def with_values(self, values: Array) -> "Range":
+        """The range of further `values` too."""
+        return Range(float(values.min(initial=self.low)), float(values.max(initial=self.high)))
 
 
 class Seen(NamedTuple):
@@ -136,17 +140,16 @@ def figures_of(stages: list[Stage], seen: list[Seen]) -> list[StageFigures]:
     """The figures of the stages that the run has begun. One that no step of the run has seen, because it is shorter, has none."""
     found: list[StageFigures] = []
     begun = max((k + 1 for k, here in enumerate(seen) if here.reached > -math.inf), default=0)
-    for k, (stage, here) in enumerate(zip(stages[:begun], seen[:begun], strict=True)):
-        if here.reached == -math.inf:
-            found.append(StageFigures(stage.kind, stage.start, stage.end, stage.velocity))
-        else:
-            found.append(_figures(stage, here, found[k - 1] if k else None, seen[k - 1].before if k else math.nan))
+    for k in range(begun):
+        found.append(_figures(stages[k], seen[k], found[k - 1] if k else None, seen[k - 1].before if k else math.nan))
     return found
 
 
 def _figures(stage: Stage, seen: Seen, earlier: StageFigures | None, before_hold: float) -> StageFigures:
     settled = _has_settled(stage, seen)
     facts = StageFigures(stage.kind, stage.start, stage.end, stage.velocity)
+    if seen.reached == -math.inf:
+        return facts
     swings = min(seen.third.width, seen.fourth.width) > _STICKS and seen.fourth.width >= _LASTS * seen.third.width
     if stage.velocity > 0.0 and stage.kind != "ramp" and not settled and swings:
         return replace(facts, stick_slips=True)

@@ -1,6 +1,6 @@
 """The motion of the interface in a figure: stress and slip rate over time, with second axes in SI where the scene has units."""
 
-from slipwave.observe.envelope import Range
+from slipwave.observe.envelope import Ranges
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.results.quantities import INTERFACE, si_factor, stored_name
@@ -11,7 +11,7 @@ _SI_LABELS = {"time": "time / s", "stress": "friction stress / {}Pa", "slip_rate
 _STRESS = 0.2  # of the normal stress: a small friction stress, by which the prefix of Pa is chosen
 
 
-def motion_figure(scene: Scene, title: str, time: Array, stress: Range, rate: Range) -> Drawing:
+def motion_figure(scene: Scene, title: str, time: Array, stress: Ranges, rate: Ranges) -> Drawing:
     """Ranges of the stress and of the slip rate over time (transits). Call it inside `styled()`."""
     figure = canvas(height=5.2)
     above, below = figure.subplots(2, 1, sharex=True)
@@ -25,7 +25,7 @@ def motion_figure(scene: Scene, title: str, time: Array, stress: Range, rate: Ra
     return figure
 
 
-def band(axes: Axes, places: Array, ranges: Range) -> None:
+def band(axes: Axes, places: Array, ranges: Ranges) -> None:
     """Ranges over `places`: a line where they are narrow."""
     low, high = ranges
     axes.fill_between(places, low, high, color="#a8a8a4", linewidth=0.0)
