@@ -1,56 +1,42 @@
 """What is simulated: friction laws, slabs, drive, start and observers. Imports no solver and none of the other packages.
 
-It is also the door of the house: `run`, `stability`, `orbit`, `branch`, `curve`, `compare`, `bench`, `scenes`, `models` and
-`show` are those of `validation.door`, imported when one of them is first used. `import slipwave` itself stays light.
+It also offers what the commands do: `run`, `stability`, `orbit`, `branch`, `curve`, `compare`, `bench`, `scenes`, `models` and
+`show` are imported when one of them is first used, by name (their types are in `__init__.pyi`). `import slipwave` stays light.
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read, read_scene
 
-if TYPE_CHECKING:
-    from validation.door.bench import bench
-    from validation.door.branch import branch
-    from validation.door.compare import compare
-    from validation.door.curve import curve
-    from validation.door.listing import models, scenes, show
-    from validation.door.orbit import orbit
-    from validation.results.run import run
-    from validation.results.stability import stability
+_PLACES = {
+    "bench": "door.bench",
+    "branch": "door.branch",
+    "compare": "door.compare",
+    "curve": "door.curve",
+    "models": "door.listing",
+    "orbit": "door.orbit",
+    "run": "results.run",
+    "scenes": "door.listing",
+    "show": "door.listing",
+    "stability": "results.stability",
+}
+"""The module of `validation` in which each function is written."""
 
-    __version__: str
-
-_FILES = dict.fromkeys(("models", "scenes", "show"), "door.listing") | {name: f"results.{name}" for name in ("run", "stability")}
-_FILES |= {name: f"door.{name}" for name in ("bench", "branch", "compare", "curve", "orbit")}
-"""Where in `validation` each command is declared."""
-
-__all__ = [
-    "NumericsError",
-    "SceneError",
-    "bench",
-    "branch",
-    "compare",
-    "curve",
-    "models",
-    "orbit",
-    "read",
-    "read_scene",
-    "run",
-    "scenes",
-    "show",
-    "stability",
-]
+__all__ = ["NumericsError", "SceneError", "read", "read_scene", *_PLACES]
 
 
 def __getattr__(name: str) -> Any:
-    """The function `name` of the door. What it needs is imported here, on its first use."""
+    """The function `name` of a command; raises ImportError naming a file of the user's own that hides our package."""
     if name == "__version__":
         return import_module("importlib.metadata").version("slipwave")
-    if name not in _FILES:
+    if name not in _PLACES:
         raise AttributeError(f"module 'slipwave' has no attribute {name!r}")
-    found = globals()[name] = getattr(import_module(f"validation.{_FILES[name]}"), name)
+    line = import_module("slipwave.rooms").hidden()
+    if line:
+        raise ImportError(line)
+    found = globals()[name] = getattr(import_module(f"validation.{_PLACES[name]}"), name)
     return found
 
 

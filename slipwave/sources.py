@@ -43,7 +43,7 @@ def import_closure(starts: Iterable[Path], packages: bool = True) -> list[Path]:
     while to_read:
         path = to_read.pop()
         found.add(path)
-        to_read |= _imported(path, packages) - found
+        to_read |= imported_files(path, packages) - found
     return sorted(found)
 
 
@@ -95,12 +95,9 @@ def _statements(tree: ast.Module) -> Iterator[ast.AST]:
 
 
 @cache
-def _imported(path: Path, packages: bool) -> set[Path]:
-    """Files imported by `path`. The door that the ground room hands out (`slipwave/__init__.py`) leads upwards: no result of a
-    solver depends on it."""
-    solves = any(path.is_relative_to(ROOT / room) for room in SOLVER_ROOMS)
-    names = (name for name in imported_names(path) if not (solves and name.startswith("validation.")))
-    return {file for name in names for file in _files(name, packages)}
+def imported_files(path: Path, packages: bool) -> set[Path]:
+    """Files imported by `path`."""
+    return {file for name in imported_names(path) for file in _files(name, packages)}
 
 
 def _files(name: str, packages: bool) -> Iterator[Path]:

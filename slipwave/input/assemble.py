@@ -6,10 +6,10 @@ from typing import Any
 
 from slipwave.errors import SceneError
 from slipwave.friction import LAWS
-from slipwave.input import schema
 from slipwave.input.number import EPSILON, LATER_VELOCITY, RELAXATION, ROUND_TRIP, TIME, UNTIL, VELOCITY, Range
 from slipwave.input.outer_face import outer_face
 from slipwave.input.relate import in_scene, require_units
+from slipwave.input.schema import UNIT_KEYS, DriveTable, KelvinVoigtTable, LayerTable, SceneTable, SlabTable, StartTable
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubt
@@ -22,12 +22,12 @@ from slipwave.scene.units import Units
 _DEFAULT_SIZES = {"nudge": 0.5, "jump": 0.05, "orbit": 0.5}
 
 
-def assemble(data: dict[str, Any], tables: schema.SceneTable, name: str) -> Scene:
+def assemble(data: dict[str, Any], tables: SceneTable, name: str) -> Scene:
     """The scene of the raw tables `data`, which are `tables` once validated, called `name` if they give no name. Raises
     SceneError for keys that do not fit together."""
     run = tables.run
     interface = dict(tables.interface)
-    units = _units({key: interface[key] for key in schema.UNIT_KEYS if interface[key] is not None})
+    units = _units({key: interface[key] for key in UNIT_KEYS if interface[key] is not None})
     law = LAWS[tables.interface.law].parameters
     upper, lower = _slabs(tables, units)
     filled = {
@@ -51,13 +51,13 @@ def assemble(data: dict[str, Any], tables: schema.SceneTable, name: str) -> Scen
 def _units(given: dict[str, float]) -> Units | None:
     if not given:
         return None
-    for key in schema.UNIT_KEYS:
+    for key in UNIT_KEYS:
         if key not in given:
             raise SceneError(f"interface.{key}: missing; must be given with {' and '.join(sorted(given))} (all three or none)")
     return Units(**given)
 
 
-def _slabs(tables: schema.SceneTable, units: Units | None) -> tuple[Slab, Slab]:
+def _slabs(tables: SceneTable, units: Units | None) -> tuple[Slab, Slab]:
     if tables.slab is not None:
         for key in ("upper", "lower"):
             if getattr(tables, key) is not None:
@@ -72,7 +72,7 @@ def _slabs(tables: schema.SceneTable, units: Units | None) -> tuple[Slab, Slab]:
     return _slab("upper", tables.upper, units), _slab("lower", tables.lower, units)
 
 
-def _slab(key: str, table: schema.SlabTable, units: Units | None) -> Slab:
+def _slab(key: str, table: SlabTable, units: Units | None) -> Slab:
     _require_units(key, table, units)
     epsilon = _epsilon(key, table, units)
     round_trip = _round_trip(key, table, units)
@@ -81,20 +81,20 @@ def _slab(key: str, table: schema.SlabTable, units: Units | None) -> Slab:
     return Slab(epsilon, round_trip, face, viscosity, _layers(key, table.layers), _material(table))
 
 
-def _require_units(key: str, table: schema.SlabTable, units: Units | None) -> None:
+def _require_units(key: str, table: SlabTable, units: Units | None) -> None:
     for name in ("density", "shear_modulus", "thickness"):
         value = getattr(table, name)
         if value is not None:
             require_units(f"{key}.{name}", f"{value:g}", units, "replaced by epsilon and r")
 
 
-def _material(table: schema.SlabTable) -> Material | None:
+def _material(table: SlabTable) -> Material | None:
     if table.density is None or table.shear_modulus is None:
         return None
     return Material(table.density, table.shear_modulus)
 
 
-def _epsilon(key: str, table: schema.SlabTable, units: Units | None) -> float:
+def _epsilon(key: str, table: SlabTable, units: Units | None) -> float:
     density, modulus = table.density, table.shear_modulus
     if table.epsilon is not None:
         for name in ("density", "shear_modulus"):
@@ -110,7 +110,7 @@ def _epsilon(key: str, table: schema.SlabTable, units: Units | None) -> float:
     return _in_range("epsilon", units.epsilon(density, modulus), EPSILON, sources)
 
 
-def _round_trip(key: str, table: schema.SlabTable, units: Units | None) -> float:
+def _round_trip(key: str, table: SlabTable, units: Units | None) -> float:
     given = [name for name in ("r", "log10_r", "thickness") if getattr(table, name) is not None]
     if not given:
         raise SceneError(f"{key}.r: missing; must be r ({ROUND_TRIP}), log10_r, or in SI thickness")
@@ -143,11 +143,11 @@ def _viscosity(key: str, table: Any, units: Units | None) -> Viscosity | None:
     if table is None:
         return None
     time = in_scene(f"{key}.time", table.time, units, RELAXATION)
-    is_kelvin_voigt = isinstance(table, schema.KelvinVoigtTable)
+    is_kelvin_voigt = isinstance(table, KelvinVoigtTable)
     return KelvinVoigtViscosity(time) if is_kelvin_voigt else StandardLinearViscosity(time, table.ratio)
 
 
-def _layers(key: str, tables: list[schema.LayerTable] | None) -> tuple[Layer, ...]:
+def _layers(key: str, tables: list[LayerTable] | None) -> tuple[Layer, ...]:
     if tables is None:
         return (Layer(1.0, 1.0),)
     total = math.fsum(table.fraction for table in tables)
@@ -157,7 +157,7 @@ def _layers(key: str, tables: list[schema.LayerTable] | None) -> tuple[Layer, ..
     return tuple(Layer(table.fraction / total, table.impedance) for table in tables)
 
 
-def _drive(table: schema.DriveTable, units: Units | None, transit: float) -> Drive:
+def _drive(table: DriveTable, units: Units | None, transit: float) -> Drive:
     key, given = "drive.velocity", table.velocity
     times = [in_scene(key, time, units, TIME, transit) for time, _ in given]
     velocities = [in_scene(key, v, units, LATER_VELOCITY if k else VELOCITY) for k, (_, v) in enumerate(given)]
@@ -168,6 +168,6 @@ def _drive(table: schema.DriveTable, units: Units | None, transit: float) -> Dri
     return Drive(tuple(times), tuple(velocities))
 
 
-def _start(table: schema.StartTable) -> Start:
+def _start(table: StartTable) -> Start:
     size = _DEFAULT_SIZES[table.kind] if table.size is None else table.size
     return Start(StartKind(table.kind), size)

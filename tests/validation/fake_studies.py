@@ -41,7 +41,7 @@ def result():
 
 def forget_sources():
     """Programs are read once by each process; a test that edits one stands for several processes."""
-    for function in (slipwave.sources._read, slipwave.sources._imported, sources._words):
+    for function in (slipwave.sources._read, slipwave.sources.imported_files, sources._words):
         function.cache_clear()
 
 
