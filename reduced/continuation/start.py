@@ -1,8 +1,8 @@
 """The first point of a branch: beside a Hopf point, beside a period doubling, an orbit found otherwise, or a stored point; and
 the orbits of a branch at one value of its parameter."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -22,21 +22,8 @@ _NULL = 1e-3  # singular values of two null vectors, relative to 1, which damped
 _AMPLITUDES = (3e-3, 1e-3, 1e-4)  # of the largest component of a doubled orbit; the first with which Newton's method converges
 _ALIKE = 0.1  # difference of the halves, over the amplitude, below which the orbit is a simple one
 _NEAR = 1e-3  # distance of the multiplier from -1
+_MESH = "mesh_"  # before names of arrays of the mesh
 _SAME_ORBIT = 1e-9  # difference of two periods that count as one orbit's, relative
-
-
-@dataclass(frozen=True)
-class Stored:
-    """All that is needed to go on from a point, to the last digit: its `unknowns` (x, T, p), `tangent`, the next `step`, the
-    `mesh` and the derivatives of `Closed`, which may be those of a neighbour."""
-
-    unknowns: Array
-    tangent: Array
-    step: float
-    mesh: State
-    monodromy: Array
-    velocity: Array
-    drift: Array
 
 
 def metric_for(low: float, high: float) -> Metric:
@@ -119,21 +106,24 @@ def difference_of_halves(point: Point) -> float:
     return difference_of_parts(point.closed.cycle, point.closed.flow.nodes, 2)
 
 
-def stored(point: Point, step: float) -> Stored:
-    """A point in the form for a file."""
+def stored(point: Point, step: float) -> State:
+    """All that is needed to go on from a point, to the last digit, as arrays by name: its `unknowns` (x, T, p), `tangent`, the
+    next `step`, the mesh and the derivatives of `Closed`, which may be those of a neighbour."""
     closed = point.closed
-    derivatives = (closed.monodromy, closed.velocity, closed.drift)
-    return Stored(point.unknowns, point.tangent, step, closed.flow.mesh_state(), *derivatives)
+    mesh = {f"{_MESH}{name}": np.atleast_1d(array) for name, array in closed.flow.mesh_state().items()}
+    derivatives = {"monodromy": closed.monodromy, "velocity": closed.velocity, "drift": closed.drift}
+    return mesh | {"unknowns": point.unknowns, "tangent": point.tangent, "step": np.array([step])} | derivatives
 
 
-def from_stored(family: Family, saved: Stored) -> tuple[Family, Point]:
-    """The family on the stored mesh, and the point."""
-    *start, period, parameter = saved.unknowns.tolist()
-    flow = family(parameter).on_mesh(saved.mesh)
+def from_stored(family: Family, saved: Mapping[str, Array]) -> tuple[Family, Point, float]:
+    """The family on the stored mesh, the point, and the next step."""
+    *start, period, parameter = saved["unknowns"].tolist()
+    flow = family(parameter).on_mesh({name.removeprefix(_MESH): saved[name] for name in saved if name.startswith(_MESH)})
     cycle = flow.march(np.array(start), period)
     residual = float(np.abs(cycle.end - cycle.start).max())
-    closed = Closed(flow, cycle, residual, saved.monodromy, saved.velocity, saved.drift, parameter, 0)
-    return family.on(flow), Point(closed, saved.tangent)
+    derivatives = (saved["monodromy"], saved["velocity"], saved["drift"])
+    closed = Closed(flow, cycle, residual, *derivatives, parameter, 0)
+    return family.on(flow), Point(closed, saved["tangent"]), float(saved["step"][0])
 
 
 def orbits_at(points: Iterable[Point], parameter: float, scene: Scene) -> list[Closed]:

@@ -15,7 +15,7 @@ from reduced.continuation.start import from_hopf, from_orbit, from_stored, store
 from reduced.orbit.closing import TOLERANCE, close
 from slipwave.errors import NumericsError
 from tests.orbit_by_hand import SHRINKS, SNAKE, SUBCRITICAL, SUPERCRITICAL, TURN, FlowByHand, Oscillator
-from validation.branches.record import point_of
+from validation.branches.points import point_of
 
 METRIC = Metric(2.0 * math.pi, 1.0)
 WIDEST = 2.1e-9
@@ -280,10 +280,10 @@ def test_a_stored_point_goes_on_as_the_branch_did():
     steps = branch(family, from_hopf(family, 0.0, 2.0 * math.pi, METRIC), lambda q: q.parameter < 0.1)
     middle = next(k for k, step in enumerate(steps) if step.special)
     saved = stored(steps[middle].point, steps[middle].next_step)
-    again, point = from_stored(family, saved)
+    again, point, step = from_stored(family, saved)
     assert again(0.0).steps == steps[middle].point.closed.flow.steps != 6
     assert point.closed.residual < 1e-11
-    rest = branch(again, point, lambda q: q.parameter < 0.1, control=replace(CONTROL, first=saved.step))
+    rest = branch(again, point, lambda q: q.parameter < 0.1, control=replace(CONTROL, first=step))
     expected = [step.point.unknowns for step in steps[middle + 1 :]]
     np.testing.assert_array_equal([step.point.unknowns for step in rest], expected)
 

@@ -15,11 +15,10 @@ from matplotlib.image import imread
 import slipwave
 from reduced.continuation.point import Point
 from slipwave.errors import NumericsError
-from validation.branches.drawing import figure_of
-from validation.branches.follow import Limits, begin, follow
+from validation.branches.branch import Branch
+from validation.branches.drawing import figure_of_branch
+from validation.branches.followed import Limits, heads, read
 from validation.branches.parameter import over_range
-from validation.branches.record import Branch
-from validation.branches.stored import read
 from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
 from validation.commands.branch import _telling
 from validation.references.published import reference_orbit
@@ -103,7 +102,7 @@ def test_its_figure_has_three_panels_with_marks(whole):
 def test_pieces_of_one_stability_meet_at_special_points(whole):
     found = Branch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
     read(whole[1] / "x.nc", found)
-    for axes, name in zip(figure_of(found).axes, ("period", "stress_drop", "elastic_stress_drop"), strict=True):
+    for axes, name in zip(figure_of_branch(found).axes, ("period", "stress_drop", "elastic_stress_drop"), strict=True):
         unstable, stable = [line for line in axes.lines if len(line.get_xdata()) > 2]
         birth, fold = ((special.value, getattr(special, name)) for special in found.special)
         assert (unstable.get_linestyle(), stable.get_linestyle()) == ("--", "-")
@@ -175,10 +174,10 @@ def test_another_parameter_stands_under_its_own_name(capsys):
 def test_it_ends_where_orbits_shrink_to_steady_sliding():
     """The first small orbit, followed the wrong way: the Hopf point is met again, and nothing is counted twice."""
     found = Branch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
-    head = begin(found)
+    head = found.begin()
     back = head._replace(point=replace(head.point, tangent=-head.point.tangent))
     assert isinstance(back.point, Point)
-    list(follow(found, back, Limits(points=50)))
+    list(found.follow(back, Limits(points=50)))
     assert [special.kind for special in found.special] == ["HB", "HB"]
     assert found.special[0].value == pytest.approx(found.special[1].value, abs=1e-12)
     assert found.notes == ["the branch ends where its orbits shrink to steady sliding"]
@@ -190,10 +189,10 @@ def test_an_onset_at_the_edge_of_the_range_begins_a_branch(beyond):
     """A root that grows by less than rounding errors is not counted, so that the onset may lie just outside of the range."""
     onset = -2.69954994745
     found = Branch(over_range(f"log10_r={onset + beyond!r}:-2.69", "paper"), "kelvin-voigt", 1e-4)
-    heads = list(islice(follow(found, begin(found), Limits()), 3))
+    known = list(islice(heads(found, Limits()), 4))
     assert found.special[0].value == pytest.approx(onset, abs=1e-10)
     assert found.special[0].kind == "HB"
-    assert len(heads) == 3
+    assert len(known) == 4
     assert len(found.points) == 4
 
 
@@ -222,10 +221,10 @@ def test_listed_values_that_differ_are_told_apart(values, digits):
 
 
 def failing(after):
-    """`follow` that fails after so many points."""
+    """`heads` that fail after so many points."""
 
     def steps(*all_of_it):
-        yield from islice(follow(*all_of_it), after)
+        yield from islice(heads(*all_of_it), after)
         raise NumericsError("it turns too sharply")
 
     return steps
@@ -238,7 +237,7 @@ def test_a_failed_branch_goes_on_to_the_file_of_one_that_did_not_fail(tmp_path, 
     options = {"tol": 1e-4, "most_points": 9}
     slipwave.branch(*words, **options, out="whole.nc")
     with monkeypatch.context() as patch:
-        patch.setattr("validation.door.branch.follow", failing(4))
+        patch.setattr("validation.branches.followed.heads", failing(5))
         with pytest.raises(NumericsError, match="it turns too sharply") as failure:
             slipwave.branch(*words, **options, out="part.nc")
     assert len(failure.value.result.summary["points"]) == 5
@@ -350,7 +349,7 @@ def test_every_fact_of_another_branch_is_refused(whole, monkeypatch, fact, chang
     path, own = whole[1] / "x.nc", Branch(over_range("log10_r=-2.71:-2.6", "paper"), "kelvin-voigt", 1e-4)
     if fact == "sources":
         read(path, own)
-        monkeypatch.setattr("validation.branches.stored.source_digest", lambda: "of another version")
+        monkeypatch.setattr("validation.branches.branch.source_digest", lambda: "of another version")
     other = replace(own, **changes, points=[], special=[], notes=[])
     with pytest.raises(slipwave.SceneError, match=rf"x\.nc': {fact} is "):
         read(path, other)

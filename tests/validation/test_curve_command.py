@@ -3,17 +3,16 @@
 import json
 import math
 from dataclasses import replace
-from importlib import import_module
 
 import pytest
 import xarray
 from matplotlib.image import imread
 
 import slipwave as sw
-from validation.branches import stored_curve
+from validation.branches import followed
 from validation.branches.curve import Curve
+from validation.branches.followed import Outcome, read
 from validation.branches.parameter import over_range
-from validation.branches.points_file import write_points
 from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
 from validation.references.onset import onset_of
 
@@ -76,7 +75,7 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
         closed = onset_of(law, 2.8e-5, point["V"])
         assert 10.0 ** point["log10_r"] == pytest.approx(closed.r_delay, rel=1e-10)
         assert point["period"] == pytest.approx(2.0 * math.pi / (closed.omega_c * closed.r_delay), rel=1e-10)
-    monkeypatch.setattr("validation.door.curve._steps", lambda *parts: iter(()))
+    monkeypatch.setattr("validation.door.curve.pursue", lambda *parts: Outcome(None, "", False, 0.0))
     again, other = sw.curve(file), sw.curve(file, along="V=90:91", tol=1e-4)
     call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100}
     assert (again.options, again.found.model, again.found.kind) == (call, "delay", "HB")
@@ -116,8 +115,8 @@ def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):
     Until the last point is there, the file says that it is not complete."""
     file, whole = tmp_path / "part.nc", tmp_path / "whole.nc"
     complete = []
-    write = import_module("validation.door.curve").write
-    monkeypatch.setattr("validation.door.curve.write", lambda *parts: [complete.append(parts[3]), write(*parts)])
+    write = followed.write
+    monkeypatch.setattr(followed, "write", lambda *parts: [complete.append(parts[3]), write(*parts)])
     expected = sw.curve(*FOLDS, tol=1e-4, most_points=4, out=whole).found.points
     assert len(expected) == 4
     assert complete == [False] * 4 + [True]
@@ -160,16 +159,16 @@ FIRST, SECOND = (over_range(text, "paper") for text in ("log10_r=-2.72:-2.68", "
         ("rectangle", {"over": over_range("log10_r=-2.72:-2.69", "paper")}),
         ("rectangle", {"second": over_range("V=100:121", "paper")}),
         ("rectangle", {"second": over_range("epsilon=100:120", "paper")}),
-        ("tolerance", {"tolerance": 1e-5}),
         ("sources", {}),
     ],
 )
 def test_every_fact_of_another_curve_is_refused(tmp_path, monkeypatch, fact, changes):
     path, own = tmp_path / "x.nc", Curve("LP", FIRST, SECOND, "delay", 1e-6)
-    write_points(path, stored_curve._facts(own), [], False, {}, lambda file: None)
+    monkeypatch.setattr(Curve, "saved", lambda *parts: {})
+    followed.write(path, own, None, False, {})
     with pytest.raises(sw.SceneError, match="is no file of a curve, or damaged"):  # no points, but the same facts
-        stored_curve.read(path, own)
+        read(path, own)
     if fact == "sources":
-        monkeypatch.setattr("validation.branches.stored_curve.source_digest", lambda: "of another version")
+        monkeypatch.setattr("validation.branches.curve.source_digest", lambda: "of another version")
     with pytest.raises(sw.SceneError, match=rf"x\.nc': {fact} is "):
-        stored_curve.read(path, replace(own, **changes))
+        read(path, replace(own, **changes))

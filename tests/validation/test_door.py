@@ -179,9 +179,9 @@ def test_failed_numerics_keep_what_was_computed(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_an_interrupt_hands_over_what_was_computed(monkeypatch: pytest.MonkeyPatch) -> None:
-    from validation.branches import follow
+    from validation.branches import branch
 
-    steps = follow.follow_branch
+    steps = branch.follow_branch
 
     def interrupted(*arguments: Any) -> Any:
         march = steps(*arguments)
@@ -189,7 +189,7 @@ def test_an_interrupt_hands_over_what_was_computed(monkeypatch: pytest.MonkeyPat
         yield next(march)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(follow, "follow_branch", interrupted)
+    monkeypatch.setattr(branch, "follow_branch", interrupted)
     with pytest.raises(KeyboardInterrupt, match="after 3 points") as caught:
         sw.branch("paper", "log10_r=-2.72:-2.68", "kelvin-voigt", tol=1e-4)
     result: BranchResult = caught.value.result  # type: ignore[attr-defined]

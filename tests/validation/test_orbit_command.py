@@ -15,7 +15,7 @@ from slipwave.errors import NumericsError
 from tests.granite import GRANITE
 from tests.orbit_by_hand import SUBCRITICAL, FlowByHand
 from validation.branches import at_scene
-from validation.branches.primary import Primary
+from validation.branches.at_scene import Primary
 from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.orbits import OrbitFound, most_transits
@@ -144,7 +144,7 @@ def test_beside_the_orbit_of_a_run_the_others_are_named_if_asked_for(monkeypatch
     followed = []
     monkeypatch.setattr(at_scene, "moving", lambda *_: None)
     monkeypatch.setattr(at_scene, "find_orbit", lambda *_: reached)
-    monkeypatch.setattr(at_scene, "_primary", lambda *_: followed.append(1) or Primary(both, "it was followed to 6"))
+    monkeypatch.setattr(at_scene, "primary", lambda *_: followed.append(1) or Primary(both, "it was followed to 6"))
     found = at_scene.orbit_of("by hand", flow.scene, 1e-8, others=others)
     assert found.found is reached.found
     assert len(followed) == others
@@ -178,7 +178,7 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_b
         return orbits
 
     monkeypatch.setattr(
-        at_scene, "_primary", lambda *_: Primary([close(*guesses[size]) for size in given(on_branch)], "it was followed")
+        at_scene, "primary", lambda *_: Primary([close(*guesses[size]) for size in given(on_branch)], "it was followed")
     )
     monkeypatch.setattr(at_scene, "moving", lambda *_: None)
     monkeypatch.setattr(at_scene, "orbits_near", lambda *_: given(None))

@@ -7,8 +7,9 @@ import pytest
 
 import slipwave as sw
 from validation.branches import KINDS
-from validation.branches.curve import Curve, CurvePoint
+from validation.branches.curve import Curve
 from validation.branches.parameter import Over
+from validation.branches.points import CurvePoint
 from validation.cli import main
 from validation.commands import bench, curve
 
@@ -26,9 +27,7 @@ def table(lines: list[str], heading: list[str]) -> list[dict[str, str]]:
 def test_a_curve_of_special_points(capsys: pytest.CaptureFixture[str]) -> None:
     over, second = (Over(PAPER, name, -3.0, 200.0, lambda value: PAPER) for name in ("log10_r", "V"))
     points = [
-        CurvePoint(
-            -2.12345678987, 101.512345678, 59.123456789123, 0.123456789123, 0.25, 900.0, 20.0, 3.4567e-9, 1, 0, (-0.5, 0.75)
-        )
+        CurvePoint(-2.12345678987, 101.512345678, 59.123456789123, 0.123456789123, 0.25, 900.0, 20.0, 3.4567e-9, 1, 0, -0.5, 0.75)
     ] * 2
     curve._print(Curve("NS", over, second, "delay", 1e-6, points=points), 0.25)
     out = capsys.readouterr().out

@@ -6,7 +6,7 @@ import pytest
 from roomy import too_roomy
 from shown import quick
 
-from validation.branches.curve import CurvePoint
+from validation.branches.points import CurvePoint
 from validation.studies import special_curves
 from validation.study import Outcome
 
@@ -29,7 +29,7 @@ def test_the_curve_passes_the_known_fold(result):
 
 
 def point(log10_r=-2.7002517, log10_v=2.0):
-    return CurvePoint(log10_r, log10_v, 59.1, 0.09, 0.09, 900.0, 20.0, 1e-12, 1, 0, (1.0, 0.0))
+    return CurvePoint(log10_r, log10_v, 59.1, 0.09, 0.09, 900.0, 20.0, 1e-12, 1, 0, 1.0, 0.0)
 
 
 @pytest.mark.parametrize(("shift", "outcome"), [(0.0, "pass"), (5e-11, "pass"), (2e-10, "fail")])

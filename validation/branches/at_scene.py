@@ -1,19 +1,25 @@
-"""The periodic orbits of one scene, where several may coexist: the one that a run leads to, and those of the primary branch."""
+"""The periodic orbits of one scene, where several may coexist: the one that a run leads to, and those of the primary branch, the
+one that begins where steady sliding loses its stability as r grows."""
 
 import math
 import time
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
+from reduced.continuation.point import Point
+from reduced.continuation.start import orbits_at
 from reduced.orbit.approach import Guess
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable, is_decided
+from reduced.parameters import with_parameter
+from reduced.stability.critical import critical_round_trip
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
-from validation.registry.orbits import OrbitFound, Other, find_orbit, moving, orbits_near, refined
-
-if TYPE_CHECKING:
-    from validation.branches.primary import Primary
+from validation.branches.branch import Branch
+from validation.branches.followed import Limits, heads
+from validation.branches.parameter import Over
+from validation.registry.families import one_port_of
+from validation.registry.orbits import OrbitFound, Other, find_orbit, most_transits, moving, orbits_near, refined
 
 _LONGER = 5.0  # transits, beyond the period asked for: pairs of folds recur after about one
 _SAME = 1e-5  # relative difference of periods, to which the orbits of a branch are known, that count as one orbit's
@@ -21,6 +27,26 @@ _SEVERAL = 1.5  # ratio of periods from which a motion of several cycles is mean
 _FROM_BRANCH = "found on the branch of orbits that begins where steady sliding loses its stability as r grows"
 _FROM_RUN = "found where a run of the scene comes back near to its own state"
 _MAY_BE = "other orbits may coexist with this one: --others looks for them"  # a `source` says so too
+
+_NAME = "log10_r"
+_BEYOND = 0.03  # in log10 r: how far a branch is followed beyond the scene's r, from which it may fold back
+_BACK = 0.002  # how far back beyond the onset, where orbits of smaller r than the onset's were left behind
+_MOST = 400  # points
+_LONGEST = 600.0  # transits; one orbit of 22,444 takes 6 s, a branch hundreds of orbits
+_TOLERANCE = 1e-6
+
+
+class Primary(NamedTuple):
+    """The `orbits` of the primary branch at the scene, in order along the branch; how far it was followed, in words."""
+
+    orbits: list[Closed]
+    searched: str
+
+    @property
+    def extent(self) -> str:
+        """How far others were looked for, as a note."""
+        start = "others were looked for along the branch of orbits that begins where stability is lost: "
+        return f"{start}{self.searched}" if self.searched else ""
 
 
 def orbit_of(
@@ -36,46 +62,42 @@ def orbit_of(
         found = find_orbit(moving(model, scene, tolerance, cells), tolerance)
     except NumericsError as reason:
         began = time.perf_counter()
-        known = _primary(model, scene, cells, math.inf, str(reason))
+        known = primary(model, scene, cells, math.inf, str(reason))
         return _chosen(known, min(known.orbits, key=count_unstable), scene, tolerance, began, _FROM_BRANCH)
     return _with_others(found, model, cells) if others else found if found.source else replace(found, searched=_MAY_BE)
 
 
 def _with_others(found: OrbitFound, model: str, cells: int | None) -> OrbitFound:
     """The same with those orbits of the primary branch that it is not."""
-    began, period = time.perf_counter(), found.found.orbit.period.value
+    began, period, others = time.perf_counter(), found.found.orbit.period.value, list[Closed]()
     try:
-        known = _primary(model, found.scene, cells, math.inf)
+        known = primary(model, found.scene, cells, math.inf)
+        others, searched = [one for one in known.orbits if abs(one.cycle.period / period - 1.0) > _SAME], known.extent
     except NumericsError as reason:
-        return replace(found, searched=f"no other orbit was found: {reason}", wall_s=found.wall_s + time.perf_counter() - began)
-    others = tuple(_other(orbit) for orbit in known.orbits if abs(orbit.cycle.period / period - 1.0) > _SAME)
-    return replace(found, others=others, searched=_extent(known), wall_s=found.wall_s + time.perf_counter() - began)
-
-
-def _extent(known: "Primary") -> str:
-    return f"others were looked for along the branch of orbits that begins where stability is lost: {known.searched}"
+        searched = f"no other orbit was found: {reason}"
+    wall_s = found.wall_s + time.perf_counter() - began
+    return replace(found, others=tuple(map(_other, others)), searched=searched, wall_s=wall_s)
 
 
 def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near: float) -> OrbitFound:
     """The orbit with the period nearest to `near` among the run's own and those of the primary branch; if that branch has none of
     this number of cycles, or is not known so far, also among those to which the scene's own motion returns."""
-    from validation.branches.primary import Primary
-
     began, own, failed = time.perf_counter(), _own(model, scene, tolerance, cells), None
     try:
-        known = _primary(model, scene, cells, near + _LONGER)
+        known = primary(model, scene, cells, near + _LONGER)
     except NumericsError:
         known = Primary([], "")
     source = dict.fromkeys(map(id, known.orbits), _FROM_BRANCH)
     if not known.orbits or near > _SEVERAL * max(one.cycle.period for one in known.orbits):
         try:
-            known = known._replace(orbits=[*known.orbits, *orbits_near(moving(model, scene, tolerance, cells), near)])
+            known.orbits.extend(orbits_near(moving(model, scene, tolerance, cells), near))
         except NumericsError as reason:
             failed = reason
     if own is not None:  # as it was found by the search for others, if it was
         closed = own.found.closed
         if not any(abs(one.cycle.period / closed.cycle.period - 1.0) < _SAME for one in known.orbits):
-            known, source = known._replace(orbits=[*known.orbits, closed]), source | {id(closed): own.source}
+            known.orbits.append(closed)
+            source[id(closed)] = own.source
     if failed is not None and not known.orbits:
         raise failed
     nearest = min(known.orbits, key=lambda one: abs(one.cycle.period - near))
@@ -90,21 +112,58 @@ def _own(model: str, scene: Scene, tolerance: float, cells: int | None) -> Orbit
         return None
 
 
-def _chosen(known: "Primary", one: Closed, scene: Scene, tolerance: float, began: float, source: str) -> OrbitFound:
+def _chosen(known: Primary, one: Closed, scene: Scene, tolerance: float, began: float, source: str) -> OrbitFound:
     """One of several orbits to the requested tolerance; the others are named."""
     cycle = one.cycle
     found = refined(scene, Guess(one.flow.of(scene), cycle.start, cycle.period, False), tolerance)
     others = tuple(_other(orbit) for orbit in known.orbits if orbit is not one)
-    searched = _extent(known) if known.searched else ""
-    return OrbitFound(found, tolerance, source, time.perf_counter() - began, others, searched)
+    return OrbitFound(found, tolerance, source, time.perf_counter() - began, others, known.extent)
 
 
 def _other(closed: Closed) -> Other:
     return Other(closed.cycle.period, count_unstable(closed) if is_decided(closed) else None)
 
 
-def _primary(model: str, scene: Scene, cells: int | None, longest: float, reason: str = "") -> "Primary":
-    """`primary`, whose continuation is imported only where a run does not do."""
-    from validation.branches.primary import primary
+def primary(model: str, scene: Scene, cells: int | None, longest: float, reason: str = "") -> Primary:
+    """All orbits of the primary branch at the scene up to the period `longest` (transits).
 
-    return primary(model, scene, cells, longest, reason)
+    Raises NumericsError if there is none; a `reason` why none was found before comes first."""
+    here = math.log10(scene.transit)
+    said = f"{reason}; " if reason else ""
+    points, ended = _points(model, scene, cells, here, longest, said)
+    orbits = orbits_at(points, here, scene)
+    if not orbits:
+        raise NumericsError(
+            f"{said}the branch of orbits that begins where steady sliding loses its stability has none here: {ended}"
+        )
+    return Primary(orbits, ended)
+
+
+def _points(model: str, scene: Scene, cells: int | None, here: float, longest: float, said: str) -> tuple[list[Point], str]:
+    """The points of the primary branch, and how far it was followed, in words."""
+    critical, omega = critical_round_trip(scene, one_port_of(model))
+    if not critical > 0.0:
+        raise NumericsError(f"{said}steady sliding of {model} never loses its stability as r grows: no branch of orbits begins")
+    period = 2.0 * math.pi / (omega * critical)
+    if period > _LONGEST:
+        tried = f"a run of {most_transits(scene, model):g} transits leads to no orbit, and " if said else ""
+        raise NumericsError(
+            f"{model}: {tried}the branch of orbits that begins where steady sliding loses its stability is not followed: their "
+            f"periods are {period:.3g} transits there, over {_LONGEST:g}, and for each of up to {_MOST} orbits Newton's method "
+            "marches a dense derivative through every transit, in time proportional to the period; slipwave run, which leaps "
+            f"over long sticks, gives period and drops at single values of the parameters (scene {scene.name!r})"
+        )
+    onset = math.log10(critical)
+    first, last = (onset + _BACK, here - _BEYOND) if here < onset else (onset - _BEYOND, here + _BEYOND)
+    branch = Branch(Over(scene, _NAME, first, last, lambda value: with_parameter(scene, _NAME, value)), model, _TOLERANCE, cells)
+    points: list[Point] = []
+    try:
+        for head in heads(branch, Limits(longest, _MOST)):
+            points.append(head.point)
+    except NumericsError as error:
+        if not points:
+            raise NumericsError(f"{said}no branch of orbits can be followed to it: {error}") from None
+        # what is known of it will do
+    low, high = (f"{end(point.parameter for point in points):.7g}" for end in (min, max))
+    reached = f"{low} to {high}, to a period of {points[-1].closed.cycle.period:.4g}"
+    return points, f"it was followed from log10_r = {onset:.7g} over {reached}"

@@ -1,48 +1,40 @@
-"""A special point followed in two parameters: where its curve begins, and what is kept of it."""
+"""A kind of special points of branches followed in two parameters, also where their curve turns back."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, ClassVar
+
+import numpy as np
 
 import slipwave
 from reduced.continuation.curve import OnCurve, Plane, Reached, beginning, follow_curve
-from reduced.orbit.closing import TOLERANCE
-from reduced.orbit.figures import figures_of
+from reduced.continuation.point import Family
+from reduced.continuation.special import Special
+from reduced.continuation.start import from_stored, stored
 from reduced.parameters import PARAMETERS, with_parameter
 from reduced.stability.boundary import boundary
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input.wording import shorten
+from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from slipwave.solve import State
+from slipwave.sources import source_digest
 from validation.branches import KINDS
-from validation.branches.follow import begin, first_special
+from validation.branches.branch import Branch
+from validation.branches.followed import Followed, Limits
 from validation.branches.parameter import Over
-from validation.branches.record import Branch
+from validation.branches.points import CurvePoint, curve_point_of
 from validation.registry.families import one_port_of
 
-
-class CurvePoint(NamedTuple):
-    """A special point at the values `first` and `second` of both parameters: figures of its orbit, the width of its `bracket` in
-    the first parameter, numbers of unstable multipliers on both sides, None where they cannot be counted, and the `multiplier`
-    that passes (re, im)."""
-
-    first: float
-    second: float
-    period: float
-    stress_drop: float
-    elastic_stress_drop: float
-    v_max: float
-    v_min: float
-    bracket: float
-    unstable_before: int | None
-    unstable_after: int | None
-    multiplier: tuple[float, float]
+_FORMAT = 1
 
 
 @dataclass(frozen=True)
-class Curve:
-    """The points of `kind` of `model` in the rectangle of the ranges `over` and `second`, as far as they are known."""
+class Curve(Followed):
+    """The points of `kind` of `model` in the rectangle of the ranges `over` and `second`."""
 
+    what: ClassVar[str] = "curve"
     kind: str
     over: Over
     second: Over
@@ -52,10 +44,60 @@ class Curve:
     notes: list[str] = field(default_factory=list)
 
     @property
+    def facts(self) -> dict[str, Any]:
+        """As `Followed`."""
+        ends = [[one.name, one.first, one.last] for one in (self.over, self.second)]
+        own = {"model": self.model, "type": self.kind, "rectangle": ends}
+        return {"format": _FORMAT, "scene": self.over.base.digest, **own, "sources": source_digest()}
+
+    @property
+    def tables(self) -> dict[str, tuple[type[Any], list[Any]]]:
+        """As `Followed`."""
+        return {"point": (CurvePoint, self.points)}
+
+    @property
     def plane(self) -> Plane:
         """Scenes over both parameters, and their scales."""
-        ends = (self.over.ends, self.second.ends)
-        return Plane(self._scene_at, (ends[0][1] - ends[0][0], ends[1][1] - ends[1][0]))
+        (low, high), (least, most) = self.over.ends, self.second.ends
+        return Plane(self._scene_at, (high - low, most - least))
+
+    def begin(self) -> Reached | None:
+        """Record the first point, on the branch at the second parameter's first value, or all Hopf points, which lie on the
+        boundary of stability of steady sliding. Raises NumericsError if there is none."""
+        if self.kind == "HB":
+            self._record_onsets()
+            return None
+        branch = self._branch()
+        special, _ = branch.first_special(branch.begin(), self.kind)
+        towards = (0.0, math.copysign(1.0, self.second.last - self.second.first))
+        reached = beginning(OnCurve((special.point.parameter, self.second.first), special), towards)
+        self.points.append(curve_point_of(reached.last, 1.0))
+        return reached
+
+    def follow(self, head: Reached, limits: Limits) -> Iterator[Reached]:
+        """Record point after point, until there are as many as the limits say or the curve leaves the rectangle; yields where it
+        can go on. Raises NumericsError where the curve cannot be followed."""
+        steps = follow_curve(self.plane, head, self.tolerance)
+        while len(self.points) < limits.points:
+            further = next(steps)
+            if not self._holds(*further.last.place):
+                self.notes.append("the curve leaves the rectangle of both ranges")
+                return
+            self.points.append(curve_point_of(further.last, self.plane.scale[0]))  # brackets of lines are shares of a scale
+            yield further
+        self.notes.append(f"stopped after {len(self.points)} points: --most-points goes further")
+
+    def saved(self, head: Reached) -> dict[str, State]:
+        """As `Followed`."""
+        ends = {name: _saved(point, head.length) for name, point in (("before", head.before), ("last", head.last))}
+        return ends | {"resume": {"direction": np.array(head.direction)}}
+
+    def restored(self, saved: Mapping[str, State]) -> Reached:
+        """As `Followed`."""
+        last, length = self._on_curve(saved["last"])
+        along, across = saved["resume"]["direction"].tolist()
+        before = last if len(self.points) < 2 else self._on_curve(saved["before"])[0]
+        return Reached(before, last, (along, across), length)
 
     def _scene_at(self, first: float, second: float) -> Scene:
         """A key is read, and a short name is set in the scene that is read: that takes a hundredth of the time."""
@@ -66,10 +108,44 @@ class Curve:
             scene = with_parameter(scene, over.name, value) if over.name in PARAMETERS else scene
         return scene
 
-    def at_first(self) -> Over:
-        """The first parameter's range where the second has the value at which the curve begins."""
+    def _holds(self, first: float, second: float) -> bool:
+        return self.over.holds(first) and self.second.holds(second)
+
+    def _branch(self) -> Branch:
+        """The branch where the second parameter has the value at which the curve begins."""
         over, value = self.over, self.second.first
-        return Over(self._scene_at(over.first, value), over.name, over.first, over.last, lambda one: self._scene_at(one, value))
+        scene = self._scene_at(over.first, value)
+        across = Over(scene, over.name, over.first, over.last, lambda one: self._scene_at(one, value))
+        return Branch(across, self.model, self.tolerance)
+
+    def _record_onsets(self) -> None:
+        """Hopf points: the multiplier of the oscillation of steady sliding is 1 there."""
+        names, port = (self.over.name, self.second.name), one_port_of(self.model)
+        for found in boundary(self.over.base, port, names, (self.over.ends, self.second.ends)):
+            for first, second, omega in zip(found.first.tolist(), found.second.tolist(), found.omega.tolist(), strict=True):
+                if self._holds(first, second):
+                    scene = self._scene_at(first, second)
+                    period, rate = 2.0 * math.pi / (omega * scene.transit), scene.velocity
+                    self.points.append(CurvePoint(first, second, period, 0.0, 0.0, rate, rate, 0.0, 0, 2, 1.0, 0.0))
+        if not self.points:
+            raise NumericsError(f"{self.model}: steady sliding does not lose stability in this rectangle")
+
+    def _on_curve(self, state: State) -> tuple[OnCurve, float]:
+        """The inverse of `_saved`."""
+        first, second = state["place"].tolist()
+        bracket, before, after, real, imaginary = state["special"].tolist()
+        scene, period = self._scene_at(first, second), float(state["unknowns"][-2])
+        flow = self._branch().family_at(first, period)(first)
+        _, point, length = from_stored(Family(flow, lambda _: scene), state)
+        special = Special(self.kind, point, bracket, round(before), round(after), complex(real, imaginary))
+        return OnCurve((first, second), special), length
+
+
+def _saved(one: OnCurve, length: float) -> dict[str, Array]:
+    """A point of the curve, and the length of the next step, as arrays."""
+    special = one.special
+    numbers = (special.bracket, special.unstable_before, special.unstable_after, special.multiplier.real, special.multiplier.imag)
+    return stored(special.point, length) | {"place": np.array(one.place), "special": np.array(numbers)}
 
 
 def require_curve(kind: str, over: Over, second: Over) -> None:
@@ -82,62 +158,3 @@ def require_curve(kind: str, over: Over, second: Over) -> None:
             raise SceneError(f"{option} {shorten(name)}: a curve of Hopf points needs one of {', '.join(PARAMETERS)}")
     if over.name == second.name:
         raise SceneError(f"--and {shorten(second.name)}: must be another parameter than --over")
-
-
-def trace_onsets(curve: Curve) -> None:
-    """Record the Hopf points, which are not followed: they lie on the boundary of stability of steady sliding; the multiplier of
-    its oscillation is 1 there. Raises NumericsError if there are none."""
-    names, port = (curve.over.name, curve.second.name), one_port_of(curve.model)
-    for found in boundary(curve.over.base, port, names, (curve.over.ends, curve.second.ends)):
-        for first, second, omega in zip(found.first.tolist(), found.second.tolist(), found.omega.tolist(), strict=True):
-            if not (curve.over.holds(first) and curve.second.holds(second)):
-                continue
-            scene = curve.plane.scene_at(first, second)
-            period, rate = 2.0 * math.pi / (omega * scene.transit), scene.velocity
-            curve.points.append(CurvePoint(first, second, period, 0.0, 0.0, rate, rate, 0.0, 0, 2, (1.0, 0.0)))
-    if not curve.points:
-        raise NumericsError(f"{curve.model}: steady sliding does not lose stability in this rectangle")
-
-
-def begin_curve(curve: Curve) -> Reached:
-    """Record the first point of the curve, on the branch at the second parameter's first value. Raises NumericsError if there is
-    none."""
-    branch = Branch(curve.at_first(), curve.model, curve.tolerance)
-    special, _ = first_special(branch, begin(branch), curve.kind)
-    towards = (0.0, math.copysign(1.0, curve.second.last - curve.second.first))
-    reached = beginning(OnCurve((special.point.parameter, curve.second.first), special), towards)
-    _record(curve, reached.last)
-    return reached
-
-
-def trace(curve: Curve, reached: Reached, most: int) -> Iterator[Reached]:
-    """Record point after point, until there are so many or the curve leaves the rectangle; yields where it can go on.
-
-    Raises NumericsError where the curve cannot be followed."""
-    steps = follow_curve(curve.plane, reached, curve.tolerance)
-    while len(curve.points) < most:
-        further = next(steps)
-        if not (curve.over.holds(further.last.place[0]) and curve.second.holds(further.last.place[1])):
-            curve.notes.append("the curve leaves the rectangle of both ranges")
-            return
-        _record(curve, further.last)
-        yield further
-    curve.notes.append(f"stopped after {len(curve.points)} points: --most-points goes further")
-
-
-def _record(curve: Curve, last: OnCurve) -> None:
-    """Add a point to the curve. The first was found on a branch, the others on lines, where brackets are shares of a scale."""
-    curve.points.append(_point(last, curve.plane.scale[0] if curve.points else 1.0))
-
-
-def _point(one: OnCurve, share: float) -> CurvePoint:
-    special, passing = one.special, one.special.multiplier
-    counted = not special.point.closed.flow.undecided
-    return CurvePoint(
-        *one.place,
-        **figures_of(special.point.closed),
-        bracket=max(share * special.bracket, TOLERANCE),
-        unstable_before=special.unstable_before if counted else None,
-        unstable_after=special.unstable_after if counted else None,
-        multiplier=(passing.real, passing.imag),
-    )

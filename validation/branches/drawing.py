@@ -1,9 +1,11 @@
-"""A branch in a figure: period and both stress drops against the parameter, stable and unstable parts, special points."""
+"""Figures of a branch, period and both stress drops with stable and unstable parts, and of a curve of special points."""
 
 from itertools import groupby
 from typing import Any
 
-from validation.branches.record import Branch
+from validation.branches import KINDS
+from validation.branches.branch import Branch
+from validation.branches.curve import Curve
 from validation.study.drawing import Axes, Drawing, canvas
 
 _QUANTITIES = {"period": "period $T$ / transits", "stress_drop": "stress drop", "elastic_stress_drop": "elastic stress drop"}
@@ -20,13 +22,13 @@ _PENS: dict[bool | None, Any] = {
 }
 
 
-def figure_of(branch: Branch) -> Drawing:
+def figure_of_branch(branch: Branch) -> Drawing:
     """One panel for each quantity. Call it inside `styled()`."""
     figure = canvas(height=8.5)
     panels = figure.subplots(len(_QUANTITIES), 1, sharex=True)
     for axes, (name, label) in zip(panels, _QUANTITIES.items(), strict=True):
-        _curve(axes, branch, name)
-        _marks(axes, branch, name)
+        _draw_pieces(axes, branch, name)
+        _draw_special(axes, branch, name)
         axes.set_ylabel(label)
     panels[-1].set_xlabel(branch.over.name)
     panels[0].set_title(f"{branch.over.base.name}, {branch.model}: periodic orbits")
@@ -34,7 +36,7 @@ def figure_of(branch: Branch) -> Drawing:
     return figure
 
 
-def _curve(axes: Axes, branch: Branch, name: str) -> None:
+def _draw_pieces(axes: Axes, branch: Branch, name: str) -> None:
     """The branch in pieces of one stability, which meet at the special points between them."""
     for stable, pen in _PENS.items():
         if any(point.stable is stable for point in branch.shown):
@@ -47,9 +49,22 @@ def _curve(axes: Axes, branch: Branch, name: str) -> None:
         axes.plot([one.value for one in run], [getattr(one, name) for one in run], **_PENS[stable] | {"label": None})
 
 
-def _marks(axes: Axes, branch: Branch, name: str) -> None:
+def _draw_special(axes: Axes, branch: Branch, name: str) -> None:
     for kind, look in _MARKS.items():
         found = [special for special in branch.shown_special if special.kind == kind]
         if found:
             places = [special.value for special in found], [getattr(special, name) for special in found]
             axes.plot(*places, **({"color": "#111111", "linestyle": "none", "markersize": 4.0, "zorder": 3} | look))
+
+
+def figure_of_curve(curve: Curve) -> Drawing:
+    """Left: the second parameter over the first. Right: the second over the period. Call it inside `styled()`."""
+    figure = canvas(height=4.0)
+    panels = figure.subplots(1, 2, sharey=True)
+    for axes, name, label in zip(panels, ("first", "period"), (curve.over.name, "period $T$ / transits"), strict=True):
+        places = [getattr(point, name) for point in curve.points], [point.second for point in curve.points]
+        axes.plot(*places, color="#111111", marker=".")
+        axes.set_xlabel(label)
+        axes.grid(True)
+    panels[0].set(ylabel=curve.second.name, title=f"{curve.over.base.name}, {curve.model}: {KINDS[curve.kind]}")
+    return figure

@@ -75,28 +75,33 @@ def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:
 
     Raises SceneError if the text is not of that form, and if the scene cannot be read at one of both ends.
     """
+
+    def require(holds: object, reason: str) -> None:
+        """Raises SceneError with the `reason` unless it holds."""
+        if not holds:
+            raise SceneError(f"{option} {shorten(text)}: {reason}")
+
     found = _RANGE.fullmatch(text)
-    if found is None:
-        raise SceneError(f"{option} {shorten(text)}: must be KEY=FROM:TO, as in log10_r=-2.72:-2.30")
-    key = found["name"].strip()
-    name = _SHORT.get(key, key)
-    base = slipwave.read(source)
-    measured = [_has_unit(found[word]) for word in ("first", "last")]
-    if measured[0] is not measured[1]:
-        raise SceneError(f"{option} {shorten(text)}: FROM and TO must both have a unit, or none")
+    require(found, "must be KEY=FROM:TO, as in log10_r=-2.72:-2.30")
+    assert found is not None
+    key, words = found["name"].strip(), (found["first"], found["last"])
+    name, base = _SHORT.get(key, key), slipwave.read(source)
+    measured = [_has_unit(word) for word in words]
+    require(measured[0] is measured[1], "FROM and TO must both have a unit, or none")
     if measured[0]:
-        (first, unit), (last, other) = (_measured(name, key, base, found[word]) for word in ("first", "last"))
-        if unit != other:
-            raise SceneError(f"{option} {shorten(text)}: FROM and TO must have units of one kind")
+        ends = [_measured(name, key, base, word.strip()) for word in words]
+        require(ends[0][1] == ends[1][1], "FROM and TO must have units of one kind")
     else:
-        unit, (first, last) = "", (_number(text, found[word], option) for word in ("first", "last"))
-    if first == last:
-        raise SceneError(f"{option} {shorten(text)}: FROM and TO must differ")
-    if name not in PARAMETERS and "." not in name:
-        raise SceneError(
-            f"{option} {shorten(text)}: {shorten(name)} is no parameter; must be one of {', '.join(PARAMETERS)}, or a key of the "
-            "scene with its dots, as upper.epsilon or slab.face.stiffness"
-        )
+        ends = [(_number(word), "") for word in words]
+        wrong = next((word for word, (value, _) in zip(words, ends, strict=True) if not math.isfinite(value)), None)
+        require(wrong is None, f"{shorten(wrong)} must be a number")
+    (first, unit), (last, _) = ends
+    require(first != last, "FROM and TO must differ")
+    require(
+        name in PARAMETERS or "." in name,
+        f"{shorten(name)} is no parameter; must be one of {', '.join(PARAMETERS)}, or a key of the scene with its dots, as "
+        "upper.epsilon or slab.face.stiffness",
+    )
     if not base.drive.is_constant:
         raise SceneError(f"scene {base.name!r}: a branch of periodic orbits needs a constant drive.velocity")
     over = Over(base, name, first, last, _reader(name, base, (first, last), unit), unit)
@@ -107,29 +112,23 @@ def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:
 
 def _has_unit(text: str) -> bool:
     """Whether a text is a number with a unit; 2e-5 is none with the unit e^-5."""
-    with suppress(ValueError):
-        float(text)
-        return False
-    return looks_measured(text)
+    return not math.isfinite(_number(text)) and looks_measured(text)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
 
 
 def _measured(name: str, key: str, base: Scene, text: str) -> tuple[float, str]:
     """The value of a parameter given with a unit, and the SI unit of it; of a short name the number in the scene's own units."""
-    scene = slipwave.read(base, {key: text.strip()})
+    scene = slipwave.read(base, {key: text})
     if name in PARAMETERS:
         return _present(name, scene), ""
-    given = quantity(text.strip(), *KINDS)
+    given = quantity(text, *KINDS)
     return given.value, given.unit
-
-
-def _number(text: str, word: str, option: str) -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise SceneError(f"{option} {shorten(text)}: {shorten(word)} must be a number")
-    return value
 
 
 def _reader(name: str, base: Scene, ends: tuple[float, float], unit: str) -> Callable[[float], Scene]:
@@ -139,23 +138,18 @@ def _reader(name: str, base: Scene, ends: tuple[float, float], unit: str) -> Cal
     if name not in PARAMETERS:
         return lambda value: slipwave.read(base, {name: f"{value!r} {unit}" if unit else value})
     key = next((key for key, short in _SHORT.items() if short == name), "")
-    keyed = _keyed(key, base)
-    if key and _has(keyed, _present(name, base)):
+    if key and _has(base, key, _present(name, base)):
         for value in ends:
-            keyed(value)
+            slipwave.read(base, {key: value})
     return lambda value: PARAMETERS[name](base, _positive(name, value))
 
 
-def _has(keyed: Callable[[float], Scene], present: float) -> bool:
+def _has(base: Scene, key: str, present: float) -> bool:
     """Whether the scene has the key: then it can be read with the value that it has."""
     with suppress(SceneError):
-        keyed(present)
+        slipwave.read(base, {key: present})
         return True
     return False
-
-
-def _keyed(key: str, base: Scene) -> Callable[[float], Scene]:
-    return lambda value: slipwave.read(base, {key: value})
 
 
 def _present(name: str, base: Scene) -> float:

@@ -12,7 +12,7 @@ from validation.commands.options import Cells, Json, Law, Model, SceneName, Sett
 from validation.output import FIGURES, conclude, deliver, figures, print_json, print_table, require_writable, thinned
 
 if TYPE_CHECKING:
-    from validation.branches.record import Branch
+    from validation.branches.branch import Branch
 
 _LISTED = 12  # points in the table
 
@@ -95,7 +95,7 @@ def branch(
     problems = []
     if result.found.points or result.found.special:
         problems = deliver(
-            lambda: print_json(result.summary) if json else _print(result.found, result.wall_s), (result.save_plot, plot)
+            lambda: print_json(result.summary) if json else _print(result.found, result.outcome.wall_s), (result.save_plot, plot)
         )
     conclude("; ".join([failed, *([way_on(out or resume)] if stopped else [])]), problems, stopped)
 

@@ -75,7 +75,7 @@ def curve(
     problems = []
     if result.found.points:
         problems = deliver(
-            lambda: print_json(result.summary) if json else _print(result.found, result.wall_s), (result.save_plot, plot)
+            lambda: print_json(result.summary) if json else _print(result.found, result.outcome.wall_s), (result.save_plot, plot)
         )
     conclude("; ".join([failed, *([way_on(out or resume)] if stopped else [])]), problems, stopped)
 

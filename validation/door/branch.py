@@ -1,63 +1,82 @@
 """`slipwave.branch`: periodic orbits followed in a parameter, through folds, with the points where their stability changes."""
 
-import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from reduced.orbit.closing import Closed
-from slipwave.errors import NumericsError, SceneError
+from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.input import SceneSource
 from slipwave.input.stored import recall
+from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.branches.drawing import figure_of
-from validation.branches.follow import Head, Limits, begin, follow, is_doubled, limits_of
+from validation.branches import KINDS
+from validation.branches.branch import Branch
+from validation.branches.drawing import figure_of_branch
+from validation.branches.followed import Followed, Limits, Outcome, pursue, write
 from validation.branches.parameter import Values, over_range, range_text, scene_along
-from validation.branches.record import Branch, BranchPoint, SpecialPoint
-from validation.branches.stored import read, write
+from validation.branches.points import BranchPoint, SpecialPoint
 from validation.door.checked import checked
 from validation.door.result import Dataset, Place, Result, along, announced, as_path, deliver, finite, parameter_column, scene_of
 from validation.registry.orbits import flowing, require_tolerance
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import EVENTS, variables
-from validation.run.progress import progress
 from validation.study.drawing import Drawing, styled
 
 _DEFAULTS = {"tol": 1e-6, "most_points": 2000}
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class BranchResult(Result):
-    """The branch that was `found`, where it can go on, the options of the call, and run time in seconds; `failed` says why it
-    ended early, or is empty."""
+class FollowedResult(Result):
+    """What was `found`, how its computation ended, and the options of the call."""
 
-    found: Branch
-    head: Head | None
+    found: Followed
+    outcome: Outcome
     options: Mapping[str, Any]
-    wall_s: float
-    failed: str = ""
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave branch` (users rely on its keys); `failed` is there only if the numerics failed or the user
-        stopped it."""
-        found = self.found
+        """The JSON of the command (users rely on its keys); `failed` is there only if the numerics failed or the user stopped
+        it."""
+        found, outcome = self.found, self.outcome
         result = {
             "schema": SCHEMA,
             "scene": found.over.base.name,
             "model": found.model,
             "clock": "transit",
-            "parameter": found.over.name,
-            "points": [_at(found, point) for point in found.shown],
-            "special": [_at(found, special) for special in found.shown_special],
-            "wall_s": self.wall_s,
+            **self._rows(),
+            "wall_s": outcome.wall_s,
             "notes": [*doubts(found.over.base), *found.notes],
         }
-        return dict(finite(result | ({"failed": self.failed} if self.failed else {})))
+        return dict(finite(result | ({"failed": outcome.failed} if outcome.failed else {})))
+
+    def _rows(self) -> dict[str, Any]:
+        """What differs between branches and curves."""
+        raise NotImplementedError
+
+    def to_netcdf(self, path: str | Path) -> None:
+        """Write it and, where there is one, the point from which it can go on. Raises SceneError if the file cannot be
+        written."""
+        if self.outcome.head is None:
+            super().to_netcdf(path)
+        else:
+            write(Path(path), self.found, self.outcome.head, not self.outcome.failed, facts_of_file(self.found, self.options))
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class BranchResult(FollowedResult):
+    """A branch."""
+
+    found: Branch
+
+    def _rows(self) -> dict[str, Any]:
+        found = self.found
+        points, special = ([_at(found, row) for row in rows] for rows in (found.shown, found.shown_special))
+        return {"parameter": found.over.name, "points": points, "special": special}
 
     @cached_property
     def dataset(self) -> Dataset:
@@ -71,7 +90,7 @@ class BranchResult(Result):
         plain = {name.removeprefix("point_"): value for name, value in values.items()}
         plain |= {parameter_column(found.over.name): plain.pop("value")}
         values |= plain | _table("special", SpecialPoint._fields, found.shown_special, scene)
-        data = xarray.Dataset(values, attrs=branch_facts(found, self.options)).set_coords(["point_value", "special_value"])
+        data = xarray.Dataset(values, attrs=facts_of_file(found, self.options)).set_coords(["point_value", "special_value"])
         return along(data, found.over.name)
 
     @property
@@ -87,21 +106,12 @@ class BranchResult(Result):
 
     def _place(self, point: BranchPoint | SpecialPoint, closed: Closed | None) -> Place:
         found = self.found
-        facts = finite(_at(found, point))
-        return Place(facts, scene_along(found.over, point.value), found.model, closed, found.tolerance)
+        return Place(finite(_at(found, point)), scene_along(found.over, point.value), found.model, closed, found.tolerance)
 
     def plot(self) -> Drawing:
         """Period and stress drops against the parameter."""
         with styled():
-            return figure_of(self.found)
-
-    def to_netcdf(self, path: str | Path) -> None:
-        """Write the branch and, where there is one, the point from which it can go on. Raises SceneError if the file cannot be
-        written."""
-        if self.head is None:
-            super().to_netcdf(path)
-        else:
-            write(Path(path), self.found, self.head, not self.failed, branch_facts(self.found, self.options))
+            return figure_of_branch(self.found)
 
 
 @checked
@@ -138,46 +148,34 @@ def branch(
     given = {"over": range_text(over), "tol": tol, "cells": cells, "stop_at": stop_at, "switch": switch}
     model, options = recall(source, "branch", model, given | {"longest_period": longest_period, "most_points": most_points})
     options |= {name: value for name, value in _DEFAULTS.items() if options[name] is None}
-    require_tolerance(options["tol"])
-    limits = limits_of(options["stop_at"], options["longest_period"], options["most_points"])
+    limits = _limits(options)
     if options["over"] is None:
         raise SceneError("--over: missing; must be KEY=FROM:TO, as in log10_r=-2.72:-2.60")
     parameter = over_range(options["over"], scene_of(source, settings, changes))
     name = announced(*flowing(model, parameter.base))
-    found = Branch(parameter, name, options["tol"], options["cells"], is_doubled(options["switch"]))
-    failed, stopped, began = "", False, time.perf_counter()
-    head: Head | None = None
-    try:
-        for step in _steps(found, limits, out or resume, resume, branch_facts(found, options)):
-            head = step
-    except NumericsError as error:
-        failed = str(error)
-    except KeyboardInterrupt:
-        failed, stopped = f"interrupted after {len(found.points)} points", True
-    return deliver(BranchResult(found, head, options, time.perf_counter() - began, failed), failed, stopped)
+    found = Branch(parameter, name, options["tol"], options["cells"], options["switch"] == "PD")
+    outcome = pursue(found, limits, out or resume, resume, facts_of_file(found, options))
+    return deliver(BranchResult(found, outcome, options), outcome.failed, outcome.stopped)
 
 
-def branch_facts(found: Branch, options: Mapping[str, Any]) -> dict[str, Any]:
-    """The attributes of a branch's file."""
-    return provenance("branch", found.over.base, found.model, options) | {"parameter": found.over.name}
+def _limits(options: Mapping[str, Any]) -> Limits:
+    """Where the branch ends. Raises SceneError naming an option that makes no sense."""
+    kind, period, points, switch = (options[name] for name in ("stop_at", "longest_period", "most_points", "switch"))
+    require_tolerance(options["tol"])
+    if kind is not None and kind not in KINDS:
+        raise SceneError(f"--stop-at {shorten(kind)}: must be one of {', '.join(KINDS)}")
+    if period is not None and not period > 0.0:
+        raise SceneError(f"--longest-period = {period:g}: must be above 0")
+    if points < 1:
+        raise SceneError(f"--most-points = {points}: must be at least 1")
+    if switch not in (None, "HB", "PD"):
+        raise SceneError(f"--switch {shorten(switch)}: must be HB or PD")
+    return Limits(period or Limits().period, points, kind or "")
 
 
-def _steps(found: Branch, limits: Limits, path: Path | None, resume: Path | None, facts: Mapping[str, Any]) -> Iterator[Head]:
-    """Fill the branch and, after each point, its file; yields where the branch can go on."""
-
-    def keep(head: Head, complete: bool) -> Head:
-        """Write the file, if one is wanted."""
-        if path is not None:
-            write(path, found, head, complete, facts)
-        return head
-
-    head = last = keep(read(resume, found) if resume is not None else begin(found), False)
-    yield last
-    with progress(f"{found.over.base.name}, {found.model}, points of the branch", limits.points) as report:
-        for last in follow(found, head, limits):
-            yield keep(last, False)
-            report(len(found.points))
-    keep(last, True)
+def facts_of_file(found: Followed, options: Mapping[str, Any]) -> dict[str, Any]:
+    """The attributes of its file."""
+    return provenance(found.what, found.over.base, found.model, options) | {"parameter": found.over.name}
 
 
 def _table(kind: str, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]], scene: Scene) -> dict[str, Any]:

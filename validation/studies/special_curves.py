@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from reduced.parameters import with_parameter
-from validation.branches.curve import Curve, CurvePoint, begin_curve, trace
-from validation.branches.follow import begin, first_special
+from validation.branches.branch import Branch
+from validation.branches.curve import Curve
+from validation.branches.followed import Limits, heads
 from validation.branches.parameter import over_range
-from validation.branches.record import Branch
+from validation.branches.points import CurvePoint
 from validation.references.onset import onset_of
 from validation.references.published import reference
 from validation.study import Budget, Cell, Evidence, Figure, Number, StudyResult, Table, Verdict, of_paper, table
@@ -62,7 +63,7 @@ def run(budget: Budget) -> StudyResult:
 def _curve(model: str, kind: str, end: float, most: int) -> list[CurvePoint]:
     first = over_range(f"log10_r={_RANGE[0]}:{_RANGE[1]}", scene_at(-2.68))
     curve = Curve(kind, first, over_range(f"log10_V=2:{end}", scene_at(-2.68)), model, _TOLERANCE)
-    for _ in trace(curve, begin_curve(curve), most):
+    for _ in heads(curve, Limits(points=most)):
         pass
     return curve.points
 
@@ -78,7 +79,7 @@ def _fold_at(point: CurvePoint) -> float:
     shift = point.second - 2.0
     over = over_range(f"log10_r={_RANGE[0] + shift}:{_RANGE[1] + shift}", raised)
     branch = Branch(over, "delay", _TOLERANCE)
-    return float(first_special(branch, begin(branch), "LP")[0].point.parameter)
+    return float(branch.first_special(branch.begin(), "LP")[0].point.parameter)
 
 
 def _same(point: CurvePoint, again: float) -> Verdict:

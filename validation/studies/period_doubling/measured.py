@@ -13,9 +13,9 @@ from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import close
 from reduced.orbit.multipliers import floquet
-from validation.branches.follow import Head, Limits, begin, follow
+from validation.branches.branch import Branch
+from validation.branches.followed import Limits, heads
 from validation.branches.parameter import over_range
-from validation.branches.record import Branch
 from validation.measure.cycle import watch
 from validation.references.published import half_digit, reference
 from validation.registry.orbits import moving
@@ -103,8 +103,7 @@ class Bubble(NamedTuple):
 def bubble(low: float, high: float) -> Bubble:
     """The doubled orbits from the first period doubling between these log10 r on, at first towards the higher one."""
     found = Branch(over_range(f"log10_r={low}:{high}", scene_at(AT)), MODEL, _ROUGH, doubled=True)
-    points = [begin(found).point]
-    points += [head.point for head in follow(found, Head(points[0], Control.first, metric_for(low, high)), Limits())]
+    points = [head.point for head in heads(found, Limits())]
     (before, far), (last, near) = ((point.parameter, difference_of_halves(point) ** 2) for point in points[-2:])
     ends = last + near * (last - before) / (far - near)  # the square of the difference vanishes linearly
     halves = [(one.value, 0.5 * one.period) for one in found.points]

@@ -1,0 +1,239 @@
+"""A branch of periodic orbits, which begins at a Hopf point or at an orbit that a run leads to, and is followed through folds."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from reduced.continuation.branch import Control, follow_branch
+from reduced.continuation.onset import WIDTH, Onset, onsets
+from reduced.continuation.point import Family, Metric, Point
+from reduced.continuation.special import Special
+from reduced.continuation.start import difference_of_halves, from_doubling, from_hopf, from_orbit, from_stored, metric_for, stored
+from reduced.orbit.closing import Closed
+from reduced.orbit.figures import amplitude
+from reduced.stability.characteristic import characteristic
+from reduced.stability.spectrum import unstable_count
+from slipwave.errors import NumericsError, SceneError
+from slipwave.solve import State
+from slipwave.sources import source_digest
+from validation.branches import KINDS
+from validation.branches.followed import Followed, Limits
+from validation.branches.parameter import Over
+from validation.branches.points import BranchPoint, SpecialPoint, point_of, special_of
+from validation.registry.families import one_port_of
+from validation.registry.orbits import find_orbit, moving
+
+_FORMAT = 2
+_SMALL = 0.1  # amplitude of ln v
+_MOST_OUTSIDE = 200  # points of a branch that begins just outside of its range before it is given up
+_SAME = 0.03  # difference of ln v and psi between two halves
+
+_UNDECIDED = (
+    "stability is not decided where the essential radius is 1: some motion of the slabs is never damped by friction there, and "
+    "multipliers cannot tell; "
+)
+_UNCOUNTED = "they accumulate at the unit circle and are not counted, so of the special points only HB and LP are found"
+_WITHOUT_IDLE = (
+    "numbers of unstable multipliers, and PD and NS found by them, leave out idle modes, in which both slabs swing alike without "
+    "slip or stress at the interface: slipwave orbit names them"
+)
+
+
+class Head(NamedTuple):
+    """The last `point` of a branch and the length of the next `step`: all that is needed to go on."""
+
+    point: Point
+    step: float
+    metric: Metric
+
+
+@dataclass(frozen=True)
+class Branch(Followed):
+    """The branch of `model` over a parameter. `cells` is for full waves. `closed` are the orbits of special points by their
+    number in that list, if they were computed in this process. `doubled`: of the orbits of twice the period that are born at the
+    first period doubling of the scene's own branch."""
+
+    what: ClassVar[str] = "branch"
+    over: Over
+    model: str
+    tolerance: float
+    cells: int | None = None
+    doubled: bool = False
+    points: list[BranchPoint] = field(default_factory=list)
+    special: list[SpecialPoint] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    closed: dict[int, Closed] = field(default_factory=dict)
+
+    @property
+    def shown(self) -> list[BranchPoint]:
+        """The points within the range; the last of all may lie beyond."""
+        return [point for point in self.points if self.over.holds(point.value)]
+
+    @property
+    def shown_special(self) -> list[SpecialPoint]:
+        """The special points within the range."""
+        return [special for special in self.special if self.over.holds(special.value)]
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """As `Followed`; the range may be another."""
+        own = {"model": self.model, "cells": self.cells, "doubled": self.doubled, "parameter": self.over.name}
+        return {"format": _FORMAT, "scene": self.over.base.digest, **own, "sources": source_digest()}
+
+    @property
+    def tables(self) -> dict[str, tuple[type[Any], list[Any]]]:
+        """As `Followed`."""
+        return {"point": (BranchPoint, self.points), "special": (SpecialPoint, self.special)}
+
+    def saved(self, head: Head) -> dict[str, State]:
+        """As `Followed`."""
+        return {"resume": stored(head.point, head.step) | {"metric": np.array([head.metric.period, head.metric.parameter])}}
+
+    def restored(self, saved: Mapping[str, State]) -> Head:
+        """As `Followed`."""
+        state = saved["resume"]
+        period, parameter = state["unknowns"][-2:].tolist()
+        _, point, step = from_stored(self.family_at(parameter, period), state)
+        return Head(point, step, Metric(*state["metric"].tolist()))
+
+    def begin(self) -> Head:
+        """Record the Hopf point in the range that is nearest to its first end, or else an orbit at an end where steady sliding is
+        unstable.
+
+        Raises SceneError if steady sliding is stable in the whole range, NumericsError if no orbit is found.
+        """
+        over, port = self.over, one_port_of(self.model)
+        if self.doubled:
+            return self._from_doubling()
+        found = sorted(onsets(over.scene_at, *over.ends, port), key=lambda onset: abs(onset.parameter - over.first))
+        if not found:
+            return self._from_orbit(port)
+        own, *others = found
+        self.special.append(self._hopf(own))
+        self.notes.extend(
+            f"another Hopf point lies at {over.name} = {other.parameter:.10g}, period {other.period:.6g}; this branch is that of "
+            f"{own.parameter:.10g}"
+            for other in others
+        )
+        metric = metric_for(*over.ends)
+        return self._first(from_hopf(self.family_at(own.parameter, own.period), own.parameter, own.period, metric), metric)
+
+    def follow(self, head: Head, limits: Limits) -> Iterator[Head]:
+        """Record point after point; yields where the branch can go on. Ends at the limits, where it leaves the range, and where
+        the orbits shrink to steady sliding. Raises NumericsError where it cannot be followed."""
+        family = Family(head.point.closed.flow, self.over.scene_at)
+        steps = follow_branch(family, head.point, head.metric, lambda _: True, self.tolerance, Control(first=head.step))
+        while True:
+            reason = self._end(head, limits)
+            if reason is not None:
+                self.notes.extend([reason] if reason else [])
+                return
+            step = next(steps)
+            if self.doubled and _closes(head.point, step.point):
+                self.notes.append("the branch ends at a period doubling, where both halves of its orbits become the same")
+                return
+            if _vanishes(head.point, step.point):
+                self._end_at_hopf(head.point)
+                return
+            for special in step.special:
+                self.closed[len(self.special)] = special.point.closed
+                self.special.append(special_of(special, len(self.points)))
+            self._record(step.point)
+            head = Head(step.point, step.next_step, head.metric)
+            yield head
+
+    def family_at(self, parameter: float, period: float) -> Family:
+        """The model's flows, on a mesh that suits steady sliding and its slow oscillations with `period` (transits)."""
+        model = moving(self.model, self.over.scene_at(parameter), self.tolerance, self.cells)
+        return Family(model.freeze(model.solver, period)[0], self.over.scene_at)
+
+    def first_special(self, head: Head, kind: str) -> tuple[Special, Family]:
+        """The first special point of `kind` after `head` in the range, and the flows on its mesh. Raises NumericsError if there
+        is none."""
+        over = self.over
+        family, last = Family(head.point.closed.flow, over.scene_at), head.point
+        for step in follow_branch(family, head.point, head.metric, lambda point: over.holds(point.parameter), self.tolerance):
+            for special in step.special:
+                if special.kind == kind:
+                    return special, Family(special.point.closed.flow, over.scene_at)
+            last = step.point
+        ended = f"it was followed to {over.name} = {last.parameter:.7g} and a period of {last.closed.cycle.period:.5g} transits"
+        raise NumericsError(
+            f"no {KINDS[kind]} was found on the branch over {over.name} from {over.first:g} to {over.last:g}: {ended}"
+        )
+
+    def _first(self, point: Point, metric: Metric) -> Head:
+        self._record(point)
+        return Head(point, Control.first, metric)
+
+    def _record(self, point: Point) -> None:
+        self.points.append(point_of(point))
+        if self.points[-1].stable is None:
+            note = _UNDECIDED + (_UNCOUNTED if point.closed.flow.undecided else _WITHOUT_IDLE)
+            self.notes.extend([] if note in self.notes else [note])
+
+    def _from_orbit(self, port: str) -> Head:
+        over = self.over
+        unstable = [value for value in (over.first, over.last) if unstable_count(characteristic(over.scene_at(value), port))]
+        if not unstable:
+            raise SceneError(
+                f"--over {over.name}={over.first:g}:{over.last:g}: steady sliding of {self.model} is stable at both ends, so no "
+                "branch of orbits begins between them"
+            )
+        value, metric = unstable[0], metric_for(*over.ends)
+        model = moving(self.model, over.scene_at(value), self.tolerance, self.cells)
+        found = find_orbit(model, self.tolerance).found.closed
+        return self._first(from_orbit(Family(found.flow, over.scene_at), found, value, sum(over.ends) - value, metric), metric)
+
+    def _from_doubling(self) -> Head:
+        """The first orbit of twice the period, beside the first period doubling of the scene's own branch in the range."""
+        own = replace(self, doubled=False, points=[], special=[], notes=[])
+        head = own.begin()
+        special, family = own.first_special(head, "PD")
+        born = special_of(special, 0)
+        self.special.append(born._replace(period=2.0 * born.period))
+        return self._first(from_doubling(family, special, head.metric)[1], head.metric)
+
+    def _end(self, head: Head, limits: Limits) -> str | None:
+        """Why the branch is not followed any further: empty if that needs no remark; None if it is."""
+        point = head.point
+        if limits.kind and any(special.kind == limits.kind for special in self.special):
+            return ""
+        if not self.over.holds(point.parameter) and not self._enters():
+            low, high = self.over.ends
+            return f"the branch leaves the range at {self.over.name} = {low if point.parameter < low else high:g}"
+        if point.closed.cycle.period > limits.period:
+            return f"stopped at the period {limits.period:g}: --longest-period goes further"
+        if len(self.points) >= limits.points:
+            return f"stopped after {len(self.points)} points: --most-points goes further"
+        return None
+
+    def _enters(self) -> bool:
+        """Whether the branch, which began at a Hopf point at the edge of the range or a little outside, may still come into
+        it."""
+        return [special.kind for special in self.special[:1]] == ["HB"] and len(self.points) < _MOST_OUTSIDE and not self.shown
+
+    def _hopf(self, onset: Onset) -> SpecialPoint:
+        rate = self.over.scene_at(onset.parameter).velocity
+        figures = (onset.parameter, onset.period, 0.0, 0.0, rate, rate)
+        return SpecialPoint("HB", *figures, WIDTH, onset.unstable_below, onset.unstable_above, len(self.points))
+
+    def _end_at_hopf(self, last: Point) -> None:
+        """Record the Hopf point at which the branch ends."""
+        near = onsets(self.over.scene_at, *self.over.ends, one_port_of(self.model))
+        if near:
+            self.special.append(self._hopf(min(near, key=lambda onset: abs(onset.parameter - last.parameter))))
+        self.notes.append("the branch ends where its orbits shrink to steady sliding")
+
+
+def _closes(before: Point, after: Point) -> bool:
+    """Whether the two halves of doubled orbits are nearly alike and become more so: that ends in a period doubling."""
+    return difference_of_halves(after) < min(_SAME, difference_of_halves(before))
+
+
+def _vanishes(before: Point, after: Point) -> bool:
+    """Whether the orbits are small and become smaller: that can only end in steady sliding, and near it the equations are nearly
+    singular."""
+    return amplitude(after.closed.cycle) < min(_SMALL, amplitude(before.closed.cycle))

@@ -1,0 +1,202 @@
+"""What branches and curves have in common: a netCDF file that is written whole after each point, so that a process killed at any
+time leaves a file to go on from, and the loop that follows them."""
+
+import hashlib
+import json
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
+
+import numpy as np
+
+from slipwave.errors import NumericsError, SceneError
+from slipwave.files import reason_of, whole_or_absent
+from slipwave.solve import State
+from validation.branches.parameter import Over
+from validation.run.progress import progress
+
+if TYPE_CHECKING:
+    from netCDF4 import Dataset
+
+UNDECIDED = -1
+"""In place of None in a column of numbers."""
+
+_KINDS = dict.fromkeys(("unstable", "unstable_before", "unstable_after", "place"), int) | {"stable": bool}
+Head: TypeAlias = Any
+"""Where a branch or a curve can go on."""
+
+
+class Limits(NamedTuple):
+    """Where to stop: beyond a `period` (transits), after so many `points`, at the first special point of a `kind` (if any)."""
+
+    period: float = float("inf")
+    points: int = 2000
+    kind: str = ""
+
+
+class Followed(ABC):
+    """A branch or a curve as far as it is known: its `points` and `notes` grow. `tolerance` is the requested relative error of
+    all figures."""
+
+    what: ClassVar[str]
+    over: Over
+    model: str
+    tolerance: float
+    points: list[Any]
+    notes: list[str]
+
+    @property
+    @abstractmethod
+    def facts(self) -> dict[str, Any]:
+        """What a file and what goes on from it must have in common, but for the tolerance."""
+
+    @property
+    @abstractmethod
+    def tables(self) -> dict[str, tuple[type[Any], list[Any]]]:
+        """By the name of the file's dimension: the record of a row, and the rows."""
+
+    @abstractmethod
+    def begin(self) -> Head:
+        """Record the first point; None if all points are known at once."""
+
+    @abstractmethod
+    def follow(self, head: Head, limits: Limits) -> Iterator[Head]:
+        """Record point after point within the limits; yields where it can go on."""
+
+    @abstractmethod
+    def saved(self, head: Head) -> dict[str, State]:
+        """All that is needed to go on, as arrays by group and name."""
+
+    @abstractmethod
+    def restored(self, saved: Mapping[str, State]) -> Head:
+        """The inverse of `saved`."""
+
+
+class Outcome(NamedTuple):
+    """Where it can go on, None if it cannot; why it ended early, or nothing; whether the user stopped it; seconds."""
+
+    head: Head | None
+    failed: str
+    stopped: bool
+    wall_s: float
+
+
+def pursue(found: Followed, limits: Limits, file: Path | None, resume: Path | None, origin: Mapping[str, Any]) -> Outcome:
+    """Fill `found`, an empty one, from its beginning or from a file to `resume`, within the limits, and write the `file`, if one
+    is wanted, after each point. Raises SceneError as `read` and `write` do."""
+    began, head, failed, stopped = time.perf_counter(), None, "", False
+    try:
+        for head in heads(found, limits, resume):
+            if file is not None:
+                write(file, found, head, False, origin)
+        if file is not None and head is not None:
+            write(file, found, head, True, origin)
+    except NumericsError as error:
+        failed = str(error)
+    except KeyboardInterrupt:
+        failed, stopped = f"interrupted after {len(found.points)} points", True
+    return Outcome(head, failed, stopped, time.perf_counter() - began)
+
+
+def heads(found: Followed, limits: Limits, resume: Path | None = None) -> Iterator[Head]:
+    """Fill `found`, point after point, with progress; yields where it can go on. Raises NumericsError where it cannot."""
+    try:
+        head = found.begin() if resume is None else read(resume, found)
+        if head is not None:
+            yield head
+            with progress(f"{found.over.base.name}, {found.model}, points of the {found.what}", limits.points) as report:
+                for later in found.follow(head, limits):
+                    yield later
+                    report(len(found.points))
+    except NumericsError as error:  # the continuation knows no name of its parameter
+        raise NumericsError(str(error).replace("parameter = ", f"{found.over.name} = ")) from None
+
+
+def write(path: Path, found: Followed, head: Head, complete: bool, origin: Mapping[str, Any]) -> None:
+    """Write all that was `found` and where it goes on, with attributes that say its `origin`. Raises SceneError if the file
+    cannot be written."""
+    from netCDF4 import Dataset
+
+    facts = json.dumps(found.facts | {"tolerance": found.tolerance})
+    with whole_or_absent(path) as temporary, Dataset(temporary, "w") as file:
+        file.setncatts({**origin, "complete": int(complete), "facts": facts, "notes": json.dumps(found.notes)})
+        for kind, (record, rows) in found.tables.items():
+            _write_table(file, kind, record._fields, rows, found.over.name)
+        for name, state in found.saved(head).items():
+            _write_arrays(file.createGroup(name), state)
+        file.setncattr("contents", _digest(file))
+
+
+def read(path: Path, found: Followed) -> Head:
+    """Fill `found`, an empty one, from the file, but for notes on its end, and say where it goes on: perhaps with another
+    tolerance, for its mesh is refined, or kept, as the next point asks for.
+
+    Raises SceneError if the file cannot be read, or has other `facts`."""
+    from netCDF4 import Dataset
+
+    try:
+        with Dataset(path) as file:
+            facts = json.loads(file.getncattr("facts"))
+            _require_same(path, found.what, facts, json.loads(json.dumps(found.facts)))
+            if file.getncattr("contents") != _digest(file):
+                raise ValueError("its contents have changed since it was written")
+            for kind, (record, rows) in found.tables.items():
+                rows.extend(record._make(row) for row in _read_table(file, kind, record._fields))
+            notes = json.loads(file.getncattr("notes"))
+            saved = {name: {key: np.asarray(v[:]) for key, v in group.variables.items()} for name, group in file.groups.items()}
+            before, last = float(facts["tolerance"]), float(found.points[-1][0])
+    except SceneError:
+        raise
+    except (OSError, LookupError, ValueError, TypeError, RuntimeError, AttributeError) as error:
+        raise SceneError(f"--resume {str(path)!r}: is no file of a {found.what}, or damaged: {reason_of(error)}") from None
+    found.notes.extend(note for note in notes if not note.startswith(("stopped ", f"the {found.what} leaves ")))
+    if before != found.tolerance:
+        until = f"up to {found.over.name} = {last:.10g}, {len(found.points)} in all"
+        found.notes.append(f"points {until}, were computed with tol = {before:g}, those after it with {found.tolerance:g}")
+    return found.restored(saved)
+
+
+def _digest(file: "Dataset") -> str:
+    """Hash of all variables, also of the groups."""
+    digest = hashlib.sha256()
+    for group in (file, *(file.groups[name] for name in sorted(file.groups))):
+        for name in sorted(group.variables):
+            values = np.asarray(group[name][:])
+            content = str(values.tolist()).encode() if values.dtype == object else values.tobytes()
+            digest.update(f"{group.path} {name} {values.shape}".encode() + content)
+    return digest.hexdigest()
+
+
+def _require_same(path: Path, what: str, facts: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
+    for name, value in wanted.items():
+        if facts.get(name) != value:
+            raise SceneError(f"--resume {str(path)!r}: {name} is {facts.get(name)!r}; this {what} has {value!r}")
+
+
+def _write_table(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[Any], parameter: str) -> None:
+    """One variable of the dimension `kind` for each column."""
+    file.createDimension(kind, len(rows))
+    for name, column in zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True):
+        text = name == "kind"
+        variable = file.createVariable(f"{kind}_{name}", str if text else "f8", (kind,))
+        variable[:] = np.array([UNDECIDED if one is None else one for one in column], dtype=object if text else float)
+        notes = {"long_name": parameter if name == "value" else name.replace("_", " ")}
+        variable.setncatts(notes if text else notes | {"units": "1"})
+
+
+def _read_table(file: "Dataset", kind: str, names: tuple[str, ...]) -> Iterator[tuple[Any, ...]]:
+    """The rows that `_write_table` wrote, with whole numbers where they count, truth values, or None."""
+    columns = [(file[f"{kind}_{name}"][:].tolist(), _KINDS.get(name)) for name in names]
+    whole = ([None if one == UNDECIDED else kind(one) for one in column] if kind else column for column, kind in columns)
+    return zip(*whole, strict=True)
+
+
+def _write_arrays(group: "Dataset", arrays: State) -> None:
+    """Arrays with dimensions of their own."""
+    for name, array in arrays.items():
+        dimensions = [f"{name}_{axis}" for axis in range(array.ndim)]
+        for dimension, size in zip(dimensions, array.shape, strict=True):
+            group.createDimension(dimension, size)
+        group.createVariable(name, "f8", dimensions)[:] = array
