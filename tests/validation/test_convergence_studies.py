@@ -1,26 +1,31 @@
-"""The two studies of convergence: outcomes on both sides of every limit, answers, shared code, figures."""
+"""The two studies of convergence: what they measure, outcomes on both sides of every limit, answers, tables, figures."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from fullwave.families import GALERKIN
+from reduced.delay.alike import Delay
 from slipwave.observe.statistics import Estimate
-from validation.measure.grid_ladders import LADDERS
+from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
 from validation.measure.order_fit import fit
-from validation.measure.orders import QUANTITIES, Climb
+from validation.measure.orders import QUANTITIES, Climb, climb, errors, measure
 from validation.measure.settle import SYMBOLS
+from validation.registry.build import build
+from validation.run import timing
 from validation.studies import grid_convergence, leapfrog_convergence
-from validation.studies.grid_convergence import orbits
+from validation.studies.grid_convergence import in_time, orbits
 from validation.studies.grid_convergence.code import code_note, code_table, shared
-from validation.studies.grid_convergence.shown import convergence_and_cost, finest_table, orders_table
-from validation.studies.leapfrog_convergence import ladders
+from validation.studies.grid_convergence.in_time import COURANT, REQUESTS, Marches, reference, without_error_in_time
 from validation.study import Budget, Evidence, Outcome
 
 CELLS = np.array([48, 96, 192, 384])
 NAMES = (*SYMBOLS, leapfrog_convergence._SMOOTH, leapfrog_convergence._JUMP)
+
+
+def reds(verdicts):
+    return [verdict.outcome for verdict in verdicts].count(Outcome.FAIL)
 
 
 def leapfrog_errors(order=2.0, jump=1.0):
@@ -38,68 +43,46 @@ def fits_of(errors):
     ("order", "jump", "red"), [(2.08, 0.92, 0), (1.92, 1.08, 0), (2.3, 1.0, 3), (1.7, 1.0, 3), (2.0, 0.7, 3), (2.0, 1.3, 3)]
 )
 def test_the_leapfrogs_orders_are_judged_on_both_sides(order, jump, red):
-    verdicts = leapfrog_convergence._verdicts(fits_of(leapfrog_errors(order, jump)))
-    assert [verdict.outcome for verdict in verdicts].count(Outcome.FAIL) == red
+    verdicts = [*leapfrog_convergence._verdicts(fits_of(leapfrog_errors(order, jump)))]
+    assert reds(verdicts) == red
     assert [verdict.evidence for verdict in verdicts].count(Evidence.SELF) == 2  # CFL 1 is the delay system's own rule
 
 
 @pytest.mark.parametrize(("cfl", "cells"), [(0.5, 60.0), (0.9, 60.0), (1.0, 3.0)])
-def test_what_extrapolation_leaves(cfl, cells):
+@pytest.mark.parametrize(("share", "outcome"), [(0.9, "pass"), (-0.9, "pass"), (3.0, "fail"), (-3.0, "fail")])
+def test_what_extrapolation_leaves(cfl, cells, share, outcome):
     """An error c h^2 with a part of order 4 that is just allowed, and three times that."""
-    limit = (cells / 384.0) ** 2 * 1e-7
-
-    def verdict(left):
-        fine = 1e-7
-        return leapfrog_convergence._extrapolated(np.array([4.0 * fine - 3.0 * left, fine]), 384, cfl)
-
-    assert verdict(0.9 * limit).outcome is Outcome.PASS
-    assert verdict(-0.9 * limit).outcome is Outcome.PASS
-    assert verdict(3.0 * limit).outcome is Outcome.FAIL
-    assert verdict(-3.0 * limit).outcome is Outcome.FAIL
+    fine = 1e-7
+    left = share * (cells / 384.0) ** 2 * fine
+    assert leapfrog_convergence._extrapolated(np.array([4.0 * fine - 3.0 * left, fine]), 384, cfl).outcome == outcome
 
 
 def test_the_leapfrogs_study_shows_every_error_it_measured(monkeypatch):
     monkeypatch.setattr(leapfrog_convergence, "_measure", lambda cells, budget: leapfrog_errors())
     result = leapfrog_convergence.run(Budget(quick=True))
-    assert [figure.name for figure in result.figures] == ["ladders"]
     drawn = [axes.get_lines()[1].get_ydata() for axes in result.figures[0].draw().axes if axes.get_lines()]
     assert np.array_equal(drawn, [errors[0.5] for errors in leapfrog_errors().values()])
     assert [len(table.rows) for table in result.tables] == [len(NAMES), len(CELLS)]
     assert len(result.verdicts) == 9
-    assert "no independent evidence" in "".join(result.notes)
     remembered = {name: number.value for name, number in result.numbers.items()}
     assert remembered == {f"T error, CFL {cfl}, 96 cells": 0.00025 for cfl in (0.5, 0.9, 1.0)}
-
-
-def test_the_leapfrogs_answer_follows_its_orders():
-    yes = leapfrog_convergence._answer(fits_of(leapfrog_errors(2.0, 1.0)))
-    assert yes.startswith("Yes: from the smooth start at orders 2.00 to 2.00")
+    assert result.answer.startswith("Yes: from the smooth start at orders 2.00 to 2.00")
     assert leapfrog_convergence._answer(fits_of(leapfrog_errors(0.1, 1.0))).startswith("No: from the smooth start at orders 0.10")
 
 
-GRIDS = [orbits.GridOrbit("sbp:6", cells, 1e-3 * cells**-6.0, 1e-2 * cells**-6.0) for cells in (24, 32)]
+GRIDS = [orbits.GridOrbit("sbp:6", cells, 1e-3 * cells**-6.0, 1e-3 * cells**-6.0) for cells in (24, 32)]
 
 
-@pytest.mark.parametrize(("quick", "model"), [(quick, model) for quick, known in orbits.FAMILIES.items() for model in known])
-def test_agreement_on_the_grids_own_orbit(quick, model):
-    """Both figures on both sides of their limits."""
-    limits = orbits.FAMILIES[quick][model].allowed
-
-    def outcomes(*shares):
-        last = orbits.GridOrbit(model, 8, *(share * limit for share, limit in zip(shares, limits, strict=True)))
-        return [verdict.outcome for verdict in orbits._agreement(last, limits)]
-
-    assert outcomes(0.9, 0.9) == [Outcome.PASS] * 2
-    assert outcomes(3.0, 0.9) == [Outcome.FAIL, Outcome.PASS]
-    assert outcomes(0.9, np.inf) == [Outcome.PASS, Outcome.FAIL]
-
-
-@pytest.mark.parametrize(("order", "outcome"), [(6.01, "pass"), (8.0, "pass"), (5.9, "fail")])
-def test_orbits_must_converge_at_the_declared_order(order, outcome):
+@pytest.mark.parametrize(
+    ("order", "shares", "red"), [(6.01, (0.9, 0.9), 0), (8.0, (0.9, 0.9), 0), (5.9, (0.9, 0.9), 1), (8.0, (3.0, np.inf), 2)]
+)
+def test_the_grids_own_orbit_is_judged_on_both_sides(order, shares, red):
+    """The order of its errors, and the errors on the finest grid."""
     family = [one._replace(stress_drop=1e-2 * (one.cells / 24) ** -order) for one in GRIDS]
     assert orbits.order_of(family, "stress_drop") == pytest.approx(order)
-    assert orbits.order_of(family, "period") == pytest.approx(6.0)
-    assert orbits._order([one._replace(period=one.stress_drop) for one in family]).outcome == outcome
+    last = family[-1]
+    allowed = orbits.Grids((24, 32), (last.period / shares[0], last.stress_drop / shares[1]))
+    assert reds(orbits.orbit_verdicts(family, {"sbp:6": allowed})) == red
 
 
 def test_an_order_ends_where_rounding_begins():
@@ -115,13 +98,20 @@ def beside(off, error=0.0, cycles=0):
     return orbits.Beside(-2.5, wave, (Estimate(80.0, error), Estimate(0.2, 1e-3)), cycles)
 
 
-def test_the_full_wave_as_r_grows():
-    assert [next(orbits._grown([beside(off)])).outcome for off in (4.5e-10, -15e-10)] == [Outcome.PASS, Outcome.FAIL]
-    far = [[*orbits._grown([beside(0.0), beside(off, 0.1, 50)])][1].outcome for off in (0.0069, -0.0072)]
-    assert far == [Outcome.PASS, Outcome.FAIL]  # four standard errors of 0.1 sqrt(2) are 0.0071 of 80
-    rows = orbits.growth_table([beside(2e-10), beside(0.00177, 0.1, 50)]).rows
-    assert rows[0][5:] == ("2 · 10^{−10}", None)
-    assert rows[1][5:] == ("1.0 standard errors", 50)
+@pytest.mark.parametrize(
+    ("found", "outcome"),
+    [
+        (beside(4.5e-10), "pass"),
+        (beside(-15e-10), "fail"),
+        (beside(0.0069, 0.1, 50), "pass"),  # four standard errors of 0.1 sqrt(2) are 0.0071 of 80
+        (beside(-0.0072, 0.1, 50), "fail"),
+        (beside(0.0, 0.1, 50), "fail"),  # a run beside itself
+    ],
+)
+def test_the_full_wave_as_r_grows(found, outcome):
+    assert [verdict.outcome for verdict in orbits.growth_verdicts([found])] == [outcome]
+    ending = ("1.0 standard errors", 50) if found.cycles else ("2 · 10^{−10}", None)
+    assert orbits.growth_table([beside(0.00177, 0.1, 50) if found.cycles else beside(2e-10)]).rows[0][5:] == ending
 
 
 WAVE, DELAY = (orbits._WAVE, orbits._WAVE_CELLS), ("delay", None)
@@ -135,20 +125,118 @@ def test_means_of_a_displaced_model_are_red(model, figure, outcome, monkeypatch)
     """400 irregular cycles with a spread of 1 % for each model; one figure of one model is displaced by 2 % in turn."""
     draw = {WAVE: np.random.default_rng(1).standard_normal, DELAY: np.random.default_rng(2).standard_normal}
 
-    def cycles(name, scene, until, cells):
-        found = {key: value * (1.0 + 0.01 * draw[name, cells](400)) for key, value in (("period", 80.0), ("stress_drop", 0.2))}
-        if (name, cells) == model and figure:
-            found[figure] *= 1.02
-        return SimpleNamespace(**found)
+    class Cycles:
+        def __init__(self, name, scene, until, cells):
+            self.period, self.stress_drop = (value * (1.0 + 0.01 * draw[name, cells](400)) for value in (80.0, 0.2))
+            if (name, cells) == model and figure:
+                setattr(self, figure, 1.02 * getattr(self, figure))
 
-    monkeypatch.setattr(orbits, "late_cycles", cycles)
+    monkeypatch.setattr(orbits, "late_cycles", Cycles)
     (found,) = orbits.as_r_grows((), (-2.5,))
     assert found.cycles == 400
-    assert [verdict.outcome for verdict in orbits._grown([found])] == [outcome]
+    assert [verdict.outcome for verdict in orbits.growth_verdicts([found])] == [outcome]
 
 
-def test_a_run_beside_itself_is_red():
-    assert next(orbits._grown([beside(0.0, 0.1, 50)])).outcome is Outcome.FAIL
+@pytest.fixture(scope="module")
+def exact():
+    return measure(build("delay", GENTLE.scene, tolerance=1e-12), GENTLE)
+
+
+def test_two_delay_runs_differ_by_less_than_the_floor(exact):
+    other = measure(build("delay", GENTLE.scene, tolerance=1e-13), GENTLE)
+    assert max(errors(other, exact).values()) < GENTLE.floor
+    assert exact["period"].size == 10
+    fewer = {name: values[1:] if name != "state" else values for name, values in exact.items()}
+    assert (errors(fewer, exact)["period"], errors(fewer, exact)["state"]) == (np.inf, 0.0)
+
+
+def test_a_run_that_is_remembered_reads_no_clock(monkeypatch):
+    """Otherwise run times by a clock that counts its readings depend on what the process ran before."""
+    monkeypatch.setattr(timing, "_spent", lambda: pytest.fail("read"))
+    assert measure(build("fd", GENTLE.scene, cells=24), GENTLE)["period"].size
+
+
+@pytest.mark.parametrize(("displaced", "changes", "red"), [(0.0, {}, 0), (1e-6, {"most": 60}, 1), (0.0, {"promised": 4.5}, 1)])
+def test_a_scheme_short_of_its_order_is_red(exact, displaced, changes, red):
+    """The reference displaced by 1e-6, as a friction clock that is off would: errors stop falling."""
+    wrong = {name: values * (1 + displaced) for name, values in exact.items()}
+    found = climb(replace(LADDERS["dg:2"], **changes), wrong, build)
+    assert reds([grid_convergence._order_verdict(found)]) == red
+    assert red or found.fit_together().order == pytest.approx(4.0, abs=0.02)
+
+
+@pytest.mark.parametrize("course", [GENTLE, ROUGH, STEEP], ids=["gentle", "rough", "steep"])
+def test_the_reference_of_errors_in_space_is_right_to_1e_12(course):
+    """Against steps half as long and other nodes; measured: at most 1e-13."""
+    other = measure(Delay(course.scene, nodes=9, steps=96, tolerance=1e-13), course)
+    assert max(errors(reference(course), other).values()) < 1e-12
+    assert in_space(replace(LADDERS["dg:7"], course=course)).course.floor >= 5e-12
+
+
+def test_high_orders_are_read_on_the_steepest_scene():
+    for model, ladder in LADDERS.items():
+        steep = model in {"fem:6", "fem:7", "dg:6", "dg:7"}
+        assert in_space(ladder).course.scene is (STEEP if steep else ladder.course).scene
+
+
+@pytest.mark.parametrize(
+    ("model", "march"), [("dg:2", "exact"), ("sbp:4", "exact"), ("sbp:2", "explicit"), ("dg:1", "explicit"), ("fd", None)]
+)
+def test_which_march_has_no_error_in_time(model, march):
+    settings = without_error_in_time(model, GENTLE.scene, 24, cfl=None).settings
+    assert settings.get("time") == march
+    assert march != "exact" or settings["resolution"] == 1e-13
+
+
+def test_elements_of_degree_3_show_order_6_without_error_in_time():
+    """With explicit steps the fitted order is 8, that of the steps."""
+    climbed = climb(in_space(LADDERS["fem:3"]), reference(GENTLE), without_error_in_time)
+    assert climbed.fit_together().order == pytest.approx(6.0, abs=0.3)
+    assert max(found[-1] for found in climbed.errors.values()) < 2e-11
+
+
+def test_both_marches_of_one_grid_are_witnesses_of_each_other():
+    """On the same grid errors are those of time alone, a thousandth of that in space at the shortest steps."""
+    found = in_time.marches_of("dg:7")
+    assert found.order.order == pytest.approx(9.0, abs=1.0)
+    assert found.apart < 5e-12
+    assert found.exact[0].max() > 1e-6
+    assert found.exact[-1].max() < 3e-11
+
+
+def synthetic(order=8.0, apart=1e-13, share=0.5, beyond=0.0):
+    """Marches with errors of that order and agreement, which are a share of the requested ones and something more."""
+    explicit = 1e-8 * np.array(COURANT)[:, None] ** order * np.ones(5)
+    explicit[-1] = apart
+    return Marches("dg:7", explicit, share * np.array(REQUESTS)[:, None] * np.ones(5) + apart + beyond)
+
+
+@pytest.mark.parametrize(
+    ("changes", "red"),
+    [
+        ({}, 0),
+        ({"order": 7.0}, 1),
+        ({"order": 9.5}, 0),
+        ({"apart": 4e-12}, 0),
+        ({"apart": 6e-12}, 1),
+        ({"share": 1.0, "beyond": 2e-11}, 0),
+        ({"share": 1.0, "beyond": 4e-11}, 1),
+        ({"share": 1.01}, 1),
+        ({"share": np.nan}, 1),
+    ],
+)
+def test_marches_are_judged_on_both_sides(changes, red):
+    verdicts = [*in_time.time_verdicts([synthetic(**changes)])]
+    assert (len(verdicts), reds(verdicts)) == (3, red)
+
+
+def test_the_table_of_marches_shows_the_worst_quantity():
+    one = synthetic()
+    one.explicit[2, 3] = 1e-3
+    rows = in_time.time_table([one]).rows
+    assert len(rows) == len(COURANT) + len(REQUESTS)
+    assert rows[2] == ("explicit", COURANT[2], 1e-3)
+    assert rows[-1] == ("exact", REQUESTS[-1], pytest.approx(0.5 * REQUESTS[-1] + 1e-13))
 
 
 def climbed(model="sbp:4", order=4.0):
@@ -167,36 +255,21 @@ def test_the_grids_answer_follows_errors_and_orders():
     assert "1 of 2 families miss their order" in grid_convergence._answer([climbed(), climbed(order=3.5)], fine, curves)
 
 
-def test_the_tables_of_a_ladder_show_its_orders_and_its_finest_grid():
-    one = climbed()
-    last = one.cells.size - 1
-    (orders,), (finest,) = orders_table([one]).rows, finest_table([one]).rows
-    assert orders[:4] == ("sbp:4", "s", f"{one.cells[0]:.0f}\u2060–\u2060{one.cells[last]:.0f}", "4")
-    assert orders[4:] == ("4.00\u00a0±\u00a00.01",) * 6
-    assert finest == ("sbp:4", "s", one.cells[last], 1000.0, *[one.errors["state"][last]] * 5)
-
-
 def test_a_ladder_without_an_order_is_named_and_the_others_keep_their_rows():
-    right = climbed()
-    lost = replace(
+    right, lost = climbed(), "no order: 0 usable levels; an order needs 4"
+    none = replace(
         right, ladder=replace(right.ladder, model="fv"), errors=dict.fromkeys(QUANTITIES, np.full(right.cells.size, np.inf))
     )
-    verdict = grid_convergence._order_verdict(lost)
-    assert (verdict.outcome, verdict.ours, verdict.remark) == (
-        Outcome.FAIL,
-        "no order: 0 usable levels; an order needs 4",
-        "`fv`",
-    )
-    none = replace(GALERKIN, pattern="volumes:P", ladder={})
-    rows = orders_table([lost, right], [none]).rows
-    assert [(row[0], row[3], row[-1]) for row in rows] == [
-        ("fv", "4", "no order: 0 usable levels; an order needs 4"),
-        ("sbp:4", "4", "4.00\u00a0±\u00a00.01"),
-        ("volumes:7", "8", "not judged: declares no ladder"),
-    ]
-    empty = replace(lost, cells=np.array([]), seconds=np.array([]), errors=dict.fromkeys(QUANTITIES, np.array([])))
-    assert [row[0] for row in finest_table([empty, right]).rows] == ["sbp:4"]
-    assert grid_convergence._order_verdict(empty).outcome is Outcome.FAIL
+    verdict = grid_convergence._order_verdict(none)
+    assert (verdict.outcome, verdict.ours, verdict.remark) == (Outcome.FAIL, lost, "`fv`")
+    unjudged = replace(GALERKIN, pattern="volumes:P", ladder={})
+    rows = grid_convergence.orders_table([none, right], [unjudged]).rows
+    assert [row[0] for row in rows] == ["fv", "sbp:4", "volumes:7"]
+    assert [row[-1] for row in rows] == [lost, "4.00\u00a0±\u00a00.01", "not judged: declares no ladder"]
+    assert rows[1][1:4] == ("s", f"{right.cells[0]:.0f}\u2060–\u2060{right.cells[-1]:.0f}", "4")
+    empty = replace(none, cells=np.array([]), seconds=np.array([]), errors=dict.fromkeys(QUANTITIES, np.array([])))
+    finest = ("sbp:4", "s", right.cells[-1], 1000.0, *[right.errors["state"][-1]] * 5)
+    assert grid_convergence.finest_table([empty, right]).rows == (finest,)
 
 
 def test_every_family_with_a_ladder_is_judged_by_a_quick_report(monkeypatch):
@@ -206,38 +279,17 @@ def test_every_family_with_a_ladder_is_judged_by_a_quick_report(monkeypatch):
     assert set(grid_convergence.judged(quick=False)) == set(LADDERS)
 
 
-def test_which_code_is_common_is_read_from_the_imports(monkeypatch):
-    assert {"fullwave.lines.march", "fullwave.lines.motion", "fullwave.lines.kernel"} <= set(shared("sbp", "dg"))
-    assert not {"fullwave.lines.march", "fullwave.lines.motion", "fullwave.lines.kernel"} & set(shared("fd", "dg"))
+def test_which_code_is_common_is_read_from_the_imports():
+    march = {"fullwave.lines.march", "fullwave.lines.motion", "fullwave.lines.kernel"}
+    assert march <= set(shared("sbp", "dg"))
+    assert not march & set(shared("fd", "dg"))
     assert shared("delay", "fem") == ()
     assert len(code_table().rows) == 10
-    note = code_note()
-    assert "`sbp`, `fem` and `dg` have 23 modules in common, among them the right-hand side with its faces" in note
-    assert "8 modules in common with them, but not the right-hand side" in note
-    assert "no solver modules in common with any of them" in note
-
-
-def test_the_figure_of_the_leapfrog_shows_every_error():
-    errors = leapfrog_errors()
-    figure = ladders(CELLS, errors, fits_of(errors))
-    panels = [axes for axes in figure.axes if axes.get_lines()]
-    assert len(panels) == len(NAMES)
-    assert [axes.get_ylabel() for axes in (figure.axes[0], figure.axes[4])] == ["relative error", "error"]
-    assert figure.axes[4].get_xlabel() == "cells per slab"
-    drawn = panels[0].get_lines()[1]
-    assert np.array_equal(drawn.get_xdata(), CELLS)
-    assert np.array_equal(drawn.get_ydata(), errors["period"][0.5])
+    assert "no solver modules in common with any of them" in code_note()
 
 
 def test_the_figure_of_the_families_shows_error_over_points_and_time():
-    curves = {
-        "fd": (CELLS, np.array([1e-3, 2e-3, 3e-3, 4e-3]), 1e-3 * np.ones(4)),
-        "dg:4": (CELLS, CELLS * 1e-3, 1e-5 * np.ones(4)),
-    }
-    figure = convergence_and_cost(curves)
-    left, right = figure.axes
-    assert [axes.get_xlabel() for axes in (left, right)] == ["points per slab", "run time (ms)"]
-    assert left.get_ylabel() == "error of the state"
+    times = np.array([1e-3, 2e-3, 3e-3, 4e-3])
+    left, right = grid_convergence.convergence_and_cost({"fd": (CELLS, times, 1e-3 * np.ones(4))}).axes
     assert np.allclose(right.get_lines()[0].get_xdata(), [1.0, 2.0, 3.0, 4.0])
-    assert np.array_equal(left.get_lines()[1].get_ydata(), curves["dg:4"][2])
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["leapfrog", "Galerkin 4"]
+    assert np.array_equal(left.get_lines()[0].get_ydata(), 1e-3 * np.ones(4))

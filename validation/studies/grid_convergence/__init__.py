@@ -1,20 +1,37 @@
 """Every full-wave family against the delay system: order in space in every output, and run time against error; then the error in
 time, by the two marches of one grid."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
 
+from fullwave.families import FullWave
 from slipwave.observe.pieces import Array
-from validation.measure.grid_ladders import FLOOR_IN_SPACE, GENTLE, LADDERS, ROUGH, in_space
+from validation.measure.grid_ladders import (
+    FLOOR_IN_SPACE,
+    GENTLE,
+    LADDERS,
+    ROUGH,
+    ROUGH_FROM,
+    STEEP,
+    STEEP_FROM,
+    Course,
+    in_space,
+)
 from validation.measure.order_fit import FEWEST_DENSE, TREND
-from validation.measure.orders import ALMOST, KNOWN, OUTPUTS, RESOLVED, Climb, climb
+from validation.measure.orders import ALMOST, KNOWN, OUTPUTS, QUANTITIES, RESOLVED, Climb, climb
 from validation.registry.families import GRIDS, grid_of
 from validation.studies.grid_convergence.code import code_note, code_table
-from validation.studies.grid_convergence.in_time import TIME_NOTE, both_marches, time_table, time_verdicts
-from validation.studies.grid_convergence.marches import reference, without_error_in_time
+from validation.studies.grid_convergence.in_time import (
+    TIME_NOTE,
+    both_marches,
+    reference,
+    time_table,
+    time_verdicts,
+    without_error_in_time,
+)
 from validation.studies.grid_convergence.orbits import (
     FAMILIES,
     MEANS_AT,
@@ -24,11 +41,12 @@ from validation.studies.grid_convergence.orbits import (
     finest,
     grid_orbits,
     growth_table,
+    growth_verdicts,
     orbit_table,
     orbit_verdicts,
 )
-from validation.studies.grid_convergence.shown import convergence_and_cost, finest_table, orders_table
-from validation.study import WITNESS, Budget, Figure, Number, StudyResult, Verdict, holding
+from validation.study import WITNESS, Budget, Cell, Figure, Number, StudyResult, Table, Verdict, holding, table
+from validation.study.drawing import WIDTH, Drawing, canvas, grid_pens, ruled
 from validation.study.text import places, plain
 
 NAME = "grid-convergence"
@@ -47,7 +65,10 @@ _THINNED = 2
 
 _ENOUGH = 1e-4  # error of the state for which run times are given
 
-Curves: TypeAlias = dict[str, tuple[Array, Array, Array]]
+_FLOOR = 1e-14
+_SCENES = {GENTLE.log10_r: "s", ROUGH.log10_r: "r", STEEP.log10_r: "t"}
+
+Curves: TypeAlias = Mapping[str, tuple[Array, Array, Array]]
 """By family: points per slab, seconds, error of the state."""
 
 
@@ -70,7 +91,8 @@ def run(budget: Budget) -> StudyResult:
         ),
         verdicts=(
             *(_order_verdict(climbed) for climbed in climbs),
-            *orbit_verdicts(orbits, beside, families),
+            *orbit_verdicts(orbits, families),
+            *growth_verdicts(beside),
             *time_verdicts(marches),
         ),
         notes=(code_note(), TIME_NOTE, *_NOTES),
@@ -172,3 +194,70 @@ _CAPTION = (
     "right over run time; from order 3 on marched exactly in time. Numbers after a family’s name are its order (summation by "
     "parts) or polynomial degree (finite elements, discontinuous Galerkin)."
 )
+
+
+def orders_table(climbs: list[Climb], unjudged: Iterable[FullWave] = ()) -> Table:
+    """One row per family: every quantity's order with its interval, or why there is none."""
+    rows: list[tuple[Cell, ...]] = []
+    for one in climbs:
+        grids, together = None, f"no order: {one.lost}"
+        orders: list[Cell] = [None] * len(QUANTITIES)
+        if not one.lost:
+            grids = f"{one.cells[one.resolved]:.0f}\u2060–\u2060{one.cells[-1]:.0f}"
+            orders, together = [one.fit(name).rounded for name in QUANTITIES], one.fit_together().rounded
+        rows.append((one.ladder.model, _scene(one), grids, f"{one.ladder.declared:g}", *orders, together))
+    for family in unjudged:
+        declared = f"{family.order_interface(family.usual):g}"
+        rows.append((family.example, None, None, declared, *([None] * len(QUANTITIES)), "not judged: declares no ladder"))
+    orders_in = [f"order in {symbol}" if name != "state" else "in the state" for name, symbol in QUANTITIES.items()]
+    heading = " | ".join(["family | scene | cells | declared", *orders_in, "all together"])
+    caption = (
+        "Fitted orders with their 95 % confidence intervals, rounded up. T, Δμ, Δy, v_{max}: period, stress drop, elastic "
+        "drop and largest rate, errors as root mean squares over all complete cycles; state: ψ, ln v and μ over the last "
+        "transits; all together: geometric mean of the five errors. Cells: grids on which the waves are resolved. Smooth "
+        f"start, V = {GENTLE.scene.velocity:g}; scene s: log_{{10}} r = {_course(GENTLE)}; scene r (rougher, "
+        f"for orders from {ROUGH_FROM:g} on): "
+        f"{_course(ROUGH)}; scene t (steeper still, for orders from {STEEP_FROM:g} on): {_course(STEEP)}."
+    )
+    return table("orders", caption, heading, rows)
+
+
+def _course(course: Course) -> str:
+    return f"{places([course.log10_r])}, {course.until:g} transits"
+
+
+def finest_table(climbs: list[Climb]) -> Table:
+    """One row per family: errors and run time of the finest grid."""
+    rows: list[tuple[Cell, ...]] = []
+    for one in (one for one in climbs if one.cells.size):
+        last = [float(values[-1]) for values in (one.cells, 1e3 * one.seconds, *(one.errors[name] for name in QUANTITIES))]
+        rows.append((one.ladder.model, _scene(one), *last))
+    errors_of = [f"error of {symbol} [relative] .0e" for symbol in QUANTITIES.values()]
+    heading = " | ".join(["family | scene | cells [a slab] .0f | run [ms] .0f", *errors_of])
+    caption = (
+        "Relative errors on the finest grid tried, and the run’s time. A ladder ends with the first grid whose error of the "
+        f"state is below {plain(FLOOR_IN_SPACE, '.0e')}, where the fits end. Scenes as above."
+    )
+    return table("finest", caption, heading, rows)
+
+
+def _scene(climb: Climb) -> str:
+    return _SCENES[climb.ladder.course.log10_r]
+
+
+def convergence_and_cost(curves: Curves) -> Drawing:
+    """Error of the state over points per slab, left, and over run time, right."""
+    figure = canvas(WIDTH, 4.3)
+    left, right = figure.subplots(1, 2, sharey=True)
+    for model, own in grid_pens(curves).items():
+        points, seconds, error = curves[model]
+        look = {"color": own.color, "marker": own.marker, "linestyle": own.dashes, "linewidth": 1.1, "markersize": 4}
+        shown = np.maximum(error, _FLOOR)
+        left.loglog(points, shown, label=own.label, **look)
+        right.loglog(1e3 * seconds, shown, **look)
+    left.set_xlabel("points per slab")
+    right.set_xlabel("run time (ms)")
+    left.set_ylabel("error of the state")
+    ruled(left, right)
+    figure.legend(loc="outside upper left", ncols=4, handlelength=3.0)
+    return figure

@@ -1,10 +1,11 @@
 """The grids' own periodic orbits against the delay system's: on finer and finer grids at one r, and on one grid as r grows."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple, TypeAlias
 
 from slipwave.observe.statistics import Estimate
+from slipwave.scene import Scene
 from validation.measure.correlated import mean_of
 from validation.registry.families import grid_of
 from validation.study import WITNESS, Table, Verdict, claim, holding, table
@@ -21,6 +22,9 @@ _WAVE, _WAVE_CELLS = "dg:7", 6
 _UNTIL = 10000.0  # transits
 _APART = 5e-10  # 4e-11 was measured
 _ERRORS = 4.0  # standard errors
+
+Figures: TypeAlias = tuple[Estimate, Estimate]
+"""Period and stress drop."""
 
 
 class Grids(NamedTuple):
@@ -61,41 +65,41 @@ class Beside(NamedTuple):
     over runs with standard errors."""
 
     log10_r: float
-    wave: tuple[Estimate, Estimate]
-    delay: tuple[Estimate, Estimate]
+    wave: Figures
+    delay: Figures
     cycles: int = 0
 
     @property
     def apart(self) -> float:
         """The largest relative difference; of means, in standard errors."""
-        pairs = list(zip(self.wave, self.delay, strict=True))
         if not self.cycles:
-            return max(abs(one.value / other.value - 1.0) for one, other in pairs)
+            return max(_errors(self.wave, self.delay))
+        pairs = zip(self.wave, self.delay, strict=True)
         return max(abs(one.value - other.value) / math.hypot(one.error, other.error) for one, other in pairs)
 
 
 def grid_orbits(families: Mapping[str, Grids]) -> list[GridOrbit]:
     """Orbits on every grid, family by family."""
-    scene = scene_at(_AT)
-    exact = own_orbit("delay", scene, _TOLERANCE).orbit
-    found = []
-    for model, grids in families.items():
-        for cells in grids.cells:
-            ours = own_orbit(model, scene, _TOLERANCE, cells).orbit
-            pairs = ((ours.period, exact.period), (ours.stress_drop, exact.stress_drop))
-            found.append(GridOrbit(model, cells, *(abs(one.value / other.value - 1.0) for one, other in pairs)))
-    return found
+    exact = _orbit("delay", scene_at(_AT))
+    grids = [(model, cells) for model, grid in families.items() for cells in grid.cells]
+    return [GridOrbit(model, cells, *_errors(_orbit(model, scene_at(_AT), cells), exact)) for model, cells in grids]
+
+
+def _orbit(model: str, scene: Scene, cells: int | None = None) -> Figures:
+    found = own_orbit(model, scene, _TOLERANCE, cells).orbit
+    return found.period, found.stress_drop
+
+
+def _errors(ours: Figures, exact: Figures) -> tuple[float, float]:
+    period, drop = (abs(one.value / other.value - 1.0) for one, other in zip(ours, exact, strict=True))
+    return period, drop
 
 
 def as_r_grows(orbits_at: Iterable[float], means_at: Iterable[float]) -> list[Beside]:
     """The full wave beside the delay system: orbits, stable or not, and means where the motion is irregular."""
-    orbits = [Beside(log10_r, _orbit(_WAVE, log10_r, _WAVE_CELLS), _orbit("delay", log10_r)) for log10_r in orbits_at]
+    started = [(log10_r, begun_at(log10_r)) for log10_r in orbits_at]
+    orbits = [Beside(log10_r, _orbit(_WAVE, scene, _WAVE_CELLS), _orbit("delay", scene)) for log10_r, scene in started]
     return [*orbits, *(_means(log10_r) for log10_r in means_at)]
-
-
-def _orbit(model: str, log10_r: float, cells: int | None = None) -> tuple[Estimate, Estimate]:
-    found = own_orbit(model, begun_at(log10_r), _TOLERANCE, cells).orbit
-    return found.period, found.stress_drop
 
 
 def _means(log10_r: float) -> Beside:
@@ -111,15 +115,6 @@ def finest(orbits: list[GridOrbit]) -> dict[str, float]:
     return {one.model: max(one.period, one.stress_drop) for one in orbits}
 
 
-def orbit_verdicts(orbits: list[GridOrbit], beside: list[Beside], families: Mapping[str, Grids]) -> list[Verdict]:
-    """Orders and finest errors by family; the full wave as r grows."""
-    found: list[Verdict] = []
-    for model, grids in families.items():
-        family = [one for one in orbits if one.model == model]
-        found += [_order(family), *_agreement(family[-1], grids.allowed)]
-    return [*found, *_grown(beside)]
-
-
 def order_of(family: list[GridOrbit], quantity: str) -> float:
     """Mean order from the coarsest grid to the finest one whose error is above the floor."""
     errors = [(one.cells, getattr(one, quantity)) for one in family]
@@ -128,31 +123,24 @@ def order_of(family: list[GridOrbit], quantity: str) -> float:
     return math.log(first / last) / math.log(fine / coarse)
 
 
-def _order(family: list[GridOrbit]) -> Verdict:
-    model = family[0].model
-    members, number = grid_of(model)
-    declared = members.order_interface(number)
-    orders = [order_of(family, quantity) for quantity in _FLOOR]
-    return holding(
-        "The grid’s own orbit approaches the delay system’s at the declared order or faster",
-        WITNESS,
-        f"{declared} or more",
-        f"{orders[0]:.2g} in T, {orders[1]:.2g} in Δμ",
-        min(orders) >= declared,
-        f"`{model}`, {family[0].cells} to {family[-1].cells} cells a slab",
-    )
+def orbit_verdicts(orbits: Sequence[GridOrbit], families: Mapping[str, Grids]) -> Iterator[Verdict]:
+    """By family: the order of the errors, and the errors on the finest grid."""
+    approaches = "The grid’s own orbit approaches the delay system’s at the declared order or faster"
+    agree = "Discretisations of the wave agree with the delay system on the orbit’s period and stress drop"
+    for model, grids in families.items():
+        members, number = grid_of(model)
+        declared, family = members.order_interface(number), [one for one in orbits if one.model == model]
+        period, drop = (order_of(family, quantity) for quantity in _FLOOR)
+        where = f"`{model}`, {family[0].cells} to {family[-1].cells} cells a slab"
+        ours = f"{period:.2g} in T, {drop:.2g} in Δμ"
+        yield holding(approaches, WITNESS, f"{declared} or more", ours, min(period, drop) >= declared, where)
+        where = f"`{model}` with {family[-1].cells} cells a slab, log_{{10}} r = −{-_AT:g}"
+        for symbol, size, limit in zip(("T", "Δμ"), family[-1][2:], grids.allowed, strict=True):
+            yield claim(agree, WITNESS, size, limit, f"{symbol}, {where}")
 
 
-def _agreement(last: GridOrbit, allowed: tuple[float, float]) -> list[Verdict]:
-    title = "Discretisations of the wave agree with the delay system on the orbit’s period and stress drop"
-    where = f"`{last.model}` with {last.cells} cells a slab, log_{{10}} r = −{-_AT:g}"
-    return [
-        claim(title, WITNESS, size, limit, f"{symbol}, {where}")
-        for symbol, size, limit in zip(("T", "Δμ"), (last.period, last.stress_drop), allowed, strict=True)
-    ]
-
-
-def _grown(beside: list[Beside]) -> Iterator[Verdict]:
+def growth_verdicts(beside: list[Beside]) -> Iterator[Verdict]:
+    """The full wave as r grows: orbits, and means where the motion is irregular."""
     orbits, means = [one for one in beside if not one.cycles], [one for one in beside if one.cycles]
     if orbits:
         title = "The full wave’s own orbit is the delay system’s as r grows, where it is unstable too"
