@@ -28,7 +28,9 @@ class HistoryObserver:
     def forget(self, before: float) -> None:
         """Let the window begin at `before` (transits) from now on."""
         self._start = before
-        self._kept = [part for part in self._kept if part.time[-1] + part.length[-1] >= before]
+        late = [part.time + part.length >= before for part in self._kept]
+        parts = zip(self._kept, late, strict=True)
+        self._kept = [Pieces(*(values[some] for values in part)) for part, some in parts if some.any()]
 
     def __len__(self) -> int:
         return len(self._kept)
@@ -51,8 +53,10 @@ class HistoryObserver:
         return named_columns(self._law, self.samples())
 
     def _pieces(self) -> Pieces:
-        parts = self._kept or [empty_pieces(0, self._basis.nodes.size)]
-        return Pieces(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+        if len(self._kept) != 1:
+            parts = self._kept or [empty_pieces(0, self._basis.nodes.size)]
+            self._kept = [Pieces(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))]
+        return self._kept[0]
 
     def state(self) -> dict[str, Array]:
         """The pieces, a row each, for a checkpoint."""

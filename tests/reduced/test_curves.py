@@ -44,9 +44,8 @@ def curve(kind, made, s, towards, count, steps=STEPS, ahead=9.0, **settings):
     found = (special for step in follow_branch(family, first, METRIC, lambda point: True, 1e-8) for special in step.special)
     special = next(one for one in found if one.kind == kind)
     start = OnCurve((special.point.parameter, 0.0), special)
-    return start, [
-        one.last for one in itertools.islice(follow_curve(plane, beginning(start, towards, steps), 1e-8, steps), count)
-    ]
+    reached = follow_curve(plane, beginning(start, towards, steps), 1e-8, steps)
+    return start, [one.last for one in itertools.islice(reached, count)]
 
 
 def leaning(q):

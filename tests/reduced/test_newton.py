@@ -58,18 +58,14 @@ def test_a_derivative_serves_as_long_as_it_contracts():
     assert solved.away < 1e-7
 
 
-def test_steps_are_shortened_until_they_help():
-    """For arctan the full step from 3 leads to -9.5, and on to ever larger values."""
-    equations = Equations(lambda u: np.arctan(u), lambda u: np.diag(1.0 / (1.0 + u * u)))
-    assert abs(equations.solved([3.0]).at.unknowns[0]) < 1e-12
-    assert max(abs(u[0]) for u in equations.tried) < 10.0
-
-
-def test_a_neighbour_that_misleads_is_not_followed():
-    """Its derivative leads from 0.5 to -4600, whence no shortened step for arctan comes back."""
-    equations = Equations(lambda u: np.arctan(u), lambda u: np.diag(1.0 / (1.0 + u * u)))
-    assert abs(equations.solved([0.5], first=np.array([[1e-4]])).at.unknowns[0]) < 1e-12
-    assert min(u[0] for u in equations.tried) == pytest.approx(0.5 - 1e4 * math.atan(0.5))
+def test_steps_are_shortened_until_they_help_and_a_neighbour_that_misleads_is_not_followed():
+    """For arctan the full step from 3 leads to -9.5, and on to ever larger values. The derivative of the neighbour leads from 0.5
+    to -4600, whence no shortened step comes back."""
+    far, near = (Equations(np.arctan, lambda u: np.diag(1.0 / (1.0 + u * u))) for _ in range(2))
+    assert abs(far.solved([3.0]).at.unknowns[0]) < 1e-12
+    assert max(abs(u[0]) for u in far.tried) < 10.0
+    assert abs(near.solved([0.5], first=np.array([[1e-4]])).at.unknowns[0]) < 1e-12
+    assert min(u[0] for u in near.tried) == pytest.approx(0.5 - 1e4 * math.atan(0.5))
 
 
 def test_steps_leave_what_cannot_be_evaluated():
@@ -95,24 +91,31 @@ def test_residuals_at_rounding_are_accepted():
                 equations.solved([1.5])
 
 
-def test_no_solution():
-    with pytest.raises(NumericsError, match=r"no convergence in 25 iterations: a residual of 1\.?\d* is left"):
-        Equations(lambda u: u * u + 1.0, lambda u: np.diag(2.0 * u)).solved([1.3])
+def only_at_the_guess(u):
+    if u[0] != 2.0:
+        raise NumericsError("it runs away")
+    return u
 
 
 @pytest.mark.filterwarnings("ignore:Diagonal number")
-def test_singular_equations():
-    with pytest.raises(NumericsError, match="the linearised equations are singular"):
-        Equations(lambda u: np.array([u.sum() - 1.0, 2.0 * u.sum() - 1.0]), lambda u: np.array([[1.0, 1.0], [2.0, 2.0]])).solved(
-            [3.0, 1.0]
-        )
-
-
-def test_a_motion_that_can_nowhere_be_computed():
-    def residual(u):
-        if u[0] != 2.0:
-            raise NumericsError("it runs away")
-        return u
-
-    with pytest.raises(NumericsError, match="no motion can be computed along Newton's step"):
-        Equations(residual, lambda u: np.eye(1)).solved([2.0])
+@pytest.mark.parametrize(
+    ("residual", "derivative", "guess", "message"),
+    [
+        (
+            lambda u: u * u + 1.0,
+            lambda u: np.diag(2.0 * u),
+            [1.3],
+            r"no convergence in 25 iterations: a residual of 1\.?\d* is left",
+        ),
+        (
+            lambda u: u.sum() * np.r_[1, 2] - 1,
+            lambda u: np.array([[1.0, 1], [2, 2]]),
+            [3.0, 1.0],
+            "the linearised equations are sing",
+        ),
+        (only_at_the_guess, lambda u: np.eye(1), [2.0], "no motion can be computed along Newton's step"),
+    ],
+)
+def test_no_solution(residual, derivative, guess, message):
+    with pytest.raises(NumericsError, match=message):
+        Equations(residual, derivative).solved(guess)

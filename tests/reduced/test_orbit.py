@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reduced.orbit import approach, periodic_orbit
+from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import Section, closest_returns
 from reduced.orbit.closing import by_parameter, close, close_family
 from reduced.orbit.figures import amplitude, figures, repeats_sooner
@@ -17,7 +17,6 @@ from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Pieces
 from slipwave.step.collocation import radau
 from slipwave.step.flow import Cycle
-from tests.closing import difference
 from tests.orbit_by_hand import SHRINKS, SUBCRITICAL, SUPERCRITICAL, TURN, FlowByHand
 
 UNSTABLE, STABLE = 0.2, 0.8
@@ -42,15 +41,6 @@ def test_an_orbit_closes_whether_stable_or_not(s):
     values, defect = floquet(found.monodromy)
     assert values == pytest.approx([SUBCRITICAL.multiplier(s)], rel=2e-3)
     assert defect < 1e-10
-
-
-def test_the_start_stays_on_the_plane_across_the_guess():
-    """f . (x - x_guess) = 0 with the velocity f at the guess: the start is not moved along the orbit."""
-    guess = 1.04 * SUPERCRITICAL.state(0.3)
-    flow = FlowByHand(SUPERCRITICAL, 0.3)
-    found = close(flow, guess, SUPERCRITICAL.period(0.3))
-    along = flow.velocity(flow.march(guess, SUPERCRITICAL.period(0.3)))
-    assert abs(along @ (found.cycle.start - guess)) < 1e-12 * np.abs(along).max()
 
 
 def test_derivatives_by_period_and_parameter():
@@ -103,9 +93,7 @@ def test_an_orbit_of_a_family_on_a_plane():
 def test_no_orbit_there():
     """Below p = -1/4 none exists; a period far away is not sought; the message says where."""
     flow = FlowByHand(SUBCRITICAL, -0.4)
-    with pytest.raises(
-        NumericsError, match=r"by hand: no periodic orbit found near a period of 5\.5 transits: .*\(scene 'by hand'"
-    ):
+    with pytest.raises(NumericsError, match=r"by hand: no periodic orbit found near a period of 5\.5 .*\(scene 'by hand'"):
         close(flow, SUBCRITICAL.state(0.5), 5.5)
 
 
@@ -125,16 +113,9 @@ def test_figures_of_a_polynomial_motion():
     largest = 16.0 / (3.0 * math.sqrt(3.0))
     cycle, nodes = motion([lambda t: 0.5 * cubic(t), cubic, lambda t: 0.1 * cubic(t) + 0.6, lambda t: -0.03 * cubic(t)], 4.0)
     found = figures(FlowByHand(SUPERCRITICAL, 0.1).scene.law, cycle, nodes)
-    assert found == pytest.approx(
-        {
-            "period": 4.0,
-            "stress_drop": 0.2 * largest,
-            "elastic_stress_drop": 0.06 * largest,
-            "v_max": math.exp(0.5 * largest),
-            "v_min": math.exp(-0.5 * largest),
-        },
-        rel=1e-13,
-    )
+    drops, rates = (0.2 * largest, 0.06 * largest), (math.exp(0.5 * largest), math.exp(-0.5 * largest))
+    assert list(found) == ["period", "stress_drop", "elastic_stress_drop", "v_max", "v_min"]
+    assert list(found.values()) == pytest.approx([4.0, *drops, *rates], rel=1e-13)
     assert amplitude(cycle) == pytest.approx(largest, rel=0.02)
 
 
@@ -219,10 +200,7 @@ def test_an_orbit_with_its_figures_and_stability(s):
     result, size = found_at(SUBCRITICAL, s), math.sqrt(s)
     orbit = result.orbit
     assert orbit.period.value == pytest.approx(SUBCRITICAL.period(s), abs=1e-11)
-    assert orbit.stress_drop.value == pytest.approx(size, rel=1e-8)
-    assert orbit.elastic_stress_drop.value == pytest.approx(0.5 * size, rel=1e-8)
-    assert orbit.v_max.value == pytest.approx(math.exp(size), rel=1e-8)
-    assert orbit.v_min.value == pytest.approx(math.exp(-size), rel=1e-8)
+    assert list(orbit.values().values())[1:] == pytest.approx([size, 0.5 * size, math.exp(size), math.exp(-size)], rel=1e-8)
     assert result.multipliers.stable is (s == STABLE)
     assert result.multipliers.values == pytest.approx([SUBCRITICAL.multiplier(s)], rel=2e-3)
     assert result.settled
@@ -286,32 +264,6 @@ def test_a_tolerance_that_no_mesh_reaches_is_told():
 
 def test_steady_sliding_is_no_orbit():
     """An orbit with |w| < 5e-4 counts as steady sliding."""
-    for s in (1e-8, 1e-6):
-        flow = FlowByHand(SUPERCRITICAL, s)
-        if s == 1e-6:
-            assert periodic_orbit(flow, SUPERCRITICAL.state(s), SUPERCRITICAL.period(s)).settled
-        else:
-            with pytest.raises(NumericsError, match="by hand: Newton's method fell back onto steady sliding"):
-                periodic_orbit(flow, SUPERCRITICAL.state(s), SUPERCRITICAL.period(s))
-
-
-def test_the_monodromy_matrix_by_differences():
-    for s in (UNSTABLE, STABLE):
-        found = closed_at(SUBCRITICAL, s)
-        start, period = found.cycle.start, found.cycle.period
-        measured = difference(
-            lambda change, found=found, start=start, period=period: found.flow.march(start + change, period).end, 2
-        )
-        np.testing.assert_allclose(found.monodromy, measured, rtol=0.0, atol=1e-7)
-
-
-@pytest.mark.parametrize(("ratio", "moves"), [(1.0, False), (1.0009, False), (1.0011, True), (1.5, True)])
-def test_a_small_orbit_is_not_taken_for_steady_sliding(ratio, moves):
-    """A run has returned to steady sliding if v changes by less than a thousandth in its last cycle."""
-    solver = SimpleNamespace(model="delay", scene=SimpleNamespace(name="any"))
-    events = SimpleNamespace(time=np.arange(3.0), v_max=np.array([9.0, 9.0, 2.0 * ratio]), v_min=np.array([1.0, 1.0, 2.0]))
-    if moves:
-        approach._require_motion(solver, events)
-    else:
-        with pytest.raises(NumericsError, match="the run returns to steady sliding"):
-            approach._require_motion(solver, events)
+    assert periodic_orbit(FlowByHand(SUPERCRITICAL, 1e-6), SUPERCRITICAL.state(1e-6), SUPERCRITICAL.period(1e-6)).settled
+    with pytest.raises(NumericsError, match="by hand: Newton's method fell back onto steady sliding"):
+        periodic_orbit(FlowByHand(SUPERCRITICAL, 1e-8), SUPERCRITICAL.state(1e-8), SUPERCRITICAL.period(1e-8))

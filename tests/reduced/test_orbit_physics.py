@@ -5,7 +5,6 @@ import dataclasses
 import math
 from contextlib import suppress
 from functools import lru_cache
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +13,6 @@ from reduced.delay.network import DelayNetwork
 from reduced.flows import delay
 from reduced.impedance import reduction_of
 from reduced.ode.march import ReducedModel
-from reduced.orbit import approach as approaching
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import approach, guesses
 from reduced.orbit.closing import close
@@ -180,43 +178,8 @@ def test_a_disturbance_of_an_orbit_decays_by_its_multiplier():
     assert math.sqrt(-less) == pytest.approx(abs(MULTIPLIERS[-2.68][0]), abs=1e-4)
 
 
-def test_multipliers_by_differences_of_the_march():
-    """The monodromy matrix of the orbit, column by column."""
-    closed = found("kelvin-voigt", -2.60).closed
-    start, period, change = closed.cycle.start, closed.cycle.period, 1e-6
-    ends = [[closed.flow.march(start + sign * change * unit, period).end for sign in (1, -1)] for unit in np.eye(start.size)]
-    measured = np.array([(later - earlier) / (2.0 * change) for later, earlier in ends]).T
-    assert largest(measured - closed.monodromy) < 1e-5 * largest(closed.monodromy)
-    expected = np.sort_complex(np.linalg.eigvals(closed.monodromy))
-    assert np.sort_complex(np.linalg.eigvals(measured)) == pytest.approx(expected, abs=1e-5)
-
-
 def test_a_run_that_creeps_past_a_lost_orbit_is_followed_on():
     """At log10 r = -2.675 cycles of 74.68 transits hardly change for a while, and no orbit is near. It has 74.93245
     (by continuation from -2.68); the first guess leads nowhere. On the mesh of a run to 1e-6: 2e-7 was measured."""
     one, _ = next(returns("delay", -2.675))
     assert one.cycle.period == pytest.approx(74.93244964, abs=2e-6)
-
-
-def test_no_event_is_waited_for_without_end(monkeypatch):
-    solver = SimpleNamespace(time=100.0, model="delay", scene=SimpleNamespace(name="still"))
-    observer = SimpleNamespace(dates=lambda: np.array([10.0]))
-    monkeypatch.setattr(approaching, "follow", lambda one, until, _: setattr(one, "time", until))
-    with pytest.raises(NumericsError, match=r"delay: no slip event came for 10 periods \(scene 'still'\)"):
-        approaching._between(solver, observer, lambda *_: pytest.fail("frozen"), 50.0)
-    assert 510.0 < solver.time < 520.0
-
-
-def test_an_event_long_ago_is_no_reason_to_march_backwards(monkeypatch):
-    """A run whose last event lies more than 1.2 periods back: marched on from where it is."""
-    solver = SimpleNamespace(time=600.0, model="delay", scene=SimpleNamespace(name="still"))
-    marched = []
-
-    def follow(one, until, _):
-        marched.append(until - one.time)
-        one.time = until
-
-    monkeypatch.setattr(approaching, "follow", follow)
-    with pytest.raises(NumericsError, match="no slip event came for 10 periods"):
-        approaching._between(solver, SimpleNamespace(dates=lambda: np.array([100.0])), lambda *_: None, 60.0)
-    assert min(marched) > 0.0

@@ -35,11 +35,15 @@ def through(turns: Sequence[float], step: float = 5.0, velocity: float = V) -> M
     return Motion(curve, lambda t: np.log(velocity - slope(t) / stiffness), float(curve.x[-1]))
 
 
-def watch(motion: Motion, nodes: Array = RADAU, pieces: int = 2000, chunk: int = 7) -> EventObserver:
-    """The observer after `motion` was shown to it in chunks of `chunk` of equally long `pieces`."""
+def watch(motion: Motion, nodes: Array = RADAU, pieces: int = 2000, chunk: int = 7, resumed: bool = False) -> EventObserver:
+    """The observer after `motion` was shown to it in chunks of `chunk` of equally long `pieces`; if `resumed`, another goes on
+    after each."""
     observer = EventObserver(slipwave.read("paper"), nodes)
     edges = np.linspace(0.0, motion.until, pieces + 1)
     for first in range(0, pieces, chunk):
+        if resumed:
+            before, observer = observer, EventObserver(slipwave.read("paper"), nodes)
+            observer.restore(before.state())
         left, length = edges[:-1][first : first + chunk], np.diff(edges)[first : first + chunk]
         times = left[:, None] + length[:, None] * nodes
         state = np.zeros_like(times)

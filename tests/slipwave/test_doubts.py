@@ -21,32 +21,23 @@ def test_no_scene_of_the_gallery_is_doubted(name: str) -> None:
 @pytest.mark.parametrize(
     ("key", "value", "line"),
     [
-        (
-            "slab.shear_modulus",
-            30,
-            "slab.shear_modulus = 30 Pa (wave speed 0.105 m/s): solids have 1 kPa to 600 GPa; did you mean 30 GPa?",
-        ),
+        ("slab.shear_modulus", 30, " = 30 Pa (wave speed 0.105 m/s): solids have 1 kPa to 600 GPa; did you mean 30 GPa?"),
         (
             "slab.density",
             2.7,
-            "slab.density = 2.7 kg/m3 (wave speed 1.05e+05 m/s): solids have 100 kg/m3 to 23 g/cm3; did you mean 2.7 g/cm3?",
+            " = 2.7 kg/m3 (wave speed 1.05e+05 m/s): solids have 100 kg/m3 to 23 g/cm3; did you mean 2.7 g/cm3?",
         ),
-        (
-            "interface.normal_stress",
-            5,
-            "interface.normal_stress = 5 Pa: sliding samples have 50 Pa to 5 GPa; did you mean 5 MPa?",
-        ),
-        ("interface.memory_length", 1, "interface.memory_length = 1 m: interfaces have 1 nm to 100 mm; did you mean 1 um?"),
-        ("slab.thickness", 1e4, "slab.thickness = 1e+04 m: slabs of a laboratory have 100 um to 1000 m; did you mean 10000 mm?"),
-        ("drive.velocity", "1 km/s", "drive.velocity = 1000 m/s: drives have 1e-06 um/s to 10 m/s; did you mean 1000 um/s?"),
+        ("interface.normal_stress", 5, " = 5 Pa: sliding samples have 50 Pa to 5 GPa; did you mean 5 MPa?"),
+        ("interface.memory_length", 1, " = 1 m: interfaces have 1 nm to 100 mm; did you mean 1 um?"),
+        ("slab.thickness", 1e4, " = 1e+04 m: slabs of a laboratory have 100 um to 1000 m; did you mean 10000 mm?"),
+        ("drive.velocity", "1 km/s", " = 1000 m/s: drives have 1e-06 um/s to 10 m/s; did you mean 1000 um/s?"),
         ("slab.density", "100 kg/m3", "slab.wave speed = 1.732e+04 m/s: shear waves have 500 mm/s to 13000 m/s"),
     ],
 )
 def test_a_value_that_can_hardly_be_meant(key: str, value: object, line: str) -> None:
     assert doubts(slipwave.read("rock", ROCK)) == []
-    found = doubts(slipwave.read("rock", ROCK | {key: value}))
-    assert len(found) == 1
-    assert found[0].startswith(line)
+    (found,) = doubts(slipwave.read("rock", ROCK | {key: value}))
+    assert found.startswith(key + line if line.startswith(" ") else line)
 
 
 def test_a_soft_machine_is_doubted_and_a_free_face_is_not() -> None:

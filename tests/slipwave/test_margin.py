@@ -20,15 +20,6 @@ def autoregressive(memory: float, count: int) -> np.ndarray:
     return rows[:, 100:]
 
 
-def logistic(count: int) -> np.ndarray:
-    """Rows of the chaotic map x -> 4 x (1 - x), whose mean is 1/2, less 1/2."""
-    x, rows = np.random.default_rng(5).random(RUNS), []
-    for _ in range(count + 100):
-        x = 4.0 * x * (1.0 - x)
-        rows.append(x)
-    return np.array(rows[100:]).T - 0.5
-
-
 def covered(rows: np.ndarray) -> float:
     """The share of rows whose mean differs from 0 by no more than its margin."""
     return float(np.mean([abs(row.mean()) <= margin_of_mean(row) for row in rows]))
@@ -40,21 +31,11 @@ def test_the_true_mean_is_within_the_margin_in_95_of_100_runs(memory: float, cou
     assert 0.90 <= covered(autoregressive(memory, count)) <= 0.99
 
 
-def test_means_of_chaos_too() -> None:
-    assert 0.91 <= covered(logistic(64)) <= 0.99
-
-
 def test_the_margin_is_that_of_the_known_variance_of_the_mean() -> None:
     """Var(mean) of an autoregressive sequence tends to 1/(n (1 - memory)^2); Student's 97.5 % quantile for 7 is 2.365."""
     rows = autoregressive(0.5, 1024)
     rms = np.sqrt(np.mean([margin_of_mean(row) ** 2 for row in rows]))
     assert rms == pytest.approx(2.365 * 2.0 / np.sqrt(1024.0), rel=0.05)
-
-
-def test_a_torus_is_covered_although_its_values_never_forget() -> None:
-    for number in (0.0631, 0.41421):
-        phase = 2.0 * np.pi * (number * np.arange(64) + np.linspace(0.0, 1.0, 40)[:, None])
-        assert covered(np.cos(phase) + 0.3 * np.cos(2.0 * phase)) == 1.0
 
 
 def test_by_hand() -> None:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import slipwave
-from slipwave.observe.pieces import Pieces, lagrange_basis
-from slipwave.observe.protocol import ProtocolObserver, _integrals
+from slipwave.observe import Pieces
+from slipwave.observe.protocol import ProtocolObserver
 from slipwave.observe.stages import stages_of
 from slipwave.scene.drive import Drive, steady_drive
 
@@ -107,12 +107,6 @@ def test_the_slip_to_recovery_is_that_without_a_stop_after_the_peak() -> None:
         z = np.log(np.where(late, 300.0, 100.0))
         (before if begin < 30.0 else after).scan(Pieces(np.array([begin]), np.ones(1), z, z, mu, z))
     assert after.figures[1].slip_to_recovery == pytest.approx(scene.transit * 300.0 * 20.0, rel=1e-3)
-
-
-def test_polynomials_are_integrated_exactly() -> None:
-    nodes, points = np.array([0.1, 0.5, 1.0]), np.array([0.0, 0.3, 1.0])
-    rows = _integrals(lagrange_basis(nodes), points)
-    assert rows @ nodes**2 == pytest.approx(points**3 / 3.0, abs=1e-15)
 
 
 def test_a_peak_between_nodes_is_found_also_after_the_stress_has_come_back() -> None:

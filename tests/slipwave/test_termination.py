@@ -37,17 +37,10 @@ def test_numbers_of_every_face(face: Face, spring: float, dashpot: float, mass: 
     assert found.has_dead_load == (spring == 0.0)
 
 
-@pytest.mark.parametrize(
-    "face",
-    [
-        RigidFace(),
-        ReflectingFace(1.0),
-        GripFace(math.inf, 0.5),
-        GripFace(2.0, math.inf),
-        MachineFace(math.inf, 0.0, 4.0),
-        MachineFace(0.0, math.inf, 4.0),
-    ],
-)
+UNMOVED = [GripFace(math.inf, 0.5), GripFace(2.0, math.inf), MachineFace(math.inf, 0.0, 4.0), MachineFace(0.0, math.inf, 4.0)]
+
+
+@pytest.mark.parametrize("face", [RigidFace(), ReflectingFace(1.0), *UNMOVED])
 def test_what_cannot_move_against_the_drive_is_rigid_by_whatever_name(face: Face) -> None:
     assert held(face) == RIGID
     assert held(face).is_rigid
@@ -78,9 +71,8 @@ def test_a_spring_adds_its_compliance_and_a_dead_load_none() -> None:
 
 
 def machine(scene: str, **keys: float) -> Face:
-    return slipwave.read(
-        scene, {"slab.face.kind": "machine"} | {f"slab.face.{key}": value for key, value in keys.items()}
-    ).upper.face
+    given = {f"slab.face.{key}": value for key, value in keys.items()}
+    return slipwave.read(scene, {"slab.face.kind": "machine"} | given).upper.face
 
 
 def test_a_machine_in_si_by_the_slabs_own_numbers() -> None:
@@ -92,32 +84,19 @@ def test_a_machine_in_si_by_the_slabs_own_numbers() -> None:
     assert (found.stiffness, found.impedance, found.mass) == pytest.approx((1.0, 1.0, 1.0), rel=1e-12)
 
 
-def test_a_machine_without_units_is_relative() -> None:
-    assert machine("paper", stiffness=0, impedance=0.5, mass=2) == MachineFace(0.0, 0.5, 2.0)
-
-
 @pytest.mark.parametrize(
     ("scene", "keys", "complaint"),
     [
         ("paper", {"mass": -1}, r"slab.face.mass = -1: must be a number from 0 "),
         ("paper", {"mass": 1e10}, r"slab.face.mass = 1e\+10: must be a number from 0 to 1e\+09"),
         ("paper-si", {"stiffness": 1e18}, r"slab.face.stiffness = 1e\+18: must be a number from 0 to 1e\+15"),
-        (
-            "paper-si",
-            {"mass": 1e15},
-            r"slab.face.mass = 1e\+15: is 1.8993\d*e\+13 relative to the slab, which must be .* 0 to 1e\+09",
-        ),
+        ("paper-si", {"mass": 1e15}, r"slab.face.mass = 1e\+15: is 1.8993\d*e\+13 relative to .* must be .* 0 to 1e\+09"),
         ("paper", {"mas": 3}, r"slab.face.mas = 3: unknown key; did you mean mass\?"),
     ],
 )
 def test_machines_that_make_no_sense_are_refused_by_key(scene: str, keys: dict[str, float], complaint: str) -> None:
     with pytest.raises(SceneError, match=complaint):
         machine(scene, **({"stiffness": 1.0, "impedance": 1.0, "mass": 1.0} | keys))
-
-
-def test_a_missing_number_of_a_machine_is_named() -> None:
-    with pytest.raises(SceneError, match=r"slab\.face\.impedance: missing"):
-        machine("paper", stiffness=1.0, mass=1.0)
 
 
 def test_the_mass_belongs_to_the_machine_alone() -> None:

@@ -65,14 +65,11 @@ def test_verdicts_on_known_sequences(sizes, kind, multiplicity):
     assert (found.rotation is not None) == (kind == "torus")
 
 
-def test_a_small_motion_decays_however_slowly():
-    slow = 0.998**K
-    assert verdict(1e-3 * slow, ratio=1e3).kind == "decaying"
-    assert verdict(slow, ratio=1e3).kind == "settling"
-
-
-def test_a_small_motion_that_leads_to_a_smaller_one_settles():
-    assert verdict(1e-3 * (1.0 + 0.2 * 0.9**K)).kind == "settling"
+@pytest.mark.parametrize(
+    ("sizes", "kind"), [(1e-3 * 0.998**K, "decaying"), (0.998**K, "settling"), (1e-3 * (1.0 + 0.2 * 0.9**K), "settling")]
+)
+def test_a_small_motion_decays_however_slowly_unless_it_leads_to_a_smaller_one(sizes, kind):
+    assert verdict(sizes).kind == kind
 
 
 def test_the_ups_and_downs_of_chaos_are_no_approach():
@@ -124,21 +121,14 @@ def test_the_rate_of_decay_and_growth_is_that_of_the_stress_drops():
     assert np.isnan(verdict(np.ones(24)).rate)
 
 
-def test_drive_and_steady_sliding_come_first():
+def test_drive_and_steady_sliding_come_first_and_a_run_too_short_is_told_how_long_it_should_be():
+    """By its longest cycle."""
     assert verdict(np.ones(24), rests=False).kind == "driven"
     none = np.empty(0)
     empty = Events(*[none] * 6)
     assert judge_motion(empty, none, True, True, 100.0).kind == "steady"
     loading = judge_motion(empty, none, True, False, 100.0)
     assert (loading.kind, loading.needed) == ("too short", 200.0)
-
-
-def test_a_run_that_is_too_short_is_told_how_long_it_should_be():
-    found = verdict(np.ones(3), until=300.0)
-    assert found.needed == pytest.approx(2 * 5 * 80.0)
-
-
-def test_it_is_told_by_its_longest_cycle():
     period = np.array([70.0, 90.0])
     cycles = Events(np.cumsum(period), period, *np.ones((4, 2)))
     assert judge_motion(cycles, np.ones(3), True, False, 300.0).needed == pytest.approx(2 * 5 * 90.0)

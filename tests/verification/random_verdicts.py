@@ -30,7 +30,8 @@ from reduced.stability import analyse, characteristic, scaled, spectrum, unstabl
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.ageing import Ageing
 from slipwave.friction.slip import Slip
-from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe import HistoryObserver
+from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import steady_drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, Slab
@@ -73,33 +74,15 @@ class Answer(NamedTuple):
     judge: str
 
 
-class State:
-    """Psi from `begin` (transits) on, as the polynomials of the march have it."""
-
-    def __init__(self, nodes: Array, begin: float) -> None:
-        self._basis, self._begin = lagrange_basis(nodes), begin
-        self._parts: list[tuple[Array, ...]] = []
-
-    def scan(self, pieces: Pieces) -> None:
-        """Take the next pieces."""
-        if pieces.time.size and pieces.time[-1] + pieces.length[-1] >= self._begin:
-            self._parts.append((pieces.time, pieces.length, pieces.psi))
-
-    def at(self, times: Array) -> Array:
-        """Psi at `times` (transits)."""
-        if len(self._parts) > 1:
-            self._parts = [tuple(np.concatenate(column) for column in zip(*self._parts, strict=True))]
-        time, length, psi = self._parts[0]
-        which = np.clip(np.searchsorted(time, times) - 1, 0, None)
-        rows = interpolation_matrix(self._basis, np.clip((times - time[which]) / length[which], 0.0, 1.0))
-        return np.asarray((rows * psi[which]).sum(axis=1))
-
-
 class Watched(NamedTuple):
-    """A run, reconsidered by what is known of steady sliding, and psi from its middle to four times its length."""
+    """A run, reconsidered by what is known of steady sliding, and its motion from its middle to four times its length."""
 
     run: Run
-    state: State
+    motion: HistoryObserver
+
+    def psi(self, times: Array) -> Array:
+        """Psi at `times` (transits)."""
+        return np.asarray(self.motion.at(times)[2])
 
 
 def case_of(number: int) -> Case:
@@ -150,7 +133,7 @@ def _scene(rng: np.random.Generator, number: int) -> tuple[Scene, str]:
 def watched(case: Case) -> Watched:
     """The run of a case, and how it goes on."""
     solver = build(case.model, case.scene)
-    state = State(solver.nodes, 0.5 * case.until)
+    state = HistoryObserver(case.scene.law, solver.nodes, 0.5 * case.until)
     run = reconsidered(simulate(solver, case.until, [state]), one_port_of(case.model))
     if run.failed:
         raise NumericsError(run.failed)
@@ -180,9 +163,7 @@ def _beside_sliding(case: Case, seen: Watched) -> str:
         return f"wrong: {kind}, while {'a root grows' if grows else 'no root grows'}"
     onset = 2.0 * math.pi / problem.slopes.omega_c / case.scene.transit
     width = min(2.0 * onset, 0.5 * case.until)
-    at_end, last = (
-        float(np.ptp(seen.state.at(np.linspace(end - width, end, 2000)))) for end in (case.until, LONGER * case.until)
-    )
+    at_end, last = (float(np.ptp(seen.psi(np.linspace(end - width, end, 2000)))) for end in (case.until, LONGER * case.until))
     if last < 1e-9 or (kind != "growing" and last < 0.5 * at_end) or (kind == "growing" and last > at_end):
         return "right"
     rate = spectrum(case.scene, one_port_of(case.model)).rate * case.scene.transit
@@ -190,15 +171,15 @@ def _beside_sliding(case: Case, seen: Watched) -> str:
     return "right" if 0.7 < fall < 1.5 else f"wrong: {kind}, range from {at_end:.4g} to {last:.4g}, {fall:.3g} of the root's rate"
 
 
-def apart(state: State, begin: float, end: float, period: float) -> tuple[float, float]:
+def apart(seen: Watched, begin: float, end: float, period: float) -> tuple[float, float]:
     """The least root mean square of psi one period later less psi, over the deviation of psi, from `begin` to `end`, and the
     period (transits) near `period`, within a hundredth, where that is."""
     times = begin + (end - 1.01 * period - begin) * _PLACES
-    early = state.at(times)
+    early = seen.psi(times)
     spread = float(np.std(early))
 
     def at(lag: float) -> float:
-        return float(np.sqrt(np.mean((state.at(times + lag) - early) ** 2))) / spread
+        return float(np.sqrt(np.mean((seen.psi(times + lag) - early) ** 2))) / spread
 
     lags = period * np.linspace(0.99, 1.01, 21)
     best, width = min(lags, key=at), lags[1] - lags[0]
@@ -219,13 +200,13 @@ def _on_period(case: Case, seen: Watched) -> str:
     size = min(case.until, 6.0 * period)
     if size < 1.3 * period:
         return NONE + "the period is long"
-    found = [apart(seen.state, begin, begin + size, period) for begin in (case.until, last - size)]
+    found = [apart(seen, begin, begin + size, period) for begin in (case.until, last - size)]
     if found[1][0] > SAME:
         return f"wrong: psi differs by {found[0][0]:.2g} and {found[1][0]:.2g} of itself a period of {period:.5g} later"
     if abs(found[1][1] / period - 1.0) > 2e-3:
         return f"wrong: the period moves from {period:.6g} to {found[1][1]:.6g}"
     for n in range(1, verdict.multiplicity):
-        if apart(seen.state, last - size, last, float(periods[:n].sum()))[0] < 0.1 * OTHER:
+        if apart(seen, last - size, last, float(periods[:n].sum()))[0] < 0.1 * OTHER:
             return f"wrong: the period is that of {n} events"
     return "right"
 
@@ -234,7 +215,7 @@ def _on_wandering(case: Case, seen: Watched) -> str:
     verdict, mean, last = seen.run.verdict, seen.run.statistics.period.mean, LONGER * case.until
     assert verdict is not None
     most = min(16, int(case.until / (1.5 * mean)))
-    closest = min((apart(seen.state, last - case.until, last, n * mean)[0], n) for n in range(1, most + 1))
+    closest = min((apart(seen, last - case.until, last, n * mean)[0], n) for n in range(1, most + 1))
     if closest[0] < OTHER:
         return f"wrong: {verdict.kind}, while psi differs by {closest[0]:.2g} of itself {closest[1]} cycles later"
     told = f"closest return {closest[0]:.2g} after {closest[1]} cycles"
@@ -260,11 +241,11 @@ def _separation(case: Case, seen: Watched) -> float:
     at the end of the longer run."""
     scene = replace(case.scene, start=Start(size=case.scene.start.size * (1.0 + 1e-8)))
     solver = build(case.model, scene)
-    other, end = State(solver.nodes, 0.5 * case.until), LONGER * case.until
+    other, end = HistoryObserver(scene.law, solver.nodes, 0.5 * case.until), LONGER * case.until
     follow(solver, end, [other])
     times = end - 0.5 * case.until * (1.0 - _PLACES)
-    here = seen.state.at(times)
-    return float(np.sqrt(np.mean((other.at(times) - here) ** 2)) / np.std(here))
+    here = seen.psi(times)
+    return float(np.sqrt(np.mean((other.at(times)[2] - here) ** 2)) / np.std(here))
 
 
 def _later(case: Case, seen: Watched) -> str:
