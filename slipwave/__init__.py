@@ -11,15 +11,15 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read, read_scene
 
 _PLACES = {
-    "bench": "door.bench",
+    "bench": "results.bench",
     "branch": "door.branch",
-    "compare": "door.compare",
+    "compare": "results.compare",
     "curve": "door.curve",
-    "models": "door.listing",
+    "models": "results.listing",
     "orbit": "door.orbit",
     "run": "results.run",
-    "scenes": "door.listing",
-    "show": "door.listing",
+    "scenes": "results.listing",
+    "show": "results.listing",
     "stability": "results.stability",
 }
 """The module of `validation` in which each function is written."""

@@ -1,14 +1,15 @@
+from validation.door.bench import bench as bench
+from validation.door.compare import compare as compare
+from validation.door.listing import models as models
+from validation.door.listing import scenes as scenes
+from validation.door.listing import show as show
+
 from slipwave.errors import NumericsError as NumericsError
 from slipwave.errors import SceneError as SceneError
 from slipwave.input import read as read
 from slipwave.input import read_scene as read_scene
-from validation.door.bench import bench as bench
 from validation.door.branch import branch as branch
-from validation.door.compare import compare as compare
 from validation.door.curve import curve as curve
-from validation.door.listing import models as models
-from validation.door.listing import scenes as scenes
-from validation.door.listing import show as show
 from validation.door.orbit import orbit as orbit
 from validation.results.run import run as run
 from validation.results.stability import stability as stability

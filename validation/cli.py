@@ -40,8 +40,7 @@ COMMANDS = {
 }
 """Every command with what it does. The rest of it is imported when it is named: `slipwave --help` is fast."""
 
-_WRITTEN = ("report", "scenes", "schema", "show", "orbit", "branch", "curve", "compare", "bench")
-"""Commands of `validation.commands`; the others are made from what they declare."""
+_WRITTEN = ("orbit", "branch", "curve")
 
 
 class _Commands(TyperGroup):
@@ -63,17 +62,27 @@ class _Commands(TyperGroup):
 
 def command_called(name: str) -> Any:
     """The command of this name, ready to parse its words."""
-    if name in _WRITTEN:
-        module = importlib.import_module(f"validation.commands.{name}")
-        function, details, examples = getattr(module, name), "", module.EXAMPLES
-    else:
-        from validation.command_line import command_line
-
-        function, details, examples = command_line(name)
+    function, details, examples = _parts(name)
     alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
     shown = "\n".join(f"  {line}" for line in examples)
     alone.command(name, help="\n\n".join(filter(None, [COMMANDS[name], details])), epilog=f"\b\nExamples:\n{shown}")(function)
     return typer.main.get_command(alone)
+
+
+def _parts(name: str) -> tuple[Callable[..., None], str, tuple[str, ...]]:
+    """The function of a command, the details of its help, and examples."""
+    from validation import other_commands
+
+    if name in _WRITTEN:
+        module = importlib.import_module(f"validation.commands.{name}")
+        return getattr(module, name), "", module.EXAMPLES
+    if name in ("report", "scenes", "schema"):
+        return getattr(other_commands, name), "", other_commands.EXAMPLES[name]
+    from validation.command_line import command_line, on_a_scene
+    from validation.results.options import SceneOptions
+
+    parsed = on_a_scene(SceneOptions, other_commands.show) if name == "show" else command_line(name)
+    return parsed.function, parsed.details, other_commands.EXAMPLES.get(name, parsed.examples)
 
 
 app = typer.Typer(

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Mapping
 from contextlib import closing
+from dataclasses import replace
 from inspect import Parameter, Signature
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 
 import typer
 
@@ -12,6 +13,25 @@ import slipwave
 from validation.output import conclude, deliver, print_json, require_writable
 from validation.results.options import Option, SceneOptions, options_of
 from validation.results.result import Output, Result
+
+Files: TypeAlias = Mapping[Output, Path | None]
+Act: TypeAlias = Callable[[str, Any, Files, bool], None]
+
+
+class Parsed(NamedTuple):
+    """A function that takes the words of a command line, its parameters, the details of its help, and examples."""
+
+    call: Callable[..., None]
+    parameters: list[Parameter]
+    details: str
+    examples: tuple[str, ...]
+
+    @property
+    def function(self) -> Callable[..., None]:
+        """The function with its signature."""
+        self.call.__signature__ = Signature(self.parameters)  # type: ignore[attr-defined]
+        self.call.__annotations__ = {one.name: one.annotation for one in self.parameters}
+        return self.call
 
 
 def _gallery() -> list[str]:
@@ -29,33 +49,41 @@ SCENE = typer.Argument(
 _JSON = typer.Option("--json", help="print JSON instead of a table")
 
 
-def command_line(name: str) -> tuple[Callable[..., None], str, tuple[str, ...]]:
-    """The command as a function whose parameters are those of the command line, the details of its help, and examples."""
+def command_line(name: str) -> Parsed:
+    """A command that gives a result."""
     compute = getattr(slipwave, name).__wrapped__
-    kind: type[SceneOptions] = compute.__annotations__["options"]
     made: type[Result] = compute.__annotations__["return"]
+
+    def act(source: str, options: SceneOptions, files: Files, json: bool) -> None:
+        """Compute, print, write."""
+        needed = made.wanted_for({one.name: path for one, path in files.items()})
+        options = replace(options, **needed)
+        _finish(compute(source, options), options, files, json)
+
+    parsed = on_a_scene(compute.__annotations__["options"], act, made.OUTPUTS)
+    return parsed._replace(parameters=[*parsed.parameters, _parameter("json", Annotated[bool, _JSON], False)])
+
+
+def on_a_scene(kind: type[SceneOptions], act: Act, outputs: tuple[Output, ...] = ()) -> Parsed:
+    """A command that does `act` with a scene, its options and the files that it writes."""
     known = {one.name: one for one in options_of(kind).values() if one.is_in("command line")}
 
-    def call(source: str, json: bool, **words: Any) -> None:
+    def call(source: str, json: bool = False, **words: Any) -> None:
+        """Take the words of the command line."""
         if words.get("law"):
             from slipwave.friction.own import load_laws
 
             load_laws(words["law"])
-        files = {one: _place_of(one, words.pop(one.name), json) for one in made.OUTPUTS}
+        files = {one: _place_of(one, words.pop(one.name), json) for one in outputs}
         given = {name: _value(known[name], word) for name, word in words.items() if word is not None}
-        given |= made.wanted_for({one.name: path for one, path in files.items()})
-        options = kind(**given)
-        _finish(compute(source, options), options, files, json)
+        act(source, kind(**given), files, json)
 
     parameters = [
         _parameter("source", Annotated[str, SCENE], Parameter.empty),
         *(_parameter(one.name, *_in_words(one)) for one in known.values()),
-        *(_parameter(one.name, Annotated[Path | None, _file(one)], None) for one in made.OUTPUTS),
-        _parameter("json", Annotated[bool, _JSON], False),
+        *(_parameter(one.name, Annotated[Path | None, _file(one)], None) for one in outputs),
     ]
-    call.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
-    call.__annotations__ = {one.name: one.annotation for one in parameters}
-    return call, kind.DETAILS, kind.EXAMPLES
+    return Parsed(call, parameters, kind.DETAILS, kind.EXAMPLES)
 
 
 def _parameter(name: str, hint: Any, default: Any) -> Parameter:
@@ -96,7 +124,7 @@ def _place_of(one: Output, path: Path | None, json: bool) -> Path | None:
     return path
 
 
-def _finish(result: Result, options: SceneOptions, files: Mapping[Output, Path | None], json: bool) -> None:
+def _finish(result: Result, options: SceneOptions, files: Files, json: bool) -> None:
     """Print the result and write its files; raise what went wrong, in one line."""
     problems = []
     with closing(result):
@@ -105,4 +133,4 @@ def _finish(result: Result, options: SceneOptions, files: Mapping[Output, Path |
             writers = [(getattr(result, one.method), path) for one, path in files.items()]
             problems = deliver(lambda: print_json(summary) if json else print("\n".join(result.lines(summary))), *writers)
     to_go_on = [result.to_go_on(options)] if result.stopped else []
-    conclude("; ".join([result.failed, *to_go_on]), problems, result.stopped)
+    conclude("; ".join(filter(None, [result.failed, *to_go_on])), problems, result.stopped)

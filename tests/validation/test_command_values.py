@@ -83,7 +83,7 @@ def test_bench_errors_are_those_of_the_runs_it_timed(capsys: pytest.CaptureFixtu
     from validation.registry.choice import families
 
     chosen = [family for family in families() if family.name in ("delay", "fd")]
-    monkeypatch.setattr("validation.door.bench.honouring", lambda _: chosen)
+    monkeypatch.setattr("validation.results.bench.honouring", lambda _: chosen)
     found = answer(capsys, "bench", "paper", "--until", "2000")
     tight = answer(capsys, "run", "paper", "--until", "2000", "--model", "delay", "--tol", "1e-11")
     assert found["reference"] == "delay"

@@ -11,8 +11,7 @@ import slipwave as sw
 from slipwave.observe.statistics import Margins, RunStatistics, Spread
 from slipwave.observe.verdict import Verdict
 from validation.cli import INPUT_WRONG, main
-from validation.results.conclusion import conclusion, nothing
-from validation.results.wording import barred, errors_of, remarks, without_errors
+from validation.results.comparison import barred, conclusion, errors_of, nothing, remarks, without_errors
 from validation.run.difference import differences, in_json
 from validation.run.simulate import Run
 

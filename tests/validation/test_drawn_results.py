@@ -117,7 +117,7 @@ def test_what_a_model_does_not_have_is_missing_in_the_table_of_compare() -> None
 
 def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypatch: pytest.MonkeyPatch) -> None:
     chosen = [family for family in families() if family.name in ("block8", "kelvin-voigt", "delay")]
-    monkeypatch.setattr("validation.door.bench.honouring", lambda _: chosen)
+    monkeypatch.setattr("validation.results.bench.honouring", lambda _: chosen)
     found = sw.bench("paper", until=200, **{"drive.velocity": 2000})
     rows = found.summary["models"]
     assert_table(found, rows)

@@ -101,7 +101,7 @@ def test_compare_prints_every_row_and_ends_with_status_3(tmp_path: Path, capsys:
 
 def test_bench_ends_with_status_3(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     leapfrog = next(family for family in families() if family.name == "fd")
-    monkeypatch.setattr("validation.door.bench.honouring", lambda scene: [leapfrog])
+    monkeypatch.setattr("validation.results.bench.honouring", lambda scene: [leapfrog])
     assert main(["bench", "paper", *COARSE, "--json"]) == NUMERICS_FAILED
     text, err = capsys.readouterr()
     rows = json.loads(text)["models"]

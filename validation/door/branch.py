@@ -21,10 +21,11 @@ from validation.branches.followed import Followed, Limits, Outcome, pursue, writ
 from validation.branches.parameter import Values, over_range, range_text, scene_along
 from validation.branches.points import BranchPoint, SpecialPoint
 from validation.door.checked import checked
-from validation.door.result import Dataset, Place, Result, along, announced, as_path, deliver, finite, parameter_column, scene_of
+from validation.door.result import Dataset, Place, Result, announced, as_path, deliver, finite, scene_of
 from validation.registry.orbits import flowing, require_tolerance
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import EVENTS, variables
+from validation.results.tables import along, parameter_column
 from validation.study.drawing import Drawing, styled
 
 _DEFAULTS = {"tol": 1e-6, "most_points": 2000}

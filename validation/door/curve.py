@@ -16,9 +16,10 @@ from validation.branches.parameter import Values, over_range, range_text
 from validation.branches.points import CurvePoint
 from validation.door.branch import FollowedResult, facts_of_file
 from validation.door.checked import checked
-from validation.door.result import Dataset, announced, as_path, deliver, parameter_column, scene_of, table_of
-from validation.door.result import along as in_order
+from validation.door.result import Dataset, announced, as_path, deliver, scene_of
 from validation.registry.orbits import flowing, require_tolerance
+from validation.results.tables import along as in_order
+from validation.results.tables import parameter_column, table_of
 from validation.study.drawing import Drawing, styled
 
 _DEFAULTS = {"tol": 1e-6, "most_points": 100}

@@ -23,7 +23,7 @@ from slipwave.input.wording import listed, nearest, shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.solve.foresight import DAY
-from validation.registry.families import FAMILIES, GRIDS
+from validation.registry.families import FAMILIES, GRIDS, Options
 from validation.results.facts import Place
 
 log = logging.getLogger("slipwave")
@@ -201,6 +201,11 @@ class NumericalOptions(SceneOptions):
         "--cells it is for the steps of the exact march only",
         stored=True,
     )
+
+    @property
+    def numerical(self) -> Options:
+        """As the registry of models takes them."""
+        return Options(cells=self.cells, cfl=self.cfl, tolerance=self.tol, time=self.time)
 
 
 def options_of(kind: type[SceneOptions]) -> dict[str, Option]:

@@ -73,11 +73,6 @@ class RunOptions(NumericalOptions, RunsOptions, ModelOptions):
     )
     lyapunov: bool = option("how fast motions close by part: the largest Lyapunov exponent, by a second march", False)
 
-    @property
-    def numerical(self) -> Options:
-        """Those of the model."""
-        return Options(cells=self.cells, cfl=self.cfl, tolerance=self.tol, time=self.time)
-
 
 @command
 def run(source: SceneSource, options: RunOptions) -> RunResult:

@@ -1,9 +1,8 @@
 """Scenes and statistics in words and rows, dimensionless and (where the scene has units) in SI."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import fields
-from typing import Any
 
 from slipwave.observe import RunStatistics, Verdict
 from slipwave.observe.statistics import Orbit
@@ -11,7 +10,6 @@ from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.solve.lyapunov import Exponent
 from validation.output import figures
-from validation.results.conclusion import distances
 
 ENDED = {
     "cycles": "the run ended here because its second half has the cycles asked for",
@@ -112,46 +110,3 @@ def verdict_in_words(verdict: Verdict, needed: float) -> str:
     counted = f", {verdict.cycles} complete cycle{'s' if verdict.cycles != 1 else ''}," if verdict.kind in _COUNTED else ""
     kind = f"a {verdict.kind}" if verdict.kind == "torus" else verdict.kind
     return f"the second half{counted} is {kind}: {reason}"
-
-
-def remarks(summary: Mapping[str, Any]) -> list[str]:
-    """The lines below a table of models: what bars are, whose figures are missing and why, what failed, and the conclusion."""
-    rows = summary["models"]
-    failed = {row["model"]: f"failed: {row['failed']}" for row in rows if "failed" in row}
-    wanders = any("difference" in row for row in rows)
-    bars = ["+-: half the width of the 95 % interval of a mean of motion that never repeats"] * wanders
-    notes = (line for line in summary.get("notes", []) if line.startswith("nothing to compare"))
-    return [*bars, *without_errors(rows), *failed.values(), *notes, *filter(None, [summary["conclusion"]])]
-
-
-def without_errors(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """One line for each verdict without period and errors (a transient has none), with its models."""
-    models: dict[str, list[str]] = {}
-    for row in rows:
-        if row["verdict"] not in (None, *REPEATING) and row["model"] not in models.setdefault(row["verdict"], []):
-            models[row["verdict"]].append(row["model"])
-    return [_no_figures(", ".join(names), verdict) for verdict, names in models.items() if names]
-
-
-def _no_figures(names: str, verdict: str) -> str:
-    if verdict == "protocol":
-        return f"no figures of {names}: a protocol is judged by its stages (slipwave run)"
-    if verdict == "steady":
-        return f"no figures of {names}: it slides steadily in the second half of the run, without cycles"
-    return f"no figures of {names}: the second half of the run is {verdict}"
-
-
-def errors_of(row: Mapping[str, Any]) -> list[str]:
-    """The cells of a model's errors in period and stress drop; with a bar where one of the motions never repeats."""
-    known = distances(row)
-    return [barred(*known[name]) if name in known else "-" for name in ("period", "stress_drop")]
-
-
-def barred(value: float | None, margin: float | None, digits: int = 3) -> str:
-    """A number for a table; with its margin, to two figures, where that is not 0, and as many decimals."""
-    if value is None or margin == 0.0:
-        return figures(value, digits)
-    if margin is None or not math.isfinite(margin):
-        return f"{figures(value, digits)} +- ?"
-    decimals = max(0, 1 - math.floor(math.log10(margin)))
-    return f"{value:.{decimals}f} +- {margin:.{decimals}f}"

@@ -1,25 +1,23 @@
 """`slipwave.compare`: several models on one scene, in one figure and one table."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
-from slipwave.scene.doubts import doubts
 from slipwave.solve import Solver
-from slipwave.solve.foresight import DAY, require_time
-from validation.door.checked import checked
-from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of
+from slipwave.solve.foresight import require_time
 from validation.measure.cycle import Cycle, CycleObserver
+from validation.output import figures, table
 from validation.registry.build import build_all
 from validation.registry.families import one_port_of
-from validation.results.conclusion import conclusion, nothing
+from validation.results.command import command
+from validation.results.comparison import Comparison, answer, barred, errors_of, nothing, remarks
 from validation.results.motion_figure import second_axis
-from validation.results.provenance import SCHEMA, provenance
-from validation.run.difference import in_json
+from validation.results.options import NumericalOptions, RunsOptions, option
+from validation.results.result import FIGURES, Output
 from validation.run.length import Until, length_of, second_half
 from validation.run.simulate import Run, RunInterrupted, reconsidered, simulate
 from validation.study.drawing import Drawing, canvas, styled
@@ -29,14 +27,35 @@ _ON_TOP = {"color": "#111111", "linewidth": 0.9, "dashes": (4, 2), "zorder": 3}
 """How the reference is drawn: what it covers shows between the dashes."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class CompareOptions(NumericalOptions, RunsOptions):
+    """Options of `slipwave.compare`."""
+
+    EXAMPLES: ClassVar = ("slipwave compare paper --models delay,kelvin-voigt,fd --out compare.png",)
+
+    models: str | Sequence[str] = option(
+        "the models; the reference is delay if it is among them, else the first", ..., metavar="M1,M2,...", positional=True
+    )
+
+
 @dataclass(frozen=True, repr=False, eq=False)
-class CompareResult(Result):
+class CompareResult(Comparison):
     """The `runs` of the models on the `scene` and the last complete cycle of each, None where it has none."""
+
+    DIMENSION: ClassVar = "model"
+    COMMAND: ClassVar = "compare"
+    OUTPUTS: ClassVar = (
+        Output("--out", FIGURES, "save_plot", "the overlay figure (default compare.png; with --json none)", "FILE.png")._replace(
+            default="compare.png", key="figure"
+        ),
+    )
 
     scene: Scene
     runs: list[Run]
     cycles: list[Cycle | None]
     options: Mapping[str, Any]
+    failed: str = ""
+    stopped: bool = False
 
     @property
     def reference(self) -> Run:
@@ -44,20 +63,36 @@ class CompareResult(Result):
         return next((run for run in self.runs if run.solver.model == "delay"), self.runs[0])
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave compare` (users rely on its keys), with relative errors against the reference; where one of the
-        motions never repeats they are None, and there are `difference` and `margin` instead."""
-        rows = [_row(run, self.reference) for run in self.runs]
-        facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.reference.until}
-        facts |= {"reference": self.reference.solver.model, "conclusion": conclusion(finite(rows))}
-        notes = [*doubts(self.scene), *filter(None, [nothing(self.reference)])]
-        return dict(finite(facts | {"models": rows} | ({"notes": notes} if notes else {})))
+    def rows(self) -> list[dict[str, Any]]:
+        """One for each model."""
+        return [answer(run, _figures(run), self.reference) for run in self.runs]
 
-    @cached_property
-    def dataset(self) -> Dataset:
-        """The figures of each run by `model`: means, spreads and errors."""
-        data = table_of(self.summary["models"], "model", self.scene)
-        return data.assign_attrs(provenance("compare", self.scene, ",".join(data["model"].values.tolist()), self.options))
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """A row for each model, and what they come to."""
+
+        def mean(row: Mapping[str, Any], name: str, digits: int) -> str:
+            """A cell, with a bar for motion that never repeats."""
+            return barred(row[name]["mean"], row["margins"][name] if row["margins"] else 0.0, digits)
+
+        names = ["model", "period", "std", "stress drop", "elastic drop", "v_max", "v_min", "error T", "error drop", "wall s"]
+        rows = [
+            [
+                row["model"],
+                mean(row, "period", 9),
+                figures(row["period"]["std"], 2),
+                mean(row, "stress_drop", 7),
+                mean(row, "elastic_stress_drop", 7),
+                figures(row["v_max"], 7),
+                figures(row["v_min"], 7),
+                *errors_of(row),
+                figures(row["wall_s"], 3),
+            ]
+            for row in summary["models"]
+        ]
+        yield from table(names, rows)
+        against = f"relative errors against {summary['reference']}"
+        yield f"\nperiods in transits, means over the second half, {against}; figure: {summary['figure']}"
+        yield from remarks(summary)
 
     def plot(self) -> Drawing:
         """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model, the reference dashed on
@@ -95,33 +130,19 @@ def _label(run: Run, shown: bool) -> str:
     return f"{run.solver.model}: {'slides steadily' if kind == 'steady' else kind}, no cycle drawn"
 
 
-@checked
-def compare(
-    source: SceneSource,
-    models: str | Sequence[str],
-    *,
-    until: float | str | None = None,
-    cells: int | None = None,
-    cfl: float | None = None,
-    time: str | None = None,
-    tol: float | None = None,
-    most_seconds: float = DAY,
-    settings: Iterable[str] = (),
-    **changes: Any,
-) -> CompareResult:
+@command
+def compare(source: SceneSource, options: CompareOptions) -> CompareResult:
     """Run several models (a list, or names separated by commas) on a scene and compare their cycles with those of the delay
-    system, or of the first model; options and `changes` are those of `slipwave.run`.
+    system, or of the first model.
 
     Raises SceneError for wrong input; NumericsError if one of them fails, with all of them as its `result`.
     """
-    scene = scene_of(source, settings, changes, until)
-    options = {"cells": cells, "cfl": cfl, "tol": tol, "time": time}
-    names = models if isinstance(models, str) else ",".join(models)
-    solvers = build_all(names, scene, cells=cells, cfl=cfl, tolerance=tol, time=time)
-    found, stopped = _runs_of(solvers, scene, most_seconds)
+    scene = options.scene_of(source, options.until)
+    names = options.models if isinstance(options.models, str) else ",".join(options.models)
+    found, stopped = _runs_of(build_all(names, scene, **options.numerical), scene, options.most_seconds)
     runs, cycles = [run for run, _ in found], [cycle for _, cycle in found]
     failed = [*(run.failed for run in runs if run.failed), *([stopped] if stopped else [])]
-    return deliver(CompareResult(scene, runs, cycles, options), "; ".join(failed), bool(stopped))
+    return CompareResult(scene, runs, cycles, options.stored, "; ".join(failed), bool(stopped))
 
 
 def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tuple[Run, Cycle | None]], str]:
@@ -148,19 +169,13 @@ def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tup
     return [found[solver.model] for solver in solvers if solver.model in found], stopped
 
 
-def _row(run: Run, reference: Run) -> dict[str, Any]:
-    """One model's answer and its relative errors against the reference's."""
+def _figures(run: Run) -> dict[str, Any]:
+    """One model's answer."""
     ours = run.statistics
-    row = {
-        "model": run.solver.model,
+    return {
         "events": run.starts,
-        "verdict": run.kind,
         **{name: asdict(getattr(ours, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
         "margins": asdict(ours.margins) if run.verdict and run.verdict.wanders else None,
         "v_max": ours.v_max,
         "v_min": ours.v_min,
-        **in_json(run, reference),
-        "failures": run.solver.failures,
-        "wall_s": run.wall_s,
     }
-    return row | ({"failed": run.failed} if run.failed else {})

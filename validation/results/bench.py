@@ -1,23 +1,19 @@
 """`slipwave.bench`: run time against error, every model that can do the scene, at several settings each."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
-from slipwave.scene.doubts import doubts
-from slipwave.solve.foresight import DAY
-from validation.door.checked import checked
-from validation.door.result import Dataset, Result, deliver, finite, scene_of, table_of
+from validation.output import figures, table
 from validation.registry.choice import honouring
 from validation.registry.families import one_port_of
-from validation.results.conclusion import conclusion, nothing
-from validation.results.provenance import SCHEMA, provenance
-from validation.run.difference import in_json
+from validation.results.command import command
+from validation.results.comparison import Comparison, answer, errors_of, nothing, remarks
+from validation.results.options import RunsOptions
 from validation.run.length import Length, Until, length_of
 from validation.run.progress import progress
 from validation.run.simulate import Run, RunInterrupted, simulate
@@ -28,29 +24,55 @@ _TOLERANCES = (1e-5, 1e-7, 1e-9)
 _REFERENCE_TOLERANCE = 1e-11
 
 
+@dataclass(frozen=True, kw_only=True)
+class BenchOptions(RunsOptions):
+    """Options of `slipwave.bench`."""
+
+    EXAMPLES: ClassVar = ("slipwave bench paper --until 1000",)
+
+
 @dataclass(frozen=True, repr=False, eq=False)
-class BenchResult(Result):
-    """The timed `runs` of the `scene`, each with its numerical setting, and the `reference` for their errors."""
+class BenchResult(Comparison):
+    """The timed `runs` of the `scene`, each with its numerical setting, and the run at a `tight` tolerance."""
+
+    DIMENSION: ClassVar = "trial"
+    COMMAND: ClassVar = "bench"
 
     scene: Scene
-    reference: Run
+    tight: Run
     runs: list[tuple[Run, dict[str, Any]]]
+    failed: str = ""
+    stopped: bool = False
+    options: Mapping[str, Any] = field(default_factory=dict)
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave bench` (users rely on its keys), with errors as `slipwave compare`, without sign;
-        `notes` are there only if the scene is doubtful."""
-        rows = [_row(run, setting, self.reference) for run, setting in self.runs]
-        facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.reference.until}
-        facts |= {"reference": self.reference.solver.model, "conclusion": conclusion(finite(rows))}
-        doubtful = doubts(self.scene)
-        return dict(finite(facts | {"models": rows} | ({"notes": doubtful} if doubtful else {})))
+    def reference(self) -> Run:
+        """The run for the errors of the others."""
+        return self.tight
 
-    @cached_property
-    def dataset(self) -> Dataset:
-        """Wall time and errors of each run by `trial`, with its model and setting."""
-        data = table_of(self.summary["models"], "trial", self.scene)
-        return data.assign_attrs(provenance("bench", self.scene, self.reference.solver.model, {}))
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """One for each run, with errors without sign."""
+        rows = [answer(run, {"setting": setting}, self.reference) for run, setting in self.runs]
+        for row in rows:
+            row["error"] = {name: None if error is None else abs(error) for name, error in row["error"].items()}
+        return rows
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """A row for each run, and what they come to."""
+        rows = [
+            [
+                row["model"],
+                ", ".join(f"{name} {value:g}" for name, value in row["setting"].items()) or "-",
+                figures(row["wall_s"], 3),
+                *errors_of(row),
+            ]
+            for row in summary["models"]
+        ]
+        yield from table(["model", "setting", "wall s", "error T", "error drop"], rows)
+        against = f"relative errors of the second half's mean against {summary['reference']} (tight)"
+        yield f"\n{summary['until']:g} transits; {against}"
+        yield from remarks(summary)
 
     def plot(self) -> Drawing:
         """Error of the period against wall time, a line for each model; runs without cycles are left out."""
@@ -70,26 +92,18 @@ class BenchResult(Result):
             return figure
 
 
-@checked
-def bench(
-    source: SceneSource,
-    *,
-    until: float | str | None = None,
-    most_seconds: float = DAY,
-    settings: Iterable[str] = (),
-    **changes: Any,
-) -> BenchResult:
+@command
+def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
     """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance.
-    `changes` are those of `slipwave.read_scene`.
 
     A model that cannot do the scene (quasistatic runs away) still has a row. Raises SceneError for wrong input and where the
     reference has no cycles; NumericsError, with all of them as its `result`, if solves of the interface failed.
     """
-    scene = scene_of(source, settings, changes, until)
+    scene = options.scene_of(source, options.until)
     trials = [(family, setting) for family in honouring(scene) for setting in _settings(family)]
     if not trials:
         raise SceneError(f"scene = {scene.name!r}: no model of this installation can do it")
-    reference = _reference(scene, trials, most_seconds)
+    reference = _reference(scene, trials, options.most_seconds)
     if nothing(reference):
         raise SceneError(f"until = {reference.until:g}: {nothing(reference)}")
     length = Until(reference.until)
@@ -98,14 +112,14 @@ def bench(
     with progress("bench", len(trials)) as report:
         for done, (family, setting) in enumerate(trials):
             try:
-                runs.append((_timed(scene, family, setting, length, most_seconds), setting))
+                runs.append((_timed(scene, family, setting, length, options.most_seconds), setting))
             except RunInterrupted:
                 stopped = f"after {done} of {len(trials)} runs"
                 break
             report(done + 1)
     failed = [reference.failed] if reference.failed else [run.failed for run, _ in runs if run.solver.failures]
     failed = ["interrupted", *failed, stopped] if stopped else failed
-    return deliver(BenchResult(scene, reference, runs), "; ".join(failed), bool(stopped))
+    return BenchResult(scene, reference, runs, "; ".join(failed), bool(stopped))
 
 
 def _settings(family: Family) -> list[dict[str, Any]]:
@@ -126,17 +140,3 @@ def _timed(scene: Scene, family: Family, setting: dict[str, Any], length: Length
     chosen = Setting(family.example, **setting)
     warm_up(chosen, scene)
     return simulate(solver_of(chosen, scene), length, most_seconds=most)
-
-
-def _row(run: Run, setting: dict[str, Any], reference: Run) -> dict[str, Any]:
-    found = in_json(run, reference)
-    found["error"] = {name: None if error is None else abs(error) for name, error in found["error"].items()}
-    row = {
-        "model": run.solver.model,
-        "setting": setting,
-        "verdict": run.kind,
-        "wall_s": run.wall_s,
-        **found,
-        "failures": run.solver.failures,
-    }
-    return row | ({"failed": run.failed} if run.failed else {})

@@ -1,0 +1,75 @@
+"""The commands that give no result: `scenes`, `schema`, `show` and `report`."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+import slipwave
+from slipwave.errors import Interrupted
+from slipwave.extras import require
+from validation.output import printed, require_folder
+
+EXAMPLES = {
+    "report": ("slipwave report --quick", "slipwave report --only one-cycle --out reports"),
+    "scenes": ("slipwave scenes",),
+    "schema": ("slipwave schema > scene.schema.json",),
+    "show": ("slipwave show paper > mine.toml", "slipwave show run.nc"),
+}
+
+
+def scenes() -> None:
+    """The gallery's scenes, one line each."""
+    from slipwave.input.source import gallery_titles
+
+    titles = gallery_titles()
+    width = max(map(len, titles))
+    for name, title in titles.items():
+        print(f"{name:<{width}}  {title}")
+
+
+def schema() -> None:
+    """The table of scene keys as a JSON Schema."""
+    from slipwave.input.schema import json_schema
+
+    print(json.dumps(json_schema(), indent=2))
+
+
+def show(source: str, options: Any, files: Mapping[Any, Any], as_json: bool) -> None:
+    """A scene as pure TOML; what else a file of results holds as comments."""
+    from slipwave.input.stored import is_stored, read_stored
+    from slipwave.input.tables import to_toml
+    from slipwave.input.wording import one_line
+    from validation.results.header import header
+
+    scene = slipwave.read(source, options.settings)
+    facts = read_stored(source).facts if is_stored(source) else {}
+    stored = [f"{name} = {value}" for name, value in facts.items() if name != "scene_toml"]
+    comments = [f"# {one_line(line)}" for line in [*header(scene), *stored]]
+    printed(lambda: print("\n".join([*comments, "", to_toml(scene)]), end=""))
+
+
+def report(
+    quick: Annotated[bool, typer.Option("--quick", help="the cheap version of every study")] = False,
+    only: Annotated[list[str] | None, typer.Option(metavar="STUDY ...", help="only these studies; may be repeated")] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="folder of the page and its data")] = Path("reports"),
+) -> None:
+    """Run the studies and write the page."""
+    from validation.report.build import make_report
+    from validation.report.red import RedReport
+
+    require("report", "the report")
+    require_folder(out)
+    try:
+        print(make_report(out=out, quick=quick, only=only or None))
+    except RedReport as red:
+        print(red.page)
+        for line in red.lines:
+            typer.echo(line, err=True)
+        raise
+    except KeyboardInterrupt:
+        raise Interrupted(
+            f"interrupted; finished studies are kept in {out / 'data'}, and the same command goes on from there"
+        ) from None

@@ -1,0 +1,192 @@
+"""Several runs of a scene beside a reference: their rows, what they come to in one line, and their table."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from typing import Any, ClassVar, TypeAlias
+
+from slipwave.family import Exact
+from slipwave.observe.verdict import REPEATING
+from slipwave.scene import Scene
+from slipwave.scene.doubts import doubts
+from validation.output import figures
+from validation.registry.families import family_of, one_port_of
+from validation.results.facts import finite
+from validation.results.provenance import SCHEMA, provenance
+from validation.results.reasons import needed
+from validation.results.result import Dataset, Result
+from validation.results.tables import table_of
+from validation.run.difference import in_json
+from validation.run.simulate import Run
+
+_Row: TypeAlias = Mapping[str, Any]
+
+CLOSE = 0.05
+"""Relative distance in period and stress drop up to which a cheaper model is of use."""
+
+
+def conclusion(rows: Sequence[_Row]) -> str:
+    """Which model to use, by run time and distance in period and stress drop; empty if the rows cannot tell.
+
+    `rows` are those of the JSON of `slipwave compare` and `bench`. Runs that failed and motions without cycles do not count.
+    """
+    counted = [row for row in rows if "failed" not in row and distances(row)]
+    exact = _cheapest(row for row in counted if _exactness(row) is Exact.TO_TOLERANCE)
+    reduced = [row for row in counted if _exactness(row) is Exact.NEVER]
+    waves = _cheapest(row for row in counted if _exactness(row) is Exact.ON_FINE_GRIDS)
+    if exact is None:
+        return ""
+    cheaper = [row for row in reduced if row["wall_s"] < exact["wall_s"]]
+    close = _cheapest(row for row in cheaper if _largest(row) <= CLOSE)
+    if close is not None:
+        return f"{close['model']} is cheaper than {exact['model']}, {_ratio(exact, close)} times, {_apart(close)}"
+    if cheaper:
+        best = min(cheaper, key=_largest)
+        return (
+            f"nothing cheaper than {exact['model']} is within {100.0 * CLOSE:g} %: the nearest is {best['model']}, "
+            f"{_ratio(exact, best)} times cheaper, {_apart(best)}"
+        )
+    if reduced:
+        return f"{exact['model']} is cheaper than any reduction here and exact"
+    if waves is not None and waves["wall_s"] > exact["wall_s"]:
+        wave = f"the cheapest full wave here, {waves['model']}"
+        return f"{exact['model']} is exact and {_ratio(waves, exact)} times cheaper than {wave}"
+    return ""
+
+
+def nothing(reference: Run) -> str:
+    """Why no model can be compared with the `reference`, and which length would do; empty if its cycles represent its motion."""
+    if reference.failed or reference.verdict is None or reference.verdict.repeats:
+        return ""
+    model, longer = reference.solver.model, needed(reference, one_port_of(reference.solver.model))
+    run = f"the {'' if reference.kind == 'too short' else 'second half of the '}run of {model}"
+    why = f"nothing to compare: {run} is {reference.kind}"
+    return f"{why}; try --until {float(f'{longer:.2g}'):g}" if math.isfinite(longer) else why
+
+
+def distances(row: _Row) -> dict[str, tuple[float, float | None]]:
+    """The relative distance of each mean from that of the reference with its margin: 0 for errors, None if it is unknown; none
+    for a row without cycles."""
+    margins = row.get("margin", {})
+    return {
+        name: (value, margins.get(name) if "difference" in row else 0.0)
+        for name, value in row.get("difference", row["error"]).items()
+        if value is not None
+    }
+
+
+def _exactness(row: _Row) -> Exact | None:
+    family = family_of(row["model"])
+    return family.exact if family is not None else None
+
+
+def _cheapest(rows: Iterable[_Row]) -> _Row | None:
+    return min(rows, key=lambda row: float(row["wall_s"]), default=None)
+
+
+def _ratio(costly: _Row, cheap: _Row) -> str:
+    return f"{costly['wall_s'] / cheap['wall_s']:.2g}"
+
+
+def _largest(row: _Row) -> float:
+    """The larger of both distances, margins included: what it may be."""
+    return max(abs(value) + (margin or 0.0) for value, margin in distances(row).values())
+
+
+def _apart(row: _Row) -> str:
+    """What is known of a model's distance from the reference."""
+    parts = (f"{_share(abs(value), margin)} in the {name.replace('_', ' ')}" for name, (value, margin) in distances(row).items())
+    return f"{'off by' if 'difference' in row else 'with errors of'} {' and '.join(parts)}"
+
+
+def _share(value: float, margin: float | None) -> str:
+    """In per cent, with the margin where there is one."""
+    bar = "" if margin == 0.0 else f" +- {'?' if margin is None else f'{100.0 * margin:.2g}'}"
+    return f"{100.0 * value:.2g}{bar} %"
+
+
+class Comparison(Result):
+    """Runs of the `scene`, one of them the `reference`: rows by `DIMENSION`."""
+
+    DIMENSION: ClassVar[str]
+    COMMAND: ClassVar[str]
+
+    scene: Scene
+    options: Mapping[str, Any]
+
+    @property
+    def reference(self) -> Run:
+        """The run that the others are compared with."""
+        raise NotImplementedError
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """Every run's answer and its distances from the reference."""
+        raise NotImplementedError
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The JSON of the command (users rely on its keys), with relative errors against the reference; where one of the motions
+        never repeats they are None, and there are `difference` and `margin` instead."""
+        facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.reference.until}
+        rows = finite(self.rows)
+        facts |= {"reference": self.reference.solver.model, "conclusion": conclusion(rows), "models": rows}
+        notes = [*doubts(self.scene), *filter(None, [nothing(self.reference)])]
+        return dict(finite(facts | ({"notes": notes} if notes else {})))
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """The figures of each run: means, spreads, errors, run time."""
+        data = table_of(self.summary["models"], self.DIMENSION, self.scene)
+        models = dict.fromkeys(row["model"] for row in self.rows) if self.DIMENSION == "model" else [self.reference.solver.model]
+        return data.assign_attrs(provenance(self.COMMAND, self.scene, ",".join(models), self.options))
+
+
+def answer(run: Run, figures: Mapping[str, Any], reference: Run) -> dict[str, Any]:
+    """A row: the model, `figures`, the distances from the reference, and what failed."""
+    row = {"model": run.solver.model, "verdict": run.kind, **figures, **in_json(run, reference)}
+    row |= {"failures": run.solver.failures, "wall_s": run.wall_s}
+    return row | ({"failed": run.failed} if run.failed else {})
+
+
+def remarks(summary: _Row) -> list[str]:
+    """The lines below a table of models: what bars are, whose figures are missing and why, what failed, and the conclusion."""
+    rows = summary["models"]
+    failed = {row["model"]: f"failed: {row['failed']}" for row in rows if "failed" in row}
+    wanders = any("difference" in row for row in rows)
+    bars = ["+-: half the width of the 95 % interval of a mean of motion that never repeats"] * wanders
+    notes = (line for line in summary.get("notes", []) if line.startswith("nothing to compare"))
+    return [*bars, *without_errors(rows), *failed.values(), *notes, *filter(None, [summary["conclusion"]])]
+
+
+def without_errors(rows: Sequence[_Row]) -> list[str]:
+    """One line for each verdict without period and errors (a transient has none), with its models."""
+    models: dict[str, list[str]] = {}
+    for row in rows:
+        if row["verdict"] not in (None, *REPEATING) and row["model"] not in models.setdefault(row["verdict"], []):
+            models[row["verdict"]].append(row["model"])
+    return [_no_figures(", ".join(names), verdict) for verdict, names in models.items() if names]
+
+
+def _no_figures(names: str, verdict: str) -> str:
+    if verdict == "protocol":
+        return f"no figures of {names}: a protocol is judged by its stages (slipwave run)"
+    if verdict == "steady":
+        return f"no figures of {names}: it slides steadily in the second half of the run, without cycles"
+    return f"no figures of {names}: the second half of the run is {verdict}"
+
+
+def errors_of(row: _Row) -> list[str]:
+    """The cells of a model's errors in period and stress drop; with a bar where one of the motions never repeats."""
+    known = distances(row)
+    return [barred(*known[name]) if name in known else "-" for name in ("period", "stress_drop")]
+
+
+def barred(value: float | None, margin: float | None, digits: int = 3) -> str:
+    """A number for a table; with its margin, to two figures, where that is not 0, and as many decimals."""
+    if value is None or margin == 0.0:
+        return figures(value, digits)
+    if margin is None or not math.isfinite(margin):
+        return f"{figures(value, digits)} +- ?"
+    decimals = max(0, 1 - math.floor(math.log10(margin)))
+    return f"{value:.{decimals}f} +- {margin:.{decimals}f}"
