@@ -1,9 +1,3 @@
-from validation.door.bench import bench as bench
-from validation.door.compare import compare as compare
-from validation.door.listing import models as models
-from validation.door.listing import scenes as scenes
-from validation.door.listing import show as show
-
 from slipwave.errors import NumericsError as NumericsError
 from slipwave.errors import SceneError as SceneError
 from slipwave.input import read as read
@@ -11,6 +5,11 @@ from slipwave.input import read_scene as read_scene
 from validation.door.branch import branch as branch
 from validation.door.curve import curve as curve
 from validation.door.orbit import orbit as orbit
+from validation.results.bench import bench as bench
+from validation.results.compare import compare as compare
+from validation.results.listing import models as models
+from validation.results.listing import scenes as scenes
+from validation.results.listing import show as show
 from validation.results.run import run as run
 from validation.results.stability import stability as stability
 
