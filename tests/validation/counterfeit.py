@@ -157,8 +157,7 @@ PLACES: dict[str, tuple[Place, ...]] = {
     "one-cycle": (
         Place("one_cycle:run_model", (part("orbit"),)),
         Place("one_cycle:at_r"),
-        Place("one_cycle:_quasistatic", S),
-        Place("one_cycle:_slides_steadily", S),
+        Place("one_cycle:what_stops", S),
     ),
     "leapfrog-convergence": (
         Place("leapfrog_convergence:build"),
@@ -215,12 +214,12 @@ PLACES: dict[str, tuple[Place, ...]] = {
     "partial-reflection": (
         Place("partial_reflection:orbit_of"),
         Place("partial_reflection:end_of"),
-        Place("partial_reflection.measured:_last", S, 1),
+        Place("partial_reflection.measured:last_cycle", S, 1),
     ),
     "model-error": (
         Place("model_error:warm_up"),
         Place("model_error.measured:orbit_of"),
-        Place("model_error.measured:settle", (part("orbit"),)),
+        Place("model_error.measured:run_of_damped", S),
         Place("model_error.measured:fitted_modes"),
         Place("model_error:milliseconds_of"),
         Place("model_error:orbit_of", (lambda value: value and scaled(value),)),
@@ -255,13 +254,10 @@ PLACES: dict[str, tuple[Place, ...]] = {
     ),
     "period-doubling": (Place("period_doubling:doubled", (part("last_two"), part("single.orbit"), part("double.orbit"))),),
     "claims": (
-        Place(
-            "claims:settle_branch",
-            (each(only("delay", scaled)),),
-        ),
+        Place("claims:settled_at", (only("delay", scaled),), model=1),
         Place("claims:run_deep"),
         Place("claims:measure_ripples", S),
-        Place("claims:beside"),
+        Place("claims:from_large_nudge"),
     ),
     "planted-faults": (),
     "slow-verification": (),

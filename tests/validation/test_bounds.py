@@ -5,6 +5,7 @@ import math
 import pytest
 from roomy import too_roomy
 
+from slipwave.observe.statistics import Estimate
 from validation.references.published import half_digit
 from validation.study import PAPER, Evidence, Outcome, StudyResult, Verdict, claim
 from validation.study.known import as_known
@@ -49,4 +50,4 @@ def test_a_witness_that_agrees_to_the_last_bit_is_none(evidence, outcome):
 @pytest.mark.parametrize(("share", "outcome"), [(0.9, "pass"), (1.2, "fail"), (70.0, "fail")])
 def test_periods_are_held_against_the_digits_known(share, outcome):
     """Of the ODE 70.73234499 is known, by another program."""
-    assert as_known({"kelvin-voigt": 70.73234499 + share * 5e-9}, -2.68, 0.0).outcome == outcome
+    assert as_known({"kelvin-voigt": Estimate(70.73234499 + share * 5e-9, 0.0)}, -2.68).outcome == outcome

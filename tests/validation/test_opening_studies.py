@@ -11,7 +11,7 @@ from slipwave.observe.statistics import Estimate, Orbit
 from validation.measure.cycle import Cycle
 from validation.references.published import reference_orbit
 from validation.studies import one_cycle, scene_facts
-from validation.studies.one_cycle import cycles_over_r, over_r_table, overlay, panels, rates
+from validation.studies.one_cycle import cycles_over_r, measured, over_r_table, overlay, panels, rates
 from validation.studies.one_cycle.measured import AtR, CycleRun
 from validation.study import Outcome
 
@@ -47,21 +47,21 @@ def test_the_answer_tells_on_which_side_of_onset_the_scene_lies():
     [("period", 9e-11), ("stress_drop", 3.7e-10), ("elastic_stress_drop", 3.2e-7), ("v_max", 1.1e-6), ("v_min", 1.7e-7)],
 )
 def test_an_orbit_may_differ_by_the_digits_that_are_not_known(figure, limit):
-    outcomes = [one_cycle._against_reference({"delay": a_run(**{figure: off})})[0].outcome for off in (0.9 * limit, -3.0 * limit)]
+    outcomes = [next(measured.verdicts({"delay": a_run(**{figure: off})}, "", "")).outcome for off in (0.9 * limit, -3.0 * limit)]
     assert outcomes == [Outcome.PASS, Outcome.FAIL]
 
 
-def test_the_leapfrog_may_be_half_a_thousandth_off():
-    for off, outcome in ((4.5e-4, Outcome.PASS), (-1.5e-3, Outcome.FAIL)):
-        assert one_cycle._full_wave({"delay": a_run(), "fd": a_run(v_min=off)}).outcome is outcome
-
-
-def test_what_ends_the_simplest_models(monkeypatch):
-    assert one_cycle._runaway("v grows").outcome is Outcome.PASS
-    assert one_cycle._runaway("").outcome is Outcome.FAIL
-    for steady, outcome in ((True, Outcome.PASS), (False, Outcome.FAIL)):
-        monkeypatch.setattr(one_cycle, "_slides_steadily", lambda steady=steady: steady)
-        assert one_cycle._steady().outcome is outcome
+@pytest.mark.parametrize(
+    ("off", "quasistatic", "quasidynamic", "outcomes"),
+    [
+        (4.5e-4, "v grows", "steady", ["pass"] * 3),
+        (-1.5e-3, "", "", ["fail"] * 3),
+        (4.5e-4, "steady", "v grows", ["pass", "fail", "fail"]),
+    ],
+)
+def test_the_leapfrog_and_what_ends_the_simplest_models(off, quasistatic, quasidynamic, outcomes):
+    found = measured.verdicts({"delay": a_run(), "fd": a_run(v_min=off)}, quasistatic, quasidynamic)
+    assert [verdict.outcome for verdict in found][1:] == outcomes
 
 
 def test_the_answer_tells_every_error_with_its_sign():

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 import slipwave
+from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
 from validation.measure.settle import settle
 from validation.references.lsoda import PlainRun, plain_kelvin_voigt
@@ -52,7 +53,7 @@ def run(budget: Budget) -> StudyResult:
     points = [time_run(setting, paper, TRANSITS, exact, repeats) for setting in settings]
     rivals = [plain_kelvin_voigt(paper, TRANSITS, tolerance) for tolerance in ((1e-10,) if budget.quick else (1e-8, 1e-9, 1e-10))]
     ours = _race_points(points)
-    finest = {model: _finest(points, model).period for model in ("delay", *_ODES)}
+    finest = {model: Estimate(_finest(points, model).period, 0.0) for model in ("delay", *_ODES)}
     return StudyResult(
         answer=_answer(points),
         figures=(Figure("cost", _CAPTION, lambda: work_precision(points)),),

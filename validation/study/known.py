@@ -1,47 +1,75 @@
-"""Claims that several studies judge: periods that other programs know, the order of periods, the error of (27)."""
+"""Claims that several studies judge: periods that other programs know, the order of periods (P7), the error of (27)."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
+from slipwave.observe.statistics import Estimate
 from validation.references.published import half_digit, reference_orbit
-from validation.study import Evidence, Verdict, of_paper
-from validation.study.bounds import bounded
-from validation.study.text import places
+from validation.study import PAPER, WITNESS, Outcome, Verdict, claim, holding, of_paper
+from validation.study.text import minus, places
+
+ERRORS = 4.0
+"""How many of its stated errors a figure may be off."""
 
 _VERY_SMALL, _ORDER_OF_TEN_PER_CENT = 1e-2, (0.1 / math.sqrt(10.0), 0.1 * math.sqrt(10.0))
 
 
-def as_known(periods: Mapping[str, float], log10_r: float, error: float) -> Verdict:
-    """By model: half of the last digit known and `error`, relative, are allowed; the worst beside that is shown."""
+def error_of(*figures: Estimate) -> float:
+    """How far figures may differ, relative: so many of the errors that they state."""
+    return ERRORS * sum(figure.error / abs(figure.value) for figure in figures)
+
+
+def as_known(periods: Mapping[str, Estimate], log10_r: float, others: float = 0.0) -> Verdict:
+    """By model: half of the last digit known and the period's own error, or that of the `others`, relative, are allowed; the
+    worst beside that is shown."""
     known = {model: value for model in periods if (value := reference_orbit(model, log10_r).get("period"))}
-    off = {model: abs(periods[model] / value - 1.0) for model, value in known.items()}
-    allowed = {model: half_digit(value) / value + error for model, value in known.items()}
+    off = {model: abs(periods[model].value / value - 1.0) for model, value in known.items()}
+    allowed = {model: half_digit(value) / value + max(error_of(periods[model]), others) for model, value in known.items()}
     worst = max(known, key=lambda model: off[model] / allowed[model])
-    return bounded(
-        "Periods are those of other programs",
-        Evidence.WITNESS,
-        off[worst],
-        allowed[worst],
-        f"{', '.join(f'`{model}`' for model in known)} at log_{{10}} r = {places([log10_r])}; shown: `{worst}`",
-    )
+    where = f"{', '.join(f'`{model}`' for model in known)} at log_{{10}} r = {places([log10_r])}; shown: `{worst}`"
+    return claim("Periods are those of other programs", WITNESS, off[worst], allowed[worst], where)
+
+
+def as_printed(title: str, printed: float, ours: float, remark: str = "", otherwise: Outcome = Outcome.FAIL) -> Verdict:
+    """A number of the paper's: half of its last digit is allowed."""
+    holds = abs(ours - printed) <= half_digit(printed)
+    return holding(title, PAPER, f"{printed:g}", f"{ours:.5f}", holds, remark, otherwise)
+
+
+class PeriodRanges(NamedTuple):
+    """Lowest and highest period of each model at one r."""
+
+    log10_r: float
+    kelvin_voigt: tuple[float, float]
+    delay: tuple[float, float]
+    blocks: tuple[float, float]
+
+    @property
+    def ordered(self) -> bool:
+        """Whether P7 holds here."""
+        return self.kelvin_voigt[1] < self.delay[0] and self.delay[1] < self.blocks[0]
+
+
+def range_of_r(grid: Sequence[float]) -> str:
+    """The range of r in a claim's title."""
+    return minus(f"log_{{10}} r from {grid[0]:g} to {grid[-1]:g}")
+
+
+def order_of_periods(listed: Sequence[PeriodRanges], remark: str) -> Verdict:
+    """P7 at every r."""
+    held, every = sum(one.ordered for one in listed), len(listed)
+    title = f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} for {range_of_r([one.log10_r for one in listed])}"
+    return of_paper(title, f"at {every} of {every} r", f"at {held} of {every} r", held == every, remark)
 
 
 def error_of_27(prefix: str, slow: float, fast: float) -> tuple[Verdict, Verdict]:
-    """The claim of Fig 2, for every study that checks it: the largest error up to V = 10^3, and that at V = 10^4."""
+    """The claim of Fig 2: the largest error up to V = 10^3, and that at V = 10^4."""
     low, high = _ORDER_OF_TEN_PER_CENT
+    small = "read as: below a tenth of the error that is claimed for V = 10^{4}"
+    large = "read as: nearer to 10 % than to 1 % or 100 %, on a logarithmic scale"
+    expected, ours = f"{100 * low:.1f} to {100 * high:.1f} %", f"{100 * fast:.1f} %"
     return (
-        bounded(
-            f"{prefix} the error of (27) is very small for V < 10^{{3}}",
-            Evidence.PAPER,
-            slow,
-            _VERY_SMALL,
-            "read as: below a tenth of the error that is claimed for V = 10^{4}",
-        ),
-        of_paper(
-            f"{prefix} it grows to the order of 10 % at V = 10^{{4}}",
-            f"{100 * low:.1f} to {100 * high:.1f} %",
-            f"{100 * fast:.1f} %",
-            low < fast < high,
-            "read as: nearer to 10 % than to 1 % or 100 %, on a logarithmic scale",
-        ),
+        claim(f"{prefix} the error of (27) is very small for V < 10^{{3}}", PAPER, slow, _VERY_SMALL, small),
+        of_paper(f"{prefix} it grows to the order of 10 % at V = 10^{{4}}", expected, ours, low < fast < high, large),
     )

@@ -75,3 +75,8 @@ def plain(value: float, spec: str = ".3g") -> str:
         return number(value)
     mantissa, exponent = _split(value, spec)
     return f"{mantissa} · 10^{{{exponent}}}" if exponent else mantissa
+
+
+def minus(text: str) -> str:
+    """`text` with true minus signs instead of hyphens."""
+    return text.replace("-", "−")

@@ -22,11 +22,10 @@ from validation.studies.model_error.measured import (
     milliseconds_of,
     onset_of_damped,
     orbit_of,
-    sizes,
     states,
 )
 from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, table
-from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen, ruled
+from validation.study.drawing import WIDTH, Axes, Drawing, canvas, line, pen, ruled
 from validation.study.over_r import scene_at
 from validation.study.text import places, plain, power
 from validation.timing import Setting, warm_up
@@ -180,16 +179,8 @@ def errors_over_r(orbits: Runs) -> Drawing:
     figure, panels = _panels()
     for axes, quantity in zip(panels, _QUANTITIES, strict=True):
         for model in MODELS:
-            look = pen(model)
-            axes.semilogy(
-                list(orbits["delay"]),
-                sizes(orbits, model, quantity),
-                color=look.color,
-                linestyle=look.dashes,
-                marker=look.marker,
-                linewidth=1.1,
-                label=look.label,
-            )
+            look = line(model, marker=pen(model).marker, linewidth=1.1)
+            axes.semilogy(list(orbits["delay"]), column(orbits, model, quantity), **look)
     panels[0].set_ylabel("relative error")
     figure.legend(handles=panels[0].get_lines(), loc="outside upper left", ncols=4, handlelength=3.0)
     return figure
@@ -201,21 +192,11 @@ def errors_of_means(means: Runs) -> Drawing:
     grid = np.array(list(means["delay"]))
     for axes, quantity in zip(panels, _QUANTITIES, strict=True):
         for place, model in enumerate((*MODELS, DAMPED)):
-            look, beside = pen(model), _SPREAD * (place - 0.5 * len(MODELS))
-            values, bars = (
-                100.0 * column(means, model, quantity, part) for part in (lambda one: one.value, lambda one: 2.0 * one.error)
-            )
-            axes.errorbar(
-                grid + beside,
-                values,
-                bars,
-                color=look.color,
-                marker=look.marker,
-                linestyle="none",
-                capsize=2.0,
-                linewidth=1.0,
-                label=look.label,
-            )
+            values = 100.0 * column(means, model, quantity, lambda one: one.value)
+            bars = 200.0 * column(means, model, quantity, lambda one: one.error)
+            at = grid + _SPREAD * (place - 0.5 * len(MODELS))
+            look = line(model, linestyle="none", linewidth=1.0, marker=pen(model).marker)
+            axes.errorbar(at, values, bars, capsize=2.0, **look)
         axes.axhline(0.0, color="#111111", linewidth=0.8)
     panels[0].set_ylabel("difference of the means (%)")
     figure.legend(handles=panels[0].containers, loc="outside upper left", ncols=4, handlelength=3.0)

@@ -2,23 +2,29 @@
 
 import math
 from collections.abc import Mapping
+from itertools import chain
 
 import numpy as np
 
-import slipwave
 from reduced.orbit.periodic import relative_error
-from slipwave.errors import NumericsError
 from validation.measure.cycle import Cycle
-from validation.measure.settle import SYMBOLS, WINDOW, NoCycle, settle
-from validation.references.onset import onset_of
-from validation.references.published import half_digit, reference, reference_orbit
-from validation.registry.build import build
-from validation.studies.one_cycle.measured import CELLS, CFL, COMPARED, IN_TURN, LOG10_R, AtR, CycleRun, at_r, error, run_model
-from validation.study import Budget, Cell, Evidence, Figure, Number, Omission, StudyResult, Table, Verdict, judge, table
-from validation.study.bounds import bounded
-from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
-from validation.study.text import places, plain
-from validation.study.text import places as places_of
+from validation.measure.settle import SYMBOLS, WINDOW
+from validation.references.published import reference, reference_orbit
+from validation.studies.one_cycle.measured import (
+    COMPARED,
+    IN_TURN,
+    LOG10_R,
+    AtR,
+    CycleRun,
+    at_r,
+    error,
+    run_model,
+    verdicts,
+    what_stops,
+)
+from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, table
+from validation.study.drawing import WIDTH, Drawing, canvas, line, pen
+from validation.study.text import minus, places, plain
 
 NAME = "one-cycle"
 QUESTION = "Do the simplified models run through the same cycle as the wave?"
@@ -30,60 +36,36 @@ _PLACES = {True: (-2.699, -2.65), False: (-2.699, -2.65, -2.5, -2.3)}
 
 MODELS = ("delay", "fd", "modal:8", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
 _OUTLINE = 0.1  # a model whose period is further off does not have the same cycle
-_OURS = 9e-11  # beyond the digits of the others; 6e-11 was measured
-_WAVE = 5e-4  # leapfrog with these cells; 2e-4 was measured
 
 
 def run(budget: Budget) -> StudyResult:
     """Find every model's orbit, lay one cycle of each over the others, compare; then as r grows."""
     runs = {model: run_model(model) for model in budget.each(MODELS, end=0.7)}
     found = {log10_r: {model: at_r(model, log10_r) for model in COMPARED} for log10_r in _PLACES[budget.quick]}
-    places = {log10_r: {model: one for model, one in models.items() if one} for log10_r, models in found.items()}
+    grown = {log10_r: {model: one for model, one in models.items() if one} for log10_r, models in found.items()}
     cycles = {model: own.cycle for model, own in runs.items()}
     errors = {model: error(own, runs["delay"], "period") for model, own in runs.items()}
-    escape = _quasistatic()
+    escape, damped = what_stops("quasistatic", 2000.0), what_stops("quasidynamic", 12000.0)
     return StudyResult(
         answer=_answer(runs),
         figures=(
             Figure("overlay", _OVERLAY, lambda: overlay(cycles), lead=True),
             Figure("panels", _PANELS_CAPTION, lambda: panels(cycles, errors)),
-            Figure("growth", _GROWTH, lambda: cycles_over_r(places)),
+            Figure("growth", _GROWTH, lambda: cycles_over_r(grown)),
         ),
-        tables=(drops(runs), rates(runs), beside_reference(runs), over_r_table(places)),
-        verdicts=(*_against_reference(runs), _full_wave(runs), _runaway(escape), _steady()),
+        tables=(drops(runs), rates(runs), _reference_table(runs), over_r_table(grown)),
+        verdicts=tuple(verdicts(runs, escape, damped)),
         notes=(reference()["how"],),
         numbers=_numbers(runs),
         omissions=(
             Omission("Quasi-static curve.", f"It has no limit cycle: {escape or 'the run did not end'}."),
-            Omission(
-                "Quasi-dynamic curve.",
-                _DAMPED,
-            ),
+            Omission("Quasi-dynamic curve.", _DAMPED),
         ),
     )
 
 
-def _quasistatic() -> str:
-    """What stops the quasi-static run; empty if nothing does."""
-    try:
-        settle(build("quasistatic", slipwave.read("paper")), most=2000.0)
-    except NumericsError as error:
-        return str(error).partition(" (scene")[0]
-    except NoCycle:
-        return ""
-    return ""
-
-
-def _slides_steadily() -> bool:
-    try:
-        settle(build("quasidynamic", slipwave.read("paper")), most=12000.0)
-    except NoCycle:
-        return True
-    return False
-
-
 def _percent(own: CycleRun, exact: CycleRun) -> str:
-    return f"{100 * error(own, exact, 'period'):+.1f} %".replace("-", "−")
+    return minus(f"{100 * error(own, exact, 'period'):+.1f} %")
 
 
 def _answer(runs: dict[str, CycleRun]) -> str:
@@ -94,55 +76,6 @@ def _answer(runs: dict[str, CycleRun]) -> str:
         f"{'In outline' if outline else 'No'}, with the period off by {_percent(runs['kelvin-voigt'], exact)} in the paper’s "
         f"ODE, by {_percent(runs['block8'], exact)} and {_percent(runs['block12'], exact)} in the blocks; by {modes[0]} with "
         f"one exact mode of the slabs, by {modes[1]} with two."
-    )
-
-
-def _against_reference(runs: dict[str, CycleRun]) -> list[Verdict]:
-    known = {model: reference_orbit(model, LOG10_R) for model in runs}
-    return [_beside(model, runs[model].orbit.values(), figures) for model, figures in known.items() if figures]
-
-
-def _beside(model: str, ours: dict[str, float], known: dict[str, float]) -> Verdict:
-    """Every value may differ by half of the last known digit and by the error of our own orbit."""
-    off = {name: abs(ours[name] / value - 1.0) for name, value in known.items()}
-    allowed = {name: half_digit(value) / abs(value) + _OURS for name, value in known.items()}
-    worst = max(known, key=lambda name: off[name] / allowed[name])
-    return bounded(
-        "The exact orbit as computed by other programs"
-        if model == "delay"
-        else "Reduced models’ orbits as computed by other programs",
-        Evidence.WITNESS,
-        off[worst],
-        allowed[worst],
-        f"`{model}`: {', '.join(map(SYMBOLS.__getitem__, known))}; shown: {SYMBOLS[worst]}, the worst beside its digits",
-        f"{ours[worst]:.10g}, off by {plain(off[worst], '.0e')}",
-    )
-
-
-def _full_wave(runs: dict[str, CycleRun]) -> Verdict:
-    off = max(abs(error(runs["fd"], runs["delay"], name)) for name in SYMBOLS)
-    claim = "The full wave runs on the delay system’s orbit"
-    remark = f"leapfrog with {CELLS} cells at CFL {CFL}; the next study shows how the difference vanishes"
-    return bounded(claim, Evidence.WITNESS, off, _WAVE, remark)
-
-
-def _runaway(escape: str) -> Verdict:
-    ours = "runs away" if escape else "goes on"
-    return Verdict("The quasi-static model runs away", Evidence.EXACT, "runs away", ours, judge(bool(escape)))
-
-
-def _steady() -> Verdict:
-    scene = slipwave.read("paper")
-    r_c = onset_of(scene.law, scene.upper.epsilon, scene.velocity).r_quasidynamic
-    steady = _slides_steadily()
-    return Verdict(
-        "The quasi-dynamic model slides steadily where the wave sticks and slips",
-        Evidence.EXACT,
-        "steady" if scene.transit < r_c else "stick-slip",
-        "steady" if steady else "stick-slip",
-        judge(steady == (scene.transit < r_c)),
-        "earthquake modellers’ radiation damping: its onset, r = ε/(b − a − εV/2) = "
-        f"10^{{{math.log10(r_c):.3f}}}, lies above this scene’s r",
     )
 
 
@@ -161,9 +94,7 @@ _OVERLAY = (
     f"({math.pi / math.sqrt(6.0):.2f} in the Kelvin–Voigt ODE, none in the blocks). "
     "μ: interface stress in units of σ; v: slip rate in units of V*; time in transits of the wave."
 )
-_DAMPED = (
-    f"It slides steadily at log_{{10}} r = {places_of([LOG10_R])} (see its verdict); the last table shows it beyond its onset."
-)
+_DAMPED = f"It slides steadily at log_{{10}} r = {places([LOG10_R])} (see its verdict); the last table shows it beyond its onset."
 _PANELS_CAPTION = "Stress μ over the same cycle, model by model, each over the delay system (grey), with the error of its period."
 _GROWTH = (
     "Elastic stress, above its least, over a cycle as r grows from the onset to the paper’s largest, aligned at the slip event: "
@@ -177,11 +108,8 @@ _ZOOM = (46.0, 53.0)
 
 
 def _row(runs: dict[str, CycleRun], model: str, quantities: tuple[str, ...]) -> list[Cell]:
-    cells: list[Cell] = [model]
-    for quantity in quantities:
-        off = None if model == "delay" else error(runs[model], runs["delay"], quantity)
-        cells += [runs[model].orbit.values()[quantity], off]
-    return cells
+    off = [None if model == "delay" else error(runs[model], runs["delay"], quantity) for quantity in quantities]
+    return [model, *chain.from_iterable(zip(map(runs[model].orbit.values().__getitem__, quantities), off, strict=True))]
 
 
 def drops(runs: dict[str, CycleRun]) -> Table:
@@ -213,13 +141,10 @@ def rates(runs: dict[str, CycleRun]) -> Table:
     return table("rates", caption, heading, rows, (0,))
 
 
-def beside_reference(runs: dict[str, CycleRun]) -> Table:
-    """Ours beside values of other programs."""
-    rows = []
-    for model, own in runs.items():
-        for quantity, known in reference_orbit(model, LOG10_R).items():
-            ours = own.orbit.values()[quantity]
-            rows.append((model, SYMBOLS[quantity], known, ours, ours / known - 1.0))
+def _reference_table(runs: dict[str, CycleRun]) -> Table:
+    known = ((model, name, value) for model in runs for name, value in reference_orbit(model, LOG10_R).items())
+    both = ((model, name, value, runs[model].orbit.values()[name]) for model, name, value in known)
+    rows = ((model, SYMBOLS[name], value, ours, ours / value - 1.0) for model, name, value, ours in both)
     caption = "Comparison with values of other programs (first note below); T in transits."
     return table("reference", caption, "model | quantity | reference .10g | ours .10g | difference [relative] .0e", rows)
 
@@ -232,23 +157,18 @@ def overlay(cycles: Mapping[str, Cycle]) -> Drawing:
         cycle, style = cycles[model], pen(model)
         for row, values in zip(grid, (cycle.stress, cycle.slip_rate), strict=True):
             for axes, share in zip(row, (0.6, 1.0), strict=True):
-                axes.plot(cycle.time, values, color=style.color, linestyle=style.dashes, linewidth=share * style.width)
+                axes.plot(cycle.time, values, **line(model, linewidth=share * style.width))
     for axes in grid[1]:
         axes.set(yscale="log", xlabel="time since the slip event (transits)")
     grid[0, 0].set_ylabel(r"stress $\mu$")
     grid[1, 0].set_ylabel(r"slip rate $v/V^*$")
     for axes in grid[:, 0]:
-        _mark(axes, _ZOOM)
+        axes.axvspan(*_ZOOM, color="#efeee8", zorder=0, linewidth=0)
         axes.set_xlim(-4.0, 82.0)
     _zoom(grid[:, 1], cycles["delay"])
     handles = grid[0, 1].get_lines()
     figure.legend(handles, [pen(model).label for model in _SHOWN], loc="outside upper left", ncols=3, handlelength=3.2)
     return figure
-
-
-def _mark(axes: Axes, window: tuple[float, float]) -> None:
-    """Shade the window that the right-hand panel shows."""
-    axes.axvspan(*window, color="#efeee8", zorder=0, linewidth=0)
 
 
 def _zoom(column: np.ndarray, exact: Cycle) -> None:
@@ -284,10 +204,8 @@ def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> Drawing:
 
 def _signed(error: float) -> str:
     """A relative error in words: per cent down to 0.1 %, then a power of ten."""
-    if abs(error) >= 1e-3:
-        return f"${100 * error:+.1f}$ %"
     mantissa, _, exponent = f"{error:+.0e}".partition("e")
-    return rf"${mantissa}\cdot 10^{{{int(exponent)}}}$"
+    return f"${100 * error:+.1f}$ %" if abs(error) >= 1e-3 else rf"${mantissa}\cdot 10^{{{int(exponent)}}}$"
 
 
 def over_r_table(places: Mapping[float, Mapping[str, AtR]]) -> Table:
@@ -315,15 +233,12 @@ def cycles_over_r(places: Mapping[float, Mapping[str, AtR]]) -> Drawing:
             style, share = pen(model), 1.0 if one.cycles == 0 else 0.5
             for cycle in one.drawn:
                 height = cycle.elastic_stress - cycle.elastic_stress.min()
-                axes.plot(cycle.time, height, color=style.color, linestyle=style.dashes, linewidth=share * style.width)
+                axes.plot(cycle.time, height, **line(model, linewidth=share * style.width))
         axes.set_title(rf"$\log_{{10}} r = {log10_r:g}$")
     for axes in grid[-1]:
         axes.set_xlabel("time since the slip event (transits)")
     for axes in grid[:, 0]:
         axes.set_ylabel(r"$y$ above its least")
-    handles = [
-        grid[0, 0].plot([], [], color=pen(model).color, linestyle=pen(model).dashes, linewidth=pen(model).width)[0]
-        for model in COMPARED
-    ]
-    figure.legend(handles, [pen(model).label for model in COMPARED], loc="outside upper left", ncols=3, handlelength=3.2)
+    handles = [grid[0, 0].plot([], [], **line(model))[0] for model in COMPARED]
+    figure.legend(handles=handles, loc="outside upper left", ncols=3, handlelength=3.2)
     return figure

@@ -8,25 +8,23 @@ from slipwave.friction.ageing import Ageing
 from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.measure.cycle import watch
-from validation.measure.settle import NoCycle, settle
+from validation.measure.settle import NoCycle
 from validation.registry.build import build
 from validation.registry.families import explicit_time
-from validation.study import Evidence, Verdict, judge
-from validation.study.bounds import bounded
+from validation.study import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, holding, memo
 
 LOG10_R, LOG10_R_BARE = -2.6, -2.66
 """log10 r of the runs with grips alone, and of those with bare coefficients."""
-
 HELD = 10.0
 """Stiffness of the grips beside bare coefficients."""
-
 UNTIL = 900.0
 """Transits before which the two models' last complete cycle is compared."""
-
 RESTLESS = 1e-2
 """More than this from cycle to cycle, relative, is not an orbit."""
 
 _MOST = 5000.0
+_PROMISED = {True: 5e-9, False: 5e-10}  # quick report (8 cells) or full (12)
+_OUTLIVES = 3.0  # the threshold, times the period, may lie between 1/3 and this
 
 
 class Point(NamedTuple):
@@ -38,7 +36,7 @@ class Point(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """The last complete cycle before _UNTIL by the delay system and by the full wave."""
+    """The last complete cycle before `UNTIL` by the delay system and by the full wave."""
 
     stiffness: float
     impedance: float
@@ -66,7 +64,7 @@ def bare_scene(leak: float, nudge: float = 0.5) -> Scene:
 def orbit_of(scene: Scene) -> Point:
     """The settled cycle of the delay system, NaN if there is none."""
     try:
-        found = settle(build("delay", scene, tolerance=1e-9), tolerance=1e-8, most=_MOST)
+        found = memo.settled("delay", scene, most=_MOST)
     except NoCycle:
         return Point()
     orbit = found.orbit
@@ -76,11 +74,12 @@ def orbit_of(scene: Scene) -> Point:
 def pair_of(stiffness: float, impedance: float, quick: bool) -> Pair:
     """The same cycle by the delay system and by the full wave."""
     scene = grip_scene(stiffness, impedance, LOG10_R)
-    exact = _last(scene, "delay", None, 1e-11)
-    return Pair(stiffness, float(impedance), exact, _last(scene, "dg:7", 8 if quick else 12, None))
+    exact = last_cycle(scene, "delay", None, 1e-11)
+    return Pair(stiffness, float(impedance), exact, last_cycle(scene, "dg:7", 8 if quick else 12, None))
 
 
-def _last(scene: Scene, model: str, cells: int | None, tolerance: float | None) -> Point:
+def last_cycle(scene: Scene, model: str, cells: int | None, tolerance: float | None) -> Point:
+    """The last complete cycle of a run to `UNTIL`."""
     march = None if model == "delay" else explicit_time(model)
     events = watch(build(model, scene, cells=cells, tolerance=tolerance, time=march), UNTIL).events()
     return Point(float(events.period[-1]), float(events.stress_drop[-1]), float(events.v_max[-1]))
@@ -99,10 +98,6 @@ def locking_leak() -> float:
     return 2.0 / (1.0 + 2.0 * (law.b - law.a) / (scene.velocity * scene.upper.epsilon))
 
 
-_PROMISED = {True: 5e-9, False: 5e-10}  # quick report or full; 3e-10 with 8 cells and 2e-11 with 12 were measured
-_OUTLIVES = 3.0  # the threshold, times the period, may lie between 1/3 and this; 0.6 was measured
-
-
 def last_alive(leaks: tuple[float, ...], ends: list[str]) -> tuple[float, float]:
     """Largest 1 - R that still sticks and slips (0 if none does), and the next one (infinite if there is none)."""
     alive = max((i for i, end in enumerate(ends) if end == "stick-slip"), default=-1)
@@ -113,47 +108,41 @@ def last_alive(leaks: tuple[float, ...], ends: list[str]) -> tuple[float, float]
 def agreement(pairs: list[Pair], quick: bool) -> Verdict:
     """Delay system and full wave on grips."""
     off = max(abs(off) for pair in pairs for off in pair.differences)
-    claim = "Slabs in grips: delay system and full wave agree"
     remark = "period, drop and largest rate of the last complete cycle; `dg:7`"
-    return bounded(claim, Evidence.WITNESS, off, _PROMISED[quick], remark)
+    return claim("Slabs in grips: delay system and full wave agree", WITNESS, off, _PROMISED[quick], remark)
 
 
 def dies(leaks: tuple[float, ...], ends: list[str], period: float) -> Verdict:
     """Where bare coefficients end the cycle, whose `period` (transits) is that of the least leak."""
     alive, dead = last_alive(leaks, ends)
     lives = math.sqrt(alive * dead) * period
-    return Verdict(
+    return holding(
         "Behind bare coefficients stick-slip lasts only while the load outlives the cycle",
-        Evidence.ASYMPTOTIC,
+        ASYMPTOTIC,
         f"ends at (1 − R) T between 1/{_OUTLIVES:g} and {_OUTLIVES:g}",
         f"{lives:.2f}",
-        judge(1.0 / _OUTLIVES < lives < _OUTLIVES),
+        1.0 / _OUTLIVES < lives < _OUTLIVES,
         f"1 − R between {alive:g} and {dead:g}, T = {period:.1f} transits with almost no leak; delay system",
     )
 
 
 def keeps(leaks: tuple[float, ...], held: list[Point]) -> Verdict:
     """Whether grips of the same reflection keep it."""
-    lost = [leak for leak, point in zip(leaks, held, strict=True) if math.isnan(point.period)]
-    return Verdict(
-        "Grips of the same reflection keep the stick-slip that bare coefficients lose",
-        Evidence.WITNESS,
-        "cycles at every R",
-        "cycles at every R" if not lost else f"none at 1 − R = {', '.join(f'{x:g}' for x in lost)}",
-        judge(not lost),
-        f"stiffness {HELD:g} ε a transit, Z_{{g}}/ε = (1 + R)/(1 − R); delay system",
-    )
+    lost = [f"{leak:g}" for leak, point in zip(leaks, held, strict=True) if math.isnan(point.period)]
+    title = "Grips of the same reflection keep the stick-slip that bare coefficients lose"
+    ours = f"none at 1 − R = {', '.join(lost)}" if lost else "cycles at every R"
+    remark = f"stiffness {HELD:g} ε a transit, Z_{{g}}/ε = (1 + R)/(1 − R); delay system"
+    return holding(title, WITNESS, "cycles at every R", ours, not lost, remark)
 
 
 def locks(slow: dict[float, str], edge: float) -> Verdict:
     """Whether runs behind bare coefficients lock beyond the `edge` and only there."""
-    wrong = [leak for leak, end in slow.items() if end != ("locks" if leak > edge else "steady")]
-    return Verdict(
+    return holding(
         "A face that leaks faster than friction weakens lets the interface lock",
-        Evidence.EXACT,
+        EXACT,
         f"beyond 1 − R = {edge:.4f}",
         ", ".join(f"{leak:g}: {end}" for leak, end in slow.items()),
-        judge(not wrong),
+        all(end == ("locks" if leak > edge else "steady") for leak, end in slow.items()),
         "(ε/2)(1 + R)/(1 − R) = (b − a)/V there. Start: a nudge of 0.01; a large one locks the interface at a somewhat smaller 1 "
         "− R",
     )

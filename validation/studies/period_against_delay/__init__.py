@@ -12,14 +12,13 @@ from validation.studies.period_against_delay.measured import (
     orbit,
     order,
     periods_at,
-    printed,
     settled,
     settled_period,
     thick,
 )
 from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, table
 from validation.study.branch_drawing import draw_branch, special_keys
-from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen, ruled
+from validation.study.drawing import WIDTH, Drawing, canvas, line, pen, ruled
 from validation.study.over_r import FAR, Branch, branch_of, scene_at
 
 NAME = "period-against-delay"
@@ -58,7 +57,7 @@ def run(budget: Budget) -> StudyResult:
         answer=_answer(listed),
         figures=(Figure("over-r", _CAPTION, lambda: periods_over_r(branches, listed, ratios)),),
         tables=(period_table(listed), mean_table(listed)),
-        verdicts=(order(listed), printed(listed), known(listed), settled(listed, runs), at_onset(branches), thick(ratios)),
+        verdicts=(order(listed), *known(listed), settled(listed, runs), at_onset(branches), thick(ratios)),
         notes=(_ENERGY,),
         numbers=_numbers(listed),
     )
@@ -66,7 +65,7 @@ def run(budget: Budget) -> StudyResult:
 
 def _answer(listed: list[Periods]) -> str:
     first = listed[0]
-    apart = first.range_of("block12")[1] / first.range_of("kelvin-voigt")[0] - 1.0
+    apart = first.ranges.blocks[1] / first.ranges.kelvin_voigt[0] - 1.0
     return (
         f"It grows with r, fastest near the onset, where the models agree: within {100 * apart:.0f} % at log_{{10}} r = "
         f"{first.log10_r:g}. Further on the ODE’s period hardly grows and the blocks’ grows too much; the exact system’s lies "
@@ -125,12 +124,11 @@ def _first(one: Periods, model: str) -> Cell:
 
 def mean_table(listed: list[Periods]) -> Table:
     """Means over the cycles of runs."""
-    rows = [
-        (model, one.log10_r, mean.value, mean.error, float(one.cycles[model]), one.orbits.get(model, [None])[0])
-        for model in WAVES
-        for one in listed
-        if (mean := one.means.get(model))
-    ]
+    found = ((model, one, mean) for model in WAVES for one in listed if (mean := one.means.get(model)))
+    rows = (
+        (model, one.log10_r, mean.period.value, mean.period.error, float(mean.cycles), _first(one, model))
+        for model, one, mean in found
+    )
     caption = (
         "Mean period over the cycles of a run where no orbit is known to be stable, with its standard error, which allows for "
         "the dependence of a cycle on those before it; beside it the unstable orbit, where it is known."
@@ -146,13 +144,16 @@ def periods_over_r(branches: dict[str, Branch], listed: list[Periods], ratios: d
     for model, branch in branches.items():
         draw_branch(left, model, branch.corners, "period")
     for model in MASSES:
-        look = pen(model)
+        look, law = pen(model), _LAW | {"linestyle": pen(model).dashes}
         x, y = [one.log10_r for one in listed], [one.orbits[model][0] for one in listed]
-        left.plot(x, y, color=look.color, linestyle=look.dashes, linewidth=look.width)
+        left.plot(x, y, **line(model))
         right.plot(*zip(*ratios[model].items(), strict=True), look.marker, color=look.color, linestyle=look.dashes)
-        thick = [value for value in x if value >= _LAW_FROM]
-        left.plot(thick, [period_of(scene_at(value), model) for value in thick], linestyle=look.dashes, **_LAW)
-    _means(left, listed)
+        beyond = [value for value in x if value >= _LAW_FROM]
+        left.plot(beyond, [period_of(scene_at(value), model) for value in beyond], **law)
+    for model in WAVES:
+        at, means = zip(*((one.log10_r, one.means[model].period) for one in listed if model in one.means), strict=True)
+        values, bars = [mean.value for mean in means], [2.0 * mean.error for mean in means]
+        left.errorbar(at, values, bars, color=pen(model).color, **_MEAN)
     paper = reference()["paper"]
     left.plot([-2.68, -2.68], [paper["T_ode"], paper["T_dde"]], **_PAPER)
     left.set(xlabel=r"$\log_{10} r$", ylabel="$T$ (transits)", yscale="log", ylim=(_LOWEST, _HIGHEST))
@@ -165,18 +166,10 @@ def periods_over_r(branches: dict[str, Branch], listed: list[Periods], ratios: d
     return figure
 
 
-def _means(axes: Axes, listed: list[Periods]) -> None:
-    for model in WAVES:
-        found = [(one.log10_r, one.means[model]) for one in listed if model in one.means]
-        values, bars = [mean.value for _, mean in found], [2.0 * mean.error for _, mean in found]
-        axes.errorbar([log10_r for log10_r, _ in found], values, bars, color=pen(model).color, **_MEAN)
-
-
 def _keys() -> list[Any]:
     from matplotlib.lines import Line2D
 
-    looks = {model: pen(model) for model in (*WAVES, *MASSES)}
-    lines = [Line2D([], [], color=p.color, linestyle=p.dashes, linewidth=p.width, label=p.label) for p in looks.values()]
+    lines = [Line2D([], [], **line(model)) for model in (*WAVES, *MASSES)]
     mean = Line2D([], [], marker="o", color="#555555", markerfacecolor="white", linestyle="none", label="mean of a run")
     law = Line2D([], [], label="law for thick slabs", **_LAW)
     return [*lines, *special_keys(()), mean, law, Line2D([], [], label="the paper’s values", **_PAPER)]

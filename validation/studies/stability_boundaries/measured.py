@@ -64,7 +64,7 @@ def critical_over_velocity(paper: Scene, velocities: Array) -> Curves:
 
 _ROUNDING = 2e-14  # relative; 1.3e-15 was measured
 _STEP = 1e-6  # log10 r
-_TRACED = 1e-9  # Newton's method ends at steps of about this size squared; 6e-11 was measured
+_TRACED = 4e-10  # Newton's method ends at steps of about this size squared
 _FIRST_TRACED = 2e-3  # at eps = 1e-6 the branch (28) lies 9e-4 beyond its asymptote, relative; 8e-4 was measured
 
 
