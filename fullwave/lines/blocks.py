@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fullwave.lines.panels import LANES
-from fullwave.lines.system import IMPEDANCE, LIFT, SCALARS, STIFFENED, STRESS, Interface, Operator, System
+from fullwave.lines.system import SCALARS, Interface, Operator, System, Tops, Traces
 from fullwave.lines.viscosity import Elastic, Viscous
 from fullwave.options import MOST_CELLS, require_whole
 from slipwave.observe.pieces import Array
@@ -109,18 +109,9 @@ def assemble(scene: Scene, grid: BlockGrid) -> System:
     """Join the blocks of `grid` to each other, to the interface and to the outer faces of `scene`."""
     chains = [chain.blocks for chain in grid.chains]
     medium = _medium(scene, grid)
-    slots, facts = _traces(chains, medium)
-    return System(
-        grid.operator,
-        medium,
-        _interface(scene, facts, grid.size, isinstance(medium, Viscous)),
-        scene.forcing,
-        scene.drive.compiled,
-        slots,
-        facts,
-        _tops(scene, chains, facts),
-        np.zeros((2, slots.shape[1])),
-    )
+    traces = _traces(chains, medium)
+    interface, tops = _interface(scene, traces, grid.size, isinstance(medium, Viscous)), _tops(scene, chains, traces)
+    return System(grid.operator, medium, interface, scene.forcing, scene.drive.compiled, traces, tops)
 
 
 def state_size(system: System) -> int:
@@ -129,7 +120,7 @@ def state_size(system: System) -> int:
     return heavy + LANES if heavy else size + SCALARS + size * isinstance(system.medium, Viscous)
 
 
-def _traces(chains: Sequence[tuple[Block, ...]], medium: Elastic | Viscous) -> tuple[NDArray[np.int64], Array]:
+def _traces(chains: Sequence[tuple[Block, ...]], medium: Elastic | Viscous) -> Traces:
     near, far = (0, -1.0), (-1, 1.0)
     ends: list[tuple[Block, int, float]] = []
     for chain in chains:
@@ -137,14 +128,15 @@ def _traces(chains: Sequence[tuple[Block, ...]], medium: Elastic | Viscous) -> t
             ends += [(here, *far), (beyond, *near)]
     ends += [(chain[0], *near) for chain in chains]
     ends += [(chain[-1], *far) for chain in chains]
-    slots = np.array([[block.velocity[end], block.stress[end]] for block, end, _ in ends]).T.copy()
-    facts = np.array([[block.lift[end], sign, 1.0, block.section.impedance] for block, end, sign in ends]).T.copy()
+    velocity, stress = np.array([[block.velocity[end], block.stress[end]] for block, end, _ in ends]).T.copy()
+    facts = [[block.lift[end], sign, 1.0, block.section.impedance, 0.0, 0.0] for block, end, sign in ends]
+    traces = Traces(velocity, stress, *np.array(facts).T.copy())
     if isinstance(medium, Viscous):
-        facts[STIFFENED] += medium.retardation[slots[STRESS]] * facts[LIFT]
-    return slots, facts
+        traces.stiffened[:] += medium.retardation[stress] * traces.lift
+    return traces
 
 
-def _tops(scene: Scene, chains: Sequence[tuple[Block, ...]], facts: Array) -> Array:
+def _tops(scene: Scene, chains: Sequence[tuple[Block, ...]], traces: Traces) -> Tops:
     columns = []
     for index, (slab, chain) in enumerate(zip(scene.slabs, chains, strict=True)):
         held, impedance = slab.termination.in_transits(scene.transit), chain[-1].section.impedance
@@ -152,10 +144,10 @@ def _tops(scene: Scene, chains: Sequence[tuple[Block, ...]], facts: Array) -> Ar
             columns.append((1.0, 0.0, 0.0, 0.0, 0.0, 0.0))
             continue
         dashpot = held.dashpot / impedance
-        resistance = dashpot + float(facts[STIFFENED, facts.shape[1] - len(chains) + index])
+        resistance = dashpot + float(traces.stiffened[index - len(chains)])
         yielding = 1.0 / resistance
         columns.append((dashpot / resistance, yielding, held.spring / impedance, held.dashpot, held.has_dead_load, held.mass))
-    return np.array(columns, dtype=float).T.copy()
+    return Tops(*np.array(columns, dtype=float).T.copy())
 
 
 def energy_weight(grid: BlockGrid) -> Array:
@@ -187,15 +179,15 @@ def _medium(scene: Scene, grid: BlockGrid) -> Elastic | Viscous:
     return Viscous(energy_weight(grid), rate, fraction, delay, is_velocity, total, spare)
 
 
-def _interface(scene: Scene, facts: Array, size: int, viscous: bool) -> Interface:
+def _interface(scene: Scene, traces: Traces, size: int, viscous: bool) -> Interface:
     sides = len(scene.slabs)
     has_mass = any(slab.termination.mass > 0.0 for slab in scene.slabs)
-    joints = facts.shape[1] // 2 - sides
+    joints = traces.lift.size // 2 - sides
     copies = 2.0 if sides == 1 else 1.0
     ends = slice(2 * joints, 2 * joints + sides)
     return Interface(
         law=scene.law,
-        impedance=1.0 / float((copies / (facts[IMPEDANCE] * facts[STIFFENED]))[ends].sum()),
+        impedance=1.0 / float((copies / (traces.impedance * traces.stiffened))[ends].sum()),
         copies=copies,
         joints=joints,
         sides=sides,

@@ -13,7 +13,7 @@ from fullwave.lines.grid_ledger import GridLedger, Power
 from fullwave.lines.matrix import motion_of
 from fullwave.lines.propagator import LinearSlabs, StepMap, impedance_at, to_legendre
 from fullwave.lines.step_maps import StepMaps, at_nodes, maps_of
-from fullwave.lines.system import DASHPOT, DEAD, System
+from fullwave.lines.system import System
 from fullwave.lines.viscous_heat import dissipation_of
 from slipwave.observe.pieces import SAME, Array
 from slipwave.scene import Scene
@@ -50,9 +50,9 @@ class GridSlabs:
             motion = motion_of(system)
         self.slots = motion.moving
         self.remembered = self.slots.size
-        dashpot = system.tops[DASHPOT]
+        dashpot = system.tops.dashpot
         damped = np.flatnonzero(dashpot)
-        outputs = np.vstack([motion.stress, motion.traction.sum(axis=0), system.tops[DEAD] @ motion.slip, motion.slip[damped]])
+        outputs = np.vstack([motion.stress, motion.traction.sum(axis=0), system.tops.dead @ motion.slip, motion.slip[damped]])
         rates = motion.rates[self.slots]
         self.slabs = LinearSlabs(
             rates[:, self.slots],

@@ -34,12 +34,9 @@ def march(
     (3, stages) holds z of the last three steps' stages, latest first: a parabola through them starts each friction solve, which
     saves two of four iterations. `frames`, if it has rows, receives the state at the beginning of every step. Returns (failed
     solves, step n of the first one or -1, fastest relaxation of the state per transit)."""
-    operator, medium, interface = system.operator, system.medium, system.interface
-    forcing, drive = system.forcing, system.drive
-    slots, facts, tops, arrivals = system.slots, system.facts, system.tops, system.arrivals
     weight, abscissae = method.weight, method.abscissae
     unknown, psis, stress, elastic = pieces.z, pieces.psi, pieces.mu, pieces.y
-    stages, size, count = method.stages, interface.size, pieces.time.size
+    stages, size, count = method.stages, system.interface.size, pieces.time.size
     failures, failed = 0, -1
     fastest = 0.0
     for n in range(begin, end):
@@ -50,10 +47,8 @@ def march(
         for stage in range(stages):
             combine(weight, stages, stage, state, rates, trial)
             guess = 3.0 * (unknowns[0, stage] - unknowns[1, stage]) + unknowns[2, stage]
-            z, mu, relaxation, iterations = rates_of(
-                operator, medium, interface, forcing, drive, slots, facts, tops, arrivals,
-                time + abscissae[stage], trial, rates, stage * state.size, guess,
-            )  # fmt: skip
+            at = stage * state.size
+            z, mu, relaxation, iterations = rates_of(system, time + abscissae[stage], trial, rates, at, guess)
             fastest = max(fastest, relaxation)
             if stage == 0:
                 sample = (z, state[size + PSI], mu, state[size + ELASTIC])

@@ -8,25 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fullwave.lines.blocks import state_size
-from fullwave.lines.system import (
-    DASHPOT,
-    DRIVEN,
-    GRIP,
-    IMPEDANCE,
-    LIFT,
-    MASS,
-    SCALARS,
-    SIGN,
-    SPRING,
-    STIFFENED,
-    STRESS,
-    VELOCITY,
-    YIELDING,
-    Operator,
-    System,
-    apply,
-    finish,
-)
+from fullwave.lines.system import GRIP, SCALARS, Operator, System, apply, finish
 from fullwave.lines.viscosity import Viscous
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
@@ -86,16 +68,16 @@ def motion_of(system: System) -> Motion:
     stress = state[:size].copy()
     if viscous is not None:
         stress += viscous.retardation[:, None] * strong
-    slots, facts, tops = system.slots, system.facts, system.tops
-    arriving = stress[slots[STRESS]] - facts[SIGN][:, None] * facts[STIFFENED][:, None] * state[slots[VELOCITY]]
+    traces, tops = system.traces, system.tops
+    arriving = stress[traces.stress] - traces.sign[:, None] * traces.stiffened[:, None] * state[traces.velocity]
     star, at_interface = _star(system, state, arriving)
-    jump = star - state[slots[VELOCITY]]
+    jump = star - state[traces.velocity]
     rates = strong
-    np.add.at(rates, slots[STRESS], (facts[SIGN] * facts[LIFT])[:, None] * jump)
+    np.add.at(rates, traces.stress, (traces.sign * traces.lift)[:, None] * jump)
     if viscous is not None:
         total_stress = state[:size] + viscous.retardation[:, None] * rates
         rates[viscous.is_velocity] = (derivative.T @ total_stress)[viscous.is_velocity]
-    np.add.at(rates, slots[VELOCITY], facts[LIFT][:, None] * jump)
+    np.add.at(rates, traces.velocity, traces.lift[:, None] * jump)
     rates = completion.T @ rates
     matrix = np.zeros((total, total + 2))
     if viscous is not None:
@@ -107,24 +89,24 @@ def motion_of(system: System) -> Motion:
     face = star[-sides:]
     slip = -face
     slip[:, -1] += 1.0
-    matrix[grip : grip + sides] = tops[SPRING][:, None] * slip
-    impedance = facts[IMPEDANCE][-sides:, None]
-    traction = impedance * (arriving[-sides:] + facts[STIFFENED][-sides:, None] * face)
-    for side in np.flatnonzero(tops[MASS]):
-        pull = impedance[side] * state[grip + side] + tops[DASHPOT, side] * slip[side]
-        matrix[system.interface.heavy + side] = (pull - traction[side]) / tops[MASS, side]
+    matrix[grip : grip + sides] = tops.spring[:, None] * slip
+    impedance = traces.impedance[-sides:, None]
+    traction = impedance * (arriving[-sides:] + traces.stiffened[-sides:, None] * face)
+    for side in np.flatnonzero(tops.mass):
+        pull = impedance[side] * state[grip + side] + tops.dashpot[side] * slip[side]
+        matrix[system.interface.heavy + side] = (pull - traction[side]) / tops.mass[side]
         traction[side] = pull
     return Motion(matrix, at_interface, traction, slip)
 
 
 def _star(system: System, state: Array, arriving: Array) -> tuple[Array, Array]:
     """w* at every trace, from the characteristics that arrive there, and mu - mu_ss, as linear forms."""
-    slots, facts, interface = system.slots, system.facts, system.interface
-    stiffened = facts[STIFFENED][:, None]
-    star = np.zeros((slots.shape[1], state.shape[1]))
+    traces, interface = system.traces, system.interface
+    stiffened = traces.stiffened[:, None]
+    star = np.zeros((traces.lift.size, state.shape[1]))
     pairs = 2 * interface.joints
     near, far = slice(0, pairs, 2), slice(1, pairs, 2)
-    impedance = facts[IMPEDANCE][:, None]
+    impedance = traces.impedance[:, None]
     common = impedance[far] * arriving[far] - impedance[near] * arriving[near]
     common /= impedance[far] * stiffened[far] + impedance[near] * stiffened[near]
     star[near] = star[far] = common
@@ -135,8 +117,8 @@ def _star(system: System, state: Array, arriving: Array) -> tuple[Array, Array]:
     star[ends] = (arriving[ends] - stress / impedance[ends]) / stiffened[ends]
     tops = slice(pairs + interface.sides, None)
     load = state[interface.size + GRIP : interface.size + GRIP + interface.sides]
-    star[tops] = system.tops[YIELDING][:, None] * (load - arriving[tops])
-    star[tops, -1] += system.tops[DRIVEN]
-    for side in np.flatnonzero(system.tops[MASS]):
+    star[tops] = system.tops.yielding[:, None] * (load - arriving[tops])
+    star[tops, -1] += system.tops.driven
+    for side in np.flatnonzero(system.tops.mass):
         star[side - interface.sides] = state[interface.heavy + side]
     return star, stress

@@ -1,36 +1,20 @@
 """Time derivative of a `System`: the right-hand side that every Runge-Kutta stage of every family evaluates.
 
-`rates` is flat: a stage's values begin at index `at`. `arrivals` is scratch.
+`rates` is flat: a stage's values begin at index `at`.
 """
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fullwave.lines.system import (
-    ARRIVING,
-    DASHPOT,
-    DEAD,
-    DRIVEN,
     ELASTIC,
     FRICTION,
     GRIP,
-    IMPEDANCE,
     INPUT,
-    JUMP,
-    LIFT,
-    MASS,
     PSI,
     RADIATED,
-    SIGN,
-    SPRING,
-    STIFFENED,
-    STRESS,
-    VELOCITY,
     VISCOUS,
-    YIELDING,
     Interface,
-    Medium,
-    Operator,
+    System,
+    Tops,
+    Traces,
     apply,
     finish,
 )
@@ -39,55 +23,46 @@ from slipwave.compiled import inlined
 from slipwave.friction import respond
 from slipwave.friction.interface import solve_interface
 from slipwave.observe.pieces import Array
-from slipwave.scene.drive import Constant, Ramps, velocity_at
+from slipwave.scene.drive import velocity_at
 from slipwave.scene.forcing import Forcing
 from slipwave.scene.start import nudge_rate
 
 
 @inlined
-def _meet_joints(joints: int, slots: NDArray[np.int64], facts: Array, state: Array, arrivals: Array) -> None:
+def _meet_joints(joints: int, traces: Traces, state: Array) -> None:
     """w* - w on both sides of each joint, from continuity of velocity and stress."""
     for near in range(0, 2 * joints, 2):
         far = near + 1
-        pull = facts[IMPEDANCE, far] * arrivals[ARRIVING, far] - facts[IMPEDANCE, near] * arrivals[ARRIVING, near]
-        both = facts[IMPEDANCE, far] * facts[STIFFENED, far] + facts[IMPEDANCE, near] * facts[STIFFENED, near]
+        pull = traces.impedance[far] * traces.arriving[far] - traces.impedance[near] * traces.arriving[near]
+        both = traces.impedance[far] * traces.stiffened[far] + traces.impedance[near] * traces.stiffened[near]
         common = pull / both
-        arrivals[JUMP, near] = common - state[slots[VELOCITY, near]]
-        arrivals[JUMP, far] = common - state[slots[VELOCITY, far]]
+        traces.jump[near] = common - state[traces.velocity[near]]
+        traces.jump[far] = common - state[traces.velocity[far]]
 
 
 @inlined
 def _meet_interface(
-    interface: Interface, forcing: Forcing, slots: NDArray[np.int64], facts: Array, state: Array, z: float, arrivals: Array
+    interface: Interface, forcing: Forcing, traces: Traces, state: Array, z: float
 ) -> tuple[float, float, float, int]:
     """Friction solve at the interface: returns (z, v, mu, iterations) and sets w* - w of each slab."""
     first = 2 * interface.joints
     free = forcing.velocity
     for k in range(first, first + interface.sides):
-        free += interface.copies * arrivals[ARRIVING, k] / facts[STIFFENED, k]
+        free += interface.copies * traces.arriving[k] / traces.stiffened[k]
     incoming = forcing.steady_stress + interface.impedance * free
     psi = state[interface.size + PSI]
     z, iterations = solve_interface(interface.law, interface.impedance, incoming, psi, z)
     v = respond(interface.law, z, psi)[0]
     change = interface.impedance * (free - v)
     for k in range(first, first + interface.sides):
-        own = (arrivals[ARRIVING, k] - change / facts[IMPEDANCE, k]) / facts[STIFFENED, k]
-        arrivals[JUMP, k] = own - state[slots[VELOCITY, k]]
+        own = (traces.arriving[k] - change / traces.impedance[k]) / traces.stiffened[k]
+        traces.jump[k] = own - state[traces.velocity[k]]
     return z, v, forcing.steady_stress + change, iterations
 
 
 @inlined
 def _meet_tops(
-    interface: Interface,
-    forcing: Forcing,
-    slots: NDArray[np.int64],
-    facts: Array,
-    tops: Array,
-    drive: float,
-    state: Array,
-    rates: Array,
-    at: int,
-    arrivals: Array,
+    interface: Interface, forcing: Forcing, traces: Traces, tops: Tops, drive: float, state: Array, rates: Array, at: int
 ) -> None:
     """Sets w* - w at the outer faces, each driven at half of `drive`, and the rates of the springs' loads, of heavy faces'
     velocities, of the input and of the radiation."""
@@ -97,21 +72,21 @@ def _meet_tops(
     power = lost = 0.0
     for side in range(interface.sides):
         k = first + side
-        arriving, mass = arrivals[ARRIVING, k], tops[MASS, side]
+        arriving, mass = traces.arriving[k], tops.mass[side]
         if mass > 0.0:
             face = state[interface.heavy + side]
         else:
-            face = tops[DRIVEN, side] * change + tops[YIELDING, side] * (state[load + side] - arriving)
+            face = tops.driven[side] * change + tops.yielding[side] * (state[load + side] - arriving)
         slip = change - face
-        rates[at + load + side] = tops[SPRING, side] * slip
-        traction = facts[IMPEDANCE, k] * (arriving + facts[STIFFENED, k] * face)
+        rates[at + load + side] = tops.spring[side] * slip
+        traction = traces.impedance[k] * (arriving + traces.stiffened[k] * face)
         if mass > 0.0:
-            pull = facts[IMPEDANCE, k] * state[load + side] + tops[DASHPOT, side] * slip
+            pull = traces.impedance[k] * state[load + side] + tops.dashpot[side] * slip
             rates[at + interface.heavy + side] = (pull - traction) / mass
             traction = pull
-        power += (forcing.steady_stress + traction) * (0.5 * drive) - tops[DEAD, side] * forcing.steady_stress * slip
-        lost += tops[DASHPOT, side] * slip * slip
-        arrivals[JUMP, k] = face - state[slots[VELOCITY, k]]
+        power += (forcing.steady_stress + traction) * (0.5 * drive) - tops.dead[side] * forcing.steady_stress * slip
+        lost += tops.dashpot[side] * slip * slip
+        traces.jump[k] = face - state[traces.velocity[k]]
     scale = interface.copies * forcing.transit
     rates[at + interface.size + INPUT] = scale * power
     rates[at + interface.size + RADIATED] = scale * lost
@@ -125,37 +100,23 @@ def _evolve(interface: Interface, forcing: Forcing, time: float, z: float, psi: 
 
 
 @inlined
-def rates_of(
-    operator: Operator,
-    medium: Medium,
-    interface: Interface,
-    forcing: Forcing,
-    drive: Constant | Ramps,
-    slots: NDArray[np.int64],
-    facts: Array,
-    tops: Array,
-    arrivals: Array,
-    time: float,
-    state: Array,
-    rates: Array,
-    at: int,
-    z: float,
-) -> tuple[float, float, float, int]:
+def rates_of(system: System, time: float, state: Array, rates: Array, at: int, z: float) -> tuple[float, float, float, int]:
     """rates[at:] = d state/dt~ at `time` (transits). Returns (z, mu, state relaxation per transit, iterations of the solve)."""
-    size, traces = interface.size, arrivals.shape[1]
-    velocity = velocity_at(drive, time, time)
+    operator, medium, interface, forcing = system.operator, system.medium, system.interface, system.forcing
+    traces, size, ends = system.traces, system.interface.size, system.traces.lift.size
+    velocity = velocity_at(system.drive, time, time)
     apply(operator, state, rates, at)
-    for k in range(traces):
-        stress = total_stress(medium, slots[STRESS, k], state, rates, at)
-        arrivals[ARRIVING, k] = stress - facts[SIGN, k] * facts[STIFFENED, k] * state[slots[VELOCITY, k]]
-    _meet_joints(interface.joints, slots, facts, state, arrivals)
-    _meet_tops(interface, forcing, slots, facts, tops, velocity, state, rates, at, arrivals)
-    z, v, mu, iterations = _meet_interface(interface, forcing, slots, facts, state, z, arrivals)
-    for k in range(traces):
-        rates[at + slots[STRESS, k]] += facts[SIGN, k] * facts[LIFT, k] * arrivals[JUMP, k]
+    for k in range(ends):
+        stress = total_stress(medium, traces.stress[k], state, rates, at)
+        traces.arriving[k] = stress - traces.sign[k] * traces.stiffened[k] * state[traces.velocity[k]]
+    _meet_joints(interface.joints, traces, state)
+    _meet_tops(interface, forcing, traces, system.tops, velocity, state, rates, at)
+    z, v, mu, iterations = _meet_interface(interface, forcing, traces, state, z)
+    for k in range(ends):
+        rates[at + traces.stress[k]] += traces.sign[k] * traces.lift[k] * traces.jump[k]
     retard(medium, operator, size, state, rates, at)
-    for k in range(traces):
-        rates[at + slots[VELOCITY, k]] += facts[LIFT, k] * arrivals[JUMP, k]
+    for k in range(ends):
+        rates[at + traces.velocity[k]] += traces.lift[k] * traces.jump[k]
     finish(operator, rates, at)
     rates[at + size + VISCOUS] = interface.copies * forcing.transit * dissipate(medium, size, state, rates, at)
     rates[at + size + FRICTION] = forcing.transit * mu * v

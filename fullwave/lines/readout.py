@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fullwave.lines.blocks import Block, BlockGrid, Chain
-from fullwave.lines.system import GRIP, IMPEDANCE, MASS, SCALARS, SPRING, System
+from fullwave.lines.system import GRIP, SCALARS, System
 from fullwave.lines.viscosity import Viscous
 from slipwave.observe.pieces import Array
 from slipwave.solve import SlabSnapshot, Snapshot
@@ -20,14 +20,14 @@ def stored_energy(grid: BlockGrid, system: System, state: Array) -> float:
     interface = system.interface
     total = sum(_block_energy(block, system, state) for block in grid.blocks)
     for side in range(interface.sides):
-        spring = float(system.tops[SPRING, side])
+        spring = float(system.tops.spring[side])
         if spring > 0.0:
             load = float(state[interface.size + GRIP + side])
-            impedance = float(system.facts[IMPEDANCE, system.facts.shape[1] - interface.sides + side])
+            impedance = float(system.traces.impedance[system.traces.lift.size - interface.sides + side])
             total += load * (impedance * load + 2.0 * system.forcing.steady_stress) / (2.0 * spring)
         if interface.heavy:
             velocity = float(state[interface.heavy + side])
-            total += 0.5 * float(system.tops[MASS, side]) * velocity * (velocity + system.forcing.velocity)
+            total += 0.5 * float(system.tops.mass[side]) * velocity * (velocity + system.forcing.velocity)
     return interface.copies * system.forcing.transit * total
 
 

@@ -9,7 +9,7 @@ from fullwave.lines.blocks import BlockGrid, Section, assemble
 from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.runge_kutta import RungeKutta
 from fullwave.lines.scheme_limit import MARGIN, longest_decay_step, longest_step
-from fullwave.lines.system import MASS, SPRING, YIELDING, System
+from fullwave.lines.system import System
 from slipwave.friction import respond, steady_state, unknown_of
 from slipwave.scene import Scene
 
@@ -24,8 +24,8 @@ def relaxation_limit(system: System, method: RungeKutta) -> float:
     law, forcing = system.interface.law, system.forcing
     psi = steady_state(law, forcing.velocity)
     ageing = forcing.transit * abs(respond(law, unknown_of(law, forcing.velocity), psi)[7])
-    massless = system.tops[MASS] == 0.0
-    return longest_decay_step(max(ageing, float((massless * system.tops[SPRING] * system.tops[YIELDING]).max())), method)
+    massless = system.tops.mass == 0.0
+    return longest_decay_step(max(ageing, float((massless * system.tops.spring * system.tops.yielding).max())), method)
 
 
 def spectral_limit(scene: Scene, build: Builder, sections: list[Section], method: RungeKutta) -> float:

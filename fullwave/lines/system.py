@@ -49,18 +49,33 @@ Medium: TypeAlias = Any
 # multiple of panels.LANES
 PSI, ELASTIC, GRIP, INPUT, FRICTION, RADIATED, VISCOUS, SCALARS = 0, 1, 2, 4, 5, 6, 7, 8
 
-# rows of `System.slots` and `System.facts`, one column per trace (an end of a block): first the joints' ends in pairs (near the
-# interface, far), then the ends at the interface, then those at the tops. LIFT is l, SIGN -1 at a near end and 1 at a far one,
-# STIFFENED 1 + tau l
-VELOCITY, STRESS = 0, 1
-LIFT, SIGN, STIFFENED, IMPEDANCE = 0, 1, 2, 3
 
-# rows of `System.tops`, one column per slab: A and B of w* = A V + B (y_g - o); spring over impedance (per transit); dashpot Z_g
-# in units of stress/V*; 1 if the steady load acts on the face itself (no spring); mass in units of stress/V* times a transit
-DRIVEN, YIELDING, SPRING, DASHPOT, DEAD, MASS = 0, 1, 2, 3, 4, 5
+class Traces(NamedTuple):
+    """The ends of all blocks (traces,): the joints' ends in pairs (near the interface, far), those at the interface, those at the
+    tops. Slots of their `velocity` and `stress`; l; -1 at a near end and 1 at a far one; 1 + tau l; eps. Scratch: the arriving
+    characteristic over eps, and w* - w."""
 
-# rows of `System.arrivals` (scratch), one column per trace: the arriving characteristic, over eps, and w* - w
-ARRIVING, JUMP = 0, 1
+    velocity: NDArray[np.int64]
+    stress: NDArray[np.int64]
+    lift: Array
+    sign: Array
+    stiffened: Array
+    impedance: Array
+    arriving: Array
+    jump: Array
+
+
+class Tops(NamedTuple):
+    """The outer faces of the marched slabs (sides,): A and B of w* = A V + B (y_g - o); spring over impedance (per transit);
+    dashpot Z_g in units of stress/V*; 1 if the steady load acts on the face itself (no spring); mass in units of stress/V* times
+    a transit."""
+
+    driven: Array
+    yielding: Array
+    spring: Array
+    dashpot: Array
+    dead: Array
+    mass: Array
 
 
 class Interface(NamedTuple):
@@ -84,10 +99,8 @@ class System(NamedTuple):
     interface: Interface
     forcing: Forcing
     drive: Constant | Ramps
-    slots: NDArray[np.int64]
-    facts: Array
-    tops: Array
-    arrivals: Array
+    traces: Traces
+    tops: Tops
 
 
 @by_class()

@@ -10,7 +10,7 @@ from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.lines import exact
 from fullwave.lines.propagator import doubled, short_step, shortest_halving, to_legendre
-from fullwave.lines.system import GRIP, IMPEDANCE, MASS, SCALARS, SPRING
+from fullwave.lines.system import GRIP, SCALARS
 from fullwave.lines.viscosity import Viscous
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
@@ -130,11 +130,11 @@ def energy_matrix(solver):
             weight[np.ix_(memory, block.stress)] -= norm / relaxed
         weight[np.ix_(block.stress, block.stress)] += norm / relaxed
     for side in range(system.interface.sides):
-        spring, load = system.tops[SPRING, side], system.interface.size + GRIP + side
+        spring, load = system.tops.spring[side], system.interface.size + GRIP + side
         if spring > 0.0:
-            weight[load, load] += system.facts[IMPEDANCE, side - system.interface.sides] / spring
+            weight[load, load] += system.traces.impedance[side - system.interface.sides] / spring
         if system.interface.heavy:
-            weight[system.interface.heavy + side, system.interface.heavy + side] += system.tops[MASS, side]
+            weight[system.interface.heavy + side, system.interface.heavy + side] += system.tops.mass[side]
     return weight
 
 

@@ -9,7 +9,7 @@ from march_scenes import FAMILIES, PAIRS
 
 from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.motion import rates_of
-from fullwave.lines.system import ELASTIC, FRICTION, GRIP, IMPEDANCE, LIFT, PSI, SCALARS, STIFFENED, STRESS, VELOCITY
+from fullwave.lines.system import ELASTIC, FRICTION, GRIP, PSI, SCALARS
 from fullwave.lines.viscosity import Viscous, _viscous_stress
 from slipwave.compiled import njit
 from slipwave.friction import respond, unknown_of
@@ -17,10 +17,7 @@ from slipwave.friction import respond, unknown_of
 
 @njit
 def compiled_rates(system, time, state, rates, z):
-    return rates_of(
-        system.operator, system.medium, system.interface, system.forcing, system.drive, system.slots, system.facts, system.tops,
-        system.arrivals, time, state, rates, 0, z,
-    )  # fmt: skip
+    return rates_of(system, time, state, rates, 0, z)
 
 
 COMPARED = [
@@ -63,15 +60,15 @@ def test_compiled_motion_is_the_plain_matrix_plus_friction(family, name):
     first = 2 * system.interface.joints
     ends = slice(first, first + system.interface.sides)
     change = mu - scene.steady_stress
-    push = -change / (system.facts[IMPEDANCE] * system.facts[STIFFENED])[ends]
+    push = -change / (system.traces.impedance * system.traces.stiffened)[ends]
     for k, jump in zip(range(first, ends.stop), push, strict=True):
-        if system.facts[STIFFENED, k] == 1.0 and "consistent" not in family:
+        if system.traces.stiffened[k] == 1.0 and "consistent" not in family:
             extra = np.zeros(state.size)
-            extra[system.slots[VELOCITY, k]] = system.facts[LIFT, k] * jump
-            strain = -system.facts[LIFT, k] * jump
-            extra[system.slots[STRESS, k]] = strain
+            extra[system.traces.velocity[k]] = system.traces.lift[k] * jump
+            strain = -system.traces.lift[k] * jump
+            extra[system.traces.stress[k]] = strain
             if isinstance(system.medium, Viscous):
-                extra[size + SCALARS + system.slots[STRESS, k]] = system.medium.fraction[system.slots[STRESS, k]] * strain
+                extra[size + SCALARS + system.traces.stress[k]] = system.medium.fraction[system.traces.stress[k]] * strain
             plain = plain + extra
             continue
         near = np.concatenate([block.velocity for block in solver.grid.blocks if block.section.slab == k - first][:1])
