@@ -87,7 +87,7 @@ def to_tolerance(
     if not isinstance(cast(object, tolerance), int | float) or not least <= tolerance <= most:
         raise SceneError(f"tolerance = {tolerance!r}: must lie in [{least:g}, {most:g}]")
     if kind is DiscontinuousGalerkin:
-        options = {"degree": degree_for(tolerance), "resolution": resolution_for(tolerance)} | options
+        options = {"number": degree_for(tolerance), "resolution": resolution_for(tolerance)} | options
     coarsest = first_accepted(lambda cells: kind(scene, cells=cells, **options), range(2, _MOST_NEEDED))
     cells = coarsest.cells if coarsest else _MOST_NEEDED
     tried: list[tuple[int, float]] = []

@@ -8,21 +8,20 @@ and Gassner, J. Sci. Comput. 44 (2010), for the collocation. The interface's out
 grows, because upwind states dissipate.
 """
 
-from functools import cache, partial
-from typing import NamedTuple, Unpack
+from collections.abc import Sequence
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
 from fullwave.families import GALERKIN
-from fullwave.lines.blocks import Block, BlockGrid, Section, sections_of, shortest_cell
-from fullwave.lines.march import Marching, MethodOfLines, method_for
+from fullwave.lines.blocks import Block, BlockGrid, Section, shortest_cell
+from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.panels import LANES, differentiate_rows
 from fullwave.lines.scheme_limit import line_spectrum, longest_step
 from fullwave.lines.system import apply
 from fullwave.operators.lobatto import gauss_lobatto
-from fullwave.options import require_whole
 from slipwave.observe.pieces import Array, lagrange_basis
-from slipwave.scene import Scene
 
 _ABREAST = LANES // 2  # elements that share a panel: their w, then their s
 
@@ -38,7 +37,7 @@ class Elements(NamedTuple):
     scale: Array
 
 
-def element_grid(sections: list[Section], degree: int) -> BlockGrid:
+def element_grid(sections: Sequence[Section], degree: int) -> BlockGrid:
     """Every cell of every section as one block."""
     nodes, weights = gauss_lobatto(degree)
     total = sum(section.cells for section in sections)
@@ -80,28 +79,15 @@ def courant_limit(degree: int) -> float:
 
 
 class DiscontinuousGalerkin(MethodOfLines):
-    """`scene` by elements of `degree` (1 to 24), `cells` per slab; `cfl` is the share (0, 1] of the longest stable step.
+    """`scene` by elements whose degree is the number (1 to 24). Explicit steps are of order 8 (of order 4 for degree 1), so that
+    they do not limit the order of the elements."""
 
-    `march` says how it is marched in time (`Marching`); explicit steps are of order 8 (of order 4 for degree 1), so that they do
-    not limit the order of the elements.
-    Raises SceneError naming the option and its allowed range.
-    """
+    family = GALERKIN
 
-    def __init__(
-        self,
-        scene: Scene,
-        degree: int = GALERKIN.usual,
-        cells: int = GALERKIN.cells,
-        cfl: float | None = None,
-        **march: Unpack[Marching],
-    ) -> None:
-        require_whole("degree", degree, GALERKIN.numbers[0], GALERKIN.numbers[-1])
-        self.degree = degree
-        sections = sections_of(scene, cells, 1)
-        build = partial(element_grid, degree=degree)
+    def grid_of(self, sections: Sequence[Section]) -> BlockGrid:
+        """As `MethodOfLines`."""
+        return element_grid(sections, self.number)
 
-        def limit() -> float:
-            """Longest stable step (transits) of elastic waves."""
-            return courant_limit(degree) * shortest_cell(sections)
-
-        super().__init__(scene, GALERKIN, degree, build, sections, limit, cfl, **march)
+    def elastic_limit(self) -> float:
+        """As `MethodOfLines`."""
+        return courant_limit(self.number) * shortest_cell(self.sections)

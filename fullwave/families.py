@@ -9,6 +9,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from fullwave.options import require_whole
+from slipwave.errors import SceneError
 from slipwave.family import ANYTHING, Exact, Family, Pen
 
 
@@ -43,7 +45,7 @@ class FullWave(Family):
 
     `order_bulk` is the order of the fields inside a slab, `order_interface` that of every output at the interface (for elements a
     lower bound), `order_at_best` the highest that one may have (if not given, the same); `points` is the number of nodes in a
-    cell. `implicit_state`: friction's state does not limit the step.
+    cell. `number_is`: what messages call the number. `implicit_state`: friction's state does not limit the step.
     `conserves`: the ledger closes to rounding, otherwise the scheme dissipates at its order. `cells` and `cfl` are defaults;
     `cfl`, at most 1, is in units of `step`. `attacks` and `ladder`, by number, are the members that the studies try."""
 
@@ -55,6 +57,7 @@ class FullWave(Family):
     order_interface: Callable[[int], int] = lambda p: 2
     order_at_best: Callable[[int], int] | None = None
     points: Callable[[int], int] = lambda p: 1
+    number_is: str = "degree"
     implicit_state: bool = False
     conserves: bool = False
     cells: int = 16
@@ -67,6 +70,13 @@ class FullWave(Family):
     def usual(self) -> int:
         """The default number; 0 if names have none."""
         return self.default or 0
+
+    def require_number(self, number: object) -> None:
+        """Raises SceneError, which names the number by `number_is`, unless there is a member with it."""
+        if isinstance(self.numbers, range):
+            require_whole(self.number_is, number, self.numbers[0], self.numbers[-1])
+        elif self.numbers and number not in self.numbers:
+            raise SceneError(f"{self.number_is} = {number!r}: must be one of {', '.join(map(str, self.numbers))}")
 
     def order_in_time(self, number: int) -> int:
         """Order of the Runge-Kutta method that does not limit the order of the scheme.
@@ -109,6 +119,7 @@ BY_PARTS = FullWave(
     "full wave: summation-by-parts differences of order P",
     "h^P",
     numbers=(2, 4, 6),
+    number_is="order",
     default=6,
     suited=lambda tolerance: 6,
     grids=(16, 32, 64),

@@ -11,7 +11,8 @@ diagonal (spectral elements, Komatitsch and Vilotte, Bull. Seismol. Soc. Am. 88,
 are coupled through upwind states. Energy never grows, because the penalties at the ends dissipate.
 """
 
-from functools import cache, partial
+from collections.abc import Sequence
+from functools import cache
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
@@ -21,13 +22,12 @@ import skfem
 from numpy.typing import NDArray
 
 from fullwave.families import ELEMENTS
-from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half, sections_of
+from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half
 from fullwave.lines.march import Marching, MethodOfLines, method_for
 from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
 from fullwave.lines.system import apply, finish
 from fullwave.operators.gll_element import ElementLineGLL
 from fullwave.operators.lobatto import gauss_lobatto
-from fullwave.options import require_whole
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -75,7 +75,7 @@ def assemble_layer(cells: int, degree: int, mass: str) -> tuple[Array, Any, Any]
     return exact.doflocs[0][order], matrices[0], matrices[1]
 
 
-def mesh_grid(sections: list[Section], degree: int, mass: str) -> BlockGrid:
+def mesh_grid(sections: Sequence[Section], degree: int, mass: str) -> BlockGrid:
     """The grid with every section as one block."""
     layers = [assemble_layer(section.cells, degree, mass) for section in sections]
     first = np.cumsum([0] + [depth.size for depth, _, _ in layers])
@@ -152,32 +152,30 @@ def courant_limit(degree: int, mass: str, cells: int) -> float:
 
 
 class FiniteElement(MethodOfLines):
-    """`scene` by elements of `degree` (1 to 16), `cells` per slab, `mass` "lumped" or "consistent"; `cfl` is the share (0, 1] of
-    the longest stable step. Raises SceneError naming the option and its allowed range, or the viscosity that it does not honour.
-    """
+    """`scene` by elements whose degree is the number (1 to 16), with `mass` "lumped" or "consistent". Raises SceneError for
+    another mass, or naming the viscosity that it does not honour."""
+
+    family = ELEMENTS
+    mass: str
 
     def __init__(
-        self,
-        scene: Scene,
-        degree: int = ELEMENTS.usual,
-        cells: int = ELEMENTS.cells,
-        cfl: float | None = None,
-        mass: str = "lumped",
-        **march: Unpack[Marching],
+        self, scene: Scene, number: int | None = None, cells: int | None = None, mass: str = "lumped", **march: Unpack[Marching]
     ) -> None:
-        require_whole("degree", degree, ELEMENTS.numbers[0], ELEMENTS.numbers[-1])
         if mass not in MASSES:
             raise SceneError(f"mass = {mass!r}: must be one of {', '.join(MASSES)}")
         if mass == "consistent" and any(isinstance(s.viscosity, KelvinVoigtViscosity) for s in scene.slabs):
             raise SceneError(
                 'mass = "consistent": cannot honour Kelvin-Voigt viscosity; fem with mass = "lumped", dg and sbp can'
             )
-        self.degree, self.mass = degree, mass
-        sections = sections_of(scene, cells, 1)
-        build = partial(mesh_grid, degree=degree, mass=mass)
+        self.mass = mass
+        super().__init__(scene, number, cells, **march)
 
-        def limit() -> float:
-            """Longest stable step (transits) of elastic waves."""
-            return min(courant_limit(degree, mass, sample_cells(degree, s.cells)) * s.length / s.cells for s in sections)
+    def grid_of(self, sections: Sequence[Section]) -> BlockGrid:
+        """As `MethodOfLines`."""
+        return mesh_grid(sections, self.number, self.mass)
 
-        super().__init__(scene, ELEMENTS, degree, build, sections, limit, cfl, **march)
+    def elastic_limit(self) -> float:
+        """As `MethodOfLines`."""
+        degree = self.number
+        limits = (courant_limit(degree, self.mass, sample_cells(degree, s.cells)) * s.length / s.cells for s in self.sections)
+        return min(limits)

@@ -10,22 +10,21 @@ The end rows are computed, not copied from a table (`closure`). A layer is one b
 states, as are slab and interface. Energy never grows, because the penalties dissipate.
 """
 
-from functools import cache, partial
-from typing import Any, NamedTuple, Unpack
+from collections.abc import Sequence
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse
 from numpy.typing import NDArray
 
 from fullwave.families import BY_PARTS
-from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half, sections_of
-from fullwave.lines.march import Marching, MethodOfLines, method_for
+from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half
+from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
 from fullwave.lines.system import apply
 from fullwave.operators.closure import boundary_closure, central_coefficients, closure_rows
-from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
-from slipwave.scene import Scene
 
 _SAMPLE_CELLS = 56  # of the longest line from which a step limit is computed; twice as many cells lower it by 0.2 per cent
 
@@ -62,12 +61,7 @@ def difference_norm(order: int, cells: int) -> Any:
     return scipy.sparse.block_diag((norm, inside, norm[::-1, ::-1]), format="csr")
 
 
-def fewest_cells(order: int) -> int:
-    """Fewest cells with which the rows of both ends do not overlap."""
-    return 2 * closure_rows(order) + order // 2 - 1
-
-
-def difference_grid(sections: list[Section], order: int) -> BlockGrid:
+def difference_grid(sections: Sequence[Section], order: int) -> BlockGrid:
     """The grid with every section as one block."""
     norm, closure = boundary_closure(order)
     first = np.cumsum([0] + [section.cells + 1 for section in sections])
@@ -121,26 +115,19 @@ def courant_limit(order: int, cells: int) -> float:
 
 
 class SummationByParts(MethodOfLines):
-    """`scene` by differences of `order` 2, 4 or 6 with `cells` per slab; `cfl` is the share (0, 1] of the longest stable step.
+    """`scene` by differences whose order is the number: 2, 4 or 6."""
 
-    Raises SceneError naming the option and its allowed range.
-    """
+    family = BY_PARTS
 
-    def __init__(
-        self,
-        scene: Scene,
-        order: int = BY_PARTS.usual,
-        cells: int = BY_PARTS.cells,
-        cfl: float | None = None,
-        **march: Unpack[Marching],
-    ) -> None:
-        if order not in BY_PARTS.numbers:
-            raise SceneError(f"order = {order!r}: must be one of {', '.join(map(str, BY_PARTS.numbers))}")
-        sections = sections_of(scene, cells, fewest_cells(order))
-        build = partial(difference_grid, order=order)
+    @property
+    def fewest(self) -> int:
+        """As `MethodOfLines`: with fewer the rows of both ends would overlap."""
+        return 2 * closure_rows(self.number) + self.number // 2 - 1
 
-        def limit() -> float:
-            """Longest stable step (transits) of elastic waves."""
-            return min(courant_limit(order, min(s.cells, _SAMPLE_CELLS)) * s.length / s.cells for s in sections)
+    def grid_of(self, sections: Sequence[Section]) -> BlockGrid:
+        """As `MethodOfLines`."""
+        return difference_grid(sections, self.number)
 
-        super().__init__(scene, BY_PARTS, order, build, sections, limit, cfl, **march)
+    def elastic_limit(self) -> float:
+        """As `MethodOfLines`."""
+        return min(courant_limit(self.number, min(s.cells, _SAMPLE_CELLS)) * s.length / s.cells for s in self.sections)

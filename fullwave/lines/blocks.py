@@ -1,10 +1,10 @@
 """A scene divided into blocks: the data from which every method-of-lines family builds its `System`."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +59,10 @@ class BlockGrid:
         return tuple(chain_of([block for block in self.blocks if block.section.slab == slab]) for slab in slabs)
 
 
+Builder: TypeAlias = Callable[[Sequence[Section]], BlockGrid]
+"""A family's gridding of sections."""
+
+
 class Chain(NamedTuple):
     """The blocks of one slab, from the interface outwards: its different nodes, as shares of the thickness (m,), the node of
     every value of the blocks (n,), n >= m, and the values of each node (m,): two where blocks or elements meet, else one."""
@@ -100,7 +104,7 @@ def padded_half(nodes: int) -> int:
     return -(-2 * nodes // LANES) * LANES // 2
 
 
-def shortest_cell(sections: list[Section]) -> float:
+def shortest_cell(sections: Sequence[Section]) -> float:
     """Length (transits) of the shortest cell of all sections."""
     return min(section.length / section.cells for section in sections)
 

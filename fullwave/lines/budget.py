@@ -1,6 +1,6 @@
 """Limits on the cost of a grid: its memory, counted before it is allocated, and the work between two points of interruption."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -51,7 +51,9 @@ def enough_memory(cells: int) -> Iterator[None]:
         raise SceneError(f"cells = {cells}: not enough memory on this machine; use fewer") from None
 
 
-def require_memory(sections: list[Section], build: Callable[[list[Section]], BlockGrid], stages: int, viscous: bool) -> None:
+def require_memory(
+    sections: Sequence[Section], build: Callable[[Sequence[Section]], BlockGrid], stages: int, viscous: bool
+) -> None:
     """Raises SceneError naming cells, and the most that fit, if the march of `sections` would take more than MOST_BYTES.
 
     The count is exact for the stages and the arrays of the blocks, and within a third of measured values for the rest."""

@@ -1,18 +1,20 @@
 """What all method-of-lines families share: grid, ledger, fields, and the march in time, exact or explicit."""
 
-from collections.abc import Callable
-from typing import Any, TypedDict
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from operator import attrgetter
+from typing import Any, ClassVar, TypedDict
 
 import numpy as np
 
 from fullwave.families import FullWave
-from fullwave.lines.blocks import Section, assemble, sections_of, state_size
+from fullwave.lines.blocks import BlockGrid, Section, assemble, sections_of, state_size
 from fullwave.lines.budget import enough_memory, march_work, require_few_unknowns, require_memory
 from fullwave.lines.exact import EXACT_TOLERANCE, ExactMarch
 from fullwave.lines.explicit import ExplicitMarch
 from fullwave.lines.readout import Shape, impose_fields, snapshot_of, stored_energy, twice_energy
 from fullwave.lines.runge_kutta import RungeKutta, method_of
-from fullwave.lines.scene_limits import Builder, relaxation_limit, spectral_limit
+from fullwave.lines.scene_limits import relaxation_limit, spectral_limit
 from fullwave.lines.system import ELASTIC, PSI, System
 from fullwave.lines.time_march import TimeMarch, cheaper_march
 from fullwave.options import require_cfl
@@ -24,82 +26,92 @@ from slipwave.step.flow import Cycle, Place
 from slipwave.step.port_flow import PortFlow
 
 
-class Marching(TypedDict, total=False):
-    """Options of `MethodOfLines` that are the same for every family."""
-
-    time: TimeMarch | None
-    resolution: float
-
-
 def method_for(family: FullWave, number: int) -> RungeKutta:
     """The Runge-Kutta method of a member of `family`."""
     return method_of(family.order_in_time(number))
 
 
-class MethodOfLines:
-    """Marches `scene` as the member of `family` with `number`; `build` makes the grid of its `sections`. A `FieldSolver`
-    (slipwave.solve).
+class Marching(TypedDict, total=False):
+    """Options of `MethodOfLines` for the march in time."""
+
+    cfl: float | None
+    time: TimeMarch | None
+    resolution: float
+
+
+class MethodOfLines(ABC):
+    """Marches `scene` as the member of its `family` with `number` (by default the usual one), on `cells` in the slab with the
+    shorter round trip. A `FieldSolver` (slipwave.solve).
 
     `time` "exact" propagates the slabs without error in time, in steps that resolve friction to `resolution`, the relative error
-    of the figures of a cycle. "explicit" takes Runge-Kutta steps: `limit()` is the longest stable one (transits) of elastic
-    waves, and the step is the share `cfl` of the smallest limit, this one or that of outer faces, viscosity or friction's state.
-    With None it is "explicit" if `cfl` is given, else the cheaper one (`cheaper_march`). Raises SceneError naming time or cfl and
-    its allowed range, or cells if the memory is too small (`budget`).
+    of the figures of a cycle. "explicit" takes Runge-Kutta steps, the share `cfl` of the longest stable one: of elastic waves, or
+    of outer faces, viscosity or friction's state. With None it is "explicit" if `cfl` is given, else the cheaper one
+    (`cheaper_march`). Raises SceneError naming the option and its allowed range, or cells if the memory is too small (`budget`).
     """
 
+    family: ClassVar[FullWave]
     mass: str | None = None
 
     def __init__(
         self,
         scene: Scene,
-        family: FullWave,
-        number: int,
-        build: Builder,
-        sections: list[Section],
-        limit: Callable[[], float],
-        cfl: float | None,
+        number: int | None = None,
+        cells: int | None = None,
+        cfl: float | None = None,
         time: TimeMarch | None = None,
         resolution: float = EXACT_TOLERANCE,
     ) -> None:
+        family = self.family
+        self.number = family.usual if number is None else number
+        family.require_number(self.number)
+        self.sections = tuple(sections_of(scene, family.cells if cells is None else cells, self.fewest))
         if time not in (None, "exact", "explicit"):
             raise SceneError(f"time = {time!r}: must be exact or explicit")
         if cfl is not None:
             require_cfl(cfl)
             time = time or "explicit"
-        self.scene, self.model, self.cfl = scene, family.called(number), float(family.cfl if cfl is None else cfl)
-        self.method, self._order = method_for(family, number), family.order_bulk(number)
-        self.sections, self._build = tuple(sections), build
-        with enough_memory(sections[0].asked):
-            self._set_up(build, sections, limit, time, resolution)
+        self.scene, self.model, self.cfl = scene, family.called(self.number), float(family.cfl if cfl is None else cfl)
+        self.method = method_for(family, self.number)
+        with enough_memory(self.cells):
+            self._march = self._set_up(time, resolution)
         self.nodes, self.bookkeeping = self._march.nodes, self._march.bookkeeping
 
-    def _set_up(
-        self, build: Builder, sections: list[Section], limit: Callable[[], float], time: TimeMarch | None, resolution: float
-    ) -> None:
-        scene, method = self.scene, self.method
-        viscous = any(slab.viscosity is not None for slab in scene.slabs)
-        require_memory(sections, build, method.stages, viscous)
-        self.grid = build(sections)
+    @property
+    def fewest(self) -> int:
+        """Cells that every layer has at least."""
+        return 1
+
+    @abstractmethod
+    def grid_of(self, sections: Sequence[Section]) -> BlockGrid:
+        """The grid of any sections."""
+
+    @abstractmethod
+    def elastic_limit(self) -> float:
+        """Longest stable explicit step (transits) of elastic waves in the `sections`."""
+
+    def _set_up(self, time: TimeMarch | None, resolution: float) -> ExactMarch | ExplicitMarch:
+        scene, method, viscous = self.scene, self.method, any(slab.viscosity is not None for slab in self.scene.slabs)
+        require_memory(self.sections, self.grid_of, method.stages, viscous)
+        self.grid = self.grid_of(self.sections)
         self.system = assemble(scene, self.grid)
         values = np.zeros(state_size(self.system))
         if (time or cheaper_march(scene, values.size)) == "exact":
             require_few_unknowns(self.cells, values.size)
-            self._march: ExactMarch | ExplicitMarch = ExactMarch(scene, self.system_of, values, self.model, resolution)
-            return
-        step = self.cfl * min(limit(), relaxation_limit(self.system, method))
+            return ExactMarch(scene, self.system_of, values, self.model, resolution)
+        step = self.cfl * min(self.elastic_limit(), relaxation_limit(self.system, method))
         if viscous or self.system.interface.heavy:
-            step = min(step, self.cfl * spectral_limit(scene, build, sections, method))
+            step = min(step, self.cfl * spectral_limit(scene, self.grid_of, self.sections, method))
         values[self.grid.size + PSI] = scene.steady_psi + scene.start.jump_size
         values[self.grid.size + ELASTIC] = scene.steady_stress
-        work = march_work(values.size, self._order, method, viscous)
-        self._march = ExplicitMarch(scene, self.system, method, step, values, work, self.cells, self.model)
+        work = march_work(values.size, self.family.order_bulk(self.number), method, viscous)
+        return ExplicitMarch(scene, self.system, method, step, values, work, self.cells, self.model)
 
     def system_of(self, scene: Scene) -> System:
         """The equations of motion of another scene on a grid of the same kind with as many cells."""
         if scene is self.scene:
             return self.system
         first = self.sections[0]
-        return assemble(scene, self._build(sections_of(scene, first.asked, first.fewest)))
+        return assemble(scene, self.grid_of(sections_of(scene, first.asked, first.fewest)))
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -112,35 +124,12 @@ class MethodOfLines:
         """The requested cells per slab."""
         return self.sections[0].asked
 
-    @property
-    def step(self) -> float:
-        """Length of a step (transits); the longest one, if lengths adapt."""
-        return self._march.step
-
-    @property
-    def transits_per_piece(self) -> float:
-        """Length of the pieces that `advance` returns; NaN if it adapts."""
-        return self._march.transits_per_piece
-
-    @property
-    def seconds_per_piece(self) -> float:
-        """Approximate cost of a piece."""
-        return self._march.seconds_per_piece
-
-    @property
-    def time(self) -> float:
-        """Time reached, in transits."""
-        return self._march.time
-
-    @property
-    def failures(self) -> int:
-        """Solves of the interface so far that did not converge."""
-        return self._march.failures
-
-    @property
-    def failed_at(self) -> float:
-        """Time of the first of them (transits); NaN if there is none."""
-        return self._march.failed_at
+    step = property(attrgetter("_march.step"), doc="Length of a step (transits); the longest one, if lengths adapt.")
+    transits_per_piece = property(attrgetter("_march.transits_per_piece"), doc="As `Solver`.")
+    seconds_per_piece = property(attrgetter("_march.seconds_per_piece"), doc="As `Solver`.")
+    time = property(attrgetter("_march.time"), doc="Time reached, in transits.")
+    failures = property(attrgetter("_march.failures"), doc="Solves of the interface so far that did not converge.")
+    failed_at = property(attrgetter("_march.failed_at"), doc="Time of the first of them (transits); NaN if there is none.")
 
     def advance(self, until: float) -> Pieces:
         """March towards `until` (transits), at most one chunk."""

@@ -1,20 +1,16 @@
 """Step limits that depend on the scene and not only on the scheme: outer faces, viscosity, the frictional state."""
 
-from collections.abc import Callable
-from typing import TypeAlias
+from collections.abc import Sequence
 
 import numpy as np
 
-from fullwave.lines.blocks import BlockGrid, Section, assemble
+from fullwave.lines.blocks import Builder, Section, assemble
 from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.runge_kutta import RungeKutta
 from fullwave.lines.scheme_limit import MARGIN, longest_decay_step, longest_step
 from fullwave.lines.system import System
 from slipwave.friction import respond, steady_state, unknown_of
 from slipwave.scene import Scene
-
-Builder: TypeAlias = Callable[[list[Section]], BlockGrid]
-"""A family's gridding of sections."""
 
 _SAMPLE_NODES = 28  # per section of the sample whose spectrum is computed
 
@@ -28,7 +24,7 @@ def relaxation_limit(system: System, method: RungeKutta) -> float:
     return longest_decay_step(max(ageing, float((massless * system.tops.spring * system.tops.yielding).max())), method)
 
 
-def spectral_limit(scene: Scene, build: Builder, sections: list[Section], method: RungeKutta) -> float:
+def spectral_limit(scene: Scene, build: Builder, sections: Sequence[Section], method: RungeKutta) -> float:
     """Longest stable step (transits) of `scene` with the cells of `sections`. The spectra are computed for shortened slabs (a few
     cells per section), with the interface locked (v = 0) and free (constant stress). `MARGIN` covers the shortening, which
     changed the limit by 0.3 per cent (measured)."""

@@ -9,10 +9,10 @@ from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 
 FAMILIES = {
-    "dg:5": partial(DiscontinuousGalerkin, degree=5, cells=3, time="explicit"),
-    "fem:4": partial(FiniteElement, degree=4, cells=4, time="explicit"),
-    "fem:2 consistent": partial(FiniteElement, degree=2, cells=6, mass="consistent", time="explicit"),
-    "sbp:6": partial(SummationByParts, order=6, cells=16, time="explicit"),
+    "dg:5": partial(DiscontinuousGalerkin, number=5, cells=3, time="explicit"),
+    "fem:4": partial(FiniteElement, number=4, cells=4, time="explicit"),
+    "fem:2 consistent": partial(FiniteElement, number=2, cells=6, mass="consistent", time="explicit"),
+    "sbp:6": partial(SummationByParts, number=6, cells=16, time="explicit"),
 }
 VISCOUS_AND_CONSISTENT = ("fem:2 consistent", ("kelvin-voigt", "everything"))
 """What no solver takes: Kelvin-Voigt viscosity with a consistent mass."""

@@ -31,7 +31,7 @@ def test_estimate_bounds_the_error_in_period_and_drop(name, tolerance):
     assert solver.time == 0.0
     assert choice.quantity == "cycles"
     assert choice.error_estimate <= tolerance
-    exact = cycles(DiscontinuousGalerkin(chosen, degree=11, cells=8))
+    exact = cycles(DiscontinuousGalerkin(chosen, number=11, cells=8))
     error = np.abs(cycles(solver) / exact - 1).max()
     assert error < max(2.0 * choice.error_estimate, 1e-11)
 
@@ -39,23 +39,23 @@ def test_estimate_bounds_the_error_in_period_and_drop(name, tolerance):
 @pytest.mark.parametrize("name", ["alike", "unlike", "grip"])
 def test_the_estimate_bounds_the_error_of_a_grid_marched_explicitly(name):
     """Nothing is added for its steps: the estimate is the difference of two grids."""
-    solver, choice = to_tolerance(SCENES[name], 1e-5, time="explicit", degree=4)
-    exact = cycles(DiscontinuousGalerkin(SCENES[name], degree=11, cells=8))
+    solver, choice = to_tolerance(SCENES[name], 1e-5, time="explicit", number=4)
+    exact = cycles(DiscontinuousGalerkin(SCENES[name], number=11, cells=8))
     error = np.abs(cycles(solver) / exact - 1).max()
     assert 0.01 * choice.error_estimate < error < choice.error_estimate  # 0.035 to 0.12 of it were measured
 
 
 def test_the_estimate_counts_the_error_of_the_steps_which_no_grid_shows():
     """Of grids with an error of 1e-8. Measured: 4e-5, the same on both grids."""
-    solver, choice = to_tolerance(SCENES["alike"], 1e-2, degree=12)
+    solver, choice = to_tolerance(SCENES["alike"], 1e-2, number=12)
     assert solver.settings["resolution"] == pytest.approx(2e-4)
     assert choice.error_estimate == pytest.approx(2e-3, rel=1e-2)
-    exact = cycles(DiscontinuousGalerkin(SCENES["alike"], degree=11, cells=8))
+    exact = cycles(DiscontinuousGalerkin(SCENES["alike"], number=11, cells=8))
     assert 1e-6 < np.abs(cycles(solver) / exact - 1.0).max() < choice.error_estimate
 
 
 def test_family_can_be_fixed():
-    solver, choice = to_tolerance(SCENES["alike"], 1e-4, SummationByParts, order=6)
+    solver, choice = to_tolerance(SCENES["alike"], 1e-4, SummationByParts, number=6)
     assert solver.model == "sbp:6"
     assert choice.tried[-1] == (choice.cells, choice.error_estimate)
 

@@ -75,7 +75,7 @@ def test_failures_are_counted_once_whatever_the_chunks(monkeypatch):
     counts = []
     for stride in (10**6, 5):
         allow_at_once(stride, monkeypatch)
-        solver = DiscontinuousGalerkin(PAPER, degree=3, cells=2, time="explicit")
+        solver = DiscontinuousGalerkin(PAPER, number=3, cells=2, time="explicit")
         solver.impose(0, lambda x: np.nan * x, lambda x: 0.0 * x)  # nothing converges from here on
         with np.errstate(all="ignore"):
             while solver.time < 5.0:
@@ -87,9 +87,9 @@ def test_failures_are_counted_once_whatever_the_chunks(monkeypatch):
 @pytest.mark.parametrize(
     ("kind", "options", "products"),
     [
-        (DiscontinuousGalerkin, {"degree": 24, "cells": 20_000}, 12 * (25 + 6)),
-        (SummationByParts, {"order": 6, "cells": 200_000}, 12 * (7 + 6)),
-        (FiniteElement, {"degree": 4, "cells": 20_000}, 12 * (5 + 6)),
+        (DiscontinuousGalerkin, {"number": 24, "cells": 20_000}, 12 * (25 + 6)),
+        (SummationByParts, {"number": 6, "cells": 200_000}, 12 * (7 + 6)),
+        (FiniteElement, {"number": 4, "cells": 20_000}, 12 * (5 + 6)),
         (Leapfrog, {"cells": 1_000_000}, 10),
     ],
 )
@@ -106,24 +106,21 @@ def test_a_big_grid_leaves_compiled_code_soon(kind, options, products, monkeypat
 @pytest.mark.parametrize(
     ("kind", "options"),
     [
-        (DiscontinuousGalerkin, {"degree": 24}),
-        (FiniteElement, {"degree": 16}),
-        (FiniteElement, {"degree": 16, "mass": "consistent"}),
+        (DiscontinuousGalerkin, {"number": 24}),
+        (FiniteElement, {"number": 16}),
+        (FiniteElement, {"number": 16, "mass": "consistent"}),
     ],
 )
 def test_a_grid_beyond_the_memory_is_refused_at_once(kind, options, monkeypatch):
     """Before more of it is built than the few cells by which it is judged."""
     built = []
-    set_up = fullwave.lines.march.MethodOfLines._set_up
+    grid_of = kind.grid_of
 
-    def watched(solver, build, sections, *rest):
-        def counted(some):
-            built.append(sum(section.cells for section in some))
-            return build(some)
+    def counted(solver, some):
+        built.append(sum(section.cells for section in some))
+        return grid_of(solver, some)
 
-        set_up(solver, counted, sections, *rest)
-
-    monkeypatch.setattr(fullwave.lines.march.MethodOfLines, "_set_up", watched)
+    monkeypatch.setattr(kind, "grid_of", counted)
     monkeypatch.setattr(fullwave.lines.march, "assemble", lambda *arguments: pytest.fail("was assembled"))
     used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with pytest.raises(SceneError, match=r"cells = 1000000: would take .* GB of memory, .* at most some \d+ fit"):
@@ -132,7 +129,7 @@ def test_a_grid_beyond_the_memory_is_refused_at_once(kind, options, monkeypatch)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - used < 100_000
 
 
-@pytest.mark.parametrize(("kind", "options"), [(DiscontinuousGalerkin, {"degree": 6}), (FiniteElement, {"degree": 3})])
+@pytest.mark.parametrize(("kind", "options"), [(DiscontinuousGalerkin, {"number": 6}), (FiniteElement, {"number": 3})])
 def test_memory_told_is_that_of_so_many_cells(kind, options, monkeypatch):
     """Of the cells that are not probed too: what 5000 take is what 3000 take and, in proportion, the 2000 between."""
     told = {}
@@ -173,9 +170,9 @@ def test_memory_that_is_not_there_is_one_line(monkeypatch):
 @pytest.mark.parametrize(
     ("kind", "options"),
     [
-        (DiscontinuousGalerkin, {"degree": 7, "cells": 5000}),
-        (FiniteElement, {"degree": 8, "cells": 3000}),
-        (SummationByParts, {"order": 6, "cells": 100_000}),
+        (DiscontinuousGalerkin, {"number": 7, "cells": 5000}),
+        (FiniteElement, {"number": 8, "cells": 3000}),
+        (SummationByParts, {"number": 6, "cells": 100_000}),
     ],
 )
 def test_the_count_is_about_what_is_taken(kind, options, monkeypatch):

@@ -20,12 +20,12 @@ from slipwave.solve.checkpoint import load, save
 FAST = slipwave.read("paper", ["drive.velocity=1e6"])  # friction's state limits the step: it says nothing of the cells
 KINDS = {
     "fd": (Leapfrog, {"cells": 16, "cfl": 0.9}),
-    "dg": (DiscontinuousGalerkin, {"degree": 7, "cells": 9}),
-    "sbp": (SummationByParts, {"order": 4, "cells": 24}),
-    "fem": (FiniteElement, {"degree": 4, "cells": 9}),
+    "dg": (DiscontinuousGalerkin, {"number": 7, "cells": 9}),
+    "sbp": (SummationByParts, {"number": 4, "cells": 24}),
+    "fem": (FiniteElement, {"number": 4, "cells": 9}),
 }
-OTHERS = [(kind, option) for kind in KINDS for option in ("cells", "cfl", "degree", "order", "mass")]
-OTHER = {"cells": 26, "cfl": 0.5, "degree": 5, "order": 6, "mass": "consistent"}
+OTHERS = [(kind, option) for kind in KINDS for option in ("cells", "cfl", "number", "mass")]
+OTHER = {"cells": 26, "cfl": 0.5, "number": 6, "mass": "consistent"}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -47,7 +47,7 @@ def test_every_other_setting_is_refused(tmp_path, kind, option):
 
 
 def test_cells_are_told_apart_where_state_and_step_are_alike(tmp_path):
-    nine, twelve = (DiscontinuousGalerkin(FAST, degree=7, cells=cells, time="explicit") for cells in (9, 12))
+    nine, twelve = (DiscontinuousGalerkin(FAST, number=7, cells=cells, time="explicit") for cells in (9, 12))
     assert nine.step == twelve.step
     assert {name: array.shape for name, array in nine.state().items()} == {n: a.shape for n, a in twelve.state().items()}
     save(tmp_path / "run.npz", nine)

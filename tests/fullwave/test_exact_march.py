@@ -34,9 +34,9 @@ SCENES = {
     "kelvin-voigt": ("paper", ['slab.viscosity={kind="kelvin-voigt", time=0.0002}']),
 }
 MEMBERS = {
-    "dg:7": (DiscontinuousGalerkin, {"degree": 7, "cells": 4}),
-    "fem:4": (FiniteElement, {"degree": 4, "cells": 6}),
-    "sbp:6": (SummationByParts, {"order": 6, "cells": 24}),
+    "dg:7": (DiscontinuousGalerkin, {"number": 7, "cells": 4}),
+    "fem:4": (FiniteElement, {"number": 4, "cells": 6}),
+    "sbp:6": (SummationByParts, {"number": 6, "cells": 24}),
 }
 
 

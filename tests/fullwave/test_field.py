@@ -187,7 +187,7 @@ def test_a_scene_with_units_has_them_in_its_files(tmp_path):
     """V* = 2.7 um/s, sigma = 5 MPa; the time from L/V* = 3.7 s."""
     units = Units(1e-5, 2.7e-6, 5e6)
     chosen = dataclasses.replace(slipwave.read("paper"), units=units)
-    field, _ = record_field(DiscontinuousGalerkin(chosen, degree=3, cells=2), 0.0, 1.0)
+    field, _ = record_field(DiscontinuousGalerkin(chosen, number=3, cells=2), 0.0, 1.0)
     sizes = {"time_s": chosen.upper.round_trip * 1e-5 / 2.7e-6, "velocity_m_per_s": 2.7e-6, "stress_Pa": 5e6}
     mesh, seen = sheet(field), field.dataset()
     plain = {"time_s": mesh.points[:, 0], "velocity_m_per_s": mesh.point_data["velocity"], "stress_Pa": mesh.point_data["stress"]}
@@ -251,7 +251,7 @@ def test_picture_of_one_event(tmp_path):
 
 @pytest.mark.parametrize("interval", [1 / 16, 1 / 128])
 def test_steps_that_are_exact_in_time_are_divided_as_finely_as_asked(interval):
-    solver = DiscontinuousGalerkin(SCENES["unlike"], degree=5, cells=2, time="exact")
+    solver = DiscontinuousGalerkin(SCENES["unlike"], number=5, cells=2, time="exact")
     field, _ = record_field(solver, 10.0, 13.0, interval)
     assert np.diff(field.time).max() < 1.001 * interval
     assert solver.step > 8.0 * interval
@@ -260,14 +260,14 @@ def test_steps_that_are_exact_in_time_are_divided_as_finely_as_asked(interval):
 def test_frames_lie_closer_than_the_pieces_of_a_march_of_high_order():
     """Eight steps of order 8 are half a transit: the record has every step, and the run is the same to the bit."""
     chosen = SCENES["unlike"]
-    solver, plain = (DiscontinuousGalerkin(chosen, degree=5, cells=2, time="explicit") for _ in range(2))
+    solver, plain = (DiscontinuousGalerkin(chosen, number=5, cells=2, time="explicit") for _ in range(2))
     field, final = record_field(solver, 10.0, 13.0)
     assert np.diff(field.time).max() < 1.001 * max(solver.step, 1 / 32)
     assert follow(plain, 13.0) == final
     assert field.time[-1] == plain.time
     assert np.array_equal(field.upper.velocity[-1], plain.snapshot().upper.velocity)
     # its pieces end where the record has frames in the midst of pieces
-    other = DiscontinuousGalerkin(chosen, degree=5, cells=2, cfl=0.25 * solver.cfl)
+    other = DiscontinuousGalerkin(chosen, number=5, cells=2, cfl=0.25 * solver.cfl)
     follow(other, 10.9)
     at = np.argmin(np.abs(field.time - other.time))
     assert field.time[at] == pytest.approx(other.time, abs=1e-9)

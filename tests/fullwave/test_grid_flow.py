@@ -28,7 +28,7 @@ SCENES = {
 
 def moving(name, period=4.0):
     """The flow over `period` and the state of a run, moved a little in every direction."""
-    solver = DiscontinuousGalerkin(slipwave.read(*SCENES[name]), degree=7, cells=2, time="exact")
+    solver = DiscontinuousGalerkin(slipwave.read(*SCENES[name]), number=7, cells=2, time="exact")
     follow(solver, 20.0)
     flow, state = solver.flow(period, 1e-10)
     state = state + 1e-4 * np.sin(np.arange(1, state.size + 1))
@@ -47,9 +47,9 @@ def test_the_tangent_is_the_derivative_of_the_march(name):
 
 
 MEMBERS = {
-    "dg:5": lambda scene: DiscontinuousGalerkin(scene, degree=5, cells=3, time="exact", resolution=1e-11),
-    "sbp:4": lambda scene: SummationByParts(scene, order=4, cells=12, time="exact", resolution=1e-11),
-    "fem:4": lambda scene: FiniteElement(scene, degree=4, cells=3, time="exact", resolution=1e-11),
+    "dg:5": lambda scene: DiscontinuousGalerkin(scene, number=5, cells=3, time="exact", resolution=1e-11),
+    "sbp:4": lambda scene: SummationByParts(scene, number=4, cells=12, time="exact", resolution=1e-11),
+    "fem:4": lambda scene: FiniteElement(scene, number=4, cells=3, time="exact", resolution=1e-11),
 }
 
 
@@ -70,7 +70,7 @@ def test_another_scene_has_the_same_mesh_and_states():
     """A state is in units of stress, so that it is the same for another impedance."""
     flow, state = moving("alike")
     other = slipwave.read("paper", ["slab.epsilon=2.2e-3", "slab.log10_r=-2.6", "interface.a=0.036"])
-    direct = DiscontinuousGalerkin(other, degree=7, cells=2, time="exact").flow(4.0, 1e-11)[0]
+    direct = DiscontinuousGalerkin(other, number=7, cells=2, time="exact").flow(4.0, 1e-11)[0]
     direct, _ = direct.remeshed(direct.march(direct.steady, 4.0)._replace(start=state), 1.0)
     assert largest(flow.of(other).march(state, 4.0).end - direct.march(state, 4.0).end) < 1e-9
 
@@ -79,7 +79,7 @@ def test_another_scene_has_the_same_mesh_and_states():
 def orbit():
     """The full wave's own orbit of the paper's scene, on two meshes, and the multipliers of the first."""
     scene = slipwave.read("paper")
-    solver = DiscontinuousGalerkin(scene, degree=7, cells=4, time="exact")
+    solver = DiscontinuousGalerkin(scene, number=7, cells=4, time="exact")
     observer = EventObserver(scene, solver.nodes)
     follow(solver, 2000.0, [observer])
     flow, state = solver.flow(float(observer.events(1000.0).period[-1]), 1e-9)
@@ -102,6 +102,6 @@ def test_its_multipliers_are_those_of_the_delay_system(orbit):
 
 
 def test_an_explicit_march_has_no_flow():
-    solver = DiscontinuousGalerkin(slipwave.read("paper"), degree=5, cells=2, time="explicit")
+    solver = DiscontinuousGalerkin(slipwave.read("paper"), number=5, cells=2, time="explicit")
     with pytest.raises(SceneError, match="needs time = exact"):
         solver.flow(70.0, 1e-9)

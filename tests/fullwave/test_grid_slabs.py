@@ -99,9 +99,9 @@ def test_a_motion_too_fast_for_every_step_is_refused(monkeypatch: pytest.MonkeyP
 @pytest.mark.parametrize(
     ("kind", "options"),
     [
-        (DiscontinuousGalerkin, {"degree": 7, "cells": 10_000}),
-        (FiniteElement, {"degree": 4, "cells": 600}),
-        (SummationByParts, {"order": 6, "cells": 80_000}),
+        (DiscontinuousGalerkin, {"number": 7, "cells": 10_000}),
+        (FiniteElement, {"number": 4, "cells": 600}),
+        (SummationByParts, {"number": 6, "cells": 80_000}),
     ],
 )
 def test_too_many_unknowns_are_refused_before_any_matrix(kind, options, monkeypatch: pytest.MonkeyPatch) -> None:

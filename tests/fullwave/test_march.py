@@ -23,9 +23,9 @@ from slipwave.solve import follow
 
 PAPER = slipwave.read("paper")
 FINE = {
-    "dg": (DiscontinuousGalerkin, {"degree": 7, "cells": 6}),
-    "fem": (FiniteElement, {"degree": 7, "cells": 6}),
-    "sbp": (SummationByParts, {"order": 6, "cells": 96}),
+    "dg": (DiscontinuousGalerkin, {"number": 7, "cells": 6}),
+    "fem": (FiniteElement, {"number": 7, "cells": 6}),
+    "sbp": (SummationByParts, {"number": 6, "cells": 96}),
 }
 SMOOTH = [name for name in SCENES if name not in ("everything", "stiff-grip")]
 
@@ -40,7 +40,7 @@ def test_families_agree_on_every_scene(name):
 
 def test_final_psi_of_the_race_to_ten_digits():
     """psi(600) of the paper's scene at log10 r = -2.6, as three programs for the delay system give it."""
-    solver = DiscontinuousGalerkin(slipwave.read("paper", ["slab.log10_r=-2.6"]), degree=7, cells=8)
+    solver = DiscontinuousGalerkin(slipwave.read("paper", ["slab.log10_r=-2.6"]), number=7, cells=8)
     assert follow(solver, 600.0).psi == pytest.approx(-2.81740188949, abs=2e-11)
 
 
@@ -64,15 +64,15 @@ def test_restore_refuses_another_solver():
 @pytest.mark.parametrize(
     ("kind", "options", "message"),
     [
-        (DiscontinuousGalerkin, {"degree": 0}, "degree = 0: must be a whole number from 1 to 24"),
+        (DiscontinuousGalerkin, {"number": 0}, "degree = 0: must be a whole number from 1 to 24"),
         (DiscontinuousGalerkin, {"cells": 0}, "cells = 0: must be a whole number from 1"),
         (DiscontinuousGalerkin, {"cfl": 1.5}, r"cfl = 1.5: must lie in \(0, 1\]"),
         (DiscontinuousGalerkin, {"cfl": True}, r"cfl = True: must lie in \(0, 1\]"),
         (DiscontinuousGalerkin, {"cfl": AnyShare(-1.5)}, r"cfl = -1.5: must lie in \(0, 1\]"),
         (FiniteElement, {"mass": "heavy"}, "mass = 'heavy': must be one of lumped, consistent"),
-        (FiniteElement, {"degree": 2.0}, "degree = 2.0: must be a whole number"),
-        (SummationByParts, {"order": 3}, "order = 3: must be one of 2, 4, 6"),
-        (SummationByParts, {"order": 6, "cells": 9}, "cells = 9: must be a whole number from 16"),
+        (FiniteElement, {"number": 2.0}, "degree = 2.0: must be a whole number"),
+        (SummationByParts, {"number": 3}, "order = 3: must be one of 2, 4, 6"),
+        (SummationByParts, {"number": 6, "cells": 9}, "cells = 9: must be a whole number from 16"),
     ],
 )
 def test_wrong_options_are_refused_by_name(kind, options, message):
@@ -88,7 +88,7 @@ def test_consistent_mass_refuses_kelvin_voigt_and_says_who_can():
 def test_state_too_fast_for_the_step_is_reported_in_one_line():
     """r V so large that explicit steps of psi would run away: never in silence."""
     fast = dataclasses.replace(PAPER, upper=Slab(2.8e-5, 10.0), lower=Slab(2.8e-5, 10.0))
-    solver = DiscontinuousGalerkin(fast, degree=3, cells=2, cfl=AnyShare(15.0))
+    solver = DiscontinuousGalerkin(fast, number=3, cells=2, cfl=AnyShare(15.0))
     with pytest.raises(NumericsError, match=r"dg:3: before t = .* state relaxes at .* per transit, too fast for steps of"):
         follow(solver, 50.0)
 
@@ -109,7 +109,7 @@ def test_ledger_residual_falls_at_the_order_of_the_scheme():
     chosen = slipwave.read("paper", ["slab.log10_r=-2.2"])
     residuals = []
     for cells in (16, 24, 32):
-        solver = SummationByParts(chosen, order=4, cells=cells, time="explicit")
+        solver = SummationByParts(chosen, number=4, cells=cells, time="explicit")
         follow(solver, 60.0)
         residuals.append(abs(solver.energy().residual))
     assert np.log(residuals[0] / residuals[2]) / np.log(2.0) > 6.0  # measured: 7.06
@@ -132,7 +132,7 @@ def test_jump_start_converges_without_growth(family):
 
 
 def test_snapshot_of_alike_slabs_is_antisymmetric_and_meets_at_the_interface():
-    solver = DiscontinuousGalerkin(PAPER, degree=5, cells=4)
+    solver = DiscontinuousGalerkin(PAPER, number=5, cells=4)
     final = follow(solver, 20.0)
     shot = solver.snapshot()
     assert shot.upper.depth[0] == 0.0

@@ -60,7 +60,7 @@ def test_a_ramp_with_knots_anywhere_converges():
     best = outputs(Delay(ramp, tolerance=1e-12))
     for tolerance in (1e-8, 1e-10):
         assert outputs(Delay(ramp, tolerance=tolerance)) == pytest.approx(best, abs=30 * tolerance)
-    assert outputs(DiscontinuousGalerkin(ramp, degree=7, cells=40, time="explicit")) == pytest.approx(best, abs=3e-8)
+    assert outputs(DiscontinuousGalerkin(ramp, number=7, cells=40, time="explicit")) == pytest.approx(best, abs=3e-8)
 
 
 @pytest.mark.parametrize("name", ["unlike", "grip"])
@@ -69,7 +69,7 @@ def test_a_ramp_of_other_slabs_is_followed_along_its_kinks(name):
     solver = delay_system(ramp, tolerance=1e-9)
     assert isinstance(solver, DelayBreaks)
     final = follow(solver, 80.0)
-    witness = follow(DiscontinuousGalerkin(ramp, degree=7, cells=24, time="explicit"), 80.0)
+    witness = follow(DiscontinuousGalerkin(ramp, number=7, cells=24, time="explicit"), 80.0)
     assert final.psi == pytest.approx(witness.psi, abs=3e-9)
     assert final.ln_v == pytest.approx(witness.ln_v, abs=3e-9)
 

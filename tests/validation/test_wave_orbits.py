@@ -35,9 +35,9 @@ def closed_orbit(solver):
 @pytest.mark.parametrize(
     ("make", "grids", "order", "finest"),
     [
-        (partial(SummationByParts, order=6), (16, 24, 32, 40), 6, 5.2e-8),
-        (partial(FiniteElement, degree=4), (4, 5, 6, 8), 8, 1.8e-9),
-        (partial(DiscontinuousGalerkin, degree=3), (4, 6, 8, 12), 7, 3.1e-7),
+        (partial(SummationByParts, number=6), (16, 24, 32, 40), 6, 5.2e-8),
+        (partial(FiniteElement, number=4), (4, 5, 6, 8), 8, 1.8e-9),
+        (partial(DiscontinuousGalerkin, number=3), (4, 6, 8, 12), 7, 3.1e-7),
     ],
     ids=["sbp:6", "fem:4", "dg:3"],
 )
@@ -51,7 +51,7 @@ def test_the_period_converges(make, grids, order, finest):
 
 def test_three_large_elements_give_ten_digits():
     """Measured: 4e-11 in the period, 8e-10 in the drop."""
-    orbit = closed_orbit(DiscontinuousGalerkin(read("paper"), degree=7, cells=3, time="exact"))
+    orbit = closed_orbit(DiscontinuousGalerkin(read("paper"), number=7, cells=3, time="exact"))
     assert orbit.cycle.period == pytest.approx(PERIOD, abs=2e-10)
     assert figures(orbit.flow.scene.law, orbit.cycle, orbit.flow.nodes)["stress_drop"] == pytest.approx(DROP, abs=3e-9)
 
@@ -60,7 +60,7 @@ def test_the_orbit_of_unlike_slabs_is_that_of_the_delay_system():
     """Whose round trips are 1 : 2. Measured: 1e-14 in the period, 2e-11 in v."""
     scene = read("unlike")
     expected = periodic_orbit(*approach(DelayNetwork(scene, tolerance=1e-6), delay.frozen)[:3], 1e-10)
-    orbit = closed_orbit(DiscontinuousGalerkin(scene, degree=7, cells=3, time="exact"))
+    orbit = closed_orbit(DiscontinuousGalerkin(scene, number=7, cells=3, time="exact"))
     found = figures(scene.law, orbit.cycle, orbit.flow.nodes)
     for name, value in found.items():
         assert value == pytest.approx(getattr(expected.orbit, name).value, rel=1e-9), name

@@ -24,10 +24,10 @@ HOP = 0.25
 """Travel time of a layer: after every hop all pulses are in the middle of a layer."""
 
 FAMILIES = {
-    "dg:7": partial(DiscontinuousGalerkin, degree=7, cells=16, time="explicit"),
-    "fem:6": partial(FiniteElement, degree=6, cells=24, time="explicit"),
-    "fem:5 consistent": partial(FiniteElement, degree=5, cells=36, mass="consistent", time="explicit"),
-    "sbp:6": partial(SummationByParts, order=6, cells=192, time="explicit"),
+    "dg:7": partial(DiscontinuousGalerkin, number=7, cells=16, time="explicit"),
+    "fem:6": partial(FiniteElement, number=6, cells=24, time="explicit"),
+    "fem:5 consistent": partial(FiniteElement, number=5, cells=36, mass="consistent", time="explicit"),
+    "sbp:6": partial(SummationByParts, number=6, cells=192, time="explicit"),
 }
 
 
@@ -70,5 +70,5 @@ def test_echo_train(family):
 @pytest.mark.parametrize("cells", [12, 24, 48])
 def test_a_jump_of_impedance_costs_no_accuracy(cells):
     """The error is that of as long a way through a uniform slab, coarse or fine."""
-    jumped, plain = (echo_error(partial(DiscontinuousGalerkin, degree=4, cells=cells, time="explicit"), k) for k in (RATIO, 1.0))
+    jumped, plain = (echo_error(partial(DiscontinuousGalerkin, number=4, cells=cells, time="explicit"), k) for k in (RATIO, 1.0))
     assert jumped < 1.5 * plain

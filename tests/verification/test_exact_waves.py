@@ -13,12 +13,12 @@ from fullwave.summation_by_parts import SummationByParts
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
 
 FAMILIES = {
-    "dg:7": partial(DiscontinuousGalerkin, degree=7, cells=16, time="explicit"),
-    "dg:3": partial(DiscontinuousGalerkin, degree=3, cells=64, time="explicit"),
-    "fem:5": partial(FiniteElement, degree=5, cells=32, time="explicit"),
-    "fem:2 consistent": partial(FiniteElement, degree=2, cells=128, mass="consistent", time="explicit"),
-    "sbp:6": partial(SummationByParts, order=6, cells=192, time="explicit"),
-    "sbp:4": partial(SummationByParts, order=4, cells=256, time="explicit"),
+    "dg:7": partial(DiscontinuousGalerkin, number=7, cells=16, time="explicit"),
+    "dg:3": partial(DiscontinuousGalerkin, number=3, cells=64, time="explicit"),
+    "fem:5": partial(FiniteElement, number=5, cells=32, time="explicit"),
+    "fem:2 consistent": partial(FiniteElement, number=2, cells=128, mass="consistent", time="explicit"),
+    "sbp:6": partial(SummationByParts, number=6, cells=192, time="explicit"),
+    "sbp:4": partial(SummationByParts, number=4, cells=256, time="explicit"),
 }
 EVERY = pytest.mark.parametrize("family", FAMILIES)
 VISCOSITIES = [KelvinVoigtViscosity(0.003 * SLAB.round_trip), StandardLinearViscosity(0.3 * SLAB.round_trip, 0.5)]

@@ -24,10 +24,10 @@ from slipwave.solve import follow
 JUMP = dataclasses.replace(slipwave.read("paper"), start=Start(StartKind.JUMP, 0.05))
 EARLY, LATE = np.arange(40.25, 60.0), np.arange(400.25, 420.0)
 FAMILIES = {
-    "dg:3": (partial(DiscontinuousGalerkin, degree=3), (16, 24, 32, 48, 64), 7 / 8),
-    "dg:7": (partial(DiscontinuousGalerkin, degree=7), (6, 8, 12, 16, 24), 15 / 16),
-    "fem:4": (partial(FiniteElement, degree=4), (8, 12, 16, 24, 32, 48), 0.8),
-    "sbp:6": (partial(SummationByParts, order=6), (32, 48, 64, 96, 128, 192), 0.9),
+    "dg:3": (partial(DiscontinuousGalerkin, number=3), (16, 24, 32, 48, 64), 7 / 8),
+    "dg:7": (partial(DiscontinuousGalerkin, number=7), (6, 8, 12, 16, 24), 15 / 16),
+    "fem:4": (partial(FiniteElement, number=4), (8, 12, 16, 24, 32, 48), 0.8),
+    "sbp:6": (partial(SummationByParts, number=6), (32, 48, 64, 96, 128, 192), 0.9),
 }
 
 

@@ -41,7 +41,7 @@ def test_two_discretisations_agree_to_ten_digits(name):
     upper, lower = (dataclasses.replace(PAPER.upper, **changes) for changes in (SLABS[name][0], SLABS[name][-1]))
     chosen = dataclasses.replace(PAPER, upper=upper, lower=lower)
     coarse, fine = (follow(Leapfrog(chosen, cells, 0.9), 60.0) for cells in (320, 640))
-    witness = follow(DiscontinuousGalerkin(chosen, degree=7, cells=8, time="explicit"), 60.0)
+    witness = follow(DiscontinuousGalerkin(chosen, number=7, cells=8, time="explicit"), 60.0)
     for quantity in ("psi", "ln_v", "mu"):
         ours = extrapolated(getattr(coarse, quantity), getattr(fine, quantity), 2)
         assert ours == pytest.approx(getattr(witness, quantity), abs=2e-10), quantity

@@ -24,10 +24,10 @@ STRESS_DROP, ELASTIC_DROP, V_MAX, V_MIN = 0.173963413156, 0.154737486111, 4412.3
 @pytest.mark.parametrize(
     ("kind", "options", "of_period", "of_drops", "of_rates"),
     [
-        (DiscontinuousGalerkin, {"degree": 7, "cells": 6, "time": "explicit"}, 1e-11, 1e-11, 2e-11),
-        (DiscontinuousGalerkin, {"degree": 7, "cells": 6, "time": "exact"}, 1e-12, 1e-11, 2e-11),
-        (FiniteElement, {"degree": 7, "cells": 6, "time": "explicit"}, 1e-10, 5e-10, 2e-8),
-        (SummationByParts, {"order": 6, "cells": 48, "time": "explicit"}, 1e-8, 2e-6, 1e-6),
+        (DiscontinuousGalerkin, {"number": 7, "cells": 6, "time": "explicit"}, 1e-11, 1e-11, 2e-11),
+        (DiscontinuousGalerkin, {"number": 7, "cells": 6, "time": "exact"}, 1e-12, 1e-11, 2e-11),
+        (FiniteElement, {"number": 7, "cells": 6, "time": "explicit"}, 1e-10, 5e-10, 2e-8),
+        (SummationByParts, {"number": 6, "cells": 48, "time": "explicit"}, 1e-8, 2e-6, 1e-6),
     ],
     ids=["dg", "dg exact", "fem", "sbp"],
 )
@@ -80,7 +80,7 @@ SCENES = {
 def test_final_state_agrees_with_the_delay_system(name):
     """Measured: 7e-13 in psi and ln v, 2e-14 in mu."""
     exact = follow(delay_system(SCENES[name], tolerance=1e-11), 150.0)
-    final = follow(DiscontinuousGalerkin(SCENES[name], degree=9, cells=6, time="explicit"), 150.0)
+    final = follow(DiscontinuousGalerkin(SCENES[name], number=9, cells=6, time="explicit"), 150.0)
     assert final.psi == pytest.approx(exact.psi, abs=1e-11)
     assert final.ln_v == pytest.approx(exact.ln_v, abs=1e-11)
     assert final.mu == pytest.approx(exact.mu, abs=4e-13)
