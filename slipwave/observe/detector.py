@@ -18,44 +18,50 @@ from slipwave.observe.swings import BEGIN, COLUMNS, DATE, DIRECTION, END, RECORD
 _FLAT = 1e-14  # relative; a smaller change of y within a piece is rounding
 
 
-class DetectorMemory(NamedTuple):
-    """The running swing; the memory of `rise` and the pieces that it keeps; y at the end of the latest piece (shape (1,), NaN
-    before the first piece); `scratch` (2, nodes)."""
+class Detector(NamedTuple):
+    """The `law`, the `basis` of the pieces and the `floor` below which a fall is none; the `running` swing; the memory of `rise`
+    and the pieces that are `kept` for it; y at the end of the `last` piece (shape (1,), NaN before the first piece); `scratch`
+    (2, nodes); the complete `swings`, of which the first `filled` (shape (1,)) are there."""
 
+    law: Law
+    basis: Basis
+    floor: float
     running: Array
     rise: Array
     kept: Array
     last: Array
     scratch: Array
+    swings: Array
+    filled: Array
 
 
-def empty_memory(nodes: int) -> DetectorMemory:
-    """Memory before the first piece, for pieces with `nodes` nodes each."""
-    return DetectorMemory(np.zeros(COLUMNS), np.zeros(SLOTS), room_for_rise(nodes), np.full(1, np.nan), np.empty((2, nodes)))
+def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> Detector:
+    """A detector before the first piece, with room for so many `swings`."""
+    n = basis.nodes.size
+    memory = np.zeros(COLUMNS), np.zeros(SLOTS), room_for_rise(n), np.full(1, np.nan), np.empty((2, n))
+    return Detector(law, basis, floor, *memory, np.empty((swings, COLUMNS)), np.zeros(1))
 
 
 @njit
-def scan(
-    law: Law, pieces: Pieces, first: int, basis: Basis, floor: float, memory: DetectorMemory, swings: Array, count: int
-) -> tuple[int, int]:
-    """Read the pieces from number `first` on and append completed swings; returns (next piece, number of swings). It stops early
-    if `swings` has no room for all swings that one more piece may complete."""
-    n, scratch = basis.nodes.size, memory.scratch
-    y, z, mu, running, last = pieces.y, pieces.z, pieces.mu, memory.running, memory.last
+def scan(pieces: Pieces, first: int, found: Detector) -> int:
+    """Read the pieces from number `first` on and append completed swings; returns the next piece. It stops early if there is no
+    room for all swings that one more piece may complete."""
+    y, z, mu, running, last = pieces.y, pieces.z, pieces.mu, found.running, found.last
+    nodes = found.basis.nodes
+    n = nodes.size
     for k in range(first, pieces.time.size):
-        if count + n + 1 > swings.shape[0]:
-            return k, count
+        if found.filled[0] + n + 1 > found.swings.shape[0]:
+            return k
         if math.isnan(last[0]):
-            last[0] = evaluate(basis, y[k], 0.0)
-            _begin(pieces, k, basis, 0.0, 1.0 if y[k, n - 1] >= last[0] else -1.0, memory)
-        begin, turns = 0.0, _turns(basis.derivative, y, k, running[DIRECTION], last[0])
+            last[0] = evaluate(found.basis, y[k], 0.0)
+            _begin(pieces, k, 0.0, 1.0 if y[k, n - 1] >= last[0] else -1.0, found)
+        turns = _turns(found.basis.derivative, y, k, running[DIRECTION], last[0])
         if turns or running[DIRECTION] < 0.0 or _near(z, k, running, RECORDS) or _near(mu, k, running, RECORDS + 2):
-            if turns:
-                begin, count = _split(law, pieces, k, basis, scratch, floor, memory, swings, count)
-            _take(law, pieces, k, basis, scratch[1], begin, basis.nodes[n - 1], memory)
+            begin = _split(pieces, k, found) if turns else 0.0
+            _take(pieces, k, begin, nodes[n - 1], found)
         last[0] = running[END] = y[k, n - 1]
-    _date(basis, memory)
-    return pieces.time.size, count
+    _date(found)
+    return pieces.time.size
 
 
 @inlined
@@ -80,88 +86,73 @@ def _near(values: Array, k: int, running: Array, slot: int) -> bool:
 
 
 @inlined
-def _split(
-    law: Law,
-    pieces: Pieces,
-    k: int,
-    basis: Basis,
-    scratch: Array,
-    floor: float,
-    memory: DetectorMemory,
-    swings: Array,
-    count: int,
-) -> tuple[float, int]:
-    """Complete the swings that end in piece k; returns (point where the running one begins, number of swings)."""
-    y, slopes = pieces.y[k], scratch[0]
+def _split(pieces: Pieces, k: int, found: Detector) -> float:
+    """Complete the swings that end in piece k; returns the point where the running one begins."""
+    y, slopes, basis, running = pieces.y[k], found.scratch[0], found.basis, found.running
     bottom, top = bounds(y)
     if top - bottom <= _FLAT * abs(y[0]):
-        if memory.running[DIRECTION] * (y[y.size - 1] - memory.last[0]) < 0.0:
-            count = _turn(pieces, k, basis, 0.0, floor, memory, swings, count)
-        return 0.0, count
+        if running[DIRECTION] * (y[y.size - 1] - found.last[0]) < 0.0:
+            _turn(pieces, k, 0.0, found)
+        return 0.0
     differentiate(basis, y, slopes)
     begin, left, slope = 0.0, 0.0, evaluate(basis, slopes, 0.0)
     for j in range(y.size):
-        direction = memory.running[DIRECTION]
+        direction = running[DIRECTION]
         if direction * slopes[j] < 0.0:
             point = find_root(basis, slopes, 0.0, left, basis.nodes[j]) if direction * slope > 0.0 else left
             if point > begin:
-                _take(law, pieces, k, basis, scratch[1], begin, point, memory)
-            count = _turn(pieces, k, basis, point, floor, memory, swings, count)
+                _take(pieces, k, begin, point, found)
+            _turn(pieces, k, point, found)
             begin = point
         left, slope = basis.nodes[j], slopes[j]
-    return begin, count
+    return begin
 
 
 @njit
-def _turn(
-    pieces: Pieces, k: int, basis: Basis, point: float, floor: float, memory: DetectorMemory, swings: Array, count: int
-) -> int:
-    """End the running swing at `point` of piece k and begin the next one; returns how many completed swings are left."""
-    running = memory.running
-    running[END] = evaluate(basis, pieces.y[k], point)
-    _date(basis, memory)
+def _turn(pieces: Pieces, k: int, point: float, found: Detector) -> None:
+    """End the running swing at `point` of piece k and begin the next one."""
+    running, count = found.running, int(found.filled[0])
+    running[END] = evaluate(found.basis, pieces.y[k], point)
+    _date(found)
     for column in range(COLUMNS):
-        swings[count, column] = running[column]
-    count = thin(swings, count + 1, floor)
-    _begin(pieces, k, basis, point, -running[DIRECTION], memory)
-    return count
+        found.swings[count, column] = running[column]
+    found.filled[0] = thin(found.swings, count + 1, found.floor)
+    _begin(pieces, k, point, -running[DIRECTION], found)
 
 
 @njit
-def _date(basis: Basis, memory: DetectorMemory) -> None:
+def _date(found: Detector) -> None:
     """Set the date of the running swing, if it is a fall and v has just risen to a new maximum."""
-    if memory.running[DIRECTION] < 0.0 and memory.rise[RISING] > 0.0:
-        memory.running[DATE] = date_rise(basis, memory.rise, memory.kept)
+    if found.running[DIRECTION] < 0.0 and found.rise[RISING] > 0.0:
+        found.running[DATE] = date_rise(found.basis, found.rise, found.kept)
 
 
 @njit
-def _begin(pieces: Pieces, k: int, basis: Basis, point: float, direction: float, memory: DetectorMemory) -> None:
+def _begin(pieces: Pieces, k: int, point: float, direction: float, found: Detector) -> None:
     """Begin a swing in `direction` (1 up, -1 down) at `point` of piece k."""
-    running = memory.running
+    running = found.running
     running[DIRECTION] = direction
-    running[BEGIN] = running[END] = evaluate(basis, pieces.y[k], point)
+    running[BEGIN] = running[END] = evaluate(found.basis, pieces.y[k], point)
     running[DATE] = math.nan
     for slot in range(RECORDS, COLUMNS):
         running[slot] = -math.inf
     if direction < 0.0:
-        begin_rise(memory.rise, pieces.time[k] + pieces.length[k] * point)
+        begin_rise(found.rise, pieces.time[k] + pieces.length[k] * point)
 
 
 @njit
-def _take(
-    law: Law, pieces: Pieces, k: int, basis: Basis, scratch: Array, begin: float, end: float, memory: DetectorMemory
-) -> None:
+def _take(pieces: Pieces, k: int, begin: float, end: float, found: Detector) -> None:
     """Update the running swing's records with the part [begin, end] of piece k and, in a fall, follow the rise of v."""
-    running, z = memory.running, pieces.z[k]
+    basis, running, z, slopes = found.basis, found.running, pieces.z[k], found.scratch[1]
     highest = running[RECORDS]
     if begin == 0.0 and end == basis.nodes[basis.nodes.size - 1] and highest > -math.inf:
-        raise_record(basis, z, scratch, running, RECORDS)
-        raise_record(basis, pieces.mu[k], scratch, running, RECORDS + 2)
+        raise_record(basis, z, slopes, running, RECORDS)
+        raise_record(basis, pieces.mu[k], slopes, running, RECORDS + 2)
     else:
-        raise_record_within(basis, z, scratch, running, RECORDS, begin, end)
-        raise_record_within(basis, pieces.mu[k], scratch, running, RECORDS + 2, begin, end)
+        raise_record_within(basis, z, slopes, running, RECORDS, begin, end)
+        raise_record_within(basis, pieces.mu[k], slopes, running, RECORDS + 2, begin, end)
     if running[DIRECTION] < 0.0:
         raised = running[RECORDS] > highest
-        if not raised and memory.rise[RISING] > 0.0:
-            running[DATE] = date_rise(basis, memory.rise, memory.kept)
-        follow_rise(law, pieces.time[k], pieces.length[k], z, running[RECORDS], raised, memory.rise, memory.kept)
+        if not raised:
+            _date(found)
+        follow_rise(found.law, pieces.time[k], pieces.length[k], z, running[RECORDS], raised, found.rise, found.kept)

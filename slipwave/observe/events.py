@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from slipwave.friction import rate_of, respond, unknown_of
-from slipwave.observe.detector import empty_memory, scan
-from slipwave.observe.pieces import Array, Pieces, lagrange_basis
+from slipwave.observe.detector import new_detector, scan
+from slipwave.observe.pieces import Array, Pieces, empty_pieces, lagrange_basis
 from slipwave.observe.rise import KEPT, MOST_ROOM, room_for_rise
 from slipwave.observe.swings import BEGIN, COLUMNS, DATE, END, RECORDS, Judged, judge
 from slipwave.scene import Scene
@@ -49,31 +49,25 @@ class EventObserver:
     whole_from = math.inf
 
     def __init__(self, scene: Scene, nodes: Array) -> None:
-        self._law = scene.law
-        self._basis = lagrange_basis(nodes)
         by_rate = abs(respond(scene.law, unknown_of(scene.law, scene.velocity), scene.steady_psi)[3])
-        self._floor = _QUIET_RATE * by_rate + _QUIET_STRESS * abs(scene.steady_stress)
-        self._memory = empty_memory(nodes.size)
-        self._swings = np.empty((_FIRST_ROOM + nodes.size, COLUMNS))
-        self._count = 0
-        none = np.empty((0, nodes.size))
-        self.scan(Pieces(none[:, 0].copy(), none[:, 0].copy(), none, none, none, none))  # loads the detector outside timed runs
+        floor = _QUIET_RATE * by_rate + _QUIET_STRESS * abs(scene.steady_stress)
+        self._found = new_detector(scene.law, lagrange_basis(nodes), floor, _FIRST_ROOM + nodes.size)
+        self.scan(empty_pieces(0, nodes.size))  # loads the detector outside timed runs
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
         self._make_room(pieces.time.size)
-        done = 0
-        while True:
-            done, self._count = scan(self._law, pieces, done, self._basis, self._floor, self._memory, self._swings, self._count)
-            if done == pieces.time.size:
-                return
-            self._swings = np.concatenate((self._swings, np.empty_like(self._swings)))
+        done = scan(pieces, 0, self._found)
+        while done < pieces.time.size:
+            swings = self._found.swings
+            self._found = self._found._replace(swings=np.concatenate((swings, np.empty_like(swings))))
+            done = scan(pieces, done, self._found)
 
     def _make_room(self, more: int) -> None:
         """Make room for a rise that lasts through all of the next `more` pieces."""
-        used, room = int(self._memory.rise[KEPT]), len(self._memory.kept)
-        if used + more > room and room < MOST_ROOM:
-            self._memory = self._memory._replace(kept=room_for_rise(self._basis.nodes.size, self._memory.kept[:used], more))
+        used, kept = int(self._found.rise[KEPT]), self._found.kept
+        if used + more > len(kept) and len(kept) < MOST_ROOM:
+            self._found = self._found._replace(kept=room_for_rise(self._found.basis.nodes.size, kept[:used], more))
 
     def dates(self, after: float = -np.inf) -> Array:
         """Dates (transits) of the slip events from `after` on, in the window from there to now; shape (events,)."""
@@ -87,9 +81,9 @@ class EventObserver:
 
     def judge(self, after: float = -np.inf) -> Judged:
         """The falls that are slip events of the window from `after` (transits) to now, with their prominence."""
-        begun = not np.isnan(self._memory.last[0])
-        running = self._memory.running[None, :] if begun else np.empty((0, COLUMNS))
-        return judge(np.concatenate((self._swings[: self._count], running)), self._floor, after)
+        found = self._found
+        running = np.empty((0, COLUMNS)) if np.isnan(found.last[0]) else found.running[None, :]
+        return judge(np.concatenate((found.swings[: int(found.filled[0])], running)), found.floor, after)
 
     def events(self, after: float = -np.inf) -> Events:
         """Complete cycles that begin at or after `after` (transits), in the window from there to now."""
@@ -103,19 +97,20 @@ class EventObserver:
         highest = np.maximum.reduceat(inner[:, [BEGIN, END]].max(axis=1), begins)
         lowest = np.minimum.reduceat(inner[:, [BEGIN, END]].min(axis=1), begins)
         records = np.maximum.reduceat(inner[:, RECORDS:], begins, axis=0)
-        v_max, v_min = (np.array([rate_of(self._law, z) for z in column]) for column in (records[:, 0], -records[:, 1]))
+        v_max, v_min = (np.array([rate_of(self._found.law, z) for z in column]) for column in (records[:, 0], -records[:, 1]))
         return Events(dates[:-1], np.diff(dates), records[:, 2] + records[:, 3], highest - lowest, v_max, v_min)
 
     def state(self) -> dict[str, Array]:
         """The whole memory, as arrays, for a checkpoint."""
-        running, rise, kept, last, _ = self._memory
-        memory = np.concatenate((running, rise, last))
-        return {"memory": memory, "rise": kept[: int(rise[KEPT])].copy(), "swings": self._swings[: self._count].copy()}
+        found = self._found
+        memory, kept = np.concatenate((found.running, found.rise, found.last)), found.kept[: int(found.rise[KEPT])].copy()
+        return {"memory": memory, "rise": kept, "swings": found.swings[: int(found.filled[0])].copy()}
 
     def restore(self, state: dict[str, Array]) -> None:
         """Continue from what `state` returned."""
-        running, rise, _, last, _ = self._memory
-        running[:], rise[:], last[:] = np.split(state["memory"], [running.size, running.size + rise.size])
-        self._memory = self._memory._replace(kept=room_for_rise(self._basis.nodes.size, state["rise"]))
-        self._count = len(state["swings"])
-        self._swings = np.concatenate((state["swings"], np.empty((_FIRST_ROOM + self._basis.nodes.size, COLUMNS))))
+        found, swings = self._found, state["swings"]
+        n, at = found.basis.nodes.size, found.running.size
+        found.running[:], found.rise[:], found.last[:] = np.split(state["memory"], [at, at + found.rise.size])
+        found.filled[0] = len(swings)
+        swings = np.concatenate((swings, np.empty((_FIRST_ROOM + n, COLUMNS))))
+        self._found = found._replace(kept=room_for_rise(n, state["rise"]), swings=swings)
