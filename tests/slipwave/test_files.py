@@ -41,13 +41,6 @@ def test_a_whole_file_takes_the_place_of_the_old_one(tmp_path: Path) -> None:
     assert sorted(tmp_path.iterdir()) == sorted([target, neighbour])
 
 
-def test_what_cannot_be_written_is_one_line(tmp_path: Path) -> None:
-    target = tmp_path / "absent" / "x.nc"
-    with pytest.raises(SceneError, match="cannot be written: no such file") as caught, whole_or_absent(target) as temporary:
-        temporary.write_text("new")
-    assert len(str(caught.value).splitlines()) == 1
-
-
 def test_two_processes_write_to_parts_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     target = tmp_path / "x.nc"
     with whole_or_absent(target) as first:

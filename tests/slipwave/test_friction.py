@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from slipwave.compiled import njit
 from slipwave.friction import LAWS, Law, rate_of, respond, steady_state, unknown_of
-from slipwave.friction.law import name_of
 
 PAPER = (0.369, 0.0349, 0.0489)
 REGULARISED = ("ageing-regularised", "slip-regularised")
@@ -27,11 +26,6 @@ def law_called(name: str) -> Law:
 def plainness(rate: float, psi: float) -> float:
     """How far v is above the range where regularisation matters (small: far above)."""
     return 2.0 * math.exp(-(0.369 + 0.0489 * psi) / 0.0349) / rate
-
-
-def test_the_four_laws_are_registered() -> None:
-    assert set(LAWS) >= {"ageing", "slip", "ageing-regularised", "slip-regularised"}
-    assert [name_of(law_called(name)) for name in LAWS] == list(LAWS)
 
 
 @given(names, rates, offsets)

@@ -67,31 +67,11 @@ def test_code_of_a_law_is_found_again_until_the_law_changes(folder: Path) -> Non
     assert ask(folder, MINE, 1.0) == (first, 1)
 
 
-def test_code_that_takes_what_cannot_be_told_is_compiled_each_time(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    settings = types.ModuleType("settings_of_mine")
-    monkeypatch.setitem(__import__("sys").modules, "settings_of_mine", settings)
-    text = MINE.replace("import math\n", "import math\nimport settings_of_mine\n").replace(
-        "FACTOR *", "settings_of_mine.factor *"
-    )
-    answers = []
-    for settings.factor in (1.0, 1.5):  # type: ignore[attr-defined]
-        answer, hits = ask(folder, text, 1.0)
-        assert hits == 0
-        answers.append(answer)
-    assert answers[0] != answers[1]
-
-
 def made(constant: object, default: float = 1.0, bound: float = 2.0) -> Callable[..., Any]:
     """A function of a user's, which names the global `constant`."""
     scope: dict[str, Any] = {"constant": constant, "exp": math.exp, "np": np}
-    exec(
-        compile(
-            f"def maker(bound):\n def f(x, y={default}):\n  return exp(x) + np.sin(y) * constant * bound\n return f",
-            "mine",
-            "exec",
-        ),
-        scope,
-    )
+    text = f"def maker(bound):\n def f(x, y={default}):\n  return exp(x) + np.sin(y) * constant * bound\n return f"
+    exec(compile(text, "mine", "exec"), scope)
     function: Callable[..., Any] = scope["maker"](bound)
     return function
 

@@ -40,9 +40,14 @@ def test_every_rate_is_found_again(name: str, impedance: float) -> None:
         rate = 10.0**exponent
         psi = min(60.0, max(-60.0, steady_state(law, rate)))
         wanted, incoming = incoming_for(law, impedance, rate, psi)
-        for start in (wanted, 0.0, wanted + 30.0, wanted - 30.0):
+        for start, most in (
+            (wanted + 0.01, 5),
+            (0.0, MAX_ITERATIONS),
+            (wanted + 30.0, MAX_ITERATIONS),
+            (wanted - 30.0, MAX_ITERATIONS),
+        ):
             z, iterations = solve_interface(law, impedance, incoming, psi, start)
-            assert 0 < iterations <= MAX_ITERATIONS
+            assert 0 < iterations <= most
             # a root is as sharp as the rounding of the incoming stress over the slope of the balance
             v, v_z, _, friction_z, *_ = respond(law, wanted, psi)
             sharpness = 1e-15 * (abs(incoming) + impedance * v + 1.0) / (friction_z + impedance * v_z)
@@ -87,12 +92,6 @@ def test_a_start_hundreds_away_is_no_failure(name: str, impedance: float, start:
     assert z == pytest.approx(wanted, rel=1e-12)
 
 
-def test_few_iterations_from_a_near_start() -> None:
-    law = law_called("ageing")
-    wanted, incoming = incoming_for(law, 1.4e-5, 100.0, -4.6)
-    assert solve_interface(law, 1.4e-5, incoming, -4.6, wanted + 0.01)[1] <= 4
-
-
 @pytest.mark.parametrize("name", LAW_NAMES)
 @pytest.mark.parametrize("where", range(3))
 def test_not_a_number_is_a_counted_failure(name: str, where: int) -> None:
@@ -100,9 +99,3 @@ def test_not_a_number_is_a_counted_failure(name: str, where: int) -> None:
     values[where] = math.nan
     incoming, psi, start = values
     assert solve_interface(law_called(name), 1e-5, incoming, psi, start)[1] == 0
-
-
-def test_an_impossible_stress_is_a_counted_failure_or_a_finite_root() -> None:
-    for incoming in (math.inf, -math.inf, 1e300, -1e300):
-        z, iterations = solve_interface(law_called("ageing"), 1e-5, incoming, 0.0, 0.0)
-        assert iterations == 0 or math.isfinite(z)
