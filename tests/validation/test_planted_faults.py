@@ -64,12 +64,6 @@ def test_a_fault_that_only_another_test_catches_is_red(record):
     assert result.answer == "1 of 2 planted faults are caught."
 
 
-def test_without_a_record_it_says_so(record):
-    result = planted_faults.run(Budget())
-    assert [omission.what for omission in result.omissions] == ["The planted faults."]
-    assert result.verdicts == ()
-
-
 def test_a_new_record_is_a_new_key(record):
     keys = [store.study_key(planted_faults, False)]
     for faults in ([CAUGHT], [SURVIVES]):

@@ -71,12 +71,6 @@ def test_every_reason_has_its_line(fake, kept, tmp_path, capsys):
     assert told(out / "index.html") == [2, 1, 2, 1]
 
 
-def test_green_is_status_0_and_its_head_counts_no_failure(fake, kept, tmp_path):
-    fake.add("first")
-    assert main(["report", "--out", str(tmp_path / "out")]) == 0
-    assert told(tmp_path / "out" / "index.html") == [2, 1, 0]
-
-
 def test_a_stored_failure_stays_red(fake, kept, tmp_path):
     """Also where only another study was asked for."""
     fake.add("first", lambda budget: StudyResult("", verdicts=(failing("Waves stay"),)))
@@ -84,20 +78,6 @@ def test_a_stored_failure_stays_red(fake, kept, tmp_path):
     for words in ([], ["--only", "second"], []):
         assert main(["report", "--out", str(tmp_path), *words]) == 3
     assert fake.runs == ["first", "second"]
-
-
-def test_baseline_tells_what_moved(fake, kept, tmp_path):
-    values = [73.0]
-    fake.add("first", lambda budget: StudyResult("", numbers={"T": Number(values[0], 1e-6)}))
-    assert "No baseline" in make_report(tmp_path / "out").read_text()
-    written = baseline.take(tmp_path / "out", kept)
-    assert json.loads(written[0].read_text()) == {"T": {"value": 73.0, "tolerance": 1e-6}}
-    assert "All 1 numbers of first are within" in make_report(tmp_path / "out").read_text()
-    values[0] = 73.001
-    with pytest.raises(RedReport) as red:
-        make_report(tmp_path / "other")
-    assert red.value.lines == ["first: T: expected 73 within 1e-06, found 73.001"]
-    assert '<td class="n">73</td><td class="n">73.001</td>' in red.value.page.read_text()
 
 
 @pytest.mark.parametrize(
@@ -125,25 +105,32 @@ def test_a_number_that_comes_or_goes_has_moved(kept, tmp_path, before, now, move
     assert [change.name for change in found] == ["T"] * moves
 
 
-def test_what_a_quick_report_leaves_out_is_no_change(fake, kept, tmp_path):
+def test_the_page_tells_what_moved_since_the_baseline(fake, kept, tmp_path):
+    """What a quick report leaves out is no change, and a new number is not red."""
     numbers = {"T": Number(73.0), "order": Number(2.0)}
-    fake.add("first", lambda budget: StudyResult("", numbers=dict(list(numbers.items())[: 1 if budget.quick else 2])))
-    make_report(tmp_path / "full")
-    baseline.take(tmp_path / "full", kept)
+
+    def measured(budget):
+        return StudyResult("", numbers={name: n for name, n in numbers.items() if not budget.quick or name == "T"})
+
+    fake.add("first", measured)
+    assert "No baseline" in make_report(tmp_path / "full").read_text()
+    (written,) = baseline.take(tmp_path / "full", kept)
+    assert json.loads(written.read_text())["T"] == {"value": 73.0, "tolerance": 1e-6}
+    assert main(["report", "--out", str(tmp_path / "again")]) == 0
+    assert told(tmp_path / "again" / "index.html") == [0, 0, 0]
+    assert "All 2 numbers of first are within" in (tmp_path / "again" / "index.html").read_text()
     assert "All 1 numbers of first are within" in make_report(tmp_path / "quick", quick=True).read_text()
+    numbers |= {"T": Number(73.001), "new": Number(3.0)}
     del numbers["order"]
     with pytest.raises(RedReport) as red:
-        make_report(tmp_path / "again")
-    assert red.value.lines == ["first: order: expected 2 within 1e-06, found none"]
-
-
-def test_a_new_number_is_shown_and_not_red(fake, kept, tmp_path):
-    numbers = {"T": Number(73.0)}
-    fake.add("first", lambda budget: StudyResult("", numbers=dict(numbers)))
-    make_report(tmp_path / "out")
-    baseline.take(tmp_path / "out", kept)
-    numbers["order"] = Number(2.0)
-    assert '<td class="n">–</td><td class="n">2</td>' in make_report(tmp_path / "more").read_text()
+        make_report(tmp_path / "moved")
+    assert red.value.lines == [
+        "first: order: expected 2 within 1e-06, found none",
+        "first: T: expected 73 within 1e-06, found 73.001",
+    ]
+    html = red.value.page.read_text()
+    assert '<td class="n">73</td><td class="n">73.001</td>' in html
+    assert '<td class="n">–</td><td class="n">3</td>' in html
 
 
 @pytest.mark.parametrize(("status", "ends"), [(0, 0), (3, 3)])
@@ -163,11 +150,3 @@ def test_make_hands_the_status_on(tmp_path):
         ["make", "--no-print-directory", "--dry-run", "report", "QUICK=1"], cwd=ROOT, capture_output=True, text=True, check=True
     )
     assert rule.stdout.splitlines()[-1] == ".venv/bin/slipwave report --quick"
-
-
-def test_the_cheap_version_is_what_quick_asks_for(fake, kept, tmp_path):
-    budgets = []
-    fake.add("first", lambda budget: budgets.append(budget.quick) or StudyResult(""))
-    for folder, words in (("full", []), ("quick", ["--quick"])):
-        assert main(["report", "--out", str(tmp_path / folder), *words]) == 0
-    assert budgets == [False, True]

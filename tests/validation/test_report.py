@@ -4,7 +4,6 @@ import math
 import os
 import re
 import subprocess
-import sys
 from html.parser import HTMLParser
 
 import pytest
@@ -12,44 +11,38 @@ from fake_studies import draw, result
 
 from slipwave.errors import SceneError
 from validation.report.build import make_report, store
-from validation.report.red import RedReport
-from validation.study import Budget, Figure, StudyResult
+from validation.study import Figure, StudyResult
+
+
+class Tags(HTMLParser):
+    """The anchors of a page, and its tags that are still open."""
+
+    def __init__(self):
+        super().__init__()
+        self.anchors, self.open = [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.anchors += [value for name, value in attrs if name == "id"]
+        self.open += [] if tag in ("meta", "img", "br") else [tag]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
 
 
 def test_page_is_one_file_without_scripts_or_addresses(fake, tmp_path):
     fake.add("first")
+    fake.add("second")  # whose tables have the same names
     page = make_report(tmp_path / "out", quick=True)
-    html = page.read_text()
+    html, tags = page.read_text(), Tags()
     assert "<script" not in html
     assert "http" not in re.sub(r"base64,[A-Za-z0-9+/=]+", "", html)
     assert "One &lt;mode&gt; is 6\u202f·\u202f10<sup>−4</sup> off." in html
     assert "73.472145" in html
-    HTMLParser().feed(html)
+    tags.feed(html)
+    assert tags.open == []
+    assert len(tags.anchors) == len(set(tags.anchors)) > 4
     assert sorted(path.name for path in page.parent.iterdir()) == ["data", "index.html"]
     assert sorted(path.name for path in (page.parent / "data/first").iterdir()) == ["overlay.png", "overlay.svg", "result.json"]
-
-
-def test_every_anchor_is_unique(fake, tmp_path):
-    fake.add("first")
-    fake.add("second")  # whose tables have the same names
-    anchors = re.findall(r'\bid="([^"]*)"', make_report(tmp_path).read_text())
-    assert len(anchors) == len(set(anchors)) > 4
-
-
-def test_every_tag_is_closed(fake, tmp_path):
-    fake.add("first")
-    stack = []
-
-    class Balance(HTMLParser):
-        def handle_starttag(self, tag, attrs):
-            if tag not in ("meta", "img", "br", "!doctype"):
-                stack.append(tag)
-
-        def handle_endtag(self, tag):
-            assert stack.pop() == tag
-
-    Balance().feed(make_report(tmp_path).read_text())
-    assert stack == []
 
 
 def test_matrix_shows_the_worst_outcome_of_each_kind_of_evidence(fake, tmp_path):
@@ -90,15 +83,12 @@ def test_stored_result_comes_back_as_it_was(fake, tmp_path):
 @pytest.mark.parametrize("damage", ["overlay.svg", "overlay.png", "result.json"])
 def test_damaged_result_is_computed_again(fake, tmp_path, damage):
     fake.add("first")
-    whole = make_report(tmp_path).read_text()
+    make_report(tmp_path)
     path = tmp_path / "data/first" / damage
-    bytes_ = path.read_bytes()
-    for times, damaged in enumerate((None, bytes_[:100], b"", b"[]", b"{}", bytes_[:-40] + b"\0" + bytes_[-39:])):
+    whole = path.read_bytes()
+    for times, damaged in enumerate((None, whole[:100], whole[:-40] + b"\0" + whole[-39:])):
         path.unlink() if damaged is None else path.write_bytes(damaged)
-        page = make_report(tmp_path).read_text()
-        assert re.sub(r"studies took.*|, [0-9.]+ s|of 20.*?UTC", "", page) == re.sub(
-            r"studies took.*|, [0-9.]+ s|of 20.*?UTC", "", whole
-        )
+        make_report(tmp_path)
         assert fake.runs == ["first"] * (times + 2)
 
 
@@ -161,20 +151,6 @@ def test_failed_drawing_leaves_nothing_half_written(fake, tmp_path):
     assert not (tmp_path / "first").exists()
 
 
-def test_failed_study_is_shown_and_the_rest_goes_on(fake, tmp_path):
-    fake.add("first", lambda budget: 1 / 0)
-    line = sys._getframe().f_lineno - 1
-    fake.add("second")
-    with pytest.raises(RedReport) as red:
-        make_report(tmp_path)
-    assert red.value.lines == [f"first: failed: ZeroDivisionError: division by zero (test_report.py, line {line}, in <lambda>)"]
-    html = (tmp_path / "index.html").read_text()
-    assert "This study did not finish" in html
-    assert "ZeroDivisionError: division by zero" in html
-    assert "Does second work?" in html
-    assert fake.runs == ["first", "second"]
-
-
 def test_only_runs_what_was_named_and_shows_what_is_stored(fake, tmp_path):
     fake.add("first")
     fake.add("second")
@@ -186,19 +162,6 @@ def test_only_runs_what_was_named_and_shows_what_is_stored(fake, tmp_path):
     assert "Does third work?" not in html
     with pytest.raises(SceneError, match="'forth': no such study; choose from first, second, third"):
         make_report(tmp_path, only=["forth"])
-
-
-def test_progress_reaches_the_study(fake, tmp_path):
-    seen = []
-
-    def run(budget: Budget):
-        budget.report(0.5)
-        seen.append(budget.quick)
-        return result()
-
-    fake.add("first", run)
-    make_report(tmp_path, quick=True)
-    assert seen == [True]
 
 
 @pytest.mark.parametrize(("quick", "order"), [(True, ["c", "a", "b", "timed"]), (False, ["b", "a", "c", "timed"])])

@@ -59,14 +59,6 @@ def test_a_process_that_dies_is_a_study_that_failed(fake, tmp_path):
     assert answers(red.value.page) == [f"{os.getpid()} after "]
 
 
-def test_an_exception_of_one_is_not_the_end_of_the_others(fake, tmp_path):
-    fake.write("first", "1 / 0")
-    fake.write("second", ALONE)
-    with pytest.raises(RedReport) as red:
-        make_report(tmp_path / "out", processes=2)
-    assert red.value.lines == ["first: failed: ZeroDivisionError: division by zero (written_first.py, line 7, in run)"]
-
-
 INTERRUPTED = """
     import signal, subprocess
     started = subprocess.Popen(["sleep", "100000"])

@@ -11,7 +11,7 @@ import pytest
 
 from validation.report.sources import sources_of
 from validation.studies import load, slow_verification
-from validation.studies.slow_verification import _command, read_record, run, summarised
+from validation.studies.slow_verification import _command, read_record, summarised
 from validation.study import Budget, Outcome
 from validation.study.text import cell
 
@@ -50,15 +50,9 @@ def test_failures_and_errors_turn_the_verdict_red(record):
     assert summarised(cases).tables[0].rows == ((tests[0].file, "test_good", 3, 3 * tests[0].seconds, "passed"),)
 
 
-def test_quick_report_says_what_it_leaves_out():
-    result = run(Budget(quick=True))
-    assert result.omissions
-    assert not result.verdicts
-
-
 def test_a_changed_test_asks_for_a_new_run():
     names = {path.name for path in sources_of(load("slow-verification"))}
-    assert {"test_exact_waves.py", "test_grid_convergence.py", "leapfrog_scenes.py", "system.py"} <= names
+    assert {"test_exact_waves.py", "test_convergence_studies.py", "leapfrog_scenes.py", "system.py"} <= names
 
 
 class Collected:
