@@ -12,11 +12,11 @@ from slipwave.input import read, read_scene
 
 _PLACES = {
     "bench": "results.bench",
-    "branch": "door.branch",
+    "branch": "results.branch",
     "compare": "results.compare",
-    "curve": "door.curve",
+    "curve": "results.curve",
     "models": "results.listing",
-    "orbit": "door.orbit",
+    "orbit": "results.orbit",
     "run": "results.run",
     "scenes": "results.listing",
     "show": "results.listing",

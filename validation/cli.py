@@ -5,7 +5,6 @@
 """
 
 import gc
-import importlib
 import io
 import logging
 import os
@@ -40,8 +39,6 @@ COMMANDS = {
 }
 """Every command with what it does. The rest of it is imported when it is named: `slipwave --help` is fast."""
 
-_WRITTEN = ("orbit", "branch", "curve")
-
 
 class _Commands(TyperGroup):
     """Imports a command when it is named."""
@@ -73,9 +70,6 @@ def _parts(name: str) -> tuple[Callable[..., None], str, tuple[str, ...]]:
     """The function of a command, the details of its help, and examples."""
     from validation import other_commands
 
-    if name in _WRITTEN:
-        module = importlib.import_module(f"validation.commands.{name}")
-        return getattr(module, name), "", module.EXAMPLES
     if name in ("report", "scenes", "schema"):
         return getattr(other_commands, name), "", other_commands.EXAMPLES[name]
     from validation.command_line import command_line, on_a_scene

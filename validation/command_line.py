@@ -93,9 +93,9 @@ def _parameter(name: str, hint: Any, default: Any) -> Parameter:
 def _in_words(one: Option) -> tuple[Any, Any]:
     """The type and the default of an option on the command line: texts where Python takes several types."""
     notes = typer.Option(one.flag, metavar=one.more.get("metavar"), help=one.help, autocompletion=one.more.get("words"))
-    if one.hint is bool or "stands_for" in one.more:
-        return Annotated[bool, notes], False
     parts = {one.hint, *get_args(one.hint)}
+    if bool in parts or "stands_for" in one.more:
+        return Annotated[bool | None, notes], None
     word: Any = next(kind for kind in (Path, str, float, int) if kind in parts)
     if one.is_required or isinstance(one.default, str):
         return Annotated[word, notes], Parameter.empty if one.is_required else one.default

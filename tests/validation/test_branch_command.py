@@ -20,8 +20,8 @@ from validation.branches.drawing import figure_of_branch
 from validation.branches.followed import Limits, heads, read
 from validation.branches.parameter import over_range
 from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
-from validation.commands.branch import _telling
 from validation.references.published import reference_orbit
+from validation.results.branch import _telling
 
 RANGE = "log10_r=-2.72:-2.68"
 SHORT = ("paper", "--model", "kelvin-voigt", "--over", RANGE, "--tol", "1e-4", "--most-points", "24")
@@ -297,7 +297,7 @@ def test_switched_it_follows_the_doubled_orbits_from_doubling_to_doubling(capsys
         (["paper", "--over", "epsilon=-1:1"], INPUT_WRONG, "slab.epsilon = -1.0: must be"),
         (["paper", "--over", "log10_r=-3:-2.8"], INPUT_WRONG, "is stable at both ends"),
         (["paper", "--over", RANGE, "--stop-at", "XX"], INPUT_WRONG, "--stop-at 'XX': must be one of HB, LP, PD, NS"),
-        (["paper", "--over", RANGE, "--most-points", "0"], INPUT_WRONG, "--most-points = 0"),
+        (["paper", "--over", RANGE, "--most-points", "0"], INPUT_WRONG, "most_points = 0: must be at least 1"),
         (["paper", "--over", RANGE, "--longest-period", "-1"], INPUT_WRONG, "--longest-period = -1"),
         (["paper", "--over", RANGE, "--model", "fd"], INPUT_WRONG, "models that do: delay,"),
         (["paper", "--over", RANGE, "--resume", "missing.nc"], INPUT_WRONG, "no such file"),

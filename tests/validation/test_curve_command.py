@@ -75,11 +75,11 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
         closed = onset_of(law, 2.8e-5, point["V"])
         assert 10.0 ** point["log10_r"] == pytest.approx(closed.r_delay, rel=1e-10)
         assert point["period"] == pytest.approx(2.0 * math.pi / (closed.omega_c * closed.r_delay), rel=1e-10)
-    monkeypatch.setattr("validation.door.curve.pursue", lambda *parts: Outcome(None, "", False, 0.0))
+    monkeypatch.setattr("validation.results.curve.pursue", lambda *parts: Outcome(0.0, None, "", False))
     again, other = sw.curve(file), sw.curve(file, along="V=90:91", tol=1e-4)
     call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100}
-    assert (again.options, again.found.model, again.found.kind) == (call, "delay", "HB")
-    assert other.options == call | {"and": "V=90:91", "tol": 1e-4}
+    assert (again.options.stored, again.found.model, again.found.kind) == (call, "delay", "HB")
+    assert other.options.stored == call | {"and": "V=90:91", "tol": 1e-4}
     assert other.found.second.ends == (90.0, 91.0)
 
 

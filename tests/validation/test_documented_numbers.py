@@ -19,11 +19,11 @@ NUMBER = re.compile(r"(?<![\w.:=-])\d[\d.]*(?:e-?\d+)?(?![\w:]|\.\d)")
 HELP = {
     "run --fields": "validation.run.recording.FIELD_WINDOW",
     "run --checkpoint-every": "validation.run.recording._EVERY",
-    "orbit --tol": "validation.door.orbit.TOLERANCE",
-    "branch --tol": "validation.door.branch._DEFAULTS['tol']",
-    "branch --most-points": "validation.door.branch._DEFAULTS['most_points']",
-    "curve --tol": "validation.door.curve._DEFAULTS['tol']",
-    "curve --most-points": "validation.door.curve._DEFAULTS['most_points']",
+    "orbit --tol": "validation.results.orbit.TOLERANCE",
+    "branch --tol": "validation.results.branch.TOLERANCE",
+    "branch --most-points": "validation.results.branch.MOST_POINTS",
+    "curve --tol": "validation.results.branch.TOLERANCE",
+    "curve --most-points": "validation.results.curve.MOST_POINTS",
 }
 RANGES = {"--cfl": {0.0, 1.0}}
 """Whose ends are refused or taken in `tests/fullwave`."""

@@ -17,9 +17,9 @@ from slipwave.input import SceneSource
 from slipwave.scene.doubts import doubts
 from validation.branches.along import passages
 from validation.cli import main
-from validation.door.branch import BranchResult
-from validation.door.result import Result
 from validation.results.bench import BenchResult
+from validation.results.branch import BranchResult
+from validation.results.result import Result
 from validation.results.run_result import RunResult
 
 FAST: dict[str, Any] = {"drive.velocity": 2000}

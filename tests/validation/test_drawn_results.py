@@ -14,16 +14,14 @@ from slipwave.observe.statistics import Margins
 from slipwave.observe.verdict import Verdict
 from validation.branches.branch import Branch
 from validation.branches.curve import Curve
-from validation.branches.followed import Outcome
 from validation.branches.parameter import Over
 from validation.branches.points import BranchPoint, CurvePoint
-from validation.door.branch import BranchResult
-from validation.door.curve import CurveResult
-from validation.door.result import Result
 from validation.registry.choice import families
+from validation.results.branch import BranchOptions, BranchResult
+from validation.results.curve import CurveOptions, CurveResult
+from validation.results.result import Result
 
 PAPER = sw.read("paper")
-ENDED = Outcome(None, "", False, 1.0)
 RANGES = Over(PAPER, "log10_r", -2.8, -2.6, lambda value: PAPER), Over(PAPER, "V", 90.0, 120.0, lambda value: PAPER)
 
 
@@ -143,7 +141,7 @@ def orbits(count: int) -> list[tuple[float, ...]]:
 def test_a_branch_shows_its_figures_and_where_stability_is_not_decided() -> None:
     decided = (True, False, None)
     points = [BranchPoint(*row, unstable, stable) for row, unstable, stable in zip(orbits(3), (0, 1, 0), decided, strict=True)]
-    found = BranchResult(Branch(RANGES[0], "delay", 1e-6, points=points), ENDED, {})
+    found = BranchResult(Branch(RANGES[0], "delay", 1e-6, points=points), BranchOptions(), 1.0)
     assert found.dataset["point_stable"].values.tolist() == [1, 0, -1]
     assert [point["stable"] for point in found.summary["points"]] == list(decided)
     names = ("period", "stress_drop", "elastic_stress_drop")
@@ -155,7 +153,7 @@ def test_a_branch_shows_its_figures_and_where_stability_is_not_decided() -> None
 
 def test_a_curve_has_both_parameters_and_the_period_in_their_places() -> None:
     points = [CurvePoint(row[0], 100.0 + k, *row[1:], 1e-9, 1, 0, 0.6, 0.8) for k, row in enumerate(orbits(3))]
-    found = CurveResult(Curve("NS", *RANGES, "delay", 1e-6, points=points), ENDED, {})
+    found = CurveResult(Curve("NS", *RANGES, "delay", 1e-6, points=points), CurveOptions(), 1.0)
     first, second, period = ([getattr(point, name) for point in points] for name in ("first", "second", "period"))
     left, right = found.plot().axes
     assert (values(left), values(right)) == ([(first, second)], [(period, second)])

@@ -1,8 +1,6 @@
 """Every option of the command line reaches the function of the door under its own name, and from there the solver."""
 
 import importlib
-import inspect
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, get_args
@@ -16,49 +14,6 @@ from validation.registry import build as models
 from validation.results.options import options_of
 
 SETTINGS = " --set slab.r=0.002 drive.velocity=50"
-PASSED = {"source": "paper", "settings": ["slab.r=0.002", "drive.velocity=50"]}
-GRID = {"model": "dg:3", "cells": 6, "tol": 1e-4}
-STEPS = {"until": "7", "cells": 6, "cfl": 0.25, "tol": 1e-4, "most_seconds": math.inf}
-
-CALLS: dict[str, tuple[str, dict[str, Any]]] = {
-    "orbit --model dg:3 --tol 1e-4 --cells 6 --near-period 80 --others": GRID | {"near_period": "80", "others": True},
-    "branch --over V=1:2 --model dg:3 --tol 1e-4 --cells 6 --out o.nc --resume r.nc --stop-at LP --switch PD "
-    "--longest-period 90 --most-points 8": GRID
-    | {"over": "V=1:2", "out": Path("o.nc"), "resume": Path("r.nc"), "stop_at": "LP", "switch": "PD"}
-    | {"longest_period": 90.0, "most_points": 8},
-    "curve --of LP --over V=1:2 --and r=3:4 --model block8 --tol 1e-4 --most-points 8 --out o.nc --resume r.nc": {"of": "LP"}
-    | {"over": "V=1:2", "along": "r=3:4", "model": "block8", "tol": 1e-4, "most_points": 8}
-    | {"out": Path("o.nc"), "resume": Path("r.nc")},
-}
-"""A command with all of its options, and all that the function of its name is called with."""
-
-
-@pytest.fixture
-def calls(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[str], dict[str, Any]]:
-    """What the function of a command is called with, by name."""
-    monkeypatch.chdir(tmp_path)
-
-    def of(words: str) -> dict[str, Any]:
-        command, *options = (words + SETTINGS).split()
-        signature, called = inspect.signature(getattr(sw, command)), dict[str, Any]()
-
-        def keep(*arguments: Any, **options: Any) -> None:
-            called.update(signature.bind(*arguments, **options).arguments)
-            raise SceneError("called")
-
-        monkeypatch.setattr(sw, command, keep, raising=False)
-        assert main([command, "paper", *options]) == INPUT_WRONG
-        return called | {"settings": list(called["settings"])}
-
-    return of
-
-
-@pytest.mark.parametrize("words", CALLS, ids=lambda words: words.split()[0])
-def test_the_command_line_passes_every_option_on(words: str, calls: Callable[[str], dict[str, Any]]) -> None:
-    known = inspect.signature(getattr(sw, words.split()[0])).parameters.keys()
-    given = calls(words)
-    assert given == PASSED | CALLS[words]
-    assert given.keys() == known - {"changes"}
 
 
 def test_every_argument_and_option_says_what_it_is_for() -> None:
@@ -70,9 +25,9 @@ def test_every_argument_and_option_says_what_it_is_for() -> None:
 
 SAMPLES: dict[Any, tuple[str, Any]] = {
     int: ("5", 5),
-    float: ("0.25", 0.25),
+    float: ("0.005", 0.005),
     str: ("1.5:2.5", "1.5:2.5"),
-    Path: ("c.x", Path("c.x")),
+    Path: ("c.nc", Path("c.nc")),
 }
 
 
@@ -98,7 +53,7 @@ def computed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[str],
     return of
 
 
-@pytest.mark.parametrize("name", ["run", "stability", "compare", "bench"])
+@pytest.mark.parametrize("name", ["run", "stability", "compare", "bench", "orbit", "branch", "curve"])
 def test_every_declared_option_arrives_under_its_own_name(name: str, computed: Callable[[str], Any]) -> None:
     wanted: dict[str, Any] = {"settings": ["slab.r=0.002", "drive.velocity=50"]}
     words = [name, "paper", *SETTINGS.split()]
@@ -106,7 +61,7 @@ def test_every_declared_option_arrives_under_its_own_name(name: str, computed: C
         kinds = {one.hint, *get_args(one.hint)}
         if one.name in wanted or one.name == "law" or not one.is_in("command line"):
             continue
-        if one.hint is bool or "stands_for" in one.more:
+        if bool in kinds or "stands_for" in one.more:
             words, wanted = [*words, one.flag], wanted | {one.name: one.more.get("stands_for", True)}
         else:
             text, value = next(SAMPLES[kind] for kind in (Path, str, float, int) if kind in kinds)

@@ -127,7 +127,7 @@ def test_a_run_that_leads_to_none_gives_way_to_the_branch(capsys):
 
 def test_a_period_in_seconds_is_asked_for_in_transits(monkeypatch):
     asked = []
-    monkeypatch.setattr("validation.door.orbit.orbit_of", lambda *all_of_it: asked.append(all_of_it[4]))
+    monkeypatch.setattr("validation.results.orbit.orbit_of", lambda *all_of_it: asked.append(all_of_it[4]))
     scene = sw.read("paper-si")
     transit = scene.transit * scene.units.time
     for given in (f"{80 * transit:.17g} s", f"{8e4 * transit:.17g} ms", 80, "80"):

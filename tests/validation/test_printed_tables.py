@@ -2,6 +2,7 @@
 
 import re
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
@@ -11,7 +12,8 @@ from validation.branches.curve import Curve
 from validation.branches.parameter import Over
 from validation.branches.points import CurvePoint
 from validation.cli import main
-from validation.commands import bench, curve
+from validation.results.bench import BenchResult
+from validation.results.curve import CurveOptions, CurveResult
 
 PAPER = sw.read("paper")
 
@@ -24,20 +26,18 @@ def table(lines: list[str], heading: list[str]) -> list[dict[str, str]]:
     return [dict(zip(heading, row, strict=True)) for row in cells]
 
 
-def test_a_curve_of_special_points(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_curve_of_special_points() -> None:
     over, second = (Over(PAPER, name, -3.0, 200.0, lambda value: PAPER) for name in ("log10_r", "V"))
-    points = [
-        CurvePoint(-2.12345678987, 101.512345678, 59.123456789123, 0.123456789123, 0.25, 900.0, 20.0, 3.4567e-9, 1, 0, -0.5, 0.75)
-    ] * 2
-    curve._print(Curve("NS", over, second, "delay", 1e-6, points=points), 0.25)
-    out = capsys.readouterr().out
-    assert f"NS {KINDS['NS']}, 2 points" in out
-    rows = table(out.splitlines(), ["log10_r", "V", "period", "stress drop", "bracket", "multiplier"])
+    values = (-2.12345678987, 101.512345678, 59.123456789123, 0.123456789123, 0.25, 900.0, 20.0, 3.4567e-9, 1, 0, -0.5, 0.75)
+    found = CurveResult(Curve("NS", over, second, "delay", 1e-6, points=[CurvePoint(*values)] * 2), CurveOptions(), 0.25)
+    lines = "\n".join(found.lines({})).splitlines()
+    assert f"model delay: NS {KINDS['NS']}, 2 points" in lines
+    rows = table(lines, ["log10_r", "V", "period", "stress drop", "bracket", "multiplier"])
     told = {"log10_r": "-2.1234567899", "V": "101.51235", "period": "59.1234568", "stress drop": "0.1234568"}
     assert rows == [told | {"bracket": "3.5e-09", "multiplier": "-0.500000 +- 0.750000 i"}] * 2
 
 
-def test_run_time_against_error(capsys: pytest.CaptureFixture[str]) -> None:
+def test_run_time_against_error() -> None:
     def row(model: str, setting: dict[str, float], errors: tuple[float, float]) -> dict[str, Any]:
         error = dict(zip(("period", "stress_drop"), errors, strict=True))
         return {"model": model, "setting": setting, "wall_s": 0.512345, "error": error, "verdict": "periodic"}
@@ -49,8 +49,8 @@ def test_run_time_against_error(capsys: pytest.CaptureFixture[str]) -> None:
         "margin": {"period": 1e-3, "stress_drop": 0.1},
     }
     rows.append(row("block8", {}, (None, None)) | apart)  # type: ignore[arg-type]
-    bench._print({"models": rows, "until": 200.0, "reference": "delay", "conclusion": "a conclusion"})
-    lines = capsys.readouterr().out.splitlines()
+    summary = {"models": rows, "until": 200.0, "reference": "delay", "conclusion": "a conclusion"}
+    lines = "\n".join(BenchResult.lines(Mock(), summary)).splitlines()
     assert table(lines, ["model", "setting", "wall s", "error T", "error drop"]) == [
         {"model": "fd", "setting": "cells 64", "wall s": "0.512", "error T": "0.00123", "error drop": "0.00235"},
         {"model": "delay", "setting": "tolerance 1e-07", "wall s": "0.512", "error T": "3e-07", "error drop": "4e-07"},

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from xarray import Dataset
 from xarray.core.indexing import IndexSelResult
 from xarray.indexes import PandasIndex
 
@@ -26,6 +27,11 @@ class AlongBranch(PandasIndex):
         if not places.size:
             raise KeyError(f"{name} = {label}: the branch goes from {values.min():g} to {values.max():g}")
         return IndexSelResult({self.dim: places})
+
+
+def along(data: Dataset, name: str) -> Dataset:
+    """`data` of points of a branch with their values of the parameter, the variable `name`, as such an index."""
+    return data.set_coords(name).set_xindex(name, AlongBranch)
 
 
 def passages(values: np.ndarray[Any, Any], value: float) -> np.ndarray[Any, Any]:

@@ -75,12 +75,12 @@ class Followed(ABC):
 
 
 class Outcome(NamedTuple):
-    """Where it can go on, None if it cannot; why it ended early, or nothing; whether the user stopped it; seconds."""
+    """Run time in seconds; where it can go on, None if it cannot; why it ended early, or nothing; whether the user stopped it."""
 
+    wall_s: float
     head: Head | None
     failed: str
     stopped: bool
-    wall_s: float
 
 
 def pursue(found: Followed, limits: Limits, file: Path | None, resume: Path | None, origin: Mapping[str, Any]) -> Outcome:
@@ -97,7 +97,7 @@ def pursue(found: Followed, limits: Limits, file: Path | None, resume: Path | No
         failed = str(error)
     except KeyboardInterrupt:
         failed, stopped = f"interrupted after {len(found.points)} points", True
-    return Outcome(head, failed, stopped, time.perf_counter() - began)
+    return Outcome(time.perf_counter() - began, head, failed, stopped)
 
 
 def heads(found: Followed, limits: Limits, resume: Path | None = None) -> Iterator[Head]:

@@ -39,6 +39,11 @@ class Over:
     scene_at: Callable[[float], Scene]
     unit: str = ""
 
+    @property
+    def column(self) -> str:
+        """Its name in datasets: slab_thickness for slab.thickness."""
+        return self.name.replace(".", "_")
+
     def written(self, value: float) -> float | str:
         """A value as the scene's key takes it: with its unit, if both ends of the range had one."""
         return f"{value!r} {self.unit}" if self.unit else value

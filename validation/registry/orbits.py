@@ -125,12 +125,6 @@ def moving(model: str, scene: Scene, tolerance: float, cells: int | None = None)
     return Moving(make(*asked).solver, lambda solver, period: solver.flow(period, tolerance))
 
 
-def require_tolerance(tolerance: float) -> None:
-    """Raises SceneError if no orbit can be computed to `tolerance`."""
-    if not LEAST_TOLERANCE <= tolerance <= LARGEST_TOLERANCE:
-        raise SceneError(f"tol = {tolerance:g}: must lie in [{LEAST_TOLERANCE:g}, {LARGEST_TOLERANCE:g}] for an orbit")
-
-
 def find_orbit(model: Moving, tolerance: float) -> OrbitFound:
     """The orbit that the scene's own start leads to, or comes near to. Raises NumericsError if there is none."""
     began, solver = time.perf_counter(), model.solver

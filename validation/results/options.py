@@ -95,7 +95,8 @@ class Option(NamedTuple):
             raise SceneError(f"{self.name} = {shorten(value)}: must be {listed(dict.fromkeys(_words(self.hint)))}")
         least, most = self.more.get("least", -math.inf), self.more.get("most", math.inf)
         if value is not None and {"least", "most"} & self.more.keys() and not least <= value <= most:
-            raise SceneError(f"{self.name} = {value}: must {self.more['must']}")
+            shown = f"{value:g}" if isinstance(value, float) else value
+            raise SceneError(f"{self.name} = {shown}: must {self.more['must']}")
         return Path(value) if value is not None and Path in get_args(self.hint) else value
 
 

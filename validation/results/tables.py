@@ -27,19 +27,6 @@ def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) ->
     return found.set_coords("model") if "model" in found else found
 
 
-def parameter_column(name: str) -> str:
-    """The name of a parameter of a branch in datasets: slab_thickness for slab.thickness."""
-    return name.replace(".", "_")
-
-
-def along(data: Dataset, parameter: str) -> Dataset:
-    """`data` of points of a branch with their values of the `parameter` as an index."""
-    from validation.branches.along import AlongBranch
-
-    name = parameter_column(parameter)
-    return data.set_coords(name).set_xindex(name, AlongBranch)
-
-
 def _column(values: Sequence[Any]) -> "np.ndarray[Any, Any]":
     words = any(isinstance(value, str) for value in values)
     empty = "" if words else math.nan

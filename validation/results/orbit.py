@@ -1,0 +1,218 @@
+"""`slipwave.orbit`: the periodic orbit of a scene with its errors and its stability."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from slipwave.errors import SceneError
+from slipwave.extras import require
+from slipwave.files import TIME
+from slipwave.input import SceneSource
+from slipwave.input.relate import moment
+from slipwave.input.wording import shorten
+from slipwave.observe.history import named_columns
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.scene.doubts import doubts
+from validation.branches.at_scene import orbit_of
+from validation.output import figures, table
+from validation.registry.orbits import OrbitFound, flowing, orbit_at
+from validation.results.branch import tolerance_option
+from validation.results.command import command
+from validation.results.facts import Place, finite
+from validation.results.header import header
+from validation.results.motion_figure import motion_figure
+from validation.results.options import ModelOptions, announced, option
+from validation.results.provenance import SCHEMA, provenance
+from validation.results.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
+from validation.results.result import FIGURES, Dataset, Output, Result
+from validation.results.wording import orbit_rows
+from validation.study.drawing import Drawing, styled
+
+if TYPE_CHECKING:
+    from reduced.stability.idle import IdleMode
+
+TOLERANCE = 1e-8
+"""Relative error of an orbit's figures if none is requested."""
+
+_SHOWN = 6  # multipliers in the table
+_ROUNDING = 1e-12  # those below are noise
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrbitOptions(ModelOptions):
+    """Options of `slipwave.orbit`."""
+
+    EXAMPLES: ClassVar = ("slipwave orbit paper --set slab.log10_r=-2.65 --out orbit.nc",)
+    DETAILS: ClassVar = (
+        "Where several orbits coexist, a run leads to one at most: --others names the rest, --near-period finds them. A full "
+        "wave marches exactly in time; its orbit is that of its grid."
+    )
+
+    tol: float | None = tolerance_option(TOLERANCE)
+    near_period: float | str | None = option(
+        "where orbits coexist: the one with the period nearest to this, in transits or as 60s", metavar="TIME", stored=True
+    )
+    others: bool | None = option("name the orbits that coexist with it, along the branch from the onset on", stored=True)
+    cells: int | None = option("full wave: cells per slab", stored=True)
+
+    @property
+    def is_default(self) -> bool:
+        """Whether nothing is asked for."""
+        return not (self.tol or self.near_period or self.others or self.cells or self.settings or self.changes)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class OrbitResult(Result):
+    """The orbit that was `found`, and the options of the call."""
+
+    found: OrbitFound
+    options: Mapping[str, Any]
+
+    OUTPUTS: ClassVar = (
+        Output("--out", (".nc",), "to_netcdf", "write the motion over one period and the multipliers", "FILE.nc"),
+        Output("--plot", FIGURES, "save_plot", "draw the motion over one period: .png, .pdf or .svg"),
+    )
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """The motion over a period by `time`, multipliers by `multiplier`, and the orbit's figures with their errors."""
+        require("files", "a dataset")
+        import xarray
+
+        orbit, scene, columns = self.found.found.orbit, self.found.scene, self._motion()
+        time = variables(TIME, {TIME: columns.pop(TIME)}, INTERFACE, scene)
+        values = variables(TIME, columns, INTERFACE, scene)
+        for name, value in orbit.values().items():
+            values |= variables((), {name: value}, EVENTS, scene)
+            notes = {"long_name": f"estimated error of {name}", "units": "1"}
+            values[f"{name}_error"] = ((), getattr(orbit, name).error, notes)
+        for part, numbers in (("real", self.multipliers.real), ("imaginary", self.multipliers.imag)):
+            values[f"multiplier_{part}"] = ("multiplier", numbers, {"long_name": f"{part} part of the multiplier", "units": "1"})
+        return xarray.Dataset(values, time, provenance("orbit", scene, self.found.flow.model, self.options))
+
+    def plot(self) -> Drawing:
+        """Stress and slip rate over one period."""
+        found, scene, columns = self.found.found, self.found.scene, self._motion()
+        title = f"{scene.name}, {self.found.flow.model}: periodic orbit, T = {found.orbit.period.value:.6g} transits"
+        stress, rate = columns[stored_name("stress")], columns[stored_name("slip_rate")]
+        with styled():
+            return motion_figure(scene, title, columns[TIME], (stress, stress), (rate, rate))
+
+    def _motion(self) -> dict[str, Array]:
+        """The interface at the nodes of the pieces, each time once."""
+        closed = self.found.found.closed
+        pieces = closed.cycle.pieces
+        time = pieces.time[:, None] + pieces.length[:, None] * closed.flow.nodes
+        rows = np.stack([values.ravel() for values in (time, *pieces[2:])])
+        rows = rows[:, np.flatnonzero(np.diff(rows[0], prepend=-1.0) > 0.0)]
+        return {stored_name(name): values for name, values in named_columns(self.found.scene.law, rows).items()}
+
+    @property
+    def multipliers(self) -> "np.ndarray[Any, np.dtype[np.complex128]]":
+        """The Floquet multipliers, largest modulus first, without the trivial one."""
+        return self.found.found.multipliers.values
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The JSON of `slipwave orbit` (users rely on its keys); `si` is there only for scenes in SI."""
+        done = self.found
+        orbit, multipliers, scene = done.found.orbit, done.found.multipliers, done.scene
+        result = {
+            "schema": SCHEMA,
+            "scene": scene.name,
+            "model": done.flow.model,
+            "clock": "transit",
+            **orbit.values(),
+            "period_time": orbit.period.value * scene.transit,
+            "stable": multipliers.stable,
+            "multipliers": [[value.real, value.imag] for value in multipliers.values.tolist()],
+            "trivial_defect": multipliers.trivial_defect,
+            "residual": done.found.closed.residual,
+            "error_estimate": {name: getattr(orbit, name).error for name in ("period", "stress_drop")},
+            "essential_radius": multipliers.essential_radius,
+            "idle_modes": [_idle(mode, orbit.period.value) for mode in multipliers.idle],
+            "wall_s": done.wall_s,
+            "notes": [*doubts(scene), *done.notes],
+        }
+        return dict(finite(result | cycle_in_si(orbit.values(), scene)))
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """The scene, whether the orbit is stable, its figures with errors, and the largest multipliers."""
+        done, multipliers = self.found, self.found.found.multipliers
+        yield from header(done.scene)
+        yield from (f"note: {note}" for note in done.notes)
+        verdict = {True: "stable", False: "unstable", None: "its stability is not decided"}[multipliers.stable]
+        yield f"model {done.flow.model}: periodic orbit, {verdict}; it closes to {figures(done.found.closed.residual, 2)}"
+        yield ""
+        yield from table(*orbit_rows(done.found.orbit, done.scene))
+        yield ""
+        shown = [value for value in multipliers.values.tolist() if value.imag >= 0.0 and abs(value) > _ROUNDING]
+        rows = [
+            [figures(value.real, 8) + (f" +- {value.imag:.8g} i" if value.imag else ""), figures(abs(value), 8)]
+            for value in shown[:_SHOWN]
+        ]
+        none = ["no multiplier lies outside the essential radius"]
+        yield from table(["largest multipliers", "modulus"], rows) if rows else none
+        more = f"; {len(shown) - _SHOWN} more" if len(shown) > _SHOWN else ""
+        radius = f"; essential radius {figures(multipliers.essential_radius, 4)}" if multipliers.essential_radius else ""
+        yield f"the trivial one is 1 within {figures(multipliers.trivial_defect, 2)}{radius}{more}"
+        yield f"wall time {done.wall_s:.3g} s"
+
+
+@command
+def orbit(source: SceneSource, options: OrbitOptions) -> OrbitResult:
+    """The periodic orbit that a run of the scene leads to, stable or not, and its Floquet multipliers.
+
+    Where several coexist, `others` names those of the branch of orbits that begins where steady sliding loses its stability, and
+    `near_period` asks for the one with the period nearest to it; a run that leads to none gives way to that branch. A netCDF file
+    of an orbit is computed again; of a point of a branch it is the orbit there. A full wave marches exactly in time.
+
+    Raises SceneError for wrong input, NumericsError if there is no orbit.
+    """
+    if isinstance(source, Place):
+        if source.closed is not None and options.is_default:
+            known = {"tol": source.tolerance, "near_period": source["period"]}
+            return OrbitResult(orbit_at(source.closed, source.tolerance), known)
+        near = _period_there(source) if options.near_period is None else options.near_period
+        options = replace(options, near_period=near, model=source.model if options.model == "auto" else options.model)
+    options = options.recalled(source, "orbit")
+    options = replace(options, tol=options.tol or TOLERANCE)
+    scene = options.scene_of(source)
+    name = announced(*flowing(options.model, scene))
+    period = _period(options.near_period, scene)
+    found = orbit_of(name, scene, options.tol or TOLERANCE, options.cells, period, bool(options.others))
+    return OrbitResult(found, options.stored)
+
+
+def _period_there(point: Place) -> float:
+    """The period of a point of a branch. Raises SceneError for one where the orbit has no size."""
+    if point.get("type") == "HB":
+        raise SceneError(
+            "SCENE: at a Hopf point the orbit shrinks to steady sliding: its stability is that of slipwave.stability"
+        )
+    return float(point["period"])
+
+
+def _idle(mode: "IdleMode", period: float) -> dict[str, Any]:
+    """A mode that friction hardly damps, with its multiplier on an orbit of this `period` (transits)."""
+    value = mode.multiplier(period)
+    facts = {"quarter_waves": [mode.upper, mode.lower], "frequency": mode.frequency, "decay": mode.decay}
+    return facts | {"multiplier": [value.real, value.imag]}
+
+
+def _period(given: float | str | None, scene: Scene) -> float | None:
+    """In transits. Raises SceneError for what is no positive time."""
+    try:
+        period = None if given is None else moment("near_period", given, scene)
+    except SceneError:
+        raise
+    except ValueError:
+        period = math.nan
+    if period is None or period > 0.0:
+        return period
+    raise SceneError(f"near_period = {shorten(given)}: must be above 0, in transits or with a unit of time")
