@@ -7,9 +7,8 @@ from typing import Any
 from slipwave.errors import SceneError
 from slipwave.friction import LAWS
 from slipwave.input.number import EPSILON, LATER_VELOCITY, RELAXATION, ROUND_TRIP, TIME, UNTIL, VELOCITY, Range
-from slipwave.input.outer_face import outer_face
-from slipwave.input.relate import in_scene, require_units
-from slipwave.input.schema import UNIT_KEYS, DriveTable, KelvinVoigtTable, LayerTable, SceneTable, SlabTable, StartTable
+from slipwave.input.relate import in_scene, outer_face, require_units
+from slipwave.input.schema import UNIT_KEYS, DriveTable, KelvinVoigtTable, LayerTable, SceneTable, SlabTable
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubt
@@ -25,14 +24,13 @@ _DEFAULT_SIZES = {"nudge": 0.5, "jump": 0.05, "orbit": 0.5}
 def assemble(data: dict[str, Any], tables: SceneTable, name: str) -> Scene:
     """The scene of the raw tables `data`, which are `tables` once validated, called `name` if they give no name. Raises
     SceneError for keys that do not fit together."""
-    run = tables.run
-    interface = dict(tables.interface)
+    run, start, interface = tables.run, tables.start, dict(tables.interface)
     units = _units({key: interface[key] for key in UNIT_KEYS if interface[key] is not None})
     law = LAWS[tables.interface.law].parameters
     upper, lower = _slabs(tables, units)
     filled = {
         key: {name: value for name, value in table if value is not None} | data.get(key, {})
-        for key, table in (("start", tables.start), ("run", run))
+        for key, table in (("start", start), ("run", run))
     }
     return Scene(
         name=tables.name or name,
@@ -40,7 +38,7 @@ def assemble(data: dict[str, Any], tables: SceneTable, name: str) -> Scene:
         upper=upper,
         lower=lower,
         drive=_drive(tables.drive, units, upper.round_trip),
-        start=_start(tables.start),
+        start=Start(StartKind(start.kind), _DEFAULT_SIZES[start.kind] if start.size is None else start.size),
         until=None if run.until is None else in_scene("run.until", run.until, units, UNTIL, upper.round_trip),
         record=frozenset(run.record),
         units=units,
@@ -49,84 +47,71 @@ def assemble(data: dict[str, Any], tables: SceneTable, name: str) -> Scene:
 
 
 def _units(given: dict[str, float]) -> Units | None:
-    if not given:
-        return None
-    for key in UNIT_KEYS:
-        if key not in given:
-            raise SceneError(f"interface.{key}: missing; must be given with {' and '.join(sorted(given))} (all three or none)")
-    return Units(**given)
+    missing = [key for key in UNIT_KEYS if key not in given]
+    if given and missing:
+        raise SceneError(f"interface.{missing[0]}: missing; must be given with {' and '.join(sorted(given))} (all three or none)")
+    return Units(**given) if given else None
 
 
 def _slabs(tables: SceneTable, units: Units | None) -> tuple[Slab, Slab]:
-    if tables.slab is not None:
-        for key in ("upper", "lower"):
-            if getattr(tables, key) is not None:
-                raise SceneError(f"{key}: must not be given together with slab: either [slab] or both [upper] and [lower]")
-        slab = _slab("slab", tables.slab, units)
-        return slab, slab
-    if tables.upper is None and tables.lower is None:
-        raise SceneError("slab: missing; must be [slab] (both alike) or both [upper] and [lower]")
-    if tables.upper is None or tables.lower is None:
-        absent, present = ("upper", "lower") if tables.upper is None else ("lower", "upper")
-        raise SceneError(f"{absent}: missing; [{present}] needs [{absent}] too (or use [slab] for both)")
-    return _slab("upper", tables.upper, units), _slab("lower", tables.lower, units)
+    given = {key: table for key in ("slab", "upper", "lower") if (table := getattr(tables, key)) is not None}
+    match [*given]:
+        case ["slab"]:
+            slab = _slab("slab", given["slab"], units)
+            return slab, slab
+        case ["upper", "lower"]:
+            return _slab("upper", given["upper"], units), _slab("lower", given["lower"], units)
+        case ["slab", key, *_]:
+            raise SceneError(f"{key}: must not be given together with slab: either [slab] or both [upper] and [lower]")
+        case [present]:
+            absent = "lower" if present == "upper" else "upper"
+            raise SceneError(f"{absent}: missing; [{present}] needs [{absent}] too (or use [slab] for both)")
+    raise SceneError("slab: missing; must be [slab] (both alike) or both [upper] and [lower]")
 
 
 def _slab(key: str, table: SlabTable, units: Units | None) -> Slab:
-    _require_units(key, table, units)
-    epsilon = _epsilon(key, table, units)
-    round_trip = _round_trip(key, table, units)
+    material = {name: value for name in ("density", "shear_modulus") if (value := getattr(table, name)) is not None}
+    in_si = material | ({} if table.thickness is None else {"thickness": table.thickness})
+    for name, value in in_si.items():
+        require_units(f"{key}.{name}", f"{value:g}", units, "replaced by epsilon and r")
+    epsilon = _epsilon(key, table.epsilon, material, units)
+    round_trip = _round_trip(key, table, material, units)
     face = outer_face(f"{key}.face", table.face, units, epsilon, round_trip)
-    viscosity = _viscosity(f"{key}.viscosity", table.viscosity, units)
-    return Slab(epsilon, round_trip, face, viscosity, _layers(key, table.layers), _material(table))
+    made_of = Material(**material) if len(material) == 2 else None
+    return Slab(epsilon, round_trip, face, _viscosity(key, table, units), _layers(key, table.layers), made_of)
 
 
-def _require_units(key: str, table: SlabTable, units: Units | None) -> None:
-    for name in ("density", "shear_modulus", "thickness"):
-        value = getattr(table, name)
-        if value is not None:
-            require_units(f"{key}.{name}", f"{value:g}", units, "replaced by epsilon and r")
-
-
-def _material(table: SlabTable) -> Material | None:
-    if table.density is None or table.shear_modulus is None:
-        return None
-    return Material(table.density, table.shear_modulus)
-
-
-def _epsilon(key: str, table: SlabTable, units: Units | None) -> float:
-    density, modulus = table.density, table.shear_modulus
-    if table.epsilon is not None:
-        for name in ("density", "shear_modulus"):
-            if getattr(table, name) is not None:
-                raise SceneError(f"{key}.{name} = {getattr(table, name):g}: must not be given together with {key}.epsilon")
-        return table.epsilon
-    if units is None or (density is None and modulus is None):
+def _epsilon(key: str, given: float | None, material: dict[str, float], units: Units | None) -> float:
+    if given is not None:
+        for name, value in material.items():
+            raise SceneError(f"{key}.{name} = {value:g}: must not be given together with {key}.epsilon")
+        return given
+    if units is None or not material:
         raise SceneError(f"{key}.epsilon: missing; must be {EPSILON}, or give density and shear_modulus in SI")
-    if density is None or modulus is None:
-        absent = "density" if density is None else "shear_modulus"
+    if len(material) == 1:
+        absent = "shear_modulus" if "density" in material else "density"
         raise SceneError(f"{key}.{absent}: missing; density and shear_modulus [SI] must both be given")
-    sources = {f"{key}.density": density, f"{key}.shear_modulus": modulus} | _named(units, "normal_stress", "reference_velocity")
-    return _in_range("epsilon", units.epsilon(density, modulus), EPSILON, sources)
+    sources = {f"{key}.{name}": value for name, value in material.items()}
+    return _in_range("epsilon", units.epsilon(**material), EPSILON, sources | _named(units, "normal_stress"))
 
 
-def _round_trip(key: str, table: SlabTable, units: Units | None) -> float:
-    given = [name for name in ("r", "log10_r", "thickness") if getattr(table, name) is not None]
+def _round_trip(key: str, table: SlabTable, material: dict[str, float], units: Units | None) -> float:
+    given = {name: value for name in ("r", "log10_r", "thickness") if (value := getattr(table, name)) is not None}
     if not given:
         raise SceneError(f"{key}.r: missing; must be r ({ROUND_TRIP}), log10_r, or in SI thickness")
-    if len(given) > 1:
-        raise SceneError(f"{key}.{given[1]} = {getattr(table, given[1]):g}: must not be given together with {key}.{given[0]}")
-    if table.thickness is None:
-        return table.r if table.r is not None else float(10.0 ** (table.log10_r or 0.0))
-    if units is None or table.density is None or table.shear_modulus is None:
-        raise SceneError(f"{key}.thickness = {table.thickness:g}: must come with density and shear_modulus, or be replaced by r")
-    sources = {f"{key}.{name}": getattr(table, name) for name in ("thickness", "density", "shear_modulus")}
-    round_trip = units.round_trip(table.density, table.shear_modulus, table.thickness)
-    return _in_range("r", round_trip, ROUND_TRIP, sources | _named(units, "memory_length", "reference_velocity"))
+    (name, value), *others = given.items()
+    if others:
+        raise SceneError(f"{key}.{others[0][0]} = {others[0][1]:g}: must not be given together with {key}.{name}")
+    if name != "thickness":
+        return value if name == "r" else float(10.0**value)
+    if units is None or len(material) < 2:
+        raise SceneError(f"{key}.thickness = {value:g}: must come with density and shear_modulus, or be replaced by r")
+    sources = {f"{key}.{name}": value for name, value in (given | material).items()}
+    return _in_range("r", units.round_trip(**given, **material), ROUND_TRIP, sources | _named(units, "memory_length"))
 
 
-def _named(units: Units, *keys: str) -> dict[str, float]:
-    return {f"interface.{key}": getattr(units, key) for key in keys}
+def _named(units: Units, key: str) -> dict[str, float]:
+    return {f"interface.{key}": getattr(units, key), "interface.reference_velocity": units.reference_velocity}
 
 
 def _in_range(quantity: str, result: float, allowed: Range, sources: dict[str, float]) -> float:
@@ -139,12 +124,14 @@ def _in_range(quantity: str, result: float, allowed: Range, sources: dict[str, f
     return result
 
 
-def _viscosity(key: str, table: Any, units: Units | None) -> Viscosity | None:
-    if table is None:
+def _viscosity(key: str, table: SlabTable, units: Units | None) -> Viscosity | None:
+    viscosity = table.viscosity
+    if viscosity is None:
         return None
-    time = in_scene(f"{key}.time", table.time, units, RELAXATION)
-    is_kelvin_voigt = isinstance(table, KelvinVoigtTable)
-    return KelvinVoigtViscosity(time) if is_kelvin_voigt else StandardLinearViscosity(time, table.ratio)
+    time = in_scene(f"{key}.viscosity.time", viscosity.time, units, RELAXATION)
+    if isinstance(viscosity, KelvinVoigtTable):
+        return KelvinVoigtViscosity(time)
+    return StandardLinearViscosity(time, viscosity.ratio)
 
 
 def _layers(key: str, tables: list[LayerTable] | None) -> tuple[Layer, ...]:
@@ -166,8 +153,3 @@ def _drive(table: DriveTable, units: Units | None, transit: float) -> Drive:
         given_times = f"{key}: times = {shorten(times)} (transits of the upper slab)"
         raise SceneError(f"{given_times}: must be rising; the same time twice is a step")
     return Drive(tuple(times), tuple(velocities))
-
-
-def _start(table: StartTable) -> Start:
-    size = _DEFAULT_SIZES[table.kind] if table.size is None else table.size
-    return Start(StartKind(table.kind), size)

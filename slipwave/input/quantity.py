@@ -31,9 +31,9 @@ KINDS = {
 _USUAL = tuple(
     "Pa kPa MPa GPa bar m km cm mm um nm s ms us min h kg g t N kN MN m2 cm2 mm2 m3 cm3 mm/s um/s nm/s mm/yr g/cm3".split()  # noqa: SIM905
 )
+_POWER = r"[^\W\d_]{1,20}(?:[²³]|(?:\^|\*\*)?-?[1-9])?"
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?"
-_POWER = r"([^\W\d_]{1,20})(?:\^|\*\*)?(-?[1-9])?"
-_TEXT = re.compile(rf"\s*({_NUMBER})\s*({_POWER}(?:\s*[ */]\s*{_POWER}){{0,5}})\s*")
+_TEXT = re.compile(rf"\s*({_NUMBER})\s*({_POWER}(?:\s*[ */·]\s*{_POWER}){{0,5}})\s*")
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Quantity:
 
 def looks_measured(text: str) -> bool:
     """Whether `text` is a number followed by something that may be a unit."""
-    return _TEXT.fullmatch(_plain(text)) is not None
+    return _TEXT.fullmatch(text) is not None
 
 
 def quantity(text: str, *units: str) -> Quantity:
@@ -55,12 +55,11 @@ def quantity(text: str, *units: str) -> Quantity:
 
     Raises ValueError for anything else; the message begins with what is wrong or with "must be".
     """
-    kinds = " or ".join(KINDS[unit][0] for unit in units)
-    wanted = f"must have a unit of {kinds}, as in {examples(units)}"
-    found = _TEXT.fullmatch(_plain(text))
+    wanted = f"must have a unit of {' or '.join(KINDS[unit][0] for unit in units)}, as in {examples(units)}"
+    found = _TEXT.fullmatch(text)
     if found is None:
         raise ValueError(wanted)
-    number, written = found.group(1, 2)
+    number, written = found.groups()
     for unit in units:
         value = _converted(number, written, unit)
         if value is not None:
@@ -76,34 +75,26 @@ def examples(units: Iterable[str]) -> str:
     return choices(KINDS[unit][1] for unit in units)
 
 
-def _plain(text: str) -> str:
-    return text.replace("²", "2").replace("³", "3").replace("·", "*")
-
-
 def _converted(number: str, written: str, unit: str) -> float | None:
-    """`number`, which is in the unit `written`, in `unit`; None if that is no unit, or of another dimension."""
+    """Convert `number` from `written` to `unit`; None if impossible."""
     from pint.errors import PintError
 
     registry = _registry()
     try:
-        given = registry.Quantity(Decimal(number), registry.parse_units(_for_pint(written)))
-        return float(given.to(registry.parse_units(_for_pint(unit))).magnitude)
+        given = registry.Quantity(Decimal(number), registry.parse_units(written))
+        return float(given.to(registry.parse_units(unit)).magnitude)
     except (PintError, ArithmeticError, ValueError):  # pint's offset units and Decimal have errors of their own
         return None
 
 
 @cache
 def _registry() -> "pint.UnitRegistry[Decimal]":
-    """All units that pint knows; decimal, so that 2.7 g/cm3 are 2700 kg/m3 and not 2699.9999999999995."""
+    """All units that pint knows, and m2 for m**2; decimal, so that 2.7 g/cm3 are 2700 kg/m3 and not 2699.9999999999995."""
     import pint
 
-    return pint.UnitRegistry(non_int_type=Decimal)
-
-
-def _for_pint(unit: str) -> str:
-    """ "Pa s/m2" as "Pa*s/m**2"."""
-    powers = re.sub(_POWER, lambda found: f"{found[1]}**{found[2]}" if found[2] else found[1], unit)
-    return re.sub(r"\s+", "*", re.sub(r"\s*([*/])\s*", r"\1", powers.strip()))
+    return pint.UnitRegistry(
+        non_int_type=Decimal, preprocessors=[lambda text: re.sub(r"(?<=[^\W\d_])(-?[1-9])\b", r"**\1", text)]
+    )
 
 
 def _meant(written: str, units: tuple[str, ...]) -> Iterator[str]:

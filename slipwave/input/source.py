@@ -41,8 +41,7 @@ def load(source: str | Path | Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
         raise SceneError(f"SCENE = {shorten(source)}: must be a gallery name, the path of a TOML file, or a dictionary")
     if isinstance(source, str) and source in gallery_names():
         return source, _parse(_GALLERY / f"{source}.toml")
-    path = Path(source)
-    return one_line(path.stem), _parse(path)
+    return one_line(Path(source).stem), _parse(Path(source))
 
 
 def parse_toml(text: str) -> dict[str, Any]:
@@ -54,42 +53,43 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 def _parse(path: Path) -> dict[str, Any]:
     """The tables of a TOML file. Raises SceneError if it cannot be read, whatever the reason."""
-    text = _read_text(path)
     try:
-        return parse_toml(text)
+        return parse_toml(_content(path).decode("utf-8-sig").replace("\r\n", "\n"))
+    except SceneError:
+        raise
+    except UnicodeDecodeError as error:
+        reason = f"must be a TOML file in UTF-8; byte {error.start} is not"
     except RecursionError:
-        raise SceneError(f"SCENE = {shorten(str(path))}: nested too deeply to be a scene file") from None
+        reason = "nested too deeply to be a scene file"
+    except OSError as error:
+        reason = f"cannot be read: {error.strerror or error}"
     except ValueError as error:  # TOMLDecodeError, and integers with too many digits
-        raise SceneError(f"SCENE = {shorten(str(path))}: must be a TOML file; {sentence(str(error))}") from None
+        reason = f"must be a TOML file; {sentence(str(error))}"
+    raise SceneError(f"SCENE = {shorten(str(path))}: {reason}")
 
 
-def _read_text(path: Path) -> str:
+def _content(path: Path) -> bytes:
+    """The bytes of a file. Raises SceneError if there is no such file or it is too long, OSError if it cannot be read."""
     label = shorten(str(path))
     try:
         if not path.is_file():
-            raise SceneError(_why_not_a_file(path, label))
-        with path.open("rb") as stream:
-            content = stream.read(LARGEST_FILE + 1)
-    except SceneError:
-        raise
-    except (OSError, ValueError) as error:  # ValueError: the path holds a character that paths must not have
-        reason = getattr(error, "strerror", None) or error
-        raise SceneError(f"SCENE = {label}: cannot be read: {reason}") from None
+            raise SceneError(f"SCENE = {label}: {_why_not_a_file(path)}")
+    except ValueError as error:
+        if isinstance(error, SceneError):
+            raise
+        raise SceneError(f"SCENE = {label}: cannot be read: {error}") from None  # the path holds a character that none may have
+    with path.open("rb") as stream:
+        content = stream.read(LARGEST_FILE + 1)
     if len(content) > LARGEST_FILE:
         raise SceneError(f"SCENE = {label}: longer than {LARGEST_FILE // 1_000_000} MB; a scene file is a short TOML text")
-    try:
-        return content.decode("utf-8-sig").replace("\r\n", "\n")
-    except UnicodeDecodeError as error:
-        raise SceneError(f"SCENE = {label}: must be a TOML file in UTF-8; byte {error.start} is not") from None
+    return content
 
 
-def _why_not_a_file(path: Path, label: str) -> str:
+def _why_not_a_file(path: Path) -> str:
     if path.exists():
-        kind = "a folder" if path.is_dir() else "not a regular file"
-        return f"SCENE = {label}: must be a TOML file or a gallery name; this is {kind}"
+        return f"must be a TOML file or a gallery name; this is {'a folder' if path.is_dir() else 'not a regular file'}"
     what, known = f"neither a file nor one of the gallery: {', '.join(gallery_names())}", gallery_names()
     if path.suffix or len(path.parts) > 1:
         what, known = "no such file", [str(other) for other in path.parent.glob("*.toml")]
     guess = path.stem if path.stem in gallery_names() else nearest(str(path), known)
-    hint = f'; did you mean "{guess}"?' if guess else ""
-    return f"SCENE = {label}: {what}{hint}"
+    return f'{what}; did you mean "{guess}"?' if guess else what

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import reason_of
+from slipwave.friction.own import own_law
 from slipwave.input.source import parse_toml
 from slipwave.input.wording import one_line, shorten
 
@@ -45,21 +46,18 @@ def read_stored(path: str | Path) -> Stored:
     try:
         with Dataset(path) as file:
             facts = {name: file.getncattr(name) for name in file.ncattrs()}
-        texts = {name: _text(facts, name) for name in ("command", "model", "scene_toml", "options")}
-        tables, options = parse_toml(texts["scene_toml"]), json.loads(texts["options"])
+        texts = {name: facts.get(name) for name in ("command", "model", "scene_toml", "options")}
+        for name, text in texts.items():
+            if not isinstance(text, str):
+                raise ValueError(f"its attribute {name} is {'no text' if name in facts else 'missing'}")
+        tables, options = parse_toml(facts["scene_toml"]), json.loads(facts["options"])
         if not isinstance(options, dict):
-            raise ValueError(f"its attribute options is {shorten(texts['options'])}, no table")
+            raise ValueError(f"its attribute options is {shorten(facts['options'])}, no table")
     except (OSError, LookupError, ValueError, TypeError, RuntimeError, AttributeError) as error:  # RuntimeError: of the library
         raise SceneError(f"{label}: holds no scene that can be computed again: {one_line(reason_of(error))}") from None
-    _require_law(label, str(facts.get("law_digest", "")), str(facts.get("law_file", "")), tables)
-    return Stored(texts["command"], tables, texts["model"], options, facts)
-
-
-def _text(facts: Mapping[str, Any], name: str) -> str:
-    """An attribute that is a text. Raises ValueError if it is missing or no text."""
-    if not isinstance(facts.get(name), str):
-        raise ValueError(f"its attribute {name} is {'no text' if name in facts else 'missing'}")
-    return str(facts[name])
+    if facts.get("law_digest"):
+        _require_law(label, facts, str(tables.get("interface", {}).get("law")))
+    return Stored(facts["command"], tables, facts["model"], options, facts)
 
 
 def recall(source: object, command: str, model: str, given: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
@@ -76,14 +74,10 @@ def recall(source: object, command: str, model: str, given: Mapping[str, Any]) -
     return (stored.model if model == "auto" else model), options
 
 
-def _require_law(label: str, digest: str, file: str, tables: dict[str, Any]) -> None:
-    from slipwave.friction.own import own_law
-
-    if not digest:
-        return
-    law = str(tables.get("interface", {}).get("law"))
-    own = own_law(law)
+def _require_law(label: str, facts: Mapping[str, Any], law: str) -> None:
+    own, digest = own_law(law), facts["law_digest"]
     if own is None:
+        file = facts.get("law_file", "")
         raise SceneError(f"{label}: needs the friction law {law!r} of the file {file} (digest {digest}): give --law FILE.py")
     if own.digest != digest:
         raise SceneError(
