@@ -4,36 +4,12 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
-from roomy import too_roomy
-from shown import quick
 
-from validation.studies import bifurcation
 from validation.studies.bifurcation import measured as verdicts
 from validation.studies.bifurcation import structure_table
 from validation.studies.bifurcation.measured import WaveOrbit
 from validation.study import Outcome
 from validation.study.over_r import Corner, branch_of, parts, unaccounted
-
-
-@pytest.fixture(scope="module")
-def result():
-    return quick("bifurcation")
-
-
-def test_what_is_shown(result):
-    told = {verdict.claim.split()[0]: verdict.outcome for verdict in result.verdicts if verdict.outcome is not Outcome.PASS}
-    assert told == {"P14": Outcome.FINDING}
-    assert too_roomy(result.verdicts) == []
-
-
-def test_published_points(result):
-    found = {name: number.value for name, number in result.numbers.items()}
-    assert found["delay LP 1"] == pytest.approx(-2.700251703, abs=5e-9)
-    assert found["delay NS 1"] == pytest.approx(-2.657545713, abs=5e-9)
-    assert found["delay NS 1 T"] == pytest.approx(78.263260, abs=2e-6)
-    assert found["kelvin-voigt PD 1"] == pytest.approx(-2.595727667, abs=5e-9)
-    assert found["kelvin-voigt PD 1 T"] == pytest.approx(78.994716174, abs=2e-8)
-    assert [name for name in found if "LP" in name and name.endswith("T") and name.startswith("delay")][-1] == "delay LP 9 T"
 
 
 def special(kind, log10_r, before=0, after=1):
@@ -78,7 +54,7 @@ def test_the_index_counts_what_no_point_explains():
 )
 def test_p8_needs_a_fold_below_the_onset_that_gives_stability(first, outcome):
     fold = special("LP", -2.7007, 1, 0)
-    assert verdicts.mildly_subcritical([made("delay", fold), made("kelvin-voigt", first)]).outcome == outcome
+    assert verdicts.mildly_subcritical(made("delay", fold), made("kelvin-voigt", first)).outcome == outcome
 
 
 @pytest.mark.parametrize(
@@ -125,11 +101,6 @@ def test_coexisting_orbits_are_all_found():
     assert branch.orbits_at(-2.69) == []
     shifted = replace(branch, onset=branch.onset._replace(parameter=branch.onset.parameter + 1e-8))
     assert [verdicts.published(one).outcome for one in (branch, shifted)] == [Outcome.PASS, Outcome.FAIL]
-
-
-def test_what_is_omitted_is_said(result):
-    assert any(omission.what.startswith("P9") for omission in result.omissions)
-    assert bifurcation._ENDS[False].keys() - bifurcation._ENDS[True].keys() == {"modal:1", "modal:2", "modal:4", "modal:8"}
 
 
 def test_how_much_of_the_structure_a_model_has():

@@ -4,8 +4,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from roomy import too_roomy
-from shown import quick
 
 from slipwave.observe.statistics import Estimate
 from validation.studies.snaking import measured as verdicts
@@ -21,26 +19,8 @@ from validation.studies.snaking.measured import (
     passages,
     sides,
 )
-from validation.study import Outcome
 from validation.study.memo import own_orbit
 from validation.study.over_r import branch_of, scene_at
-
-
-@pytest.fixture(scope="module")
-def result():
-    return quick("snaking")
-
-
-def test_every_verdict_holds(result):
-    assert [v.claim for v in result.verdicts if v.outcome is not Outcome.PASS] == []
-    assert len(result.verdicts) == 13
-    assert too_roomy(result.verdicts) == []
-
-
-def test_three_orbits_coexist(result):
-    rows = result.tables[2].rows
-    assert [row[1] for row in rows] == pytest.approx([77.46265115, 77.78897533, 78.08866464], abs=1e-7)
-    assert [row[4] for row in rows] == [0.0, 1.0, 0.0]
 
 
 def run(periods, settled=True):
@@ -125,21 +105,28 @@ def branch(*found):
     return SimpleNamespace(special=found, points=(special("", -2.6, 80.0).point,), of_kind=lambda kind: folds)
 
 
-def test_two_meshes_must_find_the_same_points():
-    first, second = special("LP", -2.7, 59.0), special("NS", -2.65, 78.0)
-    moved = special("NS", -2.65 + 2e-8, 78.0)
-    both = branch(first, second)
-    assert [v.outcome for v in verdicts.meshes(both, both)] == [Outcome.PASS, Outcome.PASS]
-    assert [v.outcome for v in verdicts.meshes(both, branch(first, moved))] == [Outcome.FAIL, Outcome.PASS]
-    assert verdicts.meshes(both, branch(first))[1].outcome is Outcome.FAIL
-    assert verdicts.meshes(branch(first), both)[1].outcome is Outcome.FAIL
+FOLDS = [special("LP", -2.7, 59.0), *(special("LP", -2.7, turn + shift) for turn in (74.0, 75.0, 75.98) for shift in (0.0, 0.3))]
+
+
+@pytest.mark.parametrize(
+    ("found", "finer", "outcomes"),
+    [
+        (FOLDS, FOLDS, ["pass", "pass"]),
+        (FOLDS, [*FOLDS[:-1], special("LP", -2.7 + 2e-8, 76.28)], ["fail", "pass"]),
+        (FOLDS, FOLDS[:-1], ["pass", "fail"]),
+        (FOLDS[:-1], FOLDS, ["pass", "fail"]),
+    ],
+)
+def test_two_meshes_must_find_the_same_points(found, finer, outcomes):
+    told = verdicts.branch_claims(branch(*found), branch(*finer))
+    assert [next(told).outcome, next(told).outcome] == outcomes
 
 
 @pytest.mark.parametrize(("growth", "outcome"), [(0.98, "pass"), (1.15, "pass"), (1.25, "fail"), (0.75, "fail")])
 def test_a_pair_of_folds_for_each_transit(growth, outcome):
-    turns = [74.0, 75.0, 75.0 + growth]
-    folds = [special("LP", -2.7, period) for turn in turns for period in (turn, turn + 0.3)]
-    assert verdicts.once_per_transit(branch(special("LP", -2.7, 59.0), *folds)).outcome == outcome
+    turns = [special("LP", -2.7, period) for turn in (74.0, 75.0, 75.0 + growth) for period in (turn, turn + 0.3)]
+    both = branch(special("LP", -2.7, 59.0), *turns)
+    assert list(verdicts.branch_claims(both, both))[2].outcome == outcome
 
 
 @pytest.fixture(scope="module")

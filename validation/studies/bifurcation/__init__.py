@@ -19,7 +19,7 @@ from validation.studies.bifurcation.measured import (
 )
 from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, Verdict, table
 from validation.study.branch_drawing import NAMES, color_of, draw_branch, draw_special, special_keys
-from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
+from validation.study.drawing import WIDTH, Drawing, canvas, line, ruled
 from validation.study.over_r import COMPARED, FAR, Branch, branch_of
 from validation.study.text import plain
 
@@ -65,20 +65,14 @@ def run(budget: Budget) -> StudyResult:
 def _tables(branches: dict[str, Branch], waves: list[WaveOrbit], quick: bool) -> tuple[Table, ...]:
     special = [special_table(branch) for branch in branches.values()]
     delay, *others = branches.values()
-    return (*special, *(() if quick else (structure_table(delay, others),)), wave_table(waves))
+    return (*special, *(() if quick else (structure_table(delay, others),)), _wave_table(waves))
 
 
 def _verdicts(branches: dict[str, Branch], waves: list[WaveOrbit], quick: bool) -> tuple[Verdict, ...]:
     delay, ode = branches["delay"], branches["kelvin-voigt"]
-    return (
-        published(delay),
-        published(ode),
-        index(branches.values()),
-        same_orbits(waves),
-        mildly_subcritical(branches.values()),
-        *(() if quick else (*bubbles(ode), modes_converge(delay, [branches[f"modal:{n}"] for n in (1, 2, 4, 8)]))),
-        unlike(delay, ode),
-    )
+    always = (published(delay), published(ode), index(branches.values()), same_orbits(waves), mildly_subcritical(delay, ode))
+    modal = [branch for model, branch in branches.items() if model.startswith("modal")]
+    return (*always, *(() if quick else (*bubbles(ode), modes_converge(delay, modal))), unlike(delay, ode))
 
 
 def _answer(branches: dict[str, Branch]) -> str:
@@ -146,32 +140,25 @@ def special_table(branch: Branch) -> Table:
 
 
 def _special_row(special: Special) -> tuple[Cell, ...]:
-    found, value = figures_of(special.point.closed), special.multiplier
-    passing = {
-        "LP": "1",
-        "PD": "−1",
-        "NS": f"{plain(value.real, '.6f')} ± {plain(abs(value.imag), '.6f')} i",
-    }[special.kind]
+    """At a fold r hardly changes, so that its bracket is lost in rounding."""
+    found, value, bracket = figures_of(special.point.closed), special.multiplier, special.bracket
+    turning = f"{plain(value.real, '.6f')} ± {plain(abs(value.imag), '.6f')} i"
+    passing = {"LP": "1", "PD": "−1", "NS": turning}[special.kind]
     counts = f"{special.unstable_before} → {special.unstable_after}"
-    figures = [found[name] for name in COMPARED]
-    return (NAMES[special.kind], special.point.parameter, *figures, _width(special.bracket), counts, passing)
-
-
-def _width(bracket: float) -> str:
-    """A bracket in words; at a fold r hardly changes, so that brackets are lost in rounding there."""
-    return plain(bracket, ".0e") if bracket > _ROUNDING else f"below {plain(_ROUNDING, '.0e')}"
+    width = plain(bracket, ".0e") if bracket > _ROUNDING else f"below {plain(_ROUNDING, '.0e')}"
+    return (NAMES[special.kind], special.point.parameter, *(found[name] for name in COMPARED), width, counts, passing)
 
 
 def structure_table(delay: Branch, others: Iterable[Branch]) -> Table:
     """How far the special points of other models are from those of the delay system, kind by kind in order."""
-    listed = [*others]
-    rows: list[tuple[Cell, ...]] = [
-        (NAMES["HB"], delay.onset.parameter, *(one.onset.parameter - delay.onset.parameter for one in listed))
-    ]
-    for kind, n in ((kind, n) for kind, count in _COUNTED.items() for n in range(count)):
-        place, *places = (_place(one, kind, n) for one in (delay, *listed))
-        rows.append((f"{NAMES[kind]} {n + 1}", place, *(_apart(other, place) for other in places)))
-    columns = " | ".join(f"{one.model} [log_{{10}} r] .1e" for one in listed)
+    every = [delay, *others]
+    places = {NAMES["HB"]: [branch.onset.parameter for branch in every]} | {
+        f"{NAMES[kind]} {n + 1}": [_place(branch, kind, n) for branch in every]
+        for kind, most in _COUNTED.items()
+        for n in range(most)
+    }
+    rows = ([point, exact, *(_apart(other, exact) for other in found)] for point, (exact, *found) in places.items())
+    columns = " | ".join(f"{one.model} [log_{{10}} r] .1e" for one in every[1:])
     caption = (
         "Special points of the delay system, and how far those of other models are from them in log_{10} r; empty: the model has "
         "none of that number, or none up to where its branch was followed. Each kind is counted along the branch."
@@ -188,8 +175,7 @@ def _apart(one: float | None, other: float | None) -> float | None:
     return None if one is None or other is None else one - other
 
 
-def wave_table(orbits: Iterable[WaveOrbit]) -> Table:
-    """Period and drops of the full wave and their distance from the delay system's."""
+def _wave_table(orbits: Iterable[WaveOrbit]) -> Table:
     rows = [(one.log10_r, *(one.wave[name] for name in COMPARED), one.apart) for one in orbits]
     caption = (
         f"Orbits of the full wave, `{WAVE}` marched exactly, by Newton’s method on the motion of the grid over one period; the "
@@ -208,7 +194,7 @@ def diagram(branches: Iterable[Branch], waves: Iterable[WaveOrbit]) -> Drawing:
             for axes in (near, far):
                 draw_branch(axes, model, corners, name)
                 draw_special(axes, branch, name)
-        near.plot([one.log10_r for one in waves], [one.wave[name] for one in waves], "o", **_WAVE)
+        near.plot([one.log10_r for one in waves], [one.wave[name] for one in waves], "o", linestyle="none", **_WAVE)
         near.set(ylabel=_LABELS[name], xlim=(_LEFT, _ZOOM))
         ruled(near, far)
     for axes in panels[-1]:
@@ -217,13 +203,7 @@ def diagram(branches: Iterable[Branch], waves: Iterable[WaveOrbit]) -> Drawing:
     return figure
 
 
-_WAVE: dict[str, Any] = {
-    "color": "#d55e00",
-    "markerfacecolor": "none",
-    "markersize": 7.0,
-    "markeredgewidth": 1.2,
-    "linestyle": "none",
-}
+_WAVE: dict[str, Any] = {"color": "#d55e00", "markerfacecolor": "none", "markersize": 7.0, "markeredgewidth": 1.2}
 
 
 def _keys(models: Iterable[str], waves: Iterable[WaveOrbit]) -> Iterator[Any]:
@@ -231,8 +211,7 @@ def _keys(models: Iterable[str], waves: Iterable[WaveOrbit]) -> Iterator[Any]:
     from matplotlib.lines import Line2D
 
     for model in models:
-        look = pen(model)
-        yield Line2D([], [], color=color_of(model), linewidth=look.width, label=look.label)
+        yield Line2D([], [], **line(model, color=color_of(model), linestyle="-"))
     yield from special_keys(NAMES)
     if waves:
-        yield Line2D([], [], marker="o", label=f"full wave, {WAVE}", **_WAVE)
+        yield Line2D([], [], marker="o", linestyle="none", label=f"full wave, {WAVE}", **_WAVE)

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from reduced.continuation.branch import Control
-from reduced.continuation.special import Special
 from reduced.orbit.closing import Closed
 from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import count_unstable, floquet
@@ -15,14 +14,14 @@ from validation.studies.snaking.measured import (
     Attractor,
     Run,
     Side,
+    Sides,
     attractor,
+    branch_claims,
     coexisting,
     fold_pairs,
     grows,
     in_thicker_slabs,
-    meshes,
     on_torus,
-    once_per_transit,
     reappears,
     run_at,
     settles,
@@ -30,10 +29,9 @@ from validation.studies.snaking.measured import (
     torus_at,
     wanders,
 )
-from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, table
+from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, memo, table
 from validation.study.branch_drawing import draw_branch, draw_special, special_keys
 from validation.study.drawing import WIDTH, Drawing, canvas, ruled
-from validation.study.memo import own_orbit
 from validation.study.over_r import COMPARED, Branch, Corner, branch_of, column, parts, scene_at
 from validation.study.text import plain
 
@@ -70,7 +68,7 @@ def run(budget: Budget) -> StudyResult:
     runs = [run_at(log10_r) for log10_r in (_BEFORE, _BEYOND)]
     starts = [(log10_r, size) for log10_r in _COEXIST[budget.quick] for size in _NUDGES]
     attractors = [attractor(log10_r, size, branch.orbits_at(log10_r)) for log10_r, size in starts]
-    again = own_orbit("delay", scene_at(-2.68), 1e-11).closed
+    again = memo.own_orbit("delay", scene_at(-2.68), 1e-11).closed
     residuals = {turns: in_thicker_slabs(again, turns, again.cycle.period) for turns in range(4)}
     both = sides(branch, *_SIDES[budget.quick])
     beside = [branch.orbits_at(log10_r)[-1] for log10_r in (_BEFORE, _BEYOND)]
@@ -78,16 +76,15 @@ def run(budget: Budget) -> StudyResult:
         answer=_answer(branch, max(map(len, orbits.values()))),
         figures=(Figure("snake", _CAPTION, lambda: snake(branch, runs)),),
         tables=(
-            pair_table(branch),
-            window_table(branch.corners),
-            coexisting_table(orbits),
-            beside_table(both),
-            attractor_table(attractors),
-            reappearance_table(again, residuals),
+            _pair_table(branch),
+            _window_table(branch.corners),
+            _coexisting_table(orbits),
+            _beside_table(both),
+            _attractor_table(attractors),
+            _reappearance_table(again, residuals),
         ),
         verdicts=(
-            *meshes(branch, finer),
-            once_per_transit(branch),
+            *branch_claims(branch, finer),
             *settles(runs[0], beside[0]),
             wanders(runs[1], beside[1]),
             *grows(both),
@@ -130,21 +127,10 @@ _LEAST = 74.0
 _RUNS: dict[str, Any] = {"color": "#d55e00", "capsize": 3.0, "linestyle": "none", "markerfacecolor": "none"}
 
 
-def pair_table(branch: Branch) -> Table:
-    """Each pair of folds with its distance from the one before."""
-    pairs, rows = fold_pairs(branch), list[tuple[Cell, ...]]()
-    for n, (turn, back) in enumerate(pairs):
-        period, before = turn.point.closed.cycle.period, pairs[n - 1][0].point.closed.cycle.period
-        rows.append(
-            (
-                turn.point.parameter,
-                period,
-                back.point.parameter,
-                back.point.closed.cycle.period,
-                turn.point.parameter - back.point.parameter,
-                period - before if n else None,
-            )
-        )
+def _pair_table(branch: Branch) -> Table:
+    places = [[(one.point.parameter, one.point.closed.cycle.period) for one in pair] for pair in fold_pairs(branch)]
+    since = [None, *np.diff([turn[1] for turn, _ in places]).tolist()]
+    rows = ((*turn, *back, turn[0] - back[0], growth) for (turn, back), growth in zip(places, since, strict=False))
     heading = (
         "turns at [log_{10} r] .9f | T [transits] .5f | back at [log_{10} r] .9f | T [transits] .5f | width [log_{10} r] .2e "
         "| T since the pair before [transits] .3f"
@@ -152,42 +138,33 @@ def pair_table(branch: Branch) -> Table:
     return table("pairs", "Pairs of folds along the branch; the last column is the growth of T from pair to pair.", heading, rows)
 
 
-def window_table(corners: list[Corner]) -> Table:
-    """Parts of the branch whose orbits are stable."""
+def _window_table(corners: list[Corner]) -> Table:
     rows = []
     for stable, part in parts(corners):
         if stable and part[-1].figures["period"] > _LEAST:
-            ends = sorted([part[0].log10_r, part[-1].log10_r])
-            rows.append((part[0].figures["period"], part[-1].figures["period"], *ends, ends[1] - ends[0]))
+            low, high = sorted([part[0].log10_r, part[-1].log10_r])
+            rows.append((part[0].figures["period"], part[-1].figures["period"], low, high, high - low))
     heading = "T from [transits] .4f | to [transits] .4f | log_{10} r from .7f | to .7f | width [log_{10} r] .2e"
     return table("windows", "Parts of the branch with stable orbits, in order along the branch.", heading, rows)
 
 
-def coexisting_table(found: dict[float, list[Closed]]) -> Table:
-    """All orbits of the branch at each r."""
+def _coexisting_table(found: dict[float, list[Closed]]) -> Table:
     rows = [_coexisting_row(log10_r, closed) for log10_r, orbits in found.items() for closed in orbits]
     heading = "log_{10} r .2f | T [transits] .7f | Δμ [σ] .7f | Δy [σ] .7f | unstable .0f | largest multiplier"
-    return table(
-        "coexisting", "Orbits of the branch that coexist at one r; unstable: multipliers outside the unit circle.", heading, rows
-    )
+    caption = "Orbits of the branch that coexist at one r; unstable: multipliers outside the unit circle."
+    return table("coexisting", caption, heading, rows)
 
 
 def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
     lead, found = floquet(closed.monodromy)[0][0], figures_of(closed)
-    multiplier = plain(lead.real, ".4f") + (f" ± {plain(abs(lead.imag), '.4f')} i" if lead.imag else "")
-    return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), multiplier)
+    return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), complex_text(lead, ".4f"))
 
 
-def beside_table(both: Iterable[tuple[Special, Side, Side]]) -> Table:
-    """The multiplier that passes at each special point, on both sides of it, from the orbit and from runs."""
-    rows = [
-        (
-            one.kind,
-            one.point.parameter,
-            *(cell for side in sides for cell in (complex_text(side.orbit), abs(side.seen), side.apart)),
-        )
-        for one, *sides in both
-    ]
+def _beside_table(both: Sides) -> Table:
+    def told(side: Side) -> tuple[Cell, ...]:
+        return complex_text(side.orbit), abs(side.seen), side.apart
+
+    rows = ((one.kind, one.point.parameter, *told(before), *told(beyond)) for one, before, beyond in both)
     columns = "before: multiplier | modulus seen in runs .6f | difference [relative] .0e"
     heading = f"kind | log_{{10}} r .7f | {columns} | {columns.replace('before', 'beyond')}"
     caption = (
@@ -197,27 +174,21 @@ def beside_table(both: Iterable[tuple[Special, Side, Side]]) -> Table:
     return table("beside", caption, heading, rows)
 
 
-def complex_text(value: complex) -> str:
+def complex_text(value: complex, spec: str = ".6f") -> str:
     """A real multiplier, or a pair."""
-    return plain(value.real, ".6f") + (f" ± {plain(abs(value.imag), '.6f')} i" if value.imag else "")
+    return plain(value.real, spec) + (f" ± {plain(abs(value.imag), spec)} i" if value.imag else "")
 
 
-def attractor_table(attractors: Iterable[Attractor]) -> Table:
-    """Runs from nudges of different size, and the orbits on which they settle."""
-    rows = [(one.run.log10_r, one.size, float(one.run.last[-1]), one.orbit, one.apart) for one in attractors]
+def _attractor_table(attractors: Iterable[Attractor]) -> Table:
+    rows = ((one.run.log10_r, one.size, float(one.run.last[-1]), one.orbit, one.apart) for one in attractors)
     heading = (
         "log_{10} r .3f | nudge .1f | T of the run [transits] .7f | T of the orbit [transits] .7f | difference [relative] .0e"
     )
-    return table(
-        "attractors",
-        "Direct runs from nudges of different size, beside the stable orbit of the branch nearest to each.",
-        heading,
-        rows,
-    )
+    caption = "Direct runs from nudges of different size, beside the stable orbit of the branch nearest to each."
+    return table("attractors", caption, heading, rows)
 
 
-def reappearance_table(closed: Closed, residuals: Mapping[int, float]) -> Table:
-    """Where an orbit reappears."""
+def _reappearance_table(closed: Closed, residuals: Mapping[int, float]) -> Table:
     period, r = closed.cycle.period, closed.flow.scene.transit
     rows = [
         (turns, math.log10(r * (1.0 + turns * period)), period / (1.0 + turns * period), off) for turns, off in residuals.items()
