@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from leapfrog_scenes import SCENES
 
-from fullwave.adapt import _Outcome, _probed_until, degree_for, judge_grid, to_tolerance
+from fullwave.adapt import _Outcome, _probed_until, judge_grid, to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
-from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver
 from slipwave.scene.drive import Drive
@@ -54,30 +53,10 @@ def test_the_estimate_counts_the_error_of_the_steps_which_no_grid_shows():
     assert 1e-6 < np.abs(cycles(solver) / exact - 1.0).max() < choice.error_estimate
 
 
-def test_family_can_be_fixed():
-    solver, choice = to_tolerance(SCENES["alike"], 1e-4, SummationByParts, number=6)
-    assert solver.model == "sbp:6"
-    assert choice.tried[-1] == (choice.cells, choice.error_estimate)
-
-
-def test_tighter_tolerances_take_higher_degrees():
-    degrees = [degree_for(tolerance) for tolerance in (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)]
-    assert degrees == sorted(degrees)
-    assert degrees[0] >= 3
-
-
 @pytest.mark.parametrize("tolerance", [0.0, -1.0, 0.5, float("nan"), True, "small"])
 def test_wrong_tolerance_is_refused(tolerance):
     with pytest.raises(SceneError, match=r"tolerance = .*: must lie in \[1e-12, 0.1\]"):
         to_tolerance(SCENES["alike"], tolerance)
-
-
-def test_a_jump_out_of_reach_is_a_numerical_failure(monkeypatch):
-    monkeypatch.setattr("fullwave.adapt.MOST_TRIED_CELLS", 12)
-    jump = dataclasses.replace(SCENES["alike"], start=Start(StartKind.JUMP, 0.5), until=60.0)
-    with pytest.raises(NumericsError, match="tolerance 1e-11 not reached with") as refusal:
-        to_tolerance(jump, 1e-11)
-    assert "trend" not in str(refusal.value)  # of so few cells none is told
 
 
 def test_a_grid_too_large_for_the_march_ends_the_search_with_what_was_reached(monkeypatch):
@@ -109,21 +88,6 @@ def test_a_jump_is_given_up_as_soon_as_its_trend_is_seen():
 )
 def test_a_probe_goes_beyond_the_last_knot_of_the_drive(drive, until, end):
     assert _probed_until(dataclasses.replace(SCENES["alike"], drive=drive, until=until)) == end
-
-
-def test_estimate_of_a_slow_series_is_more_than_its_last_difference(monkeypatch):
-    """Values 1 + 1/n converge at order 1: the rest of the series is twice its last difference (ratio 3/2)."""
-
-    class Slow:
-        model, step, settings = "slow", 1.0, {}
-
-        def __init__(self, scene, cells):
-            self.cells = cells
-
-    monkeypatch.setattr("fullwave.adapt.probe", lambda solver: _Outcome("cycles", np.array([1.0 + 1.0 / solver.cells])))
-    _, choice = to_tolerance(SCENES["alike"], 0.02, Slow)
-    assert choice.error_estimate == pytest.approx(1.0 / choice.cells, rel=0.15)
-    assert choice.error_estimate <= 0.02
 
 
 @pytest.mark.parametrize(("credited", "cells", "estimate"), [(np.inf, 8, 1e-4), (6.0, 8, 0.04 / 1.5**6), (2.0, 18, 2.733e-3)])

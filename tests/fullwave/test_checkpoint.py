@@ -7,13 +7,12 @@ import subprocess
 import sys
 import time
 
-import numpy as np
 import pytest
-from leapfrog_scenes import PAPER, SCENES
+from leapfrog_scenes import PAPER
 
 from fullwave.finite_difference import Leapfrog
 from slipwave.errors import SceneError
-from slipwave.observe import EventObserver, HistoryObserver
+from slipwave.observe import EventObserver
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints, load, save
 
@@ -84,45 +83,6 @@ def test_a_mark_just_before_the_end(tmp_path, beyond):
         Checkpoints(solver, {}, path, 10.0, 10.0).resume()
     Checkpoints(solver, {}, path, end, 10.0).resume()
     assert solver.time < end
-
-
-@pytest.mark.parametrize("name", ["unlike", "everything", "standard-linear"])
-def test_every_slab_comes_back_to_the_bit(tmp_path, name):
-    path = tmp_path / "run.npz"
-    chosen = SCENES[name]
-    straight = Leapfrog(chosen, 16, 0.9)
-    events = EventObserver(chosen, straight.nodes)
-    history = HistoryObserver(chosen.law, straight.nodes)
-    follow(straight, 37.0, [events, history])
-    save(path, straight, {"events": events, "history": history})
-    resumed = Leapfrog(chosen, 16, 0.9)
-    again = EventObserver(chosen, resumed.nodes)
-    kept = HistoryObserver(chosen.law, resumed.nodes)
-    load(path, resumed, {"events": again, "history": kept})
-    for solver, observers in ((straight, [events, history]), (resumed, [again, kept])):
-        follow(solver, 90.0, observers)
-    assert_same_bits(outcome(resumed, again), outcome(straight, events))
-    for column, other in zip(kept.columns().values(), history.columns().values(), strict=True):
-        assert np.array_equal(column, other)
-
-
-def test_another_run_is_refused(tmp_path):
-    path = tmp_path / "run.npz"
-    save(path, Leapfrog(PAPER, 16))
-    with pytest.raises(SceneError, match="settings differ from this run's: cells is 16, not 32, slabs is"):
-        load(path, Leapfrog(PAPER, 32))
-    with pytest.raises(SceneError, match="scene is"):
-        load(path, Leapfrog(SCENES["unlike"], 16))
-    with pytest.raises(SceneError, match="observers is"):
-        load(path, Leapfrog(PAPER, 16), {"events": EventObserver(PAPER, np.linspace(0, 1, 5))})
-
-
-@pytest.mark.parametrize("content", [b"", b"not a checkpoint", b"PK\x03\x04 broken"])
-def test_a_broken_file_is_refused(tmp_path, content):
-    path = tmp_path / "run.npz"
-    path.write_bytes(content)
-    with pytest.raises(SceneError, match="cannot be read"):
-        load(path, Leapfrog(PAPER, 16))
 
 
 def test_a_failed_save_leaves_the_old_file(tmp_path, monkeypatch):

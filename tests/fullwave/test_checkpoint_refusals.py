@@ -28,16 +28,6 @@ OTHERS = [(kind, option) for kind in KINDS for option in ("cells", "cfl", "numbe
 OTHER = {"cells": 26, "cfl": 0.5, "number": 6, "mass": "consistent"}
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_every_family_goes_on_from_its_own(tmp_path, kind):
-    make, options = KINDS[kind]
-    straight, resumed = make(PAPER, **options), make(PAPER, **options)
-    follow(straight, 20.0)
-    save(tmp_path / "run.npz", straight)
-    load(tmp_path / "run.npz", resumed)
-    assert follow(straight, 40.0) == follow(resumed, 40.0)
-
-
 @pytest.mark.parametrize(("kind", "option"), [o for o in OTHERS if o[1] in KINDS[o[0]][1] or o[1] in ("cfl", "cells")])
 def test_every_other_setting_is_refused(tmp_path, kind, option):
     make, options = KINDS[kind]
@@ -184,12 +174,3 @@ def facts_of(path):
 def facts_of_bytes(content, folder):
     (folder / "good.npz").write_bytes(content)
     return facts_of(folder / "good.npz")
-
-
-def test_files_of_other_kinds(tmp_path):
-    path, fresh = prepared(tmp_path, "fd")
-    np.save(tmp_path / "array.npy", np.zeros(3))
-    for content in (b"some text\n", b"", (tmp_path / "array.npy").read_bytes(), b"PK\x03\x04", b"\x80\x04K\x01."):
-        path.write_bytes(content)
-        assert "cannot be read: it is not a checkpoint, or damaged" in refused(path, fresh)
-    assert "is a directory" in refused(tmp_path, fresh)

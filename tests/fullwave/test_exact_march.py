@@ -3,20 +3,17 @@ promises: the coupled step never gains energy, and fields inside a step are thos
 
 import numpy as np
 import pytest
-from numpy.polynomial import legendre
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.lines import exact
-from fullwave.lines.propagator import doubled, short_step, shortest_halving, to_legendre
 from fullwave.lines.system import GRIP, SCALARS
 from fullwave.lines.viscosity import Viscous
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
 from slipwave.errors import SceneError
 from slipwave.solve import follow
-from slipwave.step.collocation import radau
 from slipwave.threads import one_thread
 
 RAMP = "drive.velocity=[[0.0, 100.0], [5.3, 100.0], [11.17, 200.0]]"
@@ -200,55 +197,6 @@ def test_the_coupled_step_of_other_families_never_gains_energy(member):
     with one_thread():
         kind, grid = MEMBERS[member]
         assert worst_gain(kind(hard_scene("1 : 1000"), **grid, time="exact"), 40.0, (0, 5, 8)) < 1.0
-
-
-@pytest.mark.parametrize("member", MEMBERS)
-@pytest.mark.parametrize("name", ["alike", "1 : 1000"])
-def test_noise_in_locked_slabs_gains_no_energy_in_a_million_transits(name, member):
-    """An absolutely still interface (unlike slabs are welded): 25,000 steps of 40 transits, from noise on the whole grid."""
-    with one_thread():
-        kind, grid = MEMBERS[member]
-        solver = kind(hard_scene(name), **grid, time="exact")
-        slabs = solver._march.slabs
-        weight = energy_matrix(solver)[np.ix_(slabs.slots, slabs.slots)]
-        change = slabs.known(40.0).maps.find(0).change
-        values = np.random.default_rng(5).standard_normal(slabs.remembered)
-        energies = [values @ weight @ values]
-        for _ in range(25_000):
-            values += change @ values
-            energies.append(values @ weight @ values)
-    print(max(energies) / energies[0] - 1.0, energies[-1] / energies[0])
-    assert max(energies) < (1.0 + 1e-9) * energies[0]
-
-
-def sampled(slabs, length):
-    """Stress at the nodes of a step, from the grid's values and from u at the nodes, without projection."""
-    nodes = radau(exact.STAGES).nodes
-    coefficients, free, through = to_legendre(nodes), [], []
-    for j, node in enumerate(nodes):
-        halvings = shortest_halving(slabs, node * length)
-        step = short_step(slabs, node * length * 2.0**-halvings)
-        for _ in range(halvings):
-            step = doubled(slabs, step)
-        part = to_legendre(nodes) @ legendre.legvander(2.0 * node * nodes - 1.0, nodes.size - 1) @ coefficients
-        free.append(slabs.outputs[0] @ (np.eye(slabs.rates.shape[0]) + step.change))
-        through.append(slabs.outputs[0] @ step.forced[:, : nodes.size] @ part)
-        through[-1][j] += slabs.direct[0, 0]
-    return np.array(free), np.array(through)
-
-
-def test_without_projection_the_coupled_step_gains_energy():
-    """What the projection is for: with the stress sampled at the nodes, weak friction and eight steps a transit have a norm above
-    (DESIGN of this march; measured with another program)."""
-    with one_thread():
-        solver = DiscontinuousGalerkin(hard_scene("alike"), 7, 4, time="exact")
-        slabs = solver._march.slabs
-        port, level = slabs.known(1.0).port, 3
-        slabs.prepare(port, level)
-        free, through = sampled(slabs.slabs, float(port.length[level]))
-        port.free[level], port.impedance[level] = free.T / slabs.scale, -through
-        solver._march.slabs.prepare = lambda *_: None
-        assert worst_gain(solver, 1.0, (level,)) > 1e9
 
 
 def test_any_slip_rate_and_a_long_hold():

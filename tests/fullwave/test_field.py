@@ -62,20 +62,6 @@ def test_the_interface_agrees_with_the_observer(recorded):
     assert 63.99 < field.time[-1] < 64.2
 
 
-@pytest.mark.parametrize("name", ["alike", "unlike"])
-def test_a_picture_before_the_first_step_knows_the_interface_and_changes_nothing(name):
-    """The state jumps at t = 0, and with it the slip rate."""
-    jump = dataclasses.replace(SCENES[name], start=Start(StartKind.JUMP, 0.5))
-    undisturbed, pictured = (Leapfrog(jump, 16, 0.9) for _ in range(2))
-    shot, again = pictured.snapshot(), pictured.snapshot()
-    pieces = undisturbed.advance(4.0)
-    slip = shot.upper.velocity[0] - shot.lower.velocity[0]
-    assert slip == pytest.approx(np.exp(pieces.z[0, 0]), rel=1e-12)
-    assert abs(slip / jump.velocity - 1.0) > 0.1
-    assert np.array_equal(shot.lower.velocity, again.lower.velocity)
-    assert np.array_equal(pictured.advance(4.0).z, pieces.z)
-
-
 def test_outer_faces_move_with_the_drive(recorded):
     field, _, _, chosen = recorded
     _, velocity, _ = profile(field)
@@ -108,21 +94,6 @@ def test_stress_between_unlike_layers_is_that_of_the_cells():
     stress = solver.snapshot().upper.stress - chosen.steady_stress
     assert stress[0] > 1e-2
     assert np.abs(np.diff(stress)).max() < 1e-6
-
-
-def test_recording_changes_nothing():
-    one, two = Leapfrog(PAPER, 32, 0.9), Leapfrog(PAPER, 32, 0.9)
-    _, final = record_field(one, 20.0, 22.0)
-    assert follow(two, 22.0) == final
-    assert one.state()["memory"].tobytes() == two.state()["memory"].tobytes()
-
-
-@pytest.mark.parametrize("name", ["alike", "unlike", "kelvin-voigt", "grip"])
-def test_the_first_frame_at_rest_is_steady_sliding(name):
-    field, _ = record_field(Leapfrog(SCENES[name], 32, 0.9), 0.0, 0.5)
-    for slab in field.slabs.values():
-        assert abs(slab.velocity[0]) == pytest.approx(SCENES[name].velocity / 2, rel=1e-7)
-        assert slab.stress[0] == pytest.approx(SCENES[name].steady_stress, rel=1e-7)
 
 
 @pytest.mark.parametrize("name", ["alike", "unlike"])

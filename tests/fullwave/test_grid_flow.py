@@ -8,7 +8,6 @@ import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
-from slipwave.errors import SceneError
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
 from tests.closing import closed, difference, largest
@@ -99,9 +98,3 @@ def test_its_multipliers_are_those_of_the_delay_system(orbit):
     values = orbit[2][np.argsort(-np.abs(orbit[2]))][:3]
     assert values[0] == pytest.approx(1.0, abs=1e-8)
     assert sorted(values[1:], key=np.imag) == pytest.approx([0.254520 - 0.347982j, 0.254520 + 0.347982j], abs=1e-6)
-
-
-def test_an_explicit_march_has_no_flow():
-    solver = DiscontinuousGalerkin(slipwave.read("paper"), number=5, cells=2, time="explicit")
-    with pytest.raises(SceneError, match="needs time = exact"):
-        solver.flow(70.0, 1e-9)

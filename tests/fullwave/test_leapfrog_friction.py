@@ -1,12 +1,11 @@
 """The leapfrog's friction over one step: a known root is found from any start, by Newton's method from a near one."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from fullwave.leapfrog import friction, kernel
+from fullwave.leapfrog import kernel
 from fullwave.leapfrog.friction import solve_friction
 from slipwave.compiled import njit
 from slipwave.friction import LAWS, Law, respond, steady_state, unknown_of
@@ -52,32 +51,6 @@ def test_the_root_is_found_from_anywhere(name: str, off: float) -> None:
         assert converged
         assert (z, psi) == pytest.approx((one.z, one.psi), abs=2e-12)
         assert v == pytest.approx(one.v, rel=1e-11)
-
-
-@pytest.mark.parametrize("name", LAW_NAMES)
-def test_newtons_method_does_it_alone_from_near_and_not_at_all_from_far(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Within six evaluations of the law; a step of 2 or more is not believed."""
-    evaluations, bracketed = [0], (0.0, 0.0, 0.0, False)
-
-    def counted(*arguments: float) -> tuple[float, ...]:
-        evaluations[0] += 1
-        return respond(*arguments)
-
-    monkeypatch.setattr(friction, "respond", counted)
-    monkeypatch.setattr(friction, "_bracketed", lambda *_: bracketed)
-    for one in steps(name):
-        evaluations[0] = 0
-        z, psi, _, converged = solve_friction.py_func(*one[:6], one.z + 0.1, one.psi - 0.1)  # type: ignore[attr-defined]
-        assert converged
-        assert (z, psi) == pytest.approx((one.z, one.psi), abs=2e-12)
-        assert 2 <= evaluations[0] <= 6
-        assert solve_friction.py_func(*one[:6], one.z - 4.0, one.psi) == bracketed  # type: ignore[attr-defined]
-
-
-@pytest.mark.parametrize("z", [math.nan, math.inf])
-def test_a_start_that_is_no_number_is_survived(z: float) -> None:
-    one = step("ageing", 1.0, 0.05)
-    assert solve_friction(*one[:6], z, one.psi)[:2] == pytest.approx((one.z, one.psi), abs=2e-12)
 
 
 @njit

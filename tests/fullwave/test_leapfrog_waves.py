@@ -10,7 +10,6 @@ from leapfrog_scenes import PAPER, SLAB
 
 from fullwave.leapfrog.grid import slab_grid
 from fullwave.leapfrog.media import accelerate, load, strain
-from fullwave.leapfrog.readout import side_energy
 from fullwave.leapfrog.viscous import steady_side
 from slipwave.compiled import njit
 from slipwave.scene.slab import KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
@@ -114,25 +113,3 @@ def test_damped_standing_wave(viscosity):
     assert errors[-1] < 2e-3 * abs(root)
     assert errors[0] / errors[1] > 3.5
     assert errors[1] / errors[2] > 3.5
-
-
-def no_growth(transits):
-    """Noise at the grid scale in a locked slab: the conserved energy must stay what it was."""
-    for cfl in (1.0, 0.9):
-        side, grid = at_rest(SLAB, 16, cfl)
-        random = np.random.default_rng(3)
-        side.medium.velocity[1:-1] = random.standard_normal(15)
-        side.medium.stress[:] = SLAB.epsilon * random.standard_normal(16)
-        first = side_energy(side, grid, 0.0, 0.0)[0]
-        march_locked(side.medium, side.face, round(transits / grid.step))
-        assert side_energy(side, grid, 0.0, 0.0)[0] == pytest.approx(first, rel=1e-9)
-        assert np.abs(side.medium.velocity).max() < 20.0
-
-
-def test_no_growth_in_a_locked_slab():
-    no_growth(5e3)
-
-
-@pytest.mark.slow
-def test_no_growth_in_a_locked_slab_over_a_million_transits():
-    no_growth(1e6)

@@ -8,7 +8,6 @@ import dataclasses
 import numpy as np
 import pytest
 from leapfrog_scenes import SCENES
-from march_scenes import FAMILIES, PAIRS
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
@@ -42,23 +41,6 @@ def test_final_psi_of_the_race_to_ten_digits():
     """psi(600) of the paper's scene at log10 r = -2.6, as three programs for the delay system give it."""
     solver = DiscontinuousGalerkin(slipwave.read("paper", ["slab.log10_r=-2.6"]), number=7, cells=8)
     assert follow(solver, 600.0).psi == pytest.approx(-2.81740188949, abs=2e-11)
-
-
-@pytest.mark.parametrize(("family", "name"), [pair for pair in PAIRS if pair[1] in ("grip", "standard-linear", "unlike")])
-def test_resumed_run_equals_the_uninterrupted_one_to_the_bit(family, name):
-    whole, first, second = (FAMILIES[family](SCENES[name]) for _ in range(3))
-    follow(whole, 12.0)
-    follow(first, 5.3)
-    second.restore({key: array.copy() for key, array in first.state().items()})
-    assert second.time == first.time
-    follow(second, 12.0)
-    for key, array in whole.state().items():
-        np.testing.assert_array_equal(second.state()[key], array)
-
-
-def test_restore_refuses_another_solver():
-    with pytest.raises(SceneError, match="checkpoint: state does not fit"):
-        FAMILIES["dg:5"](PAPER).restore(FAMILIES["fem:4"](PAPER).state())
 
 
 @pytest.mark.parametrize(
@@ -129,15 +111,3 @@ def test_jump_start_converges_without_growth(family):
     assert errors[0] < 3e-5  # measured: 1.7e-6 to 2.7e-6, then 0.51 to 0.54 of it each time
     assert errors[1] < 0.6 * errors[0]
     assert errors[2] < 0.6 * errors[1]
-
-
-def test_snapshot_of_alike_slabs_is_antisymmetric_and_meets_at_the_interface():
-    solver = DiscontinuousGalerkin(PAPER, number=5, cells=4)
-    final = follow(solver, 20.0)
-    shot = solver.snapshot()
-    assert shot.upper.depth[0] == 0.0
-    assert shot.upper.depth[-1] == 1.0
-    assert (np.diff(shot.upper.depth) > 0.0).all()
-    np.testing.assert_array_equal(shot.lower.velocity, -shot.upper.velocity)
-    assert shot.upper.stress[0] == pytest.approx(final.mu, abs=3e-4)
-    assert shot.upper.velocity[-1] == pytest.approx(50.0, rel=5e-9)

@@ -1,7 +1,5 @@
 """The compiled right-hand side against the plain matrix: every family, every scene."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from leapfrog_scenes import SCENES
@@ -10,7 +8,7 @@ from march_scenes import FAMILIES, PAIRS
 from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.motion import rates_of
 from fullwave.lines.system import ELASTIC, FRICTION, GRIP, PSI, SCALARS
-from fullwave.lines.viscosity import Viscous, _viscous_stress
+from fullwave.lines.viscosity import Viscous
 from slipwave.compiled import njit
 from slipwave.friction import respond, unknown_of
 
@@ -89,10 +87,3 @@ def test_no_scene_lets_the_frictionless_motion_grow(family, name):
     for locked in (True, False):
         spectrum = np.linalg.eigvals(motion_matrix(system, locked))
         assert spectrum.real.max() < 1e-9 * np.abs(spectrum).max()
-
-
-def test_viscosity_adds_its_time_times_the_rate_of_the_stress():
-    """The rates of the second stage of a state of four values begin at 4."""
-    medium = SimpleNamespace(retardation=np.array([0.0, 0.5, 0.25, 0.0]))
-    state, rates = np.array([1.0, 2.0, 3.0, 4.0]), np.array([10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0])
-    assert [_viscous_stress(medium, slot, state, rates, 4) for slot in (1, 2)] == [2.0 + 30.0, 3.0 + 17.5]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from one_port_scenes import EPSILON, EVERY, LAYERS, LOSSLESS, ROUND_TRIP, paper, scene_of, slab
+from one_port_scenes import EPSILON, EVERY, LAYERS, LOSSLESS, ROUND_TRIP, paper, slab
 
 from reduced.impedance import Jet, check_passivity, impedance, pair_ratio, slab_ratio
 from slipwave.scene.slab import (
@@ -15,7 +15,7 @@ from slipwave.scene.slab import (
     Slab,
     StandardLinearViscosity,
 )
-from tests.one_port_by_hand import modulus, pair_impedance, slab_impedance
+from tests.one_port_by_hand import modulus, pair_impedance
 
 S = np.array([0.01 + 0.1j, 0.3 + 1j, 2.2j, -0.2 + 3j, 5 + 40j, 1e3 + 1j]) / ROUND_TRIP
 
@@ -79,37 +79,9 @@ def test_chained_sections_solve_the_wave_equation(slab):
         assert one_slab(slab, s) == pytest.approx(by_boundary_conditions(slab, s), rel=1e-11)
 
 
-@pytest.mark.parametrize("slab", VARIED)
-def test_chained_sections_are_those_of_the_model(slab):
-    """MODEL.md section 3 in plain complex arithmetic."""
-    for s in S[:-1]:
-        assert one_slab(slab, s) == pytest.approx(slab_impedance(slab, s), rel=1e-11)
-
-
 @pytest.mark.parametrize("name", EVERY)
 def test_both_slabs_are_in_series_in_every_scene(name):
     assert impedance(EVERY[name], S[:-1]) == pytest.approx([pair_impedance(EVERY[name], s) for s in S[:-1]], rel=1e-11)
-
-
-RELAXATION = 3.0 * ROUND_TRIP
-ZENER = slab(viscosity=StandardLinearViscosity(RELAXATION, 0.5))
-CREEP = 0.05 * ROUND_TRIP
-SOLID = slab(viscosity=KelvinVoigtViscosity(CREEP))
-
-
-def test_a_slowly_sheared_viscous_slab_is_a_spring_with_its_dashpot():
-    """Thickness over modulus: Z -> G(s) / (H s) with G(0) and G'(0) of the solid. G/H = 2 eps/r."""
-    s, spring = 1e-5 / ROUND_TRIP, 2.0 * EPSILON / ROUND_TRIP
-    assert one_slab(ZENER, s) * s == pytest.approx(spring * (1.0 + 0.5 * RELAXATION * s) / 1.5, rel=1e-9)
-    assert one_slab(SOLID, s) * s == pytest.approx(spring * (1.0 + CREEP * s), rel=1e-9)
-
-
-def test_a_fast_sheared_viscous_slab_is_a_half_space_of_its_solid():
-    """No echo comes back: Z = sqrt(rho G(s)) = eps sqrt(g), g -> 1 (Zener), g -> s time (Kelvin-Voigt)."""
-    s = 1e7j / ROUND_TRIP
-    assert one_slab(SOLID, s) == pytest.approx(EPSILON * np.sqrt(1.0 + CREEP * s), rel=1e-12)
-    fast = 60.0 / ROUND_TRIP + s  # a Zener slab's echo dies in the right half plane only
-    assert one_slab(ZENER, fast) == pytest.approx(EPSILON * (1.0 - 0.5 / 1.5 / (2.0 * RELAXATION * fast)), rel=1e-12)
 
 
 def test_viscous_loss_per_cycle_at_the_relaxation_frequency():
@@ -154,14 +126,6 @@ def test_a_slab_cut_into_equal_layers_is_the_same_slab():
 def admittance(scene, s):
     p, q = pair_ratio(scene, Jet.variable(s))
     return p / q
-
-
-def test_unlike_slabs_are_in_series():
-    scene = EVERY["ratio sqrt 2"]
-    apart = 1.0 / one_slab(scene.upper, S) + 1.0 / one_slab(scene.lower, S)
-    assert admittance(scene, S).value == pytest.approx(apart, rel=1e-13)
-    almost = scene_of(slab(), Slab(EPSILON * (1 + 1e-12), ROUND_TRIP))
-    assert admittance(almost, S).value == pytest.approx(admittance(paper(), S).value, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", EVERY)

@@ -10,9 +10,7 @@ import pytest
 
 import slipwave
 from reduced.impedance import Jet
-from reduced.parameters import scaled
 from reduced.stability import (
-    analyse,
     boundary,
     characteristic,
     critical_epsilon,
@@ -68,24 +66,3 @@ def test_evaluations_are_as_many_as_measured(
     name, *settings = scene.split()
     SEARCHES[search](slipwave.read(name, settings), model)
     assert points[0] == pytest.approx(evaluations, rel=ROUNDING)
-
-
-def test_slabs_of_many_unlike_layers_take_few_evaluations(monkeypatch: pytest.MonkeyPatch) -> None:
-    """30 random layers whose impedances span six decades; measured: 29,050 for all that `stability` says."""
-    impedances = 10.0 ** np.random.default_rng(30).uniform(-3.0, 3.0, 30)
-    layers = [{"fraction": 1.0 / 30.0, "impedance": float(impedance)} for impedance in impedances]
-    scene, variable, points = slipwave.read("paper", {"slab.layers": layers}), Jet.variable, [0]
-
-    def counted(s: object) -> Jet:
-        points[0] += np.size(s)
-        return variable(s)
-
-    monkeypatch.setattr(Jet, "variable", staticmethod(counted))
-    found = analyse(scene)
-    assert points[0] < 60_000
-    assert (found.stable, found.unstable_roots) == (False, 4)
-    counts = [
-        unstable_count(characteristic(scaled(scene, round_trip=10.0**found.log10_r_c * side / scene.transit)))
-        for side in (0.999, 1.001)
-    ]
-    assert counts[0] == 0 < counts[1]

@@ -1,5 +1,4 @@
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from reduced.stability import (
     unstable_count,
     with_parameter,
 )
-from reduced.stability.boundary import _march, _Plane, _trace
 from slipwave.errors import SceneError
 from slipwave.scene.slab import Slab
 
@@ -35,27 +33,6 @@ def test_both_branches_in_the_plane_of_r_and_epsilon(model, closed):
         assert curve.omega == pytest.approx(SLOPES.omega_c, rel=1e-9)
     ends = sorted(10 ** curve.first.min() * SLOPES.omega_c for curve in curves)
     assert ends[1] > (math.sqrt(24.0) if model == "kelvin-voigt" else 2.0 * math.pi)
-
-
-class Circle(_Plane):
-    """A boundary that closes: a circle about the middle of the rectangle, at omega = 1."""
-
-    radius: float = 0.0
-
-    def residual(self, x):
-        return np.array([x[0], math.hypot(x[1] - 0.5, x[2] - 0.5) - self.radius])
-
-
-@pytest.mark.parametrize("radius", [0.2, 0.23, 0.26, 0.29, 0.32])
-def test_a_closed_boundary_is_followed_once_round(radius, monkeypatch):
-    """From one end to the other there is less than a step to go, or less than that is followed twice."""
-    monkeypatch.setattr(Circle, "radius", radius)
-    curve = _trace(Circle(paper(), "delay", ("log10_r", "log10_epsilon"), np.eye(2)), np.array([0.0, 0.5 + radius, 0.5]))
-    _, x, y = (curve - np.array([0.0, 0.5, 0.5])).T
-    angle = np.unwrap(np.arctan2(y, x))
-    assert np.hypot(x, y) == pytest.approx(radius, rel=1e-10)
-    assert np.abs(np.diff(angle)) * radius == pytest.approx(0.02, rel=1e-2)
-    assert abs(2.0 * math.pi - abs(angle[-1] - angle[0])) * radius <= 0.76 * 0.02
 
 
 def test_boundary_of_gripped_slabs_parts_stable_from_unstable():
@@ -103,11 +80,3 @@ def test_error_laws_known_coefficients():
     assert error_law("modal:1", SLOPES).coefficient == pytest.approx(1 / 720 - 2 / (2 * math.pi) ** 4, rel=1e-10)
     with pytest.raises(SceneError):
         error_law("fd", SLOPES)
-
-
-def test_a_curve_that_cannot_be_followed_ends_where_it_is():
-    """Every step is refused, the smallest too."""
-    start, tried = np.zeros(3), []
-    plane = SimpleNamespace(residual=lambda point: point[1:], corrected=lambda point, tangent: tried.append(point[0]))
-    assert len(_march(plane, start, 1.0)) == 1
-    assert tried == [tried[0] / 2.0**k for k in range(20)]

@@ -10,7 +10,6 @@ import tracemalloc
 import pytest
 
 import slipwave
-from slipwave.scene.slab import GripFace, ReflectingFace
 from slipwave.solve import follow
 from tests.compiled_work import count_calls
 from validation.registry.build import build
@@ -34,12 +33,6 @@ def cost(monkeypatch):
         return sum(call.steps for call in calls), values
 
     return count
-
-
-def faced(face):
-    """The paper's scene, both slabs held through `face`."""
-    slab = dataclasses.replace(PAPER.upper, face=face)
-    return dataclasses.replace(PAPER, upper=slab, lower=slab)
 
 
 @EVERY
@@ -69,13 +62,6 @@ def test_unlike_slabs_cost_twice_what_alike_ones_do(model, cost):
     assert both_values == pytest.approx(2 * values, abs=10)
 
 
-@EVERY
-@pytest.mark.parametrize("face", [GripFace(100.0, 10.0), ReflectingFace(0.999)])
-def test_a_rigid_face_costs_nothing(model, face, cost):
-    """Faces that do more need the same steps of the same values (their one number each is among the scalars)."""
-    assert cost(model, faced(face), GRIDS[model]) == cost(model, PAPER, GRIDS[model])
-
-
 def peak(model, cells, transits):
     """Most memory (bytes) that a run holds at once, the solver included, with everything compiled."""
     follow(build(model, PAPER, cells=cells, time=explicit_time(model)), 0.1)
@@ -97,14 +83,3 @@ def test_memory_does_not_grow_with_the_run(model):
     short, long = (peak(model, GRIDS[model], transits) for transits in (400.0, 1200.0))
     print(f"{model}: {short / 1e3:.0f} kB, {long / 1e3:.0f} kB for three times as long, {samples / 1e3:.0f} kB of samples more")
     assert long - short < 0.1 * samples
-
-
-@EVERY
-def test_memory_is_one_grid(model):
-    """Bytes per value of the fields: the stages of the time stepping (12 of them, and the leapfrog has none) and the operator."""
-    cells = 8 * GRIDS[model]
-    coarse, fine = peak(model, cells, 0.1), peak(model, 4 * cells, 0.1)
-    per_cell = {"fd": 1, "sbp:4": 1, "fem:4": 4, "dg:7": 8}[model]
-    values = 2 * 3 * cells * per_cell
-    print(f"{model}: {(fine - coarse) / values / 8:.1f} grids, {fine / 1e6:.2f} MB")
-    assert fine - coarse < (12 if model == "fd" else 50) * 8 * values

@@ -79,31 +79,6 @@ def test_the_wave_shows_it_but_for_what_it_radiates() -> None:
     assert hold.relaxation > 2 * A
 
 
-def test_a_stage_that_stick_slips_has_no_figures() -> None:
-    scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [1000, 100], [1000, 200]], "run.until": 1800})
-    solver = prepare("delay", scene).solver
-    observer = ProtocolObserver(scene, solver.nodes, 1800)
-    follow(solver, 1800, [observer])
-    start, step = observer.figures
-    assert (start.stick_slips, step.stick_slips) == (True, True)
-    assert (start.steady_stress, step.direct_effect, step.evolution, step.slip_to_recovery) == (None,) * 4
-
-
-def test_a_step_that_has_not_settled_has_a_direct_effect_but_no_evolution() -> None:
-    scene = slipwave.read(
-        "paper",
-        {"slab.log10_r": -3.2, "start.size": 0.0, "drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 24},
-    )
-    solver = prepare("delay", scene).solver
-    observer = ProtocolObserver(scene, solver.nodes, 24)
-    follow(solver, 24, [observer])
-    _, step = observer.figures
-    assert not step.stick_slips
-    assert step.direct_effect is not None
-    assert 0.0 < step.direct_effect < 0.0349 * math.log(3)
-    assert (step.evolution, step.steady_stress) == (None, None)
-
-
 def test_a_full_wave_shows_the_stages_of_the_delay_system() -> None:
     """Slabs whose waves matter: without them the direct effect is 9 % smaller."""
     knots = [[0, 100], [20.3, 100], [20.3, 300], [120, 300], [120, 0], [150, 0], [150, 300]]
