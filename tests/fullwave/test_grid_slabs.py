@@ -42,7 +42,7 @@ def test_a_motion_too_fast_for_every_step_is_refused(monkeypatch: pytest.MonkeyP
 
 @pytest.mark.parametrize(("gallery", "about"), [("paper", 121), ("viscous", 60), ("unlike", 45), ("layered", 121)])
 def test_the_advised_number_of_cells_fits(gallery: str, about: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(march, "ExactMarch", lambda *arguments: SimpleNamespace(nodes=None))
+    monkeypatch.setattr(march, "ExactMarch", lambda *arguments: SimpleNamespace(nodes=None, bookkeeping=None))
     scene = slipwave.read(gallery)
     for asked in (10_000, about + about // 10):
         with pytest.raises(SceneError) as refusal:
