@@ -7,7 +7,7 @@ import pytest
 
 import slipwave
 from slipwave.scene import Scene
-from validation.run.advice import Advice, error_without_echoes
+from validation.run.simulate import Advice, error_without_echoes
 
 
 @dataclass
@@ -22,10 +22,11 @@ class Marching:
 @pytest.mark.parametrize(
     ("model", "seconds", "says"), [("delay", 6.1, True), ("delay", 0.5, False), ("quasidynamic", 6.1, False)]
 )
-def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, caplog):
+def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, caplog, monkeypatch):
     """A tenth of the run has taken so many seconds, then two tenths."""
     clock = iter([0.0, seconds, 10.0 + seconds])
-    advice = Advice(Marching(model), 100.0, lambda: next(clock))  # type: ignore[arg-type]
+    monkeypatch.setattr("validation.run.simulate.time.monotonic", lambda: next(clock))
+    advice = Advice(Marching(model), 100.0, lambda done: None)  # type: ignore[arg-type]
     with caplog.at_level(logging.INFO, logger="slipwave"):
         advice(10.0)
         advice(90.0)

@@ -16,7 +16,7 @@ from validation.results.comparison import Comparison, answer, errors_of, nothing
 from validation.results.options import RunsOptions
 from validation.run.length import Length, Until, length_of
 from validation.run.progress import progress
-from validation.run.simulate import Run, RunInterrupted, simulate
+from validation.run.simulate import Run, simulate
 from validation.study.drawing import Drawing, canvas, pen, styled
 from validation.timing import Setting, solver_of, warm_up
 
@@ -111,11 +111,11 @@ def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
     stopped = ""
     with progress("bench", len(trials)) as report:
         for done, (family, setting) in enumerate(trials):
-            try:
-                runs.append((_timed(scene, family, setting, length, options.most_seconds), setting))
-            except RunInterrupted:
+            run = _timed(scene, family, setting, length, options.most_seconds)
+            if run.stopped:
                 stopped = f"after {done} of {len(trials)} runs"
                 break
+            runs.append((run, setting))
             report(done + 1)
     failed = [reference.failed] if reference.failed else [run.failed for run, _ in runs if run.solver.failures]
     failed = ["interrupted", *failed, stopped] if stopped else failed

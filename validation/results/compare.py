@@ -15,11 +15,11 @@ from validation.registry.build import build_all
 from validation.registry.families import one_port_of
 from validation.results.command import command
 from validation.results.comparison import Comparison, answer, barred, errors_of, nothing, remarks
-from validation.results.motion_figure import second_axis
+from validation.results.figures import second_axis
 from validation.results.options import NumericalOptions, RunsOptions, option
 from validation.results.result import FIGURES, Output
 from validation.run.length import Until, length_of, second_half
-from validation.run.simulate import Run, RunInterrupted, reconsidered, simulate
+from validation.run.simulate import Run, reconsidered, simulate
 from validation.study.drawing import Drawing, canvas, styled
 from validation.timing import warm
 
@@ -158,10 +158,8 @@ def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tup
     stopped = ""
     for solver in sorted(solvers, key=lambda solver: solver is not first):
         observer = CycleObserver(solver)
-        try:
-            run = reconsidered(simulate(solver, length, [observer], most_seconds=most), one_port_of(solver.model))
-        except RunInterrupted as stop:
-            run, stopped = stop.run, f"model {solver.model}"
+        run = reconsidered(simulate(solver, length, [observer], most_seconds=most), one_port_of(solver.model))
+        stopped = f"model {solver.model}" if run.stopped else ""
         found[solver.model] = run, observer.cycle(second_half(solver, run.until))
         if stopped:
             break

@@ -24,8 +24,8 @@ from validation.registry.orbits import OrbitFound, flowing, orbit_at
 from validation.results.branch import tolerance_option
 from validation.results.command import command
 from validation.results.facts import Place, finite
+from validation.results.figures import motion_figure
 from validation.results.header import header
-from validation.results.motion_figure import motion_figure
 from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables

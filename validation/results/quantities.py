@@ -54,6 +54,9 @@ INTERFACE = {
 }
 
 
+_SHOWN = {"transit": ("transits", "s"), "normal stress": ("normal stress", "Pa"), "V*": ("V*", "m/s"), "L": ("L", "m")}
+
+
 def stored_name(column: str) -> str:
     """Name in files and datasets of a column of the interface's history (`slipwave.observe.history`)."""
     return TIME if column == "time" else f"interface_{column}"
@@ -66,6 +69,12 @@ _IN_WORDS |= {"error": "relative error of", "difference": "difference of", "marg
 def si_factor(quantity: Quantity, scene: Scene) -> float | None:
     """The size of 1 in SI; None for a pure number and for scenes without units."""
     return scene.units.size(quantity.unit, scene.transit) if scene.units and quantity.unit else None
+
+
+def shown_in(unit: str, scene: Scene) -> tuple[float, str]:
+    """The size of a unit as tables show it, and its name there: in SI for a scene with units."""
+    plain, physical = _SHOWN[unit]
+    return (scene.units.size(unit, scene.transit), physical) if scene.units else (1.0, plain)
 
 
 def attributes(quantity: Quantity, scene: Scene) -> dict[str, Any]:

@@ -19,11 +19,9 @@ from validation.results.run_result import RunResult
 from validation.run.determinacy import amplified_rounding
 from validation.run.length import MOST_CYCLES, Length, length_of, require_counted
 from validation.run.parting import exponent_of, require_constant
-from validation.run.recording import Records, Wanted, records_of
-from validation.run.resuming import time_between
-from validation.run.simulate import Run, RunInterrupted, reconsidered, simulate
+from validation.run.recording import Wanted, Window, kept_of, records_of, time_between
+from validation.run.simulate import Run, reconsidered, simulate
 from validation.run.steps_of_drive import costly_steps
-from validation.run.window import Window, kept_of
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice
@@ -95,20 +93,23 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     require_counted(scene, options.cycles)
     if options.lyapunov:
         require_constant(scene)
-    between = time_between(checkpoint, options.checkpoint_every, scene)
+    every = time_between(checkpoint, options.checkpoint_every, scene)
     kept = kept_of(options.every, options.window, scene)
     built = models.prepare(options.model, scene, checkpoint is not None and checkpoint.exists(), **options.numerical)
     _tell(built)
     if isinstance(built.solver, FieldSolver):
         built.solver.keep_ledger()
-    length = length_of(scene, one_port_of(built.solver.model), options.cycles)
-    wanted = Wanted(options.interface, options.fields, kept, options.samples, next(length.ends(0.0), math.inf))
+    one_port = one_port_of(built.solver.model)
+    length = length_of(scene, one_port, options.cycles)
+    shortest = next(length.ends(0.0), math.inf)
+    wanted = Wanted(options.interface, options.fields, kept, options.samples, shortest, checkpoint, every)
     notes = _doubts(built.solver, length, options)
-    records = records_of(built.solver, length.until, wanted, checkpoint, between)
+    records = records_of(built.solver, length.until, wanted)
     try:
-        done, stopped = _march(built.solver, length, records, options.most_seconds)
+        done = simulate(built.solver, length, records.observers, options.most_seconds, records.watch, records.marks)
+        done = done if done.stopped else reconsidered(done, one_port)
         default = _default_grid(built.solver, options) if not done.failed else None
-        exponent, failed = None, done.failed
+        exponent, failed, stopped = None, done.failed, done.stopped
         if options.lyapunov and not (failed or stopped):
             exponent, failed, stopped = _exponent(done, scene, options)
     except BaseException:
@@ -131,15 +132,6 @@ def _tell(built: Built) -> None:
     if built.choice is not None:
         log.info("%s: %s", built.solver.model, grid_in_words(built.choice))
     announced(built.solver.model, built.why)
-
-
-def _march(solver: Solver, length: Length, records: Records, most: float) -> tuple[Run, bool]:
-    """The run, and whether the user stopped it."""
-    try:
-        done = simulate(solver, length, records.observers, most, records.watch, records.marks)
-        return reconsidered(done, one_port_of(solver.model)), False
-    except RunInterrupted as stop:
-        return stop.run, True
 
 
 def _exponent(done: Run, scene: Scene, options: RunOptions) -> tuple[Exponent | None, str, bool]:

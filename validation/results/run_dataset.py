@@ -2,6 +2,7 @@
 history if it was kept, its provenance, and the fields of a full-wave run's last transits as the group "fields".
 """
 
+import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -13,9 +14,10 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import TIME, whole_or_absent
+from slipwave.observe import Events
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
-from validation.results.quantities import EVENTS, INTERFACE, MARGINS, STAGES, attributes, in_si, stored_name, variables
+from validation.results.quantities import EVENTS, INTERFACE, MARGINS, STAGES, attributes, in_si, shown_in, stored_name, variables
 from validation.run.history_file import HistoryFile
 from validation.run.simulate import Run
 
@@ -94,7 +96,7 @@ def _cycles(done: Run, facts: Mapping[str, Any]) -> "xarray.Dataset":
     ended |= {"complete": 0 if done.failed else 1, "failed": done.failed}
     if done.verdict is None:
         return xarray.Dataset(attrs={**facts, **ended, "events": "not watched", "verdict": "not watched"})
-    columns = {"event_time" if name == "time" else name: values for name, values in done.events._asdict().items()}
+    columns = {_of_events(name): values for name, values in done.events._asdict().items()}
     found = xarray.Dataset(variables("event", columns, EVENTS, done.solver.scene))
     judged = {"multiplicity": done.verdict.multiplicity, "rotation_number": done.verdict.rotation}
     known = {name: value for name, value in judged.items() if value is not None}
@@ -127,6 +129,25 @@ def _column(file: "netCDF4.Dataset", name: str, notes: Mapping[str, Any]) -> Non
     """A variable over time; no value of a coordinate may be missing."""
     missing = None if name.startswith(TIME) else math.nan
     file.createVariable(name, "f8", (TIME,), fill_value=missing).setncatts(notes)
+
+
+def write_events(path: Path, events: Events, scene: Scene) -> None:
+    """Write one line for each complete cycle, with 17 digits, to `path`, which is whole or absent; the heading names the units.
+
+    In SI: s, Pa and m/s; otherwise transits, units of the normal stress and V*.
+    """
+    named = {name: _of_events(name) for name in events._fields}
+    shown = {name: shown_in(EVENTS[stored].unit, scene) for name, stored in named.items()}
+    columns = [(values * shown[name][0]).tolist() for name, values in zip(events._fields, events, strict=True)]
+    with whole_or_absent(path) as temporary, open(temporary, "w", newline="", encoding="utf-8") as stream:
+        table = csv.writer(stream)
+        table.writerow([f"{name} [{unit}]" for name, (_, unit) in shown.items()])
+        table.writerows([f"{value:.17g}" for value in row] for row in zip(*columns, strict=True))
+
+
+def _of_events(name: str) -> str:
+    """The name of a column of events in files."""
+    return "event_time" if name == "time" else name
 
 
 def _renamed(part: Mapping[str, Any]) -> dict[str, Any]:

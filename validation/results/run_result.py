@@ -17,22 +17,18 @@ from slipwave.solve.lyapunov import Exponent
 from validation.output import figures, table
 from validation.registry.default_grid import grid_in_words
 from validation.registry.families import one_port_of
-from validation.results.event_table import write_events
 from validation.results.facts import finite
+from validation.results.figures import motion_figure, protocol_figure, return_map
 from validation.results.header import header
-from validation.results.motion_figure import motion_figure
-from validation.results.protocol_figure import protocol_figure
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import cycle_in_si
 from validation.results.reasons import needed, reasons
 from validation.results.result import FIGURES, Dataset, Output, Result, save_drawing
-from validation.results.return_map import return_map
-from validation.results.run_dataset import run_dataset, write_run
+from validation.results.run_dataset import run_dataset, write_events, write_run
 from validation.results.stage_table import missing_in_words, stage_results, stage_rows, stages_in_words
 from validation.results.wording import ENDED, events_in_words, exponent_in_words, margins_in_words, statistics_rows
 from validation.run.length import second_half
-from validation.run.recording import FIELD_FILES, Records
-from validation.run.resuming import way_on
+from validation.run.recording import FIELD_FILES, Records, way_on
 from validation.run.simulate import Run
 from validation.study.drawing import Drawing, styled
 

@@ -1,5 +1,6 @@
 """The stages of a protocol as results: dictionaries for the JSON, with SI where the scene has units, and rows for a table."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import asdict
 from itertools import pairwise
@@ -8,8 +9,7 @@ from typing import Any
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
 from validation.output import figures
-
-_STRESSES = ("steady_stress", "direct_effect", "evolution", "relaxation", "healing")
+from validation.results.quantities import STAGES, in_si, shown_in
 
 
 def stage_results(stages: Sequence[StageFigures], scene: Scene) -> list[dict[str, Any]]:
@@ -19,15 +19,14 @@ def stage_results(stages: Sequence[StageFigures], scene: Scene) -> list[dict[str
 
 
 def _in_si(stage: StageFigures, scene: Scene) -> dict[str, Any]:
-    units = scene.units
-    if units is None:
+    if scene.units is None:
         return {}
-    second = scene.transit * units.time
-    sizes = dict.fromkeys((f"{name}_Pa" for name in _STRESSES), units.normal_stress)
-    sizes |= {"start_s": second, "end_s": second, "velocity_m_per_s": units.reference_velocity}
-    sizes |= {"slip_to_recovery_m": units.memory_length}
-    values = {name: getattr(stage, name.rpartition("_m_per_s")[0] or name.rpartition("_")[0]) for name in sizes}
-    return {"si": {name: None if value is None else value * sizes[name] for name, value in values.items()}}
+    found = {}
+    for name, quantity in STAGES.items():
+        value = getattr(stage, name.removeprefix("stage_"))
+        for twin, (size, _) in in_si(name, math.nan if value is None else value, quantity, scene).items():
+            found[twin.removeprefix("stage_")] = None if value is None else float(size)
+    return {"si": found}
 
 
 def stages_in_words(stages: Sequence[StageFigures]) -> str:
@@ -64,11 +63,7 @@ def _why(before: StageFigures) -> str:
 
 def stage_rows(stages: Sequence[StageFigures], scene: Scene) -> tuple[list[str], list[list[str]]]:
     """Heading and rows of a table: in seconds and metres if the scene has units, stresses always over the normal stress."""
-    units = scene.units
-    second, metre, rate = (
-        (scene.transit * units.time, units.memory_length, units.reference_velocity) if units else (1.0, 1.0, 1.0)
-    )
-    clock, length, speed = ("s", "m", "m/s") if units else ("transits", "L", "V*")
+    (second, clock), (metre, length), (rate, speed) = (shown_in(unit, scene) for unit in ("transit", "L", "V*"))
     heading = ["stage", f"from [{clock}]", f"V [{speed}]", "steady", "direct", "evolution", f"slip to 1/e [{length}]"]
     rows = [
         [

@@ -10,6 +10,7 @@ from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.solve.lyapunov import Exponent
 from validation.output import figures
+from validation.results.quantities import EVENTS, shown_in
 
 ENDED = {
     "cycles": "the run ended here because its second half has the cycles asked for",
@@ -39,23 +40,18 @@ def _with_units(
     columns: tuple[str, str], known: Mapping[str, tuple[float, float]], scene: Scene
 ) -> tuple[list[str], list[list[str]]]:
     """Rows of (value, spread) of the five figures of a cycle."""
-    units = scene.units
-    second, pascal, metre = (units.time, units.normal_stress, units.reference_velocity) if units else (math.nan,) * 3
-    period = known["period"][0] * scene.transit, known["period"][1] * scene.transit
-    facts = [
-        ("period [transits]", known["period"], second * scene.transit, "s"),
-        ("period [L/V*]", period, second, "s"),
-        ("stress drop", known["stress_drop"], pascal, "Pa"),
-        ("elastic stress drop", known["elastic_stress_drop"], pascal, "Pa"),
-        ("v_max [V*]", known["v_max"], metre, "m/s"),
-        ("v_min [V*]", known["v_min"], metre, "m/s"),
-    ]
+    labels = {"period": "period [transits]", "v_max": "v_max [V*]", "v_min": "v_min [V*]"}
+    units = {name: shown_in(EVENTS[name].unit, scene) for name in known}
+    facts = [(labels.get(name, name.replace("_", " ")), *pair, *units[name]) for name, pair in known.items()]
+    second = (units["period"][0] / scene.transit, units["period"][1])
+    period, spread = known["period"]
+    facts.insert(1, ("period [L/V*]", period * scene.transit, spread * scene.transit, *second))
     rows = [
-        [label, figures(value), figures(spread, 3), f"{figures(value * unit, 6)} {name}", _sized(spread * unit, name)]
-        for label, (value, spread), unit, name in facts
+        [label, figures(value), figures(spread, 3), f"{figures(value * size, 6)} {unit}", _sized(spread * size, unit)]
+        for label, value, spread, size, unit in facts
     ]
     heading = ["", *columns, "SI", f"{columns[1]} in SI"]
-    return (heading, rows) if units else (heading[:-2], [row[:-2] for row in rows])
+    return (heading, rows) if scene.units else (heading[:-2], [row[:-2] for row in rows])
 
 
 def _sized(spread: float, unit: str) -> str:
@@ -66,9 +62,12 @@ def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
     """A line with the intervals of the means of cycles that never repeat; none if they do."""
     if math.isnan(found.margins.period):
         return []
-    period, drop, units = found.margins.period, found.margins.stress_drop, scene.units
-    seconds = f" ({figures(period * scene.transit * units.time, 3)} s)" if units else ""
-    pascals = f" ({figures(drop * units.normal_stress, 3)} Pa)" if units else ""
+    period, drop = found.margins.period, found.margins.stress_drop
+    sizes = [shown_in(unit, scene)[0] for unit in ("transit", "normal stress")]
+    seconds, pascals = (
+        f" ({figures(value * size, 3)} {unit})" if scene.units else ""
+        for value, size, unit in zip((period, drop), sizes, ("s", "Pa"), strict=True)
+    )
     known = f"period +- {figures(period, 3)} transits{seconds}, stress drop +- {figures(drop, 3)}{pascals}"
     return [f"the mean of an endless run lies within (95 %): {known}"]
 

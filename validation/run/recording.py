@@ -2,17 +2,22 @@
 
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from slipwave.errors import SceneError
 from slipwave.files import part_of, remove_leftovers
+from slipwave.input.relate import moment
+from slipwave.input.wording import shorten
 from slipwave.observe import EventObserver
 from slipwave.observe.envelope import Envelope
 from slipwave.observe.protocol import ProtocolObserver
+from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, Mark, Observer, Resumable, Solver
-from slipwave.solve.checkpoint import Checkpoints
+from slipwave.solve.checkpoint import Checkpoints, saved_time
+from validation.output import require_writable
 from validation.run.history_file import ALL, HistoryFile, Kept
 
 if TYPE_CHECKING:
@@ -27,16 +32,22 @@ FIELD_WINDOW = 100.0
 """Transits before the end of the run whose fields are kept: more than a cycle of the paper's scenes, never all of a long run."""
 
 
+Window: TypeAlias = str | Sequence[float | str]
+"""(20, 45) or "20:45" in transits, or times with a unit: "10s:60s"."""
+
+
 class Wanted(NamedTuple):
     """What a run is asked to keep: the history of the `interface` and the last `fields`, as the scene's `record` says where None;
     which samples of the history, and in which file during the run (default: a temporary one). `shortest` is the length (transits)
-    of the run that is known if its end is not."""
+    of the run that is known if its end is not. A `checkpoint` is written every so often (transits, default 1000)."""
 
     interface: bool | None = None
     fields: bool | None = None
     kept: Kept = ALL
     samples: Path | None = None
     shortest: float = math.inf
+    checkpoint: Path | None = None
+    checkpoint_every: float | None = None
 
 
 @dataclass(frozen=True)
@@ -67,15 +78,13 @@ class Records:
             self.history.close()
 
 
-def records_of(
-    solver: Solver, until: float, wanted: Wanted, checkpoint: Path | None = None, every: float | None = None
-) -> Records:
-    """What is `wanted` of a run of `solver` to `until` (transits), and, every `every` transits, a `checkpoint`.
+def records_of(solver: Solver, until: float, wanted: Wanted) -> Records:
+    """What is `wanted` of a run of `solver` to `until` (transits). It goes on from its checkpoint if that exists.
 
-    It goes on from `checkpoint` if that exists. Raises SceneError for fields of a model that has none and for a checkpoint of
-    another run.
+    Raises SceneError for fields of a model that has none and for a checkpoint of another run.
     """
-    samples = history_for(solver, until, wanted, checkpoint)
+    checkpoint, every = wanted.checkpoint, wanted.checkpoint_every
+    samples = history_for(solver, until, wanted)
     watch, kept = EventObserver(solver.scene, solver.nodes), fields_for(solver, until, wanted.fields)
     envelope = Envelope(solver.scene, solver.nodes, wanted.kept.begin, wanted.kept.end)
     protocol = None if solver.scene.drive.is_constant else ProtocolObserver(solver.scene, solver.nodes, until)
@@ -112,7 +121,7 @@ def fields_for(solver: Solver, until: float, fields: bool | None) -> "FieldRecor
     return FieldRecord(solver, max(until - FIELD_WINDOW, 0.0), until)
 
 
-def history_for(solver: Solver, until: float, wanted: Wanted, checkpoint: Path | None) -> HistoryFile | None:
+def history_for(solver: Solver, until: float, wanted: Wanted) -> HistoryFile | None:
     """The observer of the interface's history, if `wanted.interface` asks for it or, where that is None, the scene's `record`.
 
     Its samples are kept in the file `wanted.samples`, or in a temporary one, until it is closed. With checkpoints they are kept
@@ -120,6 +129,7 @@ def history_for(solver: Solver, until: float, wanted: Wanted, checkpoint: Path |
     """
     if wanted.interface is False or (wanted.interface is None and "interface" not in solver.scene.record):
         return None
+    checkpoint = wanted.checkpoint
     if checkpoint is not None:
         path = checkpoint.with_name(f"{checkpoint.name}.samples")
     else:
@@ -143,3 +153,54 @@ def _temporary_samples() -> Path:
     handle, name = tempfile.mkstemp(prefix=".slipwave-", suffix=part_of(folder, ".samples").name)
     os.close(handle)
     return Path(name)
+
+
+def kept_of(every: int | None, window: Window | None, scene: Scene) -> Kept:
+    """One in `every` samples from the beginning of the `window` to its end; all of them where None. Raises SceneError for a
+    choice that makes no sense, and for a unit of time in a scene without one."""
+    if window is None:
+        return Kept(every or 1, 0.0, math.inf)
+    ends = window.split(":") if isinstance(window, str) else list(window)
+    shown = ":".join(map(str, ends))
+    problem = SceneError(
+        f"window = {shorten(shown)}: must be BEGIN:END in transits or with a unit of time, BEGIN before END and not negative"
+    )
+    try:
+        begin, end = (moment("window", one, scene) for one in ends)
+    except SceneError:
+        raise
+    except ValueError:
+        raise problem from None
+    if not 0.0 <= begin < end:
+        raise problem
+    return Kept(every or 1, begin, end)
+
+
+def time_between(path: Path | None, every: float | str | None, scene: Scene) -> float | None:
+    """The time between checkpoints in transits, if it is given; makes sure, before anything is computed, that checkpoints can be
+    kept as asked. Raises SceneError naming the option if not."""
+    if every is None:
+        require_writable(path, (".npz",), "--checkpoint")
+        return None
+    label = f"--checkpoint-every = {shorten(every)}"
+    if path is None:
+        raise SceneError(f"{label}: needs --checkpoint FILE")
+    try:
+        found = moment("--checkpoint-every", every, scene)
+    except SceneError:
+        raise
+    except ValueError:
+        found = math.nan
+    if not (math.isfinite(found) and found > 0.0):
+        raise SceneError(f"{label}: must be a positive number of transits, or in scenes with SI units a time as in 10s")
+    require_writable(path, (".npz",), "--checkpoint")
+    return found
+
+
+def way_on(path: Path | None) -> str:
+    """How an interrupted run can be continued, for a message; `path` is where it was to keep checkpoints."""
+    if path is None:
+        return "no checkpoint was kept: --checkpoint FILE.npz keeps one to go on from"
+    if path.exists():
+        return f"{str(path)!r} holds the run up to t = {saved_time(path):.6g}: the same command goes on from there"
+    return f"no checkpoint was due yet: --checkpoint-every TRANSITS|TIME keeps them more often in {str(path)!r}"

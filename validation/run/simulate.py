@@ -1,20 +1,30 @@
 """One model on one scene from start to end: the run behind `slipwave run`, `compare` and `bench`."""
 
+import logging
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from slipwave.errors import NumericsError
-from slipwave.observe import EventObserver, Events, RunStatistics, Verdict, summarise
+from slipwave.friction import respond, steady_state, unknown_of
+from slipwave.observe import EventObserver, Events, RunStatistics, Verdict, judge_motion, slides_at, summarise
 from slipwave.observe.stages import stages_of
 from slipwave.observe.verdict import Kind, repeating
+from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
-from slipwave.solve import Energy, Final, Mark, Observer, Solver
-from slipwave.solve.foresight import DAY
-from validation.run.course import Course
-from validation.run.length import LEFT, Ended, Length, Until
+from slipwave.solve import Energy, Final, Mark, Observer, Solver, follow
+from slipwave.solve.checkpoint import Checkpoints
+from slipwave.solve.foresight import DAY, Foresight, require_time
+from validation.run.length import LEFT, Ended, Judged, Length, Until, second_half
 from validation.run.outlook import outlook
+from validation.run.progress import progress
+
+LONG = 60.0
+"""Seconds from which on a cheaper model is named."""
+
+_SOON = 5.0  # seconds after which the rest of the run is extrapolated
+_DEAR = {"delay", "fd", "sbp", "fem", "dg"}
 
 
 @dataclass(frozen=True)
@@ -22,7 +32,7 @@ class Run:
     """The result of a run of `solver` to `until` (transits), where it `ended` for one of four reasons. `starts` counts slip
     events, `verdict` is on the second half; both are None without a watch. `statistics` are of the second half's cycles, of none
     if they do not represent the motion. `wall_s` is in seconds; `failed` is empty, or says what, where and when the numerics
-    failed: the rest is then what was known by that time.
+    failed or the user `stopped` it: the rest is then what was known by that time.
     """
 
     solver: Solver
@@ -36,6 +46,7 @@ class Run:
     wall_s: float
     failed: str = ""
     ended: Ended | None = "until"
+    stopped: bool = False
 
     @property
     def kind(self) -> Kind | None:
@@ -47,14 +58,6 @@ class Run:
         ours, theirs = self.statistics, reference.statistics
         found = {name: getattr(ours, name).mean / getattr(theirs, name).mean - 1.0 for name in ("period", "stress_drop")}
         return dict.fromkeys(found, math.nan) if self.failed else found
-
-
-class RunInterrupted(KeyboardInterrupt):
-    """The user stopped a run; `run` is what was known by then, its statistics those of the second half of what was run."""
-
-    def __init__(self, run: Run) -> None:
-        super().__init__(run.failed)
-        self.run = run
 
 
 def simulate(
@@ -69,25 +72,90 @@ def simulate(
     run's second half.
 
     `watch` is passed in if it has already seen the beginning of the run. A scene that records nothing is not watched for events.
-    A NumericsError of the solver does not escape: it is kept in `failed`, beside what was computed before. Raises RunInterrupted
-    with the same if the user stops it, and SceneError if the run would take more than `most_seconds`
-    (`slipwave.solve.foresight`).
+    A NumericsError of the solver and an interruption do not escape: they are kept in `failed`, beside what was computed before.
+    Raises SceneError if the run would take more than `most_seconds` (`slipwave.solve.foresight`).
     """
     watch = watch or EventObserver(solver.scene, solver.nodes)
     wanted = Until(length) if isinstance(length, int | float) else length
-    course = Course(solver, wanted, watch, observers, marks, most_seconds)
-    failed, stopped = "", False
-    began = time.perf_counter()
+    marched = _Marched(solver, watch, bool(solver.scene.record))
+    failed, stopped, began = "", False, time.perf_counter()
     try:
-        course.march()
+        marched.march(wanted, observers, marks, most_seconds)
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:
-        failed, stopped = f"interrupted at t = {solver.time:.6g} of {course.until:g} transits", True
-    done = _result(course, time.perf_counter() - began, failed)
-    if stopped:
-        raise RunInterrupted(done)
-    return done
+        failed, stopped = f"interrupted at t = {solver.time:.6g} of {marched.until:g} transits", True
+    return marched.run(time.perf_counter() - began, failed, stopped)
+
+
+class _Marched:
+    """A run in stretches, judged at the end of each. `until` is the end of the last stretch begun (transits), `final` the state
+    there and `ended` the reason, both None if it was not reached."""
+
+    def __init__(self, solver: Solver, watch: EventObserver, watched: bool) -> None:
+        self.solver, self.watch, self.watched = solver, watch, watched
+        self.until = 0.0
+        self.final: Final | None = None
+        self.ended: Ended | None = None
+
+    def march(self, length: Length, observers: Sequence[Observer], marks: Sequence[Mark], most: float) -> None:
+        """To the end. Raises NumericsError where the solver fails, and SceneError if it would take more than `most` seconds."""
+        work = Foresight(self.solver, 0.0, most)
+        everyone = [*([self.watch] if self.watched else []), *observers, work]
+        for end in length.ends(self.solver.time):
+            if work.seconds(end) > length.most_seconds:
+                break
+            require_time(self.solver, end, most)
+            self.until, self.final = end, None
+            work.until = end
+            for mark in marks:
+                if isinstance(mark, Checkpoints):
+                    mark.until = end
+            with progress(f"{self.solver.scene.name}, {self.solver.model}", end) as report:
+                self.final = follow(self.solver, end, everyone, Advice(self.solver, end, report), marks)
+            self.ended = length.ended(self.judged())
+            if self.ended:
+                return
+        self.ended = "limit"
+
+    def judged(self) -> Judged:
+        """The second half of what was run so far, and the verdict on it."""
+        half = second_half(self.solver, self.until)
+        return Judged(2.0 * half, self._verdict(half) if self.watched else None, self.watch.events(half))
+
+    def _verdict(self, half: float) -> Verdict:
+        """On the second half of what was run, which begins at `half` (transits)."""
+        drive, end = self.solver.scene.drive, 2.0 * half
+        slides = self.final is not None and slides_at(math.exp(self.final.ln_v), drive.at(end))
+        return judge_motion(self.watch.events(half), self.watch.judge(half).complete, drive.rests_from(half), slides, end)
+
+    def run(self, wall_s: float, failed: str, stopped: bool) -> Run:
+        """What is known of it."""
+        solver, watch, judged = self.solver, self.watch, self.judged()
+        verdict, cycles = _of_protocol(judged.verdict, solver.scene.drive, self.until), watch.events(math.inf)
+        if verdict and verdict.repeats:
+            cycles = repeating(judged.cycles, verdict.multiplicity) if verdict.multiplicity else judged.cycles
+        return Run(
+            solver=solver,
+            until=self.until,
+            events=watch.events(),
+            starts=watch.count if verdict else None,
+            verdict=verdict,
+            statistics=summarise(cycles, not (verdict and verdict.wanders)),
+            final=self.final,
+            energy=None if failed else solver.energy(),
+            wall_s=wall_s,
+            failed=failed,
+            ended=None if failed else self.ended,
+            stopped=stopped,
+        )
+
+
+def _of_protocol(verdict: Verdict | None, drive: Drive, until: float) -> Verdict | None:
+    """`verdict`, or "protocol" where the second half of a run to `until` (transits) of a drive that changes holds no cycles that
+    repeat or wander, but a stage of constant V to judge."""
+    levels = [stage for stage in stages_of(drive, until) if stage.kind not in ("ramp", "hold") and stage.end > 0.5 * until]
+    return verdict._replace(kind="protocol") if verdict and not verdict.repeats and levels else verdict
 
 
 def reconsidered(run: Run, model: str) -> Run:
@@ -102,28 +170,35 @@ def reconsidered(run: Run, model: str) -> Run:
     return run if run.until > grown else replace(run, verdict=run.verdict._replace(kind="too short", needed=2.0 * grown))
 
 
-def _of_protocol(verdict: Verdict | None, drive: Drive, until: float) -> Verdict | None:
-    """`verdict`, or "protocol" where the second half of a run to `until` (transits) of a drive that changes holds no cycles that
-    repeat or wander, but a stage of constant V to judge."""
-    levels = [stage for stage in stages_of(drive, until) if stage.kind not in ("ramp", "hold") and stage.end > 0.5 * until]
-    return verdict._replace(kind="protocol") if verdict and not verdict.repeats and levels else verdict
+def error_without_echoes(scene: Scene) -> float:
+    """Largest relative change of v by one echo of a change of V, which quasidynamic leaves out: 2 Z v_z/F_z at the largest V."""
+    velocity = max(scene.drive.velocities)
+    slopes = respond(scene.law, unknown_of(scene.law, velocity), steady_state(scene.law, velocity))
+    return float(2.0 * scene.impedance * slopes[1] / slopes[3])
 
 
-def _result(course: Course, wall_s: float, failed: str) -> Run:
-    solver, watch, judged = course.solver, course.watch, course.judged()
-    verdict, cycles = _of_protocol(judged.verdict, solver.scene.drive, course.until), watch.events(math.inf)
-    if verdict and verdict.repeats:
-        cycles = repeating(judged.cycles, verdict.multiplicity) if verdict.multiplicity else judged.cycles
-    return Run(
-        solver=solver,
-        until=course.until,
-        events=watch.events(),
-        starts=watch.count if verdict else None,
-        verdict=verdict,
-        statistics=summarise(cycles, not (verdict and verdict.wanders)),
-        final=course.final,
-        energy=None if failed else solver.energy(),
-        wall_s=wall_s,
-        failed=failed,
-        ended=None if failed else course.ended,
-    )
+class Advice:
+    """Takes how far a run of `solver` to `until` (transits) has come, for `report`; says once that it is long, and names the
+    cheaper model with its estimated error."""
+
+    def __init__(self, solver: Solver, until: float, report: Callable[[float], None]) -> None:
+        self._solver, self._until, self._report = solver, until, report
+        self._began, self._start = time.monotonic(), solver.time
+        elastic = all(slab.viscosity is None for slab in solver.scene.slabs)
+        self._silent = solver.model.partition(":")[0] not in _DEAR or not elastic
+
+    def __call__(self, done: float) -> None:
+        """The time `done` (transits) is reached."""
+        self._report(done)
+        elapsed = time.monotonic() - self._began
+        if self._silent or elapsed < _SOON or done <= self._start:
+            return
+        self._silent = True
+        seconds = elapsed * (self._until - self._start) / (done - self._start)
+        if seconds > LONG:
+            logging.getLogger("slipwave").info(
+                "this run will take about %.0f s; --model quasidynamic is cheaper and leaves out the echoes of waves, each of "
+                "which changes v by up to %.1g of itself (estimated; more where the motion stick-slips)",
+                seconds,
+                error_without_echoes(self._solver.scene),
+            )
