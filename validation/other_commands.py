@@ -57,8 +57,8 @@ def report(
     out: Annotated[Path, typer.Option(metavar="DIR", help="folder of the page and its data")] = Path("reports"),
 ) -> None:
     """Run the studies and write the page."""
+    from validation.report.baseline import RedReport
     from validation.report.build import make_report
-    from validation.report.red import RedReport
 
     require("report", "the report")
     require_folder(out)

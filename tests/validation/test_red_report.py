@@ -13,8 +13,8 @@ from fake_studies import result
 
 from validation.cli import NUMERICS_FAILED, main
 from validation.report import baseline
+from validation.report.baseline import RedReport
 from validation.report.build import make_report
-from validation.report.red import RedReport
 from validation.report.store import Stored, save
 from validation.study import Evidence, Number, Outcome, StudyResult, Verdict
 

@@ -10,8 +10,8 @@ from functools import partial
 
 import pytest
 
+from validation.report.baseline import RedReport
 from validation.report.build import make_report
-from validation.report.red import RedReport
 
 TOGETHER = """
     import time

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import NamedTuple, cast
 
 from validation.report import store
+from validation.report.baseline import RedReport, red_lines
 from validation.report.page import write_page
 from validation.report.provenance import provenance
-from validation.report.red import RedReport, red_lines
 from validation.report.side_by_side import share_out
 from validation.run.progress import progress
 from validation.run.timing import cores

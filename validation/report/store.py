@@ -5,15 +5,25 @@ import json
 import math
 import os
 import shutil
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter
+
 from slipwave.files import is_running
 from validation.report.sources import sources_digest
-from validation.study import Column, Evidence, Number, Omission, Outcome, Study, StudyResult, Table, Verdict
+from validation.study import Number, Omission, Study, StudyResult, Table, Verdict
 
 _FORMAT = 2
+_PARTS: dict[str, Any] = {
+    "tables": tuple[Table, ...],
+    "verdicts": tuple[Verdict, ...],
+    "notes": tuple[str, ...],
+    "numbers": dict[str, Number],
+    "omissions": tuple[Omission, ...],
+}
+"""The parts of a result that are kept, with their types."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +101,7 @@ def save(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds
         part.rename(target)
     finally:
         _remove(part)
-    stored = _stored(target, study, record)
-    return Stored(**{**vars(stored), "fresh": True})
+    return replace(_stored(target, study, record), fresh=True)
 
 
 def _is_running(process: str) -> bool:
@@ -107,7 +116,7 @@ def _remove(folder: Path) -> None:
 
 def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) -> dict[str, Any]:
     figures = [{"name": f.name, "caption": f.caption, "lead": f.lead} for f in result.figures]
-    body = {name: getattr(result, name) for name in ("tables", "verdicts", "notes", "numbers", "omissions")}
+    body = {name: getattr(result, name) for name in _PARTS}
     record = {"study": study.NAME, "question": study.QUESTION, "key": key, "wall_seconds": wall_seconds, "figures": figures}
     return record | {"answer": result.conclusion} | {name: _plain(value) for name, value in body.items()}
 
@@ -126,34 +135,20 @@ def _plain(value: Any) -> Any:
     return number if math.isfinite(number) else {"number": str(number)}
 
 
-def _revive(value: Any) -> Any:
-    return float(value["number"]) if isinstance(value, dict) and "number" in value else value
+def _revived(value: Any) -> Any:
+    """`value` with the numbers that `_plain` wrote as words."""
+    if isinstance(value, dict):
+        return float(value["number"]) if [*value] == ["number"] else {key: _revived(item) for key, item in value.items()}
+    return [_revived(item) for item in value] if isinstance(value, list) else value
 
 
 def _stored(folder: Path, study: Study, record: dict[str, Any]) -> Stored:
     """Inverse of `_record`."""
     pictures = tuple(Picture(f["name"], f["caption"], f["lead"], *_files(folder, f["name"])) for f in record["figures"])
-    result = StudyResult(
-        answer=record["answer"],
-        tables=tuple(_table(table) for table in record["tables"]),
-        verdicts=tuple(_verdict(verdict) for verdict in record["verdicts"]),
-        notes=tuple(record["notes"]),
-        numbers=numbers_of(record["numbers"]),
-        omissions=tuple(Omission(**omission) for omission in record["omissions"]),
-    )
-    return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, result, pictures)
+    parts = {name: TypeAdapter(kind).validate_python(_revived(record[name])) for name, kind in _PARTS.items()}
+    return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, StudyResult(record["answer"], **parts), pictures)
 
 
 def numbers_of(record: dict[str, Any]) -> dict[str, Number]:
     """Numbers by name as they were written, those too that JSON lacks."""
-    return {name: Number(_revive(entry["value"]), entry["tolerance"]) for name, entry in record.items()}
-
-
-def _table(record: dict[str, Any]) -> Table:
-    columns = tuple(Column(**column) for column in record["columns"])
-    rows = tuple(tuple(_revive(item) for item in row) for row in record["rows"])
-    return Table(record["name"], record["caption"], columns, rows, tuple(record["emphasis"]))
-
-
-def _verdict(record: dict[str, Any]) -> Verdict:
-    return Verdict(**{**record, "evidence": Evidence(record["evidence"]), "outcome": Outcome(record["outcome"])})
+    return TypeAdapter(dict[str, Number]).validate_python(_revived(record))
