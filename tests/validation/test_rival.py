@@ -28,14 +28,10 @@ def test_its_steady_sliding_turns_neutral_at_the_onset_that_auto_finds():
     assert np.abs(neutral.imag) == pytest.approx(2.0 * math.pi / 49.66821032, rel=1e-8)
 
 
-def test_it_is_nudged_as_the_scene_says():
+def test_it_is_nudged_as_the_scene_says_and_finds_the_period():
     scene = slipwave.read("paper")
     rates, at = right_hand_side(scene), np.array(steady_state(scene))
-    assert rates(6.0, at)[3] == pytest.approx(0.5)
-    assert rates(7.0, at)[3] == pytest.approx(0.5 * math.exp(-1.0))
-
-
-def test_it_finds_the_period():
+    assert [rates(time, at)[3] for time in (6.0, 7.0)] == pytest.approx([0.5, 0.5 * math.exp(-1.0)])
     run = plain_kelvin_voigt(slipwave.read("paper"), 2000.0, 1e-10)
     assert run.period == pytest.approx(KNOWN, rel=1e-7)  # 3e-8 was measured: the transient
     assert run.evaluations > 10_000
@@ -81,18 +77,13 @@ def test_every_model_runs_at_every_setting_once(quick, grids, elements):
     assert ("modal:8", "tolerance 10^{-3}") in settings
 
 
-def test_the_answer_tells_times_and_errors():
+def test_the_answer_and_the_figure_show_every_run():
     told = cost_and_error._answer(points())
     assert "delay system takes 3 ms (1 · 10^{−3}) to 15 ms (1 · 10^{−15})" in told
     assert "the full wave 9 ms (2 · 10^{−5}) to 9 ms" in told
     assert "and 8 ms (2 · 10^{−10}) to 8 ms (2 · 10^{−10}) by elements" in told
     assert told.endswith("the fastest runs take 3 ms (1 · 10^{−3}) with the paper’s ODE and 3 ms (1 · 10^{−3}) with a block.")
-
-
-def test_the_figure_shows_every_run():
-    axes = work_precision(points()).axes[0]
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("run time (ms)", "relative error of the period")
-    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    (axes,) = work_precision(points()).axes
     assert len(axes.get_lines()) == 5
     delay = axes.get_lines()[0]
     assert np.allclose(delay.get_xdata(), [3.0, 6.0, 15.0])
