@@ -3,6 +3,9 @@
 import math
 from typing import NamedTuple
 
+from slipwave.friction.law import Response
+from slipwave.friction.regularised import direct_effect
+
 
 class Ageing(NamedTuple):
     """Parameters of (16): reference friction a_star, direct effect a, evolution effect b."""
@@ -12,7 +15,7 @@ class Ageing(NamedTuple):
     b: float
 
 
-def respond(law: Ageing, z: float, psi: float) -> tuple[float, float, float, float, float, float, float, float]:
+def respond(law: Ageing, z: float, psi: float) -> Response:
     """F = a_* + a z + b psi,  G = e^-psi - e^z  (psi' = phi'/phi)."""
     v = math.exp(z)
     healing = math.exp(-psi)
@@ -22,3 +25,18 @@ def respond(law: Ageing, z: float, psi: float) -> tuple[float, float, float, flo
 def steady_state(law: Ageing, v: float) -> float:
     """psi_ss = -ln v  (phi_ss = 1/v)."""
     return -math.log(v)
+
+
+class AgeingRegularised(NamedTuple):
+    """As the plain law, with the direct effect of `regularised`."""
+
+    a_star: float
+    a: float
+    b: float
+
+
+def respond_regularised(law: AgeingRegularised, z: float, psi: float) -> Response:
+    """G = e^-psi - |v|."""
+    v, v_z, friction, friction_z, friction_psi = direct_effect(law.a_star, law.a, law.b, z, psi)
+    healing = math.exp(-psi)
+    return v, v_z, friction, friction_z, friction_psi, healing - abs(v), -math.copysign(v_z, v), -healing

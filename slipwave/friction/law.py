@@ -16,6 +16,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
+from slipwave.compiled import allocating
 from slipwave.compiled.dispatch import ByClass, by_class
 from slipwave.errors import SceneError
 
@@ -62,6 +66,15 @@ def rate_of(law: Law, z: float) -> float:
 def unknown_of(law: Law, v: float) -> float:
     """Rate unknown z at the slip rate v (in V*); ln v for laws that need v > 0."""
     raise NotImplementedError(type(law))
+
+
+@allocating
+def rates(law: Law, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Slip rates (V*) at the rate unknowns z; an array of the same shape."""
+    found = np.empty_like(unknowns)
+    for i in range(unknowns.size):
+        found.flat[i] = rate_of(law, unknowns.flat[i])
+    return found
 
 
 _GENERIC: tuple[ByClass[..., Any], ...] = (respond, steady_state, rate_of, unknown_of)

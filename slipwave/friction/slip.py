@@ -3,6 +3,9 @@
 import math
 from typing import NamedTuple
 
+from slipwave.friction.law import Response
+from slipwave.friction.regularised import direct_effect
+
 
 class Slip(NamedTuple):
     """Reference friction a_star, direct effect a, evolution effect b."""
@@ -12,7 +15,7 @@ class Slip(NamedTuple):
     b: float
 
 
-def respond(law: Slip, z: float, psi: float) -> tuple[float, float, float, float, float, float, float, float]:
+def respond(law: Slip, z: float, psi: float) -> Response:
     """F = a_* + a z + b psi,  G = -e^z (z + psi)."""
     v = math.exp(z)
     distance = z + psi
@@ -22,3 +25,20 @@ def respond(law: Slip, z: float, psi: float) -> tuple[float, float, float, float
 def steady_state(law: Slip, v: float) -> float:
     """psi_ss = -ln v  (phi_ss = 1/v)."""
     return -math.log(v)
+
+
+class SlipRegularised(NamedTuple):
+    """As the plain law, with the direct effect of `regularised`."""
+
+    a_star: float
+    a: float
+    b: float
+
+
+def respond_regularised(law: SlipRegularised, z: float, psi: float) -> Response:
+    """G = -|v| (ln|v| + psi), and 0 at v = 0."""
+    v, v_z, friction, friction_z, friction_psi = direct_effect(law.a_star, law.a, law.b, z, psi)
+    speed = abs(v)
+    distance = math.log(max(speed, 1e-300)) + psi
+    slope = -math.copysign(v_z, v) * (1.0 + distance)
+    return v, v_z, friction, friction_z, friction_psi, -speed * distance, slope, -speed

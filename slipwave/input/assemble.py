@@ -13,8 +13,7 @@ from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubt
 from slipwave.scene.drive import Drive
-from slipwave.scene.material import Material
-from slipwave.scene.slab import KelvinVoigtViscosity, Layer, Slab, StandardLinearViscosity, Viscosity
+from slipwave.scene.slab import KelvinVoigtViscosity, Layer, Material, Slab, StandardLinearViscosity, Viscosity
 from slipwave.scene.start import Start, StartKind
 from slipwave.scene.units import Units
 

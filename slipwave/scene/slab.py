@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, Self, TypeAlias
 
-from slipwave.scene.material import Material
 from slipwave.scene.termination import Termination
 
 
@@ -115,6 +114,19 @@ class StandardLinearViscosity:
 
 
 Viscosity: TypeAlias = KelvinVoigtViscosity | StandardLinearViscosity
+
+
+@dataclass(frozen=True)
+class Material:
+    """What a slab is made of: density in kg/m3 and shear modulus in Pa; solvers need none of it."""
+
+    density: float
+    shear_modulus: float
+
+    @property
+    def wave_speed(self) -> float:
+        """Speed of shear waves in m/s, c = sqrt(G/rho)."""
+        return math.sqrt(self.shear_modulus / self.density)
 
 
 @dataclass(frozen=True)

@@ -21,10 +21,8 @@ from reduced.stability import (
 )
 from slipwave.errors import SceneError
 from slipwave.friction import respond, steady_state, unknown_of
-from slipwave.friction.ageing import Ageing
-from slipwave.friction.ageing_regularised import AgeingRegularised
-from slipwave.friction.slip import Slip
-from slipwave.friction.slip_regularised import SlipRegularised
+from slipwave.friction.ageing import Ageing, AgeingRegularised
+from slipwave.friction.slip import Slip, SlipRegularised
 from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
 
 SLOPES = friction_slopes(PAPER, 100.0)

@@ -11,8 +11,16 @@ from slipwave.friction.ageing import Ageing
 from slipwave.friction.slip import Slip
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, steady_drive
-from slipwave.scene.material import Material
-from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, RigidFace, Slab, StandardLinearViscosity
+from slipwave.scene.slab import (
+    GripFace,
+    KelvinVoigtViscosity,
+    Layer,
+    Material,
+    ReflectingFace,
+    RigidFace,
+    Slab,
+    StandardLinearViscosity,
+)
 from slipwave.scene.start import Start, StartKind
 
 ELASTIC = Slab(2.0, 3.0)

@@ -9,8 +9,7 @@ import pytest
 
 import slipwave
 from slipwave.errors import SceneError
-from slipwave.family import Family
-from slipwave.features import FEATURES, features_of
+from slipwave.family import FEATURES, Family, features_of
 from slipwave.scene.slab import Face, GripFace, MachineFace
 from slipwave.solve import follow
 from validation.cli import main

@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from slipwave.family import ANYTHING, NOTHING, Family
-from slipwave.features import FEATURES
+from slipwave.family import ANYTHING, FEATURES, NOTHING, Family
 from validation.registry.families import FAMILIES
 
 README = Path(__file__).parents[2] / "README.md"

@@ -17,10 +17,8 @@ import slipwave
 from reduced.stability import analyse, characteristic, scaled, unstable_count
 from reduced.stability.physical import in_si, thickened
 from slipwave.errors import NumericsError, SceneError
-from slipwave.friction.ageing import Ageing
-from slipwave.friction.ageing_regularised import AgeingRegularised
-from slipwave.friction.slip import Slip
-from slipwave.friction.slip_regularised import SlipRegularised
+from slipwave.friction.ageing import Ageing, AgeingRegularised
+from slipwave.friction.slip import Slip, SlipRegularised
 from slipwave.observe import HistoryObserver
 from slipwave.scene import Scene
 from slipwave.scene.drive import steady_drive

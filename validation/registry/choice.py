@@ -9,8 +9,7 @@ from importlib.util import find_spec
 from typing import Unpack
 
 from slipwave.errors import SceneError
-from slipwave.family import Exact, Family
-from slipwave.features import features_of, in_words
+from slipwave.family import Exact, Family, features_of, in_words
 from slipwave.input.wording import nearest, shorten
 from slipwave.scene import Scene
 from validation.registry.families import DELAY, FAMILIES, OPTIONS, Options, family_of, given
