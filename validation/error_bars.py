@@ -27,7 +27,7 @@ from slipwave.scene import Scene
 from validation.output import print_table
 from validation.registry.build import build, build_full_wave, prepare
 from validation.registry.families import one_port_of
-from validation.registry.orbits import find_orbit, moving
+from validation.registry.orbits import find_orbit
 
 _FINER = 3.0
 _BEYOND = (1.01, 1.25)  # times the round trip at which steady sliding loses its stability
@@ -86,7 +86,7 @@ def of_orbits(kind: str, model: str, random: np.random.Generator, witness: bool 
     while True:
         tolerance = _DEFAULT if random.random() < 0.4 else 10.0 ** random.uniform(math.log10(_TIGHTEST), math.log10(_LOOSEST))
         try:
-            found = find_orbit(moving(model, random_scene(kind, model, random), tolerance), tolerance).found
+            found = find_orbit(model, random_scene(kind, model, random), tolerance).found
             truth = _by_witness(found.closed.flow.scene) if witness else _by_finer_mesh(found.closed)
         except (NumericsError, SceneError):
             yield []
@@ -102,7 +102,7 @@ def _by_finer_mesh(closed: Closed) -> dict[str, float]:
 
 def _by_witness(scene: Scene) -> dict[str, float]:
     """Of another discretisation, whose own error must be below what it is to judge."""
-    return find_orbit(moving(_WITNESS, scene, _EXACT, _WITNESS_CELLS), _EXACT).found.orbit.values()
+    return find_orbit(_WITNESS, scene, _EXACT, _WITNESS_CELLS).found.orbit.values()
 
 
 def of_runs(kind: str, model: str, random: np.random.Generator, tolerance: float) -> Iterator[list[Held]]:

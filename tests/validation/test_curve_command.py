@@ -1,12 +1,10 @@
 """`slipwave curve`: where curves begin, the closed form of the Hopf curve, and what is refused."""
 
-import json
 import math
 from dataclasses import replace
 
 import pytest
 import xarray
-from matplotlib.image import imread
 
 import slipwave as sw
 from validation.branches import followed
@@ -17,14 +15,20 @@ from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
 from validation.references.onset import onset_of
 
 KEYS = {"schema", "scene", "model", "clock", "type", "parameters", "points", "wall_s", "notes"}
+GIVEN = {"of": "LP", "over": "log10_r=-2.72:-2.68", "and": "V=100:120"}
+FOLDS = ("paper", "LP", "log10_r=-2.72:-2.69", "V=100:120", "kelvin-voigt")
+FIRST, SECOND = (over_range(text, "paper") for text in ("log10_r=-2.72:-2.68", "V=100:120"))
 
 
-def test_the_first_fold_of_the_delay_system(capsys, tmp_path):
-    """Its place at V = 100 is that of other programs; towards larger V its period falls; the figure is written."""
-    figure = tmp_path / "fold.png"
-    words = ("--of", "LP", "--over", "log10_r=-2.72:-2.68", "--and", "V=100:120", "--most-points", "4", "--plot", str(figure))
-    assert main(["curve", "paper", *words, "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+def words(**changes):
+    """The command line of a curve of the paper's scene."""
+    given = (GIVEN | changes).items()
+    return ["curve", "paper", *(word for name, value in given if value for word in (f"--{name}", value))]
+
+
+def test_the_first_fold_of_the_delay_system():
+    """Its place at V = 100 is that of other programs; towards larger V its period falls."""
+    found = sw.curve("paper", "LP", "log10_r=-2.72:-2.68", "V=100:120", most_points=4).summary
     assert found.keys() == KEYS
     assert (found["type"], found["parameters"], found["model"]) == ("LP", ["log10_r", "V"], "delay")
     first, *others = found["points"]
@@ -33,7 +37,6 @@ def test_the_first_fold_of_the_delay_system(capsys, tmp_path):
     assert (first["unstable_before"], first["unstable_after"]) == (1, 0)
     assert [a["V"] < b["V"] and a["period"] > b["period"] for a, b in zip([first, *others], others, strict=False)] == [True] * 3
     assert found["notes"] == ["stopped after 4 points: --most-points goes further"]
-    assert imread(figure).std() > 0.05
 
 
 def test_a_curve_ends_at_the_edge_of_its_ranges():
@@ -45,18 +48,15 @@ def test_a_curve_ends_at_the_edge_of_its_ranges():
     assert points[0]["multiplier"] == pytest.approx([-0.111491, 0.993765], abs=2e-6)
     assert all(2.8e-5 <= point["epsilon"] <= 2.806e-5 and point["bracket"] < 1e-9 for point in points)
     assert result.summary["notes"] == ["the curve leaves the rectangle of both ranges"]
-    assert result.dataset["multiplier_re"].values == pytest.approx([point["multiplier"][0] for point in points])
     assert result.dataset.attrs["command"] == "curve"
 
 
 def test_keys_of_the_scene_span_a_plane():
     """In SI, also beside a short name, which is set in the scene that is read."""
-    first, second = (
-        over_range(text, "paper-si") for text in ("slab.thickness=31 mm:34 mm", "interface.normal_stress=1 kPa:1.1 kPa")
-    )
+    texts = ("slab.thickness=31 mm:34 mm", "interface.normal_stress=1 kPa:1.1 kPa", "V=100:120")
+    first, second, over = (over_range(text, "paper-si") for text in texts)
     keyed = {"slab.thickness": 0.032, "interface.normal_stress": 1050.0}
     assert Curve("LP", first, second, "delay", 1e-4).plane.scene_at(0.032, 1050.0) == sw.read("paper-si", keyed)
-    over = over_range("V=100:120", "paper-si")
     mixed = Curve("LP", over, second, "delay", 1e-4).plane.scene_at(110.0, 1050.0)
     assert mixed.velocity == 110.0
     assert mixed.transit == sw.read("paper-si", {"interface.normal_stress": 1050.0}).transit
@@ -69,85 +69,60 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
     points = sw.curve("paper", "HB", "log10_r=-2.8:-2.6", "V=90:110", "delay", out=file).summary["points"]
     with xarray.open_dataset(file) as data:
         assert data["period"].values.tolist() == [point["period"] for point in points]
-    law = sw.read("paper").law
     assert len(points) > 5
     for point in points:
-        closed = onset_of(law, 2.8e-5, point["V"])
+        closed = onset_of(sw.read("paper").law, 2.8e-5, point["V"])
         assert 10.0 ** point["log10_r"] == pytest.approx(closed.r_delay, rel=1e-10)
         assert point["period"] == pytest.approx(2.0 * math.pi / (closed.omega_c * closed.r_delay), rel=1e-10)
     monkeypatch.setattr("validation.results.curve.pursue", lambda *parts: Outcome(0.0, None, "", False))
     again, other = sw.curve(file), sw.curve(file, along="V=90:91", tol=1e-4)
     call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100}
     assert (again.options.stored, again.found.model, again.found.kind) == (call, "delay", "HB")
-    assert other.options.stored == call | {"and": "V=90:91", "tol": 1e-4}
-    assert other.found.second.ends == (90.0, 91.0)
+    assert (other.options.stored, other.found.second.ends) == (call | {"and": "V=90:91", "tol": 1e-4}, (90.0, 91.0))
 
 
 @pytest.mark.parametrize(
-    ("of", "along", "line"),
+    ("changes", "line"),
     [
-        ("XX", "V=100:200", "--of 'XX': must be one of HB, LP, PD, NS"),
-        ("LP", "V=100", "--and 'V=100': must be KEY=FROM:TO"),
-        ("LP", "V=100:100", "--and 'V=100:100': FROM and TO must differ"),
-        ("LP", "log10_r=-2:-3", "--and 'log10_r': must be another parameter than --over"),
-        ("HB", "interface.a_star=0.3:0.4", "--and 'interface.a_star': a curve of Hopf points needs one of r, epsilon, V"),
-        ("LP", "V=-5:7", "drive.velocity = -5.0: must be a number from 1e-12"),
+        ({"of": "XX"}, "--of 'XX': must be one of HB, LP, PD, NS"),
+        ({"and": "V=100"}, "--and 'V=100': must be KEY=FROM:TO"),
+        ({"and": "V=100:100"}, "--and 'V=100:100': FROM and TO must differ"),
+        ({"and": "log10_r=-2:-3"}, "--and 'log10_r': must be another parameter than --over"),
+        (
+            {"of": "HB", "and": "interface.a_star=0.3:0.4"},
+            "--and 'interface.a_star': a curve of Hopf points needs one of r, epsilon, V",
+        ),
+        ({"and": "V=-5:7"}, "drive.velocity = -5.0: must be a number from 1e-12"),
+        ({"of": "HB", "resume": "x.nc"}, "--resume: a curve of Hopf points is computed at once"),
+        *(({name: None}, f"--{name}: missing; must be given, as in --{name} {GIVEN[name]}") for name in GIVEN),
     ],
 )
-def test_what_is_refused(capsys, of, along, line):
-    assert main(["curve", "paper", "--of", of, "--over", "log10_r=-2.72:-2.68", "--and", along]) == INPUT_WRONG
+def test_what_is_refused(capsys, changes, line):
+    assert main(words(**changes)) == INPUT_WRONG
     told = capsys.readouterr()
     assert told.err.strip().startswith(f"slipwave: {line}")
     assert not told.out
 
 
 def test_a_curve_needs_a_beginning(capsys):
-    words = ("--of", "PD", "--over", "log10_r=-2.72:-2.695", "--and", "V=100:200", "--tol", "1e-4")
-    assert main(["curve", "paper", *words]) == NUMERICS_FAILED
+    assert main([*words(of="PD", over="log10_r=-2.72:-2.695"), "--tol", "1e-4"]) == NUMERICS_FAILED
     assert "no period doubling was found on the branch over log10_r from -2.72 to -2.695" in capsys.readouterr().err
-
-
-FOLDS = ("paper", "LP", "log10_r=-2.72:-2.69", "V=100:120", "kelvin-voigt")
 
 
 def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):
     """Stopped after one point and after three, when the secant is part of the state; then the whole file is as without a stop.
     Until the last point is there, the file says that it is not complete."""
-    file, whole = tmp_path / "part.nc", tmp_path / "whole.nc"
-    complete = []
-    write = followed.write
+    file, whole, complete, write = tmp_path / "part.nc", tmp_path / "whole.nc", [], followed.write
     monkeypatch.setattr(followed, "write", lambda *parts: [complete.append(parts[3]), write(*parts)])
     expected = sw.curve(*FOLDS, tol=1e-4, most_points=4, out=whole).found.points
-    assert len(expected) == 4
-    assert complete == [False] * 4 + [True]
+    assert (len(expected), complete) == (4, [False] * 4 + [True])
     for most in (1, 3, 4):
         found = sw.curve(*FOLDS, tol=1e-4, most_points=most, out=file, resume=file if most > 1 else None)
         assert found.found.points == expected[:most]
         assert found.summary["notes"] == [f"stopped after {most} points: --most-points goes further"]
     with xarray.open_dataset(file) as resumed, xarray.open_dataset(whole) as direct:
-        assert resumed["point_multiplier_re"].values.tolist() == direct["point_multiplier_re"].values.tolist()
+        xarray.testing.assert_equal(resumed, direct)
         assert resumed["point_second"].values.tolist() == [point.second for point in expected]
-
-
-@pytest.mark.parametrize("left_out", ["of", "over", "and"])
-def test_what_is_missing_is_named(left_out, capsys):
-    given = {"of": "LP", "over": "log10_r=-2.72:-2.68", "and": "V=100:120"}
-    words = [word for name, value in given.items() if name != left_out for word in (f"--{name}", value)]
-    assert main(["curve", "paper", *words]) == INPUT_WRONG
-    assert f"--{left_out}: missing; must be given, as in --{left_out} {given[left_out]}" in capsys.readouterr().err
-
-
-def test_a_file_of_another_curve_is_refused(tmp_path, capsys):
-    file = tmp_path / "one.nc"
-    sw.curve(*FOLDS, tol=1e-4, most_points=1, out=file)
-    words = ["curve", "paper", "--of", "LP", "--model", "kelvin-voigt", "--tol", "1e-4", "--resume", str(file)]
-    assert main([*words, "--over", "log10_r=-2.72:-2.69", "--and", "V=100:130"]) == INPUT_WRONG
-    assert "rectangle is [['log10_r', -2.72, -2.69], ['V', 100.0, 120.0]]; this curve has" in capsys.readouterr().err
-    assert main([*words[:2], "--of", "HB", *words[4:], "--over", "log10_r=-2.72:-2.69", "--and", "V=100:120"]) == INPUT_WRONG
-    assert "--resume: a curve of Hopf points is computed at once" in capsys.readouterr().err
-
-
-FIRST, SECOND = (over_range(text, "paper") for text in ("log10_r=-2.72:-2.68", "V=100:120"))
 
 
 @pytest.mark.parametrize(

@@ -20,15 +20,7 @@ from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.orbits import OrbitFound, most_transits
 
-RATES = {"v_max", "v_min"}
 ODE = ("--model", "kelvin-voigt")
-STABLE = ("--set", "slab.log10_r=-2.72", "start.size=0")
-
-
-def orbit(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, object]:
-    assert main(["orbit", *words, "--json"]) == 0
-    found: dict[str, object] = json.loads(capsys.readouterr().out)
-    return found
 
 
 @pytest.mark.parametrize(
@@ -41,7 +33,8 @@ def orbit(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, object]:
 )
 def test_figures_are_those_of_other_programs(capsys, model, log10_r, stable, leading):
     """The multipliers are those of DDE-BIFTOOL; figures agree within 5e-10 or in every digit that is published."""
-    found = orbit(capsys, "paper", "--model", model, "--set", f"slab.log10_r={log10_r}")
+    assert main(["orbit", "paper", "--model", model, "--set", f"slab.log10_r={log10_r}", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
     for name, value in reference_orbit(model, log10_r).items():
         assert found[name] == pytest.approx(value, rel=2e-9, abs=1.01 * half_digit(value)), name
     assert found["stable"] is stable
@@ -50,6 +43,7 @@ def test_figures_are_those_of_other_programs(capsys, model, log10_r, stable, lea
     assert found["residual"] < 1e-12
     assert found["trivial_defect"] < 1e-5
     assert 0.0 <= found["error_estimate"]["period"] < 1e-8 * found["period"]
+    assert found["idle_modes"] == []
     if leading:
         assert found["multipliers"][0] == pytest.approx(leading, abs=1e-6)
     moduli = [math.hypot(*value) for value in found["multipliers"]]
@@ -57,72 +51,59 @@ def test_figures_are_those_of_other_programs(capsys, model, log10_r, stable, lea
     assert min(moduli) > found["essential_radius"] >= 0.0
 
 
-def test_a_full_wave_has_the_delay_system_s_orbit(capsys):
+def test_a_full_wave_has_the_delay_system_s_orbit():
     """Measured: 5e-12 and 2e-10 off on this grid."""
-    found = orbit(capsys, "paper", "--model", "dg:7", "--cells", "5", "--tol", "1e-7")
-    known = reference_orbit("delay", -2.68)
-    assert found["period"] == pytest.approx(known["period"], rel=1e-9)
-    assert found["stress_drop"] == pytest.approx(known["stress_drop"], rel=1e-8)
-    assert found["multipliers"][0] == pytest.approx([0.254520, 0.347982], abs=1e-6)
+    found, known = sw.orbit("paper", "dg:7", cells=5, tol=1e-7), reference_orbit("delay", -2.68)
+    assert found.period == pytest.approx(known["period"], rel=1e-9)
+    assert found.stress_drop == pytest.approx(known["stress_drop"], rel=1e-8)
+    assert found.multipliers[0] == pytest.approx(0.254520 + 0.347982j, abs=1e-6)
 
 
-def test_viscous_slabs_have_an_orbit_by_a_full_wave(capsys):
-    found = orbit(capsys, "viscous", "--tol", "1e-6")
-    assert found["model"] == "sbp:6"
-    assert found["stable"] is True
+def test_viscous_slabs_have_an_orbit_by_a_full_wave():
+    found = sw.orbit("viscous", tol=1e-6)
+    assert (found.model, found.stable) == ("sbp:6", True)
 
 
-def test_si_repeats_the_figures_in_si(capsys):
-    found = orbit(capsys, "paper-si", "--model", "block8", "--tol", "1e-6")
-    si = found["si"]
-    assert si["transit_s"] == pytest.approx(10.0**-2.68 * 0.9, rel=1e-9)
-    assert si["period_s"] == pytest.approx(76.610299635 * si["transit_s"], rel=1e-8)
-    assert si["stress_drop_Pa"] == pytest.approx(1000.0 * found["stress_drop"], rel=1e-14)
-    assert si["v_max_m_per_s"] == pytest.approx(1e-6 * found["v_max"], rel=1e-14)
-
-
-def test_without_isolated_multipliers_none_is_listed(capsys):
-    """Unlike slabs of irrational ratio: the waves' own reach the unit circle, and stability is not decided."""
-    assert main(["orbit", "unlike-irrational", "--tol", "1e-6"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert "no multiplier lies outside the essential radius" in lines
-    assert any("its stability is not decided" in line for line in lines)
-    assert any("some motion of the slabs is never damped by friction" in line for line in lines)
-    assert any("5 and 7 quarter waves, 2.47967 cycles a transit" in line for line in lines)
+def test_si_repeats_the_figures_in_si():
+    found = sw.orbit("paper-si", "block8", tol=1e-6)
+    assert found.si.transit_s == pytest.approx(10.0**-2.68 * 0.9, rel=1e-9)
+    assert found.si.period_s == pytest.approx(76.610299635 * found.si.transit_s, rel=1e-8)
+    assert found.si.stress_drop_Pa == pytest.approx(1000.0 * found.stress_drop, rel=1e-14)
+    assert found.si.v_max_m_per_s == pytest.approx(1e-6 * found.v_max, rel=1e-14)
 
 
 def test_idle_modes_are_named_with_their_multipliers():
-    """Two nearly idle modes of the slabs of irrational ratio. Of the first one the orbit's own multiplier is known, 0.60898 +-
-    0.78650 i: the loss to first order, 0.00583, is that of slow slip; 0.00530 is what the whole cycle takes."""
+    """Unlike slabs of irrational ratio: the waves' own multipliers reach the unit circle, and stability is not decided. Two modes
+    are nearly idle. Of the first one the orbit's own multiplier is known, 0.60898 +- 0.78650 i: the loss to first order, 0.00583,
+    is that of slow slip; 0.00530 is what the whole cycle takes."""
     found = sw.orbit("unlike-irrational", tol=1e-6)
+    lines = list(found.lines({}))
+    assert "no multiplier lies outside the essential radius" in lines
+    for said in ("its stability is not decided", "some motion of the slabs is never damped by friction", "5 and 7 quarter waves"):
+        assert any(said in line for line in lines), said
     modes = found.summary["idle_modes"]
     assert [mode["quarter_waves"] for mode in modes[:2]] == [[5, 7], [29, 41]]
     assert found.summary["stable"] is None
-    told = complex(*modes[0]["multiplier"])
-    own = np.linalg.eigvals(found.found.found.closed.monodromy)
+    told, own = complex(*modes[0]["multiplier"]), np.linalg.eigvals(found.found.found.closed.monodromy)
     nearest = own[np.abs(own - told).argmin()]
     assert abs(nearest) == pytest.approx(0.9947022, abs=1e-5)
     assert abs(nearest - told) < 0.01
     assert 1.0 - abs(told) == pytest.approx(1.0 - abs(nearest), rel=0.2)
 
 
-def test_no_mode_is_idle_where_multipliers_decide(capsys):
-    assert orbit(capsys, "paper", "--model", "block8", "--tol", "1e-4")["idle_modes"] == []
+def test_a_start_on_the_orbit_is_no_other_scene():
+    changed = sw.orbit("paper", "kelvin-voigt", tol=1e-6, start={"kind": "orbit"})
+    assert changed.period == pytest.approx(reference_orbit("kelvin-voigt", -2.68)["period"], rel=1e-6)
 
 
-def test_a_start_on_the_orbit_is_no_other_scene(capsys):
-    changed = orbit(capsys, "paper", "--model", "kelvin-voigt", "--set", "start.kind=orbit", "--tol", "1e-6")
-    assert changed["period"] == pytest.approx(reference_orbit("kelvin-voigt", -2.68)["period"], rel=1e-6)
-
-
-def test_a_run_that_leads_to_none_gives_way_to_the_branch(capsys):
+def test_a_run_that_leads_to_none_gives_way_to_the_branch():
     """Between the fold and the Hopf point the run returns to steady sliding, and two orbits coexist: the small unstable one has
     a period between those of both points, the stable one a longer one than the fold's."""
     hopf, fold = 49.66821032, reference()["special"]["kelvin-voigt"]["first fold"]["period"]
-    found = orbit(capsys, "paper", *ODE, "--set", "slab.log10_r=-2.7001", "--tol", "1e-6")
-    assert found["stable"] is True
-    unstable = float(re.search(r"periods ([\d.]+) \(unstable\):", "".join(found["notes"]))[1])
-    assert hopf < unstable < fold < found["period"] < unstable + 5.0
+    found = sw.orbit("paper", "kelvin-voigt", tol=1e-6, log10_r=-2.7001)
+    assert found.stable is True
+    unstable = float(re.search(r"periods ([\d.]+) \(unstable\):", "".join(found.notes))[1])
+    assert hopf < unstable < fold < found.period < unstable + 5.0
 
 
 def test_a_period_in_seconds_is_asked_for_in_transits(monkeypatch):
@@ -140,7 +121,7 @@ def test_beside_the_orbit_of_a_run_the_others_are_named_if_asked_for(monkeypatch
     """Two orbits coexist, and a run leads to the stable one; the branch is not followed for nothing."""
     flow = FlowByHand(SUBCRITICAL, -0.16)
     both = [close(flow, 1.01 * SUBCRITICAL.state(size), SUBCRITICAL.period(size)) for size in (0.2, 0.8)]
-    reached = OrbitFound(periodic_orbit(flow, SUBCRITICAL.state(0.8), SUBCRITICAL.period(0.8)), 1e-8, "", 0.1)
+    reached = OrbitFound(periodic_orbit(flow, SUBCRITICAL.state(0.8), SUBCRITICAL.period(0.8)), 1e-8)
     followed = []
     monkeypatch.setattr(at_scene, "moving", lambda *_: None)
     monkeypatch.setattr(at_scene, "find_orbit", lambda *_: reached)
@@ -183,7 +164,7 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_b
     monkeypatch.setattr(at_scene, "moving", lambda *_: None)
     monkeypatch.setattr(at_scene, "orbits_near", lambda *_: given(None))
     monkeypatch.setattr(
-        at_scene, "find_orbit", lambda *_: OrbitFound(given(own and periodic_orbit(*guesses[own])), 1e-8, "from the run", 0.1)
+        at_scene, "find_orbit", lambda *_: OrbitFound(given(own and periodic_orbit(*guesses[own])), 1e-8, "from the run")
     )
     found = at_scene.orbit_of("by hand", flow.scene, 1e-8, near=near)
     assert found.found.orbit.period.value == pytest.approx(SUBCRITICAL.period(s), rel=1e-10)

@@ -2,7 +2,7 @@
 one that begins where steady sliding loses its stability as r grows."""
 
 import math
-import time
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -59,65 +59,54 @@ def orbit_of(
     if near is not None:
         return _nearest(model, scene, tolerance, cells, near)
     try:
-        found = find_orbit(moving(model, scene, tolerance, cells), tolerance)
+        found = find_orbit(model, scene, tolerance, cells)
     except NumericsError as reason:
-        began = time.perf_counter()
         known = primary(model, scene, cells, math.inf, str(reason))
-        return _chosen(known, min(known.orbits, key=count_unstable), scene, tolerance, began, _FROM_BRANCH)
+        return _chosen(min(known.orbits, key=count_unstable), known.orbits, scene, tolerance, _FROM_BRANCH, known.extent)
     return _with_others(found, model, cells) if others else found if found.source else replace(found, searched=_MAY_BE)
 
 
 def _with_others(found: OrbitFound, model: str, cells: int | None) -> OrbitFound:
     """The same with those orbits of the primary branch that it is not."""
-    began, period, others = time.perf_counter(), found.found.orbit.period.value, list[Closed]()
     try:
         known = primary(model, found.scene, cells, math.inf)
-        others, searched = [one for one in known.orbits if abs(one.cycle.period / period - 1.0) > _SAME], known.extent
     except NumericsError as reason:
-        searched = f"no other orbit was found: {reason}"
-    wall_s = found.wall_s + time.perf_counter() - began
-    return replace(found, others=tuple(map(_other, others)), searched=searched, wall_s=wall_s)
+        return replace(found, searched=f"no other orbit was found: {reason}")
+    others = [one for one in known.orbits if not _same(one, found.found.closed)]
+    return replace(found, others=tuple(map(_other, others)), searched=known.extent)
 
 
 def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near: float) -> OrbitFound:
     """The orbit with the period nearest to `near` among the run's own and those of the primary branch; if that branch has none of
     this number of cycles, or is not known so far, also among those to which the scene's own motion returns."""
-    began, own, failed = time.perf_counter(), _own(model, scene, tolerance, cells), None
-    try:
+    known, own, failed = Primary([], ""), None, None
+    with suppress(NumericsError, SceneError):  # the run may lead to none in reasonable time
+        own = find_orbit(model, scene, tolerance, cells)
+    with suppress(NumericsError):
         known = primary(model, scene, cells, near + _LONGER)
-    except NumericsError:
-        known = Primary([], "")
-    source = dict.fromkeys(map(id, known.orbits), _FROM_BRANCH)
-    if not known.orbits or near > _SEVERAL * max(one.cycle.period for one in known.orbits):
+    candidates = [(one, _FROM_BRANCH) for one in known.orbits]
+    if not candidates or near > _SEVERAL * max(one.cycle.period for one, _ in candidates):
         try:
-            known.orbits.extend(orbits_near(moving(model, scene, tolerance, cells), near))
+            candidates += [(one, _FROM_RUN) for one in orbits_near(moving(model, scene, tolerance, cells), near)]
         except NumericsError as reason:
             failed = reason
-    if own is not None:  # as it was found by the search for others, if it was
-        closed = own.found.closed
-        if not any(abs(one.cycle.period / closed.cycle.period - 1.0) < _SAME for one in known.orbits):
-            known.orbits.append(closed)
-            source[id(closed)] = own.source
-    if failed is not None and not known.orbits:
+    # the run's own as it was found by the search for others, if it was
+    if own is not None and not any(_same(one, own.found.closed) for one, _ in candidates):
+        candidates.append((own.found.closed, own.source))
+    if failed is not None and not candidates:
         raise failed
-    nearest = min(known.orbits, key=lambda one: abs(one.cycle.period - near))
-    return _chosen(known, nearest, scene, tolerance, began, source.get(id(nearest), _FROM_RUN))
+    nearest, source = min(candidates, key=lambda known: abs(known[0].cycle.period - near))
+    return _chosen(nearest, [one for one, _ in candidates], scene, tolerance, source, known.extent)
 
 
-def _own(model: str, scene: Scene, tolerance: float, cells: int | None) -> OrbitFound | None:
-    """The orbit that the run leads to, if it leads to one in reasonable time."""
-    try:
-        return find_orbit(moving(model, scene, tolerance, cells), tolerance)
-    except (NumericsError, SceneError):
-        return None
-
-
-def _chosen(known: Primary, one: Closed, scene: Scene, tolerance: float, began: float, source: str) -> OrbitFound:
+def _chosen(one: Closed, known: list[Closed], scene: Scene, tolerance: float, source: str, searched: str) -> OrbitFound:
     """One of several orbits to the requested tolerance; the others are named."""
-    cycle = one.cycle
-    found = refined(scene, Guess(one.flow.of(scene), cycle.start, cycle.period, False), tolerance)
-    others = tuple(_other(orbit) for orbit in known.orbits if orbit is not one)
-    return OrbitFound(found, tolerance, source, time.perf_counter() - began, others, known.extent)
+    found = refined(scene, Guess(one.flow.of(scene), one.cycle.start, one.cycle.period, False), tolerance)
+    return OrbitFound(found, tolerance, source, tuple(_other(orbit) for orbit in known if orbit is not one), searched)
+
+
+def _same(one: Closed, other: Closed) -> bool:
+    return abs(one.cycle.period / other.cycle.period - 1.0) < _SAME
 
 
 def _other(closed: Closed) -> Other:

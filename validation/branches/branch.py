@@ -183,8 +183,7 @@ class Branch(Followed):
                 "branch of orbits begins between them"
             )
         value, metric = unstable[0], metric_for(*over.ends)
-        model = moving(self.model, over.scene_at(value), self.tolerance, self.cells)
-        found = find_orbit(model, self.tolerance).found.closed
+        found = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).found.closed
         return self._first(from_orbit(Family(found.flow, over.scene_at), found, value, sum(over.ends) - value, metric), metric)
 
     def _from_doubling(self) -> Head:

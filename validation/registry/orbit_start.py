@@ -22,7 +22,7 @@ from slipwave.solve.foresight import require_time
 from slipwave.step.flow import Place
 from validation.measure.settle import MOST_TRANSITS, NoCycle, settle
 from validation.registry.families import DELAY, family_of
-from validation.registry.orbits import find_orbit, has_flow, moving
+from validation.registry.orbits import find_orbit, has_flow
 from validation.run.progress import progress
 
 BEGIN = float(math.ceil(NUDGE_CENTRE + NUDGE_REACH))
@@ -138,7 +138,7 @@ def _by_newton(solver: Solver) -> float:
     """Put `solver` onto its orbit between two slip events; returns the date (transits, its own clock) of the next event."""
     cells = solver.cells if isinstance(solver, FieldSolver) else None
     try:
-        closed = find_orbit(moving(solver.model, solver.scene, _TOLERANCE, cells), _TOLERANCE).found.closed
+        closed = find_orbit(solver.model, solver.scene, _TOLERANCE, cells).found.closed
     except NumericsError as reason:
         raise NumericsError(f"start.kind = 'orbit': {reason}") from None
     solver.restore(state_on(solver, closed))

@@ -1,6 +1,5 @@
 """The periodic orbit of a scene, by a run that comes near it and Newton's method from there."""
 
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -56,12 +55,11 @@ class Other(NamedTuple):
 @dataclass(frozen=True)
 class OrbitFound:
     """The orbit `found` to `tolerance`, and `source`, how it was found if not from a run that had settled on it; `others` that
-    were found with it, and how far others were `searched`, in words; run time in seconds."""
+    were found with it, and how far others were `searched`, in words."""
 
     found: PeriodicOrbit
     tolerance: float
-    source: str
-    wall_s: float
+    source: str = ""
     others: tuple[Other, ...] = ()
     searched: str = ""
 
@@ -125,17 +123,14 @@ def moving(model: str, scene: Scene, tolerance: float, cells: int | None = None)
     return Moving(make(*asked).solver, lambda solver, period: solver.flow(period, tolerance))
 
 
-def find_orbit(model: Moving, tolerance: float) -> OrbitFound:
-    """The orbit that the scene's own start leads to, or comes near to. Raises NumericsError if there is none."""
-    began, solver = time.perf_counter(), model.solver
-    failed: NumericsError | None = None
-    for guess in _guesses(model):
+def find_orbit(model: str, scene: Scene, tolerance: float, cells: int | None = None) -> OrbitFound:
+    """The orbit of `model` that the scene's own start leads to, or comes near to. Raises NumericsError if there is none."""
+    known, failed = moving(model, scene, tolerance, cells), None
+    for guess in _guesses(known):
         try:
-            found = refined(solver.scene, guess, tolerance)
+            return OrbitFound(refined(known.solver.scene, guess, tolerance), tolerance, _source(known.solver.time, guess))
         except NumericsError as reason:
             failed = failed or reason
-            continue
-        return OrbitFound(found, tolerance, _source(solver.time, guess), time.perf_counter() - began)
     assert failed is not None
     raise failed
 
@@ -183,11 +178,10 @@ def refined(scene: Scene, guess: Guess, tolerance: float) -> PeriodicOrbit:
 
 def orbit_at(closed: Closed, tolerance: float) -> OrbitFound:
     """The orbit of a special point of a branch, `closed` on a mesh that gives figures to the relative `tolerance`: neutral."""
-    began = time.perf_counter()
     exact = replace(closed, monodromy=closed.flow.tangent(closed.cycle))
     orbit = Orbit(**{name: Estimate(value, tolerance * abs(value)) for name, value in figures_of(exact).items()})
     found = PeriodicOrbit(exact, orbit, multipliers(exact)._replace(stable=None), True)
-    return OrbitFound(found, tolerance, "the special point of the branch: errors are its tolerance", time.perf_counter() - began)
+    return OrbitFound(found, tolerance, "the special point of the branch: errors are its tolerance")
 
 
 def _source(transits: float, guess: Guess) -> str:

@@ -22,7 +22,7 @@ from validation.measure.cycle import Cycle, cut, watch
 from validation.measure.settle import MOST_TRANSITS, Settled, settle
 from validation.registry.build import build
 from validation.registry.orbit_start import first_event
-from validation.registry.orbits import find_orbit, moving
+from validation.registry.orbits import find_orbit
 
 _TRANSIENT = 1500.0  # transits
 _TOLERANCE = 1e-7  # of a run whose cycles never repeat
@@ -60,7 +60,7 @@ class Means(NamedTuple):
 def own_orbit(model: str, scene: Scene, tolerance: float = 1e-10, cells: int | None = None) -> PeriodicOrbit:
     """The orbit of `model` that its run from the start of `scene` comes near to, by Newton's method, with relative errors of the
     figures below `tolerance`. Raises NumericsError if there is none."""
-    return find_orbit(moving(model, scene, tolerance, cells), tolerance).found
+    return find_orbit(model, scene, tolerance, cells).found
 
 
 @kept
