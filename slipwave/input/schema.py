@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 from slipwave.friction import LAWS
 from slipwave.input.number import EPSILON, LATER_VELOCITY, RATIO, RELAXATION, ROUND_TRIP, TIME, UNTIL, VELOCITY, Range, physical
 from slipwave.input.quantity import Quantity
+from slipwave.scene.recorded import RECORDED
 
 UNIT_KEYS = ("normal_stress", "memory_length", "reference_velocity")
 MAX_LAYERS = 100
@@ -178,7 +179,7 @@ class StartTable(Table):
     size: Annotated[float, Range(-100.0, 100.0)] | None = _optional("of the disturbance of psi")
 
 
-_RECORD = 'a list of "events", "interface", "fields"'
+_RECORD = "a list of " + ", ".join(f'"{name}"' for name in RECORDED)
 
 
 class RunTable(Table):
@@ -187,7 +188,7 @@ class RunTable(Table):
     until: Annotated[Measured, UNTIL] | None = _optional(
         "length in transits of the upper slab; none: until the motion is settled"
     )
-    record: Annotated[list[Literal["events", "interface", "fields"]], _RECORD] = Field(
+    record: Annotated[list[Literal[RECORDED]], _RECORD] = Field(  # type: ignore[valid-type]
         default=["events"], description="what is kept"
     )
 

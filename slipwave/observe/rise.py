@@ -57,9 +57,11 @@ def follow_rise(law: Law, time: float, length: float, z: Array, highest: float, 
 @njit
 def date_rise(basis: Basis, memory: Array, kept: Array) -> float:
     """Time (transits), within the fall, at which z last passed the level before the highest node of the latest piece."""
-    n = basis.nodes.size
-    last = int(memory[KEPT]) - 1
-    node = _highest(kept[last])
+    n, last = basis.nodes.size, int(memory[KEPT]) - 1
+    node = 0
+    for j in range(1, n):
+        if kept[last, HEAD + j] > kept[last, HEAD + node]:
+            node = j
     level = min(memory[LEVEL], kept[last, HEAD + node])
     for piece in range(last, int(memory[FRONT]) - 1, -1):
         point = _passage(basis, kept[piece], level, node if piece == last else n)
@@ -100,13 +102,3 @@ def _keep(time: float, length: float, z: Array, memory: Array, kept: Array) -> i
         kept[end, HEAD + j] = z[j]
     memory[KEPT] = end + 1
     return end
-
-
-@inlined
-def _highest(entry: Array) -> int:
-    """Node of the largest value of a kept piece."""
-    best = 0
-    for j in range(1, entry.size - HEAD):
-        if entry[HEAD + j] > entry[HEAD + best]:
-            best = j
-    return best

@@ -63,7 +63,7 @@ def _follow(columns: Array, start: float) -> Rotation:
     from scipy.optimize import OptimizeResult, minimize_scalar
 
     count = len(columns)
-    width = 1.0 / (_GRID * count)
+    width, most = 1.0 / (_GRID * count), min(MOST_HARMONICS, count // _CYCLES_PER_TERM)
 
     def best(near: float, terms: int) -> OptimizeResult:
         bounds = (max(width, near - width), min(0.5, near + width))
@@ -71,25 +71,20 @@ def _follow(columns: Array, start: float) -> Rotation:
         return minimize_scalar(misfit, bounds=bounds, method="bounded", options={"xatol": _NEAR})
 
     first = float(best(start, 1).x)
-    resolved = _terms(first, count)
+    resolved = _terms(first, count, most)
     found = best(first, max(resolved, 1))
     changes = [_change(column, float(found.x), max(resolved, 1)) for column in columns.T]
     worst = max(changes, key=lambda one: abs(one[0]))
-    return Rotation(float(found.x), float(found.fun), *worst, resolved, _most(count))
+    return Rotation(float(found.x), float(found.fun), *worst, resolved, most)
 
 
-def _terms(rho: float, count: int) -> int:
+def _terms(rho: float, count: int, most: int) -> int:
     """How many harmonics of the frequency `rho` can be told from each other, from their mirror images and from a constant."""
-    apart = _TURNS / count
-    for terms in range(1, _most(count) + 1):
+    for terms in range(1, most + 1):
         phases = np.sort(np.arange(-terms, terms + 1) * rho % 1.0)
-        if np.diff(np.append(phases, phases[0] + 1.0)).min() < apart:
+        if np.diff(np.append(phases, phases[0] + 1.0)).min() < _TURNS / count:
             return terms - 1
-    return _most(count)
-
-
-def _most(count: int) -> int:
-    return min(MOST_HARMONICS, count // _CYCLES_PER_TERM)
+    return most
 
 
 def _basis(count: int, rho: float, terms: int) -> Array:

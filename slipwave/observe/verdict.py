@@ -34,9 +34,6 @@ Kind: TypeAlias = Literal[
 REPEATING: tuple[Kind, ...] = ("periodic", "torus", "irregular")
 """Verdicts on motions that means over cycles represent."""
 
-WANDERING: tuple[Kind, ...] = ("torus", "irregular")
-"""Verdicts on motions that go on without ever repeating."""
-
 FEWEST = 3
 REPEATS = 1e-3
 _MOST_EVENTS = 8  # in one period
@@ -58,8 +55,8 @@ class Verdict(NamedTuple):
     """`cycles`: complete cycles in the second half. `multiplicity`: events in a period, if periodic. `change`: largest relative
     difference of a figure between the last two cycles, or of the prominence between the first and the last event if decaying or
     growing; NaN if there are too few. `needed`: length in transits with which a run too short would have enough cycles, else
-    NaN. `rotation`: the share of a turn by which a torus advances in a cycle, else None. `rate`: of the logarithm of the
-    elastic stress drop, per transit, if decaying or growing, else NaN."""
+    NaN. `rotation`: the share of a turn by which a torus advances in a cycle, else None. `rate`: slope of the logarithm of the
+    elastic stress drop over the dates (least squares), per transit, if decaying or growing, else NaN."""
 
     kind: Kind
     cycles: int
@@ -77,7 +74,7 @@ class Verdict(NamedTuple):
     @property
     def wanders(self) -> bool:
         """Whether the cycles never repeat, so that means over some of them are uncertain."""
-        return self.kind in WANDERING
+        return self.kind in ("torus", "irregular")
 
 
 def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: bool, until: float) -> Verdict:
@@ -97,7 +94,8 @@ def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: b
     trend = _trend(prominence, float(cycles.v_max[-1] / cycles.v_min[-1]))
     if trend:
         change = float(prominence[-1] / prominence[0] - 1.0)
-        return Verdict("growing" if trend > 0.0 else "decaying", count, change=change, rate=_rate(cycles))
+        rate = float(np.polyfit(cycles.time - cycles.time[0], np.log(cycles.elastic_stress_drop), 1)[0])
+        return Verdict("growing" if trend > 0.0 else "decaying", count, change=change, rate=rate)
     kind, turned = _turns(cycles)
     if kind != "torus" and (kind == "settling" or still_changes(figures)):
         return Verdict("settling", count, change=change)
@@ -167,11 +165,6 @@ def _limit(values: Array) -> float:
     slower, fall = late / early, -0.5 * (early + late)
     there = (1.0 - slower) / (1.0 - slower * np.exp(-fall))  # over x between the two last thirds
     return float(there * np.exp(-late))
-
-
-def _rate(cycles: Events) -> float:
-    """Rate at which the elastic stress drop grows, per transit: the slope of its logarithm over the dates, least squares."""
-    return float(np.polyfit(cycles.time - cycles.time[0], np.log(cycles.elastic_stress_drop), 1)[0])
 
 
 def _turns(cycles: Events) -> tuple[Kind, float | None]:

@@ -30,9 +30,8 @@ _Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 def save(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None) -> None:
     """Write the present state of the run to `path`. Raises SceneError if the file cannot be written."""
-    arrays = {f"solver/{name}": array for name, array in solver.state().items()}
-    for label, observer in (observers or {}).items():
-        arrays |= {f"observer/{label}/{name}": array for name, array in observer.state().items()}
+    parts = _parts(solver, observers).items()
+    arrays = {prefix + name: array for prefix, part in parts for name, array in part.state().items()}
     facts = _facts(solver) | {"time": solver.time, "observers": sorted(observers or {})}
     text = json.dumps(facts | {"contents": _digest(facts, arrays)})
     with whole_or_absent(path) as temporary, temporary.open("wb") as file:
@@ -50,15 +49,18 @@ def load(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None =
     for key, value in wanted.items():
         if facts[key] != value:
             raise SceneError(f"checkpoint {str(path)!r}: {_difference(key, facts[key], value)}")
-    watching = {f"observer/{label}/": observer for label, observer in (observers or {}).items()}
     try:
-        for prefix, part in ({"solver/": solver} | watching).items():
+        for prefix, part in _parts(solver, observers).items():
             saved = {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}
             _require_layout(saved, part.state())
             part.restore(saved)
     except (SceneError, ValueError, LookupError, TypeError, OverflowError) as error:
         reason = str(error).removeprefix("checkpoint: ")
         raise SceneError(f"checkpoint {str(path)!r}: inconsistent: {reason}") from None
+
+
+def _parts(solver: Solver, observers: Mapping[str, Resumable] | None) -> dict[str, Resumable]:
+    return {"solver/": solver, **{f"observer/{label}/": observer for label, observer in (observers or {}).items()}}
 
 
 def saved_time(path: Path) -> float:
@@ -93,7 +95,6 @@ class Checkpoints:
         self._schedule()
 
     def _schedule(self) -> None:
-        """Make the next whole multiple of `every` due."""
         self._due: float = self._every * (math.floor(self._solver.time / self._every + 1e-9) + 1)
 
 
@@ -112,7 +113,7 @@ def _difference(key: str, saved: Any, wanted: Any) -> str:
     """One line on how the run in the file differs from this one."""
     if key == "sources":
         return f"was written by another version of the solvers ({_short(saved)}; this one is {wanted!r}): start the run again"
-    if key == "settings" and isinstance(saved, dict):
+    if key == "settings":
         differing = [name for name in wanted if saved.get(name) != wanted[name]] or sorted(saved.keys() - wanted.keys())
         listed = ", ".join(f"{name} is {_short(saved.get(name))}, not {_short(wanted.get(name))}" for name in differing)
         return f"settings differ from this run's: {listed}"

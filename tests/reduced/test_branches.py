@@ -7,10 +7,9 @@ import pytest
 from reduced.continuation.branch import follow_branch
 from reduced.continuation.onset import onsets
 from reduced.continuation.point import Family
-from reduced.continuation.start import from_hopf, from_orbit, metric_for
+from reduced.continuation.start import from_orbit, metric_for
 from reduced.delay.network import DelayNetwork
 from reduced.flows import delay
-from reduced.flows.delay import DelayFlow
 from reduced.impedance import reduction_of
 from reduced.ode.march import LONGEST, STAGES, ReducedModel
 from reduced.ode.slabs import ReducedSlabs
@@ -59,16 +58,6 @@ def kelvin_voigt(log10_r):
     return approach(solver, lambda solver, period: solver.flow(period, 1e-8))
 
 
-def test_the_kelvin_voigt_branch_is_born_unstable_and_turns():
-    guess = kelvin_voigt(-2.69)
-    family = Family(guess.flow, scene_at)
-    (onset,) = onsets(scene_at, -2.72, -2.68, "kelvin-voigt")
-    assert onset.parameter == pytest.approx(-2.69954994745, abs=2e-11)
-    assert onset.period == pytest.approx(49.66821032, abs=1e-8)
-    fold = first_special(family, from_hopf(family, onset.parameter, onset.period, METRIC))
-    require(fold, "LP", -2.700213011, 58.471805, (1, 0))
-
-
 def test_the_first_period_doubling_of_kelvin_voigt():
     guess = kelvin_voigt(-2.60)
     family = Family(guess.flow, scene_at)
@@ -80,13 +69,6 @@ def test_the_torus_of_kelvin_voigt():
     """From beyond it, where nothing stable is near: an orbit that was found along the branch. The paper reads 10^-2.468."""
     torus = first_special(*near(-2.466, [-0.0255313, 0.0472059, 0.0722975, -2.1407318], 81.90486))
     require(torus, "NS", -2.469026250, 81.900881030, (2, 0))
-
-
-def test_the_delay_branch_is_born_unstable_and_turns():
-    (onset,) = onsets(scene_at, -2.72, -2.68, "delay")
-    family = Family(DelayFlow(scene_at(-2.69), 6.0), scene_at)
-    fold = first_special(family, from_hopf(family, onset.parameter, onset.period, METRIC))
-    require(fold, "LP", -2.700251703, 59.107433, (1, 0))
 
 
 def test_the_first_torus_of_the_delay_system():

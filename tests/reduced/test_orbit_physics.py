@@ -139,18 +139,6 @@ def test_the_estimated_errors_bound_the_errors(log10_r):
         assert abs(estimate.value - value) <= estimate.error < 1e-8 * abs(value), name
 
 
-@pytest.mark.parametrize("log10_r", MULTIPLIERS)
-def test_multipliers_of_independent_programs(log10_r):
-    result = found("delay", log10_r).multipliers
-    leading = result.values[: 2 * len(MULTIPLIERS[log10_r])]
-    for expected in MULTIPLIERS[log10_r]:
-        assert np.abs(leading - expected).min() < 1e-6
-        assert np.abs(leading - np.conj(expected)).min() < 1e-6
-    assert result.trivial_defect < 1e-6
-    assert result.stable is (log10_r != -2.65)
-    assert (np.abs(result.values) > result.essential_radius).all()
-
-
 def test_no_multiplier_of_the_waves_is_told():
     """They form a ring about the essential radius, a little larger on a mesh, that no two meshes show alike; what is told is on a
     third mesh too."""

@@ -97,8 +97,3 @@ def test_a_machine_in_si_by_the_slabs_own_numbers() -> None:
 def test_machines_that_make_no_sense_are_refused_by_key(scene: str, keys: dict[str, float], complaint: str) -> None:
     with pytest.raises(SceneError, match=complaint):
         machine(scene, **({"stiffness": 1.0, "impedance": 1.0, "mass": 1.0} | keys))
-
-
-def test_the_mass_belongs_to_the_machine_alone() -> None:
-    with pytest.raises(SceneError, match=r'slab\.face\.mass = 1: .*it belongs to kind "machine", not to kind "grip"'):
-        slipwave.read("grip", ["slab.face.mass=1"])

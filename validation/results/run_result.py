@@ -103,6 +103,8 @@ class RunResult(Result):
         if done.final:
             state = {"ln v": done.final.ln_v, "psi": done.final.psi, "mu": done.final.mu}
             yield "\nat the end: " + ", ".join(f"{name} = {figures(value, 12)}" for name, value in state.items())
+        for label, one in self.records.named.items():
+            yield f"{label}: " + ", ".join(f"{name} = {figures(value, 6)}" for name, value in one.figures().items())
         if self.energy:
             yield "energy: " + ", ".join(f"{name} {figures(value, 6)}" for name, value in self.energy.items())
         if done.solver.failures:
@@ -113,7 +115,7 @@ class RunResult(Result):
     def summary(self) -> dict[str, Any]:
         """The JSON of `slipwave run` (users rely on its keys). `grid` is there only if the user did not choose its cells,
         `protocol`, its stages, only if the drive changes, `lyapunov` only if it was asked for, `failed` only if the numerics
-        failed."""
+        failed, `observed` only if the scene records observers by name."""
         done, found = self.done, self.done.statistics
         result: dict[str, Any] = {
             "schema": SCHEMA,
@@ -145,6 +147,7 @@ class RunResult(Result):
         more = {
             "protocol": stage_results(self.stages, done.solver.scene),
             "lyapunov": self.exponent._asdict() if self.exponent else None,
+            "observed": {name: one.figures() for name, one in self.records.named.items()},
             "failed": done.failed,
             "notes": [*doubts(done.solver.scene), *self.notes],
         }

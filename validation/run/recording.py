@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
@@ -17,6 +17,7 @@ from slipwave.observe.protocol import ProtocolObserver
 from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, Mark, Observer, Resumable, Solver
 from slipwave.solve.checkpoint import Checkpoints, saved_time
+from slipwave.solve.named import NamedObserver, named_observers
 from validation.output import require_writable
 from validation.run.history_file import ALL, HistoryFile, Kept
 
@@ -53,7 +54,8 @@ class Wanted(NamedTuple):
 @dataclass(frozen=True)
 class Records:
     """What is kept of a run on its way: `watch` for events, the `envelope` that its figure shows, the figures of the stages of a
-    `protocol`, and, where asked for, the interface's history, the last fields and checkpoints."""
+    `protocol`, and, where asked for, the interface's history, the last fields, checkpoints and what observers `named` by the
+    scene give."""
 
     watch: EventObserver
     envelope: Envelope
@@ -61,11 +63,13 @@ class Records:
     history: HistoryFile | None
     fields: "FieldRecord | None"
     checkpoints: Checkpoints | None
+    named: Mapping[str, NamedObserver]
 
     @property
     def observers(self) -> list[Observer]:
         """The observers of the run besides `watch`."""
-        return [observer for observer in (self.envelope, self.protocol, self.history) if observer is not None]
+        every = (self.envelope, self.protocol, self.history, *self.named.values())
+        return [observer for observer in every if observer is not None]
 
     @property
     def marks(self) -> list[Mark]:
@@ -88,11 +92,11 @@ def records_of(solver: Solver, until: float, wanted: Wanted) -> Records:
     watch, kept = EventObserver(solver.scene, solver.nodes), fields_for(solver, until, wanted.fields)
     envelope = Envelope(solver.scene, solver.nodes, wanted.kept.begin, wanted.kept.end)
     protocol = None if solver.scene.drive.is_constant else ProtocolObserver(solver.scene, solver.nodes, until)
-    watched = watch if solver.scene.record else None
+    watched, named = watch if solver.scene.record else None, named_observers(solver)
     parts = {"events": watched, "envelope": envelope, "protocol": protocol, "interface": samples, "fields": kept}
-    saved: dict[str, Resumable] = {label: part for label, part in parts.items() if part is not None}
+    saved: dict[str, Resumable] = {label: part for label, part in (parts | named).items() if part is not None}
     marks = None if checkpoint is None else Checkpoints(solver, saved, checkpoint, until, _EVERY if every is None else every)
-    records = Records(watch, envelope, protocol, samples, kept, marks)
+    records = Records(watch, envelope, protocol, samples, kept, marks, named)
     if marks is not None and checkpoint is not None and checkpoint.exists():
         try:
             marks.resume()
