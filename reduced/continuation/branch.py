@@ -114,8 +114,7 @@ def _longest_step(
 
 
 def longest(step: Callable[[float], Stepped], length: float, shortest: float) -> Stepped:
-    """The `step` of this `length`, or of its half, its quarter ... down to the `shortest`, that raises no NumericsError.
-    Raises that of the last one tried."""
+    """The `step` of this `length`, a half, a quarter ... down to the `shortest`. Raises NumericsError if each of them does."""
     failed = NumericsError(TURNS)
     while length >= shortest:
         try:

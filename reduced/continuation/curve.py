@@ -6,7 +6,7 @@ sides. So a curve may turn back in either parameter, every point has its bracket
 system that a neighbouring special point may attract.
 """
 
-import math
+import cmath
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -35,20 +35,19 @@ _GROWTH = 1.5
 
 @dataclass(frozen=True)
 class Plane:
-    """The `scene_at` values of both parameters, and the `scale` of each: lengths in the plane are relative to these."""
+    """The `scene_at` values of both parameters, and the `scale` of each: lengths in the plane are relative to these. There a
+    place, a step or a direction is a complex number."""
 
     scene_at: Callable[[float, float], Scene]
     scale: Place
 
-    def moved(self, place: Place, direction: Place, length: float) -> Place:
-        """The place at this length along a direction of length 1."""
-        return place[0] + length * direction[0] * self.scale[0], place[1] + length * direction[1] * self.scale[1]
+    def values(self, at: complex) -> Place:
+        """Both parameters there."""
+        return at.real * self.scale[0], at.imag * self.scale[1]
 
-    def chord(self, first: Place, last: Place) -> tuple[Place, float]:
-        """Direction and length from one place to another."""
-        change = ((last[0] - first[0]) / self.scale[0], (last[1] - first[1]) / self.scale[1])
-        length = math.hypot(*change)
-        return (change[0] / length, change[1] / length), length
+    def at(self, values: Place) -> complex:
+        """The inverse of `values`."""
+        return complex(values[0] / self.scale[0], values[1] / self.scale[1])
 
 
 class OnCurve(NamedTuple):
@@ -86,8 +85,9 @@ def follow_curve(plane: Plane, reached: Reached, tolerance: float, steps: Contro
     """
     while True:
         new = _next(plane, reached, tolerance, steps.shortest)
-        direction, used = plane.chord(reached.last.place, new.place)
-        reached = Reached(reached.last, new, direction, min(steps.longest, _GROWTH * used))
+        step = plane.at(new.place) - plane.at(reached.last.place)
+        used = abs(step)
+        reached = Reached(reached.last, new, (step.real / used, step.imag / used), min(steps.longest, _GROWTH * used))
         yield reached
 
 
@@ -96,8 +96,8 @@ def _next(plane: Plane, reached: Reached, tolerance: float, shortest: float) -> 
 
     def step(length: float) -> OnCurve:
         new = _across(plane, reached, length, tolerance)
-        turned, _ = plane.chord(last.place, new.place)
-        if before is not last and not np.dot(turned, direction) > math.cos(LARGEST_TURN):
+        turn = (plane.at(new.place) - plane.at(last.place)) / complex(*direction)
+        if before is not last and not abs(cmath.phase(turn)) < LARGEST_TURN:
             raise NumericsError(TURNS)
         return new
 
@@ -111,26 +111,26 @@ def _next(plane: Plane, reached: Reached, tolerance: float, shortest: float) -> 
 def _across(plane: Plane, reached: Reached, length: float, tolerance: float) -> OnCurve:
     """The special point on the line across the curve's predicted place, at this `length` from the last one."""
     _, last, direction, _ = reached
-    centre, line = plane.moved(last.place, direction, length), (direction[1], -direction[0])
+    centre, line = plane.at(last.place) + length * complex(*direction), complex(*direction) / 1j
     known = last.special.point
-    family = Family(known.closed.flow, lambda along: plane.scene_at(*plane.moved(centre, line, along)))
+    family = Family(known.closed.flow, lambda along: plane.scene_at(*plane.values(centre + along * line)))
     point = point_near(family, _predicted(plane, reached, centre), known.tangent, METRIC)
     special = _nearest(family, point, last.special.kind)
     if special.point.roughness(tolerance) > 1.0:
         family, point = refined(family, special.point, METRIC, tolerance)
         special = _nearest(family, point, last.special.kind)
-    return OnCurve(plane.moved(centre, line, special.point.parameter), special)
+    return OnCurve(plane.values(centre + special.point.parameter * line), special)
 
 
-def _predicted(plane: Plane, reached: Reached, centre: Place) -> Array:
+def _predicted(plane: Plane, reached: Reached, centre: complex) -> Array:
     """Unknowns at the centre of a line: those of the last point, in the same deviation from steady sliding, and continued along
     the secant if both points have one mesh."""
     before, last = reached.before, reached.last
     guess, earlier = _deviation(last), _deviation(before)
     if before is not last and earlier.size == guess.size:
-        share = plane.chord(last.place, centre)[1] / plane.chord(before.place, last.place)[1]
+        share = abs(centre - plane.at(last.place)) / abs(plane.at(last.place) - plane.at(before.place))
         guess = guess + share * (guess - earlier)
-    steady = last.special.point.closed.flow.of(plane.scene_at(*centre)).steady
+    steady = last.special.point.closed.flow.of(plane.scene_at(*plane.values(centre))).steady
     return np.concatenate([guess[:-2] + steady, [guess[-2], 0.0]])
 
 

@@ -20,8 +20,7 @@ WIDTH = 1e-13
 
 
 class Onset(NamedTuple):
-    """Steady sliding at `parameter` has a pair of roots on the imaginary axis, with `period` (transits); the numbers of growing
-    roots just below and above."""
+    """Steady sliding at `parameter` has a pair of roots +-2 pi i/`period` (transits); numbers of growing roots on both sides."""
 
     parameter: float
     period: float
@@ -41,8 +40,7 @@ def onsets(scene_at: Callable[[float], Scene], low: float, high: float, model: s
 
 
 def _between(scene_at: Callable[[float], Scene], low: float, high: float, below: int, above: int, model: str) -> Onset:
-    """The change nearest to `low`: by counts at first, then by the zero of the crossing root's real part, which Newton's method
-    follows from parameter to parameter."""
+    """The change nearest to `low`: by counts at first, then by the zero of the crossing root's real part."""
     from scipy.optimize import brentq
 
     for _ in range(_HALVINGS):
@@ -54,26 +52,21 @@ def _between(scene_at: Callable[[float], Scene], low: float, high: float, below:
     crossing = complex(roots[np.abs(roots.real).argmin()])
 
     def root(value: float) -> complex:
-        """The root of the spectrum that crosses the imaginary axis."""
         return complex(polish(characteristic(scene_at(value), model).jet, np.array([crossing]))[0])
 
     def rate(value: float) -> float:
-        """At which its disturbance grows."""
         return root(value).real
 
     low, high = _bracket(rate, low, high)
     if rate(low) * rate(high) > 0.0:
-        raise NumericsError(
-            f"{model}: the loss of stability between parameter = {low:.10g} and {high:.10g} is not a single pair of roots that "
-            "crosses"
-        )
+        between = f"parameter = {low:.10g} and {high:.10g}"
+        raise NumericsError(f"{model}: the loss of stability between {between} is not a single pair of roots that crosses")
     at = float(brentq(rate, low, high, xtol=WIDTH))
     return Onset(at, 2.0 * math.pi / abs(root(at).imag) / scene_at(at).transit, below, above)
 
 
 def _bracket(rate: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """`low` and `high`, or the end where the root is nearly neutral, and therefore not counted, with a place a little beyond it:
-    the onset may lie just outside of the range."""
+    """`low` and `high`, or the end where the root is nearly neutral, and not counted, and a value a little beyond it."""
     if rate(low) * rate(high) <= 0.0:
         return low, high
     end, other = (low, high) if abs(rate(low)) < abs(rate(high)) else (high, low)

@@ -79,8 +79,7 @@ class Point:
 
     @cached_property
     def multipliers(self) -> Complex:
-        """All multipliers but the trivial one and those of idle modes, largest modulus first (complex); none where they cannot be
-        counted (`Flow.undecided`)."""
+        """All but the trivial one and those of idle modes, largest modulus first; none where `Flow.undecided`."""
         closed = self.closed
         return np.empty(0, dtype=complex) if closed.flow.undecided else floquet(closed.monodromy, closed.flow.idle)[0]
 
@@ -96,10 +95,7 @@ class Point:
 
 def point_near(flow_at: FlowAt, guess: Array, along: Array, metric: Metric, neighbour: Point | None = None) -> Point:
     """The point of the branch on the plane through `guess` that is orthogonal to `along`, oriented as `along`; the derivatives at
-    a `neighbour` save time.
-
-    Raises NumericsError if there is none.
-    """
+    a `neighbour` save time. Raises NumericsError if there is none."""
     *start, period, parameter = guess
     weights = metric.weights(len(start)) * along / metric.length(along)
     known = neighbour.closed if neighbour is not None else None
@@ -123,10 +119,8 @@ def direction(closed: Closed, along: Array, metric: Metric) -> Array:
 
 
 def refined(family: Family, point: Point, metric: Metric, tolerance: float) -> tuple[Family, Point]:
-    """The family on a mesh that suits the motion at `point` to `tolerance`, and the point found again on it.
-
-    Raises NumericsError if no mesh does.
-    """
+    """The family on a mesh that suits the motion at `point` to `tolerance`, and the point found again on it. Raises NumericsError
+    if no mesh does."""
     for _ in range(MOST_REFINEMENTS):
         closed, excess = point.closed, point.roughness(tolerance)
         finer = float(np.clip(_EXCESS * excess ** (1.0 / closed.flow.nodes.size), 1.0, _LARGEST_REFINEMENT))

@@ -46,9 +46,8 @@ class Special:
 
 
 def between(flow_at: FlowAt, left: Point, right: Point, metric: Metric, trend: Array | None = None) -> tuple[Special, ...]:
-    """The special points between two neighbours of a branch, in order. `trend`, from before `left`, tells where a pair of them
-    may lie that leaves the number of unstable multipliers as it was. Raises Unaccounted if they do not explain the change of that
-    number."""
+    """The special points between two neighbours of a branch, in order. `trend`, from before `left`, reveals a pair of them that
+    leaves the number of unstable multipliers as it was. Raises Unaccounted if they do not explain the change of that number."""
 
     def halves(middle: Point) -> tuple[Special, ...]:
         beyond = trend_of(left, middle, metric.length(middle.unknowns - left.unknowns))
@@ -65,10 +64,8 @@ def between(flow_at: FlowAt, left: Point, right: Point, metric: Metric, trend: A
     if len(tests) == 1 and (left.closed.flow.undecided or change == _CHANGES[tests[0]]):
         return (_locate(flow_at, left, right, metric, tests[0]),)
     if metric.length(right.unknowns - left.unknowns) < 1e-7:
-        raise Unaccounted(
-            f"the number of unstable multipliers changes from {left.unstable} to {right.unstable} near parameter = "
-            f"{left.parameter:.10g}, and no single special point explains it"
-        )
+        changes = f"changes from {left.unstable} to {right.unstable} near parameter = {left.parameter:.10g}"
+        raise Unaccounted(f"the number of unstable multipliers {changes}, and no single special point explains it")
     return halves(_middle(flow_at, left, right, metric))
 
 

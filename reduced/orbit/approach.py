@@ -53,10 +53,7 @@ class Guess(NamedTuple):
 
 
 def approach(
-    solver: Marched,
-    freeze: "Freeze[Marched]",
-    most: float = MOST_TRANSITS,
-    progress: Callable[[float], None] | None = None,
+    solver: Marched, freeze: "Freeze[Marched]", most: float = MOST_TRANSITS, progress: Callable[[float], None] | None = None
 ) -> Guess:
     """March `solver` near its periodic orbit. If its cycles keep changing, as beside an unstable orbit, the guess is the mean of
     many of them: a torus surrounds its orbit, and cycles of a doubled one lie on both sides.

@@ -55,8 +55,7 @@ def amplitude(cycle: Cycle) -> float:
 
 
 def difference_of_parts(cycle: Cycle, nodes: Array, parts: int) -> float:
-    """Largest difference of z and psi between the first of so many equal `parts` of a closed cycle and the second; 0 if the
-    motion repeats after one part."""
+    """Largest difference of z and psi between the first of so many equal `parts` of a closed cycle and the second."""
     basis, length = lagrange_basis(nodes), cycle.period / parts
     times = np.linspace(0.0, length, _SAMPLES, endpoint=False)[1:]
     first, second = (np.array(values_at(cycle.pieces, basis, times + shift)[:2]) for shift in (0.0, length))

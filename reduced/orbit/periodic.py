@@ -24,8 +24,7 @@ _LEAST_AMPLITUDE = 1e-3  # of ln v; smaller orbits are steady sliding up to the 
 
 @dataclass(frozen=True)
 class PeriodicOrbit:
-    """An orbit as `closed` on the finer of two meshes: its figures with their estimated errors, its multipliers, and `settled`:
-    whether the errors are below the requested ones."""
+    """An orbit as `closed` on the finer of two meshes: figures with errors, multipliers, and whether the errors are `settled`."""
 
     closed: Closed
     orbit: Orbit

@@ -88,8 +88,7 @@ def summarise(events: Events, repeat: bool = True) -> RunStatistics:
 
 
 def margin_of_mean(values: Array) -> float:
-    """Half the width of the 95 % interval of the mean of `values` (cycles, in order), by batch means; NaN for fewer than
-    BATCHES values."""
+    """Half the width of the 95 % interval of the mean of `values` (cycles, in order); NaN for fewer than BATCHES values."""
     if values.size < BATCHES:
         return math.nan
     from scipy.special import stdtrit

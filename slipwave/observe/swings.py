@@ -31,8 +31,8 @@ def size_of(swing: Array) -> float:
 
 @njit
 def join_last(swings: Array, first: int, count: int, threshold: float) -> int:
-    """Join the last three of swings[first:count] for as long as the middle one is below `threshold` and no larger than the
-    others; returns how many swings are left."""
+    """Join the last three of swings[first:count] while the middle one is below `threshold` and no larger than the others;
+    returns how many swings are left."""
     while count - first >= 3:
         middle = size_of(swings[count - 2])
         if not (middle < threshold and middle <= size_of(swings[count - 3]) and middle <= size_of(swings[count - 1])):
@@ -129,9 +129,7 @@ def _threshold(swings: Array, floor: float, after: float) -> float:
     """The prominence that an event needs."""
     falls = np.flatnonzero((swings[:, DIRECTION] < 0.0) & (swings[:, DATE] >= after))
     first = int(falls[0]) if falls.size else len(swings)
-    threshold = float(np.inf)
-    while True:
-        lower = max(floor, SHARE * largest_fall(swings, first, threshold))
-        if lower >= threshold:
-            return threshold
-        threshold = lower
+    threshold, lower = math.inf, max(floor, SHARE * largest_fall(swings, first, math.inf))
+    while lower < threshold:
+        threshold, lower = lower, max(floor, SHARE * largest_fall(swings, first, lower))
+    return threshold

@@ -22,8 +22,7 @@ def whole_numbers(state: Mapping[str, NDArray[Any]], name: str, least: tuple[int
 
 
 def tables(state: Mapping[str, NDArray[Any]], shapes: Mapping[str, tuple[int, ...]], model: str) -> dict[str, Array]:
-    """Copies of the arrays of `state` named in `shapes`. Raises SceneError unless all of them are finite and have their shape, in
-    which -1 stands for any length."""
+    """Copies of the arrays of `state` named in `shapes` (-1: any length). Raises SceneError unless they are finite and fit."""
     saved = {}
     for name, shape in shapes.items():
         array = state.get(name, np.empty(0, dtype=bool))
