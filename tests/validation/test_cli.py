@@ -4,37 +4,15 @@ import json
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from validation import cli
 from validation.cli import main, spread
 
-RUN_KEYS = {
-    "schema",
-    "scene",
-    "model",
-    "until",
-    "events",
-    "period",
-    "stress_drop",
-    "elastic_stress_drop",
-    "v_max",
-    "v_min",
-    "final",
-    "energy",
-}
-RUN_KEYS |= {"verdict", "multiplicity", "rotation_number", "rate", "margins", "ended", "reasons", "failures", "wall_s"}
-
-FAST = ["--set", "drive.velocity=2000", "--until", "200"]
-"""Cycles of four transits, which repeat after 100."""
-
-
-def command(*words: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "validation.cli", *words], capture_output=True, text=True, cwd=folder, check=False
-    )
+RUN_KEYS = {"schema", "scene", "model", "until", "events", "period", "stress_drop", "elastic_stress_drop", "v_max", "v_min"}
+RUN_KEYS |= {"verdict", "multiplicity", "rotation_number", "rate", "margins", "final", "energy", "ended", "reasons", "failures"}
+RUN_KEYS |= {"wall_s"}
 
 
 def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
@@ -69,15 +47,6 @@ def test_help_answers_at_once() -> None:
         assert f"  {name} " in done.stdout
 
 
-def test_scenes_are_listed_one_line_each(capsys: pytest.CaptureFixture[str]) -> None:
-    from slipwave.input.source import gallery_names
-
-    assert main(["scenes"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == gallery_names()
-    assert all(len(line) < 130 for line in lines)
-
-
 def test_no_words_at_all_is_a_call_for_help(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
     assert "Usage" in capsys.readouterr().out
@@ -94,14 +63,6 @@ def test_run_prints_exactly_the_promised_keys(capsys: pytest.CaptureFixture[str]
     assert result["stress_drop"]["mean"] == pytest.approx(0.17396341316, rel=1e-9)
     assert result["elastic_stress_drop"]["mean"] == pytest.approx(0.15473748611, rel=1e-9)
     assert (result["v_max"], result["v_min"]) == (pytest.approx(4412.320458, rel=1e-8), pytest.approx(2.8603015289, rel=1e-8))
-
-
-def test_auto_says_what_it_took_and_why(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "paper", "--until", "20", "--json"]) == 0
-    out, err = capsys.readouterr()
-    assert json.loads(out)["model"] == "delay"
-    assert err.splitlines()[-1] == "model auto: delay (exact for this scene)"
-    assert json.loads(out)["period"] == {"mean": None, "std": None}
 
 
 def test_a_grid_chosen_for_a_tolerance_is_told_with_its_error(capsys: pytest.CaptureFixture[str]) -> None:
@@ -189,141 +150,12 @@ def test_wrong_output_places_are_refused_before_anything_is_computed(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.nc"]
 
 
-def test_the_netcdf_file_holds_events_history_and_provenance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    import xarray
-
-    out = tmp_path / "run.nc"
-    words = [
-        "run",
-        "paper",
-        "--model",
-        "delay",
-        "--until",
-        "300",
-        "--out",
-        str(out),
-        "--json",
-        "--set",
-        'run.record=["interface"]',
-    ]
-    assert main(words) == 0
-    result = json.loads(capsys.readouterr().out)
-    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
-    with xarray.open_dataset(out) as data:
-        assert data.sizes["event"] == result["events"] - 1
-        assert data["period"].attrs["in_units_of"] == "transit"
-        assert float(data["time"][-1]) == pytest.approx(300.0)
-        assert float(data["interface_psi"][-1]) == pytest.approx(result["final"]["psi"], rel=1e-12)
-        assert (data.attrs["complete"], data.attrs["model"], data.attrs["scene"]) == (1, "delay", "paper")
-        assert len(data.attrs["scene_digest"]) == 12
-
-
-class Doomed:
-    """A solver that slides steadily for a while and then fails."""
-
-    def __init__(self, inner: Any) -> None:
-        self._inner = inner
-        self.scene, self.nodes, self.model, self.failures = inner.scene, inner.nodes, "doomed", 0
-        self.settings = inner.settings
-        self.seconds_per_piece = self.transits_per_piece = self.failed_at = float("nan")
-
-    @property
-    def time(self) -> float:
-        return float(self._inner.time)
-
-    def advance(self, until: float) -> Any:
-        from slipwave.errors import NumericsError
-
-        if self.time > 150:
-            raise NumericsError("doomed: gave up at t = 150")
-        return self._inner.advance(min(until, self.time + 10))
-
-    def energy(self) -> None:
-        return None
-
-
-def test_failed_numerics_are_status_3_and_keep_what_was_computed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    import xarray
-
-    from validation.registry import build as models
-
-    prepare = models.prepare
-
-    def doomed(*arguments: Any, **options: Any) -> Any:
-        built = prepare(*arguments, **options)
-        return built._replace(solver=Doomed(built.solver))
-
-    monkeypatch.setattr(models, "prepare", doomed)
-    out = tmp_path / "run.nc"
-    assert main(["run", "paper", "--model", "delay", "--until", "400", "--json", "--out", str(out)]) == cli.NUMERICS_FAILED
-    text, err = capsys.readouterr()
-    assert err == "slipwave: doomed: gave up at t = 150\n"
-    result = json.loads(text)
-    assert set(result) == RUN_KEYS | {"failed"}
-    assert result["final"] is None
-    with xarray.open_dataset(out) as data:
-        assert data.attrs["complete"] == 0
-        assert "gave up" in data.attrs["failed"]
-
-
-def test_an_interrupt_is_one_line_and_status_130(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    def interrupted(*arguments: object, **options: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("validation.registry.build.prepare", interrupted)
-    assert main(["run", "paper"]) == cli.INTERRUPTED
-    out, err = capsys.readouterr()
-    assert (out, err) == ("", "slipwave: interrupted\n")
-
-
 def test_a_bug_is_a_traceback_and_status_1(tmp_path: Path) -> None:
     code = "import sys, slipwave.input.source as g\ng.gallery_titles = lambda: 1 / 0\n"
     code += "from validation.cli import main; sys.exit(main(['scenes']))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 1
     assert "ZeroDivisionError" in done.stderr
-
-
-def test_through_the_real_command(tmp_path: Path) -> None:
-    (tmp_path / "noise.toml").write_bytes(bytes(range(256)) * 40_000)
-    for words in (["noise.toml"], ["paper", "--out", "no/x.nc"], ["paper", "--set", "slab.log10_r=nan", "--out", "x.nc"]):
-        done = command("run", *words, folder=tmp_path)
-        assert (done.returncode, done.stdout) == (2, "")
-        assert len(done.stderr.splitlines()) == 1
-    assert [path.name for path in tmp_path.iterdir()] == ["noise.toml"]
-    done = command(
-        "run", "paper", "--model", "delay", "--set", "slab.log10_r=-2.3", "--until", "50", "--out", "x.nc", folder=tmp_path
-    )
-    assert done.returncode == 0, done.stderr
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["noise.toml", "x.nc"]
-
-
-def test_compare_lays_models_over_each_other(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    out = tmp_path / "both.png"
-    words = ["compare", "paper", "--models", "fd,delay", "--cells", "32", *FAST, "--out", str(out), "--json"]
-    assert main(words) == 0
-    result = json.loads(capsys.readouterr().out)
-    assert result["reference"] == "delay"
-    leapfrog, delay = result["models"]
-    assert delay["error"] == {"period": 0.0, "stress_drop": 0.0}
-    assert leapfrog["error"]["period"] == pytest.approx(-3.33e-5, rel=1e-2)
-    assert leapfrog["error"]["stress_drop"] == pytest.approx(-2.60e-4, rel=1e-2)
-    assert out.read_bytes().startswith(b"\x89PNG")
-    assert [path.name for path in tmp_path.iterdir()] == ["both.png"]
-
-
-def test_bench_rows_have_time_and_error(capsys: pytest.CaptureFixture[str]) -> None:
-    from validation.registry.choice import families
-
-    assert main(["bench", "paper", *FAST, "--json"]) == 0
-    result = json.loads(capsys.readouterr().out)
-    assert {row["model"] for row in result["models"]} == {family.example for family in families()}
-    for row in result["models"]:
-        assert row["wall_s"] > 0
-    errors = [row["error"]["period"] for row in result["models"] if row["model"] == "fd"]
-    assert errors == pytest.approx([4 * 3.33e-5, 3.33e-5, 3.33e-5 / 4], rel=1e-2)  # second order: 16, 32, 64 cells
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".nc"])
@@ -355,16 +187,6 @@ def test_fields_that_a_scene_records_go_into_the_run_file(tmp_path: Path, capsys
     before = out.read_bytes()
     assert "run.record" in refused(capsys, *asked, "--model", "delay")
     assert out.read_bytes() == before
-
-
-def test_stability_of_the_paper_scene(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["stability", "paper", "--json"]) == 0
-    result = json.loads(capsys.readouterr().out)
-    assert {"omega_c", "log10_r_c", "epsilon_c", "stable", "leading_roots"} <= set(result)
-    assert result["log10_r_c"] == pytest.approx(-2.6995497159, abs=1e-9)
-    assert result["stable"] is False
-    assert result["leading_roots"][0][0] > 0
-    assert "quasistatic" in refused(capsys, "stability", "paper", "--model", "nonsense")
 
 
 def test_options_take_several_values() -> None:

@@ -120,10 +120,3 @@ def test_the_march_in_time_is_chosen_and_named(capsys: pytest.CaptureFixture[str
 def test_a_march_that_does_not_exist_is_refused(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "paper", "--until", "5", *words]) == 2
     assert said in capsys.readouterr().err
-
-
-def test_a_run_says_how_many_transits_it_left_out(capsys: pytest.CaptureFixture[str]) -> None:
-    """A stick of the paper's slabs, 2.4 times as thick and driven slowly; none where cycles are short."""
-    slow = answer(capsys, "run", "paper-2.3", "--set", "drive.velocity=1", "--until", "8000", "--tol", "1e-6")
-    assert 1000 < slow["left_out"] < 8000
-    assert "left_out" not in answer(capsys, "run", "paper", "--until", "500")

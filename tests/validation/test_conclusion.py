@@ -4,7 +4,6 @@ import dataclasses
 import math
 from typing import Any
 
-import numpy as np
 import pytest
 
 import slipwave as sw
@@ -135,31 +134,3 @@ def test_an_empty_comparison_says_how_long_a_run_must_be(runs: tuple[Run, Run], 
     assert told in [text.get_text() for text in found.plot().axes[0].texts]
     steady = sw.compare("paper", "delay", until=10, size=0, r=1e-3)
     assert steady.notes == ["nothing to compare: the second half of the run of delay is steady"]
-
-
-def test_the_figure_has_the_means_of_the_table_and_the_reference_on_top(runs: tuple[Run, Run]) -> None:
-    found = sw.compare("paper", ["block8", "delay", "quasidynamic"], until=200, **{"drive.velocity": 2000, "slab.r": 2.2e-3})
-    above, below = found.plot().axes
-    means = [row["period"]["mean"] for row in found.summary["models"]]
-    labels = [text.get_text() for text in above.get_legend().get_texts()]
-    assert labels == [f"block8: periodic, T = {means[0]:.6g}", f"delay: periodic, T = {means[1]:.6g}", labels[2]]
-    for axes in (above, below):
-        block, delay, _ = axes.get_lines()
-        assert delay.get_zorder() > block.get_zorder()
-        assert delay.get_linestyle() == "--"
-    stopped = dataclasses.replace(found, runs=[changed(found.runs[0], "steady", math.nan, math.nan), *found.runs[1:]])
-    assert stopped.plot().axes[0].get_legend().get_texts()[0].get_text() == "block8: slides steadily, no cycle drawn"
-    torus = dataclasses.replace(found, runs=[changed(found.runs[0], "torus", 4.5, 0.25), *found.runs[1:]])
-    assert torus.plot().axes[0].get_legend().get_texts()[0].get_text() == "block8: torus, T = 4.5 ± 0.25"
-
-
-def test_runs_are_timed_after_a_warm_up_that_changes_nothing() -> None:
-    from validation.registry.build import build
-    from validation.timing import warm
-
-    for model in ("delay", "kelvin-voigt", "fd", "dg:3"):
-        solver, fresh = (build(model, sw.read_scene("paper")) for _ in range(2))
-        warm(solver)
-        assert solver.time == 0.0
-        one, other = solver.advance(3.0), fresh.advance(3.0)
-        assert all(np.array_equal(left, right) for left, right in zip(one, other, strict=True)), model

@@ -48,12 +48,13 @@ class Reader:
         path.write_text(text.replace(old, new))
 
     def add(self, table, file, lines):
-        """Put `lines` last into a table that ends with a bracket at the beginning of a line."""
+        """Put `lines` last into a class, or into a table that ends with a bracket at the beginning of a line."""
         self.changed.add(file)
         path = self.folder / file
         added = "".join(f"    {line}\n" for line in lines.splitlines())
+        end = r"\n\n" if table.startswith("class ") else r"[)}]\n"
         text, count = re.subn(
-            rf"(^{table}\b.*?\n)([)}}]\n)", lambda found: found[1] + added + found[2], path.read_text(), flags=re.M | re.S
+            rf"(^{table}\b.*?\n)({end})", lambda found: found[1] + added + found[2], path.read_text(), flags=re.M | re.S
         )
         assert count == 1
         path.write_text(text)
@@ -178,6 +179,14 @@ def test_an_observer(reader):
     assert found == pytest.approx(0.00209 * 2000 * 100 * 0.8, rel=0.25)
 
 
+def test_an_option(reader):
+    reader.follow(EXTENDING["Adding an option"])
+    assert len(reader.changed) == 1
+    assert reader.run("slipwave show run.nc") == 0
+    assert '"remark": "sample 7"' in reader.output
+    assert reader.json("slipwave run run.nc")["notes"] == ["sample 7"]
+
+
 def test_a_study(reader):
     assert "reading-the-report.md" in EXTENDING["Adding a study"]
     reader.follow(REPORT["Adding a study"])
@@ -186,7 +195,15 @@ def test_a_study(reader):
 
 
 def test_every_section_is_done_by_a_test():
-    done = {"a friction law of your own", "an outer face", "an ODE reduction", "a discretisation", "an observer", "a study"}
+    done = {
+        "a friction law of your own",
+        "an outer face",
+        "an ODE reduction",
+        "a discretisation",
+        "an observer",
+        "an option",
+        "a study",
+    }
     assert set(EXTENDING) | set(REPORT) == {f"Adding {what}" for what in done}
 
 

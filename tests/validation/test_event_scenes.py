@@ -189,25 +189,3 @@ def test_the_verdict_and_no_figures_of_a_transient_are_printed(capsys: pytest.Ca
     out = capsys.readouterr().out
     assert "18 slip events; the second half is decaying: the drop" in out
     assert "stress drop " not in out
-
-
-def test_a_run_that_records_nothing_does_not_speak_of_events(capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["paper", "--until", "20", "--set", "run.record=[]"]
-    run = told(words, capsys)
-    assert (run["events"], run["verdict"], run["period"]) == (None, None, {"mean": None, "std": None})
-    assert main(["run", *words]) == 0
-    out = capsys.readouterr().out
-    assert "events were not watched" in out
-    assert "0 slip events" not in out
-
-
-def test_errors_of_a_transient_are_not_told(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["compare", "paper", "--models", "delay,quasidynamic", "--out", str(tmp_path / "x.png")]
-    assert main([*words, "--json"]) == 0
-    exact, decaying = json.loads(capsys.readouterr().out)["models"]
-    assert (exact["verdict"], decaying["verdict"]) == ("periodic", "decaying")
-    assert exact["error"] == {"period": 0.0, "stress_drop": 0.0}
-    assert decaying["error"] == {"period": None, "stress_drop": None}
-    assert decaying["period"] == {"mean": None, "std": None}
-    assert main(words) == 0
-    assert "no figures of quasidynamic: the second half of the run is decaying" in capsys.readouterr().out

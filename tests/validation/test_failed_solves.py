@@ -13,7 +13,6 @@ from slipwave.solve import Energy, Solver, follow
 from validation.cli import NUMERICS_FAILED, main
 from validation.measure.settle import settle
 from validation.registry.build import build
-from validation.registry.choice import families
 
 COARSE = ["--set", "slab.r=1", "--until", "40"]
 """64 cells of a leapfrog cannot follow psi through the first event of a transit of a hundred state relaxations."""
@@ -67,14 +66,6 @@ def test_observers_see_what_came_before_the_first_failed_solve() -> None:
     assert solver.time == 10.0
 
 
-def test_of_a_stretch_that_failed_nobody_knows_where_nothing_is_used(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Failing, "failed_at", property(lambda self: np.nan, lambda self, value: None), raising=False)
-    reach = Reach()
-    with pytest.raises(NumericsError, match="by t = 10 transits, the first at t = 5: what follows"):
-        follow(Failing(), 100.0, [reach])
-    assert reach.ends.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0]
-
-
 def test_run_prints_what_it_has_and_ends_with_status_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "paper", *COARSE, "--model", "fd", "--cells", "64", "--json"]) == NUMERICS_FAILED
     text, err = capsys.readouterr()
@@ -97,16 +88,6 @@ def test_compare_prints_every_row_and_ends_with_status_3(tmp_path: Path, capsys:
     assert rows["fd"]["error"] == {"period": None, "stress_drop": None}
     assert "the first at t = " in rows["fd"]["failed"]
     assert rows["fd"]["failed"] in err
-
-
-def test_bench_ends_with_status_3(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    leapfrog = next(family for family in families() if family.name == "fd")
-    monkeypatch.setattr("validation.results.bench.honouring", lambda scene: [leapfrog])
-    assert main(["bench", "paper", *COARSE, "--json"]) == NUMERICS_FAILED
-    text, err = capsys.readouterr()
-    rows = json.loads(text)["models"]
-    assert [row["failures"] > 0 for row in rows] == [True, True, True]
-    assert "did not converge" in err
 
 
 def test_no_orbit_is_made_of_failed_solves() -> None:

@@ -51,17 +51,3 @@ def test_a_stdout_that_takes_nothing_is_one_line(tmp_path: Path, words: list[str
     assert done.stderr.splitlines()[-1] == "slipwave: the result cannot be written to stdout: no space left on device"
     assert "Traceback" not in done.stderr
     assert [path.name for path in tmp_path.iterdir()] == (["x.nc"] if "x.nc" in words else [])
-
-
-@pytest.mark.parametrize("words", [["scenes"], ["run", "paper", "--until", "50"]])
-def test_a_reader_that_has_gone_is_no_failure(tmp_path: Path, words: list[str]) -> None:
-    import os
-
-    reading, writing = os.pipe()
-    os.close(reading)
-    with os.fdopen(writing, "w") as pipe:
-        done = subprocess.run(
-            [sys.executable, "-m", "validation.cli", *words], cwd=tmp_path, stdout=pipe, stderr=subprocess.PIPE, text=True
-        )
-    assert done.returncode == 0
-    assert "Traceback" not in done.stderr

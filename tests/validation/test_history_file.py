@@ -1,7 +1,6 @@
 """The interface's history is written as the run goes on: the same numbers, in bounded memory, across checkpoints."""
 
 import tracemalloc
-from collections import namedtuple
 from pathlib import Path
 
 import numpy as np
@@ -55,56 +54,6 @@ def test_what_comes_back_is_what_went_in(tmp_path: Path) -> None:
     for name, values in kept.columns().items():
         assert np.array_equal(np.concatenate([part[name] for part in parts]), values)
     history.close()
-
-
-def test_a_run_goes_on_behind_the_samples_of_its_checkpoint(tmp_path: Path) -> None:
-    first = HistoryFile(PAPER.law, NODES, tmp_path / "x", 9.0)
-    first.scan(pieces(0))
-    saved = first.state()
-    first.scan(pieces(1))  # lost: the checkpoint is older
-    first.close()
-    second = HistoryFile(PAPER.law, NODES, tmp_path / "x", 9.0)
-    second.restore(saved)
-    second.scan(pieces(2))
-    times = np.concatenate([part["time"] for part in second.parts()])
-    second.close()
-    assert times.size == 2 * 400 * NODES.size
-    assert set(np.floor(times + 1e-9)) == {0.0, 1.0, 2.0, 3.0}
-    assert not np.any((times > 1.001) & (times < 1.999))
-
-
-def test_samples_that_are_not_the_checkpoints_are_refused(tmp_path: Path) -> None:
-    path = tmp_path / "x"
-    first = HistoryFile(PAPER.law, NODES, path, 9.0)
-    first.scan(pieces(0))
-    saved = first.state()
-    first.close()
-    content = path.read_bytes()
-    for wrong in (content[:-1], content[:100] + b"?" + content[101:]):
-        path.write_bytes(wrong)
-        with pytest.raises(SceneError, match="not the one that belongs to it"):
-            HistoryFile(PAPER.law, NODES, path, 9.0).restore(saved)
-    path.unlink()
-    with pytest.raises(SceneError, match="is gone"):
-        HistoryFile(PAPER.law, NODES, path, 9.0).restore(saved)
-
-
-def test_more_than_the_disk_has_is_refused_early(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """2000 samples a transit: 8 GB over 100 000 transits, and as much again in the file for the user."""
-    monkeypatch.setattr("validation.run.history_file._memory", lambda: 1e12)
-    usage = namedtuple("usage", "free")
-    history = HistoryFile(PAPER.law, NODES, tmp_path / "x", 1e5)
-    monkeypatch.setattr("shutil.disk_usage", lambda path: usage(15.8e9))
-    for first in range(1000):
-        history.scan(pieces(first))
-    with pytest.raises(SceneError, match=r"would take 16 GB more of the disk .* has 16 GB left; shorten the run"):
-        history.scan(pieces(1000))
-    history.close()
-    roomy = HistoryFile(PAPER.law, NODES, tmp_path / "y", 1e5)
-    monkeypatch.setattr("shutil.disk_usage", lambda path: usage(16.2e9))
-    for first in range(1200):
-        roomy.scan(pieces(first))
-    roomy.close()
 
 
 @pytest.mark.parametrize(("until", "seen"), [(1e5, 1001), (np.inf, 1251)])

@@ -46,11 +46,6 @@ def test_a_run_with_checkpoints_names_the_last_one(tmp_path: Path) -> None:
     assert 220.0 <= time <= 251.0
 
 
-def test_a_run_stopped_before_its_first_checkpoint_says_so(tmp_path: Path) -> None:
-    words = ["run", "paper", "--model", "fd", "--cells", "16", "--until", "4000", "--checkpoint", "run.npz"]
-    assert told(interrupted(words, 5.0, tmp_path).stderr, "4000")[1].startswith("no checkpoint was due yet")
-
-
 def test_a_comparison_shows_the_models_it_has(tmp_path: Path) -> None:
     words = ["compare", "paper", "--models", "delay,block8", "--until", "400", "--json", "--out", "x.png"]
     done = interrupted(words, 100.0, tmp_path)

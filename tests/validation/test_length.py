@@ -117,15 +117,6 @@ def test_the_length_of_a_scene() -> None:
     assert length_of(open_end, "block8") == UntilSettled(open_end, outlook(PAPER, "block8")) != settled
 
 
-def test_a_run_ends_when_its_cycles_repeat() -> None:
-    done = simulate(build("delay", FAST, tolerance=1e-6), UntilSettled(FAST, outlook(FAST, "delay")))
-    assert (done.ended, done.kind) == ("settled", "periodic")
-    longer = simulate(build("delay", FAST, tolerance=1e-6), 3.0 * done.until).statistics.period.mean
-    assert done.statistics.period.mean == pytest.approx(longer, rel=1e-3)
-    assert done.verdict is not None
-    assert done.verdict.cycles >= 8
-
-
 def test_a_run_to_a_number_of_cycles_has_them_in_its_second_half() -> None:
     for wanted in (5, 12):
         done = simulate(build("delay", FAST, tolerance=1e-6), UntilCycles(wanted, outlook(FAST, "delay")))
@@ -133,12 +124,6 @@ def test_a_run_to_a_number_of_cycles_has_them_in_its_second_half() -> None:
         assert done.verdict is not None
         assert wanted <= done.verdict.cycles <= wanted + 1
         assert done.events.time[-done.verdict.cycles] >= 0.5 * done.until
-
-
-def test_stretches_do_not_change_the_motion() -> None:
-    settled = simulate(build("delay", FAST, tolerance=1e-6), UntilSettled(FAST, outlook(FAST, "delay")))
-    at_once = simulate(build("delay", FAST, tolerance=1e-6), settled.until)
-    assert (at_once.final, str(at_once.statistics), at_once.verdict) == (settled.final, str(settled.statistics), settled.verdict)
 
 
 def test_a_run_that_does_not_settle_ends_at_the_limit_of_work() -> None:
@@ -249,19 +234,3 @@ def test_without_a_length_the_motion_settles_in_the_shell_and_in_python(capsys: 
     assert slipwave.run(own, tol=1e-6).summary["period"] == found["period"]
     assert main(["run", own, "--tol", "1e-6"]) == 0
     assert "the run ended here because its motion is settled" in capsys.readouterr().out
-
-
-def test_compare_and_bench_have_one_length(capsys: pytest.CaptureFixture[str], own: str, tmp_path: Path) -> None:
-    alone = answer(capsys, "run", own, "--model", "delay")
-    words = ["compare", own, "--models", "kelvin-voigt,delay", "--out", str(tmp_path / "a.png")]
-    together = answer(capsys, *words)
-    assert together["until"] == alone["until"]
-    assert [row["model"] for row in together["models"]] == ["kelvin-voigt", "delay"]
-    assert together["models"][1]["period"] == alone["period"]
-    other = answer(capsys, "run", own, "--model", "kelvin-voigt", "--until", f"{alone['until']!r}")
-    assert together["models"][0]["period"] == other["period"]
-
-
-def test_fields_need_a_length(capsys: pytest.CaptureFixture[str], own: str, tmp_path: Path) -> None:
-    assert main(["run", own, "--model", "fd", "--cells", "8", "--fields", str(tmp_path / "a.vtu")]) == 2
-    assert "run.until: missing" in capsys.readouterr().err

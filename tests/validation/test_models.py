@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-import re
 from typing import Any
 
 import pytest
@@ -12,7 +11,6 @@ from slipwave.errors import SceneError
 from slipwave.family import FEATURES, Family, features_of
 from slipwave.scene.slab import Face, GripFace, MachineFace
 from slipwave.solve import follow
-from validation.cli import main
 from validation.registry.build import build, build_all
 from validation.registry.choice import families, honouring, resolve
 from validation.registry.families import FAMILIES, GRIDS
@@ -79,10 +77,6 @@ def test_names_that_are_no_model(model: str) -> None:
     assert len(str(caught.value)) < 300
 
 
-def test_numbers_are_told_canonically() -> None:
-    assert build("modal:02", slipwave.read("paper")).model == "modal:2"
-
-
 @pytest.mark.parametrize(
     ("name", "tolerance", "model"),
     [("dg", None, "dg:7"), ("dg", 1e-4, "dg:5"), ("dg", 1e-8, "dg:7"), ("fem", 1e-6, "fem:6"), ("sbp", 1e-3, "sbp:6")],
@@ -120,15 +114,6 @@ def test_options_go_to_the_models_that_take_them() -> None:
     for options in ({"cells": 10}, {"cfl": 0.5}):
         with pytest.raises(SceneError, match="none of the models"):
             build_all("delay,block8", slipwave.read("paper"), **options)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("command", ["run", "stability"])
-def test_the_help_of_model_names_every_family(command: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([command, "--help"]) == 0
-    unbroken = re.sub(r"-\s+", "-", capsys.readouterr().out)
-    told = set(re.findall(r"[a-z0-9-]+(?::[NP])?", unbroken))
-    reduced = {family.pattern for family in FAMILIES if family not in GRIDS}
-    assert told >= (reduced if command == "stability" else {family.pattern for family in FAMILIES})
 
 
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)

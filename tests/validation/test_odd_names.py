@@ -57,11 +57,6 @@ def test_a_file_to_write_must_have_a_printable_name(name: bytes, tmp_path: Path)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_what_typer_complains_of_is_shown_and_not_done(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "paper", "--\x1b[31m"]) == INPUT_WRONG
-    assert "\x1b" not in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("option", ["--checkpoint", "--out", "--fields"])
 def test_a_pipe_is_no_file_to_write(option: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Opening one waits for ever for somebody at its other end."""
@@ -85,23 +80,9 @@ def test_a_key_without_end_is_refused_before_it_is_parsed(text: str, tmp_path: P
         slipwave.read({}, ["a={" + "b." * 60_000 + "b=1}"])
 
 
-def test_a_byte_order_mark_and_foreign_line_ends_are_no_matter(tmp_path: Path) -> None:
-    (tmp_path / "x.toml").write_bytes(b"\xef\xbb\xbf" + PAPER.replace(b"\n", b"\r\n"))
-    assert load(tmp_path / "x.toml")[1] == load("paper")[1]
-
-
 def test_a_name_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("validation.run.progress.PATIENCE", -1.0)
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     with progress("[/red], [bold]delay", 2.0) as report:
         report(1.0)
         report(2.0)
-
-
-@pytest.mark.parametrize("closed", ["1>&-", "0<&- 1>&- 2>&-"])
-def test_closed_streams_are_no_matter(closed: str, tmp_path: Path) -> None:
-    command = f"exec '{sys.executable}' -m validation.cli run paper --until 20 --events x.csv {closed}"
-    done = subprocess.run(["sh", "-c", command], cwd=tmp_path, capture_output=True, text=True)
-    assert done.returncode == 0
-    assert "Traceback" not in done.stderr
-    assert (tmp_path / "x.csv").exists()

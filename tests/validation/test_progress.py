@@ -31,26 +31,6 @@ def test_lines_come_every_ten_seconds_and_tell_share_and_time_left(now: list[flo
     assert told == ["", "", "", "run: 20%, 80 s left", "", "run: 50%, 25 s left", ""]
 
 
-def test_work_that_stands_still_has_no_time_left_to_tell(now: list[float], caplog: pytest.LogCaptureFixture) -> None:
-    caplog.set_level(logging.INFO, "slipwave")
-    with progress("run", 10.0) as report:
-        for seconds in (0.0, 10.0):
-            now[0] = 100.0 + seconds
-            report(5.0)
-    assert caplog.messages == ["run: 50%"]
-
-
-def test_a_program_that_asks_for_nothing_is_told_nothing(
-    now: list[float], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(logging.getLogger("slipwave"), "handlers", [])  # without that of the command line
-    with progress("run", 10.0) as report:
-        for seconds in (0.0, 10.0):
-            now[0] = 100.0 + seconds
-            report(5.0)
-    assert capsys.readouterr() == ("", "")
-
-
 def test_a_terminal_has_a_bar_once_patience_has_passed(now: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     with progress("a [label]", 8.0) as report:

@@ -65,19 +65,6 @@ def test_a_file_has_the_stages_of_the_json(tmp_path: Path) -> None:
         assert data["stage_velocity_m_per_s"].values.tolist() == pytest.approx([1e-6, 3e-6, 0.0], rel=1e-14)
 
 
-def test_a_scene_of_one_velocity_has_no_stages() -> None:
-    assert "protocol" not in slipwave.run("paper", until=1).summary
-
-
-def test_a_run_from_a_checkpoint_has_the_stages_of_the_whole(tmp_path: Path) -> None:
-    whole, path = protocol(), tmp_path / "c.npz"
-    protocol(checkpoint=path, checkpoint_every=9000.0)
-    for resumed, stage in zip(protocol(checkpoint=path), whole, strict=True):
-        assert resumed["kind"] == stage["kind"]
-        ours, wanted = ({name: value for name, value in one["si"].items() if value is not None} for one in (resumed, stage))
-        assert ours == pytest.approx(wanted, rel=1e-11)  # slip is summed in other parts
-
-
 @pytest.mark.parametrize(("name", "options"), [("paper", []), ("paper-si", ["--set", "drive.velocity=2000"])])
 def test_slip_events_as_csv(name: str, options: list[str], tmp_path: Path) -> None:
     path = tmp_path / "events.csv"
@@ -122,11 +109,6 @@ def test_the_figure_is_friction_against_time_and_slip() -> None:
     slipped = 40.0 + 150.0 + unloaded
     assert [line.get_xdata()[0] for line in below.lines[:-2]] == pytest.approx([40.0, slipped], abs=0.05)  # 0.007 measured
     assert slipped < float(slip[-1]) < slipped + 20.0  # in the hold friction relaxes
-
-
-def test_another_kind_of_file_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "paper", "--until", "1", "--events", "events.txt"]) == 2
-    assert "--events" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["paper", "paper-si"])

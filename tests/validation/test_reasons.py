@@ -7,13 +7,10 @@ from typing import Any
 import pytest
 
 import slipwave
-from slipwave.observe import Spread
 from tests.granite import THIN as GRANITE
 from validation.cli import main
-from validation.registry.build import build
-from validation.results.reasons import engineering, reasons
+from validation.results.reasons import engineering
 from validation.run.outlook import outlook
-from validation.run.simulate import simulate
 
 
 def told(*settings: str, until: float, scene: Any = "paper") -> list[str]:
@@ -42,24 +39,9 @@ def test_a_decaying_run_says_how_fast() -> None:
     )
 
 
-def test_strengthening_friction_is_always_stable() -> None:
-    assert told("interface.b=0.01", until=300.0)[-1] == (
-        "steady sliding is always stable: friction does not weaken with the slip rate (a >= b)"
-    )
-
-
 def test_unlike_slabs_are_scaled_together() -> None:
     (line,) = told("upper.r=0.002", "lower.r=0.004", until=50.0, scene="unlike")[-1:]
     assert "r of the upper slab, both slabs scaled together, over 0.00239 (here 0.002)" in line
-
-
-def test_a_spread_larger_than_the_mean_is_remarked_on() -> None:
-    from dataclasses import replace
-
-    done = simulate(build("delay", slipwave.read("paper", ["drive.velocity=2000"]), tolerance=1e-5), 200.0)
-    assert reasons(done, "delay") == []
-    wide = replace(done, statistics=replace(done.statistics, period=Spread(10.0, 11.0)))
-    assert reasons(wide, "delay") == ["the std of period exceeds the mean: cycles differ so much that a mean says little"]
 
 
 @pytest.mark.parametrize(
@@ -101,8 +83,3 @@ def test_an_interface_that_is_hardly_loaded_has_no_expected_cycle() -> None:
     assert done.summary["verdict"] == "too short"
     assert math.isinf(done.needed)
     assert outlook(slipwave.read("machine", ["slab.face.stiffness=1e-300"]), "delay").period > 1e290
-
-
-def test_a_run_whose_roots_all_decay_within_a_transit_says_so() -> None:
-    lines = slipwave.run("regularised", "quasistatic", settings=["drive.velocity=1e10"], until=20.0).summary["reasons"]
-    assert any(line.startswith("steady sliding is stable; a disturbance decays by a factor e in 2.93e-06") for line in lines)

@@ -81,17 +81,6 @@ def test_what_is_given_goes_before_what_the_file_holds(tmp_path: Path) -> None:
     assert facts == [("kelvin-voigt", 20.0, 1e-4, 10.0**-2.6), ("block8", 12.0, 1e-5, 0.002)]
 
 
-def test_the_grid_of_a_file_belongs_to_its_model(tmp_path: Path) -> None:
-    """Cells, step and march of a full wave are not those of another model, which takes its own."""
-    sw.run("paper", "fd", until=4, cells=8, cfl=0.5, every=3).to_netcdf(tmp_path / "x.nc")
-    same, other = sw.run(tmp_path / "x.nc"), sw.run(tmp_path / "x.nc", "delay")
-    assert (same.options["cells"], same.options["cfl"], same.options["every"]) == (8, 0.5, 3)
-    assert (other.options["cells"], other.options["cfl"], other.options["every"]) == (None, None, 3)
-    assert other.done.final == sw.run("paper", "delay", until=4, interface=True).done.final
-    with pytest.raises(sw.SceneError, match="cells"):
-        sw.run(tmp_path / "x.nc", "delay", cells=8)
-
-
 def test_thinning_and_window_keep_what_they_say(tmp_path: Path) -> None:
     whole = sw.run("paper", "block8", until=60, interface=True).dataset
     part = sw.run("paper", "block8", until=60, every=7, window=(20.0, 45.5)).dataset
@@ -102,20 +91,6 @@ def test_thinning_and_window_keep_what_they_say(tmp_path: Path) -> None:
     xarray.testing.assert_equal(part, text)
     none = sw.run("paper", "block8", until=20, window=(30.0, 40.0)).dataset
     assert none["interface_psi"].size == 0
-
-
-def test_a_window_in_seconds_is_that_in_transits(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    transit = sw.read("paper-si").transit * 0.9
-    path = tmp_path / "run.nc"
-    command(capsys, "run", "paper-si", "--model", "block8", "--until", "60", "--window", "10ms:30ms", "--out", str(path))
-    with xarray.open_dataset(path) as data:
-        assert 0.01 <= float(data["time_s"][0]) < 0.01 + 0.5 * transit
-        assert 0.03 - 0.5 * transit < float(data["time_s"][-1]) <= 0.03 * (1.0 + 1e-12)
-        assert json.loads(data.attrs["options"])["window"] == "10ms:30ms"
-        count = data["time"].size
-    command(capsys, "run", str(path), "--out", str(tmp_path / "again.nc"))
-    with xarray.open_dataset(tmp_path / "again.nc") as data:
-        assert data["time"].size == count > 10
 
 
 def test_a_run_that_goes_on_keeps_the_same_samples(tmp_path: Path) -> None:
@@ -192,31 +167,6 @@ def test_a_branch_file_and_its_dataset_agree(tmp_path: Path) -> None:
         assert one["point_period"].values.tolist() == data["point_period"].values.tolist()
         assert sw.read(tmp_path / "a.nc").digest == sw.read("paper").digest == one.attrs["scene_digest"]
         assert json.loads(one.attrs["options"])["over"] == "log10_r=-2.72:-2.68"
-
-
-def test_a_branch_is_computed_again_from_its_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    path = tmp_path / "a.nc"
-    first = command(
-        capsys,
-        "branch",
-        "paper",
-        "--model",
-        "block8",
-        "--over",
-        "V=100:110",
-        "--tol",
-        "1e-4",
-        "--most-points",
-        "2",
-        "--out",
-        str(path),
-    )
-    assert len(first["points"]) == 2
-    assert command(capsys, "branch", str(path)) == first
-    assert len(command(capsys, "branch", str(path), "--most-points", "1")["points"]) == 1
-    assert main(["branch", "paper"]) == INPUT_WRONG
-    assert capsys.readouterr().err == "slipwave: --over: missing; must be KEY=FROM:TO, as in log10_r=-2.72:-2.60\n"
-    assert main(["run", str(path)]) == INPUT_WRONG
 
 
 def test_a_file_has_the_numbers_of_every_slab() -> None:

@@ -8,15 +8,11 @@ import sys
 from contextlib import redirect_stdout
 from io import StringIO
 
-import numpy as np
 import pytest
 import xarray
 
 import slipwave
-from fullwave.finite_difference import Leapfrog
-from slipwave.observe import HistoryObserver
-from slipwave.solve import follow
-from slipwave.solve.checkpoint import load, save, saved_time
+from slipwave.solve.checkpoint import saved_time
 from validation.cli import main
 
 BASE = ["run", "paper", "--model", "dg:7", "--json"]
@@ -127,25 +123,6 @@ def test_the_interval_may_have_a_unit(tmp_path):
         (tmp_path / "run.npz").unlink()
 
 
-def test_a_grid_alike_in_size_and_step_is_refused(tmp_path, capsys):
-    words = ["run", "paper", "--model", "dg:7", "--set", "drive.velocity=1e6", "--checkpoint", str(tmp_path / "run.npz")]
-    assert main([*words, "--cells", "9", "--until", "60", "--checkpoint-every", "20"]) == 0
-    capsys.readouterr()
-    assert main([*words, "--cells", "12", "--until", "90", "--json"]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.count("\n") == 1
-    assert "cells is [9], not [12]" in said.err
-
-
-def test_a_text_file_is_no_checkpoint(tmp_path, capsys):
-    (tmp_path / "run.npz").write_text("a diary\n")
-    assert main([*BASE, "--until", "50", "--checkpoint", str(tmp_path / "run.npz")]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert "run.npz' cannot be read: it is not a checkpoint, or damaged" in said
-
-
 def test_the_fields_of_a_resumed_run_are_those_of_one_that_never_stopped(tmp_path):
     """Killed within the window of the fields, as a checkpoint was to take the place of the one before."""
     words = ["run", "unlike", "--model", "dg:5", "--cells", "4", "--until", "150", "--json", "--set", 'run.record=["interface"]']
@@ -163,28 +140,6 @@ def test_the_fields_of_a_resumed_run_are_those_of_one_that_never_stopped(tmp_pat
             assert one.equals(other)
 
 
-def test_a_window_that_has_moved_on_keeps_what_lies_in_it(tmp_path):
-    words = [
-        "run",
-        "paper",
-        "--model",
-        "fd",
-        "--cells",
-        "16",
-        "--checkpoint",
-        str(tmp_path / "run.npz"),
-        "--checkpoint-every",
-        "30",
-    ]
-    fields = tmp_path / "fields.nc"
-    assert main([*words, "--until", "170", "--fields", str(fields)]) == 0
-    assert main([*words, "--until", "230", "--fields", str(fields)]) == 0
-    with xarray.open_dataset(fields) as data:
-        assert data["time"][0] == pytest.approx(130.0, abs=1e-9)
-        assert data["time"][-1] == pytest.approx(230.0, abs=1e-9)
-        assert np.diff(data["time"]) == pytest.approx(0.125)
-
-
 @pytest.mark.parametrize("model", ["fd", "delay", "block8"])
 def test_a_start_on_the_orbit_goes_on_without_looking_for_it_again(tmp_path, capsys, monkeypatch, model):
     words = ["run", "paper", "--model", model, "--set", "start.kind=orbit", "--until", "300", "--json"]
@@ -197,16 +152,3 @@ def test_a_start_on_the_orbit_goes_on_without_looking_for_it_again(tmp_path, cap
     monkeypatch.setattr("validation.registry.orbit_start.settle", None)
     assert main(saving) == 0
     assert json.loads(capsys.readouterr().out) | {"wall_s": 0} == direct | {"wall_s": 0}
-
-
-def test_observers_of_one_kind_are_told_apart(tmp_path):
-    scene = slipwave.read("paper")
-    solver, resumed = Leapfrog(scene, 16), Leapfrog(scene, 16)
-    early, late = (HistoryObserver(scene.law, solver.nodes, start) for start in (0.0, 30.0))
-    follow(solver, 40.0, [early, late])
-    save(tmp_path / "run.npz", solver, {"early": early, "late": late})
-    again = {label: HistoryObserver(scene.law, solver.nodes, start) for label, start in (("early", 0.0), ("late", 30.0))}
-    load(tmp_path / "run.npz", resumed, again)
-    for label, observer in (("early", early), ("late", late)):
-        assert np.array_equal(again[label].columns()["time"], observer.columns()["time"])
-    assert again["late"].columns()["time"][0] >= 30.0

@@ -78,14 +78,6 @@ def test_rows_of_events_are_those_of_the_recorded_motion(told: Told) -> None:
         assert data["v_min"].values[row] == pytest.approx(lowest, rel=5e-2)
 
 
-def test_the_end_of_the_run_is_the_last_sample(told: Told) -> None:
-    result, data, _ = told
-    assert data["time"].values[-1] == pytest.approx(UNTIL, abs=1e-9)
-    v, psi, mu = (float(data[f"interface_{name}"][-1]) for name in ("slip_rate", "psi", "stress"))
-    assert result["final"] == pytest.approx({"ln_v": math.log(v), "psi": psi, "mu": mu}, rel=1e-8)
-    assert mu == pytest.approx(0.369 + 0.0349 * math.log(v) + 0.0489 * psi, rel=1e-10)
-
-
 def test_the_recorded_motion_obeys_the_equations(told: Told) -> None:
     """psi' = r (e^-psi - v) and y' = eps (V - v) on the clock of transits, by differences between neighbouring samples; the
     friction law at every sample."""
@@ -112,22 +104,6 @@ def test_facts_of_the_file(told: Told) -> None:
     assert facts["events"] == result["events"]
     assert result["events"] - data.sizes["event"] in (1, 2)  # complete cycles lie between events
     assert facts["scene_digest"] == slipwave.read("paper-si", [f"slab.thickness={THICKNESS}", f"run.until={UNTIL}"]).digest
-
-
-def test_the_file_says_what_the_run_is(tmp_path: Path, told: Told) -> None:
-    facts = told[1].attrs
-    assert (facts["verdict"], "multiplicity" in facts) == (told[0]["verdict"], False) == ("irregular", False)
-    fast = ["run", "paper", "--model", "delay", "--set", "drive.velocity=2000", "--until", "200", "--out"]
-    for name, more in (("watched", []), ("unwatched", ["--set", "run.record=[]"])):
-        assert main([*fast, str(tmp_path / f"{name}.nc"), *more]) == 0
-    with xarray.open_dataset(tmp_path / "watched.nc") as data:
-        assert (data.attrs["verdict"], data.attrs["multiplicity"]) == ("periodic", 1)
-        assert data.attrs["events"] == data.sizes["event"] + 1
-    with xarray.open_dataset(tmp_path / "unwatched.nc") as data:
-        assert (data.attrs["events"], data.attrs["verdict"]) == ("not watched", "not watched")
-        assert "multiplicity" not in data.attrs
-        assert list(data.variables) == []
-        assert data.attrs["complete"] == 1
 
 
 def test_the_table_is_the_json_and_its_si_column_is_by_hand(told: Told) -> None:

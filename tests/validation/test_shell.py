@@ -26,13 +26,6 @@ def test_the_version_is_that_of_the_package() -> None:
     assert (done.returncode, done.stdout, done.stderr) == (0, f"slipwave {version('slipwave')}\n", "")
 
 
-def test_the_module_is_the_command(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["scenes"]) == 0
-    done = module("scenes")
-    assert (done.returncode, done.stdout) == (0, capsys.readouterr().out)
-    assert module("run", "papr").returncode == INPUT_WRONG
-
-
 @pytest.mark.parametrize(
     ("typed", "offered"),
     [("slipwave run paper-s", ["paper-si"]), ("slipwave run --model kel", ["kelvin-voigt"]), ("slipwave sta", ["stability"])],
@@ -89,22 +82,12 @@ def test_what_is_wrong_in_a_file_is_told_whole(tmp_path: Path, capsys: pytest.Ca
     assert capsys.readouterr().err.endswith(f"must be a TOML file; {told}\n")
 
 
-def test_a_word_like_no_other_is_answered_without_a_guess(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "paper", "--set", "interface.law=xyz"]) == INPUT_WRONG
-    assert "did you mean" not in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("words", [["a=-1"], ["a", "-1"], ["a=", "-1"], ["b=2", "a=-1"], ["a", "-1", "b=-2.5e-3"]])
 def test_values_after_set_may_be_negative(words: list[str]) -> None:
     got = spread(["run", "paper", "--set", *words, "--json"])
     values = {got[k + 1] for k, word in enumerate(got) if word == "--set"}
     assert values - {"b=2", "b=-2.5e-3"} == {"a=-1"}
     assert got[-1] == "--json"
-
-
-def test_an_option_after_set_is_no_value(tmp_path: Path) -> None:
-    assert spread(["--set", "a=1", "-1"]) == ["--set", "a=1", "-1"]
-    assert spread(["--set", "a", "--json"]) == ["--set", "a", "--json"]
 
 
 def test_a_figure_of_a_run_has_time_in_both_units(tmp_path: Path) -> None:
@@ -123,20 +106,6 @@ def test_a_figure_of_a_run_has_time_in_both_units(tmp_path: Path) -> None:
     above.figure.savefig(tmp_path / "run.png")  # second axes take their limits when they are drawn
     assert seconds.get_xlim() == pytest.approx([limit * transit for limit in above.get_xlim()])
     assert pascals.get_ylim() == pytest.approx([limit * 1000.0 for limit in above.get_ylim()])
-
-
-@pytest.mark.parametrize(
-    ("words", "file"),
-    [
-        (["run", "paper", "--model", "block8", "--until", "50", "--plot"], "run.png"),
-        (["orbit", "paper", "--model", "block8", "--tol", "1e-4", "--plot"], "orbit.pdf"),
-    ],
-)
-def test_figures_are_written_whole(words: list[str], file: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([*words, str(tmp_path / file)]) == 0
-    assert (tmp_path / file).read_bytes()[:4] in (b"\x89PNG", b"%PDF")
-    assert [path.name for path in tmp_path.iterdir()] == [file]
-    assert main([*words, str(tmp_path / "x.doc")]) == INPUT_WRONG
 
 
 def test_matplotlib_is_silent_where_it_cannot_keep_its_fonts() -> None:

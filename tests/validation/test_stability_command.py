@@ -4,23 +4,12 @@ from functools import cache
 import pytest
 
 import slipwave
-from validation import cli
 from validation.cli import main
 
 
 def answer(capsys: pytest.CaptureFixture[str], *words: str) -> dict:
     assert main(["stability", *words, "--json"]) == 0
     return json.loads(capsys.readouterr().out)
-
-
-def test_json_of_the_paper_scene(capsys: pytest.CaptureFixture[str]) -> None:
-    found = answer(capsys, "paper")
-    assert found["log10_r_c"] == pytest.approx(-2.6995497159, abs=1e-10)
-    assert found["omega_c"] == pytest.approx(63.3360980646, rel=1e-11)
-    assert found["epsilon_c"] == pytest.approx(2.92929031601e-05, rel=1e-11)
-    assert found["stable"] is False
-    assert found["leading_roots"][0][0] > 0.0
-    assert len(found["leading_roots"][0]) == 2
 
 
 TABLES = """\
@@ -47,30 +36,6 @@ def test_tables_of_the_paper_scene(capsys: pytest.CaptureFixture[str]) -> None:
         "0.002 (here 0.00209) or epsilon over 2.93e-05 (here 2.8e-05)"
     )
     assert "\n".join(line.rstrip() for line in tables.splitlines()) == TABLES.rstrip("\n")
-
-
-def test_settings_and_model(capsys: pytest.CaptureFixture[str]) -> None:
-    found = answer(capsys, "paper", "--model", "kelvin-voigt", "--set", "slab.log10_r=-2.71")
-    assert found["stable"] is True
-    assert found["log10_r_c"] == pytest.approx(-2.69954994745, abs=1e-11)
-    assert found["essential_abscissa"] is None
-
-
-@pytest.mark.parametrize(
-    "scene", ["unlike", "unlike-irrational", "grip", "layered", "viscous", "reflection", "rock", "slip-law", "regularised"]
-)
-def test_every_kind_of_scene(capsys: pytest.CaptureFixture[str], scene: str) -> None:
-    found = answer(capsys, scene)
-    assert found["stable"] == (found["leading_roots"][0][0] < 0.0)
-    assert found["omega_c"] > 0.0
-    assert main(["stability", scene]) == 0
-    assert "leading roots" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("model", ["modal:99", "nonsense", "block8:3"])
-def test_a_wrong_model_is_refused_in_one_line(capsys: pytest.CaptureFixture[str], model: str) -> None:
-    assert main(["stability", "paper", "--model", model]) == cli.INPUT_WRONG
-    assert len(capsys.readouterr().err.splitlines()) == 1
 
 
 def test_taylor_is_shown_to_be_unusable(capsys: pytest.CaptureFixture[str]) -> None:
@@ -103,11 +68,6 @@ def test_a_root_on_the_axis_is_neutral_and_no_verdict(
     assert found["stable"] is None
     assert found["unstable_roots"] == 0
     assert ["neutral within rounding" in note for note in found["notes"]] == [True]
-
-
-def test_a_root_on_the_axis_is_told(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["stability", "paper", "--set", f"slab.r={critical('paper', 'delay'):.17g}"]) == 0
-    assert "steady sliding is neutral at V = " in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("share", "stable"), [(1e-5, False), (-1e-5, True)])
