@@ -8,6 +8,7 @@ import ast
 import copy as copies
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +17,8 @@ from tests.faults.planting import ROOMS, ROOT
 _ORDERS = (ast.Eq, ast.NotEq, ast.Lt, ast.LtE, ast.Gt, ast.GtE)
 _ARITHMETIC = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod, ast.Pow)
 _BITS = (ast.BitOr, ast.BitAnd, ast.BitXor)
-_FAMILIES: tuple[tuple[type, ...], ...] = (
-    _ORDERS,
-    _ARITHMETIC,
-    _BITS,
-    (ast.Is, ast.IsNot),
-    (ast.In, ast.NotIn),
-    (ast.And, ast.Or),
-)
+_PAIRS = ((ast.Is, ast.IsNot), (ast.In, ast.NotIn), (ast.And, ast.Or))
+_FAMILIES: tuple[tuple[type, ...], ...] = (_ORDERS, _ARITHMETIC, _BITS, *_PAIRS)
 _SPEED_OR_GUARD = {"cache", "lru_cache", "njit", "inlined", "abstractmethod"}
 
 
@@ -72,9 +67,7 @@ def mutants_of(file: str, text: str) -> list[Mutant]:
 def places_of(file: str, text: str) -> Iterator[list[Mutant]]:
     """The mutants of each place of one file."""
     lines = text.splitlines(keepends=True)
-    starts = [0]
-    for line in lines:
-        starts.append(starts[-1] + len(line))
+    starts = [0, *accumulate(map(len, lines))]
 
     def offset(line: int, column: int) -> int:
         return starts[line - 1] + len(lines[line - 1].encode()[:column].decode())
@@ -130,10 +123,8 @@ def _places(node: ast.AST) -> Iterator[tuple[ast.AST, list[ast.AST]]]:
             yield test, [ast.UnaryOp(ast.Not(), test)]
         case ast.For(iter=items):
             yield items, [ast.List([], ast.Load())]
-        case ast.Break():
-            yield node, [ast.Continue()]
-        case ast.Continue():
-            yield node, [ast.Break()]
+        case ast.Break() | ast.Continue():
+            yield node, [ast.Continue() if isinstance(node, ast.Break) else ast.Break()]
         case ast.ExceptHandler(type=ast.expr() as kind):
             yield kind, [ast.Name("UnboundLocalError")]
 
@@ -150,7 +141,4 @@ def _with(node: ast.AST, **fields: Any) -> ast.AST:
 
 
 def _is_text(node: ast.AST) -> bool:
-    return any(
-        isinstance(part, ast.JoinedStr) or (isinstance(part, ast.Constant) and isinstance(part.value, str))
-        for part in ast.walk(node)
-    )
+    return any(isinstance(part, ast.JoinedStr) or isinstance(getattr(part, "value", None), str) for part in ast.walk(node))

@@ -24,23 +24,19 @@ class Reach:
 
     def tests_for(self, mutant: Mutant) -> tuple[list[str], list[str]]:
         """Tests near the mutant, the nearest and most specific first: some seconds of them, and those of some minutes more."""
-        room = Path(mutant.file).parts[0]
-        found = self._distances(mutant)
-        chosen = sorted(
-            found,
-            key=lambda test: (
-                found[test],
-                f"tests/{room}/" not in test,
-                len(self._tests[test]["functions"]),
-                self._tests[test]["seconds"],
-            ),
-        )
+        room, far = Path(mutant.file).parts[0], self._distances(mutant)
+
+        def order(test: str) -> tuple[int, bool, int, float]:
+            """The nearest first, then those of the same room, of few functions and of little time."""
+            facts = self._tests[test]
+            return far[test], f"tests/{room}/" not in test, len(facts["functions"]), facts["seconds"]
+
+        chosen = sorted(far, key=order)
         first = self._within(chosen, _FIRST_SECONDS, _FIRST_TESTS)
         return first, self._within([test for test in chosen if test not in first], _ALL_SECONDS, _ALL_TESTS)
 
     def _distances(self, mutant: Mutant) -> dict[str, int]:
-        """0 for tests that run the mutant's function; 1 for those beside them, which may share a
-        result with them.
+        """0 for tests that run the mutant's function; 1 for those beside them, which may share a result with them.
 
         A function that no test runs in Python is compiled, or runs at import: then 1 for tests that run a function of its file,
         and one more for each import between them and it.
@@ -49,13 +45,11 @@ class Reach:
         found = {test: 0 for test, facts in self._tests.items() if place in facts["functions"]}
         if found:
             beside = {test.partition("::")[0] for test in found}
-            found |= {test: 1 for test in self._tests if test not in found and test.partition("::")[0] in beside}
-        else:
-            far = _imports_between(mutant.file)
-            for test, facts in self._tests.items():
-                steps = [far[file] for name in facts["functions"] if (file := name.partition("::")[0]) in far]
-                if steps:
-                    found[test] = 1 + min(steps)
+            return {test: 1 for test in self._tests if test.partition("::")[0] in beside} | found
+        far = _imports_between(mutant.file)
+        for test, facts in self._tests.items():
+            steps = [far[file] for name in facts["functions"] if (file := name.partition("::")[0]) in far]
+            found |= {test: 1 + min(steps)} if steps else {}
         return found
 
     def _within(self, tests: list[str], seconds: float, count: int) -> list[str]:

@@ -3,6 +3,7 @@
 import ast
 import tomllib
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parent
@@ -84,9 +85,7 @@ def span(text: str, name: str) -> tuple[int, int]:
     if not name:
         return 0, len(text)
     node = _named(ast.parse(text), name)
-    starts = [0]
-    for line in text.splitlines(keepends=True):
-        starts.append(starts[-1] + len(line))
+    starts = [0, *accumulate(map(len, text.splitlines(keepends=True)))]
     first = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
     return starts[first - 1], starts[node.end_lineno or node.lineno]
 
@@ -94,10 +93,9 @@ def span(text: str, name: str) -> tuple[int, int]:
 def _named(tree: ast.Module, name: str) -> ast.Module | ast.FunctionDef | ast.ClassDef:
     scope: ast.Module | ast.FunctionDef | ast.ClassDef = tree
     for part in filter(None, name.split(".")):
-        inner = [
-            n for n in ast.walk(scope) if isinstance(n, ast.FunctionDef | ast.ClassDef) and n.name == part and n is not scope
-        ]
-        if not inner:
+        inner = (n for n in ast.walk(scope) if isinstance(n, ast.FunctionDef | ast.ClassDef) and n is not scope)
+        found = next((n for n in inner if n.name == part), None)
+        if found is None:
             raise AnchorError(f"there is no {name}")
-        scope = inner[0]
+        scope = found
     return scope

@@ -7,7 +7,6 @@ survivor it is said whether its check runs the changed code at all.
 import hashlib
 import json
 import queue
-import subprocess
 import tempfile
 import threading
 from collections.abc import Callable, Iterable
@@ -28,26 +27,29 @@ def try_fault(fault: Fault, copy: Copy, whole: bool = True) -> Record:
 
     `whole`: the whole suite is run where the named check stays green.
     """
-    record: Record = {"name": fault.name, "room": fault.room, "where": fault.where, "what": fault.what, "user": fault.user}
     text = (copy.tree / fault.file).read_text(encoding="utf-8")
+
+    def told(caught: bool, says: str, seconds: float = 0.0, **more: Any) -> Record:
+        facts = {"name": fault.name, "room": fault.room, "where": fault.where, "what": fault.what, "user": fault.user}
+        return facts | {"caught": caught, "says": says, "seconds": round(seconds, 1)} | more
+
     clean = copy.run_clean(fault.check, CHECK_SECONDS)
     if not clean.is_green:
-        return record | {"caught": False, "says": f"its check is not green without it: {clean.trouble or clean}", "seconds": 0.0}
+        return told(False, f"its check is not green without it: {clean.trouble or clean}")
     with copy.with_text(fault.file, fault.planted(text)):
         found = copy.run(fault.check, CHECK_SECONDS)
         named = found.caught is not None
         if not named and whole:
             found = copy.run(WHOLE_SUITE, SUITE_SECONDS)
     if found.caught:
-        told = {"caught_by": found.caught["test"], "says": found.caught["says"], "by_its_check": named}
-        return record | {"caught": True, **told, "seconds": round(found.seconds, 1)}
+        return told(True, found.caught["says"], found.seconds, caught_by=found.caught["test"], by_its_check=named)
     by_accident = found.trouble or "; ".join(f"{a['kind']} in {a['test']}" for a in found.accidents[:2])
     if by_accident:
-        return record | {"caught": False, "says": f"by accident only: {by_accident}", "seconds": round(found.seconds, 1)}
+        return told(False, f"by accident only: {by_accident}", found.seconds)
     with copy.with_text(fault.file, fault.tripwire(text)):
         reached = not copy.run(fault.check, CHECK_SECONDS).is_green
     said = "its check runs the changed code and stays green" if reached else "its check never runs the changed code"
-    return record | {"caught": False, "says": said, "seconds": round(found.seconds, 1)}
+    return told(False, said, found.seconds)
 
 
 def run_all(items: Iterable[Any], work: Callable[[Any, Copy], Record], jobs: int, store: "Store") -> list[Record]:
@@ -58,13 +60,7 @@ def run_all(items: Iterable[Any], work: Callable[[Any, Copy], Record], jobs: int
     copies: queue.Queue[Copy] = queue.Queue()
     with tempfile.TemporaryDirectory(prefix="slipwave-faults-") as folder, ThreadPoolExecutor(jobs) as pool:
         for number in range(jobs):
-            place = Path(folder) / str(number)
-            place.mkdir()
-            copies.put(Copy(place))
-        first = [copies.get() for _ in range(jobs)]
-        for copy in first:
-            copy.warm(cache_folder())
-            copies.put(copy)
+            copies.put(Copy(Path(folder) / str(number), cache=cache_folder()))
 
         def one(item: Any) -> Record:
             key = keys[item.name]
@@ -123,13 +119,3 @@ def line_of(record: Record) -> str:
         return f"SURVIVES {record['name']}  {record['where']}: {record['what']}\n         {record['says']}"
     named = "" if record.get("by_its_check", True) else "  (not by the check it names)"
     return f"caught   {record['name']}  {record['seconds']:.0f} s  {record['caught_by']}{named}\n         {record['says']}"
-
-
-def part_of(faults: list[Fault], parts: int) -> list[Fault]:
-    """Every `parts`-th fault; which ones, the commit decides."""
-    commit = subprocess.run(
-        ["git", "-C", str(ROOT), "rev-parse", "HEAD"], capture_output=True, text=True, check=True
-    ).stdout.strip()
-    number = int(commit, 16) % parts
-    print(f"part {number + 1} of {parts} (from commit {commit[:10]})")
-    return faults[number::parts]

@@ -51,21 +51,17 @@ def tracked_files(root: Path = ROOT) -> list[Path]:
 
 
 class Copy:
-    """A copy in `folder` with a cache of compiled code of its own."""
+    """A copy in `folder` with a cache of compiled code of its own, which starts with what `cache` holds."""
 
-    def __init__(self, folder: Path, root: Path = ROOT) -> None:
+    def __init__(self, folder: Path, root: Path = ROOT, cache: Path | None = None) -> None:
         self.tree = folder / "tree"
-        self._note = folder / "witness.json"
-        self._cache = folder / "cache"
+        self._note, self._cache = folder / "witness.json", folder / "cache"
         self._clean: dict[tuple[str, ...], Outcome] = {}
         for path in tracked_files(root):
             target = self.tree / path.relative_to(root)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(path, target)
-
-    def warm(self, cache: Path) -> None:
-        """Start with what `cache` holds."""
-        if cache.is_dir():
+        if cache is not None and cache.is_dir():
             shutil.copytree(cache, self._cache, ignore=lambda _, names: [n for n in names if not n.endswith(".compiled")])
 
     @contextmanager
@@ -90,7 +86,14 @@ class Copy:
         self._note.unlink(missing_ok=True)
         begun = time.monotonic()
         command = [sys.executable, "-m", "pytest", "-q", "-p", "tests.faults.witness", "-p", "no:cacheprovider", "-m", "not slow"]
-        environment, most = self._environment(limit), _WAITING * limit
+        own = {
+            "PYTHONPATH": self.tree,
+            "NUMBA_CACHE_DIR": self._cache,
+            "WITNESS": self._note,
+            "WITNESS_SECONDS": math.ceil(limit),
+            "PYTHONDONTWRITEBYTECODE": "1",  # Python tells byte code from the source by second and size, which a fault may share
+        }
+        environment, most = os.environ | {name: str(value) for name, value in own.items()}, _WAITING * limit
         try:
             done = subprocess.run([*command, *tests], cwd=self.tree, env=environment, capture_output=True, timeout=most)
         except subprocess.TimeoutExpired:
@@ -100,14 +103,3 @@ class Copy:
             return Outcome(seconds, trouble=_ENDINGS.get(done.returncode, f"pytest ended with {done.returncode}"))
         noted: dict[str, Any] = json.loads(self._note.read_text(encoding="utf-8"))
         return Outcome(seconds, noted["caught"], tuple(noted["accidents"]))
-
-    def _environment(self, limit: float) -> dict[str, str]:
-        """No byte code is kept: Python tells it from the source by second and size, which a planted fault may share."""
-        own = {
-            "PYTHONPATH": self.tree,
-            "NUMBA_CACHE_DIR": self._cache,
-            "WITNESS": self._note,
-            "WITNESS_SECONDS": math.ceil(limit),
-            "PYTHONDONTWRITEBYTECODE": "1",
-        }
-        return os.environ | {name: str(value) for name, value in own.items()}
