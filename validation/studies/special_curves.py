@@ -1,7 +1,7 @@
 """The Hopf point, the first fold, the first torus point and the first period doubling, in two parameters."""
 
 import math
-from itertools import chain
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -14,9 +14,8 @@ from validation.branches.parameter import over_range
 from validation.branches.points import CurvePoint
 from validation.references.onset import onset_of
 from validation.references.published import reference
-from validation.study import Budget, Cell, Evidence, Figure, Number, StudyResult, Table, Verdict, of_paper, table
-from validation.study.bounds import bounded
-from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
+from validation.study import EXACT, WITNESS, Budget, Figure, Number, StudyResult, Table, Verdict, claim, of_paper, table
+from validation.study.drawing import WIDTH, Drawing, canvas, pen
 from validation.study.over_r import scene_at
 
 NAME = "special-curves"
@@ -27,17 +26,19 @@ SECONDS = (5.0, 40.0)
 _TOLERANCE = 1e-6
 _RANGE = (-2.73, -2.3)
 _KINDS = {"LP": ("first fold", "-"), "NS": ("first torus point", "--"), "PD": ("first period doubling", ":")}
-_QUICK = (("delay", "LP", (2.3, 1.7)),)
-_FULL = (
-    ("delay", "LP", (2.3, 1.7)),
-    ("kelvin-voigt", "LP", (2.3, 1.7)),
-    ("delay", "NS", (2.06, 1.97)),
-    ("kelvin-voigt", "PD", (2.02, 1.97)),
-)
-"""Model, kind and the values of log10 V towards which its curve is followed."""
+_PLAN: dict[bool, tuple[tuple[str, str, tuple[float, float]], ...]] = {
+    True: (("delay", "LP", (2.3, 1.7)),),
+    False: (
+        ("delay", "LP", (2.3, 1.7)),
+        ("kelvin-voigt", "LP", (2.3, 1.7)),
+        ("delay", "NS", (2.06, 1.97)),
+        ("kelvin-voigt", "PD", (2.02, 1.97)),
+    ),
+}
+"""By quick or full report: model, kind and the values of log10 V towards which its curve is followed."""
 
 _MOST = {True: 12, False: 24}
-_SAME = 1e-10  # 1e-12 was measured; meshes differ
+_SAME = 1e-10  # meshes differ
 _KNOWN = 5e-9
 
 Key = tuple[str, str]
@@ -45,7 +46,7 @@ Key = tuple[str, str]
 
 def run(budget: Budget) -> StudyResult:
     """Follow the curves from V = 100 in both directions; find the end of one again as an orbit at V = 100."""
-    plan, found = _QUICK if budget.quick else _FULL, dict[Key, list[CurvePoint]]()
+    plan, found = _PLAN[budget.quick], dict[Key, list[CurvePoint]]()
     for model, kind, ends in budget.each(plan, end=len(plan) / (len(plan) + 1)):
         up, down = (_curve(model, kind, end, _MOST[budget.quick]) for end in ends)
         found[model, kind] = [*reversed(down[1:]), *up]
@@ -54,7 +55,7 @@ def run(budget: Budget) -> StudyResult:
         answer=_answer(found),
         figures=(Figure("curves", _CAPTION, lambda: _diagram(found)),),
         tables=(_table(found),),
-        verdicts=(_same(end, _fold_at(end)), _known(found["delay", "LP"]), _subcritical(found)),
+        verdicts=tuple(verdicts(found, _fold_at(end))),
         notes=() if budget.quick else (_TURNS,),
         numbers={f"{model} {kind} at V = 100": Number(_start(points).first, 3e-9) for (model, kind), points in found.items()},
     )
@@ -82,24 +83,6 @@ def _fold_at(point: CurvePoint) -> float:
     return float(branch.first_special(branch.begin(), "LP")[0].point.parameter)
 
 
-def _same(point: CurvePoint, again: float) -> Verdict:
-    return bounded(
-        "Only the products εV and rV matter: the fold at V is that at V = 100 with ε and r larger by V/100",
-        Evidence.EXACT,
-        abs(point.first + point.second - 2.0 - again),
-        _SAME,
-        f"log_{{10}} r of the end of the delay system’s fold curve, V = {10.0**point.second:.1f}, against a branch of its own",
-    )
-
-
-def _known(points: list[CurvePoint]) -> Verdict:
-    known = reference()["special"]["delay"]["first fold"]["log10_r"]
-    off = abs(_start(points).first - known)
-    return bounded(
-        "The fold curve passes the known fold", Evidence.WITNESS, off, _KNOWN, "log_{10} r at V = 100, lifted shooting"
-    )
-
-
 def _below(model: str, point: CurvePoint) -> float:
     """How far below the Hopf point, relative in r."""
     scene = scene_at(-2.68)
@@ -108,17 +91,25 @@ def _below(model: str, point: CurvePoint) -> float:
     return float(1.0 - 10.0**point.first / critical)
 
 
-def _subcritical(found: dict[Key, list[CurvePoint]]) -> Verdict:
-    folds = {model: points for (model, kind), points in found.items() if kind == "LP"}
-    depths = [_below(model, point) for model, points in folds.items() for point in points]
-    places = [point.second for point in chain.from_iterable(folds.values())]
-    return of_paper(
+def verdicts(found: dict[Key, list[CurvePoint]], again: float) -> Iterator[Verdict]:
+    """`again`: the end of the delay system's fold curve as log10 r of a fold at V = 100 (`_fold_at`)."""
+    end, known = found["delay", "LP"][-1], reference()["special"]["delay"]["first fold"]["log10_r"]
+    title = "Only the products εV and rV matter: the fold at V is that at V = 100 with ε and r larger by V/100"
+    remark = f"log_{{10}} r of the end of the delay system’s fold curve, V = {10.0**end.second:.1f}, against a branch of its own"
+    yield claim(title, EXACT, end.first + end.second - 2.0, _SAME, remark, near=again)
+    here = _start(found["delay", "LP"]).first
+    title = "The fold curve passes the known fold"
+    yield claim(title, WITNESS, here, _KNOWN, "log_{10} r at V = 100, lifted shooting", near=known)
+    folds = [(model, point) for (model, kind), points in found.items() if kind == "LP" for point in points]
+    depths, speeds = [_below(*fold) for fold in folds], sorted(10.0**point.second for _, point in folds)
+    low, high = speeds[0], speeds[-1]
+    yield of_paper(
         "P8 The Hopf point is very mildly subcritical, at other V (and so at other ε) too",
         "a fold just below r_{c}",
         f"{100 * min(depths):.2f} to {100 * max(depths):.2f} % below r_{{c}}",
         min(depths) > 0.0 and max(depths) < 0.01,
-        f"{len(depths)} folds at V from {10.0 ** min(places):.0f} to {10.0 ** max(places):.0f}; at fixed V that is ε from "
-        f"{2.8e-7 * 10.0 ** min(places):.2g} to {2.8e-7 * 10.0 ** max(places):.2g}".replace("e-05", " · 10^{-5}"),
+        f"{len(depths)} folds at V from {low:.0f} to {high:.0f}; at fixed V that is ε from {2.8e-7 * low:.2g} to "
+        f"{2.8e-7 * high:.2g}".replace("e-05", " · 10^{-5}"),
     )
 
 
@@ -132,18 +123,20 @@ def _answer(found: dict[Key, list[CurvePoint]]) -> str:
 
 def _table(found: dict[Key, list[CurvePoint]]) -> Table:
     rows = [
-        (f"{_KINDS[kind][0]}, {model}", 10.0**point.second, point.first, point.period, *_passing(kind, point))
+        # the imaginary part of a real multiplier is rounding
+        (
+            f"{_KINDS[kind][0]}, {model}",
+            10.0**p.second,
+            p.first,
+            p.period,
+            p.multiplier[0],
+            p.multiplier[1] if kind == "NS" else None,
+        )
         for (model, kind), points in found.items()
-        for point in points[:: max(1, len(points) // 8)]
+        for p in points[:: max(1, len(points) // 8)]
     ]
     heading = "point | V [V*] .6g | log_{10} r .10f | T [transits] .7f | Re .6f | Im .6f"
     return table("curves", "Points of the curves at ε = 2.8 · 10^{−5}, with the multiplier that passes.", heading, rows)
-
-
-def _passing(kind: str, point: CurvePoint) -> tuple[Cell, Cell]:
-    """The multiplier that passes; the imaginary part of a real one is rounding."""
-    real, imaginary = point.multiplier
-    return real, imaginary if kind == "NS" else None
 
 
 def _diagram(found: dict[Key, list[CurvePoint]]) -> Drawing:
@@ -159,7 +152,12 @@ def _diagram(found: dict[Key, list[CurvePoint]]) -> Drawing:
             period.plot(velocity, [point.period for point in points], **look)
         else:
             others[0].plot(velocity, [point.first for point in points], **look)
-    _hopf(near, period)
+    grey: Any = {"color": "#777777", "linewidth": 0.9, "label": "Hopf point (39)"}
+    near.axhline(0.0, **grey)
+    low, high = period.dataLim.intervalx
+    scene, grid = scene_at(-2.68), np.linspace(low, high, 40)
+    closed = [onset_of(scene.law, scene.upper.epsilon, float(velocity)) for velocity in grid]
+    period.plot(grid, [2.0 * math.pi / (one.omega_c * one.r_delay) for one in closed], **grey)
     near.set(ylabel="$r/r_c - 1$ (%)")
     period.set(ylabel="$T$ (transits)")
     for axes in others:
@@ -170,16 +168,6 @@ def _diagram(found: dict[Key, list[CurvePoint]]) -> Drawing:
     lines = [line for axes in (near, *others) for line in axes.get_lines()]
     figure.legend(handles=lines, loc="outside upper left", ncols=2)
     return figure
-
-
-def _hopf(near: Axes, period: Axes) -> None:
-    """The Hopf point, by the closed form (39), as far as the folds reach."""
-    grey: Any = {"color": "#777777", "linewidth": 0.9, "label": "Hopf point (39)"}
-    near.axhline(0.0, **grey)
-    low, high = period.dataLim.intervalx
-    scene, grid = scene_at(-2.68), np.linspace(low, high, 40)
-    closed = [onset_of(scene.law, scene.upper.epsilon, float(velocity)) for velocity in grid]
-    period.plot(grid, [2.0 * math.pi / (one.omega_c * one.r_delay) for one in closed], **grey)
 
 
 _CAPTION = (

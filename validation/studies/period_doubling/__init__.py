@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from validation.studies.period_doubling.measured import (
 )
 from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, table
 from validation.study.branch_drawing import MARKS
-from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
+from validation.study.drawing import WIDTH, Drawing, canvas, line, ruled
 from validation.study.text import places, plain, power
 
 NAME = "period-doubling"
@@ -110,13 +109,8 @@ def planes(found: Doubled, others: Iterable[Bubble] = ()) -> Drawing:
     """The paper's Fig 7: both orbits in two planes; below, T and half the doubled period over r."""
     figure = canvas(WIDTH, 6.6)
     grid = figure.subplot_mosaic([["stress", "state"], ["branch", "branch"]], height_ratios=(1.2, 1.0))
-    single: dict[str, Any] = {
-        "color": pen("kelvin-voigt").color,
-        "linestyle": _THIN,
-        "linewidth": 1.2,
-        "label": "T = 79.09, unstable",
-    }
-    double: dict[str, Any] = {"color": _DOUBLE, "linestyle": "-", "linewidth": 0.9, "label": "doubled orbit, stable"}
+    single = line("kelvin-voigt", linestyle=_THIN, linewidth=1.2, label="T = 79.09, unstable")
+    double = line("kelvin-voigt", color=_DOUBLE, linestyle="-", linewidth=0.9, label="doubled orbit, stable")
     for orbit, look in ((found.double, double), (found.single, single)):
         rate, stress, state = _curves(orbit)
         grid["stress"].plot(rate, stress, **look)

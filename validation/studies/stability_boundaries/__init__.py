@@ -30,7 +30,7 @@ from validation.studies.stability_boundaries.measured import (
     taylor,
 )
 from validation.study import Budget, Figure, Number, StudyResult, Table, table
-from validation.study.drawing import WIDTH, Axes, Drawing, canvas, pen
+from validation.study.drawing import WIDTH, Drawing, canvas, line, pen
 from validation.study.text import plain
 
 NAME = "stability-boundaries"
@@ -181,9 +181,7 @@ def critical_curves(velocity: Array, delay: Array, kelvin_voigt: Array) -> Drawi
     figure = canvas(WIDTH, 3.1)
     left, right = figure.subplots(1, 2)
     for model, values in (("delay", delay), ("kelvin-voigt", kelvin_voigt)):
-        style = pen(model)
-        dashes = "-" if model == "delay" else (0, (5, 2))
-        left.loglog(velocity, values, color=style.color, linestyle=dashes, linewidth=style.width, label=style.label)
+        left.loglog(velocity, values, **line(model, linestyle="-" if model == "delay" else (0, (5, 2))))
     left.set(xlabel="$V/V^*$", ylabel="$r_c$")
     left.legend()
     right.loglog(velocity, np.abs(kelvin_voigt / delay - 1.0), color=pen("kelvin-voigt").color)
@@ -202,7 +200,7 @@ def planes(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, pap
         style = pen(model)
         values = np.array([function(slopes, x) for x in r])
         values[values <= 0.0] = np.nan
-        axes.loglog(r, values, color=style.color, linewidth=1.1, label=style.label)
+        axes.loglog(r, values, **line(model, linestyle="-", linewidth=1.1))
         for curve in traced[model]:
             axes.plot(10 ** curve.first[::3], 10 ** curve.second[::3], style.marker, color=style.color, markersize=3.5)
     axes.plot(paper.transit, paper.upper.epsilon, "X", color="#d55e00", markersize=8)
@@ -225,27 +223,19 @@ def impedances(paper: Scene) -> Drawing:
     figure = canvas(WIDTH, 4.6)
     grid = figure.subplot_mosaic([["size", "error"], ["phase", "error"]], width_ratios=(1.15, 1.0))
     for model in ("delay", *_MODELS):
-        style, z = pen(model), exact if model == "delay" else impedance(paper, s, model)
-        _line(grid["size"], omega, np.abs(z) / paper.upper.epsilon, model)
-        _line(grid["phase"], omega, np.degrees(np.angle(z)), model)
+        z = exact if model == "delay" else impedance(paper, s, model)
+        grid["size"].plot(omega, np.abs(z) / paper.upper.epsilon, **line(model))
+        grid["phase"].plot(omega, np.degrees(np.angle(z)), **line(model))
         if model != "delay":
-            _line(grid["error"], omega, np.abs(z / exact - 1.0), model)
-            grid["error"].lines[-1].set_label(style.label)
+            grid["error"].plot(omega, np.abs(z / exact - 1.0), **line(model))
     for name, label in (("size", r"$|Z|/\epsilon$"), ("phase", "phase of $Z$ (degrees)"), ("error", r"$|Z/Z_{\rm exact}-1|$")):
         grid[name].set(xscale="log", ylabel=label, xlabel=r"$\omega$ (radians per transit)")
     grid["size"].set(yscale="log", ylim=(0.02, 30.0), xlabel="")
     grid["phase"].set_yticks([-90, 0, 90])
     grid["error"].set(yscale="log", ylim=(1e-8, 20.0))
     handles = [*grid["size"].get_lines()[:1], *grid["error"].get_lines()]
-    figure.legend(
-        handles, [pen(model).label for model in ("delay", *_MODELS)], loc="outside upper left", ncols=4, handlelength=2.8
-    )
+    figure.legend(handles=handles, loc="outside upper left", ncols=4, handlelength=2.8)
     return figure
-
-
-def _line(axes: Axes, x: Array, y: Array, model: str) -> None:
-    style = pen(model)
-    axes.plot(x, y, color=style.color, linestyle=style.dashes, linewidth=style.width)
 
 
 def spectra(found: Mapping[str, Stability], transit: float) -> Drawing:

@@ -1,8 +1,8 @@
-"""DOC"""
+"""Critical r over V, boundaries in the (r, epsilon) plane and the next Taylor truncation: what they must show."""
 
 import cmath
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -26,8 +26,7 @@ from reduced.stability import (
 )
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.study import Evidence, Verdict, judge, of_paper
-from validation.study.bounds import bounded
+from validation.study import EXACT, WITNESS, Verdict, claim, holding, of_paper
 from validation.study.known import error_of_27
 from validation.study.text import plain
 
@@ -62,25 +61,19 @@ def critical_over_velocity(paper: Scene, velocities: Array) -> Curves:
     return Curves(velocities, np.array(computed["delay"]), np.array(computed["kelvin-voigt"]), gap)
 
 
-_ROUNDING = 2e-14  # relative; 1.3e-15 was measured
+_ROUNDING = 2e-14  # relative
 _STEP = 1e-6  # log10 r
 _TRACED = 4e-10  # Newton's method ends at steps of about this size squared
-_FIRST_TRACED = 2e-3  # at eps = 1e-6 the branch (28) lies 9e-4 beyond its asymptote, relative; 8e-4 was measured
+_FIRST_TRACED = 2e-3  # at eps = 1e-6 the branch (28) lies 9e-4 beyond its asymptote, relative
 
 
-def closed_form_verdicts(paper: Scene, curves: Curves) -> tuple[Verdict, ...]:
+def closed_form_verdicts(paper: Scene, curves: Curves) -> Iterator[Verdict]:
     """The closed forms against each other and against roots found from impedance."""
-    epsilon, worst = paper.upper.epsilon, {"cubic": 0.0, "quartic": 0.0, "root": 0.0}
-    for velocity in (1.0, 10.0, 100.0, 1e3, 1e4):
-        slopes = friction_slopes(paper.law, velocity)
-        worst = {name: max(worst[name], gap) for name, gap in _gaps(paper, slopes, epsilon, velocity).items()}
-    claims = {
-        "(27) is the middle root of the cubic (21)": worst["cubic"],
-        "(27) makes the quartic (18) vanish at i ω_{c}": worst["quartic"],
-        "at r of (39) the delay system’s own equation has the root i ω_{c}": worst["root"],
-        "r_{c} from impedance alone equals (39) and (27), all V": curves.gap,
-    }
-    return tuple(bounded(claim, Evidence.EXACT, gap, _ROUNDING, "relative, V = 1 to 10^{4}") for claim, gap in claims.items())
+    speeds = (1.0, 10.0, 100.0, 1e3, 1e4)
+    every = [_gaps(paper, friction_slopes(paper.law, v), paper.upper.epsilon, v) for v in speeds]
+    worst = {name: max(gaps[name] for gaps in every) for name in every[0]}
+    for title, gap in (worst | {"r_{c} from impedance alone equals (39) and (27), all V": curves.gap}).items():
+        yield claim(title, EXACT, gap, _ROUNDING, "relative, V = 1 to 10^{4}")
 
 
 def _gaps(paper: Scene, slopes: FrictionSlopes, epsilon: float, velocity: float) -> dict[str, float]:
@@ -90,9 +83,13 @@ def _gaps(paper: Scene, slopes: FrictionSlopes, epsilon: float, velocity: float)
     at_39 = replace(paper.upper, round_trip=closed_forms.delay_r(slopes, epsilon))
     driven = replace(scaled(paper, velocity=velocity), upper=at_39, lower=at_39)
     return {
-        "cubic": float(abs(np.polyval(cubic, x) / (np.polyval(np.polyder(cubic), x) * x))),
-        "quartic": float(abs(np.polyval(quartic, s) / (np.polyval(np.polyder(quartic), s) * s))),
-        "root": abs(follow_root(characteristic(driven), s * (1.0 + 1e-3j)) / s - 1.0),
+        "(27) is the middle root of the cubic (21)": float(abs(np.polyval(cubic, x) / (np.polyval(np.polyder(cubic), x) * x))),
+        "(27) makes the quartic (18) vanish at i ω_{c}": float(
+            abs(np.polyval(quartic, s) / (np.polyval(np.polyder(quartic), s) * s))
+        ),
+        "at r of (39) the delay system’s own equation has the root i ω_{c}": abs(
+            follow_root(characteristic(driven), s * (1.0 + 1e-3j)) / s - 1.0
+        ),
     }
 
 
@@ -102,35 +99,33 @@ def fig_2(curves: Curves) -> tuple[Verdict, ...]:
     return error_of_27("Fig 2:", slow, fast)
 
 
-def fig_3(traced: dict[str, list[Boundary]], slopes: FrictionSlopes, paper: Scene) -> tuple[Verdict, ...]:
+def fig_3(traced: dict[str, list[Boundary]], slopes: FrictionSlopes, paper: Scene) -> Iterator[Verdict]:
     """The branches of Fig 3, traced and counted."""
-    off = 0.0
-    for model, closed in TRACED.items():
-        for curve in traced[model]:
-            known = np.array([closed(slopes, 10**x) for x in curve.first])
-            off = max(off, float(np.abs(10**curve.second / known - 1.0).max()))
-    branches = {model: len(curves) for model, curves in traced.items()}
-    counts = {model: [_beside(paper, model, curve) for curve in curves] for model, curves in traced.items()}
-    parted = all(abs(above - below) == 2 for pairs in counts.values() for above, below in pairs)
+    off = [
+        np.abs(10**curve.second / np.array([closed(slopes, 10**x) for x in curve.first]) - 1.0).max()
+        for model, closed in TRACED.items()
+        for curve in traced[model]
+    ]
+    delay, ode = (len(traced[model]) for model in TRACED)
+    yield claim(
+        "Fig 3: boundaries traced in the (r, ε) plane without knowing them lie on (28) and (40)",
+        EXACT,
+        float(max(off)) if delay == ode == 2 else math.inf,
+        _TRACED,
+        f"{delay} branches of the delay system, {ode} of the ODE",
+    )
+    counts = [_beside(paper, model, curve) for model, curves in traced.items() for curve in curves]
+    parted = all(abs(above - below) == 2 for above, below in counts)
     asymptote = math.sqrt(24.0) / slopes.omega_c
-    second = min(float(10 ** curve.first.min()) for curve in traced["kelvin-voigt"] if 10 ** curve.first.min() > 0.5 * asymptote)
-    whole = branches == {"delay": 2, "kelvin-voigt": 2}
-    return (
-        bounded(
-            "Fig 3: boundaries traced in the (r, ε) plane without knowing them lie on (28) and (40)",
-            Evidence.EXACT,
-            off if whole else math.inf,
-            _TRACED,
-            f"{branches['delay']} branches of the delay system, {branches['kelvin-voigt']} of the ODE",
-        ),
-        of_paper(
-            "Fig 3: beyond r = √24/ω_{c} a second pair of roots of the ODE crosses",
-            f"from r = {plain(asymptote, '.5g')}",
-            f"from r = {plain(second, '.5g')}",
-            0.0 <= second / asymptote - 1.0 < _FIRST_TRACED and parted,
-            "traced down to ε = 10^{-6}; the certified number of growing roots changes by 2 across every branch: "
-            f"{'yes' if parted else 'no'}",
-        ),
+    begins = (float(10 ** curve.first.min()) for curve in traced["kelvin-voigt"])
+    second = min(begin for begin in begins if begin > 0.5 * asymptote)
+    yield of_paper(
+        "Fig 3: beyond r = √24/ω_{c} a second pair of roots of the ODE crosses",
+        f"from r = {plain(asymptote, '.5g')}",
+        f"from r = {plain(second, '.5g')}",
+        0.0 <= second / asymptote - 1.0 < _FIRST_TRACED and parted,
+        "traced down to ε = 10^{-6}; the certified number of growing roots changes by 2 across every branch: "
+        f"{'yes' if parted else 'no'}",
     )
 
 
@@ -151,15 +146,9 @@ def crossed(paper: Scene, onsets: Mapping[str, tuple[float, float]], found: Mapp
         for name, (scene, model, at) in places.items()
     }
     wrong = [name for name, (below, beyond) in counts.items() if beyond - below != 2]
-    return Verdict(
-        "Beyond every onset a pair of roots grows that decays below it",
-        Evidence.WITNESS,
-        f"{len(counts)} onsets",
-        f"{len(counts) - len(wrong)} onsets",
-        judge(not wrong),
-        f"certified count {plain(_STEP, '.0e')} in log_{{10}} r on both sides"
-        + (f"; not so: {', '.join(wrong)}" if wrong else ""),
-    )
+    title, beside = "Beyond every onset a pair of roots grows that decays below it", f"certified count {plain(_STEP, '.0e')} in"
+    remark = f"{beside} log_{{10}} r on both sides" + (f"; not so: {', '.join(wrong)}" if wrong else "")
+    return holding(title, WITNESS, f"{len(counts)} onsets", f"{len(counts) - len(wrong)} onsets", not wrong, remark)
 
 
 def taylor(paper: Scene) -> Verdict:
@@ -169,12 +158,12 @@ def taylor(paper: Scene) -> Verdict:
     stable_scene = with_parameter(paper, "log10_r", -3.5)
     growing = analyse(stable_scene, "taylor").unstable_roots
     passive = check_passivity(paper, "taylor").passive
-    return Verdict(
+    return holding(
         "The next Taylor truncation after the paper’s cannot be used",
-        Evidence.EXACT,
+        EXACT,
         f"poles at {known.real:.4f} ± {known.imag:.4f} i",
         f"{pole.real:.4f} ± {abs(pole.imag):.4f} i per transit",
-        judge(abs(pole / known - 1.0) < _ROUNDING and pole.real > 0.0 and growing == 2 and not passive),
+        abs(pole / known - 1.0) < _ROUNDING and pole.real > 0.0 and growing == 2 and not passive,
         f"its slab is {'' if passive else 'not '}passive: at r = 10^{{-3.5}}, where sliding is stable, it has {growing} growing "
         "roots of its own",
     )
