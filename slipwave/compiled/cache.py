@@ -33,7 +33,7 @@ from numba.core.compiler import CompileResult
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
-from slipwave.compiled.frozen import frozen
+from slipwave.compiled.frozen import frozen_parts
 from slipwave.sources import digest_of, import_closure, inside
 
 STARTED = time.time()
@@ -156,7 +156,7 @@ def made_from_what(function: Callable[..., Any], classes: set[type]) -> MadeFrom
     functions = {function}
     while True:
         homes = {thing: _home_of(thing) for thing in classes} | {thing: _file_of(thing) for thing in functions}
-        brought = frozen([thing for thing, home in homes.items() if not inside(home)])
+        brought = frozen_parts([thing for thing, home in homes.items() if not inside(home)])
         if brought is None:
             return None
         starts = brought.files.union(home for home in homes.values() if inside(home))

@@ -30,7 +30,7 @@ class _Unknown(Exception):
     """A value that compiled code may take in and that cannot be written as text."""
 
 
-def frozen(things: Iterable[Any]) -> Frozen | None:
+def frozen_parts(things: Iterable[Any]) -> Frozen | None:
     """What the functions and classes `things` bring into compiled code; None if it cannot be known.
 
     Known are numbers, texts, arrays, tuples of them, functions of math and numpy, named tuples of an imported module, and

@@ -3,10 +3,10 @@
 from slipwave.friction import ageing, regularised, slip
 from slipwave.friction.law import LAWS, Law, rate_of, rates, register, respond, steady_state, unknown_of
 
-register("ageing", ageing.Ageing, ageing.respond, ageing.steady_state)
-register("slip", slip.Slip, slip.respond, slip.steady_state)
-_SHARED = (regularised.steady_state, regularised.rate_of, regularised.unknown_of)
-register("ageing-regularised", ageing.AgeingRegularised, ageing.respond_regularised, *_SHARED)
-register("slip-regularised", slip.SlipRegularised, slip.respond_regularised, *_SHARED)
+register("ageing", ageing.Ageing, ageing.respond_ageing, regularised.steady_psi)
+register("slip", slip.Slip, slip.respond_slip, regularised.steady_psi)
+_SHARED = (regularised.steady_psi, regularised.sinh_rate, regularised.sinh_unknown)
+register("ageing-regularised", ageing.AgeingRegularised, ageing.respond_ageing_regularised, *_SHARED)
+register("slip-regularised", slip.SlipRegularised, slip.respond_slip_regularised, *_SHARED)
 
 __all__ = ["LAWS", "Law", "rate_of", "rates", "register", "respond", "steady_state", "unknown_of"]

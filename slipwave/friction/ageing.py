@@ -15,16 +15,11 @@ class Ageing(NamedTuple):
     b: float
 
 
-def respond(law: Ageing, z: float, psi: float) -> Response:
+def respond_ageing(law: Ageing, z: float, psi: float) -> Response:
     """F = a_* + a z + b psi,  G = e^-psi - e^z  (psi' = phi'/phi)."""
     v = math.exp(z)
     healing = math.exp(-psi)
     return v, v, law.a_star + law.a * z + law.b * psi, law.a, law.b, healing - v, -v, -healing
-
-
-def steady_state(law: Ageing, v: float) -> float:
-    """psi_ss = -ln v  (phi_ss = 1/v)."""
-    return -math.log(v)
 
 
 class AgeingRegularised(NamedTuple):
@@ -35,7 +30,7 @@ class AgeingRegularised(NamedTuple):
     b: float
 
 
-def respond_regularised(law: AgeingRegularised, z: float, psi: float) -> Response:
+def respond_ageing_regularised(law: AgeingRegularised, z: float, psi: float) -> Response:
     """G = e^-psi - |v|."""
     v, v_z, friction, friction_z, friction_psi = direct_effect(law.a_star, law.a, law.b, z, psi)
     healing = math.exp(-psi)

@@ -15,12 +15,12 @@ RATE_FLOOR = 1e-20
 _LARGEST_EXPONENT = 300.0
 
 
-def rate_of(law: Law, z: float) -> float:
+def sinh_rate(law: Law, z: float) -> float:
     """v = 2 RATE_FLOOR sinh z."""
     return 2.0 * RATE_FLOOR * math.sinh(z)
 
 
-def unknown_of(law: Law, v: float) -> float:
+def sinh_unknown(law: Law, v: float) -> float:
     """z = asinh(v / (2 RATE_FLOOR))."""
     return math.asinh(v / (2.0 * RATE_FLOOR))
 
@@ -38,6 +38,6 @@ def direct_effect(a_star: float, a: float, b: float, z: float, psi: float) -> tu
     return v, v_z, math.copysign(a * size, v), a * 0.5 * v_z / root, b * v / (2.0 * root)
 
 
-def steady_state(law: Law, v: float) -> float:
-    """psi_ss = -ln |v|."""
+def steady_psi(law: Law, v: float) -> float:
+    """psi_ss = -ln |v|, of every law here."""
     return -math.log(abs(v))

@@ -15,16 +15,11 @@ class Slip(NamedTuple):
     b: float
 
 
-def respond(law: Slip, z: float, psi: float) -> Response:
+def respond_slip(law: Slip, z: float, psi: float) -> Response:
     """F = a_* + a z + b psi,  G = -e^z (z + psi)."""
     v = math.exp(z)
     distance = z + psi
     return v, v, law.a_star + law.a * z + law.b * psi, law.a, law.b, -v * distance, -v * (1.0 + distance), -v
-
-
-def steady_state(law: Slip, v: float) -> float:
-    """psi_ss = -ln v  (phi_ss = 1/v)."""
-    return -math.log(v)
 
 
 class SlipRegularised(NamedTuple):
@@ -35,7 +30,7 @@ class SlipRegularised(NamedTuple):
     b: float
 
 
-def respond_regularised(law: SlipRegularised, z: float, psi: float) -> Response:
+def respond_slip_regularised(law: SlipRegularised, z: float, psi: float) -> Response:
     """G = -|v| (ln|v| + psi), and 0 at v = 0."""
     v, v_z, friction, friction_z, friction_psi = direct_effect(law.a_star, law.a, law.b, z, psi)
     speed = abs(v)

@@ -19,9 +19,9 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
     SceneError: one line that names the key, the value and what is allowed.
     """
     # numba and pydantic are imported only here, so that `import slipwave` stays light
-    from slipwave.input.assemble import assemble
+    from slipwave.input.assemble import assemble_scene
     from slipwave.input.overrides import apply_overrides
-    from slipwave.input.source import load
+    from slipwave.input.source import load_tables
     from slipwave.input.stored import is_stored, read_stored
     from slipwave.input.tables import tables_of
     from slipwave.input.validate import validate
@@ -35,9 +35,9 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
     elif isinstance(source, str | Path) and is_stored(source):
         name, data = one_line(Path(source).stem), read_stored(source).tables
     else:
-        name, data = load(source)
+        name, data = load_tables(source)
     data = apply_overrides(data, overrides)
-    return assemble(data, validate(data), name)
+    return assemble_scene(data, validate(data), name)
 
 
 def read_scene(source: SceneSource, **changes: Any) -> "Scene":

@@ -6,7 +6,7 @@ from typing import Any
 
 from slipwave.errors import SceneError
 from slipwave.friction import LAWS
-from slipwave.input.number import EPSILON, LATER_VELOCITY, RELAXATION, ROUND_TRIP, TIME, UNTIL, VELOCITY, Range
+from slipwave.input.number import EPSILON, LATER_VELOCITY, RELAXATION, ROUND_TRIP, TIME, UNTIL, VELOCITY, Numbers
 from slipwave.input.relate import in_scene, outer_face, require_units
 from slipwave.input.schema import UNIT_KEYS, DriveTable, KelvinVoigtTable, LayerTable, SceneTable, SlabTable
 from slipwave.input.wording import shorten
@@ -20,7 +20,7 @@ from slipwave.scene.units import Units
 _DEFAULT_SIZES = {"nudge": 0.5, "jump": 0.05, "orbit": 0.5}
 
 
-def assemble(data: dict[str, Any], tables: SceneTable, name: str) -> Scene:
+def assemble_scene(data: dict[str, Any], tables: SceneTable, name: str) -> Scene:
     """The scene of the raw tables `data`, which are `tables` once validated, called `name` if they give no name. Raises
     SceneError for keys that do not fit together."""
     run, start, interface = tables.run, tables.start, dict(tables.interface)
@@ -113,7 +113,7 @@ def _named(units: Units, key: str) -> dict[str, float]:
     return {f"interface.{key}": getattr(units, key), "interface.reference_velocity": units.reference_velocity}
 
 
-def _in_range(quantity: str, result: float, allowed: Range, sources: dict[str, float]) -> float:
+def _in_range(quantity: str, result: float, allowed: Numbers, sources: dict[str, float]) -> float:
     """`result`, derived from the keys `sources`. The SceneError for a result outside `allowed` names all of them, because any of
     them may be the wrong one, and what is doubtful about them."""
     if not allowed.low <= result <= allowed.high:

@@ -11,7 +11,7 @@ from slipwave.input.quantity import KINDS, Quantity, examples, looks_measured, q
 
 
 @dataclass(frozen=True)
-class Range:
+class Numbers:
     """The numbers from `low` to `high`, as metadata of a key's type: its validator and its JSON Schema.
 
     With `units` a text with one of them ("5 MPa") is allowed too and becomes a `Quantity`. `bare` says what numbers without a
@@ -60,11 +60,11 @@ class Range:
         return {"anyOf": [number, measured]} if self.units else number
 
 
-class Physical(Range):
+class Physical(Numbers):
     """A number in SI units in the range, or a text with such a unit; both become a float in SI."""
 
     def __call__(self, value: Any) -> Any:
-        """As `Range`, but a float in all cases."""
+        """As `Numbers`, but a float in all cases."""
         given = super().__call__(value)
         return super().__call__(given.value) if isinstance(given, Quantity) else given
 
@@ -74,12 +74,12 @@ def physical(unit: str) -> Physical:
     return Physical(1e-15, 1e15, (unit,))
 
 
-EPSILON = Range(1e-12, 1e6)
-ROUND_TRIP = Range(1e-9, 1e6)
-VELOCITY = Range(1e-12, 1e12, ("m/s",), "in V*")
-LATER_VELOCITY = Range(0.0, VELOCITY.high, VELOCITY.units, VELOCITY.bare)
-TIME = Range(0.0, 1e9, ("s",), "of transits")
-RELAXATION = Range(1e-15, 1e9, ("s",), "in L/V*")
-UNTIL = Range(1e-3, 1e9, ("s",), "of transits")
-RATIO = Range(1e-9, 1e9)
+EPSILON = Numbers(1e-12, 1e6)
+ROUND_TRIP = Numbers(1e-9, 1e6)
+VELOCITY = Numbers(1e-12, 1e12, ("m/s",), "in V*")
+LATER_VELOCITY = Numbers(0.0, VELOCITY.high, VELOCITY.units, VELOCITY.bare)
+TIME = Numbers(0.0, 1e9, ("s",), "of transits")
+RELAXATION = Numbers(1e-15, 1e9, ("s",), "in L/V*")
+UNTIL = Numbers(1e-3, 1e9, ("s",), "of transits")
+RATIO = Numbers(1e-9, 1e9)
 """Of two quantities of the same kind."""

@@ -14,7 +14,7 @@ from pydantic import BaseModel
 
 from slipwave.errors import SceneError
 from slipwave.input.quantity import looks_measured
-from slipwave.input.schema import InterfaceTable, SceneTable, scene_table
+from slipwave.input.schema import InterfaceTable, SceneTable, scene_keys
 from slipwave.input.source import parse_toml
 from slipwave.input.wording import key_text, listed, shorten
 
@@ -59,7 +59,7 @@ def endings(key: Sequence[str], data: Mapping[str, Any]) -> list[tuple[str, ...]
     absent = ("upper", "lower") if "slab" in data or not {"upper", "lower"} & set(data) else ("slab",)
     interface = data.get("interface")
     law = interface.get("law") if isinstance(interface, Mapping) else None
-    known = (full for full in _keys(scene_table(), law) if full[0] not in absent)
+    known = (full for full in _keys(scene_keys(), law) if full[0] not in absent)
     return [full for full in known if full[-len(words) :] in (words, tuple(key))]
 
 

@@ -3,7 +3,7 @@
 from fractions import Fraction
 
 from slipwave.errors import SceneError
-from slipwave.input.number import TIME, Range
+from slipwave.input.number import TIME, Numbers
 from slipwave.input.quantity import KINDS, Quantity, looks_measured, quantity
 from slipwave.input.schema import UNIT_KEYS, FaceTable
 from slipwave.input.validate import allowed_in
@@ -28,7 +28,7 @@ def quotient(value: float, unit: float) -> float:
     return float(Fraction(repr(value)) / Fraction(repr(unit)))
 
 
-def in_scene(key: str, given: float | Quantity, units: Units | None, allowed: Range, transit: float = 1.0) -> float:
+def in_scene(key: str, given: float | Quantity, units: Units | None, allowed: Numbers, transit: float = 1.0) -> float:
     """A time or a velocity as the bare numbers of `allowed` are: in transits of `transit` L/V*, in L/V* or in V*. A number is so
     already. Raises SceneError naming `key` if the result is not `allowed`, or the scene has no units."""
     if not isinstance(given, Quantity):
@@ -66,8 +66,8 @@ def outer_face(key: str, table: FaceTable, units: Units | None, epsilon: float, 
         if is_measured or (kind.is_own and name in slab):
             per_area = _per_area(key, name, value, area)
             result = per_area / (slab[name] * units.face[name] if units else 1.0)
-            own = next(item for item in allowed_in(type(table).model_fields[name]) if isinstance(item, Range))
-            allowed = Range(own.low, min(own.high, _LARGEST_RATIO))
+            own = next(item for item in allowed_in(type(table).model_fields[name]) if isinstance(item, Numbers))
+            allowed = Numbers(own.low, min(own.high, _LARGEST_RATIO))
             if not allowed.low <= result <= allowed.high:
                 relative = "" if result == value else f" is {result:.9g} relative to the slab, which"
                 raise SceneError(f"{key}.{name} = {text}:{relative} must be {allowed}")

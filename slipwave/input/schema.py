@@ -1,7 +1,7 @@
 """The table of keys: every key of a scene file with its type, what it may be, its units and its meaning, on one line.
 
 Validation, messages, short keys, the JSON Schema (`slipwave schema`) and README's table of keys are all read from here. Shape
-only: `assemble` joins the keys. A text in an annotation says what is allowed, as a `Range` does for a number.
+only: `assemble` joins the keys. A text in an annotation says what is allowed, as a `Numbers` does for a number.
 """
 
 from functools import cache
@@ -12,7 +12,7 @@ from pydantic.json_schema import GenerateJsonSchema
 from pydantic_core import PydanticCustomError
 
 from slipwave.friction import LAWS
-from slipwave.input.number import EPSILON, LATER_VELOCITY, RATIO, RELAXATION, ROUND_TRIP, TIME, UNTIL, VELOCITY, Range, physical
+from slipwave.input.number import EPSILON, LATER_VELOCITY, RATIO, RELAXATION, ROUND_TRIP, TIME, UNTIL, VELOCITY, Numbers, physical
 from slipwave.input.quantity import Quantity
 from slipwave.scene.recorded import RECORDED
 
@@ -20,11 +20,11 @@ UNIT_KEYS = ("normal_stress", "memory_length", "reference_velocity")
 MAX_LAYERS = 100
 MAX_RAMPS = 10_000
 _PARAMETERS = {
-    "a_star": (Range(-1e3, 1e3), "friction of steady sliding at V*"),
-    "a": (Range(1e-9, 10.0), "direct effect"),
-    "b": (Range(0.0, 10.0), "evolution effect"),
+    "a_star": (Numbers(-1e3, 1e3), "friction of steady sliding at V*"),
+    "a": (Numbers(1e-9, 10.0), "direct effect"),
+    "b": (Numbers(0.0, 10.0), "evolution effect"),
 }
-_OTHER_PARAMETER = (Range(-1e9, 1e9), "parameter of the law")
+_OTHER_PARAMETER = (Numbers(-1e9, 1e9), "parameter of the law")
 
 
 def _printable(text: str) -> str:
@@ -43,13 +43,13 @@ def _optional(meaning: str) -> Any:
     return Field(default=None, description=meaning)
 
 
-class Table(BaseModel):
+class KeyTable(BaseModel):
     """A table of the scene file: no unknown keys, no coercion."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
 
-class InterfaceTable(Table):
+class InterfaceTable(KeyTable):
     """The friction law, its parameters and, for scenes in SI, all three units."""
 
     law: str = Field(description="friction law")
@@ -58,45 +58,45 @@ class InterfaceTable(Table):
     reference_velocity: Annotated[float, physical("m/s")] | None = _optional("V*, for scenes in SI")
 
 
-class RigidTable(Table):
+class RigidTable(KeyTable):
     """The drive moves the outer face."""
 
     kind: Literal["rigid"] = Field(default="rigid", description="what holds the outer face")
 
 
-class GripTable(Table):
+class GripTable(KeyTable):
     """Spring and dashpot between drive and outer face."""
 
     kind: Literal["grip"]
-    stiffness: Annotated[Measured, Range(1e-9, 1e9, ("Pa/m",))] = Field(description="relative to epsilon/r")
-    impedance: Annotated[Measured, Range(0.0, 1e9, ("Pa s/m",))] = Field(description="relative to epsilon")
+    stiffness: Annotated[Measured, Numbers(1e-9, 1e9, ("Pa/m",))] = Field(description="relative to epsilon/r")
+    impedance: Annotated[Measured, Numbers(0.0, 1e9, ("Pa s/m",))] = Field(description="relative to epsilon")
 
 
-class MachineTable(Table):
+class MachineTable(KeyTable):
     """A grip with a mass on the slab's face. A mass of 1 is twice the slab's own."""
 
     kind: Literal["machine"]
-    stiffness: Annotated[Measured, Range(0.0, 1e15, ("Pa/m", "N/m"))] = Field(description="relative to epsilon/r, or in SI")
-    impedance: Annotated[Measured, Range(0.0, 1e15, ("Pa s/m", "N s/m"))] = Field(description="relative to epsilon, or in SI")
-    mass: Annotated[Measured, Range(0.0, 1e15, ("kg/m2", "kg"))] = Field(description="relative to epsilon r, or in SI")
+    stiffness: Annotated[Measured, Numbers(0.0, 1e15, ("Pa/m", "N/m"))] = Field(description="relative to epsilon/r, or in SI")
+    impedance: Annotated[Measured, Numbers(0.0, 1e15, ("Pa s/m", "N s/m"))] = Field(description="relative to epsilon, or in SI")
+    mass: Annotated[Measured, Numbers(0.0, 1e15, ("kg/m2", "kg"))] = Field(description="relative to epsilon r, or in SI")
     area: Annotated[float, physical("m2")] | None = _optional("of contact, in SI: then numbers are N/m, N s/m, kg")
 
 
-class ReflectionTable(Table):
+class ReflectionTable(KeyTable):
     """Bare reflection coefficient."""
 
     kind: Literal["reflection"]
-    coefficient: Annotated[float, Range(-1.0, 1.0)] = Field(description="1 is rigid, 0 absorbs waves and load")
+    coefficient: Annotated[float, Numbers(-1.0, 1.0)] = Field(description="1 is rigid, 0 absorbs waves and load")
 
 
-class KelvinVoigtTable(Table):
+class KelvinVoigtTable(KeyTable):
     """Creep that ends."""
 
     kind: Literal["kelvin-voigt"] = Field(description="viscosity; none: elastic")
     time: Annotated[Measured, RELAXATION] = Field(description="retardation time in L/V*, in SI scenes too")
 
 
-class StandardLinearTable(Table):
+class StandardLinearTable(KeyTable):
     """Stress that relaxes to a part of itself."""
 
     kind: Literal["standard-linear"] = Field(description="viscosity; none: elastic")
@@ -116,10 +116,10 @@ FaceTable: TypeAlias = Annotated[
 ViscosityTable: TypeAlias = Annotated[KelvinVoigtTable | StandardLinearTable, Field(discriminator="kind")]
 
 
-class LayerTable(Table):
+class LayerTable(KeyTable):
     """A sublayer."""
 
-    fraction: Annotated[float, Range(1e-9, 1.0)] = Field(description="share of the round trip; all add up to 1")
+    fraction: Annotated[float, Numbers(1e-9, 1.0)] = Field(description="share of the round trip; all add up to 1")
     impedance: Annotated[float, RATIO] = Field(description="relative to the slab's epsilon")
 
 
@@ -127,12 +127,12 @@ _LAYERS = f"a list of 2 to {MAX_LAYERS} tables {{fraction, impedance}}, from the
 Layers: TypeAlias = Annotated[list[LayerTable], Field(min_length=2, max_length=MAX_LAYERS), _LAYERS]
 
 
-class SlabTable(Table):
+class SlabTable(KeyTable):
     """A slab: epsilon, or density and shear_modulus; and one of r, log10_r, thickness."""
 
     epsilon: Annotated[float, EPSILON] | None = _optional("impedance rho c V*/sigma")
     r: Annotated[float, ROUND_TRIP] | None = _optional("round trip over L/V*")
-    log10_r: Annotated[float, Range(-9.0, 6.0)] | None = _optional("its decimal logarithm, instead of r")
+    log10_r: Annotated[float, Numbers(-9.0, 6.0)] | None = _optional("its decimal logarithm, instead of r")
     density: Annotated[float, physical("kg/m3")] | None = _optional("rho, with shear_modulus, in SI instead of epsilon")
     shear_modulus: Annotated[float, physical("Pa")] | None = _optional("G, with density, in SI instead of epsilon")
     thickness: Annotated[float, physical("m")] | None = _optional("H of one slab, in SI instead of r")
@@ -144,7 +144,7 @@ class SlabTable(Table):
 Ramps: TypeAlias = list[tuple[Measured, Measured]]
 
 
-class _Ramps(Range):
+class _Ramps(Numbers):
     """V, or a list of [time, V] whose first V is positive; one V becomes [[0, V]]."""
 
     def __call__(self, value: Any) -> Ramps:
@@ -162,7 +162,7 @@ class _Ramps(Range):
         return {"anyOf": [VELOCITY.json_schema(), {"type": "array", "items": pair, "minItems": 1, "maxItems": MAX_RAMPS}]}
 
 
-class DriveTable(Table):
+class DriveTable(KeyTable):
     """The relative velocity of the outer faces, constant outside the ramps."""
 
     velocity: Annotated[Ramps, _Ramps(**vars(LATER_VELOCITY))] = Field(
@@ -170,19 +170,19 @@ class DriveTable(Table):
     )
 
 
-class StartTable(Table):
+class StartTable(KeyTable):
     """How the run starts."""
 
     kind: Literal["nudge", "jump", "orbit"] = Field(
         default="nudge", description="smooth, a jump of psi, or on the model's own orbit"
     )
-    size: Annotated[float, Range(-100.0, 100.0)] | None = _optional("of the disturbance of psi")
+    size: Annotated[float, Numbers(-100.0, 100.0)] | None = _optional("of the disturbance of psi")
 
 
 _RECORD = "a list of " + ", ".join(f'"{name}"' for name in RECORDED)
 
 
-class RunTable(Table):
+class RunTable(KeyTable):
     """The length of the run and what is recorded."""
 
     until: Annotated[Measured, UNTIL] | None = _optional(
@@ -193,8 +193,8 @@ class RunTable(Table):
     )
 
 
-class SceneTable(Table):
-    """A whole scene file; `scene_table` has the [interface] of each law."""
+class SceneTable(KeyTable):
+    """A whole scene file; `scene_keys` has the [interface] of each law."""
 
     name: Text | None = _optional("name of the scene; none: that of the file")
     title: Text | None = _optional("one line about it")
@@ -207,26 +207,26 @@ class SceneTable(Table):
     run: RunTable = RunTable()
 
 
-def scene_table() -> type[SceneTable]:
+def scene_keys() -> type[SceneTable]:
     """The schema of scene files with the friction laws that this process knows."""
-    return _scene_table(tuple((name, law.parameters) for name, law in LAWS.items()))
+    return _scene_keys(tuple((name, law.parameters) for name, law in LAWS.items()))
 
 
 @cache
-def _scene_table(laws: tuple[tuple[str, Any], ...]) -> type[SceneTable]:
+def _scene_keys(laws: tuple[tuple[str, Any], ...]) -> type[SceneTable]:
     tables = tuple(_interface_table(name, parameters) for name, parameters in laws)
     union: Any = Annotated[Union[tables], Field(discriminator="law")]  # noqa: UP007
     return create_model("Scene", __base__=SceneTable, interface=(union, ...))
 
 
-def _interface_table(name: str, parameters: Any) -> type[Table]:
+def _interface_table(name: str, parameters: Any) -> type[KeyTable]:
     """[interface] of the law `name` with this parameter class."""
     fields: dict[str, Any] = {"law": (Literal[name], Field(description="friction law"))}
     for key in parameters._fields:
         allowed, meaning = _PARAMETERS.get(key, _OTHER_PARAMETER)
         fields[key] = (Annotated[float, allowed], Field(parameters._field_defaults.get(key, ...), description=meaning))
     fields |= {key: (field.annotation, field) for key, field in InterfaceTable.model_fields.items() if key != "law"}
-    return create_model(name, __base__=Table, **fields)
+    return create_model(name, __base__=KeyTable, **fields)
 
 
 class _WithoutNull(GenerateJsonSchema):
@@ -241,4 +241,4 @@ class _WithoutNull(GenerateJsonSchema):
 
 def json_schema() -> dict[str, Any]:
     """The JSON Schema (draft 2020-12) of scene files, for editors."""
-    return {"$schema": _WithoutNull.schema_dialect} | scene_table().model_json_schema(schema_generator=_WithoutNull)
+    return {"$schema": _WithoutNull.schema_dialect} | scene_keys().model_json_schema(schema_generator=_WithoutNull)

@@ -30,7 +30,7 @@ def gallery_titles() -> dict[str, str]:
     return {name: str(_parse(_GALLERY / f"{name}.toml").get("title", "")) for name in gallery_names()}
 
 
-def load(source: str | Path | Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
+def load_tables(source: str | Path | Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
     """(default name, raw tables) of a gallery name, a TOML file's path, or a dictionary (copied).
 
     Raises SceneError when there is no such scene or the file is not a TOML text under 1 MB with keys of 20 parts at most.

@@ -18,7 +18,7 @@ GRID_OPTIONS = ("cells", "cfl", "time")
 """Options of a call that belong to the grid of one model."""
 
 
-class Stored(NamedTuple):
+class StoredScene(NamedTuple):
     """What a file says of its origin: the `command` that wrote it, the scene's `tables`, the model and the options of the call,
     and all its global attributes."""
 
@@ -34,7 +34,7 @@ def is_stored(source: object) -> bool:
     return isinstance(source, str | Path) and Path(source).suffix == SUFFIX
 
 
-def read_stored(path: str | Path) -> Stored:
+def read_stored(path: str | Path) -> StoredScene:
     """What the file holds. Raises SceneError if it is no file of this program's results, and if its friction law is one of the
     user's own that is not loaded, or that has changed since."""
     label = f"SCENE = {shorten(str(path))}"
@@ -57,7 +57,7 @@ def read_stored(path: str | Path) -> Stored:
         raise SceneError(f"{label}: holds no scene that can be computed again: {one_line(reason_of(error))}") from None
     if facts.get("law_digest"):
         _require_law(label, facts, str(tables.get("interface", {}).get("law")))
-    return Stored(facts["command"], tables, facts["model"], options, facts)
+    return StoredScene(facts["command"], tables, facts["model"], options, facts)
 
 
 def recall(source: object, command: str, model: str, given: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:

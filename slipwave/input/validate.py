@@ -9,8 +9,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from slipwave.errors import SceneError
-from slipwave.input.number import Range
-from slipwave.input.schema import SceneTable, Table, scene_table
+from slipwave.input.number import Numbers
+from slipwave.input.schema import KeyTable, SceneTable, scene_keys
 from slipwave.input.wording import choices, key_text, nearest, shorten
 
 _UNKNOWN = ("extra_forbidden", "invalid_key")
@@ -19,7 +19,7 @@ _UNKNOWN = ("extra_forbidden", "invalid_key")
 def validate(data: dict[str, Any]) -> SceneTable:
     """Check every key of a scene's raw tables. Raises SceneError naming the first faulty key, its value and its range."""
     try:
-        return scene_table().model_validate(data)
+        return scene_keys().model_validate(data)
     except ValidationError as failure:
         raise SceneError(_complaint(min(failure.errors(include_url=False), key=_rank))) from None
 
@@ -37,13 +37,13 @@ class _Located(NamedTuple):
     place: list[str | int]
     table: type[BaseModel]
     kind: str
-    kinds: dict[str, type[Table]]
-    below: dict[str, type[Table]]
+    kinds: dict[str, type[KeyTable]]
+    below: dict[str, type[KeyTable]]
 
 
-def tables_in(hint: Any) -> dict[str, type[Table]]:
+def tables_in(hint: Any) -> dict[str, type[KeyTable]]:
     """The tables that a type of the schema names, by their kind, which is the only word of their first key."""
-    if isinstance(hint, type) and issubclass(hint, Table):
+    if isinstance(hint, type) and issubclass(hint, KeyTable):
         words = get_args(next(iter(hint.model_fields.values())).annotation)
         return {words[0] if len(words) == 1 else "": hint}
     return {kind: table for part in get_args(hint) for kind, table in tables_in(part).items()}
@@ -51,7 +51,7 @@ def tables_in(hint: Any) -> dict[str, type[Table]]:
 
 def _located(loc: tuple[str | int, ...]) -> _Located:
     """Where a fault is; pydantic puts the kind of a table between its keys (slab.face.grip.stiffness)."""
-    found = _Located([], Table, "", {}, {"": scene_table()})
+    found = _Located([], KeyTable, "", {}, {"": scene_keys()})
     for part in loc:
         if len(found.below) > 1 and part in found.below:
             kind = str(part)
@@ -126,8 +126,8 @@ def _wanted(fault: ErrorDetails, at: _Located) -> str:
     return f"must be valid: {fault['msg'].lower()}"
 
 
-def allowed_in(hint: Any) -> Iterator[Range | str]:
+def allowed_in(hint: Any) -> Iterator[Numbers | str]:
     """What the schema allows for a key, from the metadata of its type or of the type's parts."""
-    yield from (item for item in getattr(hint, "metadata", getattr(hint, "__metadata__", ())) if isinstance(item, Range | str))
+    yield from (item for item in getattr(hint, "metadata", getattr(hint, "__metadata__", ())) if isinstance(item, Numbers | str))
     for part in (hint.annotation,) if isinstance(hint, FieldInfo) else get_args(hint):
         yield from allowed_in(part)

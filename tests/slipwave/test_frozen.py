@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from slipwave.compiled import njit
-from slipwave.compiled.frozen import frozen
+from slipwave.compiled.frozen import frozen_parts
 from slipwave.friction import LAWS, ageing
 from slipwave.friction.own import load_laws
 from slipwave.step.guess import first_guess
@@ -78,28 +78,28 @@ def made(constant: object, default: float = 1.0, bound: float = 2.0) -> Callable
 
 @pytest.mark.parametrize("constant", [0.5, 1, -0.0, True, (1.0, 2.0), np.array([1.0, 3.0]), np.float32(0.5), made(0.25)])
 def test_every_value_that_is_frozen_counts(constant: object) -> None:
-    plain, one = frozen([made(0.0)]), frozen([made(constant)])
+    plain, one = frozen_parts([made(0.0)]), frozen_parts([made(constant)])
     assert plain is not None
     assert one is not None
-    assert one == frozen([made(constant)])
+    assert one == frozen_parts([made(constant)])
     assert one != plain
-    assert len({one, frozen([made(constant, default=1.5)]), frozen([made(constant, bound=2.5)])}) == 3
+    assert len({one, frozen_parts([made(constant, default=1.5)]), frozen_parts([made(constant, bound=2.5)])}) == 3
 
 
 def test_arrays_count_to_the_last_bit() -> None:
-    assert frozen([made(np.array([1.0, 3.0]))]) != frozen([made(np.array([1.0, np.nextafter(3.0, 4.0)]))])
-    assert frozen([made(np.zeros(4))]) != frozen([made(np.zeros((2, 2)))])
+    assert frozen_parts([made(np.array([1.0, 3.0]))]) != frozen_parts([made(np.array([1.0, np.nextafter(3.0, 4.0)]))])
+    assert frozen_parts([made(np.zeros(4))]) != frozen_parts([made(np.zeros((2, 2)))])
 
 
 @pytest.mark.parametrize(
     "constant", [{}, [1.0], object(), types.ModuleType("mine"), made({}), types.SimpleNamespace, lambda x: lambda: x]
 )
 def test_what_cannot_be_told_is_never_kept(constant: object) -> None:
-    assert frozen([made(constant)]) is None
+    assert frozen_parts([made(constant)]) is None
 
 
 def test_files_of_the_project_that_a_law_calls_are_named() -> None:
-    found = frozen([made(ageing.respond)])
+    found = frozen_parts([made(ageing.respond_ageing)])
     assert found is not None
     assert [path.name for path in found.files] == ["ageing.py"]
 
@@ -108,4 +108,4 @@ def test_the_order_of_what_is_told_does_not_count() -> None:
     """Two functions that call a third; sets of them have another order in each process."""
     shared = made(0.25)
     first, second = made(shared, default=1.5), made(shared, default=2.5)
-    assert frozen([first, second]) == frozen([second, first]) is not None
+    assert frozen_parts([first, second]) == frozen_parts([second, first]) is not None

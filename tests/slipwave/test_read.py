@@ -88,8 +88,8 @@ def test_ramps_and_starts() -> None:
 
 def test_a_file_is_the_same_as_its_dictionary(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
-    path.write_text(
-        '[interface]\r\nlaw = "ageing"\na_star = 0.369\na = 0.0349\nb = 0.0489\n'
+    path.write_text(  # with the byte order mark and an end of line of another system
+        '\ufeff[interface]\r\nlaw = "ageing"\na_star = 0.369\na = 0.0349\nb = 0.0489\n'
         "[slab]\nepsilon = 2.8e-5\nr = 0.002\n[drive]\nvelocity = 100\n"
     )
     assert slipwave.read(path) == slipwave.read(str(path)) == slipwave.read(PLAIN | {"name": "mine"})

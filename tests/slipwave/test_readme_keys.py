@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterator
 from typing import Any, get_args
 
-from slipwave.input.number import Range
-from slipwave.input.schema import Table, scene_table
+from slipwave.input.number import Numbers
+from slipwave.input.schema import KeyTable, scene_keys
 from slipwave.input.validate import allowed_in, tables_in
 from slipwave.sources import ROOT
 
@@ -15,7 +15,7 @@ SAME_AS_SLAB = ("upper", "lower")
 def told(field: Any) -> str:
     """What is allowed: a range as 1e-12..1e6, the words of a text, or a sentence."""
     allowed = next(allowed_in(field), None)
-    if isinstance(allowed, Range):
+    if isinstance(allowed, Numbers):
         ends = "..".join(f"{end:g}".replace("e+", "e") for end in (allowed.low, allowed.high))
         return re.sub(r"e(-?)0+", r"e\1", ends) + (f", or in {' or '.join(allowed.units)}" if allowed.units else "")
     return allowed or in_code(get_args(field.annotation))
@@ -25,7 +25,7 @@ def in_code(words: Any) -> str:
     return ", ".join(f"`{word}`" for word in words)
 
 
-def rows(table: type[Table], above: str = "", kind: str = "") -> Iterator[str]:
+def rows(table: type[KeyTable], above: str = "", kind: str = "") -> Iterator[str]:
     """A row for each key of `table` and of the tables in it; those of [interface] once for all laws."""
     for key, field in table.model_fields.items():
         inner, name = tables_in(field.annotation), f"{above}{key}"
@@ -41,7 +41,7 @@ def rows(table: type[Table], above: str = "", kind: str = "") -> Iterator[str]:
             yield from rows(below, f"{name}.", one if len(inner) > 1 else "") if name not in SAME_AS_SLAB else ()
 
 
-TABLE = "\n".join(["| key | meaning | allowed |", "|---|---|---|", *rows(scene_table())])
+TABLE = "\n".join(["| key | meaning | allowed |", "|---|---|---|", *rows(scene_keys())])
 
 
 def test_the_table_of_keys_is_read_from_the_schema() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 import slipwave
 from slipwave.errors import SceneError
-from slipwave.input.source import load
+from slipwave.input.source import load_tables
 from validation.cli import INPUT_WRONG, main
 from validation.run.progress import progress
 
@@ -75,7 +75,7 @@ def test_a_key_without_end_is_refused_before_it_is_parsed(text: str, tmp_path: P
     path.write_bytes(PAPER + b"\n" + text.encode())
     monkeypatch.setattr("tomllib.loads", lambda text: pytest.fail("parsed"))
     with pytest.raises(SceneError, match="nested too deeply"):
-        load(path)
+        load_tables(path)
     with pytest.raises(SceneError, match="must be a TOML value"):
         slipwave.read({}, ["a={" + "b." * 60_000 + "b=1}"])
 
