@@ -9,7 +9,7 @@ import slipwave
 from slipwave.solve import follow
 from validation.cli import main
 from validation.registry.build import build
-from validation.run.determinacy import amplified_rounding
+from validation.run.outlook import amplified_rounding
 
 STIFF = ["interface.a=0.0296", "interface.b=0.0591", "drive.velocity=80", "slab.epsilon=7.2e-5", "slab.r=0.0124"]
 """Thirty-two cells of sbp:6 end at ln v = -6.27 after 60 transits where the delay system has -5.31."""

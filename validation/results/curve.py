@@ -18,8 +18,8 @@ from validation.registry.orbits import flowing
 from validation.results.branch import TOLERANCE, FollowedOptions, FollowedResult, column, origin_of, points_option
 from validation.results.command import command
 from validation.results.options import announced, option
+from validation.results.quantities import table_of
 from validation.results.result import Dataset
-from validation.results.tables import table_of
 from validation.study.drawing import Drawing, styled
 
 MOST_POINTS = 100

@@ -4,15 +4,20 @@ Values are dimensionless, as everywhere: `units` is "1" and `in_units_of` says o
 states `si_factor` and `si_units`, and all but histories have a twin in SI, named as in the JSON (`period_s`, `stress_drop_Pa`).
 """
 
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from slipwave.extras import require
 from slipwave.files import TIME
 from slipwave.scene import Scene
 from slipwave.scene.units import IN_SI
+from validation.results.facts import leaves
+from validation.results.result import Dataset
 
 
 class Quantity(NamedTuple):
@@ -97,8 +102,6 @@ def column_notes(key: str, scene: Scene, numbers: bool) -> dict[str, Any]:
 
 def in_si(name: str, values: ArrayLike, quantity: Quantity, scene: Scene) -> dict[str, tuple[Any, dict[str, str]]]:
     """The twin in SI by its name, with values and attributes; none for a pure number and for scenes without units."""
-    import numpy as np
-
     factor = si_factor(quantity, scene)
     if factor is None:
         return {}
@@ -130,3 +133,23 @@ def variables(
         if twins:
             found |= {twin: (dimension, *rest) for twin, rest in in_si(name, values, quantities[name], scene).items()}
     return found
+
+
+def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) -> Dataset:
+    """The rows of a summary on `scene` as variables over `dimension`: numbers and words by their dotted keys, NaN where there is
+    none."""
+    require("files", "a dataset")
+    import xarray
+
+    flat = [dict(leaves(row)) for row in rows]
+    names = dict.fromkeys(name for row in flat for name in row)
+    columns = {name: _column([row.get(name) for row in flat]) for name in names}
+    notes = {name: column_notes(name, scene, column.dtype == float) for name, column in columns.items()}
+    found = xarray.Dataset({name.replace(".", "_"): (dimension, columns[name], notes[name]) for name in names})
+    return found.set_coords("model") if "model" in found else found
+
+
+def _column(values: Sequence[Any]) -> "np.ndarray[Any, Any]":
+    words = any(isinstance(value, str) for value in values)
+    empty = "" if words else math.nan
+    return np.array([empty if value is None else value for value in values], dtype=object if words else float)

@@ -7,18 +7,20 @@ from typing import TYPE_CHECKING, ClassVar
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import SceneSource
+from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
-from slipwave.solve import FieldSolver, Solver
-from slipwave.solve.lyapunov import Exponent
+from slipwave.solve import FieldSolver, Solver, State
+from slipwave.solve.foresight import DAY
+from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
 from validation.registry import build as models
-from validation.registry.default_grid import grid_in_words, judged, note_on, note_on_given
+from validation.registry.build import grid_in_words, judged, note_on, note_on_given
 from validation.registry.families import Built, Options, one_port_of
 from validation.results.command import command
 from validation.results.options import ModelOptions, NumericalOptions, RunsOptions, announced, log, option
 from validation.results.run_result import RunResult
-from validation.run.determinacy import amplified_rounding
 from validation.run.length import MOST_CYCLES, Length, length_of, require_counted
-from validation.run.parting import exponent_of, require_constant
+from validation.run.outlook import amplified_rounding, outlook
+from validation.run.progress import progress
 from validation.run.recording import Wanted, Window, kept_of, records_of, time_between
 from validation.run.simulate import Run, reconsidered, simulate
 from validation.run.steps_of_drive import costly_steps
@@ -99,6 +101,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     _tell(built)
     if isinstance(built.solver, FieldSolver):
         built.solver.keep_ledger()
+    start = built.solver.state()
     one_port = one_port_of(built.solver.model)
     length = length_of(scene, one_port, options.cycles)
     shortest = next(length.ends(0.0), math.inf)
@@ -108,7 +111,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     try:
         done = simulate(built.solver, length, records.observers, options.most_seconds, records.watch, records.marks)
         done = done if done.stopped else reconsidered(done, one_port)
-        default = _default_grid(built.solver, options) if not done.failed else None
+        default = _default_grid(built.solver, start, options) if not done.failed else None
         exponent, failed, stopped = None, done.failed, done.stopped
         if options.lyapunov and not (failed or stopped):
             exponent, failed, stopped = _exponent(done, scene, options)
@@ -121,10 +124,10 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     return RunResult(done, records, built.choice or default, notes, options.stored, exponent, failed, stopped)
 
 
-def _default_grid(solver: Solver, options: RunOptions) -> "Choice | None":
+def _default_grid(solver: Solver, start: State, options: RunOptions) -> "Choice | None":
     """The grid that a full wave took by itself, with its estimated error."""
     chosen = options.cells is not None or options.tol is not None
-    return None if chosen else judged(solver, options.cfl, options.time)
+    return None if chosen else judged(solver, start, options.cfl, options.time)
 
 
 def _tell(built: Built) -> None:
@@ -154,3 +157,28 @@ def _doubts(solver: Solver, length: Length, options: RunOptions) -> list[str]:
     amplified = amplified_rounding(solver.scene, one_port_of(solver.model), length.until, options.tol)
     given = note_on_given(options.cells, options.tol)
     return [*([amplified.note] if amplified else []), *given, *costly_steps(solver)]
+
+
+def require_constant(scene: Scene) -> None:
+    """Raises SceneError if the drive changes: then motions part because they are driven."""
+    if not scene.drive.is_constant or scene.velocity == 0.0:
+        raise SceneError(f"scene {scene.name!r}: a Lyapunov exponent needs a constant drive.velocity")
+
+
+def exponent_of(done: Run, twin: Solver, model: str, most_seconds: float = DAY) -> Exponent:
+    """The exponent of the motion from the end of a run on; `twin` is another solver of its scene, and `model` one with the
+    one-port of the model that ran.
+
+    Raises NumericsError for a run whose cycles do not represent its motion: a disturbance of steady sliding fades or grows as
+    `slipwave stability` says, and a transient has no exponent; else as `largest_exponent`."""
+    solver = done.solver
+    if done.verdict is not None and not done.verdict.repeats:
+        advice = "run longer" if done.verdict.kind in ("too short", "settling") else "slipwave stability gives its rate"
+        raise NumericsError(
+            f"{solver.model}: a Lyapunov exponent is measured of runs with the verdict {', '.join(REPEATING[:-1])} or "
+            f"{REPEATING[-1]}; this one is {done.verdict.kind}: {advice} (scene {solver.scene.name!r})"
+        )
+    period = float(done.events.period[-1]) if done.events.period.size else outlook(solver.scene, model).period
+    cycle = period if math.isfinite(period) else 1.0
+    with progress(f"{solver.scene.name}, {solver.model}, beside a second motion", float(TRANSIENT + INTERVALS)) as report:
+        return largest_exponent(solver, twin, cycle, report, most_seconds=most_seconds)

@@ -15,7 +15,7 @@ from slipwave.scene.doubts import doubts
 from slipwave.solve import Leaping
 from slipwave.solve.lyapunov import Exponent
 from validation.output import figures, table
-from validation.registry.default_grid import grid_in_words
+from validation.registry.build import grid_in_words
 from validation.registry.families import one_port_of
 from validation.results.facts import finite
 from validation.results.figures import motion_figure, protocol_figure, return_map

@@ -9,13 +9,38 @@ the drop:
     D = 2 w ln(1 + T v),     solved by iteration.
 
 It is right within a factor of two or so: it chooses how far to march before the first look at the motion.
+
+Whether a run from steady sliding is decided by its start or by rounding.
+
+Where steady sliding is unstable, a disturbance of psi grows as e^(sigma t), t in transits, sigma the leading root. The nudge that
+moves a smooth start comes late (its peak at t = 6) and leaves, carried back to t = 0,
+
+    N = size int_0^inf e^(-sigma t - (t - 6)^2) dt = size (sqrt(pi)/2) e^-36 w(i (sigma/2 - 6)),
+
+w the Faddeeva function; a jump leaves its size. Rounding of psi acts from t = 0 on. The ratio of the two is the relative
+uncertainty of the amplitude with which the run leaves steady sliding. Divided by sigma, it is the uncertainty of the time at
+which it does.
 """
 
 import math
 from dataclasses import dataclass
 from functools import lru_cache
 
+import numpy as np
+
 from slipwave.scene import Scene
+from slipwave.scene.start import NUDGE_CENTRE, StartKind
+
+TOLERANCE = 1e-9
+"""Relative error expected of a model without a requested tolerance."""
+
+
+_NO_ECHO = 20.0
+"""Growth per transit from which the leading root is real, found from the right: its echoes are e^-20 of it."""
+
+
+_ERFC_ENDS = 26.0
+"""Beyond it erfc(x) underflows."""
 
 _ROUNDS = 50
 
@@ -67,3 +92,71 @@ def stress_released(scene: Scene) -> float:
         slip = 2.0 * math.log(drop) - math.log(loading) - math.log(2.0 * scene.impedance)  # ln (T v), which may overflow
         drop = 2.0 * weakening * (slip + math.log1p(math.exp(-slip)) if slip > 0.0 else math.log1p(math.exp(slip)))
     return drop
+
+
+@dataclass(frozen=True)
+class Amplified:
+    """Rounding over the start's own disturbance: `share` of the growing amplitude; `growth` per transit."""
+
+    share: float
+    growth: float
+
+    @property
+    def note(self) -> str:
+        """One line for the reader of a result."""
+        grows = f"steady sliding is unstable, disturbances grow at {self.growth:.3g} per transit"
+        if self.share >= 1.0:
+            return (
+                f"not determined: {grows}, and rounding outgrows the start {self.share:.1e} times: it decides when sliding is "
+                "left, and all that follows; use start.kind = 'jump'"
+            )
+        return (
+            f"not determined beyond {self.share:.1e}: {grows}, and rounding is that share of what leaves it: events are dated to "
+            f"{self.share / self.growth:.1e} transits"
+        )
+
+
+def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float | None = None) -> Amplified | None:
+    """What amplified rounding does to a run of `scene` to `until` (transits); None if it stays below `tolerance`. `model` is
+    one with the one-port of the model that runs."""
+    from reduced.stability import characteristic, follow_root, friction_slopes, spectrum
+
+    wanted = TOLERANCE if tolerance is None else tolerance
+    slopes = friction_slopes(scene.law, scene.velocity)
+    fastest = (slopes.reach - slopes.healing) * scene.transit  # no root of a passive slab grows faster
+    if scene.start.kind is StartKind.ORBIT or not slopes.weakening or _share(scene, fastest) <= wanted:
+        return None
+    if fastest > _NO_ECHO:
+        leading = follow_root(characteristic(scene, model), slopes.reach - slopes.healing)
+    else:
+        leading = next(iter(spectrum(scene, model).leading), 0j)
+    growth = complex(leading) * scene.transit
+    if not growth.real > 0.0:
+        return None
+    found = Amplified(_share(scene, growth), growth.real)
+    visible = math.log(_rounding(scene)) + found.growth * until > math.log(wanted)
+    return found if visible and found.share > wanted else None
+
+
+def _rounding(scene: Scene) -> float:
+    return float(np.finfo(float).eps) * max(1.0, abs(scene.steady_psi))
+
+
+def _share(scene: Scene, growth: complex) -> float:
+    """Rounding over what the start leaves, both carried back to t = 0."""
+    start = scene.start
+    if start.kind is StartKind.JUMP:
+        left = abs(start.jump_size)
+    else:
+        tail = _tail(0.5 * growth - NUDGE_CENTRE)
+        left = abs(start.nudge_size * 0.5 * math.sqrt(math.pi) * math.exp(-(NUDGE_CENTRE**2)) * tail)
+    return _rounding(scene) / left if left > 0.0 else math.inf
+
+
+def _tail(x: complex) -> complex:
+    """w(i x) = e^(x^2) erfc(x)."""
+    if x.imag == 0.0 and abs(x.real) < _ERFC_ENDS:
+        return math.exp(x.real**2) * math.erfc(x.real)
+    from scipy.special import wofz  # a fifth of a second, which few scenes need
+
+    return complex(wofz(1j * x))
