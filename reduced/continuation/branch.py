@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TypeVar
 
-from reduced.continuation.point import MOST_REFINEMENTS, Family, Metric, Point, point_near, refined, too_rough
-from reduced.continuation.special import Special, between, trend_of
+from reduced.continuation.point import MOST_REFINEMENTS, FlowFamily, Metric, OrbitPoint, on_finer_mesh, point_near, too_rough
+from reduced.continuation.special import Special, specials_between, trend_of
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 
-TOLERANCE = 1e-6
+BRANCH_TOLERANCE = 1e-6
 """Relative error of the figures along a branch. With it the 37 special points of the paper's delay system up to T = 85 lie within
 4e-8 in log10 r of those found with 1e-8, in a fifth of the time."""
 
@@ -44,17 +44,17 @@ class Control:
 class Step:
     """A `point` of a branch with the special points between it and the one before, and the length of the `next_step`."""
 
-    point: Point
+    point: OrbitPoint
     special: tuple[Special, ...]
     next_step: float
 
 
 def follow_branch(
-    family: Family,
-    first: Point,
+    family: FlowFamily,
+    first: OrbitPoint,
     metric: Metric,
-    inside: Callable[[Point], bool],
-    tolerance: float = TOLERANCE,
+    inside: Callable[[OrbitPoint], bool],
+    tolerance: float = BRANCH_TOLERANCE,
     control: Control = Control(),
 ) -> Iterator[Step]:
     """The points after `first`, in the direction of its tangent, as long as they are `inside`; the last one is the first that is
@@ -69,7 +69,7 @@ def follow_branch(
         if new.roughness(tolerance) > 1.0:
             if refinements == MOST_REFINEMENTS:
                 raise too_rough(new, tolerance)
-            family, finer = refined(family, point, metric, tolerance)
+            family, finer = on_finer_mesh(family, point, metric, tolerance)
             _require_same_count(point, finer)
             point = finer
             size, refinements = used if refinements == 0 else 0.5 * used, refinements + 1
@@ -82,7 +82,7 @@ def follow_branch(
         point, trend = new, trend_of(point, new, used)
 
 
-def _require_same_count(point: Point, finer: Point) -> None:
+def _require_same_count(point: OrbitPoint, finer: OrbitPoint) -> None:
     if finer.unstable != point.unstable:
         raise NumericsError(
             f"the number of unstable multipliers at parameter = {point.parameter:.10g} depends on the mesh: {point.unstable} and "
@@ -91,15 +91,15 @@ def _require_same_count(point: Point, finer: Point) -> None:
 
 
 def _longest_step(
-    family: Family, point: Point, metric: Metric, size: float, control: Control, trend: Array | None
-) -> tuple[Point, tuple[Special, ...], float]:
+    family: FlowFamily, point: OrbitPoint, metric: Metric, size: float, control: Control, trend: Array | None
+) -> tuple[OrbitPoint, tuple[Special, ...], float]:
     """(the next point, special points on the way, length of the step)."""
 
-    def step(length: float) -> tuple[Point, tuple[Special, ...], float]:
+    def step(length: float) -> tuple[OrbitPoint, tuple[Special, ...], float]:
         new = point_near(family, point.unknowns + length * point.tangent, point.tangent, metric, point)
         if not is_smooth(point, new, metric):
             raise NumericsError(TURNS)
-        return new, between(family, point, new, metric, trend), length
+        return new, specials_between(family, point, new, metric, trend), length
 
     try:
         return longest(step, size, control.shortest)
@@ -125,7 +125,7 @@ def longest(step: Callable[[float], Stepped], length: float, shortest: float) ->
     raise failed
 
 
-def is_smooth(point: Point, new: Point, metric: Metric) -> bool:
+def is_smooth(point: OrbitPoint, new: OrbitPoint, metric: Metric) -> bool:
     """Whether each point lies in the cone around the other's tangent."""
     chord = new.unknowns - point.unknowns
     pairs = ((point.tangent, new.tangent), (chord, point.tangent), (chord, new.tangent))

@@ -14,13 +14,13 @@ from typing import NamedTuple
 import numpy as np
 
 from reduced.continuation.branch import TURNS, Control, longest
-from reduced.continuation.point import Family, Metric, Point, point_near, refined
-from reduced.continuation.special import Special, between
+from reduced.continuation.point import FlowFamily, Metric, OrbitPoint, on_finer_mesh, point_near
+from reduced.continuation.special import Special, specials_between
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 
-Place = tuple[float, float]
+Values = tuple[float, float]
 """Values of both parameters, or a direction in their plane."""
 
 METRIC = Metric(20.0, 1.0)
@@ -39,13 +39,13 @@ class Plane:
     place, a step or a direction is a complex number."""
 
     scene_at: Callable[[float, float], Scene]
-    scale: Place
+    scale: Values
 
-    def values(self, at: complex) -> Place:
+    def values(self, at: complex) -> Values:
         """Both parameters there."""
         return at.real * self.scale[0], at.imag * self.scale[1]
 
-    def at(self, values: Place) -> complex:
+    def at(self, values: Values) -> complex:
         """The inverse of `values`."""
         return complex(values[0] / self.scale[0], values[1] / self.scale[1])
 
@@ -53,7 +53,7 @@ class Plane:
 class OnCurve(NamedTuple):
     """A `special` point at a `place`; its own parameter is the distance along the line on which it was located."""
 
-    place: Place
+    place: Values
     special: Special
 
 
@@ -63,21 +63,21 @@ class Reached(NamedTuple):
 
     before: OnCurve
     last: OnCurve
-    direction: Place
+    direction: Values
     length: float
 
 
-STEPS = Control(2e-3, 1e-5, 0.05)
+CURVE_STEPS = Control(2e-3, 1e-5, 0.05)
 """Lengths of steps in the plane, in units of its scales."""
 
 
-def beginning(start: OnCurve, towards: Place, steps: Control = STEPS) -> Reached:
+def beginning(start: OnCurve, towards: Values, steps: Control = CURVE_STEPS) -> Reached:
     """The beginning of a curve at `start`, which was found on a branch in the first parameter, at first in the direction
     `towards`."""
     return Reached(start, start, towards, steps.first)
 
 
-def follow_curve(plane: Plane, reached: Reached, tolerance: float, steps: Control = STEPS) -> Iterator[Reached]:
+def follow_curve(plane: Plane, reached: Reached, tolerance: float, steps: Control = CURVE_STEPS) -> Iterator[Reached]:
     """The curve point after point beyond what is `reached`, without end; on meshes that keep relative errors of the figures below
     `tolerance`.
 
@@ -113,11 +113,11 @@ def _across(plane: Plane, reached: Reached, length: float, tolerance: float) -> 
     _, last, direction, _ = reached
     centre, line = plane.at(last.place) + length * complex(*direction), complex(*direction) / 1j
     known = last.special.point
-    family = Family(known.closed.flow, lambda along: plane.scene_at(*plane.values(centre + along * line)))
+    family = FlowFamily(known.closed.flow, lambda along: plane.scene_at(*plane.values(centre + along * line)))
     point = point_near(family, _predicted(plane, reached, centre), known.tangent, METRIC)
     special = _nearest(family, point, last.special.kind)
     if special.point.roughness(tolerance) > 1.0:
-        family, point = refined(family, special.point, METRIC, tolerance)
+        family, point = on_finer_mesh(family, special.point, METRIC, tolerance)
         special = _nearest(family, point, last.special.kind)
     return OnCurve(plane.values(centre + special.point.parameter * line), special)
 
@@ -140,13 +140,13 @@ def _deviation(known: OnCurve) -> Array:
     return np.asarray(point.unknowns - np.append(point.closed.flow.steady, [0.0, 0.0]))
 
 
-def _nearest(family: Family, point: Point, kind: str) -> Special:
+def _nearest(family: FlowFamily, point: OrbitPoint, kind: str) -> Special:
     """The special point of `kind` on the branch through `point` that is nearest to it."""
     for reach in _REACHES:
         left, right = (
             point_near(family, point.unknowns + shift * point.tangent, point.tangent, METRIC, point) for shift in (-reach, reach)
         )
-        found = [one for one in between(family, left, right, METRIC) if one.kind == kind]
+        found = [one for one in specials_between(family, left, right, METRIC) if one.kind == kind]
         if found:
             return min(found, key=lambda one: METRIC.length(one.point.unknowns - point.unknowns))
     raise NumericsError(f"no {kind} was found beside an orbit of period {point.closed.cycle.period:.6g}")

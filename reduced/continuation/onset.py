@@ -15,7 +15,7 @@ from slipwave.scene import Scene
 _SAMPLES = 17
 _HALVINGS = 8
 _STEPS_OUT = 12  # by factors of four
-WIDTH = 1e-13
+ONSET_WIDTH = 1e-13
 """Width of a bracket in the parameter."""
 
 
@@ -61,7 +61,7 @@ def _between(scene_at: Callable[[float], Scene], low: float, high: float, below:
     if rate(low) * rate(high) > 0.0:
         between = f"parameter = {low:.10g} and {high:.10g}"
         raise NumericsError(f"{model}: the loss of stability between {between} is not a single pair of roots that crosses")
-    at = float(brentq(rate, low, high, xtol=WIDTH))
+    at = float(brentq(rate, low, high, xtol=ONSET_WIDTH))
     return Onset(at, 2.0 * math.pi / abs(root(at).imag) / scene_at(at).transit, below, above)
 
 

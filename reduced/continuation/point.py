@@ -20,7 +20,7 @@ MOST_REFINEMENTS = 8
 """Refinements in a row after which a branch ends."""
 
 
-class Family:
+class FlowFamily:
     """`flow` for all scenes `scene_at(p)`: calling it gives the flow at the parameter p."""
 
     def __init__(self, flow: Flow, scene_at: Callable[[float], Scene]) -> None:
@@ -31,9 +31,9 @@ class Family:
         """The flow at a parameter."""
         return self._at(parameter)
 
-    def on(self, flow: Flow) -> "Family":
+    def on(self, flow: Flow) -> "FlowFamily":
         """The same scenes on the mesh of `flow`."""
-        return Family(flow, self._scene_at)
+        return FlowFamily(flow, self._scene_at)
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Metric:
 
 
 @dataclass(frozen=True)
-class Point:
+class OrbitPoint:
     """A `closed` orbit on a branch; `tangent` (n + 2,), the direction of the branch with length 1 in the branch's metric."""
 
     closed: Closed
@@ -93,14 +93,14 @@ class Point:
         return self.closed.flow.roughness(self.closed.cycle, tolerance)
 
 
-def point_near(flow_at: FlowAt, guess: Array, along: Array, metric: Metric, neighbour: Point | None = None) -> Point:
+def point_near(flow_at: FlowAt, guess: Array, along: Array, metric: Metric, neighbour: OrbitPoint | None = None) -> OrbitPoint:
     """The point of the branch on the plane through `guess` that is orthogonal to `along`, oriented as `along`; the derivatives at
     a `neighbour` save time. Raises NumericsError if there is none."""
     *start, period, parameter = guess
     weights = metric.weights(len(start)) * along / metric.length(along)
     known = neighbour.closed if neighbour is not None else None
     closed = close_family(flow_at, np.array(start), float(period), float(parameter), weights, neighbour=known)
-    return Point(closed, direction(closed, along, metric))
+    return OrbitPoint(closed, direction(closed, along, metric))
 
 
 def direction(closed: Closed, along: Array, metric: Metric) -> Array:
@@ -118,7 +118,7 @@ def direction(closed: Closed, along: Array, metric: Metric) -> Array:
     return np.asarray(tangent / metric.length(tangent))
 
 
-def refined(family: Family, point: Point, metric: Metric, tolerance: float) -> tuple[Family, Point]:
+def on_finer_mesh(family: FlowFamily, point: OrbitPoint, metric: Metric, tolerance: float) -> tuple[FlowFamily, OrbitPoint]:
     """The family on a mesh that suits the motion at `point` to `tolerance`, and the point found again on it. Raises NumericsError
     if no mesh does."""
     for _ in range(MOST_REFINEMENTS):
@@ -133,7 +133,7 @@ def refined(family: Family, point: Point, metric: Metric, tolerance: float) -> t
     raise too_rough(point, tolerance)
 
 
-def too_rough(point: Point, tolerance: float) -> NumericsError:
+def too_rough(point: OrbitPoint, tolerance: float) -> NumericsError:
     """The error of a branch that no mesh resolves beyond `point`."""
     return NumericsError(
         f"the branch ends at parameter = {point.parameter:.10g}: no mesh resolves the motion to {tolerance:g} (the highest "

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reduced.continuation.point import Metric, Point, point_near
-from reduced.orbit.closing import TOLERANCE, FlowAt
+from reduced.continuation.point import Metric, OrbitPoint, point_near
+from reduced.orbit.closing import CLOSES_TO, FlowAt
 from reduced.orbit.multipliers import Complex
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
@@ -38,20 +38,22 @@ class Special:
     the `multiplier` that passes."""
 
     kind: str
-    point: Point
+    point: OrbitPoint
     bracket: float
     unstable_before: int
     unstable_after: int
     multiplier: complex
 
 
-def between(flow_at: FlowAt, left: Point, right: Point, metric: Metric, trend: Array | None = None) -> tuple[Special, ...]:
+def specials_between(
+    flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric, trend: Array | None = None
+) -> tuple[Special, ...]:
     """The special points between two neighbours of a branch, in order. `trend`, from before `left`, reveals a pair of them that
     leaves the number of unstable multipliers as it was. Raises Unaccounted if they do not explain the change of that number."""
 
-    def halves(middle: Point) -> tuple[Special, ...]:
+    def halves(middle: OrbitPoint) -> tuple[Special, ...]:
         beyond = trend_of(left, middle, metric.length(middle.unknowns - left.unknowns))
-        return between(flow_at, left, middle, metric, trend) + between(flow_at, middle, right, metric, beyond)
+        return specials_between(flow_at, left, middle, metric, trend) + specials_between(flow_at, middle, right, metric, beyond)
 
     if not _differ(left, right):
         crosses = _may_cross(left, right, metric, trend)
@@ -69,12 +71,12 @@ def between(flow_at: FlowAt, left: Point, right: Point, metric: Metric, trend: A
     return halves(_middle(flow_at, left, right, metric))
 
 
-def trend_of(left: Point, right: Point, length: float) -> Array:
+def trend_of(left: OrbitPoint, right: OrbitPoint, length: float) -> Array:
     """How fast the largest moduli of multipliers that may pass the unit circle elsewhere than at 1 grow along the branch."""
     return (_moduli(right) - _moduli(left)) / length
 
 
-def _real(point: Point) -> Array:
+def _real(point: OrbitPoint) -> Array:
     """The real multipliers."""
     return np.asarray(point.multipliers[np.abs(point.multipliers.imag) < _REAL].real)
 
@@ -84,14 +86,14 @@ def _above(values: Complex) -> Complex:
     return values[values.imag >= _REAL]
 
 
-def _moduli(point: Point) -> Array:
+def _moduli(point: OrbitPoint) -> Array:
     """The largest moduli of complex pairs and of real multipliers below zero, in order."""
     real = _real(point)
     turning = np.abs(np.concatenate([_above(point.multipliers), real[real < 0.0]]))
     return np.append(np.sort(turning)[::-1], np.zeros(_WATCHED))[:_WATCHED]
 
 
-def _may_cross(left: Point, right: Point, metric: Metric, trend: Array | None) -> bool:
+def _may_cross(left: OrbitPoint, right: OrbitPoint, metric: Metric, trend: Array | None) -> bool:
     """Whether a modulus that goes on by its trend would pass 1 before `right`, where it lies on the same side of 1 as at `left`:
     it may have passed and come back. A modulus that bends back stays below the line of its trend."""
     length = metric.length(right.unknowns - left.unknowns)
@@ -101,11 +103,11 @@ def _may_cross(left: Point, right: Point, metric: Metric, trend: Array | None) -
     return bool(((begin - 1.0) * (begin + length * trend - 1.0) < 0.0).any())
 
 
-def _differ(left: Point, right: Point) -> bool:
+def _differ(left: OrbitPoint, right: OrbitPoint) -> bool:
     return left.unstable != right.unstable or _turns(left, right)
 
 
-def _may_turn(left: Point, right: Point, metric: Metric) -> bool:
+def _may_turn(left: OrbitPoint, right: OrbitPoint, metric: Metric) -> bool:
     """Whether the cubic with the parameters and slopes of both ends turns between them though both slopes have one sign: then
     two folds lie there, or the chord is nearly vertical."""
     change = right.parameter - left.parameter
@@ -115,27 +117,27 @@ def _may_turn(left: Point, right: Point, metric: Metric) -> bool:
     return bool(first * middle < 0.0 or first * change < 0.0)
 
 
-def _turns(left: Point, right: Point) -> bool:
+def _turns(left: OrbitPoint, right: OrbitPoint) -> bool:
     return bool(left.tangent[-1] * right.tangent[-1] < 0.0)
 
 
-def _doubles(left: Point, right: Point) -> bool:
+def _doubles(left: OrbitPoint, right: OrbitPoint) -> bool:
     return bool((_real(left) < -1.0).sum() != (_real(right) < -1.0).sum())
 
 
-def _winds(left: Point, right: Point) -> bool:
+def _winds(left: OrbitPoint, right: OrbitPoint) -> bool:
     return _pairs_outside(left) != _pairs_outside(right)
 
 
-def _pairs_outside(point: Point) -> int:
+def _pairs_outside(point: OrbitPoint) -> int:
     return int((np.abs(_above(point.multipliers)) > 1.0).sum())
 
 
-_TESTS: dict[str, Callable[[Point, Point], bool]] = {"LP": _turns, "PD": _doubles, "NS": _winds}
+_TESTS: dict[str, Callable[[OrbitPoint, OrbitPoint], bool]] = {"LP": _turns, "PD": _doubles, "NS": _winds}
 _CHANGES = {"LP": 1, "PD": 1, "NS": 2}  # of the number of unstable multipliers
 
 
-def _middle(flow_at: FlowAt, left: Point, right: Point, metric: Metric, share: float = 0.5) -> Point:
+def _middle(flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric, share: float = 0.5) -> OrbitPoint:
     """The point of the branch between two others, at `share` of the chord, sought from the cubic through both."""
     chord = right.unknowns - left.unknowns
     rest, length = 1.0 - share, metric.length(chord)
@@ -144,13 +146,13 @@ def _middle(flow_at: FlowAt, left: Point, right: Point, metric: Metric, share: f
     return point_near(flow_at, guess, chord / length, metric, left if share < 0.5 else right)
 
 
-def _locate(flow_at: FlowAt, left: Point, right: Point, metric: Metric, kind: str) -> Special:
+def _locate(flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric, kind: str) -> Special:
     """The special point of `kind` between two points: the zero of its test function, between two points close by on either side,
     of which one is before it and one beyond."""
     length = metric.length(right.unknowns - left.unknowns)
     found = {0.0: left, 1.0: right}
 
-    def point(share: float) -> Point:
+    def point(share: float) -> OrbitPoint:
         """The point at `share` of the chord, sought between the nearest two that are known."""
         if share not in found:
             low, high = max(one for one in found if one < share), min(one for one in found if one > share)
@@ -163,7 +165,7 @@ def _locate(flow_at: FlowAt, left: Point, right: Point, metric: Metric, kind: st
     for _ in range(_MOST_WIDENINGS):
         before, after = point(max(0.0, at - gap)), point(min(1.0, at + gap))
         if _TESTS[kind](before, after):
-            width = max(abs(after.parameter - before.parameter), TOLERANCE)
+            width = max(abs(after.parameter - before.parameter), CLOSES_TO)
             passing = complex(critical(kind, point(at).multipliers))
             return Special(kind, point(at), width, left.unstable, right.unstable, passing)
         gap *= 4.0
@@ -183,7 +185,7 @@ def _zero(value: Callable[[float], float], is_beyond: Callable[[float], bool], w
     return 0.5 * (low + high)
 
 
-def _value(kind: str, point: Point) -> float:
+def _value(kind: str, point: OrbitPoint) -> float:
     """The test function of `kind`; its sign changes at the special point."""
     if kind == "LP":
         return float(point.tangent[-1])

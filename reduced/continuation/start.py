@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import scipy.linalg
 
-from reduced.continuation.point import Family, Metric, Point, direction, point_near
+from reduced.continuation.point import FlowFamily, Metric, OrbitPoint, direction, point_near
 from reduced.continuation.special import Special
 from reduced.orbit.closing import Closed, FlowAt, by_parameter, close
 from reduced.orbit.figures import difference_of_parts
@@ -33,15 +33,15 @@ def metric_for(low: float, high: float) -> Metric:
     return Metric(20.0, abs(high - low) or 1.0)
 
 
-def from_orbit(flow_at: FlowAt, closed: Closed, parameter: float, towards: float, metric: Metric) -> Point:
+def from_orbit(flow_at: FlowAt, closed: Closed, parameter: float, towards: float, metric: Metric) -> OrbitPoint:
     """An orbit found at a fixed `parameter` as a point of its branch, oriented towards the parameter `towards`."""
     found = replace(closed, parameter=parameter, drift=by_parameter(flow_at, closed.cycle, parameter))
     along = np.zeros(closed.cycle.start.size + 2)
     along[-1] = np.sign(towards - parameter) * metric.parameter
-    return Point(found, direction(found, along, metric))
+    return OrbitPoint(found, direction(found, along, metric))
 
 
-def from_hopf(flow_at: FlowAt, parameter: float, period: float, metric: Metric) -> Point:
+def from_hopf(flow_at: FlowAt, parameter: float, period: float, metric: Metric) -> OrbitPoint:
     """The first small orbit of the branch that begins at the Hopf point at `parameter`, where disturbances of steady sliding
     oscillate with `period` (transits) and neither grow nor decay.
 
@@ -65,7 +65,7 @@ def from_hopf(flow_at: FlowAt, parameter: float, period: float, metric: Metric) 
     return point_near(flow_at, guess, along, metric)
 
 
-def from_doubling(family: Family, special: Special, metric: Metric) -> tuple[Family, Point]:
+def from_doubling(family: FlowFamily, special: Special, metric: Metric) -> tuple[FlowFamily, OrbitPoint]:
     """The first orbit of twice the period beside the period doubling `special`, and the family on a mesh for it: displaced along
     the eigenvector of the multiplier -1, by which the two halves of the doubled orbit differ.
 
@@ -86,7 +86,9 @@ def from_doubling(family: Family, special: Special, metric: Metric) -> tuple[Fam
     raise failed
 
 
-def _displaced(family: Family, simple: Point, shape: Array, amplitude: float, metric: Metric) -> tuple[Family, Point]:
+def _displaced(
+    family: FlowFamily, simple: OrbitPoint, shape: Array, amplitude: float, metric: Metric
+) -> tuple[FlowFamily, OrbitPoint]:
     """The doubled orbit at this amplitude of its deviation `shape` from the simple one, measured across the branch of simple
     orbits, so that none of these can be found instead."""
     closed = simple.closed
@@ -101,12 +103,12 @@ def _displaced(family: Family, simple: Point, shape: Array, amplitude: float, me
     return family, point
 
 
-def difference_of_halves(point: Point) -> float:
+def difference_of_halves(point: OrbitPoint) -> float:
     """Largest difference of z and psi between the first and the second half of an orbit; 0 if it is a simple one, twice."""
     return difference_of_parts(point.closed.cycle, point.closed.flow.nodes, 2)
 
 
-def stored(point: Point, step: float) -> State:
+def stored(point: OrbitPoint, step: float) -> State:
     """All that is needed to go on from a point, to the last digit, as arrays by name: its `unknowns` (x, T, p), `tangent`, the
     next `step`, the mesh and the derivatives of `Closed`, which may be those of a neighbour."""
     closed = point.closed
@@ -115,7 +117,7 @@ def stored(point: Point, step: float) -> State:
     return mesh | {"unknowns": point.unknowns, "tangent": point.tangent, "step": np.array([step])} | derivatives
 
 
-def from_stored(family: Family, saved: Mapping[str, Array]) -> tuple[Family, Point, float]:
+def from_stored(family: FlowFamily, saved: Mapping[str, Array]) -> tuple[FlowFamily, OrbitPoint, float]:
     """The family on the stored mesh, the point, and the next step."""
     *start, period, parameter = saved["unknowns"].tolist()
     flow = family(parameter).on_mesh({name.removeprefix(_MESH): saved[name] for name in saved if name.startswith(_MESH)})
@@ -123,10 +125,10 @@ def from_stored(family: Family, saved: Mapping[str, Array]) -> tuple[Family, Poi
     residual = float(np.abs(cycle.end - cycle.start).max())
     derivatives = (saved["monodromy"], saved["velocity"], saved["drift"])
     closed = Closed(flow, cycle, residual, *derivatives, parameter, 0)
-    return family.on(flow), Point(closed, saved["tangent"]), float(saved["step"][0])
+    return family.on(flow), OrbitPoint(closed, saved["tangent"]), float(saved["step"][0])
 
 
-def orbits_at(points: Iterable[Point], parameter: float, scene: Scene) -> list[Closed]:
+def orbits_at(points: Iterable[OrbitPoint], parameter: float, scene: Scene) -> list[Closed]:
     """All orbits of a branch at one value of its `parameter`, in order along the branch, each by Newton's method from the points
     on both sides; `scene` is that of this value. Raises NumericsError if it does not find one."""
     found: list[Closed] = []

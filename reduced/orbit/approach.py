@@ -33,7 +33,7 @@ Freeze = Callable[[Marched, float], tuple[Flow, Array]]
 """(solver, period) -> its flow for that period and its present state."""
 
 
-class Section(NamedTuple):
+class CycleSection(NamedTuple):
     """The `state` of `flow` halfway between two slip events, of which the earlier one has this `date` (transits)."""
 
     flow: Flow
@@ -129,18 +129,18 @@ def _drifts(events: Events) -> bool:
     return bool((changes > 0.0).all() or (changes < 0.0).all())
 
 
-def _sections(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]", period: float) -> list[Section]:
+def _sections(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]", period: float) -> list[CycleSection]:
     """The motion halfway after the next events, all on one mesh."""
-    sections: list[Section] = []
+    sections: list[CycleSection] = []
     while len(sections) < _CYCLES:
         flow, state = _between(solver, observer, freeze, period)
         if sections and flow.size != sections[0].flow.size:  # the solver has refined its mesh
             sections = []
-        sections.append(Section(flow, state, float(observer.dates()[-1])))
+        sections.append(CycleSection(flow, state, float(observer.dates()[-1])))
     return sections
 
 
-def closest_returns(sections: list[Section], cycles: int = 1, near: float | None = None) -> list[tuple[Section, float]]:
+def closest_returns(sections: list[CycleSection], cycles: int = 1, near: float | None = None) -> list[tuple[CycleSection, float]]:
     """Sections to which the motion returns closest (largest difference of a component of the state) after so many `cycles`, the
     closest first, each with the time (transits) until then; with `near`, of the half whose time is nearest to it."""
     pairs = [(first, last.date - first.date, last) for first, last in zip(sections, sections[cycles:], strict=False)]

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reduced.orbit.newton import Evaluated, solve
+from reduced.orbit.newton import Evaluated, solve_by_newton
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 from slipwave.step.flow import Cycle, Flow
 
-TOLERANCE = 1e-12
+CLOSES_TO = 1e-12
 _NEAR = 1e-7  # a monodromy matrix taken this near to the orbit counts as the orbit's own
 _BY_PARAMETER = 1e-7  # relative change in the difference
 _SMALL = 1e-3  # parameter below which the change is no longer relative, so that rounding errors stay small at zero
@@ -86,7 +86,7 @@ class _Equations:
         return np.vstack(rows if self.weights is None else [*rows, self.weights])
 
 
-def close(flow: Flow, state: Array, period: float, tolerance: float = TOLERANCE) -> Closed:
+def close(flow: Flow, state: Array, period: float, tolerance: float = CLOSES_TO) -> Closed:
     """The orbit of `flow` near `state` and `period`. Raises NumericsError if Newton's method does not converge to one."""
     return close_family(lambda _: flow, state, period, tolerance=tolerance)
 
@@ -97,7 +97,7 @@ def close_family(
     period: float,
     parameter: float = 0.0,
     weights: Array | None = None,
-    tolerance: float = TOLERANCE,
+    tolerance: float = CLOSES_TO,
     neighbour: Closed | None = None,
 ) -> Closed:
     """The orbit near `state`, `period` and `parameter` of the flows `flow_at(parameter)`; on the plane through this guess that is
@@ -111,7 +111,7 @@ def close_family(
     equations = _Equations(flow_at, guess, parameter, weights, along / max(float(np.abs(along).max()), 1e-300))
     known = None if neighbour is None else equations.bordered(neighbour.monodromy, neighbour.velocity, neighbour.drift)
     try:
-        solved = solve(equations.evaluate, equations.derivative, guess, tolerance, _NEAR, known)
+        solved = solve_by_newton(equations.evaluate, equations.derivative, guess, tolerance, _NEAR, known)
     except NumericsError as reason:
         raise NumericsError(
             f"{flow.model}: no periodic orbit found near a period of {period:.6g} transits: {reason} (scene {flow.scene.name!r}, "

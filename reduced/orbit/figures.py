@@ -18,10 +18,10 @@ _NAMES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")
 
 def figures_of(closed: Closed) -> dict[str, float]:
     """The `figures` of a closed cycle."""
-    return figures(closed.flow.scene.law, closed.cycle, closed.flow.nodes)
+    return cycle_figures(closed.flow.scene.law, closed.cycle, closed.flow.nodes)
 
 
-def figures(law: Law, cycle: Cycle, nodes: Array) -> dict[str, float]:
+def cycle_figures(law: Law, cycle: Cycle, nodes: Array) -> dict[str, float]:
     """period (transits), stress_drop and elastic_stress_drop (largest less smallest value in the cycle, in units of the normal
     stress), v_max and v_min (V*)."""
     basis, pieces = lagrange_basis(nodes), cycle.pieces

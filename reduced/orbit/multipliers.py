@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 Complex = NDArray[np.complex128]
 
-NEUTRAL = 1e-6
+_NEUTRAL = 1e-6
 """Distance of a multiplier's modulus from 1 below which stability is not decided."""
 
 _AGREE = 1e-3  # relative; two meshes must agree so far on a multiplier: eigenvalues of the essential spectrum never do
@@ -45,7 +45,7 @@ def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
         others = floquet(coarser.monodromy, coarser.flow.idle)[0]
         nearest = [np.abs(others - one).min() if others.size else np.inf for one in isolated]
         isolated = isolated[np.array(nearest, dtype=float) < _AGREE * np.abs(isolated)]
-    if radius > 1.0 - NEUTRAL or not is_decided(closed):
+    if radius > 1.0 - _NEUTRAL or not is_decided(closed):
         from reduced.stability.idle import idle_modes
 
         modes = idle_modes(closed.flow.scene)
@@ -53,7 +53,7 @@ def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
         reason = _undamped(modes, closed.cycle.period, grows)
         return Multipliers(isolated, defect, max(radius, 1.0), False if grows else None, reason, modes)
     largest = float(np.abs(isolated).max(initial=0.0))
-    if abs(largest - 1.0) < NEUTRAL:
+    if abs(largest - 1.0) < _NEUTRAL:
         reason = f"the largest multiplier has modulus {largest:.9f}: neutral within the error of the computation"
         return Multipliers(isolated, defect, radius, None, reason)
     return Multipliers(isolated, defect, radius, largest < 1.0)

@@ -15,15 +15,15 @@ _SERVES = 0.25  # reduction of the residual from which the corrected derivative 
 _STALLED = 0.5  # reduction that counts as none
 _ROUNDING = 1e-9  # residuals that no longer shrink are accepted below this
 
-Motion = TypeVar("Motion")
+_Motion = TypeVar("_Motion")
 
 
-class Evaluated(NamedTuple, Generic[Motion]):
+class Evaluated(NamedTuple, Generic[_Motion]):
     """The `residual` (m,) of the equations at some `unknowns` u (m,), and the `motion` that gives it."""
 
     unknowns: Array
     residual: Array
-    motion: Motion
+    motion: _Motion
 
     @property
     def size(self) -> float:
@@ -31,23 +31,23 @@ class Evaluated(NamedTuple, Generic[Motion]):
         return float(np.abs(self.residual).max())
 
 
-class Solved(NamedTuple, Generic[Motion]):
+class Root(NamedTuple, Generic[_Motion]):
     """`at` the solution, the `derivative` (m, m) taken at most `away` from it, and the `iterations`."""
 
-    at: Evaluated[Motion]
+    at: Evaluated[_Motion]
     derivative: Array
     away: float
     iterations: int
 
 
-def solve(
-    evaluate: Callable[[Array], Evaluated[Motion]],
-    derivative: Callable[[Evaluated[Motion]], Array],
+def solve_by_newton(
+    evaluate: Callable[[Array], Evaluated[_Motion]],
+    derivative: Callable[[Evaluated[_Motion]], Array],
     guess: Array,
     tolerance: float,
     near: float,
     first: Array | None = None,
-) -> Solved[Motion]:
+) -> Root[_Motion]:
     """Unknowns near `guess` at which the largest residual is below `tolerance`, or where rounding does not let it shrink. The
     derivative returned was taken at a distance (largest change of an unknown) of at most `near`. `first` may be a derivative from
     the neighbourhood, with which to begin.
@@ -55,10 +55,10 @@ def solve(
     Raises NumericsError if there is no convergence, and what `evaluate` raises at the guess.
     """
 
-    def finished(iterations: int) -> Solved[Motion]:
+    def finished(iterations: int) -> Root[_Motion]:
         if taken is None or away >= near:
-            return Solved(now, derivative(now), 0.0, iterations)
-        return Solved(now, taken, away, iterations)
+            return Root(now, derivative(now), 0.0, iterations)
+        return Root(now, taken, away, iterations)
 
     now, away, taken, matrix = evaluate(guess), np.inf, first, first
     for iteration in range(_MOST_ITERATIONS):
@@ -88,18 +88,18 @@ def _step(matrix: Array, residual: Array) -> Array:
     return np.asarray(step)
 
 
-def _corrected(matrix: Array, before: Evaluated[Motion], after: Evaluated[Motion]) -> Array:
+def _corrected(matrix: Array, before: Evaluated[_Motion], after: Evaluated[_Motion]) -> Array:
     """The nearest matrix that explains the change of the residual along the step."""
     step, change = after.unknowns - before.unknowns, after.residual - before.residual
     return np.asarray(matrix + np.outer(change - matrix @ step, step / (step @ step)))
 
 
 def _shortened(
-    evaluate: Callable[[Array], Evaluated[Motion]], now: Evaluated[Motion], step: Array, fresh: bool
-) -> Evaluated[Motion]:
+    evaluate: Callable[[Array], Evaluated[_Motion]], now: Evaluated[_Motion], step: Array, fresh: bool
+) -> Evaluated[_Motion]:
     """The equations after `step` or, if that does not help though the derivative is `fresh`, after a half, a quarter ... of it:
     the best one found. Raises NumericsError if none of them can be evaluated."""
-    best: Evaluated[Motion] | None = None
+    best: Evaluated[_Motion] | None = None
     for halving in range(_MOST_HALVINGS):
         try:
             new = evaluate(now.unknowns + 0.5**halving * step)

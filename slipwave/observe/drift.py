@@ -55,7 +55,7 @@ def between_thirds(values: Array) -> Array:
     return np.diff(values[-3 * third :].reshape(3, third, *values.shape[1:]).mean(axis=1), axis=0)
 
 
-def line(values: Array) -> tuple[float, float, float]:
+def straight_line(values: Array) -> tuple[float, float, float]:
     """The straight line through `values` (n,), by least squares: its change from the first to the last, the standard error of
     that change, and the share of the variance that it explains."""
     n = values.size
@@ -72,8 +72,8 @@ def _shrinks(values: Array, lag: int) -> bool:
     apart = np.log(np.maximum(np.abs(values[lag:] - values[:-lag]).max(axis=1), _NONE))
     if apart.size < 4:
         return bool(apart.size > 1 and apart[-1] < apart[0] - np.log(2.0) and (np.diff(apart) < 0.0).all())
-    change, error, _ = line(apart)
-    late, later, _ = line(apart[apart.size // 2 :])
+    change, error, _ = straight_line(apart)
+    late, later, _ = straight_line(apart[apart.size // 2 :])
     lasts = late * change > 0.0 and abs(late) >= max(_LATE * abs(change), later)
     return lasts and abs(change) >= max(np.log(2.0), _ERRORS * error)
 

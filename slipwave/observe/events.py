@@ -21,7 +21,7 @@ from slipwave.friction import rate_of, respond, unknown_of
 from slipwave.observe.detector import new_detector, scan
 from slipwave.observe.pieces import Array, Pieces, empty_pieces, lagrange_basis
 from slipwave.observe.rise import KEPT, MOST_ROOM, room_for_rise
-from slipwave.observe.swings import BEGIN, COLUMNS, DATE, END, RECORDS, Judged, judge
+from slipwave.observe.swings import BEGIN, COLUMNS, DATE, END, RECORDS, JudgedSwings, judge_swings
 from slipwave.scene import Scene
 
 _QUIET_RATE, _QUIET_STRESS = 1e-9, 1e-13  # relative; what the floor is made of
@@ -79,11 +79,11 @@ class EventObserver:
         """Slip events of the whole run so far."""
         return self.dates().size
 
-    def judge(self, after: float = -np.inf) -> Judged:
+    def judge(self, after: float = -np.inf) -> JudgedSwings:
         """The falls that are slip events of the window from `after` (transits) to now, with their prominence."""
         found = self._found
         running = np.empty((0, COLUMNS)) if np.isnan(found.last[0]) else found.running[None, :]
-        return judge(np.concatenate((found.swings[: int(found.filled[0])], running)), found.floor, after)
+        return judge_swings(np.concatenate((found.swings[: int(found.filled[0])], running)), found.floor, after)
 
     def events(self, after: float = -np.inf) -> Events:
         """Complete cycles that begin at or after `after` (transits), in the window from there to now."""

@@ -8,10 +8,10 @@ import numpy as np
 
 from slipwave.friction import rates, respond, steady_state, unknown_of
 from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
-from slipwave.observe.stages import LATE, Range, Seen, Stage, StageFigures, figures_of, stages_of
+from slipwave.observe.stages import LATE, Extent, Seen, Stage, StageFigures, stage_figures, stages_of
 from slipwave.scene import Scene
 
-LEFT = math.exp(-1.0)
+_LEFT = math.exp(-1.0)
 """The share of the peak's height over the steady stress that is left where the stress has come back."""
 
 _POINTS = 33  # of a piece, its ends included
@@ -51,7 +51,7 @@ class ProtocolObserver:
     @property
     def figures(self) -> list[StageFigures]:
         """The figures of the stages so far."""
-        return figures_of(self.stages, self._seen)
+        return stage_figures(self.stages, self._seen)
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order. Figures are the same to the bit, however many come at once."""
@@ -96,7 +96,7 @@ class ProtocolObserver:
             seen, many = self._seen[k], 1
             may = ~(highest[first:] < stage.sign * seen.peak)
             if math.isnan(seen.recovered):
-                near, many = _NEAR * LEFT * stage.sign * (seen.peak - steady), _AT_ONCE
+                near, many = _NEAR * _LEFT * stage.sign * (seen.peak - steady), _AT_ONCE
                 may |= lowest[first:] - stage.sign * steady <= near
             first = first + int(np.argmax(may)) if may.any() else count
             these = slice(first, min(first + many, count))
@@ -139,7 +139,7 @@ class ProtocolObserver:
     def restore(self, state: dict[str, Array]) -> None:
         """Continue from what `state` returned."""
         rows = state["seen"].tolist()
-        self._seen = [Seen._make([*row[:5], *(Range(*row[k : k + 2]) for k in (5, 7, 9)), row[11]]) for row in rows]
+        self._seen = [Seen._make([*row[:5], *(Extent(*row[k : k + 2]) for k in (5, 7, 9)), row[11]]) for row in rows]
         self._now = sum(seen.reached >= stage.end for stage, seen in zip(self.stages, self._seen, strict=True))
         self._slip, self._last = state["slip"].tolist()
 
@@ -157,14 +157,14 @@ def _until_recovered(seen: Seen, sign: float, steady: float, mu: Array) -> int:
     known = -math.inf if math.isnan(seen.peak) else sign * seen.peak
     highest = np.maximum.accumulate(np.append(known, sign * mu))[1:]
     height = highest - sign * steady
-    back = (height > 0.0) & (sign * (mu - steady) <= LEFT * height)
+    back = (height > 0.0) & (sign * (mu - steady) <= _LEFT * height)
     if not math.isnan(seen.recovered):
         back &= highest > known
     return int(np.argmax(back)) if back.any() else mu.size - 1
 
 
 def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array) -> Seen:
-    """`seen` with the peak of further samples and, after it, the slip at which the stress has come back to `LEFT`."""
+    """`seen` with the peak of further samples and, after it, the slip at which the stress has come back to `_LEFT`."""
     highest, first = int(np.argmax(sign * mu)), 0
     if not sign * mu[highest] <= sign * seen.peak:
         seen = seen._replace(peak=float(mu[highest]), peak_slip=float(slip[highest]), recovered=math.nan)
@@ -172,7 +172,7 @@ def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array) -> See
     height = sign * (seen.peak - steady)
     if not (math.isnan(seen.recovered) and height > 0.0):
         return seen
-    over = sign * (mu - steady) - LEFT * height
+    over = sign * (mu - steady) - _LEFT * height
     back = np.flatnonzero(over[first:] <= 0.0)
     if not back.size:
         return seen

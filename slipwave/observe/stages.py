@@ -21,7 +21,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 from slipwave.observe.pieces import SAME, Array
 from slipwave.scene.drive import Drive
 
-Kind: TypeAlias = Literal["start", "step", "hold", "slide", "ramp", "level"]
+StageKind: TypeAlias = Literal["start", "step", "hold", "slide", "ramp", "level"]
 
 LATE = 0.1
 """The share of a stage, at its end, in which it must be steady to have settled."""
@@ -36,7 +36,7 @@ _LASTS = 0.9  # that of the last quarter, over that of the third
 class Stage(NamedTuple):
     """A stretch of the drive from `start` to `end` (transits); V (in V*) `before` it, and at its end."""
 
-    kind: Kind
+    kind: StageKind
     start: float
     end: float
     before: float
@@ -48,7 +48,7 @@ class Stage(NamedTuple):
         return 1.0 if self.velocity >= self.before else -1.0
 
 
-class Range(NamedTuple):
+class Extent(NamedTuple):
     """The lowest and the highest of some values."""
 
     low: float = math.inf
@@ -59,9 +59,9 @@ class Range(NamedTuple):
         """Highest minus lowest; 0 of none."""
         return max(self.high - self.low, 0.0)
 
-    def with_values(self, values: Array) -> "Range":
+    def with_values(self, values: Array) -> "Extent":
         """The range of further `values` too."""
-        return Range(float(values.min(initial=self.low)), float(values.max(initial=self.high)))
+        return Extent(float(values.min(initial=self.low)), float(values.max(initial=self.high)))
 
 
 class Seen(NamedTuple):
@@ -74,9 +74,9 @@ class Seen(NamedTuple):
     last: float = math.nan
     peak_slip: float = math.nan
     recovered: float = math.nan
-    third: Range = Range()
-    fourth: Range = Range()
-    late: Range = Range()
+    third: Extent = Extent()
+    fourth: Extent = Extent()
+    late: Extent = Extent()
     reached: float = -math.inf
 
 
@@ -90,7 +90,7 @@ class StageFigures:
     end. `healing`: the peak after a hold minus the stress before it.
     """
 
-    kind: Kind
+    kind: StageKind
     start: float
     end: float
     velocity: float
@@ -126,7 +126,7 @@ def _append(stages: list[Stage], start: float, end: float, first: float, last: f
         stages.append(Stage(_kind_of(stages, before, last), start, end, before, last))
 
 
-def _kind_of(stages: list[Stage], before: float, velocity: float) -> Kind:
+def _kind_of(stages: list[Stage], before: float, velocity: float) -> StageKind:
     if velocity == 0.0:
         return "hold"
     if not stages:
@@ -136,7 +136,7 @@ def _kind_of(stages: list[Stage], before: float, velocity: float) -> Kind:
     return "level" if stages[-1].kind == "ramp" and before == velocity else "step"
 
 
-def figures_of(stages: list[Stage], seen: list[Seen]) -> list[StageFigures]:
+def stage_figures(stages: list[Stage], seen: list[Seen]) -> list[StageFigures]:
     """The figures of the stages that the run has begun. One that no step of the run has seen, because it is shorter, has none."""
     found: list[StageFigures] = []
     begun = max((k + 1 for k, here in enumerate(seen) if here.reached > -math.inf), default=0)

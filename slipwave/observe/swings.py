@@ -95,7 +95,7 @@ def thin(swings: Array, count: int, floor: float) -> int:
     return simplify(swings, max(first, 0), count, max(floor, SHARE * fall))
 
 
-class Judged(NamedTuple):
+class JudgedSwings(NamedTuple):
     """The `swings` of a run without those too small for the window, the rows of the window's `events` in them, and the
     `prominence` of each event (normal stress). `over` is true if a rise that counts has ended the last event's fall."""
 
@@ -110,7 +110,7 @@ class Judged(NamedTuple):
         return self.prominence if self.over else self.prominence[:-1]
 
 
-def judge(swings: Array, floor: float, after: float) -> Judged:
+def judge_swings(swings: Array, floor: float, after: float) -> JudgedSwings:
     """The events from `after` (transits) on among the `swings` of a run: falls of at least SHARE of the largest one, and `floor`.
 
     The size of a fall depends on how large a rise it may continue through. The largest fall is the largest of all falls that
@@ -122,7 +122,7 @@ def judge(swings: Array, floor: float, after: float) -> Judged:
     sizes = swings[:, DIRECTION] * (swings[:, END] - swings[:, BEGIN])
     events = np.flatnonzero((swings[:, DIRECTION] < 0.0) & (swings[:, DATE] >= after) & (sizes >= threshold))
     over = bool(events.size) and bool((sizes[events[-1] + 1 :] >= threshold).any())
-    return Judged(swings, events, sizes[events], over)
+    return JudgedSwings(swings, events, sizes[events], over)
 
 
 def _threshold(swings: Array, floor: float, after: float) -> float:

@@ -22,7 +22,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from slipwave.observe.drift import between_thirds, goes_on, line, still_changes
+from slipwave.observe.drift import between_thirds, goes_on, still_changes, straight_line
 from slipwave.observe.events import Events
 from slipwave.observe.pieces import Array
 from slipwave.observe.torus import MANY, MOST_HARMONICS, rotation
@@ -34,7 +34,7 @@ Kind: TypeAlias = Literal[
 REPEATING: tuple[Kind, ...] = ("periodic", "torus", "irregular")
 """Verdicts on motions that means over cycles represent."""
 
-FEWEST = 3
+_FEWEST = 3
 REPEATS = 1e-3
 _MOST_EVENTS = 8  # in one period
 _SMALL = 1.2
@@ -85,8 +85,8 @@ def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: b
         return Verdict("driven", count)
     if slides and (prominence.size == 0 or (count and slides_at(float(cycles.v_max.max()), float(cycles.v_min.min())))):
         return Verdict("steady", count)
-    if count < FEWEST:
-        return Verdict("too short", count, needed=_needed(cycles, until, FEWEST))
+    if count < _FEWEST:
+        return Verdict("too short", count, needed=_needed(cycles, until, _FEWEST))
     change = float(np.max(np.abs(figures[-1] / figures[-2] - 1.0)))
     multiplicity = _multiplicity(figures)
     if multiplicity:
@@ -115,7 +115,7 @@ def _multiplicity(figures: Array) -> int | None:
     are a period if the later half of the cycles says so; others need all cycles, and differences that are nothing beside those
     within a period, because a torus returns as closely as it likes."""
     count = len(figures)
-    later = figures[-max(FEWEST, (count + 1) // 2) :]
+    later = figures[-max(_FEWEST, (count + 1) // 2) :]
     tried = min(_MOST_EVENTS, len(later) // 2)
     for n in range(1, tried + 1):
         if _apart(later, n) <= REPEATS:
@@ -145,7 +145,7 @@ def _trend(prominence: Array, ratio: float) -> float:
     """Change of the logarithm of the prominence over the window, if it is exponential; else 0."""
     values = np.log(prominence)
     early, late = (float(part) for part in between_thirds(values))
-    change, _, straight = line(values)
+    change, _, straight = straight_line(values)
     if early * late <= 0.0 or straight < _STRAIGHT[values.size >= _FEW] or (abs(change) < _CHANGED and ratio >= _SMALL):
         return 0.0
     slower = late / early

@@ -28,7 +28,7 @@ _LONGEST_VALUE = 60  # characters of a fact in a message
 _Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 
-def save(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None) -> None:
+def save_checkpoint(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None) -> None:
     """Write the present state of the run to `path`. Raises SceneError if the file cannot be written."""
     parts = _parts(solver, observers).items()
     arrays = {prefix + name: array for prefix, part in parts for name, array in part.state().items()}
@@ -38,7 +38,7 @@ def save(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None =
         np.savez(file, allow_pickle=False, facts=np.array(text), **arrays)
 
 
-def load(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None) -> None:
+def load_checkpoint(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None) -> None:
     """Bring `solver` and `observers` to the state that was saved in `path`.
 
     Raises SceneError, one line naming the file, if it is not a checkpoint, damaged or inconsistent, or if it belongs to another
@@ -84,12 +84,12 @@ class Checkpoints:
     def act(self) -> None:
         """As `Mark`; saves nothing at the end of the run, but then stays due for one that goes on."""
         if self._solver.time < self.until - SAME:
-            save(self._path, self._solver, self._observers)
+            save_checkpoint(self._path, self._solver, self._observers)
             self._schedule()
 
     def resume(self) -> None:
         """Bring the run to the state saved in `path`. Raises SceneError as `load` does, and if that run has reached `until`."""
-        load(self._path, self._solver, self._observers)
+        load_checkpoint(self._path, self._solver, self._observers)
         if self._solver.time >= self.until - SAME:
             raise SceneError(f"until = {self.until:g}: checkpoint {str(self._path)!r} is already at t = {self._solver.time:g}")
         self._schedule()

@@ -14,7 +14,7 @@ from fullwave.finite_difference import Leapfrog
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
-from slipwave.solve.checkpoint import Checkpoints, load, save
+from slipwave.solve.checkpoint import Checkpoints, load_checkpoint, save_checkpoint
 
 UNTIL = 3000.0
 SCRIPT = """
@@ -61,7 +61,7 @@ def test_killed_and_resumed_equals_uninterrupted(tmp_path):
         assert path.exists()
     solver = Leapfrog(PAPER, 32, 0.9)
     events = EventObserver(PAPER, solver.nodes)
-    load(path, solver, {"events": events})
+    load_checkpoint(path, solver, {"events": events})
     reached = solver.time
     assert reached >= 20.0
     end = reached + 500.0
@@ -88,7 +88,7 @@ def test_a_mark_just_before_the_end(tmp_path, beyond):
 def test_a_failed_save_leaves_the_old_file(tmp_path, monkeypatch):
     path = tmp_path / "run.npz"
     solver = Leapfrog(PAPER, 16)
-    save(path, solver)
+    save_checkpoint(path, solver)
     before = path.read_bytes()
 
     def full(*arguments):
@@ -96,8 +96,8 @@ def test_a_failed_save_leaves_the_old_file(tmp_path, monkeypatch):
 
     monkeypatch.setattr(os, "replace", full)
     with pytest.raises(SceneError, match="no space left"):
-        save(path, solver)
+        save_checkpoint(path, solver)
     assert path.read_bytes() == before
     assert [entry.name for entry in tmp_path.iterdir()] == ["run.npz"]
     with pytest.raises(SceneError, match="cannot be written"):
-        save(tmp_path / "absent" / "run.npz", solver)
+        save_checkpoint(tmp_path / "absent" / "run.npz", solver)

@@ -15,7 +15,7 @@ from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.solve import checkpoint, follow
-from slipwave.solve.checkpoint import load, save
+from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
 
 FAST = slipwave.read("paper", ["drive.velocity=1e6"])  # friction's state limits the step: it says nothing of the cells
 KINDS = {
@@ -31,27 +31,27 @@ OTHER = {"cells": 26, "cfl": 0.5, "number": 6, "mass": "consistent"}
 @pytest.mark.parametrize(("kind", "option"), [o for o in OTHERS if o[1] in KINDS[o[0]][1] or o[1] in ("cfl", "cells")])
 def test_every_other_setting_is_refused(tmp_path, kind, option):
     make, options = KINDS[kind]
-    save(tmp_path / "run.npz", make(FAST, **options))
+    save_checkpoint(tmp_path / "run.npz", make(FAST, **options))
     with pytest.raises(SceneError, match=r"run.npz': (settings differ|model is)"):
-        load(tmp_path / "run.npz", make(FAST, **options | {option: OTHER[option]}))
+        load_checkpoint(tmp_path / "run.npz", make(FAST, **options | {option: OTHER[option]}))
 
 
 def test_cells_are_told_apart_where_state_and_step_are_alike(tmp_path):
     nine, twelve = (DiscontinuousGalerkin(FAST, number=7, cells=cells, time="explicit") for cells in (9, 12))
     assert nine.step == twelve.step
     assert {name: array.shape for name, array in nine.state().items()} == {n: a.shape for n, a in twelve.state().items()}
-    save(tmp_path / "run.npz", nine)
+    save_checkpoint(tmp_path / "run.npz", nine)
     with pytest.raises(SceneError, match=r"settings differ from this run's: cells is \[9\], not \[12\]"):
-        load(tmp_path / "run.npz", twelve)
+        load_checkpoint(tmp_path / "run.npz", twelve)
 
 
 def test_mass_and_sources_are_told_apart(tmp_path, monkeypatch):
-    save(tmp_path / "run.npz", FiniteElement(FAST))
+    save_checkpoint(tmp_path / "run.npz", FiniteElement(FAST))
     with pytest.raises(SceneError, match="mass is 'lumped', not 'consistent'"):
-        load(tmp_path / "run.npz", FiniteElement(FAST, mass="consistent"))
+        load_checkpoint(tmp_path / "run.npz", FiniteElement(FAST, mass="consistent"))
     monkeypatch.setattr(checkpoint, "source_digest", lambda: "0123")
     with pytest.raises(SceneError, match="another version of the solvers"):
-        load(tmp_path / "run.npz", FiniteElement(FAST))
+        load_checkpoint(tmp_path / "run.npz", FiniteElement(FAST))
 
 
 def prepared(tmp_path, kind, chosen=PAPER):
@@ -65,14 +65,14 @@ def prepared(tmp_path, kind, chosen=PAPER):
     solver, observers = fresh()
     follow(solver, 60.0, list(observers.values()))
     path = tmp_path / f"{kind}.npz"
-    save(path, solver, observers)
+    save_checkpoint(path, solver, observers)
     return path, fresh
 
 
 def refused(path, fresh):
     solver, observers = fresh()
     with pytest.raises(SceneError) as caught:
-        load(path, solver, observers)
+        load_checkpoint(path, solver, observers)
     said = str(caught.value)
     assert path.name in said
     assert "\n" not in said
@@ -105,7 +105,7 @@ def test_every_array_dropped_replaced_or_flipped(tmp_path, kind, resealed):
     path, fresh = prepared(tmp_path, kind, SCENES["unlike"])
     with np.load(path) as file:
         whole = {name: file[name] for name in file.files}
-    load(path, *fresh())
+    load_checkpoint(path, *fresh())
     tried = 0
     for name in sorted(whole.keys() - {"facts"}):
         for number, array in enumerate(wrong(whole[name])):
@@ -152,7 +152,7 @@ def test_bytes_flipped_and_cut(tmp_path):
         said = told(path, solver, observers)
         if said is None:  # a bit of the archive that says nothing, such as a date
             again = tmp_path / "again.npz"
-            save(again, solver, observers)
+            save_checkpoint(again, solver, observers)
             assert facts_of(again) == facts_of_bytes(good, tmp_path)
         else:
             assert path.name in said
@@ -161,7 +161,7 @@ def test_bytes_flipped_and_cut(tmp_path):
 
 def told(path, solver, observers):
     try:
-        load(path, solver, observers)
+        load_checkpoint(path, solver, observers)
     except SceneError as error:
         return str(error)
 

@@ -11,7 +11,7 @@ from slipwave.friction.slip import Slip
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
 from slipwave.scene.start import Start, StartKind
-from slipwave.solve.checkpoint import load, save
+from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
 
 UNLIKE = slipwave.read("unlike")
 SLABS = [
@@ -43,17 +43,19 @@ def test_no_two_scenes_share_a_checkpoint(tmp_path):
     scenes = [UNLIKE, *(dataclasses.replace(UNLIKE, **change) for change in OTHERS)]
     solvers = [Leapfrog(chosen, 16, 0.9) for chosen in scenes]
     for number, solver in enumerate(solvers):
-        save(tmp_path / f"{number}.npz", solver)
+        save_checkpoint(tmp_path / f"{number}.npz", solver)
     for number, solver in enumerate(solvers):
-        load(tmp_path / f"{number}.npz", solver)
+        load_checkpoint(tmp_path / f"{number}.npz", solver)
         with pytest.raises(SceneError, match=r"npz': (scene is|settings differ)"):
-            load(tmp_path / f"{(number + 1) % len(solvers)}.npz", solver)
+            load_checkpoint(tmp_path / f"{(number + 1) % len(solvers)}.npz", solver)
         if number:
             with pytest.raises(SceneError, match=r"npz': scene is '[0-9a-f]{12}'; this run needs '[0-9a-f]{12}'"):
-                load(tmp_path / "0.npz", solver)
+                load_checkpoint(tmp_path / "0.npz", solver)
 
 
 def test_a_longer_run_of_the_same_scene_goes_on(tmp_path):
     path = tmp_path / "run.npz"
-    save(path, Leapfrog(UNLIKE, 16, 0.9))
-    load(path, Leapfrog(dataclasses.replace(UNLIKE, until=9999.0, name="again", record=frozenset({"fields"})), 16, 0.9))
+    save_checkpoint(path, Leapfrog(UNLIKE, 16, 0.9))
+    load_checkpoint(
+        path, Leapfrog(dataclasses.replace(UNLIKE, until=9999.0, name="again", record=frozenset({"fields"})), 16, 0.9)
+    )

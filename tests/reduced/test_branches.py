@@ -6,7 +6,7 @@ import pytest
 
 from reduced.continuation.branch import follow_branch
 from reduced.continuation.onset import onsets
-from reduced.continuation.point import Family
+from reduced.continuation.point import FlowFamily
 from reduced.continuation.start import from_orbit, metric_for
 from reduced.delay.network import DelayNetwork
 from reduced.flows import delay
@@ -47,7 +47,7 @@ def near(log10_r, state, period):
     scene = scene_at(log10_r)
     slabs = ReducedSlabs(scene, lambda other: reduction_of(other, "kelvin-voigt"), STAGES)
     flow = flow_near(slabs, np.array(state), period, 1e-8, LONGEST)
-    family = Family(flow, scene_at)
+    family = FlowFamily(flow, scene_at)
     return family, from_orbit(family, close(flow, np.array(state), period), log10_r, -3.0, METRIC)
 
 
@@ -60,7 +60,7 @@ def kelvin_voigt(log10_r):
 
 def test_the_first_period_doubling_of_kelvin_voigt():
     guess = kelvin_voigt(-2.60)
-    family = Family(guess.flow, scene_at)
+    family = FlowFamily(guess.flow, scene_at)
     point = from_orbit(family, close(*guess[:3]), -2.60, 0.0, METRIC)
     require(first_special(family, point), "PD", -2.595727667, 78.994716174, (0, 1))
 
@@ -74,7 +74,7 @@ def test_the_torus_of_kelvin_voigt():
 def test_the_first_torus_of_the_delay_system():
     guess = approach(DelayNetwork(scene_at(-2.658), tolerance=1e-6), delay.frozen)
     flow, state = guess.flow.remeshed(guess.flow.march(guess.state, guess.period), 1.5)
-    family = Family(flow, scene_at)
+    family = FlowFamily(flow, scene_at)
     point = from_orbit(family, close(flow, state, guess.period), -2.658, 0.0, METRIC)
     torus = first_special(family, point)
     require(torus, "NS", -2.657545713, 78.263260, (0, 2))

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from reduced.continuation.branch import Control, follow_branch
-from reduced.continuation.curve import METRIC, STEPS, OnCurve, Plane, beginning, follow_curve
-from reduced.continuation.point import Family, direction
+from reduced.continuation.curve import CURVE_STEPS, METRIC, OnCurve, Plane, beginning, follow_curve
+from reduced.continuation.point import FlowFamily, direction
 from reduced.continuation.start import from_hopf, from_orbit, metric_for
 from reduced.flows.delay import DelayFlow
 from reduced.orbit.closing import by_parameter, close
@@ -33,12 +33,12 @@ def scene_of(p, q):
     return SimpleNamespace(p=p, q=q)
 
 
-def curve(kind, made, s, towards, count, steps=STEPS, ahead=9.0, **settings):
+def curve(kind, made, s, towards, count, steps=CURVE_STEPS, ahead=9.0, **settings):
     """The first `count` points after the one on the branch at q = 0 beyond |w|^2 = s, and that one."""
     flow_type = type("Made", (TwoParameters,), {"made": staticmethod(made)})
     oscillator, plane = made(0.0), Plane(scene_of, (1.0, 1.0))
     flow = flow_type(oscillator, 0.0, **settings)
-    family = Family(flow, lambda p: scene_of(p, 0.0))
+    family = FlowFamily(flow, lambda p: scene_of(p, 0.0))
     p = float(oscillator.g(s))
     first = from_orbit(family, close(family(p), oscillator.state(s), oscillator.period(s)), p, ahead, METRIC)
     found = (special for step in follow_branch(family, first, METRIC, lambda point: True, 1e-8) for special in step.special)
@@ -66,7 +66,7 @@ def test_a_curve_of_folds(sign):
 
 def test_the_mesh_of_a_curve_is_refined_as_the_motion_gets_rougher():
     """|w| grows along the folds, and with it the roughness; beyond 1 the mesh does not reach the tolerance of 1e-8."""
-    start, points = curve("LP", leaning, 0.3, (0.0, 1.0), 3, replace(STEPS, first=0.05), -9.0, roughest=1.7e-7)
+    start, points = curve("LP", leaning, 0.3, (0.0, 1.0), 3, replace(CURVE_STEPS, first=0.05), -9.0, roughest=1.7e-7)
     flows = [special.point.closed.flow for _, special in (start, *points)]
     rough = [flow.roughness(one.special.point.closed.cycle, 1e-8) for flow, one in zip(flows, (start, *points), strict=True)]
     assert flows[-1].steps > flows[0].steps
@@ -106,17 +106,19 @@ def test_folds_depend_on_two_products_alone():
     at 100 with epsilon and r larger by V/100; a fold is a fold there."""
     base = read("paper")
     metric = metric_for(-2.72, -2.3)
-    family = Family(DelayFlow(base, 6.0), lambda p: with_parameter(base, "log10_r", p))
+    family = FlowFamily(DelayFlow(base, 6.0), lambda p: with_parameter(base, "log10_r", p))
     first = from_hopf(family, -2.6995497159, 49.66818383, metric)
     steps = follow_branch(family, first, metric, lambda point: True, 1e-6)
     (fold,) = next(step.special for step in steps if step.special)
     plane = Plane(lambda p, v: with_parameter(family(p).scene, "V", v), (0.4, 100.0))
     start = OnCurve((fold.point.parameter, 100.0), fold)
-    steps = follow_curve(plane, beginning(start, (0.0, 1.0), replace(STEPS, first=0.02)), 1e-6, replace(STEPS, first=0.02))
+    steps = follow_curve(
+        plane, beginning(start, (0.0, 1.0), replace(CURVE_STEPS, first=0.02)), 1e-6, replace(CURVE_STEPS, first=0.02)
+    )
     for (p, v), special in (one.last for one in itertools.islice(steps, 4)):
         point, share = special.point, v / 100.0
         epsilon = with_parameter(base, "epsilon", 2.8e-5 * share)
-        other = Family(point.closed.flow.of(epsilon), lambda q, scene=epsilon: with_parameter(scene, "log10_r", q))
+        other = FlowFamily(point.closed.flow.of(epsilon), lambda q, scene=epsilon: with_parameter(scene, "log10_r", q))
         at = p + math.log10(share)
         state = point.unknowns[:-2] - point.closed.flow.steady + other(at).steady
         closed = close(other(at), state, point.closed.cycle.period)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from reduced.orbit.newton import Evaluated, solve
+from reduced.orbit.newton import Evaluated, solve_by_newton
 from slipwave.errors import NumericsError
 
 
@@ -24,7 +24,7 @@ class Equations:
         return self._derivative(at.unknowns)
 
     def solved(self, guess, tolerance=1e-13, near=1e-7, first=None):
-        return solve(self.evaluate, self.derivative, np.array(guess), tolerance, near, first)
+        return solve_by_newton(self.evaluate, self.derivative, np.array(guess), tolerance, near, first)
 
 
 def circle_and_line():

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from reduced.orbit import periodic_orbit
-from reduced.orbit.approach import Section, closest_returns
+from reduced.orbit.approach import CycleSection, closest_returns
 from reduced.orbit.closing import by_parameter, close, close_family
-from reduced.orbit.figures import amplitude, figures, repeats_sooner
+from reduced.orbit.figures import amplitude, cycle_figures, repeats_sooner
 from reduced.orbit.multipliers import floquet, multipliers
 from slipwave import read_scene
 from slipwave.errors import NumericsError
@@ -58,23 +58,6 @@ def test_derivatives_by_period_and_parameter():
     np.testing.assert_allclose(moved, grown * start / size + angle * turned, rtol=1e-5)
 
 
-@pytest.mark.parametrize("parameter", [0.0, 2.8e-5, 3.0])
-def test_the_derivative_by_a_small_parameter(parameter):
-    """With the unit of the parameter as large as the parameter: neither rounding nor curvature spoils it, also at zero."""
-    unit, s = parameter or 1.0, 0.3
-    start, period = SUPERCRITICAL.state(s), SUPERCRITICAL.period(s)
-
-    def flow_at(p):
-        return FlowByHand(SUPERCRITICAL, s + p / unit)
-
-    def end(p):
-        return flow_at(p).march(start, period).end
-
-    found = by_parameter(flow_at, flow_at(parameter).march(start, period), parameter)
-    expected = (end(parameter + 1e-5 * unit) - end(parameter - 1e-5 * unit)) / (2e-5 * unit)
-    np.testing.assert_allclose(found * unit, expected * unit, rtol=1e-3)
-
-
 def test_an_orbit_of_a_family_on_a_plane():
     """With the weight on psi alone, the orbit is the one whose psi at the start is that of the guess."""
     start, flow_at = SUBCRITICAL.state(0.4), lambda p: FlowByHand(SUBCRITICAL, p)
@@ -112,7 +95,7 @@ def test_figures_of_a_polynomial_motion():
 
     largest = 16.0 / (3.0 * math.sqrt(3.0))
     cycle, nodes = motion([lambda t: 0.5 * cubic(t), cubic, lambda t: 0.1 * cubic(t) + 0.6, lambda t: -0.03 * cubic(t)], 4.0)
-    found = figures(FlowByHand(SUPERCRITICAL, 0.1).scene.law, cycle, nodes)
+    found = cycle_figures(FlowByHand(SUPERCRITICAL, 0.1).scene.law, cycle, nodes)
     drops, rates = (0.2 * largest, 0.06 * largest), (math.exp(0.5 * largest), math.exp(-0.5 * largest))
     assert list(found) == ["period", "stress_drop", "elastic_stress_drop", "v_max", "v_min"]
     assert list(found.values()) == pytest.approx([4.0, *drops, *rates], rel=1e-13)
@@ -128,7 +111,7 @@ def test_a_motion_that_repeats_after_a_third(cycles, sooner):
 
 
 def test_the_closest_returns_come_first():
-    sections = [Section(None, np.array([x, 0.0]), date) for x, date in [(0.0, 0.0), (3.0, 10.0), (2.5, 19.0), (2.6, 31.0)]]
+    sections = [CycleSection(None, np.array([x, 0.0]), date) for x, date in [(0.0, 0.0), (3.0, 10.0), (2.5, 19.0), (2.6, 31.0)]]
     returns = [(first.date, time) for first, time in closest_returns(sections)]
     assert returns == [(19.0, 12.0), (10.0, 9.0), (0.0, 10.0)]
     assert [time for _, time in closest_returns(sections, cycles=2)] == [21.0, 19.0]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from reduced.continuation import special
-from reduced.continuation.special import between, trend_of
+from reduced.continuation.special import specials_between, trend_of
 
 
 def point(place: float, height: float, angle: float) -> Any:
@@ -47,7 +47,7 @@ def test_a_pair_that_comes_and_goes_is_found(height: float, angle: float, kind: 
 
     before, left, right = family(-0.1), family(0.2), family(0.8)
     assert left.unstable == right.unstable == 0
-    found: Any = between(family, left, right, METRIC, trend_of(before, left, 0.3))  # type: ignore[arg-type]
+    found: Any = specials_between(family, left, right, METRIC, trend_of(before, left, 0.3))  # type: ignore[arg-type]
     places = [0.5 - height**0.5, 0.5 + height**0.5] if height > 0.0 else []
     assert [name for name, *_ in found] == [kind] * len(places)
     assert all(begin <= place <= end for (_, begin, end), place in zip(found, places, strict=True))
@@ -62,6 +62,6 @@ def test_a_pair_of_unstable_multipliers_that_dips_into_the_circle_is_found() -> 
 
     before, left, right = family(-0.1), family(0.2), family(0.8)
     assert left.unstable == right.unstable == 2
-    found: Any = between(family, left, right, METRIC, trend_of(before, left, 0.3))  # type: ignore[arg-type]
+    found: Any = specials_between(family, left, right, METRIC, trend_of(before, left, 0.3))  # type: ignore[arg-type]
     assert [name for name, *_ in found] == ["NS", "NS"]
     assert all(begin <= place <= end for (_, begin, end), place in zip(found, (0.4, 0.6), strict=True))

@@ -10,6 +10,7 @@ from slipwave.observe.envelope import COUNT, Envelope
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
 from slipwave.solve import Solver, follow
+from tests.granite import GRANITE
 from validation.registry.build import build
 
 STEP = {"drive.velocity": [[0, 100], [30, 100], [30, 300], [200, 300], [230.5, 0], [260, 0], [260, 50]]}
@@ -70,10 +71,7 @@ def test_it_goes_on_from_its_state(motion, stop):
 
 def test_a_leapt_stretch_has_the_ranges_of_whole_transits():
     """Of granite. Every transit has another range, by what changes in a stick from one interval to the next."""
-    interface = {"law": "ageing", "a_star": 0.6, "a": 0.01, "b": 0.015}
-    units = {"normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6}
-    slab = {"thickness": 10.0, "density": 2700.0, "shear_modulus": 30e9}
-    scene = slipwave.read({"interface": interface | units, "slab": slab, "drive": {"velocity": 1.0}})
+    scene = slipwave.read(GRANITE)
     nodes = build("delay", scene).nodes
     envelope, every = (Envelope(scene, nodes) for _ in range(2))
     leaping = watched(scene, 30_000.0, envelope)

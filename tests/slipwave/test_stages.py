@@ -93,22 +93,6 @@ def test_a_protocol_goes_on_as_without_a_stop(end: int) -> None:
     assert [stage.reached for stage in after._seen] == [20.0, 100.0, 150.0, 220.0]
 
 
-def test_the_slip_to_recovery_is_that_without_a_stop_after_the_peak() -> None:
-    """The stress above the steady one decays by a factor e in 20 transits at 300 V*; the run is resumed after ten."""
-    scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 80})
-    nodes, steady = np.array([0.2, 0.5, 1.0]), slipwave.read("paper", {"drive.velocity": 300.0}).steady_stress
-    before, after = (ProtocolObserver(scene, nodes, 80.0) for _ in range(2))
-    for begin in np.arange(0.0, 80.0):
-        if begin == 30.0:
-            after.restore(before.state())
-        time = begin + nodes[None, :]
-        late = time > 20.0
-        mu = np.where(late, steady + 0.02 * np.exp(-(time - 20.0) / 20.0), scene.steady_stress)
-        z = np.log(np.where(late, 300.0, 100.0))
-        (before if begin < 30.0 else after).scan(Pieces(np.array([begin]), np.ones(1), z, z, mu, z))
-    assert after.figures[1].slip_to_recovery == pytest.approx(scene.transit * 300.0 * 20.0, rel=1e-3)
-
-
 def test_a_peak_between_nodes_is_found_also_after_the_stress_has_come_back() -> None:
     """Two parabolas over nodes that miss their peaks, in pieces of their own, and a fall to the steady stress between them."""
     scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 60})
@@ -124,13 +108,3 @@ def test_a_peak_between_nodes_is_found_also_after_the_stress_has_come_back() -> 
         take(time, 300.0, list(steady + peak - 0.1 * (nodes - 0.75) ** 2))
         take(time + 10.0, 300.0, [steady - 0.02] * 3)
         assert observer.figures[1].direct_effect == pytest.approx(peak, abs=1e-12)
-
-
-def test_transits_may_be_left_out_in_a_hold_alone() -> None:
-    scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 0], [40, 0], [40, 100]], "run.until": 60})
-    observer, shape = ProtocolObserver(scene, np.array([0.5, 1.0]), 60.0), np.zeros((1, 2))
-    spans = []
-    for time in (0.0, 10.0, 20.0, 30.0, 40.0):
-        observer.scan(Pieces(np.array([time]), np.array([10.0]), shape, shape, shape, shape))
-        spans.append(observer.whole_from)
-    assert spans == [0.0, 0.0, np.inf, 0.0, 0.0]

@@ -15,10 +15,11 @@ def plain_events(turns: list[float], rates: list[float], since: int) -> list[int
     swings = [(a, b, rate, k) for k, (a, b, rate) in enumerate(zip(turns[:-1], turns[1:], rates, strict=True))]
     threshold = _threshold(turns, since)
     while True:
-        inner = [i for i in range(1, len(swings) - 1) if _size(swings[i]) <= min(_size(swings[i - 1]), _size(swings[i + 1]))]
-        small = [i for i in inner if _size(swings[i]) < threshold]
+        sizes = [abs(swing[1] - swing[0]) for swing in swings]
+        inner = [i for i in range(1, len(swings) - 1) if sizes[i] <= min(sizes[i - 1], sizes[i + 1])]
+        small = [i for i in inner if sizes[i] < threshold]
         if small:
-            i = min(small, key=lambda i: _size(swings[i]))
+            i = min(small, key=sizes.__getitem__)
             left, right = swings[i - 1], swings[i + 1]
             fastest = max(left, right, key=lambda swing: swing[2])
             swings[i - 1 : i + 2] = [(left[0], right[1], fastest[2], fastest[3])]
@@ -36,10 +37,6 @@ def _threshold(turns: list[float], since: int) -> float:
             if turns[i] - turns[j] > largest and rise < 0.1 * (turns[i] - turns[j]):
                 largest = turns[i] - turns[j]
     return 0.1 * largest
-
-
-def _size(swing: tuple[float, float, float, int]) -> float:
-    return abs(swing[1] - swing[0])
 
 
 def _walk(kind: str, count: int, random: np.random.Generator) -> list[float]:

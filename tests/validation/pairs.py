@@ -12,7 +12,7 @@ import numpy as np
 from slipwave import read
 from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, State
-from slipwave.solve.checkpoint import load, save
+from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
 from validation.registry.build import prepare
 from validation.registry.families import Options, family_of
 from validation.results.run_result import RunResult
@@ -215,13 +215,13 @@ def play(solver: Any, until: float, saving: Saving | None = None, chunk: float =
     if saving is not None:
 
         def act() -> None:
-            save(saving.folder / f"{len(saving.dates)}.npz", solver, parts)
+            save_checkpoint(saving.folder / f"{len(saving.dates)}.npz", solver, parts)
             saving.dates.pop(0)
 
         saving.act = act
         marks.append(saving)
     if resume is not None:
-        load(resume, solver, parts)
+        load_checkpoint(resume, solver, parts)
     done = simulate(solver, until, records.observers, watch=records.watch, marks=marks)
     assert not done.failed
     summary = RunResult(done, records, None, [], {}).summary

@@ -14,7 +14,7 @@ from reduced.delay.system import delay_system
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.solve import Solver, follow
-from slipwave.solve.checkpoint import load, save
+from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
 from validation.registry.build import build
 from validation.registry.families import FAMILIES
 
@@ -67,8 +67,8 @@ def test_a_resumed_run_equals_the_uninterrupted_one(tmp_path: Path, model: str, 
     straight, first, resumed = (solver_of(model, name) for _ in range(3))
     kept, begun, again = watched(straight), watched(first), watched(resumed)
     follow(first, mark, list(begun.values()))
-    save(tmp_path / "run.npz", first, begun)
-    load(tmp_path / "run.npz", resumed, again)
+    save_checkpoint(tmp_path / "run.npz", first, begun)
+    load_checkpoint(tmp_path / "run.npz", resumed, again)
     assert resumed.time == first.time
     assert follow(resumed, end, list(again.values())) == follow(straight, end, list(kept.values()))
     assert_same_bits(resumed.state(), straight.state())

@@ -13,7 +13,7 @@ from reduced.flows import delay
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import close
-from reduced.orbit.figures import figures
+from reduced.orbit.figures import cycle_figures
 from slipwave import read
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
@@ -53,7 +53,7 @@ def test_three_large_elements_give_ten_digits():
     """Measured: 4e-11 in the period, 8e-10 in the drop."""
     orbit = closed_orbit(DiscontinuousGalerkin(read("paper"), number=7, cells=3, time="exact"))
     assert orbit.cycle.period == pytest.approx(PERIOD, abs=2e-10)
-    assert figures(orbit.flow.scene.law, orbit.cycle, orbit.flow.nodes)["stress_drop"] == pytest.approx(DROP, abs=3e-9)
+    assert cycle_figures(orbit.flow.scene.law, orbit.cycle, orbit.flow.nodes)["stress_drop"] == pytest.approx(DROP, abs=3e-9)
 
 
 def test_the_orbit_of_unlike_slabs_is_that_of_the_delay_system():
@@ -61,7 +61,7 @@ def test_the_orbit_of_unlike_slabs_is_that_of_the_delay_system():
     scene = read("unlike")
     expected = periodic_orbit(*approach(DelayNetwork(scene, tolerance=1e-6), delay.frozen)[:3], 1e-10)
     orbit = closed_orbit(DiscontinuousGalerkin(scene, number=7, cells=3, time="exact"))
-    found = figures(scene.law, orbit.cycle, orbit.flow.nodes)
+    found = cycle_figures(scene.law, orbit.cycle, orbit.flow.nodes)
     for name, value in found.items():
         assert value == pytest.approx(getattr(expected.orbit, name).value, rel=1e-9), name
     values = np.linalg.eigvals(orbit.monodromy)

@@ -6,7 +6,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
-from reduced.continuation.point import Point
+from reduced.continuation.point import OrbitPoint
 from reduced.continuation.start import orbits_at
 from reduced.orbit.approach import Guess
 from reduced.orbit.closing import Closed
@@ -128,7 +128,7 @@ def primary(model: str, scene: Scene, cells: int | None, longest: float, reason:
     return Primary(orbits, ended)
 
 
-def _points(model: str, scene: Scene, cells: int | None, here: float, longest: float, said: str) -> tuple[list[Point], str]:
+def _points(model: str, scene: Scene, cells: int | None, here: float, longest: float, said: str) -> tuple[list[OrbitPoint], str]:
     """The points of the primary branch, and how far it was followed, in words."""
     critical, omega = critical_round_trip(scene, one_port_of(model))
     if not critical > 0.0:
@@ -145,7 +145,7 @@ def _points(model: str, scene: Scene, cells: int | None, here: float, longest: f
     onset = math.log10(critical)
     first, last = (onset + _BACK, here - _BEYOND) if here < onset else (onset - _BEYOND, here + _BEYOND)
     branch = Branch(Over(scene, _NAME, first, last, lambda value: with_parameter(scene, _NAME, value)), model, _TOLERANCE, cells)
-    points: list[Point] = []
+    points: list[OrbitPoint] = []
     try:
         for head in heads(branch, Limits(longest, _MOST)):
             points.append(head.point)

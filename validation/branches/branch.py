@@ -7,8 +7,8 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from reduced.continuation.branch import Control, follow_branch
-from reduced.continuation.onset import WIDTH, Onset, onsets
-from reduced.continuation.point import Family, Metric, Point
+from reduced.continuation.onset import ONSET_WIDTH, Onset, onsets
+from reduced.continuation.point import FlowFamily, Metric, OrbitPoint
 from reduced.continuation.special import Special
 from reduced.continuation.start import difference_of_halves, from_doubling, from_hopf, from_orbit, from_stored, metric_for, stored
 from reduced.orbit.closing import Closed
@@ -44,7 +44,7 @@ _WITHOUT_IDLE = (
 class Head(NamedTuple):
     """The last `point` of a branch and the length of the next `step`: all that is needed to go on."""
 
-    point: Point
+    point: OrbitPoint
     step: float
     metric: Metric
 
@@ -123,7 +123,7 @@ class Branch(Followed):
     def follow(self, head: Head, limits: Limits) -> Iterator[Head]:
         """Record point after point; yields where the branch can go on. Ends at the limits, where it leaves the range, and where
         the orbits shrink to steady sliding. Raises NumericsError where it cannot be followed."""
-        family = Family(head.point.closed.flow, self.over.scene_at)
+        family = FlowFamily(head.point.closed.flow, self.over.scene_at)
         steps = follow_branch(family, head.point, head.metric, lambda _: True, self.tolerance, Control(first=head.step))
         while True:
             reason = self._end(head, limits)
@@ -144,31 +144,31 @@ class Branch(Followed):
             head = Head(step.point, step.next_step, head.metric)
             yield head
 
-    def family_at(self, parameter: float, period: float) -> Family:
+    def family_at(self, parameter: float, period: float) -> FlowFamily:
         """The model's flows, on a mesh that suits steady sliding and its slow oscillations with `period` (transits)."""
         model = moving(self.model, self.over.scene_at(parameter), self.tolerance, self.cells)
-        return Family(model.freeze(model.solver, period)[0], self.over.scene_at)
+        return FlowFamily(model.freeze(model.solver, period)[0], self.over.scene_at)
 
-    def first_special(self, head: Head, kind: str) -> tuple[Special, Family]:
+    def first_special(self, head: Head, kind: str) -> tuple[Special, FlowFamily]:
         """The first special point of `kind` after `head` in the range, and the flows on its mesh. Raises NumericsError if there
         is none."""
         over = self.over
-        family, last = Family(head.point.closed.flow, over.scene_at), head.point
+        family, last = FlowFamily(head.point.closed.flow, over.scene_at), head.point
         for step in follow_branch(family, head.point, head.metric, lambda point: over.holds(point.parameter), self.tolerance):
             for special in step.special:
                 if special.kind == kind:
-                    return special, Family(special.point.closed.flow, over.scene_at)
+                    return special, FlowFamily(special.point.closed.flow, over.scene_at)
             last = step.point
         ended = f"it was followed to {over.name} = {last.parameter:.7g} and a period of {last.closed.cycle.period:.5g} transits"
         raise NumericsError(
             f"no {KINDS[kind]} was found on the branch over {over.name} from {over.first:g} to {over.last:g}: {ended}"
         )
 
-    def _first(self, point: Point, metric: Metric) -> Head:
+    def _first(self, point: OrbitPoint, metric: Metric) -> Head:
         self._record(point)
         return Head(point, Control.first, metric)
 
-    def _record(self, point: Point) -> None:
+    def _record(self, point: OrbitPoint) -> None:
         self.points.append(point_of(point))
         if self.points[-1].stable is None:
             note = _UNDECIDED + (_UNCOUNTED if point.closed.flow.undecided else _WITHOUT_IDLE)
@@ -184,7 +184,9 @@ class Branch(Followed):
             )
         value, metric = unstable[0], metric_for(*over.ends)
         found = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).found.closed
-        return self._first(from_orbit(Family(found.flow, over.scene_at), found, value, sum(over.ends) - value, metric), metric)
+        return self._first(
+            from_orbit(FlowFamily(found.flow, over.scene_at), found, value, sum(over.ends) - value, metric), metric
+        )
 
     def _from_doubling(self) -> Head:
         """The first orbit of twice the period, beside the first period doubling of the scene's own branch in the range."""
@@ -217,9 +219,9 @@ class Branch(Followed):
     def _hopf(self, onset: Onset) -> SpecialPoint:
         rate = self.over.scene_at(onset.parameter).velocity
         figures = (onset.parameter, onset.period, 0.0, 0.0, rate, rate)
-        return SpecialPoint("HB", *figures, WIDTH, onset.unstable_below, onset.unstable_above, len(self.points))
+        return SpecialPoint("HB", *figures, ONSET_WIDTH, onset.unstable_below, onset.unstable_above, len(self.points))
 
-    def _end_at_hopf(self, last: Point) -> None:
+    def _end_at_hopf(self, last: OrbitPoint) -> None:
         """Record the Hopf point at which the branch ends."""
         near = onsets(self.over.scene_at, *self.over.ends, one_port_of(self.model))
         if near:
@@ -227,12 +229,12 @@ class Branch(Followed):
         self.notes.append("the branch ends where its orbits shrink to steady sliding")
 
 
-def _closes(before: Point, after: Point) -> bool:
+def _closes(before: OrbitPoint, after: OrbitPoint) -> bool:
     """Whether the two halves of doubled orbits are nearly alike and become more so: that ends in a period doubling."""
     return difference_of_halves(after) < min(_SAME, difference_of_halves(before))
 
 
-def _vanishes(before: Point, after: Point) -> bool:
+def _vanishes(before: OrbitPoint, after: OrbitPoint) -> bool:
     """Whether the orbits are small and become smaller: that can only end in steady sliding, and near it the equations are nearly
     singular."""
     return amplitude(after.closed.cycle) < min(_SMALL, amplitude(before.closed.cycle))

@@ -9,7 +9,7 @@ import numpy as np
 
 import slipwave
 from reduced.continuation.curve import OnCurve, Plane, Reached, beginning, follow_curve
-from reduced.continuation.point import Family
+from reduced.continuation.point import FlowFamily
 from reduced.continuation.special import Special
 from reduced.continuation.start import from_stored, stored
 from reduced.parameters import PARAMETERS, with_parameter
@@ -136,7 +136,7 @@ class Curve(Followed):
         bracket, before, after, real, imaginary = state["special"].tolist()
         scene, period = self._scene_at(first, second), float(state["unknowns"][-2])
         flow = self._branch().family_at(first, period)(first)
-        _, point, length = from_stored(Family(flow, lambda _: scene), state)
+        _, point, length = from_stored(FlowFamily(flow, lambda _: scene), state)
         special = Special(self.kind, point, bracket, round(before), round(after), complex(real, imaginary))
         return OnCurve((first, second), special), length
 

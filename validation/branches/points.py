@@ -3,9 +3,9 @@
 from typing import Any, NamedTuple
 
 from reduced.continuation.curve import OnCurve
-from reduced.continuation.point import Point
+from reduced.continuation.point import OrbitPoint
 from reduced.continuation.special import Special
-from reduced.orbit.closing import TOLERANCE
+from reduced.orbit.closing import CLOSES_TO
 from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import is_decided
 
@@ -66,7 +66,7 @@ class CurvePoint(NamedTuple):
         return self.multiplier_re, self.multiplier_im
 
 
-def point_of(point: Point) -> BranchPoint:
+def point_of(point: OrbitPoint) -> BranchPoint:
     """The record of an orbit."""
     closed = point.closed
     unstable = None if closed.flow.undecided else point.unstable
@@ -81,7 +81,7 @@ def special_of(found: Special, place: int) -> SpecialPoint:
 
 def curve_point_of(one: OnCurve, share: float) -> CurvePoint:
     """The record of a point of a curve, whose bracket is in units of this `share` of the first parameter."""
-    passing, bracket = one.special.multiplier, max(share * one.special.bracket, TOLERANCE)
+    passing, bracket = one.special.multiplier, max(share * one.special.bracket, CLOSES_TO)
     sides = _sides(one.special)
     return CurvePoint(*one.place, bracket=bracket, multiplier_re=passing.real, multiplier_im=passing.imag, **sides)
 

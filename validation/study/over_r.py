@@ -9,7 +9,7 @@ import numpy as np
 import slipwave
 from reduced.continuation.branch import Control, follow_branch
 from reduced.continuation.onset import Onset, onsets
-from reduced.continuation.point import Family, Point
+from reduced.continuation.point import FlowFamily, OrbitPoint
 from reduced.continuation.special import Special
 from reduced.continuation.start import from_hopf, metric_for, orbits_at
 from reduced.orbit.approach import approach
@@ -52,7 +52,7 @@ class Branch:
 
     model: str
     onset: Onset
-    points: tuple[Point, ...]
+    points: tuple[OrbitPoint, ...]
     special: tuple[Special, ...]
 
     @property
@@ -76,10 +76,10 @@ def branch_of(model: str, highest: float, longest: float, tolerance: float = TOL
     `longest` (transits); on a mesh that keeps relative errors of the figures below `tolerance`."""
     metric = metric_for(*RANGE)
     onset = onsets(scene_at, *RANGE, model)[0]
-    family = Family(approach(*moving(model, scene_at(-2.68), tolerance)[:2]).flow, scene_at)
+    family = FlowFamily(approach(*moving(model, scene_at(-2.68), tolerance)[:2]).flow, scene_at)
     first = from_hopf(family, onset.parameter, onset.period, metric)
 
-    def inside(point: Point) -> bool:
+    def inside(point: OrbitPoint) -> bool:
         """Whether the branch is followed on from here."""
         return point.parameter < highest and point.closed.cycle.period < longest
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from reduced.continuation.point import Point
+from reduced.continuation.point import OrbitPoint
 from reduced.orbit import PeriodicOrbit
 from slipwave.observe.pieces import Array
 from validation.studies.period_doubling.measured import (
@@ -135,7 +135,7 @@ def planes(found: Doubled, others: Iterable[Bubble] = ()) -> Drawing:
     return figure
 
 
-def _periods(points: list[Point], share: float) -> tuple[Array, Array]:
+def _periods(points: list[OrbitPoint], share: float) -> tuple[Array, Array]:
     """log10 r and a share of the period along a branch."""
     return np.array([point.parameter for point in points]), share * np.array([point.closed.cycle.period for point in points])
 

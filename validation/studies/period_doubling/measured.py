@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from reduced.continuation.branch import Control, follow_branch
-from reduced.continuation.point import Family, Point
+from reduced.continuation.point import FlowFamily, OrbitPoint
 from reduced.continuation.special import Special
 from reduced.continuation.start import difference_of_halves, from_orbit, metric_for
 from reduced.orbit import PeriodicOrbit, periodic_orbit
@@ -51,9 +51,9 @@ class Doubled(NamedTuple):
     single: PeriodicOrbit
     double: PeriodicOrbit
     last_two: float
-    primary: list[Point]
+    primary: list[OrbitPoint]
     special: list[Special]
-    bubble: list[Point]
+    bubble: list[OrbitPoint]
 
 
 @cache
@@ -68,18 +68,18 @@ def doubled() -> Doubled:
     return Doubled(single, double, twice, primary, special, bubble)
 
 
-def end(near: Point, nearest: Point) -> float:
+def end(near: OrbitPoint, nearest: OrbitPoint) -> float:
     """log10 r at which the largest multiplier of doubled orbits reaches 1, by the line through two points of their branch."""
     first, last = (float(point.multipliers[0].real) for point in (near, nearest))
     return nearest.parameter + (1.0 - last) * (nearest.parameter - near.parameter) / (last - first)
 
 
-def _both_ways(orbit: PeriodicOrbit, largest: float) -> tuple[list[Point], list[Special]]:
+def _both_ways(orbit: PeriodicOrbit, largest: float) -> tuple[list[OrbitPoint], list[Special]]:
     """The branch through `orbit` by increasing r, until it leaves the range or a multiplier exceeds `largest`."""
     metric, flow = metric_for(*RANGE), orbit.closed.flow
-    family = Family(flow, scene_at)
+    family = FlowFamily(flow, scene_at)
 
-    def inside(point: Point) -> bool:
+    def inside(point: OrbitPoint) -> bool:
         """Whether the branch is followed on from here."""
         return _BEYOND[0] < point.parameter < _BEYOND[1] and float(np.abs(point.multipliers[0])) < largest
 
@@ -115,7 +115,7 @@ def bubble(low: float, high: float) -> Bubble:
     return Bubble(born[1], ends, _multiplier_of_half(points[-1], ends), halves, special)
 
 
-def _multiplier_of_half(point: Point, log10_r: float) -> float:
+def _multiplier_of_half(point: OrbitPoint, log10_r: float) -> float:
     """The multiplier nearest to -1 of the simple orbit at `log10_r`, whose motion is about that of half of a doubled one."""
     flow, start, period = point.closed.flow, point.closed.cycle.start, 0.5 * point.closed.cycle.period
     flow, state = flow.remeshed(flow.march(start, period), 1.0)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.continuation.point import Point
+from reduced.continuation.point import OrbitPoint
 from reduced.continuation.special import Special, critical
 from reduced.flows.delay import DelayFlow
 from reduced.orbit.closing import Closed
@@ -174,7 +174,7 @@ def sides(branch: Branch, first: int = 0, every: int = 1) -> Sides:
     return found
 
 
-def _side(point: Point, kind: str) -> Side:
+def _side(point: OrbitPoint, kind: str) -> Side:
     closed = point.closed
     passing, direction = _passing(closed, kind)
     apart = _cycles(closed, _OFF * direction) - _cycles(closed, -_OFF * direction)
