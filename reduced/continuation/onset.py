@@ -6,10 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.stability.characteristic import characteristic
-from reduced.stability.roots import polish
-from reduced.stability.spectrum import leading_roots, unstable_count
-from slipwave.errors import NumericsError
+from reduced.stability.characteristic import Characteristic, characteristic
+from reduced.stability.crossing import between
+from reduced.stability.spectrum import follow_root, leading_roots, unstable_count
 from slipwave.scene import Scene
 
 _SAMPLES = 17
@@ -33,36 +32,30 @@ def onsets(scene_at: Callable[[float], Scene], low: float, high: float, model: s
 
     Raises what reading a scene or finding its roots raises.
     """
-    values = np.linspace(low, high, _SAMPLES)
-    counts = [_unstable(scene_at, float(value), model) for value in values]
+
+    def problem(value: float) -> Characteristic:
+        return characteristic(scene_at(value), model)
+
+    values = np.linspace(low, high, _SAMPLES).tolist()
+    counts = [unstable_count(problem(value)) for value in values]
     changes = [k for k in range(_SAMPLES - 1) if counts[k] != counts[k + 1]]
-    return [_between(scene_at, float(values[k]), float(values[k + 1]), counts[k], counts[k + 1], model) for k in changes]
+    found = [_change(problem, values[k], values[k + 1], counts[k], counts[k + 1]) for k in changes]
+    return [Onset(at, 2.0 * math.pi / omega / scene_at(at).transit, below, above) for at, omega, below, above in found]
 
 
-def _between(scene_at: Callable[[float], Scene], low: float, high: float, below: int, above: int, model: str) -> Onset:
-    """The change nearest to `low`: by counts at first, then by the zero of the crossing root's real part."""
-    from scipy.optimize import brentq
-
+def _change(
+    problem: Callable[[float], Characteristic], low: float, high: float, below: int, above: int
+) -> tuple[float, float, int, int]:
+    """The change nearest to `low`, with its frequency: by counts at first, then by the zero of the crossing root's real part."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        count = _unstable(scene_at, middle, model)
+        count = unstable_count(problem(middle))
         low, high = (middle, high) if count == below else (low, middle)
         above = above if count == below else count
-    roots = leading_roots(characteristic(scene_at(low), model))
+    roots = leading_roots(problem(low))
     crossing = complex(roots[np.abs(roots.real).argmin()])
-
-    def root(value: float) -> complex:
-        return complex(polish(characteristic(scene_at(value), model).jet, np.array([crossing]))[0])
-
-    def rate(value: float) -> float:
-        return root(value).real
-
-    low, high = _bracket(rate, low, high)
-    if rate(low) * rate(high) > 0.0:
-        between = f"parameter = {low:.10g} and {high:.10g}"
-        raise NumericsError(f"{model}: the loss of stability between {between} is not a single pair of roots that crosses")
-    at = float(brentq(rate, low, high, xtol=ONSET_WIDTH))
-    return Onset(at, 2.0 * math.pi / abs(root(at).imag) / scene_at(at).transit, below, above)
+    low, high = _bracket(lambda value: follow_root(problem(value), crossing).real, low, high)
+    return *between(problem, low, high, crossing), below, above
 
 
 def _bracket(rate: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
@@ -75,7 +68,3 @@ def _bracket(rate: Callable[[float], float], low: float, high: float) -> tuple[f
         if rate(beyond) * rate(end) <= 0.0:
             return min(beyond, end), max(beyond, end)
     return low, high
-
-
-def _unstable(scene_at: Callable[[float], Scene], value: float, model: str) -> int:
-    return unstable_count(characteristic(scene_at(value), model))
