@@ -9,8 +9,8 @@ from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
 from slipwave.scene.forcing import Forcing
 from slipwave.step.collocation import Nodes
+from slipwave.step.nodal import Nodal
 from slipwave.step.port import Port, propagate, record
-from slipwave.step.rows import DRIVE, RATE
 
 INPUT, FRICTION, RADIATED, VISCOUS = range(4)  # entries of `GridLedger.entries`
 
@@ -41,8 +41,8 @@ class GridLedger(NamedTuple):
 
 
 @record.register(GridLedger)
-def _record_step(ledger, port, nodes, level, rows, integral, incoming, work):  # type: ignore[no-untyped-def]
-    _add_work(ledger, port, nodes, level, rows, integral, incoming, work)
+def _record_step(ledger, port, nodes, level, rows, integral, nodal):  # type: ignore[no-untyped-def]
+    _add_work(ledger, port, nodes, level, rows, integral, nodal)
     if ledger.heat.size:
         scale = ledger.power.copies * port.length[level] * ledger.forcing.transit
         ledger.entries[VISCOUS] += scale * _heat(ledger.heat, level, rows, port.vector, ledger.spare)
@@ -61,9 +61,7 @@ def _heat(heat: Array, level: int, rows: int, vector: Array, spare: Array) -> fl
 
 
 @njit
-def _add_work(
-    ledger: GridLedger, port: Port, nodes: Nodes, level: int, rows: int, integral: Array, incoming: Array, work: Array
-) -> None:
+def _add_work(ledger: GridLedger, port: Port, nodes: Nodes, level: int, rows: int, integral: Array, nodal: Nodal) -> None:
     """Add the step's work of the drive, heat of friction and radiation. Friction's stress and slip rate are polynomials, and the
     drive is linear, so that their moments give their work exactly; a dashpot's slip is represented by its projection."""
     s, forcing, power, entries = len(nodes), ledger.forcing, ledger.power, ledger.entries
@@ -75,13 +73,13 @@ def _add_work(
             taken[k] += moments[level, i, k] * vector[i]
     heat = 0.0
     for j in range(s):
-        stress = incoming[0, j]
+        stress = nodal.incoming[j]
         for m in range(s):
-            stress -= port.impedance[level, j, m] * work[RATE, m]
-        heat += integral[j, s - 1] * stress * work[RATE, j]
+            stress -= port.impedance[level, j, m] * nodal.v[m]
+        heat += integral[j, s - 1] * stress * nodal.v[j]
     entries[FRICTION] += length * forcing.transit * heat
-    slope = (work[DRIVE, s - 1] - work[DRIVE, 0]) / (nodes[s - 1] - nodes[0])
-    middle = work[DRIVE, s - 1] - 0.5 * slope
+    slope = (nodal.drive[s - 1] - nodal.drive[0]) / (nodes[s - 1] - nodes[0])
+    middle = nodal.drive[s - 1] - 0.5 * slope
     done = 0.5 * (middle * (power.sides * forcing.steady_stress + taken[0]) + 0.5 * slope * taken[1])
     scale = power.copies * length * forcing.transit
     entries[INPUT] += scale * (done - forcing.steady_stress * taken[2])

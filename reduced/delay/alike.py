@@ -4,17 +4,18 @@ import math
 
 import numpy as np
 
-from reduced.delay.alike_kernel import PSI, TIME, AlikeMemory, march_delay
-from reduced.delay.march import DelayMarch
-from reduced.delay.transit_mesh import cuts_of, transit_mesh
+from reduced.delay.kernel import Alike, Clock, Memory, march_transits
+from reduced.delay.march import DelayMarch, dense_resolution, next_count
+from reduced.delay.transit_mesh import TransitMesh, cuts_of, transit_mesh
+from reduced.delay.transmission_lines import NODES
 from slipwave.errors import SceneError
-from slipwave.friction import respond, unknown_of
-from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
+from slipwave.friction import rates, respond, unknown_of
+from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces, lagrange_basis, values_at
 from slipwave.scene import Scene
 from slipwave.solve import State, tables, whole_numbers
-from slipwave.step.collocation import growth_limit, rule_of
-from slipwave.step.guess import DONE, first_guess
-from slipwave.step.rows import UNKNOWN, scratch_of
+from slipwave.step.collocation import radau
+from slipwave.step.flow import Cycle, Place
+from slipwave.step.nodal import DONE, PSI, TIME, Interface
 
 MAX_STEPS = 4096
 _CHUNK, _LONG_CHUNK = 4096, 1 << 16
@@ -34,28 +35,21 @@ class Delay(DelayMarch):
     unconverged solves; a step that cannot be solved with MAX_STEPS per transit raises NumericsError instead.
     """
 
-    _memory: AlikeMemory
-
     def __init__(
         self, scene: Scene, nodes: int | None = None, steps: int | None = None, tolerance: float = 1e-9, emit: bool = True
     ) -> None:
         refuse_unless_plain(scene)
-        super().__init__(scene)
-        self._stages = nodes or (_LOOSE_NODES if tolerance > _LOOSE else _TIGHT_NODES)
-        self._newton_tolerance = max(1e-3 * tolerance, 1e-14)
-        self._resolution = dense_resolution(tolerance, self._stages) if emit else end_resolution(tolerance)
-        self._steepest = growth_limit(self._stages, tolerance)
+        stages = nodes or (_LOOSE_NODES if tolerance > _LOOSE else _TIGHT_NODES)
+        super().__init__(scene, stages, tolerance, dense_resolution(tolerance, stages) if emit else end_resolution(tolerance))
         self._emit = emit
-        self.settings = {"nodes": self._stages, "steps": steps, "tolerance": tolerance, "emit": emit}
-        matrices, self._rule, self._shape = rule_of(self._stages)
-        self.nodes, self._scratch = matrices.nodes, scratch_of(self._stages)
+        self.settings = {"nodes": stages, "steps": steps, "tolerance": tolerance, "emit": emit}
         self._cuts = cuts_of(scene.drive)
-        self._mesh = transit_mesh(steps or _first_steps(scene, self._stages), self._cuts)
+        mesh = transit_mesh(steps or _first_steps(scene, stages), self._cuts)
         incoming = scene.steady_stress + 0.5 * scene.upper.epsilon * scene.velocity
         start = np.array([0.0, scene.steady_psi + scene.start.jump_size, scene.steady_stress])
-        self._memory = self._remember(np.full((self._mesh.steps, self._stages), incoming), start)
-        self._beginning = (self._mesh, self._memory.incoming.copy(), start)
-        self._waiting = empty_pieces(0, self._stages)
+        self._remember(mesh, np.full((mesh.steps, stages), incoming), start)
+        self._beginning = (mesh, self._lines.incoming.copy(), start)
+        self._waiting = empty_pieces(0, stages)
         self._march(0, self._waiting)  # loads or compiles the march, so that a run's wall time does not include that
 
     @property
@@ -90,8 +84,8 @@ class Delay(DelayMarch):
         mesh, incoming, now = self._beginning
         state = {
             "counts": np.array([self._mesh.count, self.failures, self.iterations, mesh.count], dtype=float),
-            "incoming": self._memory.incoming.copy(),
-            "guess": self._memory.guess.copy(),
+            "incoming": self._lines.incoming.copy(),
+            "guess": np.stack(self._memory.guess),
             "now": self._memory.now.copy(),
             "waiting": np.column_stack(self._waiting),
         }
@@ -110,50 +104,58 @@ class Delay(DelayMarch):
         if not self._emit:
             shapes |= {"beginning.incoming": (beginning.steps, self._stages), "beginning.now": (3,)}
         saved = tables(state, shapes, self.model)
-        self._mesh, self.failures, self.iterations = mesh, failures, iterations
-        self._memory = AlikeMemory(saved["incoming"], mesh.lengths, saved["guess"], saved["now"])
+        self.failures, self.iterations = failures, iterations
+        self._take(mesh, saved["incoming"], Memory(Interface(*saved["guess"]), saved["now"]))
         time, length, *values = np.split(saved["waiting"], [1, 2, *(2 + self._stages * k for k in range(1, 4))], axis=1)
         self._waiting = Pieces(time.ravel(), length.ravel(), *(table.copy() for table in values))
         if not self._emit:
             self._beginning = (beginning, saved["beginning.incoming"], saved["beginning.now"])
 
+    def placed(self, cycle: Cycle, place: Place) -> State:
+        """The state, for `restore`, at the start of `cycle`, a motion of a `DelayFlow`, in steps that are at least as short;
+        `place.time` is a whole number of transits. The waves of the first transit are S = mu + eps v/2 of the motion itself."""
+        saved, counts = self.state(), self.state()["counts"]
+        counts[0] = max(int(counts[0]), round(1.0 / cycle.pieces.length[0]))
+        mesh = transit_mesh(int(counts[0]), self._cuts)
+        times = mesh.starts[:, None] + self.nodes * mesh.lengths[:, None]
+        basis = lagrange_basis(radau(NODES).nodes)
+        z, psi, mu, _ = (values.reshape(times.shape) for values in values_at(cycle.pieces, basis, times.ravel()))
+        incoming = mu + self._lines.impedance * rates(self.scene.law, z)
+        now = np.array([place.time, place.psi, place.elastic])
+        waiting = np.empty((0, saved["waiting"].shape[1]))
+        return saved | {"counts": counts, "incoming": incoming, "guess": np.stack([psi[0], z[0]]), "now": now, "waiting": waiting}
+
     def _march(self, transits: int, pieces: Pieces) -> tuple[int, int]:
         """March `transits` transits; returns (transits kept, verdict)."""
-        tolerances = (self._newton_tolerance, self._resolution, self._steepest)
-        scene, memory = self.scene, self._memory
-        physics = (scene.law, scene.upper.epsilon, scene.forcing, scene.drive.compiled)
-        arrays = (memory, AlikeMemory(*map(np.copy, memory)), self._scratch)
-        kept, iterations, verdict = march_delay(self._shape, *physics, self._rule, *arrays, transits, *tolerances, pieces)
+        march = (self._physics, self._lines, self._memory, self._nodal, self._clock, self._limits)
+        kept, iterations, verdict = march_transits(self._shape, *march, transits, pieces)
         self.iterations += iterations
         return kept, verdict
 
     def _refine(self, verdict: int) -> None:
         """Take more steps per transit; the polynomials of the incoming waves (now or at the beginning) give the new nodes."""
-        old, incoming, now = (self._mesh, self._memory.incoming, self._memory.now) if self._emit else self._beginning
+        old, incoming, now = (self._mesh, self._lines.incoming, self._memory.now) if self._emit else self._beginning
         new = transit_mesh(next_count(self._mesh.count), self._cuts)
         if new.count > MAX_STEPS:
             raise self._unresolved(self.steps, verdict)
-        self._mesh = new
-        self._memory = self._remember(old.resample(incoming, self.nodes, new), now)
+        self._remember(new, old.resample(incoming, self.nodes, new), now)
 
-    def _remember(self, incoming: Array, now: Array) -> AlikeMemory:
-        """Memory at a whole transit, with guesses for constant psi."""
-        guess = np.full((2, self._stages), now[PSI])
-        start = unknown_of(self.scene.law, self.scene.velocity)
-        self.failures += first_guess(self.scene.law, 0.5 * self.scene.upper.epsilon, incoming[0], now[PSI], start, guess[UNKNOWN])
-        return AlikeMemory(incoming, self._mesh.lengths, guess, now.copy())
+    def _remember(self, mesh: TransitMesh, incoming: Array, now: Array) -> None:
+        """Be at a whole transit, with guesses for constant psi."""
+        guess = self._first_guess(0.5 * self.scene.upper.epsilon, incoming[0], now[PSI])
+        self._take(mesh, incoming, Memory(guess, now.copy()))
+
+    def _take(self, mesh: TransitMesh, incoming: Array, memory: Memory) -> None:
+        """Go on from this memory in the steps of `mesh`."""
+        self._mesh, self._clock, self._memory = mesh, Clock(0.0, np.append(mesh.starts, 1.0), mesh.lengths), memory
+        before = Memory(Interface(*np.empty((2, self._stages))), np.empty(3))
+        self._lines = Alike(0.5 * self.scene.upper.epsilon, incoming, np.empty_like(incoming), before)
 
 
 def refuse_unless_plain(scene: Scene) -> None:
     """Raises SceneError unless both slabs are alike, homogeneous, elastic and driven through rigid faces."""
     if not (scene.alike and scene.upper.is_plain):
         raise SceneError(f"model = delay: scene {scene.name!r} is not a pair of alike plain slabs with rigid faces")
-
-
-def dense_resolution(tolerance: float, stages: int) -> float:
-    """Limit of the highest Legendre coefficient of z in a step whose polynomial has error `tolerance` (the first neglected
-    coefficient is smaller by the decay from one coefficient to the next)."""
-    return float(max(tolerance ** (stages / (stages + 2.0)), 1e-9))
 
 
 def end_resolution(tolerance: float) -> float:
@@ -171,9 +173,3 @@ def _first_steps(scene: Scene, stages: int) -> int:
     guess = 3.0 * (fastest / 7.3) ** 1.7 * math.sqrt(_TIGHT_NODES / stages)
     steps = int(np.clip(guess, _FEWEST_STEPS, _MOST_FIRST_STEPS))
     return steps if steps < 5 else steps + steps % 2
-
-
-def next_count(steps: int) -> int:
-    """The next of 3, 4, 6, 8, 12, 16, ... (each larger by a factor of 4/3 or 3/2)."""
-    power = 1 << max(1, steps.bit_length() - 1)
-    return next(n for n in (power, 3 * power // 2, 2 * power, 3 * power) if n > steps)

@@ -3,16 +3,13 @@
 import math
 from typing import NamedTuple
 
-from reduced.delay.alike_kernel import PSI, TIME
-from reduced.delay.network_kernel import INWARD, OUTWARD, Integers, Network, NetworkMemory, Passage, march_network
+from reduced.delay.kernel import Clock, Memory, march_lines
+from reduced.delay.network_kernel import INWARD, OUTWARD, Integers, Network, NetworkLines
 from slipwave.compiled import njit
-from slipwave.friction import Law
 from slipwave.observe.pieces import Array, Pieces
-from slipwave.scene.drive import Constant, Ramps
-from slipwave.scene.forcing import Forcing
 from slipwave.step.collocation import Nodes, Rule
-from slipwave.step.guess import DONE
-from slipwave.step.rows import STATE, UNKNOWN, Scratch
+from slipwave.step.newton import eliminate
+from slipwave.step.nodal import DONE, PSI, TIME, Limits, Nodal, Physics, hold
 
 TOO_MANY = 10
 """Verdict: the history or the list of arrivals is full."""
@@ -24,18 +21,20 @@ FILLED, WAITING, FOLLOWED = range(3)  # `History.counts`
 
 class History(NamedTuple):
     """`starts` and `lengths` (ring,) of past steps; `arrivals` (n,), the next break points in order; `counts` (3,): past steps
-    that are known, break points that wait, and those that were followed."""
+    that are known, break points that wait, and those that were followed. Begin (2,) and length (1,) of the `present` step."""
 
     starts: Array
     lengths: Array
     arrivals: Array
     counts: Integers
+    present: tuple[Array, Array]
 
 
 class Ends(NamedTuple):
     """`travel` (layers,); rows (s,) that give a step's polynomial at its `left` end and its slopes at both ends, and the nodes'
     `barycentric` weights; per slab `resistance` Z_g + e and `mass` of its top; `inverse` (s, s) A^-1; scratch (s, 2s) to invert
-    `system`; the smallest `jump` and `kink` that are followed."""
+    `system`; the smallest `jump` and `kink` that are followed; the `longest` step
+    (transits)."""
 
     travel: Array
     left: Array
@@ -48,6 +47,7 @@ class Ends(NamedTuple):
     system: Array
     jump: float
     kink: float
+    longest: float
 
 
 @njit
@@ -105,34 +105,14 @@ def set_tops(nodes: Nodes, ends: Ends, rule: Rule, network: Network, length: flo
                 system[j, s + k] = 0.0
             system[j, j] += ends.resistance[slab]
             system[j, s + j] = 1.0
-        invert(s, system)
+        eliminate(system, 2 * s)
         for j in range(s):
             for k in range(s):
                 network.compliance[slab, j, k] = system[j, s + k]
 
 
 @njit
-def invert(s: int, system: Array) -> None:
-    """[M, I] (s, 2s) becomes [I, M^-1]."""
-    for i in range(s):
-        pivot = i
-        for j in range(i + 1, s):
-            if abs(system[j, i]) > abs(system[pivot, i]):
-                pivot = j
-        for k in range(2 * s):
-            system[i, k], system[pivot, k] = system[pivot, k], system[i, k]
-        factor = 1.0 / system[i, i]
-        for k in range(2 * s):
-            system[i, k] *= factor
-        for j in range(s):
-            if j != i:
-                factor = system[j, i]
-                for k in range(2 * s):
-                    system[j, k] -= factor * system[i, k]
-
-
-@njit
-def follow_breaks(nodes: Nodes, ends: Ends, waves: Array, history: History, slot: int, longest: float) -> None:
+def follow_breaks(nodes: Nodes, ends: Ends, waves: Array, history: History, slot: int) -> None:
     """Add the arrivals of the waves that have just jumped or kinked to the break points."""
     ring, arrivals, counts = history.starts.size, history.arrivals, history.counts
     before, start = (slot - 1) % ring, history.starts[slot]
@@ -148,7 +128,7 @@ def follow_breaks(nodes: Nodes, ends: Ends, waves: Array, history: History, slot
                     slope -= ends.slope_right[k] * waves[layer, way, before, k] / history.lengths[before]
             if start > 0.0:
                 jump -= waves[layer, way, before, len(nodes) - 1]
-            broken = broken or abs(jump) > ends.jump or abs(slope) * longest > ends.kink
+            broken = broken or abs(jump) > ends.jump or abs(slope) * ends.longest > ends.kink
         if not broken:
             continue
         arrival, place = start + ends.travel[layer], counts[WAITING]
@@ -179,65 +159,44 @@ def leave_behind(history: History, time: float) -> None:
 
 
 @njit
-def forget(memory: NetworkMemory) -> None:
-    """Take constants as the guess: polynomials cannot be extended beyond a break point."""
-    z = memory.guess[UNKNOWN, 0]
-    for j in range(memory.guess.shape[1]):
-        memory.guess[STATE, j], memory.guess[UNKNOWN, j] = memory.now[PSI], z
-
-
-@njit
 def march_breaks(
     nodes: Nodes,
-    law: Law,
-    network: Network,
-    forcing: Forcing,
-    velocity: Constant | Ramps,
-    rule: Rule,
-    memory: NetworkMemory,
-    passage: Passage,
-    scratch: Scratch,
-    history: History,
-    ends: Ends,
-    longest: float,
+    physics: Physics,
+    lines: NetworkLines,
+    memory: Memory,
+    nodal: Nodal,
+    trail: tuple[History, Ends],
+    limits: Limits,
     until: float,
-    newton_tolerance: float,
-    resolution: float,
-    steepest: float,
-    piece: Pieces,
     pieces: Pieces,
 ) -> tuple[int, int, int]:
-    """March steps of at most `longest` transits to the first end at or beyond `until`, at most as many as `pieces`; `piece` is
-    scratch for one. Returns (steps, Newton iterations, verdict) as `march_network`."""
-    now, total = memory.now, 0
+    """March to the first end at or beyond `until`, at most as many steps as `pieces`. Returns (steps, Newton iterations, verdict)
+    as `march_lines`."""
+    history, ends = trail
+    now, total, longest = memory.now, 0, ends.longest
+    begin, lengths = history.present
     for n in range(pieces.time.size):
         if now[TIME] >= until:
             return n, total, DONE
-        start, slot = now[TIME], memory.cursor[0]
+        start, slot = now[TIME], lines.cursor[0]
         leave_behind(history, start + SHORTEST)
         left = history.arrivals[0] - start if history.counts[WAITING] else math.inf
         length = left / math.ceil(left / longest - _SAME) if left < 64.0 * longest else longest
         room = history.arrivals.size - history.counts[WAITING] >= ends.travel.size
-        if not (look_back(nodes, ends, network, history, slot, start, length) and room):
+        if not (look_back(nodes, ends, lines.network, history, slot, start, length) and room):
             return n, total, TOO_MANY
-        set_tops(nodes, ends, rule, network, length)
-        tolerances = (newton_tolerance, resolution, steepest)
-        clock = (start, 0, length, 1)
-        _, used, verdict = march_network(
-            nodes, law, network, forcing, velocity, rule, memory, passage, scratch, *clock, *tolerances, piece
-        )
+        set_tops(nodes, ends, physics.rule, lines.network, length)
+        begin[1], lengths[0] = length, length
+        clock = Clock(start, begin, lengths)
+        _, used, verdict = march_lines(nodes, physics, lines, memory, nodal, clock, limits, n, pieces)
         total += used
         if verdict != DONE:
             return n, total, verdict
-        pieces.time[n], pieces.length[n] = piece.time[0], piece.length[0]
-        for j in range(len(nodes)):
-            pieces.z[n, j], pieces.psi[n, j] = piece.z[0, j], piece.psi[0, j]
-            pieces.mu[n, j], pieces.y[n, j] = piece.mu[0, j], piece.y[0, j]
         history.starts[slot], history.lengths[slot] = start, length
         history.counts[FILLED] = min(history.counts[FILLED] + 1, history.starts.size)
         if abs(left - length) < _SAME:
             now[TIME] = history.arrivals[0]
             leave_behind(history, now[TIME] + SHORTEST)
-            forget(memory)
-        follow_breaks(nodes, ends, memory.waves, history, slot, longest)
+            hold(nodes, now[PSI], memory.guess.z[0], memory.guess)  # polynomials cannot be extended beyond a break point
+        follow_breaks(nodes, ends, lines.waves, history, slot)
     return pieces.time.size, total, DONE

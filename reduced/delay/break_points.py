@@ -8,11 +8,10 @@ at which it arrives at the layer's other end becomes a break point, where a step
 
 import numpy as np
 
-from reduced.delay.alike import next_count
-from reduced.delay.alike_kernel import TIME
-from reduced.delay.break_kernel import FILLED, FOLLOWED, TOO_MANY, WAITING, Ends, History, forget, march_breaks
-from reduced.delay.network import NODES, DelayNetwork
-from reduced.delay.network_kernel import passage_of
+from reduced.delay.break_kernel import FILLED, FOLLOWED, TOO_MANY, WAITING, Ends, History, march_breaks
+from reduced.delay.kernel import Memory
+from reduced.delay.march import next_count
+from reduced.delay.network import DelayNetwork
 from reduced.delay.transmission_lines import Lines
 from slipwave.errors import NumericsError
 from slipwave.friction import respond
@@ -20,7 +19,7 @@ from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces, interpola
 from slipwave.scene import Scene
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import radau
-from slipwave.step.rows import UNKNOWN
+from slipwave.step.nodal import PSI, TIME, Interface, constant_guess
 
 _RING = 8192
 _PIECES = 256
@@ -39,13 +38,13 @@ class DelayBreaks(DelayNetwork):
 
     def __init__(self, scene: Scene, tolerance: float = 1e-9, lines: Lines | None = None) -> None:
         super().__init__(scene, tolerance, lines=lines)
-        layers, each = self._lines.travel.size, (self._lines.travel.size, self._stages)
+        layers, each = self._layers.travel.size, (self._layers.travel.size, self._stages)
         weights = np.zeros((*each, self._stages, self._stages))  # every node reads from a step of its own
-        self._network = self._network._replace(
+        network = self._lines.network._replace(
             whole=np.zeros(layers, dtype=np.bool_), back=np.zeros(each, dtype=np.int64), weights=weights
         )
+        self._lines = self._lines._replace(network=network, waves=np.zeros((layers, 2, _RING, self._stages)))
         self._ends = self._ends_for(tolerance)
-        self._memory = self._memory._replace(waves=np.zeros((layers, 2, _RING, self._stages)))
         self._remember(np.empty((0, 2)), np.array([time for time in scene.drive.knots if time > 0.0]), 0)
 
     @property
@@ -55,11 +54,10 @@ class DelayBreaks(DelayNetwork):
 
     def advance(self, until: float) -> Pieces:
         """March to the first end of a step at or beyond `until`, but at most one chunk; see `Solver`."""
-        scene, piece, pieces = self.scene, empty_pieces(1, self._stages), empty_pieces(_PIECES, self._stages)
+        pieces = empty_pieces(_PIECES, self._stages)
         while True:
-            physics = (scene.law, self._network, scene.forcing, scene.drive.compiled, self._rule)
-            arrays = (self._memory, passage_of(self._network, NODES), self._scratch, self._history, self._ends)
-            march = (*physics, *arrays, self._length, until - SAME, *self._tolerances, piece)
+            trail = (self._history, self._ends._replace(longest=self._length))
+            march = (self._physics, self._lines, self._memory, self._nodal, trail, self._limits, until - SAME)
             steps, iterations, verdict = march_breaks(self._shape, *march, pieces)
             self.iterations += iterations
             if steps:
@@ -67,8 +65,8 @@ class DelayBreaks(DelayNetwork):
             self._refine(verdict)
 
     def _ends_for(self, tolerance: float) -> Ends:
-        scene, lines, basis = self.scene, self._lines, lagrange_basis(self.nodes)
-        smallest = respond(scene.law, float(self._memory.guess[UNKNOWN, 0]), scene.steady_psi)[3]
+        scene, lines, basis = self.scene, self._layers, lagrange_basis(self.nodes)
+        smallest = respond(scene.law, float(self._memory.guess.z[0]), scene.steady_psi)[3]
         left = interpolation_matrix(basis, np.zeros(1))[0]
         return Ends(
             travel=lines.travel,
@@ -81,13 +79,15 @@ class DelayBreaks(DelayNetwork):
             inverse=radau(self._stages).inverse,
             system=np.zeros((self._stages, 2 * self._stages)),
             jump=tolerance * smallest,
-            kink=max(tolerance, _KINK * self._tolerances[1]) * smallest,
+            kink=max(tolerance, _KINK * self._limits.resolution) * smallest,
+            longest=self._length,
         )
 
     def _remember(self, past: Array, arrivals: Array, followed: int) -> None:
         """Take these past steps (start and length) and next break points as the history."""
         counts = np.array([past.shape[0], arrivals.size, followed])
-        self._history = History(np.empty(_RING), np.ones(_RING), np.empty(_RING + arrivals.size), counts)
+        present = (np.zeros(2), np.zeros(1))
+        self._history = History(np.empty(_RING), np.ones(_RING), np.empty(_RING + arrivals.size), counts, present)
         self._history.starts[: past.shape[0]], self._history.lengths[: past.shape[0]] = past.T
         self._history.arrivals[: arrivals.size] = arrivals
 
@@ -100,22 +100,24 @@ class DelayBreaks(DelayNetwork):
             )
         self._require_room(verdict)
         self._count = next_count(self._count)
-        forget(self._memory)
+        self._memory = Memory(
+            constant_guess(self._memory.now[PSI], self._memory.guess.z[0], self._stages), self._memory.now
+        )  # polynomials fit the old lengths
 
     def state(self) -> State:
         """As `Solver`: start and length of the `past` steps (steps, 2), the `waves` launched in them (layers, 2, steps, s), the
         next break points in order, `arrivals` (points, 1), and the present state; `counts`: longest steps in their span, break
         points, failures, iterations."""
-        memory, history = self._memory, self._history
+        lines, memory, history = self._lines, self._memory, self._history
         filled, waiting, followed = (int(count) for count in history.counts[[FILLED, WAITING, FOLLOWED]])
-        order = (int(memory.cursor[0]) - filled + np.arange(filled)) % _RING
+        order = (int(lines.cursor[0]) - filled + np.arange(filled)) % _RING
         return {
             "counts": np.array([self._count, followed, self.failures, self.iterations], dtype=float),
             "past": np.column_stack([history.starts[order], history.lengths[order]]),
-            "waves": memory.waves[:, :, order],
+            "waves": lines.waves[:, :, order],
             "arrivals": history.arrivals[:waiting, None].copy(),
-            "tops": memory.tops.copy(),
-            "guess": memory.guess.copy(),
+            "tops": lines.tops.copy(),
+            "guess": np.stack(memory.guess),
             "now": memory.now.copy(),
         }
 
@@ -123,10 +125,10 @@ class DelayBreaks(DelayNetwork):
         """As `Solver`."""
         count, points, failures, iterations = whole_numbers(state, "counts", (1, 0, 0, 0))
         steps = min(state["past"].shape[0] if "past" in state else 0, _RING)
-        shapes = {"past": (steps, 2), "waves": (self._lines.travel.size, 2, steps, self._stages), "arrivals": (-1, 1)}
+        shapes = {"past": (steps, 2), "waves": (self._layers.travel.size, 2, steps, self._stages), "arrivals": (-1, 1)}
         saved = tables(state, shapes | self._present(), self.model)
         self._count, self.failures, self.iterations = count, failures, iterations
         self._remember(saved["past"], saved["arrivals"].ravel(), points)
-        self._memory.waves[:, :, :steps] = saved["waves"]
-        present = {name: saved[name] for name in self._present()}
-        self._memory = self._memory._replace(cursor=np.array([steps % _RING]), **present)
+        self._lines.waves[:, :, :steps] = saved["waves"]
+        self._lines = self._lines._replace(tops=saved["tops"], cursor=np.array([steps % _RING]))
+        self._memory = Memory(Interface(*saved["guess"]), saved["now"])

@@ -8,11 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.delay.network_kernel import OUTWARD, Network, gather, launch, passage_of
+from reduced.delay.network_kernel import OUTWARD, Network, gather, launch, lines_with
 from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array
 from slipwave.scene.forcing import Forcing
-from slipwave.step.collocation import radau
+from slipwave.step.collocation import radau, rule_of
+from slipwave.step.nodal import Interface
 
 
 class Disturbance(NamedTuple):
@@ -44,9 +45,9 @@ class Friction(NamedTuple):
     g_psi: float
 
 
-def mean_friction(law: Law, interface: Array, weights: Array) -> Friction:
-    """Their means over moments with psi and z in the rows of `interface` (2, k) and `weights` (k,), whose sum is 1."""
-    rows = np.array([respond(law, float(z), float(psi)) for psi, z in interface.T])
+def mean_friction(law: Law, interface: Interface, weights: Array) -> Friction:
+    """Their means over moments with psi and z (k,) and `weights` (k,), whose sum is 1."""
+    rows = np.array([respond(law, float(z), float(psi)) for psi, z in zip(*interface, strict=True)])
     return Friction(*(weights @ rows[:, [1, 3, 4, 6, 7]]))
 
 
@@ -59,7 +60,7 @@ class FrozenStep:
         ring, layers, slabs = int(network.back.max()) + 1, network.impedance.size, network.first.size
         self.empty = Disturbance(np.zeros((layers, 2, ring, stages)), np.zeros((slabs, 2)), np.zeros(2))
         self.size = self.empty.vector.size
-        self._arriving = np.zeros((stages, self.size))
+        self._arriving = np.zeros((self.size, stages))
         self._free = np.zeros((self.size, self.size))
         for column in range(self.size - 2):
             self._add(network, stages, column)
@@ -75,13 +76,10 @@ class FrozenStep:
         unit = np.zeros(self.size)
         unit[column] = 1.0
         waves, tops, rest = self.empty.like(unit)
-        waves, tops, incoming = waves.copy(), tops.copy(), np.zeros((1, stages))
-        passage, none = passage_of(network, stages), np.zeros(stages)
-        nodes = tuple(float(x) for x in radau(stages).nodes)
-        gather(nodes, network, 0, self._length, self._integral.T.copy(), waves, tops, passage, incoming)
-        launch(nodes, network, 0, none, passage, waves)
-        self._free[:, column] = Disturbance(np.roll(waves, -1, axis=2), tops, rest).vector
-        self._arriving[:, column] = incoming[0]
+        lines, (_, rule, nodes) = lines_with(network, waves.copy(), tops.copy()), rule_of(stages)
+        gather(nodes, lines, self._length, rule.integral, self._arriving[column])
+        launch(nodes, lines)
+        self._free[:, column] = Disturbance(np.roll(lines.waves, -1, axis=2), lines.tops, rest).vector
 
     def matrix(self, friction: Friction) -> tuple[Array, Array]:
         """The map (n, n) of a disturbance over one step, and the nodal stress (s, n) that it causes."""
@@ -91,8 +89,8 @@ class FrozenStep:
         system = identity - h * (g_psi - g_z * by_stress * mu_psi) * self._integral
         begins = np.zeros((identity.shape[0], self.size))
         begins[:, -2] = 1.0
-        psi = np.linalg.solve(system, begins + h * g_z * by_stress * self._integral @ self._arriving)
-        z = by_stress * (self._arriving - mu_psi * psi)
+        psi = np.linalg.solve(system, begins + h * g_z * by_stress * self._integral @ self._arriving.T)
+        z = by_stress * (self._arriving.T - mu_psi * psi)
         stress = mu_z * z + mu_psi * psi
         matrix = self._free + self._sent @ stress
         matrix[-2] = psi[-1]

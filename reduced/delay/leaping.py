@@ -5,18 +5,20 @@ them, so a march needs as many steps in each. But each transit is almost the sam
 """
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 
 from reduced.delay.alike import Delay
-from reduced.delay.alike_kernel import ELASTIC, PSI, TIME, AlikeMemory
+from reduced.delay.kernel import Memory
 from reduced.delay.multirevolution import ORDER, Past, no_past
+from reduced.delay.transit_mesh import TransitMesh
 from slipwave.friction import rates, respond, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import State, tables, whole_numbers
-from slipwave.step.guess import DONE
+from slipwave.step.nodal import DONE, ELASTIC, PSI, TIME
 
 _SLOW = 0.98  # of V, at most, in a stick
 _SHARE = 0.03  # of the tolerance: error of a leap; a stick has some hundred leaps
@@ -26,6 +28,8 @@ _SHORTEST, _LONGEST = 4, 4096
 _SHRINK, _SAFETY, _GROW = 0.2, 0.8, 2.0
 _EXTREMES = 6
 _PAUSE, _LONGEST_PAUSE = 64, 2048  # transits marched before the next try to leap; doubled by a try that fails
+
+_Moment: TypeAlias = tuple[TransitMesh, Array, Memory]
 
 
 class LeapingDelay(Delay):
@@ -72,7 +76,7 @@ class LeapingDelay(Delay):
         saved = tables(state, {"past": (-1, 3 + _EXTREMES), "past.incoming": (-1, self._stages)}, self.model)
         super().restore(state)
         number, states, highest = np.split(saved["past"], [1, 3], axis=1)
-        waves = saved["past.incoming"].reshape(len(number), self._memory.incoming.size)
+        waves = saved["past.incoming"].reshape(len(number), self._lines.incoming.size)
         self._past = Past(number.ravel(), np.column_stack([waves, states]), highest)
         self.skipped, self._length, self._next_try, self._pause = leaps
 
@@ -93,7 +97,7 @@ class LeapingDelay(Delay):
     def _leap(self, end: float) -> bool:
         """Go from the latest transit to a later one, at most to that in which the run ends, and march it. False if it cannot be
         done: nothing has changed then but the length of the next leap."""
-        before, past, failures = self._memory, self._past, self.failures
+        before, past, failures = (self._mesh, self._lines.incoming, self._memory), self._past, self.failures
         start = float(past.number[-1])
         target = min(start + self._length, float(np.floor(self._next_kink(start))) - 2.0, math.ceil(end - SAME) - 1.0)
         if target < start + 2.0:
@@ -107,7 +111,8 @@ class LeapingDelay(Delay):
         self._length = min(_LONGEST, int((target - start) * self._scale(error)))
         pays = self._length > target - start or self._length * self.steps >= _PRICE
         if not error <= self._allowed:
-            self._memory, self.failures = before, failures
+            self._take(*before)
+            self.failures = failures
             if not pays:
                 self._give_up()
             return False
@@ -120,19 +125,19 @@ class LeapingDelay(Delay):
             self._give_up()
         return True
 
-    def _visit(self, before: AlikeMemory, past: Past, number: float) -> Pieces:
+    def _visit(self, before: _Moment, past: Past, number: float) -> Pieces:
         """The pieces of a transit that was left out."""
-        present = self._memory
+        present = self._mesh, self._lines.incoming, self._memory
         self._place(before, past.total(past.number[-1] + 1.0, number), number)
         pieces, _, _ = self._transit()
-        self._memory = present
+        self._take(*present)
         return pieces
 
-    def _place(self, before: AlikeMemory, change: Array, number: float) -> None:
+    def _place(self, before: _Moment, change: Array, number: float) -> None:
         """Go to the beginning of the transit `number`, by the `change` of the state since the memory `before`."""
-        incoming = before.incoming + change[:-2].reshape(before.incoming.shape)
-        psi = before.now[PSI] + math.log1p(change[-2] * math.exp(-before.now[PSI]))
-        self._memory = self._remember(incoming, np.array([number, psi, before.now[ELASTIC] + change[-1]]))
+        mesh, incoming, (_, now) = before
+        psi = now[PSI] + math.log1p(change[-2] * math.exp(-now[PSI]))
+        self._remember(mesh, incoming + change[:-2].reshape(incoming.shape), np.array([number, psi, now[ELASTIC] + change[-1]]))
 
     def _transit(self) -> tuple[Pieces, Array, int]:
         """March one transit; returns its pieces, the change of the state (wave, phi, y), and the verdict of the march.
@@ -182,7 +187,7 @@ class LeapingDelay(Delay):
         self._pause = min(2 * self._pause, _LONGEST_PAUSE)
 
     def _nothing(self) -> Past:
-        return no_past(self._memory.incoming.size + 2, _EXTREMES)
+        return no_past(self._lines.incoming.size + 2, _EXTREMES)
 
 
 def _extremes(pieces: Pieces) -> Array:

@@ -15,20 +15,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.delay.alike_kernel import ELASTIC, PSI, TIME
 from reduced.delay.frozen_step import Disturbance, Friction, FrozenStep, advanced, mean_friction, powers_of, slow_parts
-from reduced.delay.network import SAME_PLACE, DelayNetwork
-from reduced.delay.network_kernel import LOAD, VELOCITY, NetworkMemory
+from reduced.delay.kernel import Memory
+from reduced.delay.network import DelayNetwork
+from reduced.delay.network_kernel import LOAD, VELOCITY, NetworkLines, lines_with
 from reduced.delay.slow_motion import Slow, SlowMotion
-from reduced.delay.transmission_lines import Lines
+from reduced.delay.transmission_lines import SAME_PLACE, Lines
 from slipwave.friction import respond
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import radau
-from slipwave.step.guess import DONE
-from slipwave.step.rows import STATE, UNKNOWN
+from slipwave.step.nodal import ELASTIC, PSI, TIME, Interface, constant_guess
 
 _SHARE = 0.03  # of the tolerance: error of a leap; a protocol has some hundred leaps
 _PRICE, _PRICE_OF_POWERS = 5000.0, 0.0015  # steps of the march that take as long as a leap; more for n entries, times n^3
@@ -72,7 +71,7 @@ class LeapingNetwork(DelayNetwork):
     def __init__(self, scene: Scene, tolerance: float = 1e-9, lines: Lines | None = None) -> None:
         super().__init__(scene, tolerance, lines=lines)
         self._tolerance, self._allowed = tolerance, _SHARE * tolerance
-        self._tolerances = (max(_NEWTON * tolerance, 1e-14), *self._tolerances[1:])
+        self._limits = self._limits._replace(newton=max(_NEWTON * tolerance, 1e-14))
         self._reach, self._pause = _FIRST, _PAUSE
         self._next_try = float(NUDGE_CENTRE + NUDGE_REACH) if scene.forcing.nudge else 0.0
         self._motion: SlowMotion | None = None  # they are made when they are needed
@@ -118,18 +117,19 @@ class LeapingNetwork(DelayNetwork):
 
     def _meet(self, knot: float) -> Pieces:
         """March to a `knot` between the ends of steps, by one or two shorter ones; the grid of steps begins anew there."""
-        old, before, start = self._memory, (self._origin, self._done), self.time
+        before, start = self._moment(), self.time
         count = max(1, math.ceil((knot - start) / self._length - SAME_PLACE))
         short, pieces = (knot - start) / count, empty_pieces(count, self._stages)
         self._resample(self._length, short)
-        steps, verdict = self._march(start, 0, short, count, pieces)
+        self._origin, self._done = start, 0
+        steps, verdict = self._march(short, pieces)
         if steps < count:
-            self._memory, (self._origin, self._done) = old, before
-            self._network = self._compile(self._length)
+            self._lines, self._memory, self._origin, self._done, _ = before
             self._refine(verdict)
             return self.advance(knot)
         self._resample(short, self._length)
-        self._origin, self._done, self._memory.now[TIME] = knot, 0, knot
+        self._origin, self._done = knot, 0
+        self._memory.now[TIME] = knot
         return pieces
 
     def _refine(self, verdict: int) -> None:
@@ -145,11 +145,10 @@ class LeapingNetwork(DelayNetwork):
     def _leap(self, stop: float, gaps: bool) -> Pieces | None:
         """The pieces of a leap that ends before `stop`, with some steps before and after it; None if none is possible that saves
         time: nothing has changed then but the length of the next one."""
-        ring, layers = int(self._network.back.max()) + 1, self._network.impedance.size
-        size, checks = 2 * (layers * ring * self._stages + len(self._lines.tops) + 1), 2 * ring
+        size, checks = self._lines.waves.size + self._lines.tops.size + 2, 2 * self._lines.waves.shape[2]
         least = int(_PRICE + _PRICE_OF_POWERS * size**3)
         count = min(max(least, self._reach), int((stop - self.time) / self._length - SAME_PLACE) - checks)
-        if size > _LARGEST or count < least or any(top.has_dead_load for top in self._lines.tops):
+        if size > _LARGEST or count < least or any(top.has_dead_load for top in self._layers.tops):
             return None
         while count >= least:
             pieces, scale = self._cross(count, gaps)
@@ -165,7 +164,7 @@ class LeapingNetwork(DelayNetwork):
     def _cross(self, count: int, gaps: bool) -> tuple[Pieces | None, float]:
         """A leap of `count` steps: its pieces, None if it cannot be done, and how much longer the next one can be: 0 if none can
         be done now."""
-        before = (NetworkMemory(*(array.copy() for array in self._memory)), self._done, self.iterations)  # type: ignore[arg-type]
+        before = self._moment()
         split = self._split(count * self._length)
         ahead = self._check(split, count) if split else None
         scale = 0.25
@@ -178,8 +177,15 @@ class LeapingNetwork(DelayNetwork):
                     return pieces, scale
             else:
                 scale = 0.0
-        self._memory, self._done, self.iterations = before
+        self._lines, self._memory, self._origin, self._done, self.iterations = before
         return None, scale
+
+    def _moment(self) -> tuple[NetworkLines, Memory, float, int, int]:
+        """All that a march changes, for a return to the present."""
+        lines, (guess, now) = self._lines, self._memory
+        waves = lines_with(lines.network, lines.waves.copy(), lines.tops.copy(), int(lines.cursor[0]))
+        memory = Memory(Interface(guess.psi.copy(), guess.z.copy()), now.copy())
+        return waves, memory, self._origin, self._done, self.iterations
 
     def _beyond(self, split: _Split, ahead: _Check, count: int) -> tuple[Pieces | None, float]:
         """The same after the steps `ahead` of the leap, which are the first of `count`."""
@@ -209,11 +215,11 @@ class LeapingNetwork(DelayNetwork):
         that all else cancels. The slow step begins with such a psi and such a load that the rest has none of both."""
         (motion, frozen), now = self._parts(), self._now()
         start, (psi, y) = self.time, now.rest
-        stages, unknown = self._stages, float(self._memory.guess[UNKNOWN, 0])
+        stages, unknown = self._stages, float(self._memory.guess.z[0])
         _, _, stress, friction_z, *_ = respond(self.scene.law, unknown, psi)
         begin = np.array([psi, (stress - self.scene.steady_stress) / motion.transfer.stress[0]])
-        slow = motion.step(start, length, begin, np.stack([np.full(stages, psi), np.full(stages, unknown)]))
-        if slow.verdict != DONE:
+        slow = motion.step(start, length, begin, constant_guess(psi, unknown, stages))
+        if not slow.solved:
             return None
         matrix, by_rest = frozen.matrix(self._friction(slow, start, start))
         rows = np.zeros((2, frozen.size))
@@ -231,11 +237,11 @@ class LeapingNetwork(DelayNetwork):
             slopes = np.empty((2, 2))
             for k in range(2):
                 other = begin + steps * (np.arange(2) == k)
-                nearby = motion.step(start, length, other, slow.guess.copy())
+                nearby = motion.step(start, length, other, slow.guess)
                 slopes[:, k] = (rows @ rest(nearby) - left) / steps[k]
             begin = begin - np.linalg.solve(slopes, left)
-            slow = motion.step(start, length, begin, slow.guess.copy())
-            if slow.verdict != DONE:
+            slow = motion.step(start, length, begin, slow.guess)
+            if not slow.solved:
                 return None
         return None
 
@@ -247,13 +253,12 @@ class LeapingNetwork(DelayNetwork):
         matrix, _ = frozen.matrix(friction)
         expected = advanced(powers_of(matrix, steps), split.rest, steps)
         pieces = empty_pieces(steps, self._stages)
-        done, _ = self._march(self._origin, self._done, self._length, steps, pieces)
-        self._done += done
+        done, _ = self._march(self._length, pieces)
         if done < steps:
             return None
         miss = self._now().vector - self._composed(split, self.time).vector - expected
         times = (pieces.time[:, None] + pieces.length[:, None] * self.nodes).ravel()
-        ripple = np.abs(pieces.z.ravel() - motion.interface(split.slow, times)[UNKNOWN]).max()
+        ripple = np.abs(pieces.z.ravel() - motion.interface(split.slow, times).z).max()
         return _Check(pieces, self._size(miss, friction) * count / steps, float(ripple))
 
     def _carried(self, split: _Split, begin: float, end: float, steps: int) -> tuple[_Split, float]:
@@ -273,28 +278,28 @@ class LeapingNetwork(DelayNetwork):
     def _place(self, split: _Split, time: float, steps: int) -> None:
         """Go `steps` on to a `time`, at which the motion is taken apart as `split`."""
         waves, tops, (psi, y) = self._parts()[1].empty.like(self._composed(split, time).vector + split.rest)
-        unknown = float(self._parts()[0].interface(split.slow, np.array([time]))[UNKNOWN, 0])
-        guess = np.stack([np.full(self._stages, psi), np.full(self._stages, unknown)])
+        unknown = float(self._parts()[0].interface(split.slow, np.array(time)).z)
         self._done += steps
-        self._memory = NetworkMemory(waves.copy(), tops.copy(), guess, np.array([time, psi, y]), np.zeros(1, dtype=np.int64))
+        self._lines = lines_with(self._lines.network, waves.copy(), tops.copy())
+        self._memory = Memory(constant_guess(psi, unknown, self._stages), np.array([time, psi, y]))
 
     def _parts(self) -> tuple[SlowMotion, FrozenStep]:
         """The tools for both parts of the motion."""
-        self._motion = self._motion or SlowMotion(self.scene, self._lines, self._stages, self._tolerances)
-        self._frozen = self._frozen or FrozenStep(self._network, self._length, self._stages, self.scene.forcing)
+        self._motion = self._motion or SlowMotion(self.scene, self._layers, self._stages, self._limits)
+        self._frozen = self._frozen or FrozenStep(self._lines.network, self._length, self._stages, self.scene.forcing)
         return self._motion, self._frozen
 
     def _now(self) -> Disturbance:
         """What is remembered at present."""
-        waves, tops, _, now, cursor = self._memory
-        return Disturbance(np.roll(waves, -int(cursor[0]), axis=2), tops, now[[PSI, ELASTIC]])
+        _, _, waves, tops, cursor, _ = self._lines
+        return Disturbance(np.roll(waves, -int(cursor[0]), axis=2), tops, self._memory.now[[PSI, ELASTIC]])
 
     def _composed(self, split: _Split, time: float) -> Disturbance:
         """What would be remembered at a `time` of the slow motion alone."""
         motion, frozen = self._parts()
         ring = frozen.empty.waves.shape[2]
         times = time + self._length * (np.arange(-ring, 0)[:, None] + self.nodes)
-        psi = motion.interface(split.slow, np.array([time]))[STATE, 0]
+        psi = float(motion.interface(split.slow, np.array(time)).psi)
         y = split.y - self.scene.stiffness * motion.slip(split.slow, np.array(time))
         return Disturbance(motion.waves(split.slow, times), motion.tops(split.slow, time), np.array([psi, float(y)]))
 
@@ -308,9 +313,9 @@ class LeapingNetwork(DelayNetwork):
         """The slow motion between `ends` as pieces."""
         motion, slow, lengths = self._parts()[0], split.slow, np.diff(ends)
         times = ends[:-1, None] + lengths[:, None] * self.nodes
-        interface = motion.interface(slow, times.ravel()).reshape(2, *times.shape)
+        psi, z = motion.interface(slow, times)
         y = split.y - self.scene.stiffness * motion.slip(slow, times)
-        return Pieces(ends[:-1].copy(), lengths, interface[UNKNOWN], interface[STATE], motion.stress(slow, times), y)
+        return Pieces(ends[:-1].copy(), lengths, z, psi, motion.stress(slow, times), y)
 
     def _is_monotonic(self, split: _Split, begin: float, end: float) -> bool:
         """Whether neither z nor mu nor y of the slow motion has an extremum between two times."""
@@ -321,11 +326,11 @@ class LeapingNetwork(DelayNetwork):
     def _size(self, change: Array, friction: Friction) -> float:
         """The largest change of psi, of y and of ln v (that of a wave over F_z) that a `change` of the memory amounts to."""
         waves, tops, rest = self._parts()[1].empty.like(np.abs(change))
-        impedance = self._lines.impedance[list(self._lines.last)]
+        impedance = self._layers.impedance[list(self._layers.last)]
         stresses = [waves.max(), rest[1], tops[:, LOAD].max(), (tops[:, VELOCITY] * impedance).max()]
         return float(max(rest[0], max(stresses) / friction.mu_z))
 
     def _scale(self, slow: Slow, error: float) -> float:
         """How much longer than the step `slow`, with this `error`, the next leap can be."""
-        smooth = (self._tolerances[1] / max(slow.tail, 1e-300)) ** (1.0 / _ORDER)
+        smooth = (self._limits.resolution / max(slow.tail, 1e-300)) ** (1.0 / _ORDER)
         return float(min(_GROW, max(_SHRINK, _SAFETY * min(smooth, self._allowed / max(error, 1e-300)))))

@@ -3,15 +3,15 @@
 import math
 from typing import Any
 
-from reduced.delay.alike_kernel import PSI, TIME, AlikeMemory
-from reduced.delay.network_kernel import NetworkMemory
+from reduced.delay.kernel import Memory
 from slipwave.errors import NumericsError
-from slipwave.friction import respond
+from slipwave.friction import respond, unknown_of
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import Energy
-from slipwave.step.guess import TOO_STEEP
-from slipwave.step.rows import UNKNOWN
+from slipwave.step.collocation import growth_limit, rule_of
+from slipwave.step.newton import first_guess
+from slipwave.step.nodal import PSI, TIME, TOO_STEEP, Interface, Limits, Physics, nodal_of
 
 
 class DelayMarch:
@@ -22,15 +22,17 @@ class DelayMarch:
     transits_per_piece = math.nan
     failed_at = math.nan
     bookkeeping = frozenset({"counts", "origin", "waiting", "leaps", "tries", "past", "past.incoming", "arrivals"})
-    nodes: Array
     settings: dict[str, Any]
-    _memory: AlikeMemory | NetworkMemory
-    _steepest: float
+    _memory: Memory
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
+    def __init__(self, scene: Scene, stages: int, tolerance: float, resolution: float) -> None:
+        self.scene, self._stages = scene, stages
         self.failures = 0
         self.iterations = 0
+        matrices, rule, self._shape = rule_of(stages)
+        self.nodes: Array = matrices.nodes
+        self._physics, self._nodal = Physics(scene.law, scene.forcing, scene.drive.compiled, rule), nodal_of(stages)
+        self._limits = Limits(max(1e-3 * tolerance, 1e-14), resolution, growth_limit(stages, tolerance))
 
     @property
     def time(self) -> float:
@@ -40,6 +42,13 @@ class DelayMarch:
     def energy(self) -> Energy | None:
         """None: the delay system knows no fields in the slabs, and so keeps no ledger."""
         return None
+
+    def _first_guess(self, impedance: float, incoming: Array, psi: float) -> Interface:
+        """psi and z at the nodes of a step with constant psi under the stress `incoming` (s,)."""
+        law = self.scene.law
+        guess, solved = first_guess(self._shape, law, impedance, incoming, psi, unknown_of(law, self.scene.velocity))
+        self.failures += not solved
+        return guess
 
     def _unresolved(self, steps: float, verdict: int) -> NumericsError:
         """The error to raise if even `steps` per transit are too few, for the `verdict` on the step that needs more."""
@@ -57,14 +66,26 @@ class DelayMarch:
         return NumericsError(
             f"delay: at t = {time:.6g} transits (psi = {psi:.6g}) the motion is unstable: disturbances grow at "
             f"{growth:.4g} per transit, by e^{growth / steps:.3g} in one of {steps:.0f} steps per transit, the largest number; "
-            f"a step can follow at most e^{self._steepest:.3g}. Longer steps would damp this growth and follow a motion that "
-            f"cannot last. Use thinner slabs, or fd with {math.ceil(growth)} cells or more "
+            f"a step can follow at most e^{self._limits.growth:.3g}. Longer steps would damp this growth and follow a motion "
+            f"that cannot last. Use thinner slabs, or fd with {math.ceil(growth)} cells or more "
             f"(scene {self.scene.name!r}, digest {self.scene.digest})"
         )
 
     def _growth(self) -> float:
         """Growth rate (per transit) of a disturbance of psi at present, with the arriving waves given:
         r (G_psi - G_z F_psi/(F_z + Z v_z)), the real root of the characteristic equation without echoes."""
-        z = float(self._memory.guess[UNKNOWN, 0])
+        z = float(self._memory.guess.z[0])
         _, v_z, _, friction_z, friction_psi, _, g_z, g_psi = respond(self.scene.law, z, float(self._memory.now[PSI]))
         return self.scene.transit * (g_psi - g_z * friction_psi / (friction_z + self.scene.impedance * v_z))
+
+
+def dense_resolution(tolerance: float, stages: int) -> float:
+    """Limit of the highest Legendre coefficient of z in a step whose polynomial has error `tolerance` (the first neglected
+    coefficient is smaller by the decay from one coefficient to the next)."""
+    return float(max(tolerance ** (stages / (stages + 2.0)), 1e-9))
+
+
+def next_count(steps: int) -> int:
+    """The next of 3, 4, 6, 8, 12, 16, ... (each larger by a factor of 4/3 or 3/2)."""
+    power = 1 << max(1, steps.bit_length() - 1)
+    return next(n for n in (power, 3 * power // 2, 2 * power, 3 * power) if n > steps)

@@ -17,14 +17,12 @@ from numpy.typing import NDArray
 
 from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY
 from reduced.delay.transmission_lines import Lines
-from slipwave.compiled import njit
 from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
-from slipwave.step.collocation import Nodes, rule_of
-from slipwave.step.guess import judge_step
-from slipwave.step.impedance import full_impedance
+from slipwave.step.collocation import rule_of
+from slipwave.step.impedance import Full
 from slipwave.step.newton import solve
-from slipwave.step.rows import FORCED, RATE, STATE, UNKNOWN, scratch_of
+from slipwave.step.nodal import Interface, Limits, nodal_of
 
 Complex = NDArray[np.complex128]
 
@@ -93,41 +91,34 @@ def _responses(lines: Lines, s: Complex) -> tuple[Complex, Complex, Complex, Com
 
 
 class Slow(NamedTuple):
-    """A solved step of slow motion from the time `start` (transits) and of the `length`: `guess` (2, s), nodal psi and z; `rate`
+    """A solved step of slow motion from the time `start` (transits) and of the `length`: `guess`, nodal psi and z; `rate`
     (s,), nodal dv; `load`, the slip up to its start to which the load belongs; `psi` at its start; `tail`, the highest Legendre
-    coefficient of z; `verdict` of `judge_step`."""
+    coefficient of z; whether it is `solved` well enough."""
 
     start: float
     length: float
-    guess: Array
+    guess: Interface
     rate: Array
     load: float
     psi: float
     tail: float
-    verdict: int
-
-
-@njit
-def _judged(nodes: Nodes, tail: Array, guess: Array, work: Array, used: int, resolution: float, steepest: float) -> int:
-    """`judge_step` for calls from Python: what is inlined would be compiled again in each process."""
-    return judge_step(nodes, tail, guess, work, used, resolution, steepest)
+    solved: bool
 
 
 class SlowMotion:
     """Steps of slow motion of the `lines` of a `scene`, with polynomials through `stages` Radau nodes."""
 
-    def __init__(self, scene: Scene, lines: Lines, stages: int, tolerances: tuple[float, float, float]) -> None:
-        self._scene, self._stages, self._tolerances = scene, stages, tolerances
+    def __init__(self, scene: Scene, lines: Lines, stages: int, limits: Limits) -> None:
+        self._scene, self._stages, self._limits = scene, stages, limits
         self.transfer = transfer_of(lines)
         self._matrices, self._rule, self._shape = rule_of(stages)
-        self._basis, self._scratch = lagrange_basis(self._matrices.nodes), scratch_of(stages)
+        self._basis, self._nodal = lagrange_basis(self._matrices.nodes), nodal_of(stages)
         self._with_start = lagrange_basis(np.append(0.0, self._matrices.nodes))
-        self._impedance = full_impedance(stages)
         self._shift = np.zeros((lines.travel.size, 2))  # waves of a slab that moves as a whole
         self._shift[:, INWARD], self._shift[:, OUTWARD] = lines.impedance, -lines.impedance
 
-    def step(self, start: float, length: float, begin: Array, guess: Array) -> Slow:
-        """From psi and the load, `begin`, at the time `start`, while V is constant; `guess` (2, s) is refined in place."""
+    def step(self, start: float, length: float, begin: Array, guess: Interface) -> Slow:
+        """From psi and the load, `begin`, at the time `start`, while V is constant."""
         scene, terms, shape = self._scene, self.transfer.stress, self._shape
         velocity, (psi, load) = scene.drive.at(start + 0.5 * length), begin.tolist()
         derive, power = self._basis.derivative / length, np.eye(self._stages)
@@ -135,23 +126,22 @@ class SlowMotion:
         for term in terms[1:]:
             matrix = matrix - term * power
             power = power @ derive
-        self._impedance.matrix[:] = matrix
-        incoming, work = self._scratch.incoming, self._scratch.work
-        incoming[0] = scene.steady_stress + terms[0] * load + velocity * matrix.sum(axis=1)
-        work[FORCED] = 0.0
-        newton, resolution, steepest = self._tolerances
-        h, integral = length * scene.transit, self._rule.integral
-        arrays = (guess, work, self._scratch.system)
-        used = solve(shape, scene.law, self._impedance, h, psi, incoming, 0, integral, newton, *arrays)
-        verdict = _judged(shape, self._rule.tail, guess, work, used, resolution, steepest)
-        tail = abs(float(self._rule.tail @ guess[UNKNOWN]))
-        return Slow(start, length, guess.copy(), work[RATE] - velocity, load, psi, tail, verdict)
+        nodal = self._nodal
+        nodal.incoming[:] = scene.steady_stress + terms[0] * load + velocity * matrix.sum(axis=1)
+        nodal.left[:], nodal.psi[:], nodal.z[:] = psi, guess.psi, guess.z
+        integral = self._rule.integral
+        used = solve(shape, scene.law, Full(matrix), length * scene.transit, integral, self._limits.newton, nodal)
+        tail = abs(float(self._rule.tail @ nodal.z))
+        solved = used > 0 and tail <= self._limits.resolution and float(nodal.slope.max()) <= self._limits.growth
+        found = Interface(nodal.psi.copy(), nodal.z.copy())
+        return Slow(start, length, found, nodal.v - velocity, load, psi, tail, solved)
 
-    def interface(self, slow: Slow, times: Array) -> Array:
-        """psi and z at `times` (k,) of a step, or a little outside; (2, k)."""
-        at = (times - slow.start) / slow.length
-        psi = interpolation_matrix(self._with_start, at) @ np.append(slow.psi, slow.guess[STATE])
-        return np.stack([psi, interpolation_matrix(self._basis, at) @ slow.guess[UNKNOWN]])
+    def interface(self, slow: Slow, times: Array) -> Interface:
+        """psi and z at `times` (..) of a step, or a little outside."""
+        at = ((times - slow.start) / slow.length).ravel()
+        psi = interpolation_matrix(self._with_start, at) @ np.append(slow.psi, slow.guess.psi)
+        z = interpolation_matrix(self._basis, at) @ slow.guess.z
+        return Interface(psi.reshape(times.shape), z.reshape(times.shape))
 
     def slip(self, slow: Slow, times: Array) -> Array:
         """Integral of v - V from the step's start to `times`, in V* times transits."""

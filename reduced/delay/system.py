@@ -6,8 +6,8 @@ from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.leaping import LeapingDelay
 from reduced.delay.leaping_network import LeapingNetwork
-from reduced.delay.network import NODES, DelayNetwork
-from reduced.delay.transmission_lines import Lines, lines_of
+from reduced.delay.network import DelayNetwork
+from reduced.delay.transmission_lines import NODES, Lines, lines_of
 from slipwave.friction import respond, unknown_of
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind

@@ -12,15 +12,23 @@ that the slip rate is the sum of both slabs' velocities. For alike slabs only on
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
 from reduced.commensurate import common_divisor
+from reduced.delay.network_kernel import Integers, Network
 from slipwave.errors import SceneError
-from slipwave.observe.pieces import Array
+from slipwave.observe.pieces import Array, Basis, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
 from slipwave.scene.termination import Termination
+from slipwave.step.collocation import from_moments, radau
+
+NODES = 8
+"""Of a step of a network."""
+
+SAME_PLACE = 1e-9
+"""Of a step; two places that differ by less are one."""
 
 _MOST_DIVISIONS = 64
 
@@ -66,3 +74,62 @@ def lines_of(scene: Scene) -> Lines:
         tops=tuple(slab.termination.in_transits(scene.transit) for slab in slabs),
         weight=2.0 if scene.alike else 1.0,
     )
+
+
+def network_of(scene: Scene, lines: Lines, length: float, nodes: Array) -> Network:
+    """The lines of `scene` in compiled form for equal steps of `length` (transits)."""
+    back, weights = delay_rows(lines.travel / length, nodes)
+    return Network(
+        lines.impedance,
+        back,
+        weights,
+        weights[:, 0, 0, 0] == 1.0,
+        np.array(lines.first),
+        np.array(lines.last),
+        np.array([top.spring for top in lines.tops]),
+        *tops_for(lines, length, nodes.size),
+        np.array([top.spring > 0.0 or top.mass > 0.0 for top in lines.tops]),
+        scene.impedance,
+        scene.steady_stress + scene.impedance * scene.velocity,
+        lines.weight,
+    )
+
+
+def tops_for(lines: Lines, length: float, stages: int) -> tuple[Array, Array]:
+    """`compliance` and `inertia` of the outer faces in a step of `length` (`Network`), (slabs, s, s) each."""
+    rule, identity = radau(stages), np.eye(stages)
+    inertia = np.array([top.mass / length * rule.inverse for top in lines.tops])
+    compliance = np.zeros_like(inertia)
+    for slab, top in enumerate(lines.tops):
+        if not top.is_rigid:
+            resistance = (top.dashpot + lines.impedance[lines.last[slab]]) * identity
+            compliance[slab] = np.linalg.inv(inertia[slab] + resistance + length * top.spring * rule.integral)
+    return compliance, inertia
+
+
+def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:
+    """For delays of `steps_back` (L,) steps: how many steps back the two lie in which waves left, (L, 2), and their weights,
+    (L, 2, s, s).
+
+    The weights give nodal values of the L2 projection of what arrives. With values of the waves themselves, noise in a lossless
+    slab would grow whenever it arrives, for some delays by a fifth.
+    """
+    s, basis, project, points, parts = _projection(nodes.size)
+    older = np.ceil(steps_back - SAME_PLACE).astype(np.int64)
+    weights = np.zeros((older.size, 2, s, s))
+    for layer, share in enumerate(np.clip(older - steps_back, 0.0, 1.0)):
+        if share < SAME_PLACE:
+            weights[layer, 0] = np.eye(s)
+            continue
+        for which, (begin, length) in enumerate(((0.0, 1.0 - share), (1.0 - share, share))):
+            at = begin + length * points
+            moments = length * parts * np.polynomial.legendre.legvander(2.0 * at - 1.0, s - 1).T
+            weights[layer, which] = project @ moments @ interpolation_matrix(basis, at + share - which)
+    return np.column_stack([older, older - 1]), weights
+
+
+@cache
+def _projection(stages: int) -> tuple[int, Basis, Array, Array, Array]:
+    """`stages`; the basis of the nodes and their values from moments; points and weights of a quadrature on the unit step."""
+    nodes, (points, weights) = radau(stages).nodes, np.polynomial.legendre.leggauss(stages)
+    return stages, lagrange_basis(nodes), from_moments(nodes), 0.5 * (points + 1.0), 0.5 * weights

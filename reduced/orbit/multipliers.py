@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.flows.idle_states import without
 from reduced.orbit.closing import Closed
 from slipwave.observe.pieces import Array
+from slipwave.step.flow import without
 
 if TYPE_CHECKING:
     from reduced.stability.idle import IdleMode

@@ -7,8 +7,11 @@ import numpy as np
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
 from slipwave.solve import State
+from slipwave.threads import one_thread
 
 _CHANGE = 1e-6  # of the period, relative
+_SQUARINGS = 20
+_LEFT = 1e-6  # singular value, over the largest, of what has not died out
 
 
 class Cycle(NamedTuple):
@@ -108,3 +111,22 @@ def velocity_by_difference(flow: Flow, cycle: Cycle) -> Array:
     change = _CHANGE * cycle.period
     later, earlier = (flow.march(cycle.start, cycle.period + shift).end for shift in (change, -change))
     return np.asarray((later - earlier) / (2.0 * change))
+
+
+def idle_states(step: Array) -> Array:
+    """Orthonormal states (n, m) that do not die out under the map `step` (n, n), whose other motions all do."""
+    power = step
+    with one_thread():
+        for _ in range(_SQUARINGS):
+            power = power @ power
+        states, sizes, _ = np.linalg.svd(power)
+    return np.asarray(states[:, sizes > _LEFT * max(float(sizes[0]), 1.0)])
+
+
+def without(matrix: Array, states: Array) -> Array:
+    """What a `matrix` (n, n) that maps the orthonormal `states` (n, m) to each other does with all others, up to these: its
+    eigenvalues (n - m) are those of the matrix without those that belong to the states."""
+    if not states.size:
+        return matrix
+    rest = np.linalg.qr(states, mode="complete")[0][:, states.shape[1] :]
+    return np.asarray(rest.T @ matrix @ rest)

@@ -1,18 +1,15 @@
 """The impedance K of a slab pair over one collocation step: the stress at node j is  mu_j = S_j - sum_l K_jl v_l.
 
 Waves that leave the interface and do not return within the step give a diagonal K with equal entries. States that respond within
-the step give a full matrix; each step then costs the elimination below unless the coupling of the nodes is weak. Compiled code is
-specialised on the class, so a diagonal K pays for none of it.
+the step give a full matrix. Compiled code is specialised on the class, so a diagonal K pays for none of it.
 """
 
 from typing import NamedTuple, TypeAlias
 
-import numpy as np
-
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
-from slipwave.step.rows import BY_Z, INCREMENT, INVERSE, MISMATCH, RATE, RATE_SLOPE
+from slipwave.step.nodal import Nodal
 
 
 class Diagonal(NamedTuple):
@@ -22,19 +19,12 @@ class Diagonal(NamedTuple):
 
 
 class Full(NamedTuple):
-    """K = matrix (s, s); `state` (s, 2 s + 1) and `rate` (s, s + 1) are scratch."""
+    """K = matrix (s, s)."""
 
     matrix: Array
-    state: Array
-    rate: Array
 
 
 Impedance: TypeAlias = Diagonal | Full
-
-
-def full_impedance(stages: int) -> Full:
-    """A K of `stages` nodes, zero, with its scratch."""
-    return Full(np.zeros((stages, stages)), np.zeros((stages, 2 * stages + 1)), np.zeros((stages, stages + 1)))
 
 
 @by_class(inline=True)
@@ -44,13 +34,13 @@ def own(impedance: Impedance, j: int) -> float:
 
 
 @by_class(inline=True)
-def others(impedance: Impedance, nodes: Nodes, j: int, work: Array) -> float:
-    """Sum over l != j of K_jl v_l."""
+def others(impedance: Impedance, nodes: Nodes, j: int, rates: Array) -> float:
+    """Sum over l != j of K_jl rates_l."""
     raise NotImplementedError(type(impedance))
 
 
 @by_class(inline=True)
-def influence(impedance: Impedance, nodes: Nodes, work: Array) -> float:
+def influence(impedance: Impedance, nodes: Nodes, nodal: Nodal) -> float:
     """Add the stress by other nodes' rates to the mismatch of each node. Returns the largest influence of the others on a node's
     z: sum over l != j of |K_jl v_z,l| over F_z,j + K_jj v_z,j."""
     raise NotImplementedError(type(impedance))
@@ -62,12 +52,12 @@ def _own_of_diagonal(impedance, j):  # type: ignore[no-untyped-def]
 
 
 @others.register(Diagonal)
-def _others_of_diagonal(impedance, nodes, j, work):  # type: ignore[no-untyped-def]
+def _others_of_diagonal(impedance, nodes, j, rates):  # type: ignore[no-untyped-def]
     return 0.0
 
 
 @influence.register(Diagonal)
-def _influence_in_diagonal(impedance, nodes, work):  # type: ignore[no-untyped-def]
+def _influence_in_diagonal(impedance, nodes, nodal):  # type: ignore[no-untyped-def]
     return 0.0
 
 
@@ -77,24 +67,24 @@ def _own_of_full(impedance, j):  # type: ignore[no-untyped-def]
 
 
 @others.register(Full)
-def _others_of_full(impedance, nodes, j, work):  # type: ignore[no-untyped-def]
+def _others_of_full(impedance, nodes, j, rates):  # type: ignore[no-untyped-def]
     matrix, total = impedance.matrix, 0.0
     for m in range(len(nodes)):
         if m != j:
-            total += matrix[j, m] * work[RATE, m]
+            total += matrix[j, m] * rates[m]
     return total
 
 
 @influence.register(Full)
-def _influence_in_full(impedance, nodes, work):  # type: ignore[no-untyped-def]
+def _influence_in_full(impedance, nodes, nodal):  # type: ignore[no-untyped-def]
     matrix, largest = impedance.matrix, 0.0
     for j in range(matrix.shape[0]):
-        stress, size, inverse = 0.0, 0.0, work[INVERSE, j]
+        stress, size, inverse = 0.0, 0.0, nodal.inverse[j]
         for m in range(len(nodes)):
             if m != j:
-                stress += matrix[j, m] * work[RATE, m]
-                size += abs(matrix[j, m]) * work[RATE_SLOPE, m]
-        work[MISMATCH, j] += stress * inverse
-        work[INCREMENT, j] -= work[BY_Z, j] * stress * inverse
+                stress += matrix[j, m] * nodal.v[m]
+                size += abs(matrix[j, m]) * nodal.v_z[m]
+        nodal.mismatch[j] += stress * inverse
+        nodal.gain[j] -= nodal.by_z[j] * stress * inverse
         largest = max(largest, size * inverse)
     return largest

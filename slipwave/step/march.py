@@ -13,25 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipwave.compiled import inlined, njit
-from slipwave.friction import Law
 from slipwave.observe.pieces import SAME, Array, Pieces
-from slipwave.scene.drive import Constant, Ramps, velocity_at
-from slipwave.scene.forcing import Forcing
 from slipwave.step.collocation import EQUAL, RATIOS, Nodes, Rule
-from slipwave.step.guess import force, hold, predict
 from slipwave.step.impedance import Full, own
-from slipwave.step.newton import solve
+from slipwave.step.newton import emit, solve
+from slipwave.step.nodal import DONE, ELASTIC, PSI, TIME, Interface, Limits, Nodal, Physics, begin_step, hold, predict, tail_of
 from slipwave.step.port import Port, arrive, take_in
-from slipwave.step.record import emit
-from slipwave.step.rows import BY_Z, DRIVE, INVERSE, RATE_SLOPE, RATIO, SLOPE, STATE, UNKNOWN, Scratch
 
-# entries of `Memory.now`; LEFT is psi at the start of the last step
-TIME, PSI, ELASTIC, END, LEFT = range(5)
+END, LEFT = 3, 4
+"""Further entries of `Memory.now`: z at the present, psi at the start of the last step."""
+
 # entries of `Memory.levels`
 NEXT, LAST = 0, 1
 
-DONE, TOO_LONG, NOT_READY = range(3)
-"""Why a march ends: it is where it should be; no step is short enough; the port has no tables for the next step yet."""
+TOO_LONG, NOT_READY = 1, 2
+"""Why a march ends if not DONE: no step is short enough; the port has no tables for the next step yet."""
 
 ANY_LENGTH: NDArray[np.int64] = np.empty(0, dtype=np.int64)
 """The plan of a march whose steps follow the motion."""
@@ -39,23 +35,25 @@ ANY_LENGTH: NDArray[np.int64] = np.empty(0, dtype=np.int64)
 _NONE = -1
 
 
-class Limits(NamedTuple):
-    """`newton` and `resolution`: allowed errors of the iteration and of the polynomials; `growth`: the largest that a step
-    reproduces; `impedance` (L,): Z at s = growth/length of every level, in units of the normal stress over V*."""
-
-    newton: float
-    resolution: float
-    growth: float
-    impedance: Array
-
-
 class Memory(NamedTuple):
-    """`last` (2, s): psi and z at the nodes of the last step; `now` (5,): time (transits), psi, y, z at the present, psi at the
-    last step's start; `levels` (2,): of the next step and of the last (-1: none)."""
+    """`last`: psi and z at the nodes of the last step; `now` (5,): time (transits), psi, y, z at the present, psi at the last
+    step's start; `levels` (2,): of the next step and of the last (-1: none)."""
 
-    last: Array
+    last: Interface
     now: Array
     levels: NDArray[np.int64]
+
+
+class Stretch(NamedTuple):
+    """Steps whose lengths hold from the time `origin` (transits), to `until`: the last may end beyond that, but not beyond
+    `stop`. `resistance` (L,): Z at s = growth/length of every level, in units of the normal stress over V*. `plan`: the level of
+    each step, whatever the motion; empty: lengths follow the motion."""
+
+    origin: float
+    until: float
+    stop: float
+    resistance: Array
+    plan: NDArray[np.int64]
 
 
 def resolution_of(tolerance: float, stages: int) -> float:
@@ -65,42 +63,33 @@ def resolution_of(tolerance: float, stages: int) -> float:
 
 def begin(psi: float, elastic: float, z: float, stages: int) -> Memory:
     """Memory at t = 0."""
-    return Memory(np.zeros((2, stages)), np.array([0.0, psi, elastic, z, psi]), np.array([0, _NONE]))
+    return Memory(Interface(*np.zeros((2, stages))), np.array([0.0, psi, elastic, z, psi]), np.array([0, _NONE]))
 
 
 @njit
-def _guess(nodes: Nodes, rule: Rule, memory: Memory, guess: Array) -> None:
+def _guess(nodes: Nodes, rule: Rule, memory: Memory, nodal: Nodal) -> None:
     """Guess of the next step: the last step's polynomials, extended, or constant values after a step of very different length."""
-    last, now, levels = memory.last, memory.now, memory.levels
+    now, levels = memory.now, memory.levels
     ratio = levels[LAST] - levels[NEXT] + EQUAL
     if levels[LAST] == _NONE or ratio < 0 or ratio >= len(RATIOS):
-        hold(nodes, now[PSI], now[END], guess)
-        return
-    predict(nodes, rule, ratio, now[LEFT], last, guess)
-
-
-@inlined
-def _size_of_tail(nodes: Nodes, tail: Array, guess: Array) -> float:
-    """The larger of the highest Legendre coefficients of z and psi."""
-    z, psi = 0.0, 0.0
-    for j in range(len(nodes)):
-        z += tail[j] * guess[UNKNOWN, j]
-        psi += tail[j] * guess[STATE, j]
-    return max(abs(z), abs(psi)) if math.isfinite(z + psi) else math.inf
+        hold(nodes, now[PSI], now[END], Interface(nodal.psi, nodal.z))
+    else:
+        predict(nodes, rule, ratio, now[LEFT], memory.last, Interface(nodal.psi, nodal.z))
 
 
 @njit
-def grows_unseen(nodes: Nodes, impedance: Full, limits: Limits, level: int, work: Array) -> bool:
-    """Whether a disturbance of the state at some node would grow by more than e^g within the step, g = `limits.growth`.
+def grows_unseen(nodes: Nodes, impedance: Full, resistance: float, growth: float, nodal: Nodal) -> bool:
+    """Whether a disturbance of the state at some node would grow by more than e^`growth` within the step, where the slabs'
+    impedance for such growth is `resistance`.
 
     With coefficients frozen at a node, the growth rates s are the zeros of (F_z + Z(s) v_z)(s - G_psi) + F_psi G_z. This is
-    positive for large s; if it is negative at s = g/length, there is a real zero beyond.
+    positive for large s; if it is negative at s = growth/length, there is a real zero beyond.
     """
     for j in range(len(nodes)):
-        total = 1.0 / work[INVERSE, j]
-        resistance = total + (limits.impedance[level] - own(impedance, j)) * work[RATE_SLOPE, j]
-        by_psi = work[SLOPE, j] + work[BY_Z, j] * work[RATIO, j]
-        if resistance * (limits.growth - by_psi) + work[RATIO, j] * total * work[BY_Z, j] < 0.0:
+        total = 1.0 / nodal.inverse[j]
+        resists = total + (resistance - own(impedance, j)) * nodal.v_z[j]
+        by_psi = nodal.slope[j] + nodal.by_z[j] * nodal.ratio[j]
+        if resists * (growth - by_psi) + nodal.ratio[j] * total * nodal.by_z[j] < 0.0:
             return True
     return False
 
@@ -120,52 +109,33 @@ def _end_of(start: float, origin: float, length: float) -> float:
 
 @njit
 def march(
-    nodes: Nodes,
-    law: Law,
-    forcing: Forcing,
-    drive: Constant | Ramps,
-    port: Port,
-    rule: Rule,
-    memory: Memory,
-    impedance: Full,
-    scratch: Scratch,
-    until: float,
-    origin: float,
-    stop: float,
-    limits: Limits,
-    plan: NDArray[np.int64],
-    pieces: Pieces,
+    nodes: Nodes, physics: Physics, port: Port, memory: Memory, nodal: Nodal, limits: Limits, stretch: Stretch, pieces: Pieces
 ) -> tuple[int, int, int]:
-    """March to `until`, or until the pieces are full; returns (steps, Newton iterations, why it ended). Step lengths hold from
-    `origin`; the last step may end beyond `until`, but not beyond `stop`. `plan`: the level of each step, whatever the motion;
-    empty: lengths follow the motion."""
-    s = len(nodes)
-    last, now, levels = memory.last, memory.now, memory.levels
-    guess, work, system, incoming = scratch
+    """March over a `stretch`, or until the pieces are full; returns (steps, Newton iterations, why it ended)."""
+    s, (law, forcing, _, rule) = len(nodes), physics
+    now, levels, origin, plan = memory.now, memory.levels, stretch.origin, stretch.plan
     deepest = port.length.size - 1
     iterations, k, planned = 0, 0, plan.size > 0
-    while k < pieces.time.size and now[TIME] < min(until, stop) - SAME:
+    while k < pieces.time.size and now[TIME] < min(stretch.until, stretch.stop) - SAME:
         if planned:
             levels[NEXT] = plan[k]
-        while levels[NEXT] < deepest and now[TIME] + port.length[levels[NEXT]] > stop + SAME:
+        while levels[NEXT] < deepest and now[TIME] + port.length[levels[NEXT]] > stretch.stop + SAME:
             levels[NEXT] += 1
         level = levels[NEXT]
         if not port.ready[level]:
             return k, iterations, NOT_READY
         start, left, length = now[TIME], now[PSI], port.length[level]
-        for j in range(s):
-            work[DRIVE, j] = velocity_at(drive, start + nodes[j] * length, start + 0.5 * length)
-            for m in range(s):
-                impedance.matrix[j, m] = port.impedance[level, j, m]
-        _guess(nodes, rule, memory, guess)
-        arrive(port, nodes, level, incoming, work)
-        if forcing.nudge != 0.0:
-            force(nodes, forcing.nudge, start, length, rule.integral, work)
-        h = length * forcing.transit
-        used = solve(nodes, law, impedance, h, left, incoming, 0, rule.integral, limits.newton, guess, work, system)
+        impedance = Full(port.impedance[level])
+        begin_step(nodes, physics, start, length, left, nodal)
+        _guess(nodes, rule, memory, nodal)
+        arrive(port, nodes, level, nodal)
+        used = solve(nodes, law, impedance, length * forcing.transit, rule.integral, limits.newton, nodal)
         iterations += used
-        size = _size_of_tail(nodes, rule.tail, guess)
-        rough = not planned and (not size <= limits.resolution or grows_unseen(nodes, impedance, limits, level, work))
+        tails = tail_of(nodes, rule.tail, nodal.z), tail_of(nodes, rule.tail, nodal.psi)
+        size = max(abs(tails[0]), abs(tails[1])) if math.isfinite(tails[0] + tails[1]) else math.inf
+        rough = not planned and (
+            not size <= limits.resolution or grows_unseen(nodes, impedance, stretch.resistance[level], limits.growth, nodal)
+        )
         if used == 0 or rough:
             if planned and levels[LAST] != _NONE:  # try again from constant values
                 levels[LAST] = _NONE
@@ -174,14 +144,12 @@ def march(
                 return k, iterations, TOO_LONG
             levels[NEXT] = level + 1
             continue
-        now[ELASTIC] = emit(
-            nodes, forcing.stiffness, impedance, start, length, rule.integral, incoming, 0, guess, work, now[ELASTIC], pieces, k
-        )
-        take_in(port, nodes, level, rule.integral, incoming, work)
+        step = (start, length)
+        now[ELASTIC] = emit(nodes, forcing.stiffness, impedance, step, rule.integral, nodal, now[ELASTIC], pieces, k)
+        take_in(port, nodes, level, rule.integral, nodal)
         for j in range(s):
-            last[STATE, j], last[UNKNOWN, j] = guess[STATE, j], guess[UNKNOWN, j]
-        now[TIME], now[LEFT], now[PSI] = _end_of(start, origin, length), left, guess[STATE, s - 1]
-        now[END] = guess[UNKNOWN, s - 1]
+            memory.last.psi[j], memory.last.z[j] = nodal.psi[j], nodal.z[j]
+        now[TIME], now[LEFT], now[PSI], now[END] = _end_of(start, origin, length), left, nodal.psi[s - 1], nodal.z[s - 1]
         levels[LAST] = level
         longer = level > 0 and size < 0.5 ** (s + 1) * limits.resolution and _may_double(now[TIME], origin, length)
         levels[NEXT] = level - 1 if longer else level

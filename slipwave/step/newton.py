@@ -3,141 +3,301 @@
     F(z_j, psi_j) + sum_l K_jl v(z_l) = S_j,     psi' = r G(z, psi) + nudge(t),
 
 with the incoming stress S at the step's nodes and the slabs' impedance K over the step (`slipwave.step.impedance`). z is
-eliminated node by node, which leaves a small linear system (`slipwave.step.linear_system`).
+eliminated node by node. The small linear system that is left is solved by sweeps over the nodes where these couple weakly, as
+during stick, and by elimination otherwise.
 
 `nodes` is a tuple, so that the compiler knows their number and unrolls the small loops (a factor of 1.7 measured).
 """
 
 import math
 
+import numpy as np
+
 from slipwave.compiled import inlined, njit
+from slipwave.compiled.dispatch import by_class
 from slipwave.friction import Law, respond
-from slipwave.observe.pieces import Array
+from slipwave.observe.pieces import Array, Pieces
 from slipwave.step.collocation import Nodes
-from slipwave.step.impedance import Impedance, influence, own
-from slipwave.step.linear_system import solve_changes
-from slipwave.step.rows import (
-    BY_Z,
-    CHANGE,
-    FORCED,
-    INCREMENT,
-    INVERSE,
-    MISMATCH,
-    RATE,
-    RATE_SLOPE,
-    RATIO,
-    SLOPE,
-    STATE,
-    UNKNOWN,
-    WEIGHT,
-    WEIGHT_STATE,
-)
+from slipwave.step.impedance import Diagonal, Full, Impedance, influence, others, own
+from slipwave.step.nodal import Interface, Nodal, constant_guess, nodal_of
 
 _MAX_NEWTON = 25
 _LARGEST_CHANGE = 2.0
 
 
-@inlined
-def linearise(
-    nodes: Nodes, law: Law, impedance: Impedance, h: float, incoming: Array, i: int, guess: Array, work: Array
-) -> float:
-    """Per node: linearise friction and state at the guess and eliminate z; returns the largest coupling |slope|."""
+@njit
+def solve(nodes: Nodes, law: Law, impedance: Impedance, h: float, integral: Array, tolerance: float, nodal: Nodal) -> int:
+    """Newton for psi, z and v at the nodes of a step of length `h` (friction clock), from those in `nodal`. `integral` is A
+    transposed. Returns iterations, 0 = failed. Inlined into a long march it would double the time to compile."""
     s = len(nodes)
+    for iteration in range(1, _MAX_NEWTON + 1):
+        coupling = _linearise(nodes, law, impedance, h, nodal)
+        shared = influence(impedance, nodes, nodal)
+        total = coupling + shared
+        if not math.isfinite(total):
+            return 0
+        for j in range(s):
+            nodal.change[j] = nodal.left[j] - nodal.psi[j]
+        for k in range(s):
+            for j in range(s):
+                nodal.change[j] += integral[k, j] * nodal.gain[k]
+        sweeps, left = sweeps_for(impedance, total), 0.0
+        if sweeps:
+            moved = relax(nodes, impedance, integral, sweeps, nodal)
+            left = total * moved if shared > 0.0 else 0.0
+        else:
+            eliminate_nodes(impedance, nodes, integral, nodal)
+        if left + _correct(nodes, impedance, nodal) < tolerance:
+            return iteration
+    return 0
+
+
+@inlined
+def _linearise(nodes: Nodes, law: Law, impedance: Impedance, h: float, nodal: Nodal) -> float:
+    """Per node: linearise friction and state at the guess and eliminate z; nodal.gain <- change of psi by its rate. Returns the
+    largest coupling |slope|."""
     coupling = 0.0
-    for j in range(s):
-        v, v_z, friction, friction_z, friction_psi, g, g_z, g_psi = respond(law, guess[UNKNOWN, j], guess[STATE, j])
+    for j in range(len(nodes)):
+        v, v_z, friction, friction_z, friction_psi, g, g_z, g_psi = respond(law, nodal.z[j], nodal.psi[j])
         inverse = 1.0 / (friction_z + own(impedance, j) * v_z)
-        mismatch = (friction + own(impedance, j) * v - incoming[i, j]) * inverse
+        mismatch = (friction + own(impedance, j) * v - nodal.incoming[j]) * inverse
         ratio = friction_psi * inverse
         slope = h * (g_psi - g_z * ratio)
-        work[RATE, j] = v
-        work[RATE_SLOPE, j] = v_z
-        work[MISMATCH, j] = mismatch
-        work[RATIO, j] = ratio
-        work[INCREMENT, j] = h * (g - g_z * mismatch)
-        work[SLOPE, j] = slope
-        work[INVERSE, j] = inverse
-        work[BY_Z, j] = h * g_z
-        work[WEIGHT, j] = 0.5 * (own(impedance, j) * v_z * inverse + abs(h * g_z))
-        work[WEIGHT_STATE, j] = 0.5 * abs(h * g_psi)
+        nodal.v[j] = v
+        nodal.v_z[j] = v_z
+        nodal.mismatch[j] = mismatch
+        nodal.ratio[j] = ratio
+        nodal.gain[j] = h * (g - g_z * mismatch)
+        nodal.slope[j] = slope
+        nodal.inverse[j] = inverse
+        nodal.by_z[j] = h * g_z
         coupling = max(coupling, abs(slope))
     return coupling
 
 
 @inlined
-def correct(nodes: Nodes, guess: Array, work: Array) -> float:
+def _correct(nodes: Nodes, impedance: Impedance, nodal: Nodal) -> float:
     """Apply the change to psi, z and v in place; returns an estimate of what the linear system neglects.
 
     v is continued by v'' = v, exact for v = e^z and v = 2 c sinh z, so no exponential is evaluated again.
     """
-    s = len(nodes)
     error = 0.0
-    for j in range(s):
-        by_psi = work[CHANGE, j]
-        by_z = -work[MISMATCH, j] - work[RATIO, j] * by_psi
+    for j in range(len(nodes)):
+        by_psi = nodal.change[j]
+        by_z = -nodal.mismatch[j] - nodal.ratio[j] * by_psi
         by_z = min(_LARGEST_CHANGE, max(-_LARGEST_CHANGE, by_z))
-        guess[STATE, j] += by_psi
-        guess[UNKNOWN, j] += by_z
+        nodal.psi[j] += by_psi
+        nodal.z[j] += by_z
         square = by_z * by_z
         even = 1.0 + square * (0.5 + square / 24.0)
         odd = by_z * (1.0 + square * (1.0 / 6.0 + square / 120.0))
-        work[RATE, j] = work[RATE, j] * even + work[RATE_SLOPE, j] * odd
-        neglected = work[WEIGHT, j] * square + work[WEIGHT_STATE, j] * by_psi * by_psi + 1e-2 * square * square * abs(by_z)
+        nodal.v[j] = nodal.v[j] * even + nodal.v_z[j] * odd
+        by_rate = own(impedance, j) * nodal.v_z[j] * nodal.inverse[j] + abs(nodal.by_z[j])
+        by_state = abs(nodal.slope[j] + nodal.by_z[j] * nodal.ratio[j])
+        neglected = 0.5 * (by_rate * square + by_state * by_psi * by_psi) + 1e-2 * square * square * abs(by_z)
         if not neglected <= error:  # NaN stays
             error = neglected
     return error
 
 
 @inlined
-def solve_step(
-    nodes: Nodes,
-    law: Law,
-    impedance: Impedance,
-    h: float,
-    psi: float,
-    incoming: Array,
-    i: int,
-    integral: Array,
-    newton_tolerance: float,
-    guess: Array,
-    work: Array,
-    system: Array,
-) -> int:
-    """Newton for the step's nodal psi and z, which replace those in `guess`; nodal v in work[RATE]. Returns iterations, 0 =
-    failed."""
-    s = len(nodes)
-    for iteration in range(1, _MAX_NEWTON + 1):
-        coupling = linearise(nodes, law, impedance, h, incoming, i, guess, work)
-        shared = influence(impedance, nodes, work)
-        if not math.isfinite(coupling + shared):
-            return 0
+def relax(nodes: Nodes, impedance: Impedance, integral: Array, sweeps: int, nodal: Nodal) -> float:
+    """nodal.change, the right-hand side c of psi, <- change of psi, and the mismatch as if every other node's z had changed, by
+    `sweeps` over the equations
+
+        dz = -mismatch - kappa dz - ratio dpsi,     dpsi = c + A (slope dpsi - B kappa dz),
+
+    B = h G_z and kappa_jl = K_jl v_z,l/(F_z,j + K_jj v_z,j) for l != j. Returns the last change. An early node influences a late
+    one as in an integral, so that sweeps converge faster than powers of the largest influence on a node.
+    """
+    s, moved = len(nodes), 0.0
+    for j in range(s):
+        nodal.stress[j] = 0.0
+        nodal.trial[j] = nodal.change[j]
+    for _ in range(sweeps):
+        moved = pull(impedance, nodes, nodal)
         for j in range(s):
-            work[CHANGE, j] = psi - guess[STATE, j] + work[FORCED, j]
-        for k in range(s):
-            factor = work[INCREMENT, k]
-            for j in range(s):
-                work[CHANGE, j] += integral[k, j] * factor
-        left = solve_changes(impedance, nodes, integral, coupling + shared, work, system)
-        error = left + correct(nodes, guess, work)
-        if error < newton_tolerance:
-            return iteration
-    return 0
+            nodal.gain[j] = nodal.slope[j] * nodal.trial[j] - nodal.by_z[j] * nodal.stress[j]
+        for j in range(s):
+            change = nodal.change[j]
+            for m in range(s):
+                change += integral[m, j] * nodal.gain[m]
+            moved = max(moved, abs(change - nodal.trial[j]))
+            nodal.trial[j] = change
+    for j in range(s):
+        nodal.mismatch[j] += nodal.stress[j]
+        nodal.change[j] = nodal.trial[j]
+    return moved
+
+
+@by_class(inline=True)
+def sweeps_for(impedance: Impedance, total: float) -> int:
+    """Sweeps that a Newton iteration needs if the largest influence of all nodes on one is `total`; 0: elimination is cheaper."""
+    raise NotImplementedError(type(impedance))
+
+
+@sweeps_for.register(Diagonal)
+def _sweeps_alone(impedance, total):  # type: ignore[no-untyped-def]
+    return 2 if total < 0.01 else 3 if total < 0.04 else 0  # what they leave, total^(sweeps + 1) < 3e-6, is not measured
+
+
+@sweeps_for.register(Full)
+def _sweeps_coupled(impedance, total):  # type: ignore[no-untyped-def]
+    return 2 if total < 0.05 else 4 if total < 0.2 else 6 if total < 0.5 else 0
+
+
+@by_class(inline=True)
+def pull(impedance: Impedance, nodes: Nodes, nodal: Nodal) -> float:
+    """nodal.stress <- kappa dz, what the other nodes add to the mismatch of a node; returns by how much it changes."""
+    raise NotImplementedError(type(impedance))
+
+
+@pull.register(Diagonal)
+def _pull_nothing(impedance, nodes, nodal):  # type: ignore[no-untyped-def]
+    return 0.0
+
+
+@pull.register(Full)
+def _pull_others(impedance, nodes, nodal):  # type: ignore[no-untyped-def]
+    s, moved = len(nodes), 0.0
+    for j in range(s):
+        change = -nodal.mismatch[j] - nodal.stress[j] - nodal.ratio[j] * nodal.trial[j]
+        nodal.gain[j] = nodal.v_z[j] * change
+    for j in range(s):
+        stress = others(impedance, nodes, j, nodal.gain) * nodal.inverse[j]
+        moved = max(moved, abs(stress - nodal.stress[j]))
+        nodal.stress[j] = stress
+    return moved
+
+
+@by_class(inline=True)
+def eliminate_nodes(impedance: Impedance, nodes: Nodes, integral: Array, nodal: Nodal) -> None:
+    """As `relax`, by elimination of all nodes."""
+    raise NotImplementedError(type(impedance))
+
+
+@eliminate_nodes.register(Diagonal)
+def _eliminate_alone(impedance, nodes, integral, nodal):  # type: ignore[no-untyped-def]
+    _eliminate_state(nodes, integral, nodal)
+
+
+@eliminate_nodes.register(Full)
+def _eliminate_coupled(impedance, nodes, integral, nodal):  # type: ignore[no-untyped-def]
+    _solve_together(nodes, impedance.matrix, integral, nodal)
 
 
 @njit
-def solve(
+def _eliminate_state(nodes: Nodes, integral: Array, nodal: Nodal) -> None:
+    """change <- (1 - A diag(slope))^-1 change."""
+    s, state = len(nodes), nodal.state
+    for j in range(s):
+        for m in range(s):
+            state[j, m] = -integral[m, j] * nodal.slope[m]
+        state[j, j] += 1.0
+        state[j, s] = nodal.change[j]
+    eliminate(state, s + 1)
+    for j in range(s):
+        nodal.change[j] = state[j, s]
+
+
+@njit
+def _solve_together(nodes: Nodes, matrix: Array, integral: Array, nodal: Nodal) -> None:
+    """With P = 1 - A h G_psi and c the right-hand side of psi, linearised friction and state are
+
+        (1 + kappa) dz + ratio dpsi = -mismatch,     dpsi = P^-1 (c + A B dz).
+
+    dpsi is eliminated."""
+    s, rows, state, rate = len(nodes), matrix.shape[0], nodal.state, nodal.rate  # s, rows: loops over rows are not to be unrolled
+    for j in range(rows):
+        total = nodal.change[j]
+        for m in range(s):
+            by_z = integral[m, j] * nodal.by_z[m]
+            state[j, m] = -integral[m, j] * nodal.slope[m] - by_z * nodal.ratio[m]
+            state[j, s + 1 + m] = by_z
+            total += by_z * nodal.mismatch[m]
+        state[j, j] += 1.0
+        state[j, s] = total
+    eliminate(state, 2 * s + 1)
+    for j in range(rows):
+        ratio, inverse = nodal.ratio[j], nodal.inverse[j]
+        for m in range(s):
+            rate[j, m] = ratio * state[j, s + 1 + m] + matrix[j, m] * nodal.v_z[m] * inverse
+        rate[j, j] += 1.0 - matrix[j, j] * nodal.v_z[j] * inverse
+        rate[j, s] = -nodal.mismatch[j] - ratio * state[j, s]
+    eliminate(rate, s + 1)
+    for j in range(rows):
+        change = state[j, s]
+        for m in range(s):
+            change += state[j, s + 1 + m] * rate[m, s]
+        nodal.change[j] = change
+        nodal.mismatch[j] = -rate[j, s] - nodal.ratio[j] * change
+
+
+@inlined
+def eliminate(system: Array, width: int) -> None:
+    """Replace the columns after the first n by M^-1 times them; M (n, n) are the first. Gauss-Jordan with pivoting; the innermost
+    loops have the constant length `width` of a row, which the compiler unrolls."""
+    n = system.shape[0]
+    for k in range(n):
+        pivot = k
+        for j in range(k + 1, n):
+            if abs(system[j, k]) > abs(system[pivot, k]):
+                pivot = j
+        if pivot != k:
+            for m in range(width):
+                system[k, m], system[pivot, m] = system[pivot, m], system[k, m]
+        inverse = 1.0 / system[k, k]
+        for m in range(width):
+            system[k, m] *= inverse
+        for j in range(n):
+            if j != k:
+                factor = system[j, k]
+                for m in range(width):
+                    system[j, m] -= factor * system[k, m]
+
+
+@inlined
+def emit(
     nodes: Nodes,
-    law: Law,
+    stiffness: float,
     impedance: Impedance,
-    h: float,
-    psi: float,
-    incoming: Array,
-    i: int,
+    step: tuple[float, float],
     integral: Array,
-    newton_tolerance: float,
-    guess: Array,
-    work: Array,
-    system: Array,
-) -> int:
-    """`solve_step` as a function of its own: inlined into a long march it would double the time to compile."""
-    return solve_step(nodes, law, impedance, h, psi, incoming, i, integral, newton_tolerance, guess, work, system)
+    nodal: Nodal,
+    elastic: float,
+    pieces: Pieces,
+    k: int,
+) -> float:
+    """Piece k <- the `step` (start, length), with the stress S - K v and the elastic stress y' = stiffness (V - v). `elastic` is
+    y at the step's start; returns y at its end."""
+    s, (start, length) = len(nodes), step
+    pieces.time[k] = start
+    pieces.length[k] = length
+    for j in range(s):
+        pieces.z[k, j] = nodal.z[j]
+        pieces.psi[k, j] = nodal.psi[j]
+        pieces.mu[k, j] = nodal.incoming[j] - own(impedance, j) * nodal.v[j] - others(impedance, nodes, j, nodal.v)
+        nodal.trial[j] = elastic
+    for m in range(s):
+        factor = length * stiffness * (nodal.drive[m] - nodal.v[m])
+        for j in range(s):
+            nodal.trial[j] += integral[m, j] * factor
+    for j in range(s):
+        pieces.y[k, j] = nodal.trial[j]
+    return float(nodal.trial[s - 1])
+
+
+@njit
+def _solve_still(nodes: Nodes, law: Law, impedance: float, integral: Array, nodal: Nodal) -> int:
+    """The step of length 0, in which psi does not change."""
+    return solve(nodes, law, Diagonal(impedance), 0.0, integral, 1e-14, nodal)
+
+
+def first_guess(nodes: Nodes, law: Law, impedance: float, incoming: Array, psi: float, z: float) -> tuple[Interface, bool]:
+    """Nodal z for constant psi under the `incoming` stress (s,), from a guess `z`, and whether they were found; for a step
+    without an earlier one to extend. psi does not change in a step of length 0."""
+    s = len(nodes)
+    nodal = nodal_of(s)
+    nodal.incoming[:], nodal.left[:], nodal.psi[:], nodal.z[:] = incoming, psi, psi, z
+    used = _solve_still(nodes, law, impedance, np.zeros((s, s)), nodal)
+    return (Interface(nodal.psi, nodal.z) if used else constant_guess(psi, z, s)), used > 0

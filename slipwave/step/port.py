@@ -11,7 +11,7 @@ from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.step.collocation import Nodes
-from slipwave.step.rows import DRIVE, RATE
+from slipwave.step.nodal import Nodal
 
 LEVELS = 32
 """Step lengths of a march, each half of the one before."""
@@ -122,49 +122,48 @@ def aligned(*shape: int) -> Array:
 
 
 @by_class()
-def record(ledger: Any, port: Port, nodes: Nodes, level: int, rows: int, integral: Array, incoming: Array, work: Array) -> None:
+def record(ledger: Any, port: Port, nodes: Nodes, level: int, rows: int, integral: Array, nodal: Nodal) -> None:
     """Add the work and heat of a step of `level` to the `ledger` of `port`, whose `vector` has (x, u, c) in its first `rows`
     entries. Register a version for the class of a ledger."""
     raise NotImplementedError(type(ledger))
 
 
 @record.register(NoLedger)
-def _record_nothing(ledger, port, nodes, level, rows, integral, incoming, work):  # type: ignore[no-untyped-def]
+def _record_nothing(ledger, port, nodes, level, rows, integral, nodal):  # type: ignore[no-untyped-def]
     return
 
 
 @inlined
-def arrive(port: Port, nodes: Nodes, level: int, incoming: Array, work: Array) -> None:
-    """incoming[0, j] <- S_j of a step of `level`, with the drive V at the nodes, work[DRIVE]. Changes nothing that is remembered:
-    a step may be tried again with another length."""
-    s = len(nodes)
+def arrive(port: Port, nodes: Nodes, level: int, nodal: Nodal) -> None:
+    """nodal.incoming <- S of a step of `level`. Changes nothing that is remembered: a step may be tried again with another
+    length."""
+    s, incoming = len(nodes), nodal.incoming
     free, driven, values = port.free, port.driven, port.values
     for j in range(s):
-        incoming[0, j] = port.steady[level, j]
+        incoming[j] = port.steady[level, j]
     for i in range(values.size):
         value = values[i]
         for j in range(s):
-            incoming[0, j] += free[level, i, j] * value
+            incoming[j] += free[level, i, j] * value
     if not port.drive_is_constant:
         for m in range(s):
-            change = work[DRIVE, m] - port.velocity
+            change = nodal.drive[m] - port.velocity
             for j in range(s):
-                incoming[0, j] += driven[level, m, j] * change
+                incoming[j] += driven[level, m, j] * change
 
 
 @inlined
-def take_in(port: Port, nodes: Nodes, level: int, integral: Array, incoming: Array, work: Array) -> None:
-    """Go to the end of the step, with the slip rate work[RATE] and the drive work[DRIVE] at its nodes. `incoming` is that of
-    `arrive`."""
+def take_in(port: Port, nodes: Nodes, level: int, integral: Array, nodal: Nodal) -> None:
+    """Go to the end of the solved step."""
     s, n, vector, values = len(nodes), port.values.size, port.vector, port.values
     rows = n + s if port.drive_is_constant else n + 2 * s
     for i in range(n):
         vector[i] = values[i]
     for j in range(s):
-        vector[n + j] = work[RATE, j] - port.velocity
-        vector[n + s + j] = work[DRIVE, j] - port.velocity
+        vector[n + j] = nodal.v[j] - port.velocity
+        vector[n + s + j] = nodal.drive[j] - port.velocity
     if port.ledger.is_kept[0]:
-        record(port.ledger, port, nodes, level, rows, integral, incoming, work)
+        record(port.ledger, port, nodes, level, rows, integral, nodal)
     propagate(port.change, level, rows, vector, values)
 
 

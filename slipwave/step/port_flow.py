@@ -1,27 +1,45 @@
 """The motion over one period (`Flow`) of every model that friction meets as a port: reductions and grids propagated exactly.
 
-Steps are fixed fractions of the period, 1/count and its halves (`flow_mesh`). A march over another period makes the tables of the
-scaled lengths, so that the end is a smooth function of the period.
+Steps are fixed fractions of the period, 1/count and its halves, chosen by a march that follows the motion. A march over another
+period makes the tables of the scaled lengths, so that the end is a smooth function of the period.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from slipwave.errors import SceneError
-from slipwave.observe.pieces import Array, empty_pieces
+from slipwave.errors import NumericsError, SceneError
+from slipwave.friction import unknown_of
+from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.scene import Scene
 from slipwave.solve import State
-from slipwave.step.carry import carry
 from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.flow import Cycle, velocity_by_difference
-from slipwave.step.flow_mesh import NEWTON, Mesh, begin_at, failure, march_on, mesh_of
-from slipwave.step.impedance import full_impedance
-from slipwave.step.march import DONE, TIME, Limits, resolution_of
-from slipwave.step.port import Port, Slabs
+from slipwave.step.march import ANY_LENGTH, NEXT, NOT_READY, Memory, Stretch, begin, march, resolution_of
+from slipwave.step.newton import first_guess
+from slipwave.step.nodal import DONE, TIME, Limits, Physics, nodal_of
+from slipwave.step.port import LEVELS, Port, Slabs
+from slipwave.step.tangent import Motion, carry
 from slipwave.threads import one_thread
 
+_NEWTON = 1e-13  # allowed error of a step's iteration
 _FINEST = 1e-12  # highest coefficient that rounding errors leave meaningful
+_FIRST = 4  # level of the first step of a march that follows the motion
+_MOST = 100_000  # steps in a period; a motion that runs away would take ever more
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Steps of period/`count`/2^level, by the `levels` of all steps of a period; `longest`: length (transits) that a step may
+    have; `resolution`: highest Legendre coefficient that a step was allowed; `growth`: largest growth in a step."""
+
+    count: int
+    levels: NDArray[np.int64]
+    longest: float
+    resolution: float
+    growth: float
 
 
 class PortFlow:
@@ -54,13 +72,13 @@ class PortFlow:
     def march(self, start: Array, period: float) -> Cycle:
         """As `Flow`."""
         port = self._port(period)
-        memory = begin_at(self._slabs, port, start, int(self.mesh.levels[0]))
+        memory = _begin(self._slabs, port, start, int(self.mesh.levels[0]))
         pieces = empty_pieces(self.mesh.levels.size, self.nodes.size)
-        limits = Limits(NEWTON, math.inf, math.inf, np.zeros(port.length.size))
-        _, iterations, ended = march_on(self._slabs, port, memory, math.inf, limits, self.mesh.levels, pieces)
+        stretch = Stretch(0.0, math.inf, math.inf, np.zeros(port.length.size), self.mesh.levels)
+        _, iterations, ended = _march(self._slabs, port, memory, Limits(_NEWTON, math.inf, math.inf), stretch, pieces)
         end = np.append(port.values[: self.size - 1], pieces.psi[-1, -1])
         if ended != DONE or not np.isfinite(end).all():
-            raise failure(self._slabs, float(memory.now[TIME]), period)
+            raise _failure(self._slabs, float(memory.now[TIME]), period)
         return Cycle(period, start, end, pieces, iterations)
 
     def velocity(self, cycle: Cycle) -> Array:
@@ -105,7 +123,7 @@ class PortFlow:
         mesh, order = self.mesh, self.nodes.size - 1
         longest, resolution = mesh.longest / finer, max(mesh.resolution / finer**order, _FINEST)
         return PortFlow(
-            self._slabs, mesh_of(self._slabs, cycle.start, cycle.period, longest, resolution, mesh.growth / finer)
+            self._slabs, _mesh_of(self._slabs, cycle.start, cycle.period, longest, resolution, mesh.growth / finer)
         ), cycle.start
 
     def roughness(self, cycle: Cycle, tolerance: float) -> float:
@@ -119,19 +137,19 @@ class PortFlow:
         if self._made is None or self._made.length[0] != longest:
             self._made = self._slabs.port(longest, int(levels.max()) + 1)
             for level in np.unique(levels)[::-1]:
-                if not self._made.ready[level]:
-                    self._slabs.prepare(self._made, int(level))
+                _prepare(self._slabs, self._made, int(level))
         return self._made
 
     def _carry(self, cycle: Cycle, frozen: bool) -> Array:
         """Derivative of the end with respect to the start."""
-        port, changes = self._port(cycle.period), np.eye(self.size)
+        port, changes, pieces = self._port(cycle.period), np.eye(self.size), cycle.pieces
         values, psi = np.zeros((self.size, port.values.size)), changes[:, -1].copy()
         values[:, : self.size - 1] = changes[:, :-1]
-        law, transit, pieces = self.scene.law, self.scene.transit, cycle.pieces
-        steps = (port, full_impedance(self.nodes.size), transit, self._rule.integral, self.mesh.levels)
+        motion = Motion(pieces.z, pieces.psi, frozen)
         with one_thread():
-            carry(self._shape, law, *steps, pieces.z, pieces.psi, frozen, values, psi)
+            carry(
+                self._shape, self.scene.law, port, self.scene.transit, self._rule.integral, self.mesh.levels, motion, values, psi
+            )
         return np.column_stack([values[:, : self.size - 1], psi]).T
 
 
@@ -139,4 +157,58 @@ def flow_near(slabs: Slabs, start: Array, period: float, tolerance: float, longe
     """A flow whose mesh suits the motion from `start` over `period` (transits) to `tolerance`, the relative error of the figures
     of a cycle, with steps not above `longest` (transits)."""
     resolution, growth = resolution_of(tolerance, slabs.stages), growth_limit(slabs.stages, tolerance)
-    return PortFlow(slabs, mesh_of(slabs, start, period, longest, resolution, growth))
+    return PortFlow(slabs, _mesh_of(slabs, start, period, longest, resolution, growth))
+
+
+def _mesh_of(slabs: Slabs, start: Array, period: float, longest: float, resolution: float, growth: float) -> Mesh:
+    """The mesh (`Mesh`) of a march over `period` from `start` whose steps follow the motion."""
+    count = math.ceil(period / longest - SAME)
+    port = slabs.port(period / count)
+    stretch = Stretch(0.0, period, period, np.full(LEVELS, math.nan), ANY_LENGTH)
+    memory, pieces = _begin(slabs, port, start, _FIRST), empty_pieces(_MOST, slabs.stages)
+    steps, ended, missing = 0, NOT_READY, {_FIRST, *np.flatnonzero(port.ready).tolist()}
+    while ended == NOT_READY:
+        for level in missing:
+            _prepare(slabs, port, level)
+            stretch.resistance[level] = slabs.resistance(port, np.array([level]), growth)[0]
+        rest = Pieces(*(array[steps:] for array in pieces))
+        more, _, ended = _march(slabs, port, memory, Limits(_NEWTON, resolution, growth), stretch, rest)
+        steps, missing = steps + more, {int(memory.levels[NEXT])}
+    if memory.now[TIME] < period - SAME:
+        raise _failure(slabs, float(memory.now[TIME]), period)
+    levels = np.rint(np.log2(port.length[0] / pieces.length[:steps])).astype(np.int64)
+    return Mesh(count, levels, longest, resolution, growth)
+
+
+def _begin(slabs: Slabs, port: Port, start: Array, level: int) -> Memory:
+    """Memory of a march from the state `start`, whose first step has the length of `level`."""
+    scene, stages = slabs.scene, slabs.stages
+    port.values[: slabs.remembered] = start[:-1]
+    _prepare(slabs, port, level)
+    incoming = port.steady[level] + port.values @ port.free[level]
+    z, impedance = unknown_of(scene.law, scene.velocity), float(port.impedance[level, 0].sum())
+    guess, _ = first_guess(rule_of(stages)[2], scene.law, impedance, incoming, start[-1], z)
+    memory = begin(start[-1], scene.steady_stress, float(guess.z[0]), stages)
+    memory.levels[NEXT] = level
+    return memory
+
+
+def _prepare(slabs: Slabs, port: Port, level: int) -> None:
+    if not port.ready[level]:
+        slabs.prepare(port, level)
+
+
+def _march(slabs: Slabs, port: Port, memory: Memory, limits: Limits, stretch: Stretch, pieces: Pieces) -> tuple[int, int, int]:
+    """`march` under the scene's constant drive."""
+    scene, (_, rule, nodes) = slabs.scene, rule_of(slabs.stages)
+    physics = Physics(scene.law, scene.forcing._replace(nudge=0.0), scene.drive.compiled, rule)
+    return march(nodes, physics, port, memory, nodal_of(slabs.stages), limits, stretch, pieces)
+
+
+def _failure(slabs: Slabs, time: float, period: float) -> NumericsError:
+    """The error of a march that cannot take a step at `time` of `period` (transits)."""
+    scene = slabs.scene
+    return NumericsError(
+        f"{slabs.model}: the step at {time:.6g} of {period:.6g} transits cannot be solved (scene {scene.name!r}, digest "
+        f"{scene.digest})"
+    )

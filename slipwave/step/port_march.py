@@ -10,24 +10,10 @@ from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.flow import Cycle, Place
-from slipwave.step.impedance import full_impedance
-from slipwave.step.march import (
-    ANY_LENGTH,
-    END,
-    NEXT,
-    NOT_READY,
-    PSI,
-    TIME,
-    TOO_LONG,
-    Limits,
-    Memory,
-    begin,
-    march,
-    resolution_of,
-)
+from slipwave.step.march import ANY_LENGTH, END, NEXT, NOT_READY, TOO_LONG, Memory, Stretch, begin, march, resolution_of
+from slipwave.step.nodal import PSI, TIME, Interface, Limits, Physics, nodal_of
 from slipwave.step.port import Levels, Slabs, padded
 from slipwave.step.port_flow import PortFlow, flow_near
-from slipwave.step.rows import scratch_of
 
 CHUNK = 2048
 
@@ -50,13 +36,16 @@ class PortMarch:
     ) -> None:
         scene, stages = slabs.scene, slabs.stages
         self.slabs, self._reason, self._most_steps = slabs, reason, most_steps
-        self._tolerance, self._longest = tolerance, longest
+        self._longest = longest
         self._whole = np.zeros(padded(slabs.remembered))
         self.values = self._whole[: slabs.remembered]
-        rule, self._rule, self._shape = rule_of(stages)
+        rule, compiled, self._shape = rule_of(stages)
         self.nodes = rule.nodes
         self.iterations = 0
-        self._impedance, self._scratch = full_impedance(stages), scratch_of(stages)
+        self._physics, self._nodal = Physics(scene.law, scene.forcing, scene.drive.compiled, compiled), nodal_of(stages)
+        self._limits = Limits(
+            max(1e-2 * tolerance, 1e-14), max(resolution_of(tolerance, stages), 1e-10), growth_limit(stages, tolerance)
+        )
         start = unknown_of(scene.law, scene.velocity)
         self._memory = begin(scene.steady_psi + scene.start.jump_size, scene.steady_stress, start, stages)
         self._take_stretch(0.0, first)
@@ -74,14 +63,15 @@ class PortMarch:
     def advance(self, until: float) -> Pieces:
         """As `Solver`; NumericsError if no step is short enough."""
         pieces = empty_pieces(self._most_steps, self.nodes.size)
-        scene, steps, ended = self.slabs.scene, 0, NOT_READY
+        steps, ended = 0, NOT_READY
         while ended != TOO_LONG and steps < self._most_steps and (ended == NOT_READY or self.time < until - SAME):
-            if self.time >= self._stop - SAME:
-                self._take_stretch(self._stop, float(self._port.length[self._memory.levels[NEXT]]))
+            if self.time >= self._stretch.stop - SAME:
+                self._take_stretch(self._stretch.stop, float(self._port.length[self._memory.levels[NEXT]]))
             left = Pieces(*(array[steps:] for array in pieces))
-            physics = (scene.law, scene.forcing, scene.drive.compiled, self._port)
-            memory, stretch = (self._memory, self._impedance, self._scratch), (self._origin, self._stop, self._limits)
-            more, iterations, ended = march(self._shape, *physics, self._rule, *memory, until, *stretch, ANY_LENGTH, left)
+            stretch, memory = self._stretch._replace(until=until), self._memory
+            more, iterations, ended = march(
+                self._shape, self._physics, self._port, memory, self._nodal, self._limits, stretch, left
+            )
             steps += more
             self.iterations += iterations
             if ended == NOT_READY:
@@ -105,8 +95,8 @@ class PortMarch:
         memory = self._memory
         return {
             "counts": np.array([*memory.levels, self.iterations], dtype=float),
-            "stretch": np.array([self._origin]),
-            "last": memory.last.copy(),
+            "stretch": np.array([self._stretch.origin]),
+            "last": np.stack(memory.last),
             "now": memory.now.copy(),
             "remembered": self.values.copy(),
         }
@@ -114,12 +104,12 @@ class PortMarch:
     def restore(self, state: State) -> None:
         """As `Solver`."""
         following, last, iterations = whole_numbers(state, "counts", (0, -1, 0))
-        own = {"last": self._memory.last, "now": self._memory.now, "remembered": self.values}
-        saved = tables(state, {"stretch": (1,)} | {name: array.shape for name, array in own.items()}, self.slabs.model)
+        shapes = {"stretch": (1,), "last": (2, self.nodes.size), "now": self._memory.now.shape, "remembered": self.values.shape}
+        saved = tables(state, shapes, self.slabs.model)
         self.iterations = iterations
         self._take_tables(float(saved["stretch"][0]))
         levels = np.minimum([following, last], self._port.length.size - 1)
-        self._memory = Memory(saved["last"], saved["now"], levels)
+        self._memory = Memory(Interface(*saved["last"]), saved["now"], levels)
         self.values[:] = saved["remembered"]
 
     def flow(self, period: float, tolerance: float) -> tuple[PortFlow, Array]:
@@ -136,7 +126,13 @@ class PortMarch:
         memory.now[TIME] = place.time
         counts = np.array([saved["counts"][0], -1.0, self.iterations])
         stretch, values = np.array([place.time]), cycle.start[:-1].copy()
-        return saved | {"counts": counts, "stretch": stretch, "last": memory.last, "now": memory.now, "remembered": values}
+        return saved | {
+            "counts": counts,
+            "stretch": stretch,
+            "last": np.stack(memory.last),
+            "now": memory.now,
+            "remembered": values,
+        }
 
     def _take_stretch(self, begin: float, before: float) -> None:
         """Begin a stretch between breaks at `begin` (transits), with steps not longer than `before`."""
@@ -148,23 +144,15 @@ class PortMarch:
 
     def _take_tables(self, begin: float) -> None:
         """Take the tables for the steps from `begin` (transits) to the next break."""
-        self._origin, self._stop = begin, self.slabs.next_break(begin)
-        distance = self._stop - begin
-        longest = self._longest
-        if not math.isinf(distance):
-            longest = distance / 2 ** max(0, math.ceil(math.log2(distance / longest)))
+        stop, longest = self.slabs.next_break(begin), self._longest
+        if not math.isinf(stop):
+            longest = (stop - begin) / 2 ** max(0, math.ceil(math.log2((stop - begin) / longest)))
         self._port = self.slabs.port(longest)._replace(values=self._whole)
-        stages = self.nodes.size
-        self._limits = Limits(
-            max(1e-2 * self._tolerance, 1e-14),
-            max(resolution_of(self._tolerance, stages), 1e-10),
-            growth_limit(stages, self._tolerance),
-            np.full(self._port.length.size, math.nan),
-        )
+        self._stretch = Stretch(begin, begin, stop, np.full(self._port.length.size, math.nan), ANY_LENGTH)
         self._resist(np.flatnonzero(self._port.ready))
 
     def _resist(self, levels: Levels) -> None:
-        self._limits.impedance[levels] = self.slabs.resistance(self._port, levels, self._limits.growth)
+        self._stretch.resistance[levels] = self.slabs.resistance(self._port, levels, self._limits.growth)
 
     def _prepare(self, level: int) -> None:
         self.slabs.prepare(self._port, level)

@@ -15,7 +15,10 @@ dg = (h G)_p dp, so these answers contain its derivative too. Whoever made the s
 linear in that.
 """
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from slipwave.compiled import allocating, inlined, njit
 from slipwave.compiled.dispatch import by_class
@@ -23,56 +26,62 @@ from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
 from slipwave.step.impedance import Diagonal, Full, Impedance, own
-from slipwave.step.linear_system import eliminate
+from slipwave.step.newton import eliminate
+from slipwave.step.port import Port
 
-_RATE_BY_STRESS, _RATE_BY_PSI, _BY_STRESS, _BY_PSI = range(4)
-SLOPES = 4
-"""Rows of the scratch array `slopes` of `step_answer`."""
+
+class Motion(NamedTuple):
+    """Nodal `z` and `psi` (steps, s) of a motion, and whether psi is held, `frozen`, when it is changed."""
+
+    z: Array
+    psi: Array
+    frozen: bool
+
+
+class Answer(NamedTuple):
+    """`matrix` (2 s, 2 s + 1) of `step_answer`. Scratch (s,): derivatives of v by the stress S' and by psi, and of h G by S' and
+    psi; `state` (s, 2 s + 1)."""
+
+    matrix: Array
+    rate_by_stress: Array
+    rate_by_psi: Array
+    by_stress: Array
+    by_psi: Array
+    state: Array
 
 
 @njit
 def step_answer(
-    nodes: Nodes,
-    law: Law,
-    impedance: Impedance,
-    h: float,
-    integral: Array,
-    z: Array,
-    psi: Array,
-    frozen: bool,
-    slopes: Array,
-    state: Array,
-    answer: Array,
+    nodes: Nodes, law: Law, impedance: Impedance, h: float, integral: Array, motion: Motion, k: int, answer: Answer
 ) -> None:
-    """answer (2 s, 2 s + 1) <- d(v at the nodes, psi at the nodes)/d(S at the nodes, psi at the start, h G at the nodes) of the
-    step with nodal `z` and `psi`, impedance K, and `h`, its length on the friction clock. `integral` is A transposed.
+    """answer.matrix <- d(v at the nodes, psi at the nodes)/d(S at the nodes, psi at the start, h G at the nodes) of step `k` of
+    the `motion`, with impedance K and the length `h` (friction clock). `integral` is A transposed.
 
-    `frozen`: psi is held; then v answers to S alone, and psi to nothing. `slopes` (SLOPES, s) and `state` (s, 2 s + 1) are
-    scratch.
+    If psi is frozen, v answers to S alone, and psi to nothing.
     """
-    s, rows = len(nodes), z.size  # equal; loops over rows are not to be unrolled
-    free = 0.0 if frozen else 1.0
+    s, rows, state, matrix = len(nodes), motion.z.shape[1], answer.state, answer.matrix  # s, rows: see `_solve_together`
+    free = 0.0 if motion.frozen else 1.0
     for m in range(rows):
-        _, v_z, _, friction_z, friction_psi, _, g_z, g_psi = respond(law, z[m], psi[m])
+        _, v_z, _, friction_z, friction_psi, _, g_z, g_psi = respond(law, motion.z[k, m], motion.psi[k, m])
         inverse = 1.0 / (friction_z + own(impedance, m) * v_z)
-        slopes[_RATE_BY_STRESS, m], slopes[_RATE_BY_PSI, m] = v_z * inverse, -v_z * inverse * friction_psi
-        slopes[_BY_STRESS, m], slopes[_BY_PSI, m] = h * g_z * inverse, h * (g_psi - g_z * inverse * friction_psi)
+        answer.rate_by_stress[m], answer.rate_by_psi[m] = v_z * inverse, -v_z * inverse * friction_psi
+        answer.by_stress[m], answer.by_psi[m] = h * g_z * inverse, h * (g_psi - g_z * inverse * friction_psi)
     for j in range(rows):
         for m in range(s):
-            state[j, m] = -integral[m, j] * slopes[_BY_PSI, m]
+            state[j, m] = -integral[m, j] * answer.by_psi[m]
             state[j, s + 1 + m] = integral[m, j]
         state[j, j] += 1.0
         state[j, s] = 1.0
     eliminate(state, 2 * s + 1)
     for j in range(rows):
         for m in range(s):
-            answer[s + j, m] = free * state[j, s + 1 + m] * slopes[_BY_STRESS, m]
+            matrix[s + j, m] = free * state[j, s + 1 + m] * answer.by_stress[m]
         for m in range(s, 2 * s + 1):
-            answer[s + j, m] = free * state[j, m]
+            matrix[s + j, m] = free * state[j, m]
         for m in range(2 * s + 1):
-            answer[j, m] = slopes[_RATE_BY_PSI, j] * answer[s + j, m]
-        answer[j, j] += slopes[_RATE_BY_STRESS, j]
-    feed_back(impedance, nodes, answer)
+            matrix[j, m] = answer.rate_by_psi[j] * matrix[s + j, m]
+        matrix[j, j] += answer.rate_by_stress[j]
+    feed_back(impedance, nodes, matrix)
 
 
 @by_class(inline=True)
@@ -122,3 +131,44 @@ def _by_others(impedance: Array, answer: Array, row: int, m: int) -> float:
         if k != m:
             total += answer[row, k] * impedance[k, m]
     return total
+
+
+@allocating
+def carry(
+    nodes: Nodes,
+    law: Law,
+    port: Port,
+    transit: float,
+    integral: Array,
+    plan: NDArray[np.int64],
+    motion: Motion,
+    values: Array,
+    state: Array,
+) -> None:
+    """Carry m changes, of the port's `values` (m, n) and of psi, `state` (m,), along the `motion` in steps of the levels `plan`.
+    One `transit` on the friction clock; `integral` is A transposed."""
+    s, count, width = len(nodes), state.size, 2 * len(nodes) + 1
+    row, answer = np.empty((4, s)), np.empty((2 * s, width))
+    scratch = Answer(answer, row[0], row[1], row[2], row[3], np.empty((s, width)))
+    n = values.shape[1]
+    stress, rate = np.empty((count, s)), np.empty((count, s))
+    kept, gained = np.empty_like(values), np.empty_like(values)
+    for k in range(plan.size):
+        level = plan[k]
+        impedance = Full(port.impedance[level])
+        step_answer(nodes, law, impedance, port.length[level] * transit, integral, motion, k, scratch)
+        np.dot(values, port.free[level], stress)
+        for c in range(count):
+            for j in range(s):
+                rate[c, j] = answer[j, s] * state[c]
+                for m in range(s):
+                    rate[c, j] += answer[j, m] * stress[c, m]
+            end = answer[2 * s - 1, s] * state[c]
+            for m in range(s):
+                end += answer[2 * s - 1, m] * stress[c, m]
+            state[c] = end
+        np.dot(values, port.change[level, :n], kept)
+        np.dot(rate, port.change[level, n : n + s], gained)
+        for c in range(count):
+            for i in range(n):
+                values[c, i] += kept[c, i] + gained[c, i]

@@ -9,7 +9,6 @@ from reduced.continuation.onset import onsets
 from reduced.continuation.point import FlowFamily
 from reduced.continuation.start import from_orbit, metric_for
 from reduced.delay.network import DelayNetwork
-from reduced.flows import delay
 from reduced.impedance import reduction_of
 from reduced.ode.march import LONGEST, STAGES, ReducedModel
 from reduced.ode.slabs import ReducedSlabs
@@ -72,7 +71,7 @@ def test_the_torus_of_kelvin_voigt():
 
 
 def test_the_first_torus_of_the_delay_system():
-    guess = approach(DelayNetwork(scene_at(-2.658), tolerance=1e-6), delay.frozen)
+    guess = approach(DelayNetwork(scene_at(-2.658), tolerance=1e-6), lambda solver, period: solver.flow(period, 1e-6))
     flow, state = guess.flow.remeshed(guess.flow.march(guess.state, guess.period), 1.5)
     family = FlowFamily(flow, scene_at)
     point = from_orbit(family, close(flow, state, guess.period), -2.658, 0.0, METRIC)

@@ -12,7 +12,7 @@ from reduced.continuation.branch import Control, follow_branch
 from reduced.continuation.curve import CURVE_STEPS, METRIC, OnCurve, Plane, beginning, follow_curve
 from reduced.continuation.point import FlowFamily, direction
 from reduced.continuation.start import from_hopf, from_orbit, metric_for
-from reduced.flows.delay import DelayFlow
+from reduced.delay.flow import DelayFlow
 from reduced.orbit.closing import by_parameter, close
 from reduced.parameters import with_parameter
 from slipwave import read

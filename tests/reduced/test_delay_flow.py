@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from reduced.delay.alike import Delay
+from reduced.delay.flow import DelayFlow
 from reduced.delay.network import DelayNetwork
-from reduced.flows.delay import DelayFlow
 from slipwave import read
 from slipwave.friction import respond
 from slipwave.observe import HistoryObserver

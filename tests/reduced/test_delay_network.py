@@ -7,14 +7,15 @@ from fullwave.discontinuous import DiscontinuousGalerkin
 from reduced.commensurate import common_divisor
 from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
-from reduced.delay.network import DelayNetwork, delay_rows
+from reduced.delay.network import DelayNetwork
 from reduced.delay.system import delay_system
+from reduced.delay.transmission_lines import delay_rows
 from slipwave import read
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, summarise
 from slipwave.solve import follow
 from slipwave.step.collocation import radau
-from slipwave.step.guess import NOT_SMOOTH
+from slipwave.step.nodal import NOT_SMOOTH
 
 ARRANGEMENTS = ("unlike", "unlike-irrational", "grip", "reflection", "layered", "ramp")
 

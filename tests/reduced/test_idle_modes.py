@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, newton
 
-from reduced.flows.delay import DelayFlow
-from reduced.flows.idle_states import without
+from reduced.delay.flow import DelayFlow
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable, multipliers
 from reduced.stability.idle import idle_modes
 from slipwave import read_scene
+from slipwave.step.flow import without
 from slipwave.threads import one_thread
 
 

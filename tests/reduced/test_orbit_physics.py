@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from reduced.delay.network import DelayNetwork
-from reduced.flows import delay
 from reduced.impedance import reduction_of
 from reduced.ode.march import ReducedModel
 from reduced.orbit import periodic_orbit
@@ -41,7 +40,7 @@ MULTIPLIERS = {-2.69: [0.461769, 0.169795], -2.68: [0.254520 + 0.347982j], -2.65
 def guessed(model, log10_r, tolerance=1e-9):
     scene = read("paper", {"slab.log10_r": log10_r})
     if model == "delay":
-        return approach(DelayNetwork(scene, tolerance=1e-6), delay.frozen)
+        return approach(DelayNetwork(scene, tolerance=1e-6), lambda solver, period: solver.flow(period, 1e-6))
     solver = ReducedModel(scene, reduction_of(scene, model), 1e-6)
     return approach(solver, lambda solver, period: solver.flow(period, tolerance))
 
@@ -73,7 +72,7 @@ def returns(model, log10_r, near=None):
     """Orbits from the run's closest returns, those of Newton's failures left out."""
     scene = read("paper", {"slab.log10_r": log10_r})
     if model == "delay":
-        found = guesses(DelayNetwork(scene, tolerance=1e-6), delay.frozen, near=near)
+        found = guesses(DelayNetwork(scene, tolerance=1e-6), lambda solver, period: solver.flow(period, 1e-6), near=near)
     else:
         solver = ReducedModel(scene, reduction_of(scene, model), 1e-6)
         found = guesses(solver, lambda solver, period: solver.flow(period, 1e-9), near=near)
@@ -112,7 +111,7 @@ def test_no_orbit_near_a_run():
         guessed("delay", -2.72)
     scene = read("paper")
     with pytest.raises(NumericsError, match=r"a run of 300 transits made \d+ cycles in its second half: no orbit near it"):
-        approach(DelayNetwork(scene, tolerance=1e-6), delay.frozen, most=300.0)
+        approach(DelayNetwork(scene, tolerance=1e-6), lambda solver, period: solver.flow(period, 1e-6), most=300.0)
 
 
 @pytest.mark.parametrize(("model", "log10_r"), REFERENCE)

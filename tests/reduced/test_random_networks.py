@@ -8,7 +8,7 @@ from reduced.delay.network import DelayNetwork
 from reduced.delay.system import delay_system
 from slipwave.observe.pieces import SAME
 from slipwave.solve import follow
-from slipwave.step.guess import NOT_SMOOTH
+from slipwave.step.nodal import NOT_SMOOTH
 from tests.reduced.plain_network import break_points
 from tests.reduced.random_networks import ALLOWED, judge, random_network
 

@@ -16,12 +16,11 @@ from slipwave.sources import ROOT, SOLVER_ROOMS
 PROGRAM = """
 import sys
 import numpy as np
-from slipwave.step.guess import first_guess
+from reduced.delay.flow_kernel import logs_of_return
 from slipwave.friction import LAWS
 law = LAWS[sys.argv[1]].parameters(0.369, 0.0349, 0.0489)
-guess = np.empty(3)
-first_guess(law, 1.4e-5, np.full(3, 0.3), -4.6, 1.0, guess)
-print(guess[0].hex(), sum(first_guess.stats.cache_hits.values()))
+answer = logs_of_return(law, 1.4e-5, np.ones((1, 1)), np.full((1, 1), -4.6))
+print(answer[0].hex(), sum(logs_of_return.stats.cache_hits.values()))
 """
 
 # one function for each way in which compiled code takes in code of another file
@@ -98,7 +97,7 @@ def start(law: str, folder: Path) -> subprocess.Popen[str]:
 def test_processes_that_fill_one_cache_at_once_never_swap_code(tmp_path: Path) -> None:
     together = {law: start(law, tmp_path) for law in ("ageing", "slip")}
     first = {law: process.communicate()[0].split()[0] for law, process in together.items()}
-    assert len(list(tmp_path.glob("*first_guess*"))) == 2
+    assert len(list(tmp_path.glob("*logs_of_return*"))) == 2
     for law, answer in first.items():
         again, hits = start(law, tmp_path).communicate()[0].split()
         assert (again, hits) == (answer, "1")

@@ -7,9 +7,7 @@ from scipy.optimize import root
 import slipwave
 from slipwave.friction import rate_of, respond, steady_state, unknown_of
 from slipwave.step.impedance import Diagonal, Full
-from slipwave.step.linear_system import SWEPT, _solve_together, _sweep
-from slipwave.step.rows import BY_Z, CHANGE, INVERSE, MISMATCH, RATE_SLOPE, RATIO, SLOPE, WORK_ROWS
-from tests.one_step import COUPLED, NODES, RULE, S, solved
+from tests.one_step import COUPLED, RULE, S, solved
 
 
 def by_root_finder(law, matrix, h, psi, z, incoming, forced):
@@ -33,7 +31,7 @@ def test_the_step_solves_friction_and_state(law, rate, kind):
     psi, start, h = steady_state(scene.law, rate), unknown_of(scene.law, rate), 0.05 * scene.transit
     incoming = respond(scene.law, start, psi)[2] + matrix @ np.full(S, rate) + 1e-3 * np.sin(3.0 * RULE.nodes)
     forced = 1e-4 * RULE.nodes
-    impedance = Full(matrix, np.zeros((S, 2 * S + 1)), np.zeros((S, S + 1)))
+    impedance = Full(matrix)
     used, state, z, v = solved(scene.law, impedance, h, psi, start, incoming, forced)
     wanted = by_root_finder(scene.law, matrix, h, psi, start, incoming, forced)
     assert 0 < used < 12
@@ -43,30 +41,6 @@ def test_the_step_solves_friction_and_state(law, rate, kind):
     if kind == "diagonal":
         alone = solved(scene.law, Diagonal(size), h, psi, start, incoming, forced)
         np.testing.assert_allclose(alone[1:], (state, z, v), rtol=1e-12)
-
-
-def test_both_ways_of_coupling_are_met():
-    """The weak coupling of the test above is solved by sweeps, the strong one at high rates by the elimination of all nodes."""
-    scene = slipwave.read("paper")
-    ratio = 3000.0 * 0.5 * scene.upper.epsilon / scene.law.a
-    assert 1e-6 * ratio < SWEPT < ratio
-
-
-@pytest.mark.parametrize(("size", "least"), [(0.02, 3e-10), (0.1, 3e-12), (0.4, 2e-12)])
-def test_sweeps_give_what_elimination_gives_to_the_error_they_state(size, least):
-    """Nodes coupled as by an integral, with slopes of `size`."""
-    matrix, random = 0.1 * size * COUPLED, np.random.default_rng(3)
-    swept = np.zeros((WORK_ROWS, S))
-    swept[[CHANGE, MISMATCH]] = random.uniform(-1e-4, 1e-4, (2, S))
-    swept[[RATE_SLOPE, INVERSE]] = 1.0
-    swept[RATIO], swept[SLOPE], swept[BY_Z] = 1.4, -0.3 * size, 0.3 * size
-    eliminated, integral = swept.copy(), RULE.integral.T.copy()
-    impedance = Full(matrix, np.zeros((S, 2 * S + 1)), np.zeros((S, S + 1)))
-    left = _sweep(NODES, matrix, integral, size, swept)
-    _solve_together(NODES, matrix, impedance.state, impedance.rate, integral, eliminated)
-    changes = [-row[MISMATCH] - row[RATIO] * row[CHANGE] for row in (swept, eliminated)]
-    error = max(np.abs(swept[CHANGE] - eliminated[CHANGE]).max(), np.abs(changes[0] - changes[1]).max())
-    assert error < left < least
 
 
 def test_a_step_without_solution_is_reported():

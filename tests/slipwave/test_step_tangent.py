@@ -6,7 +6,7 @@ import pytest
 import slipwave
 from slipwave.friction import rate_of, respond, steady_state, unknown_of
 from slipwave.step.impedance import Diagonal, Full
-from slipwave.step.tangent import SLOPES, step_answer
+from slipwave.step.tangent import Answer, Motion, step_answer
 from tests.one_step import COUPLED, NODES, RULE, S, solved
 
 INTEGRAL = RULE.integral.T.copy()
@@ -26,7 +26,7 @@ class Step:
         size = 0.5 * scene.upper.epsilon
         self.law, self.h = scene.law, 0.05 * scene.transit
         self.matrix = size * (np.eye(S) + (COUPLED - np.diag(np.diag(COUPLED)) if impedance == "full" else 0.0))
-        full = Full(self.matrix, np.zeros((S, 2 * S + 1)), np.zeros((S, S + 1)))
+        full = Full(self.matrix)
         self.impedance = full if impedance == "full" else Diagonal(size)
         self.left, self.start = steady_state(self.law, rate), unknown_of(self.law, rate)
         friction = respond(self.law, self.start, self.left)[2]
@@ -44,9 +44,10 @@ class Step:
     def answer(self, frozen=False):
         """The derivative, z and psi at the nodes."""
         both, z = self.solve(np.zeros(2 * S + 1))
-        answer, scratch = np.full((2 * S, 2 * S + 1), np.nan), (np.empty((SLOPES, S)), np.empty((S, 2 * S + 1)))
-        step_answer(NODES, self.law, self.impedance, self.h, INTEGRAL, z, both[S:], frozen, *scratch, answer)
-        return answer, z, both[S:]
+        answer = Answer(np.full((2 * S, 2 * S + 1), np.nan), *np.empty((4, S)), np.empty((S, 2 * S + 1)))
+        motion = Motion(z[None], both[None, S:], frozen)
+        step_answer(NODES, self.law, self.impedance, self.h, INTEGRAL, motion, 0, answer)
+        return answer.matrix, z, both[S:]
 
 
 def difference(function, size):

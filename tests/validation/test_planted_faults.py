@@ -22,7 +22,7 @@ CAUGHT = {
 SURVIVES = {
     "name": "late-nudge",
     "room": "reduced",
-    "where": "reduced/delay/alike_kernel.py::march_delay",
+    "where": "reduced/delay/kernel.py::march_lines",
     "what": "a late nudge",
     "user": "every run begins late",
     "caught": False,
@@ -45,7 +45,7 @@ def test_each_fault_has_its_row_and_each_room_its_verdict(record):
     caught_by = "impedance of two slabs (test_scene.py)"
     assert result.tables[0].rows == (
         ("slipwave/scene/scene.py", "half the impedance", "periods 4 % long", caught_by, 1.25),
-        ("reduced/delay/alike_kernel.py", "a late nudge", "every run begins late", "nothing", 180.0),
+        ("reduced/delay/kernel.py", "a late nudge", "every run begins late", "nothing", 180.0),
         ("slipwave/scene/scene.py", "half the impedance", "periods 4 % long", caught_by, 1.25),
     )
     assert result.tables[0].emphasis == (1,)

@@ -21,7 +21,7 @@ from slipwave.solve import Energy, FieldSolver, Snapshot, Solver, State, follow,
 from slipwave.solve.foresight import require_time
 from slipwave.step.flow import Place
 from validation.measure.settle import MOST_TRANSITS, NoCycle, settle
-from validation.registry.families import DELAY, family_of
+from validation.registry.families import family_of
 from validation.registry.orbits import find_orbit, has_flow
 from validation.run.progress import progress
 
@@ -170,11 +170,6 @@ def state_on(solver: Any, closed: Closed) -> State:
     times = np.linspace(0.0, cycle.period, _SAMPLES, endpoint=False)
     z, _, mu, y = values_at(cycle.pieces, lagrange_basis(closed.flow.nodes), times)
     place = Place(BEGIN, float(z[0]), float(cycle.start[-1]), float(y[0] + (mu - y).mean()))
-    if family_of(solver.model) is DELAY:
-        from reduced.flows.delay_start import placed as placed_delay
-
-        flow: Any = closed.flow
-        return placed_delay(solver, flow, cycle, place)
     state: State = solver.placed(cycle, place)
     return state
 

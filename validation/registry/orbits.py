@@ -117,9 +117,8 @@ def moving(model: str, scene: Scene, tolerance: float, cells: int | None = None)
     known, scene, *_ = asked
     if known is DELAY:
         from reduced.delay.network import DelayNetwork
-        from reduced.flows.delay import frozen as frozen_delay
 
-        return Moving(DelayNetwork(scene, tolerance=_RUN), frozen_delay)
+        return Moving(DelayNetwork(scene, tolerance=_RUN), lambda solver, period: solver.flow(period, tolerance))
     return Moving(make(*asked).solver, lambda solver, period: solver.flow(period, tolerance))
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from reduced.continuation.point import OrbitPoint
 from reduced.continuation.special import Special, critical
-from reduced.flows.delay import DelayFlow
+from reduced.delay.flow import DelayFlow
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable, floquet
 from reduced.parameters import with_parameter

@@ -1,48 +1,117 @@
-"""The compiled derivative of `march_network`: what the waves of equal steps do with small changes of their state.
+"""The compiled derivative of `march_lines` through a network: what the waves of equal steps do with small changes of their state.
 
 All changes are carried at once, each in a column, the last axis of every array: loops over columns are what the compiler
-vectorises. Friction's part is `step_answer`, the slabs' part `Exchange`.
+vectorises. Friction's part is `step_answer`, the slabs' part `Exchange`: it is linear, the same in every step, and so a matrix,
+found by sending unit waves through the functions of the march itself.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
-from reduced.flows.exchange import Exchange
+from reduced.delay.network_kernel import Integers, Network, NetworkLines, Passage, gather, launch, passage_of
 from slipwave.compiled import allocating, njit
 from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
 from slipwave.step.impedance import Diagonal
-from slipwave.step.tangent import SLOPES, step_answer
+from slipwave.step.tangent import Answer, Motion, step_answer
+
+
+class Exchange(NamedTuple):
+    """What leaves a step and what the interface receives in it, from what arrives and what the interface does.
+
+    Rows of the matrix: the waves that leave (layers, 2, s), the outer faces' state (slabs, 2) and psi at the step's end; the
+    stress that waves bring to the interface (s), and psi at the start. Columns: the waves that arrive, the faces' state and psi
+    at the start; the interface's stress (s), and psi at the end. The nonzero entries of row i are [starts[i], starts[i + 1]),
+    with their columns, `sources`, and values, `factors`; no row is empty.
+
+    `impedance` is that of the interface. What leaves arrives `back` (rows, n) steps later; waves with the `weights`
+    (waves, n, s) of the nodes of these steps, others at once in the first."""
+
+    impedance: float
+    starts: Integers
+    sources: Integers
+    factors: Array
+    back: Integers
+    weights: Array
+
+
+def exchange_of(nodes: Nodes, network: Network, length: float, integral: Array) -> Exchange:
+    """The exchange in steps of `length` (transits); `integral` is A transposed."""
+    matrix = exchange_matrix(nodes, network, length, integral)
+    present = matrix != 0.0
+    present[:, 0] |= ~present.any(axis=1)
+    rows, columns = np.nonzero(present)
+    s, (layers, n) = len(nodes), network.back.shape
+    back = np.ones((matrix.shape[0] - s - 1, n), dtype=np.int64)
+    back[: 2 * layers * s] = np.repeat(network.back, 2 * s, axis=0)
+    weights = np.ascontiguousarray(np.repeat(network.weights, 2, axis=0).swapaxes(1, 2)).reshape(-1, n, s)
+    starts = np.searchsorted(rows, np.arange(matrix.shape[0] + 1))
+    return Exchange(network.interface_impedance, starts, columns, matrix[rows, columns], back, weights)
+
+
+def exchange_matrix(nodes: Nodes, network: Network, length: float, integral: Array) -> Array:
+    """The matrix of `Exchange`."""
+    s, layers, slabs = len(nodes), network.impedance.size, network.first.size
+    near = network._replace(back=np.zeros_like(network.back), whole=np.ones(layers, dtype=np.bool_))
+    faces, psi, stress = 2 * layers * s, 2 * (layers * s + slabs), 2 * (layers * s + slabs) + 1
+    units = np.eye(stress + s + 1)
+    waves, tops, moved = units[:, :faces].copy(), units[:, faces:psi].copy(), units[:, stress:-1].copy()
+    received = np.zeros_like(moved)
+    lines = (near, waves.reshape(-1, layers, 2, 1, s), tops.reshape(-1, slabs, 2), passage_of(near, s))
+    _send(nodes, *lines, length, integral, moved, received)
+    return np.column_stack([waves, tops, units[:, -1], received, units[:, psi]]).T
+
+
+@allocating
+def _send(
+    nodes: Nodes,
+    network: Network,
+    waves: Array,
+    tops: Array,
+    passage: Passage,
+    length: float,
+    integral: Array,
+    stress: Array,
+    incoming: Array,
+) -> None:
+    """Send each of n states through a `network` without delays: waves (n, layers, 2, 1, s) and tops (n, slabs, 2), in place, with
+    the interface's stress (n, s); incoming (n, s) += the stress that waves bring to the interface."""
+    cursor = np.zeros(1, dtype=np.int64)
+    for c in range(waves.shape[0]):
+        lines = NetworkLines(network.interface_impedance, network, waves[c], tops[c], cursor, passage)
+        gather(nodes, lines, length, integral, incoming[c])
+        for j in range(len(nodes)):
+            passage.stress[j] = stress[c, j]
+        launch(nodes, lines)
 
 
 @allocating
 def march_tangent(
     nodes: Nodes,
     law: Law,
-    impedance: float,
     exchange: Exchange,
     h: float,
     integral: Array,
-    z: Array,
-    psi: Array,
-    frozen: bool,
+    motion: Motion,
     memory: Array,
     cursor: int,
     last: Array,
 ) -> int:
-    """Carry n changes of the state along the motion with nodal `z` and `psi` (steps, s).
+    """Carry n changes of the state along the `motion`.
 
     `memory` (ring, rows, n): what left past steps, in rows as in `exchange`; the next step is `cursor`. `h` is the length of a
     step on the friction clock. psi is taken within the last step, by the weights `last` (s + 1,) of psi at its start and nodes;
     all else at its end. Returns the ring index of the step after the last."""
-    s, count, stress = len(nodes), z.shape[0], memory.shape[1]
-    slopes, by_state = np.empty((SLOPES, s)), np.empty((s, 2 * s + 1))
-    answer, matrix, at_end = np.empty((2 * s, 2 * s + 1)), np.empty((s + 1, s + 1)), np.zeros(s + 1)
+    s, count, stress, impedance = len(nodes), motion.z.shape[0], memory.shape[1], exchange.impedance
+    row, matrix, at_end = np.empty((4, s)), np.empty((s + 1, s + 1)), np.zeros(s + 1)
+    answer = Answer(np.empty((2 * s, 2 * s + 1)), row[0], row[1], row[2], row[3], np.empty((s, 2 * s + 1)))
     before, received = np.zeros((stress + s + 1, memory.shape[2])), np.zeros((s + 1, memory.shape[2]))
     at_end[s] = 1.0
     for n in range(count):
-        step_answer(nodes, law, Diagonal(impedance), h, integral, z[n], psi[n], frozen, slopes, by_state, answer)
-        step_matrix(nodes, impedance, answer, last if n == count - 1 else at_end, matrix)
+        step_answer(nodes, law, Diagonal(impedance), h, integral, motion, n, answer)
+        step_matrix(nodes, impedance, answer.matrix, last if n == count - 1 else at_end, matrix)
         arrive_columns(nodes, exchange, memory, cursor, before)
         combine(exchange, stress, before, received)
         multiply(nodes, matrix, received, before, stress)

@@ -9,30 +9,28 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from reduced.delay.alike import dense_resolution
-from reduced.delay.alike_kernel import ELASTIC, PSI
-from reduced.delay.network import NODES, SAME_PLACE, DelayNetwork, compiled
-from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, NetworkMemory, march_network, passage_of
-from reduced.delay.transmission_lines import lines_of
-from reduced.flows.delay_kernel import logs_of_return, march_tangent
-from reduced.flows.exchange import exchange_of
-from reduced.flows.idle_states import idle_states, without
+from reduced.delay.flow_kernel import exchange_of, logs_of_return, march_tangent
+from reduced.delay.kernel import Memory, clock_of, march_lines
+from reduced.delay.march import dense_resolution
+from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, NetworkLines, lines_with
+from reduced.delay.transmission_lines import NODES, SAME_PLACE, lines_of, network_of
 from slipwave.errors import NumericsError
 from slipwave.friction import unknown_of
 from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
 from slipwave.solve import State
 from slipwave.step.collocation import radau, rule_of
-from slipwave.step.flow import Cycle
-from slipwave.step.guess import DONE, first_guess
-from slipwave.step.rows import UNKNOWN, scratch_of
+from slipwave.step.flow import Cycle, idle_states, without
+from slipwave.step.newton import first_guess
+from slipwave.step.nodal import DONE, Limits, Physics, nodal_of
+from slipwave.step.tangent import Motion
 
 _NEWTON = 1e-13
 _FEWEST = 3.0  # steps per transit
 _FINE = 32  # points of quadrature in a step
 _UNDAMPED = 1e-9  # decay in a transit
 _CHANGE = 1e-5  # of a step's length, for slopes of its polynomials
-_ANY = math.inf  # a mesh that does not change rejects no step
+_ANY_STEP = Limits(_NEWTON, math.inf, math.inf)  # a mesh that does not change rejects no step
 
 
 class DelayFlow:
@@ -50,11 +48,11 @@ class DelayFlow:
         longest, divisor = min(1.0 / max(_FEWEST, per_transit), float(self._lines.travel.min())), self._lines.divisor
         self.length = divisor / math.ceil(divisor / longest - SAME_PLACE) if divisor else longest
         self.kept = math.ceil(float(self._lines.travel.max()) / self.length - SAME_PLACE)
-        self._network = compiled(scene, self._lines, self.length, self.nodes)
+        self._network = network_of(scene, self._lines, self.length, self.nodes)
         self._shape = (self._lines.travel.size, 2, self.kept, NODES)
         self.tops_remembered = np.array([(top.spring > 0.0, top.mass > 0.0) for top in self._lines.tops])
         self.size = math.prod(self._shape) + int(self.tops_remembered.sum()) + 1
-        self._last: tuple[Cycle, NetworkMemory] | None = None
+        self._last: tuple[Cycle, NetworkLines] | None = None
 
     @property
     def steady(self) -> Array:
@@ -76,27 +74,29 @@ class DelayFlow:
     def march(self, start: Array, period: float) -> Cycle:
         """As `Flow`."""
         scene, (steps, fraction) = self.scene, self._steps(period)
-        pieces = empty_pieces(steps, NODES)
-        memory = self._memory(start)
-        physics = (scene.law, self._network, scene.forcing._replace(nudge=0.0), scene.drive.compiled)
-        clock, tolerances = (0.0, 0, self.length, steps), (_NEWTON, _ANY, _ANY)
-        march = (*physics, self._rule, memory, passage_of(self._network, NODES), scratch_of(NODES), *clock, *tolerances)
-        done, iterations, verdict = march_network(self._nodes, *march, pieces)
+        pieces, lines = empty_pieces(steps, NODES), self.lines_at(start)
+        steady, z = np.full(NODES, self._network.base), unknown_of(scene.law, scene.velocity)
+        guess, _ = first_guess(self._nodes, scene.law, scene.impedance, steady, start[-1], z)
+        memory = Memory(guess, np.array([0.0, start[-1], scene.steady_stress]))
+        physics = Physics(scene.law, scene.forcing._replace(nudge=0.0), scene.drive.compiled, self._rule)
+        clock = clock_of(0.0, 0, steps, self.length)
+        march = (physics, lines, memory, nodal_of(NODES), clock, _ANY_STEP, 0)
+        done, iterations, verdict = march_lines(self._nodes, *march, pieces)
         if verdict != DONE:
             raise NumericsError(
                 f"delay: the step at {done * self.length:.6g} of {period:.6g} transits cannot be solved (scene {scene.name!r})"
             )
-        cycle = Cycle(period, start, self._within_last(memory, pieces, start[-1], fraction), pieces, iterations)
-        self._last = cycle, memory
+        cycle = Cycle(period, start, self._within_last(lines, pieces, start[-1], fraction), pieces, iterations)
+        self._last = cycle, lines
         return cycle
 
     def velocity(self, cycle: Cycle) -> Array:
         """As `Flow`: the slope of the last steps' polynomials, which are kept of the last march."""
         if self._last is None or self._last[0] is not cycle:
             return self.velocity(self.march(cycle.start, cycle.period))
-        memory, (_, fraction) = self._last[1], self._steps(cycle.period)
+        lines, (_, fraction) = self._last[1], self._steps(cycle.period)
         later, earlier = (
-            self._within_last(memory, cycle.pieces, cycle.start[-1], fraction + shift) for shift in (_CHANGE, -_CHANGE)
+            self._within_last(lines, cycle.pieces, cycle.start[-1], fraction + shift) for shift in (_CHANGE, -_CHANGE)
         )
         return np.asarray((later - earlier) / (2.0 * _CHANGE * self.length))
 
@@ -186,32 +186,21 @@ class DelayFlow:
     def _psi_row(self, fraction: float) -> Array:
         return np.asarray(interpolation_matrix(self._with_left, np.array([fraction]))[0])
 
-    def memory_of(self, start: Array) -> tuple[Array, Array, int]:
-        """Ring of waves, with room for one step more than a state, faces, and ring index of the next step: those of
-        `NetworkMemory` at `start`."""
+    def lines_at(self, start: Array) -> NetworkLines:
+        """The lines at the state `start`, whose ring has room for one step more."""
         waves, tops, _ = self._parts(start[:, None])
-        return np.ascontiguousarray(np.moveaxis(waves[..., 0], 0, 2)), tops[..., 0], self.kept
+        return lines_with(self._network, np.ascontiguousarray(np.moveaxis(waves[..., 0], 0, 2)), tops[..., 0], self.kept)
 
-    def _memory(self, start: Array) -> NetworkMemory:
-        """The memory of the march."""
-        waves, tops, cursor = self.memory_of(start)
-        now = np.zeros(3)
-        now[PSI], now[ELASTIC] = start[-1], self.scene.steady_stress
-        guess, steady = np.full((2, NODES), now[PSI]), np.full(NODES, self._network.base)
-        z = unknown_of(self.scene.law, self.scene.velocity)
-        first_guess(self.scene.law, self.scene.impedance, steady, now[PSI], z, guess[UNKNOWN])
-        return NetworkMemory(waves, tops, guess, now, np.array([cursor]))
-
-    def _within_last(self, memory: NetworkMemory, pieces: Pieces, first: float, fraction: float) -> Array:
+    def _within_last(self, lines: NetworkLines, pieces: Pieces, first: float, fraction: float) -> Array:
         """The state at `fraction` of the last step of a march with these `pieces`; psi was `first` at its start."""
         left = pieces.psi[-2, -1] if pieces.psi.shape[0] > 1 else first
         psi = self._psi_row(fraction) @ np.r_[left, pieces.psi[-1]]
-        ring, tops = np.moveaxis(memory.waves, 2, 0)[..., None], memory.tops[..., None]
-        return self._state(ring, tops, np.array([psi]), int(memory.cursor[0]), fraction)[:, 0]
+        ring, tops = np.moveaxis(lines.waves, 2, 0)[..., None], lines.tops[..., None]
+        return self._state(ring, tops, np.array([psi]), int(lines.cursor[0]), fraction)[:, 0]
 
     def _carry(self, cycle: Cycle, frozen: bool) -> Array:
         """Derivative of the end with respect to the start."""
-        nodes, integral, motion = self._nodes, self._rule.integral, cycle.pieces
+        nodes, integral = self._nodes, self._rule.integral
         exchange = exchange_of(nodes, self._network, self.length, integral)
         waves, tops, psi = self._parts(np.eye(self.size))
         faces = exchange.weights.shape[0]
@@ -219,8 +208,9 @@ class DelayFlow:
         memory[:, :faces] = waves.reshape(self.kept + 1, faces, -1)
         memory[self.kept - 1, faces:-1], memory[self.kept - 1, -1] = tops.reshape(-1, self.size), psi
         _, fraction = self._steps(cycle.period)
-        physics = (self.scene.law, self._network.interface_impedance, exchange, self.length * self.scene.transit, integral)
-        cursor = march_tangent(nodes, *physics, motion.z, motion.psi, frozen, memory, self.kept, self._psi_row(fraction))
+        motion, h = Motion(cycle.pieces.z, cycle.pieces.psi, frozen), self.length * self.scene.transit
+        last = self._psi_row(fraction)
+        cursor = march_tangent(nodes, self.scene.law, exchange, h, integral, motion, memory, self.kept, last)
         waves, tops, psi = memory[:, :faces].reshape(waves.shape), memory[cursor - 1, faces:-1], memory[cursor - 1, -1]
         return self._state(waves, tops.reshape(*self.tops_remembered.shape, -1), psi, cursor, fraction)
 
@@ -265,12 +255,3 @@ def _bases(stages: int) -> tuple[Basis, Basis]:
     """Of a step's nodes, and of these with the step's start."""
     nodes = radau(stages).nodes
     return lagrange_basis(nodes), lagrange_basis(np.r_[0.0, nodes])
-
-
-def frozen(solver: DelayNetwork, period: float) -> tuple[DelayFlow, Array]:
-    """The flow of the scene that `solver` marches, with steps as long as those now, and its present state."""
-    flow = DelayFlow(solver.scene, solver.steps)
-    saved = solver.state()
-    waves = np.roll(saved["waves"], -int(saved["counts"][2]), axis=2)
-    rest = np.append(saved["tops"][flow.tops_remembered], saved["now"][PSI])
-    return flow, flow.sampled(waves, 1.0 / solver.steps, rest)

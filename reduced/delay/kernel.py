@@ -1,0 +1,182 @@
+"""The compiled march of the delay system: collocation steps, whatever the lines that carry the waves.
+
+With one slab's incoming characteristic S = mu + eps v/2 (MODEL.md section 3), the equations of alike plain slabs are, on the t~
+clock,
+
+    F(z, psi) + (eps/2) v(z) = S,     psi' = r G(z, psi) + nudge(t),     S(t + 1) = S(t) - eps v(t) + eps V(t + 1/2),
+
+which is (29, 35) with S = mu_ss + eps V/2 - 2 eps g(t - 1). Their steps divide the transit, so that delayed values lie on the
+same collocation nodes and nothing is interpolated. All others are a `network_kernel.Network`.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from slipwave.compiled import inlined, njit, overwrite
+from slipwave.compiled.dispatch import by_class
+from slipwave.observe.pieces import Array, Pieces
+from slipwave.scene.drive import velocity_at
+from slipwave.step.collocation import EQUAL, Nodes
+from slipwave.step.impedance import Diagonal
+from slipwave.step.newton import emit, solve
+from slipwave.step.nodal import (
+    DONE,
+    ELASTIC,
+    NOT_SMOOTH,
+    PSI,
+    TIME,
+    Interface,
+    Limits,
+    Nodal,
+    Physics,
+    begin_step,
+    hold,
+    judge_step,
+    predict,
+)
+
+
+class Memory(NamedTuple):
+    """The present: predicted nodal psi and z of the next step, `guess`, and `now` (3,): time (transits), psi, y."""
+
+    guess: Interface
+    now: Array
+
+
+class Clock(NamedTuple):
+    """Steps that `begin` (n + 1,), with the end of the last, after `origin`, and their `length` (n,), in transits: a sum of steps
+    would accumulate rounding."""
+
+    origin: float
+    begin: Array
+    length: Array
+
+
+def clock_of(origin: float, done: int, count: int, length: float) -> Clock:
+    """`count` equal steps, after `done` of them."""
+    return Clock(origin, np.arange(done, done + count + 1, dtype=np.float64) * length, np.full(count, length))
+
+
+class Alike(NamedTuple):
+    """Waves of alike plain slabs of `impedance` eps/2: S at the nodes of the steps of the next transit, `incoming` (steps, s).
+    What was remembered at its start: `first` (steps, s) and `before`."""
+
+    impedance: float
+    incoming: Array
+    first: Array
+    before: Memory
+
+
+@by_class(inline=True)
+def arrive(lines: Any, nodes: Nodes, physics: Physics, n: int, length: float, nodal: Nodal) -> None:
+    """nodal.incoming <- S of step `n`, which is `length` long. What is remembered does not change."""
+    raise NotImplementedError(type(lines))
+
+
+@by_class(inline=True)
+def roughness(lines: Any, nodes: Nodes, tail: Array, nodal: Nodal) -> float:
+    """Highest Legendre coefficient of what the far ends of the lines launch in the step."""
+    raise NotImplementedError(type(lines))
+
+
+@by_class(inline=True)
+def leave(lines: Any, nodes: Nodes, physics: Physics, n: int, start: float, length: float, nodal: Nodal) -> None:
+    """Remember the waves of the solved step `n`."""
+    raise NotImplementedError(type(lines))
+
+
+@arrive.register(Alike)
+def _arrive_from_one(lines, nodes, physics, n, length, nodal):  # type: ignore[no-untyped-def]
+    for j in range(len(nodes)):
+        nodal.incoming[j] = lines.incoming[n, j]
+
+
+@roughness.register(Alike)
+def _roughness_of_one(lines, nodes, tail, nodal):  # type: ignore[no-untyped-def]
+    return 0.0
+
+
+@leave.register(Alike)
+def _leave_into_one(lines, nodes, physics, n, start, length, nodal):  # type: ignore[no-untyped-def]
+    drive, middle = physics.drive, start + 0.5 * length + 0.5
+    for j in range(len(nodes)):
+        driven = velocity_at(drive, start + nodes[j] * length + 0.5, middle)
+        lines.incoming[n, j] += 2.0 * lines.impedance * (driven - nodal.v[j])
+
+
+@njit
+def march_lines(
+    nodes: Nodes,
+    physics: Physics,
+    lines: Any,
+    memory: Memory,
+    nodal: Nodal,
+    clock: Clock,
+    limits: Limits,
+    first: int,
+    pieces: Pieces,
+) -> tuple[int, int, int]:
+    """March the steps of the `clock`, of which the first becomes piece `first`, or none where that is negative. Returns (steps,
+    Newton iterations, verdict of `judge_step`); a rejected step leaves the memory at its start."""
+    s, (law, forcing, _, rule) = len(nodes), physics
+    impedance = Diagonal(lines.impedance)
+    guess, now, count, iterations = memory.guess, memory.now, clock.length.size, 0
+    for n in range(count):
+        start, length, left = clock.origin + clock.begin[n], clock.length[n], now[PSI]
+        begin_step(nodes, physics, start, length, left, nodal)
+        for j in range(s):
+            nodal.psi[j], nodal.z[j] = guess.psi[j], guess.z[j]
+        arrive(lines, nodes, physics, n, length, nodal)
+        used = solve(nodes, law, impedance, length * forcing.transit, rule.integral, limits.newton, nodal)
+        iterations += used
+        verdict = judge_step(nodes, rule.tail, nodal, used, limits)
+        if verdict == DONE and not roughness(lines, nodes, rule.tail, nodal) <= limits.resolution:
+            verdict = NOT_SMOOTH
+        if verdict != DONE:
+            return n, iterations, verdict
+        if first + n >= 0:
+            elastic, step = now[ELASTIC], (start, length)
+            now[ELASTIC] = emit(nodes, forcing.stiffness, impedance, step, rule.integral, nodal, elastic, pieces, first + n)
+        leave(lines, nodes, physics, n, start, length, nodal)
+        now[PSI], now[TIME] = nodal.psi[s - 1], clock.origin + clock.begin[n + 1]
+        predict(nodes, rule, EQUAL, left, Interface(nodal.psi, nodal.z), guess)
+        if clock.length[n + 1 if n + 1 < count else 0] != length:
+            hold(nodes, now[PSI], nodal.z[s - 1], guess)
+    return count, iterations, DONE
+
+
+@inlined
+def _keep(incoming: Array, memory: Memory, target: Array, into: Memory) -> None:
+    overwrite(target, incoming)
+    overwrite(into.guess.psi, memory.guess.psi)
+    overwrite(into.guess.z, memory.guess.z)
+    overwrite(into.now, memory.now)
+
+
+@njit
+def march_transits(
+    nodes: Nodes,
+    physics: Physics,
+    lines: Alike,
+    memory: Memory,
+    nodal: Nodal,
+    clock: Clock,
+    limits: Limits,
+    transits: int,
+    pieces: Pieces,
+) -> tuple[int, int, int]:
+    """March `transits` whole transits in the steps of the `clock`, whatever its origin; returns (transits kept, iterations,
+    verdict). If that is not DONE, the memory is that of the last whole transit. `pieces` has room for all steps or for those of
+    the last transit."""
+    steps, iterations, now = clock.length.size, 0, memory.now
+    first = pieces.time.size - steps * transits
+    for n in range(transits):
+        _keep(lines.incoming, memory, lines.first, lines.before)
+        whole = Clock(now[TIME], clock.begin, clock.length)
+        _, used, verdict = march_lines(nodes, physics, lines, memory, nodal, whole, limits, first + n * steps, pieces)
+        iterations += used
+        if verdict != DONE:
+            _keep(lines.first, lines.before, lines.incoming, memory)
+            return n, iterations, verdict
+    return transits, iterations, DONE

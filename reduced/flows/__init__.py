@@ -1,1 +1,0 @@
-"""Reduced models over one period as differentiable maps (`slipwave.step.flow`), for those who look for periodic orbits."""
