@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.measure.cycle import Cycle
-from validation.measure.ripples import ripple_period
+from validation.measure.cycle import Cycle, ripple_period
 
 
 def cycle(period, amplitude=0.01):

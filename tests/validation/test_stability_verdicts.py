@@ -165,3 +165,12 @@ def test_impedances_are_drawn_over_epsilon_and_per_transit():
     assert block.get_ydata() == pytest.approx(np.abs((1.0 + s**2 / 12.0) / s), rel=1e-9)
     assert phase.get_lines()[0].get_ydata() == pytest.approx(np.degrees(np.angle(0.5 / np.tanh(0.5 * s))), rel=1e-9)
     assert len(error.get_lines()) == 7
+
+
+def test_a_wrong_closed_form_turns_a_light_red(monkeypatch):
+    paper = slipwave.read("paper")
+    measured = verdicts.critical_over_velocity(paper, np.array([1.0, 1e4]))
+    right = closed_forms.kelvin_voigt_r
+    monkeypatch.setattr(closed_forms, "kelvin_voigt_r", lambda slopes, epsilon: 1.000001 * right(slopes, epsilon))
+    outcomes = [verdict.outcome for verdict in verdicts.closed_form_verdicts(paper, measured)]
+    assert outcomes.count(Outcome.FAIL) == 2

@@ -2,12 +2,15 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from slipwave.friction import Law
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.solve import Solver, follow
 
+_RIPPLES = (25.0, 55.0)  # transits after the event's date in which the interface creeps and the stress ripples
 _FIRST_MOST = 16  # chunks of pieces that are kept before the first check whether they are still needed
 
 
@@ -70,3 +73,25 @@ class CycleObserver:
         if not events.time.size:
             return None
         return cut(self._law, self._history.samples(), float(events.time[-1]), float(events.period[-1]))
+
+
+def ripple_period(cycle: Cycle) -> float:
+    """Mean time (transits) between maxima of mu within _RIPPLES, the maxima placed by parabolas through three samples.
+
+    Raises ValueError if there are fewer than three maxima.
+    """
+    inside = (cycle.time >= _RIPPLES[0]) & (cycle.time <= _RIPPLES[1])
+    time, stress = cycle.time[inside], cycle.stress[inside]
+    ripple = stress - np.polynomial.Polynomial.fit(time, stress, 3)(time)
+    peak = np.flatnonzero((ripple[1:-1] > ripple[:-2]) & (ripple[1:-1] >= ripple[2:]) & (ripple[1:-1] > 0.3 * ripple.max())) + 1
+    if peak.size < 3:
+        raise ValueError(f"{peak.size} ripples between {_RIPPLES[0]} and {_RIPPLES[1]} transits")
+    places = np.array([_vertex(time[k - 1 : k + 2], ripple[k - 1 : k + 2]) for k in peak])
+    return float((places[-1] - places[0]) / (places.size - 1))
+
+
+def _vertex(x: np.ndarray, y: np.ndarray) -> float:
+    """Abscissa of the vertex of the parabola through three points."""
+    slope, bend = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
+    curvature = (bend - slope) / (x[2] - x[0])
+    return float(0.5 * (x[0] + x[1]) - 0.5 * slope / curvature)

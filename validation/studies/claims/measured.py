@@ -23,8 +23,7 @@ from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Orbit
 from slipwave.scene import Scene
 from slipwave.solve import follow
-from validation.measure.cycle import Cycle, watch
-from validation.measure.ripples import ripple_period
+from validation.measure.cycle import Cycle, ripple_period, watch
 from validation.measure.settle import one_cycle
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, Onset, onset_of
 from validation.references.published import reference

@@ -1,5 +1,0 @@
-"""The former name of `validation.study.claim`."""
-
-from validation.study import claim as bounded
-
-__all__ = ["bounded"]
