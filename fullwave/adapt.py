@@ -24,6 +24,7 @@ import numpy as np
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.families import GALERKIN, degree_for
 from fullwave.lines.march import MethodOfLines
+from fullwave.options import CellsRefused
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver
 from slipwave.observe.pieces import Array
@@ -109,7 +110,7 @@ def to_tolerance(
             estimate = max(estimate, last / _RATIO**credited)
         estimate *= _MARGIN if credited <= _IRREGULAR else 1.0
         if _kinked(scene) and gain > 1.0:
-            gain = max(gain, _RATIO**credited)
+            gain = max(gain, _RATIO ** (1 if _jumps(scene) else credited))
         estimate += _STEPS_ERROR * solver.settings.get("resolution", 0.0)
         tried.append((cells, estimate))
         if now is not None and estimate <= tolerance:
@@ -157,9 +158,8 @@ def first_accepted(make: Callable[[int], Solved], numbers: Iterable[int]) -> Sol
     for cells in numbers:
         try:
             return make(cells)
-        except SceneError as refusal:
-            if "cells" not in str(refusal):
-                raise
+        except CellsRefused:
+            continue
     return None
 
 
@@ -172,6 +172,11 @@ def _probed_until(scene: Scene) -> float:
 def _kinked(scene: Scene) -> bool:
     """Whether the drive changes after the start."""
     return not scene.drive.is_constant and scene.drive.times[-1] > 0.0
+
+
+def _jumps(scene: Scene) -> bool:
+    """Whether the drive has a step, after which grids are of order 1."""
+    return 0.0 in np.diff(scene.drive.times)
 
 
 def probe(solver: Solver) -> _Outcome | None:

@@ -14,10 +14,15 @@ class AnyShare(float):
     """A `cfl` that may exceed 1, so that steps beyond the limit can be studied. No option of a user becomes one."""
 
 
+class CellsRefused(SceneError):
+    """A number of cells that a grid does not accept: too few, or too many for the memory."""
+
+
 def require_whole(name: str, value: object, least: int, most: int) -> None:
     """Raises SceneError unless `value` is a whole number from `least` to `most`."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not least <= value <= most:
-        raise SceneError(f"{name} = {value!r}: must be a whole number from {least} to {most}")
+        refusal = CellsRefused if name == "cells" else SceneError
+        raise refusal(f"{name} = {value!r}: must be a whole number from {least} to {most}")
 
 
 def require_cfl(cfl: object) -> None:

@@ -1,4 +1,5 @@
-"""Field records as files: netCDF through xarray; VTU (a space-time sheet) and XDMF (a series of profiles) through meshio.
+"""Field records as files and as a picture: netCDF through xarray; VTU (a space-time sheet) and XDMF (a series of profiles)
+through meshio; velocity and stress in the (time, depth) plane through matplotlib.
 
 Position is the depth as a fraction of the travel time, counted upwards from the interface: positive in the upper slab, negative
 in the lower. Every file is written whole or not at all.
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fullwave.fields.record import Field
+from fullwave.fields.record import QUANTITIES, Field
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import whole_or_absent
@@ -20,6 +21,12 @@ from slipwave.scene.units import IN_SI
 
 if TYPE_CHECKING:
     import meshio
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 def write_field(path: Path, field: Field) -> None:
@@ -71,12 +78,8 @@ def sheet(field: Field) -> "meshio.Mesh":
 
 def _in_si(field: Field, **values: Array) -> dict[str, Array]:
     """Twins in SI of `time`, `velocity` and `stress`, named as in the JSON, for a scene with units; else nothing."""
-    units, kinds = field.scene.units, {"time": "transit", "velocity": "V*", "stress": "normal stress"}
-    if units is None:
-        return {}
-    return {
-        f"{name}_{IN_SI[kinds[name]][1]}": array * units.size(kinds[name], field.scene.transit) for name, array in values.items()
-    }
+    sizes = {name: field.si_size(name) for name in values}
+    return {f"{name}_{IN_SI[QUANTITIES[name][1]][1]}": values[name] * size for name, size in sizes.items() if size is not None}
 
 
 def _write_series(path: Path, field: Field) -> None:
@@ -91,3 +94,28 @@ def _write_series(path: Path, field: Field) -> None:
         for time, moving, loaded in zip(field.time, velocity, stress, strict=True):
             values = {"velocity": moving, "stress": loaded}
             writer.write_data(float(time), point_data=values | _in_si(field, **values))
+
+
+def picture(field: Field, title: str = "") -> "Figure":
+    """Two panels over the same time: velocity (colour scale linear up to V, logarithmic beyond) and shear stress."""
+    from matplotlib.colors import SymLogNorm
+    from matplotlib.figure import Figure
+
+    position, velocity, stress = profile(field)
+    figure = Figure(figsize=(8.0, 6.0), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True)
+    largest = float(np.abs(velocity).max())
+    scale = SymLogNorm(linthresh=min(field.scene.velocity, largest), vmin=-largest, vmax=largest)
+    _panel(figure, upper, field.time, position, velocity, "velocity / V*", cmap="RdBu_r", norm=scale)
+    _panel(figure, lower, field.time, position, stress, "shear stress / normal stress", cmap="viridis")
+    lower.set_xlabel("time / transits")
+    upper.set_title(title or f"{field.scene.name}: waves of one slip event ({field.model})")
+    return figure
+
+
+def _panel(figure: "Figure", axes: "Axes", time: Array, position: Array, values: Array, label: str, **look: Any) -> None:
+    mesh = axes.pcolormesh(time, position, values.T, shading="gouraud", rasterized=True, **look)
+    axes.axhline(0.0, color="black", linewidth=0.8)
+    axes.set_ylabel("depth / travel time")
+    axes.set_yticks([-1.0, 0.0, 1.0], ["lower face", "interface", "upper face"])
+    figure.colorbar(mesh, ax=axes, label=label)

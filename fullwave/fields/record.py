@@ -28,27 +28,28 @@ INTERVAL = 1.0 / 32.0
 """Default time between two samples, in transits: sixteen samples while a wave crosses a slab."""
 
 
-@dataclass(frozen=True)
-class SlabField:
-    """The record of a slab: `depth` (m,) in its travel time, `velocity` (k, m) in V*, `stress` (k, m) in normal stresses."""
-
-    depth: Array
-    velocity: Array
-    stress: Array
+QUANTITIES = {
+    "time": ("time since the start of the run", "transit"),
+    "depth": ("depth in the {} slab, 0 at the interface", "travel time through the slab"),
+    "velocity": ("velocity in the {} slab, positive along the upper face's drive", "V*"),
+    "stress": ("shear stress in the {} slab", "normal stress"),
+}
+"""What a record holds: meaning, and of what its numbers are shares."""
 
 
 @dataclass(frozen=True)
 class Field:
-    """Record of a window: `time` (k,) in transits, the slabs (`lower` is None for alike ones), and the scene and model."""
+    """Record of a window: `time` (k,) in transits, the slabs (`lower` is None for alike ones), and the scene and model. Velocity
+    and stress of a slab are (k, m)."""
 
     scene: Scene
     model: str
     time: Array
-    upper: SlabField
-    lower: SlabField | None
+    upper: SlabSnapshot
+    lower: SlabSnapshot | None
 
     @property
-    def slabs(self) -> dict[str, SlabField]:
+    def slabs(self) -> dict[str, SlabSnapshot]:
         """The recorded slabs by name."""
         return {"upper": self.upper} | ({"lower": self.lower} if self.lower is not None else {})
 
@@ -57,26 +58,27 @@ class Field:
         require("files", "a dataset of fields")
         import xarray
 
-        variables: dict[str, object] = {}
-        coordinates: dict[str, object] = {TIME: (TIME, self.time, self._notes("time since the start of the run", "transit"))}
+        variables: dict[str, object] = {TIME: (TIME, self.time, self._notes("time"))}
         for name, slab in self.slabs.items():
             depth = f"{name}_depth"
-            place = self._notes(f"depth in the {name} slab, 0 at the interface", "travel time through the slab")
-            coordinates[depth] = (depth, slab.depth, place)
-            motion = self._notes(f"velocity in the {name} slab, positive along the upper face's drive", "V*")
-            load = self._notes(f"shear stress in the {name} slab", "normal stress")
-            variables[f"{name}_velocity"] = ((TIME, depth), slab.velocity, motion)
-            variables[f"{name}_stress"] = ((TIME, depth), slab.stress, load)
-        found = xarray.Dataset(variables, coordinates, self._facts())
+            for quantity, values in vars(slab).items():
+                dimensions = depth if quantity == "depth" else (TIME, depth)
+                variables[f"{name}_{quantity}"] = (dimensions, values, self._notes(quantity, name))
+        found = xarray.Dataset(variables, attrs=self._facts())
         for coordinate in found.coords.values():
             coordinate.encoding["_FillValue"] = None  # of a coordinate no value is missing
         return found
 
-    def _notes(self, meaning: str, unit: str) -> dict[str, str | float]:
-        known: dict[str, str | float] = {"long_name": meaning, "units": "1", "in_units_of": unit}
-        if self.scene.units is None or unit not in IN_SI:
-            return known
-        return known | {"si_factor": self.scene.units.size(unit, self.scene.transit), "si_units": IN_SI[unit][0]}
+    def si_size(self, quantity: str) -> float | None:
+        """Size in SI of what the numbers of `quantity` are multiples of; None in a scene without units."""
+        unit, units = QUANTITIES[quantity][1], self.scene.units
+        return None if units is None or unit not in IN_SI else units.size(unit, self.scene.transit)
+
+    def _notes(self, quantity: str, slab: str = "") -> dict[str, str | float]:
+        meaning, unit = QUANTITIES[quantity]
+        known: dict[str, str | float] = {"long_name": meaning.format(slab), "units": "1", "in_units_of": unit}
+        size = self.si_size(quantity)
+        return known if size is None else known | {"si_factor": size, "si_units": IN_SI[unit][0]}
 
     def _facts(self) -> dict[str, str | float]:
         facts: dict[str, str | float] = {
@@ -181,5 +183,5 @@ def assemble(scene: Scene, model: str, shots: Sequence[Snapshot]) -> Field:
     return Field(scene, model, time, _stack([shot.upper for shot in shots]), lower)
 
 
-def _stack(shots: Sequence[SlabSnapshot]) -> SlabField:
-    return SlabField(shots[0].depth, np.array([shot.velocity for shot in shots]), np.array([shot.stress for shot in shots]))
+def _stack(shots: Sequence[SlabSnapshot]) -> SlabSnapshot:
+    return SlabSnapshot(shots[0].depth, np.array([shot.velocity for shot in shots]), np.array([shot.stress for shot in shots]))

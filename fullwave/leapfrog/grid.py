@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from slipwave.errors import SceneError
+from fullwave.options import CellsRefused
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.slab import Slab
@@ -67,9 +67,9 @@ def slab_grid(slab: Slab, transit: float, step: float, cfl: float, cells: int) -
         count = int(np.floor(cfl * travel / step * (1.0 + 1e-9)))
         if count < 1:
             wanted = int(np.ceil(cells * step / (cfl * travel)))
-            raise SceneError(f"cells = {cells}: layer {number + 1} is thinner than a cell; use at least {wanted}")
+            raise CellsRefused(f"cells = {cells}: layer {number + 1} is thinner than a cell; use at least {wanted}")
         if count > MOST_CELLS:
-            raise SceneError(f"cells = {cells}: the slower slab would need {count} cells; at most {MOST_CELLS} are allowed")
+            raise CellsRefused(f"cells = {cells}: the slower slab would need {count} cells; at most {MOST_CELLS} are allowed")
         widths.append(np.full(count, travel / count))
         impedances.append(np.full(count, slab.epsilon * layer.impedance))
     burden = slab.termination.in_transits(transit).mass

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fullwave.lines.panels import LANES
-from fullwave.lines.system import SCALARS, Interface, Operator, System, Tops, Traces
-from fullwave.lines.viscosity import Elastic, Viscous
+from fullwave.lines.system import SCALARS, Elastic, Interface, Operator, System, Tops, Traces, Viscous
 from fullwave.options import MOST_CELLS, require_whole
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene

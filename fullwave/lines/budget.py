@@ -8,7 +8,7 @@ import numpy as np
 
 from fullwave.lines.blocks import BlockGrid, Section
 from fullwave.lines.runge_kutta import RungeKutta
-from slipwave.errors import SceneError
+from fullwave.options import CellsRefused
 
 MOST_BYTES = 4e9
 """Memory that a solver may use: half of that of a small machine, so that a wrong number of cells is refused before the machine
@@ -48,7 +48,7 @@ def enough_memory(cells: int) -> Iterator[None]:
     try:
         yield
     except MemoryError:
-        raise SceneError(f"cells = {cells}: not enough memory on this machine; use fewer") from None
+        raise CellsRefused(f"cells = {cells}: not enough memory on this machine; use fewer") from None
 
 
 def require_memory(
@@ -70,7 +70,7 @@ def require_bytes(cells: int, needed: float) -> None:
     """Raises SceneError naming `cells`, and the most that fit, if `needed` is more than MOST_BYTES."""
     if needed > MOST_BYTES:
         most = int(float(f"{0.995 * cells * MOST_BYTES / needed:.2g}"))
-        raise SceneError(
+        raise CellsRefused(
             f"cells = {cells}: would take {needed / 1e9:.1f} GB of memory, more than the {MOST_BYTES / 1e9:g} GB allowed; "
             f"at most some {most} fit"
         )
@@ -80,7 +80,7 @@ def require_few_unknowns(cells: int, unknowns: int) -> None:
     """Raises SceneError naming `cells`, and the most that are allowed, if dense matrices of `unknowns` rows would be too big."""
     if unknowns > MOST_UNKNOWNS:
         most = int(0.95 * cells * MOST_UNKNOWNS / unknowns)  # panels and layers are filled up
-        raise SceneError(
+        raise CellsRefused(
             f"cells = {cells}: {unknowns} unknowns, more than the {MOST_UNKNOWNS} that the exact march allows (its matrices are "
             f"dense); use at most some {most} cells, or --time explicit"
         )

@@ -12,9 +12,8 @@ from fullwave.lines.budget import MOST_BYTES
 from fullwave.lines.grid_ledger import GridLedger, Power
 from fullwave.lines.matrix import motion_of
 from fullwave.lines.propagator import LinearSlabs, StepMap, impedance_at, to_legendre
-from fullwave.lines.step_maps import StepMaps, at_nodes, maps_of
+from fullwave.lines.step_maps import StepMaps, at_nodes, dissipation_of, maps_of
 from fullwave.lines.system import System
-from fullwave.lines.viscous_heat import dissipation_of
 from slipwave.observe.pieces import SAME, Array
 from slipwave.scene import Scene
 from slipwave.step.collocation import radau

@@ -10,13 +10,12 @@ import numpy as np
 from fullwave.families import FullWave
 from fullwave.lines.blocks import BlockGrid, Section, assemble, sections_of, state_size
 from fullwave.lines.budget import enough_memory, march_work, require_few_unknowns, require_memory
-from fullwave.lines.exact import EXACT_TOLERANCE, ExactMarch
+from fullwave.lines.exact import EXACT_TOLERANCE, ExactMarch, TimeMarch, cheaper_march
 from fullwave.lines.explicit import ExplicitMarch
 from fullwave.lines.readout import Shape, impose_fields, snapshot_of, stored_energy, twice_energy
 from fullwave.lines.runge_kutta import RungeKutta, method_of
-from fullwave.lines.scene_limits import relaxation_limit, spectral_limit
+from fullwave.lines.scheme_limit import relaxation_limit, spectral_limit
 from fullwave.lines.system import ELASTIC, PSI, System
-from fullwave.lines.time_march import TimeMarch, cheaper_march
 from fullwave.options import require_cfl
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array, Pieces

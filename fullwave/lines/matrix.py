@@ -1,5 +1,5 @@
 """The equations of motion without friction, as matrices: what the exact march propagates, a simple reference for
-`fullwave.lines.motion`, and the basis of the step limit of scenes with viscosity or a mass on a face.
+`fullwave.lines.kernel`, and the basis of the step limit of scenes with viscosity or a mass on a face.
 """
 
 from typing import NamedTuple
@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fullwave.lines.blocks import state_size
-from fullwave.lines.system import GRIP, SCALARS, Operator, System, apply, finish
-from fullwave.lines.viscosity import Viscous
+from fullwave.lines.system import GRIP, SCALARS, Operator, System, Viscous, apply, finish
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
 

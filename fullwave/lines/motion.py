@@ -16,9 +16,11 @@ from fullwave.lines.system import (
     Tops,
     Traces,
     apply,
+    dissipate,
     finish,
+    retard,
+    total_stress,
 )
-from fullwave.lines.viscosity import dissipate, retard, total_stress
 from slipwave.compiled import inlined
 from slipwave.friction import respond
 from slipwave.friction.interface import solve_interface

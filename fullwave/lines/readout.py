@@ -6,8 +6,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from fullwave.lines.blocks import Block, BlockGrid, Chain
-from fullwave.lines.system import GRIP, SCALARS, System
-from fullwave.lines.viscosity import Viscous
+from fullwave.lines.system import GRIP, SCALARS, System, Viscous
 from slipwave.observe.pieces import Array
 from slipwave.solve import SlabSnapshot, Snapshot
 

@@ -5,16 +5,24 @@ which u_t = -u_x. Its discrete spectrum is computed without inflow, and with the
 times the step must lie where the Runge-Kutta method does not amplify. The friction solve does not reduce the limit, because it
 reflects at most what arrives. The matrices are not normal; a measurement shows that the spectrum is still sufficient: noise on
 the whole grid does not grow at 0.99 of the limit, and grows beyond the limit (tests/verification/test_noise.py).
+
+Step limits that depend on the scene and not only on the scheme: outer faces, viscosity, the frictional state.
 """
 
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
+from fullwave.lines.blocks import Builder, Section, assemble
+from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.runge_kutta import RungeKutta, method_of, stability_polynomial
+from fullwave.lines.system import System
+from slipwave.friction import respond, steady_state, unknown_of
 from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
 
 Complex = NDArray[np.complex128]
 MARGIN = 0.99
@@ -65,3 +73,32 @@ def _real_reach(order: int) -> float:
 def longest_decay_step(rate: float, method: RungeKutta) -> float:
     """Largest stable step for u' = -rate u."""
     return _real_reach(method.order) / rate if rate > 0.0 else np.inf
+
+
+_SAMPLE_NODES = 28  # per section of the sample whose spectrum is computed
+
+
+def relaxation_limit(system: System, method: RungeKutta) -> float:
+    """Longest step (transits) for stable relaxation of the springs at massless faces and, in steady sliding, of the state."""
+    law, forcing = system.interface.law, system.forcing
+    psi = steady_state(law, forcing.velocity)
+    ageing = forcing.transit * abs(respond(law, unknown_of(law, forcing.velocity), psi)[7])
+    massless = system.tops.mass == 0.0
+    return longest_decay_step(max(ageing, float((massless * system.tops.spring * system.tops.yielding).max())), method)
+
+
+def spectral_limit(scene: Scene, build: Builder, sections: Sequence[Section], method: RungeKutta) -> float:
+    """Longest stable step (transits) of `scene` with the cells of `sections`. The spectra are computed for shortened slabs (a few
+    cells per section), with the interface locked (v = 0) and free (constant stress). `MARGIN` covers the shortening, which
+    changed the limit by 0.3 per cent (measured)."""
+    system = assemble(scene, build([_cut_short(section, build) for section in sections]))
+    spectra = [np.linalg.eigvals(motion_matrix(system, locked)).astype(complex) for locked in (True, False)]
+    return MARGIN * longest_step(np.concatenate(spectra), method)
+
+
+def _cut_short(section: Section, build: Builder) -> Section:
+    """The same section with fewer cells of the same length, so that it has about `_SAMPLE_NODES` nodes."""
+    whole = build([section])
+    nodes = sum(block.depth.size for block in whole.blocks)
+    cells = min(section.cells, max(section.fewest, -(-_SAMPLE_NODES * section.cells // nodes)))
+    return section._replace(length=section.length * cells / section.cells, cells=cells)

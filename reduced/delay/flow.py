@@ -129,7 +129,7 @@ class DelayFlow:
             return np.zeros((self.size, 0))
         if all(slab.is_plain for slab in scene.slabs) and not (np.rint(self._lines.travel / divisor) % 2.0).all():
             return np.zeros((self.size, 0))  # round trips in a ratio that is not odd:odd
-        from reduced.stability.friction import friction_slopes
+        from reduced.stability.characteristic import friction_slopes
 
         impedance = self._network.interface_impedance
         rate = scene.velocity * friction_slopes(scene.law, scene.velocity).direct / impedance

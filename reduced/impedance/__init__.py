@@ -1,10 +1,9 @@
 """The slab pair as a one-port: its exact impedance, its reductions, and their passivity (MODEL.md section 3)."""
 
-from reduced.impedance.jet import Complex, Jet
 from reduced.impedance.models import check_passivity, impedance, is_exact, ratio_of
 from reduced.impedance.of_reduction import poles_and_residues, taylor_poles
 from reduced.impedance.reduce import reduction_of
-from reduced.impedance.transmission_line import Ratio, pair_ratio, slab_ratio
+from reduced.impedance.transmission_line import Complex, Jet, Ratio, pair_ratio, slab_ratio
 
 __all__ = [
     "Complex",

@@ -11,10 +11,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.impedance.jet import Complex, Jet
 from reduced.impedance.of_reduction import dissipation, reduction_ratio, telling_frequencies
 from reduced.impedance.reduction import Reduction
-from reduced.impedance.transmission_line import pair_ratio
+from reduced.impedance.transmission_line import Complex, Jet, pair_ratio
 from reduced.impedance.vector_fit import fit_poles, partial_fractions, passive_coefficients
 from slipwave.errors import SceneError
 from slipwave.scene import Scene

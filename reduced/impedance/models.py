@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from reduced.families import DELAY
-from reduced.impedance.jet import Complex, Jet
 from reduced.impedance.of_reduction import (
     poles_and_residues,
     real_part_on_axis,
@@ -17,7 +16,7 @@ from reduced.impedance.of_reduction import (
 )
 from reduced.impedance.reduce import reduction_of
 from reduced.impedance.reduction import Reduction
-from reduced.impedance.transmission_line import Ratio, pair_ratio
+from reduced.impedance.transmission_line import Complex, Jet, Ratio, pair_ratio
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
 

@@ -9,8 +9,7 @@ import math
 
 import numpy as np
 
-from reduced.impedance.jet import Jet
-from reduced.impedance.transmission_line import pair_ratio
+from reduced.impedance.transmission_line import Jet, pair_ratio
 from slipwave.scene import Scene
 from slipwave.scene.slab import Slab
 

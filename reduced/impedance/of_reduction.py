@@ -16,9 +16,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.impedance.jet import Complex, Jet
 from reduced.impedance.reduction import Reduction
-from reduced.impedance.transmission_line import Ratio
+from reduced.impedance.transmission_line import Complex, Jet, Ratio
 
 
 def reduction_ratio(model: Reduction, epsilon: float, transit: float, s: Jet) -> Ratio:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.impedance.jet import Complex
+from reduced.impedance.transmission_line import Complex
 
 Real = NDArray[np.float64]
 _REAL_POLE = 1e-9

@@ -20,9 +20,8 @@ from numpy.typing import NDArray
 
 from reduced.impedance import Jet, Ratio
 from reduced.parameters import scaled
-from reduced.stability.characteristic import Characteristic, characteristic
+from reduced.stability.characteristic import Characteristic, FrictionSlopes, characteristic, friction_slopes
 from reduced.stability.crossing import FIRST_OCTAVE, critical_factor, is_lost
-from reduced.stability.friction import FrictionSlopes, friction_slopes
 from reduced.stability.spectrum import unstable_count
 from slipwave.scene import Scene
 

@@ -237,12 +237,12 @@ def test_the_tests_nearest_to_a_mutant_come_first_and_long_ones_later(tmp_path: 
 def test_compiled_code_meets_the_tests_of_what_imports_it(tmp_path: Path) -> None:
     """One test runs another function of its file in Python; the kernels that are compiled with it are run by the others."""
     tests = {
-        "tests/fullwave/test_far.py::far": ["fullwave/discontinuous.py::DiscontinuousGalerkin.__init__"],
-        "tests/fullwave/test_own.py::own": ["fullwave/lines/viscosity.py::total_stress"],
+        "tests/fullwave/test_far.py::far": ["fullwave/adapt.py::to_tolerance"],
+        "tests/fullwave/test_own.py::own": ["fullwave/lines/system.py::total_stress"],
         "tests/fullwave/test_near.py::near": ["fullwave/lines/motion.py::rates"],
         "tests/reduced/test_other.py::other": ["reduced/delay/march.py::DelayMarch.solve"],
     }
-    assert nearest(tmp_path, "fullwave/lines/viscosity.py", "_viscous_retard", tests) == [["own", "near", "far"], []]
+    assert nearest(tmp_path, "fullwave/lines/system.py", "_viscous_retard", tests) == [["own", "near", "far"], []]
 
 
 def test_a_change_that_never_ends_is_stopped_by_processor_time(copy: Copy, monkeypatch: pytest.MonkeyPatch) -> None:

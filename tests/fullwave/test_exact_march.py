@@ -8,8 +8,7 @@ import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.lines import exact
-from fullwave.lines.system import GRIP, SCALARS
-from fullwave.lines.viscosity import Viscous
+from fullwave.lines.system import GRIP, SCALARS, Viscous
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
 from slipwave.errors import SceneError

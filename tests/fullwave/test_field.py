@@ -11,8 +11,7 @@ from leapfrog_scenes import PAPER, SCENES
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
-from fullwave.fields.files import profile, sheet, write_field
-from fullwave.fields.picture import picture
+from fullwave.fields.files import picture, profile, sheet, write_field
 from fullwave.fields.record import FieldRecord, record_field
 from fullwave.finite_difference import Leapfrog
 from slipwave.errors import SceneError

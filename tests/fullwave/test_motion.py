@@ -7,8 +7,7 @@ from march_scenes import FAMILIES, PAIRS
 
 from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.motion import rates_of
-from fullwave.lines.system import ELASTIC, FRICTION, GRIP, PSI, SCALARS
-from fullwave.lines.viscosity import Viscous
+from fullwave.lines.system import ELASTIC, FRICTION, GRIP, PSI, SCALARS, Viscous
 from slipwave.compiled import njit
 from slipwave.friction import respond, unknown_of
 

@@ -7,7 +7,7 @@ import pytest
 
 import slipwave
 from reduced.stability import analyse, characteristic, scaled, spectrum, unstable_count
-from reduced.stability.physical import in_si, thickened
+from reduced.stability.analyse import in_si, thickened
 from slipwave.scene import Scene
 from tests.granite import GRANITE
 

@@ -197,5 +197,5 @@ def test_code_for_one_kind_of_grid_does_not_depend_on_another() -> None:
     made_from = compile_cache.made_from_what(kernel.py_func, {fullwave.discontinuous.Elements})
     assert made_from is not None
     sources = made_from.sources
-    assert {ROOT / "fullwave" / "discontinuous.py", ROOT / "fullwave" / "lines" / "viscosity.py"} <= set(sources)
+    assert {ROOT / "fullwave" / "discontinuous.py", ROOT / "fullwave" / "lines" / "system.py"} <= set(sources)
     assert ROOT / "fullwave" / "finite_element.py" not in sources

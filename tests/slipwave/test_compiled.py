@@ -50,7 +50,7 @@ def probe(law):
     return respond(law, 0.3, 0.1)[2]
 """,
     "dispatched": """
-from fullwave.lines.viscosity import total_stress
+from fullwave.lines.system import total_stress
 from slipwave.compiled import njit
 
 @njit
@@ -60,7 +60,7 @@ def probe(medium, state):
 }
 ASK_ALL = """
 import numpy as np
-from fullwave.lines.viscosity import Elastic
+from fullwave.lines.system import Elastic
 from slipwave import called, inlined, overloaded, dispatched
 from slipwave.friction.ageing import Ageing
 law, knots = Ageing(0.369, 0.0349, 0.0489), np.array([1.0, 2.0, 4.0])
@@ -84,7 +84,7 @@ EDITS = {
         "law.a_star - law.a * z",
         {"overloaded", "inlined", "dispatched"},
     ),
-    "dispatched": ("fullwave/lines/viscosity.py", "return state[slot]\n", "return 2.0 * state[slot]\n", {"dispatched"}),
+    "dispatched": ("fullwave/lines/system.py", "return state[slot]\n", "return 2.0 * state[slot]\n", {"dispatched"}),
 }
 Answers = dict[str, tuple[float, int]]
 

@@ -280,7 +280,7 @@ def test_every_family_with_a_ladder_is_judged_by_a_quick_report(monkeypatch):
 
 
 def test_which_code_is_common_is_read_from_the_imports():
-    march = {"fullwave.lines.march", "fullwave.lines.motion", "fullwave.lines.kernel"}
+    march = {"fullwave.lines.march", "fullwave.lines.kernel"}
     assert march <= set(shared("sbp", "dg"))
     assert not march & set(shared("fd", "dg"))
     assert shared("delay", "fem") == ()

@@ -15,7 +15,7 @@ import numpy as np
 
 import slipwave
 from reduced.stability import analyse, characteristic, scaled, unstable_count
-from reduced.stability.physical import in_si, thickened
+from reduced.stability.analyse import in_si, thickened
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.ageing import Ageing, AgeingRegularised
 from slipwave.friction.slip import Slip, SlipRegularised

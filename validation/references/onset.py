@@ -7,7 +7,7 @@ import math
 from typing import NamedTuple
 
 from reduced import closed_forms
-from reduced.stability.friction import FrictionSlopes
+from reduced.stability.characteristic import FrictionSlopes
 from slipwave.friction.ageing import Ageing
 
 FAST_PERIOD_KELVIN_VOIGT = math.pi / math.sqrt(6.0)

@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from reduced.stability import Stability, analyse, friction_slopes, scaled
-from reduced.stability.physical import in_si
+from reduced.stability.analyse import in_si
 from slipwave.scene import Scene
 from validation.run.length import LONGEST, UntilSettled
 from validation.run.outlook import outlook

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 import slipwave
-from fullwave.fields.picture import picture
+from fullwave.fields.files import picture
 from fullwave.fields.record import Field, record_field
 from slipwave.observe.pieces import Array
 from validation.measure.cycle import watch
