@@ -30,7 +30,7 @@ def quick(name: str) -> StudyResult:
     with pytest.MonkeyPatch.context() as patch:
         readings = itertools.count()
         patch.setattr(timing, "_spent", lambda: 1e-3 * next(readings) ** 2)
-        patch.setattr(source, "load", watched(source.load, scenes))
+        patch.setattr(source, "load_tables", watched(source.load_tables, scenes))
         for tape in tapes:
             tape.record(patch)
         result = study.run(Budget(quick=True, report=shares.append))
@@ -43,7 +43,7 @@ def quick(name: str) -> StudyResult:
 
 
 def watched(read: Callable[..., Any], scenes: set[str]) -> Callable[..., Any]:
-    """`read` (`slipwave.input.source.load`), which notes the gallery scenes it is asked for in `scenes`."""
+    """`read` (`slipwave.input.source.load_tables`), which notes the gallery scenes it is asked for in `scenes`."""
 
     def reading(name: object, *rest: Any) -> Any:
         scenes.update({str(name)} & set(source.gallery_names()))
