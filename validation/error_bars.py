@@ -15,6 +15,7 @@ from itertools import groupby, islice
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.stats import binomtest
 
 import slipwave
 from fullwave.adapt import difference_of, probe
@@ -83,16 +84,24 @@ def random_scene(kind: str, model: str, random: np.random.Generator) -> Scene:
 
 def of_orbits(kind: str, model: str, random: np.random.Generator, witness: bool = False) -> Iterator[list[Held]]:
     """Figures of random orbits, without end; an empty list where there is none."""
-    while True:
+
+    def measure() -> list[Held]:
+        """Of one orbit."""
         tolerance = _DEFAULT if random.random() < 0.4 else 10.0 ** random.uniform(math.log10(_TIGHTEST), math.log10(_LOOSEST))
+        found = find_orbit(model, random_scene(kind, model, random), tolerance).found
+        truth = _by_witness(found.closed.flow.scene) if witness else _by_finer_mesh(found.closed)
+        stated = {name: getattr(found.orbit, name).error for name in truth}
+        return [Held(name, stated[name] / true, abs(found.orbit.values()[name] / true - 1.0)) for name, true in truth.items()]
+
+    return _repeated(measure)
+
+
+def _repeated(measure: Callable[[], list[Held]]) -> Iterator[list[Held]]:
+    while True:
         try:
-            found = find_orbit(model, random_scene(kind, model, random), tolerance).found
-            truth = _by_witness(found.closed.flow.scene) if witness else _by_finer_mesh(found.closed)
+            yield measure()
         except (NumericsError, SceneError):
             yield []
-            continue
-        stated = {name: getattr(found.orbit, name).error for name in truth}
-        yield [Held(name, stated[name] / true, abs(found.orbit.values()[name] / true - 1.0)) for name, true in truth.items()]
 
 
 def _by_finer_mesh(closed: Closed) -> dict[str, float]:
@@ -109,16 +118,17 @@ def of_runs(kind: str, model: str, random: np.random.Generator, tolerance: float
     """Periods and drops of the probe's cycles on grids chosen by tolerances near one, without end; an empty list where none is
     found."""
     viscous = kind == "viscous"
-    while True:
+
+    def measure() -> list[Held]:
+        """Of one run."""
         asked = tolerance * 10.0 ** random.uniform(-0.5, 0.5)
-        try:
-            scene = random_scene(kind, "auto" if not viscous else model, random)
-            built = prepare(model, scene, tolerance=asked)
-            exact = build_full_wave(_WITNESS, scene, cells=_WITNESS_CELLS) if viscous else build("delay", scene, tolerance=_EXACT)
-            assert built.choice is not None
-            yield [Held(built.choice.quantity, built.choice.error_estimate, difference_of(probe(exact), probe(built.solver)))]
-        except (NumericsError, SceneError):
-            yield []
+        scene = random_scene(kind, model if viscous else "auto", random)
+        built = prepare(model, scene, tolerance=asked)
+        exact = build_full_wave(_WITNESS, scene, cells=_WITNESS_CELLS) if viscous else build("delay", scene, tolerance=_EXACT)
+        assert built.choice is not None
+        return [Held(built.choice.quantity, built.choice.error_estimate, difference_of(probe(exact), probe(built.solver)))]
+
+    return _repeated(measure)
 
 
 def rows(cases: Iterable[list[Held]]) -> Iterator[list[str]]:
@@ -127,17 +137,9 @@ def rows(cases: Iterable[list[Held]]) -> Iterator[list[str]]:
     for figure, members in groupby(found, key=lambda held: held.figure):
         group = list(members)
         holds = sum(held.error <= held.bar for held in group)
-        low, high = interval(holds, len(group))
+        low, high = binomtest(holds, len(group)).proportion_ci(method="wilson")
         median = float(np.median([held.bar / max(held.error, _CHANCE) for held in group]))
         yield [figure, str(len(group)), f"{holds / len(group):.3f}", f"{low:.3f} .. {high:.3f}", f"{median:.1f}"]
-
-
-def interval(holds: int, of: int) -> tuple[float, float]:
-    """Wilson's 95 % interval of a share."""
-    z, share = 1.959964, holds / of
-    centre, half = share + z * z / (2.0 * of), z * math.sqrt(share * (1.0 - share) / of + (z / (2.0 * of)) ** 2)
-    scale = 1.0 + z * z / of
-    return (centre - half) / scale, (centre + half) / scale
 
 
 def main(words: list[str]) -> None:

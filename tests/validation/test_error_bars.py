@@ -6,17 +6,15 @@ import numpy as np
 import pytest
 
 from validation import error_bars
-from validation.error_bars import Held, interval, of_orbits, of_runs, random_scene, rows
+from validation.error_bars import Held, of_orbits, of_runs, random_scene, rows
 
 
 def test_a_table_of_what_was_held():
     cases = [[Held("period", 2e-9, 1e-9), Held("drop", 1e-9, 4e-9)], [], [Held("period", 8e-9, 1e-9)]]
-    low, high = interval(2, 2)
     assert list(rows(cases)) == [
         ["drop", "1", "0.000", "0.000 .. 0.793", "0.2"],
-        ["period", "2", "1.000", f"{low:.3f} .. {high:.3f}", "5.0"],
+        ["period", "2", "1.000", "0.342 .. 1.000", "5.0"],
     ]
-    assert interval(8, 10) == pytest.approx((0.4902, 0.9433), abs=1e-4)
 
 
 @pytest.mark.parametrize("kind", error_bars.KINDS)
