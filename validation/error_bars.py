@@ -37,8 +37,8 @@ _WITNESS, _WITNESS_CELLS = "dg:9", 8
 _EXACT = 1e-11
 _CHANCE = 1e-15  # rounding error of what is taken for the truth, relative
 
-Face = Callable[[np.random.Generator], dict[str, Any]]
-KINDS: dict[str, Face] = {
+Part = Callable[[np.random.Generator], dict[str, Any]]
+SLABS: dict[str, Part] = {
     "alike": lambda random: {},
     "unlike": lambda random: {},
     "layered": lambda random: {
@@ -65,9 +65,9 @@ class Held(NamedTuple):
 
 
 def random_scene(kind: str, model: str, random: np.random.Generator) -> Scene:
-    """A scene of one of the KINDS of slabs, a little beyond where steady sliding of `model` loses its stability."""
+    """A scene of one of the SLABS of slabs, a little beyond where steady sliding of `model` loses its stability."""
     a, transit = 0.0349 * 10.0 ** random.uniform(-0.1, 0.1), 0.002
-    slab = {"epsilon": 2.8e-5 * 10.0 ** random.uniform(-0.3, 0.3), "r": transit} | KINDS[kind](random)
+    slab = {"epsilon": 2.8e-5 * 10.0 ** random.uniform(-0.3, 0.3), "r": transit} | SLABS[kind](random)
     ratio = random.choice([0.5, 0.75, 1.5, 2.0, 3.0]) if random.random() < 0.7 else random.uniform(0.5, 2.0)
     other = slab | {"epsilon": slab["epsilon"] * 10.0 ** random.uniform(-0.4, 0.4), "r": transit * float(ratio)}
     scene = slipwave.read(
@@ -142,7 +142,7 @@ def rows(cases: Iterable[list[Held]]) -> Iterator[list[str]]:
         yield [figure, str(len(group)), f"{holds / len(group):.3f}", f"{low:.3f} .. {high:.3f}", f"{median:.1f}"]
 
 
-def main(words: list[str]) -> None:
+def print_error_bars(words: list[str]) -> None:
     """Print the table that the words ask for: what, kind, model, count, and the tolerance of runs."""
     what, kind, model, count, *rest = words
     random = np.random.default_rng(sum(map(ord, kind + model)))
@@ -151,4 +151,4 @@ def main(words: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    print_error_bars(sys.argv[1:])

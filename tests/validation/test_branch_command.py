@@ -14,9 +14,9 @@ from hooked_process import interrupted
 import slipwave
 from slipwave.errors import NumericsError
 from validation.branches import followed
-from validation.branches.branch import Branch
+from validation.branches.branch import FollowedBranch
 from validation.branches.drawing import figure_of_branch
-from validation.branches.followed import Limits, heads, read
+from validation.branches.followed import StopAt, ends_of, read_followed
 from validation.branches.parameter import over_range
 from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
 from validation.references.published import reference_orbit
@@ -76,8 +76,8 @@ def test_it_passes_through_known_orbits_and_its_file_holds_it(whole):
 
 
 def test_pieces_of_one_stability_meet_at_special_points(whole):
-    found = Branch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
-    read(whole[1], found)
+    found = FollowedBranch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
+    read_followed(whole[1], found)
     for axes, name in zip(figure_of_branch(found).axes, ("period", "stress_drop", "elastic_stress_drop"), strict=True):
         unstable, stable = ([line.get_xydata()[k].tolist() for k in (0, -1)] for line in axes.lines if line.get_xdata().size > 2)
         birth, fold = ([special.value, getattr(special, name)] for special in found.special)
@@ -132,9 +132,9 @@ def test_another_parameter_stands_under_its_own_name(capsys):
 
 def test_it_ends_where_orbits_shrink_to_steady_sliding():
     """The first small orbit, followed the wrong way: the Hopf point is met again, and nothing is counted twice."""
-    found = Branch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
-    head = found.begin()
-    list(found.follow(head._replace(point=replace(head.point, tangent=-head.point.tangent)), Limits(points=50)))
+    found = FollowedBranch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
+    end = found.begin()
+    list(found.follow(end._replace(point=replace(end.point, tangent=-end.point.tangent)), StopAt(points=50)))
     assert [special.kind for special in found.special] == ["HB", "HB"]
     assert found.special[0].value == pytest.approx(found.special[1].value, abs=1e-12)
     assert found.notes == ["the branch ends where its orbits shrink to steady sliding"]
@@ -145,8 +145,8 @@ def test_it_ends_where_orbits_shrink_to_steady_sliding():
 def test_an_onset_at_the_edge_of_the_range_begins_a_branch(beyond):
     """A root that grows by less than rounding errors is not counted, so that the onset may lie just outside of the range."""
     onset = -2.69954994745
-    found = Branch(over_range(f"log10_r={onset + beyond!r}:-2.69", "paper"), "kelvin-voigt", 1e-4)
-    assert len(list(islice(heads(found, Limits()), 4))) == len(found.points) == 4
+    found = FollowedBranch(over_range(f"log10_r={onset + beyond!r}:-2.69", "paper"), "kelvin-voigt", 1e-4)
+    assert len(list(islice(ends_of(found, StopAt()), 4))) == len(found.points) == 4
     assert (found.special[0].kind, found.special[0].value) == ("HB", pytest.approx(onset, abs=1e-10))
 
 
@@ -173,14 +173,14 @@ def test_a_failed_branch_goes_on_to_the_file_of_one_that_did_not_fail(tmp_path, 
     """Its file is not complete; the one that goes on from it is that of a branch computed at once."""
 
     def failing(*all_of_it):
-        yield from islice(heads(*all_of_it), 5)
+        yield from islice(ends_of(*all_of_it), 5)
         raise NumericsError("it turns too sharply")
 
     monkeypatch.chdir(tmp_path)
     words, options = ("paper", RANGE, "kelvin-voigt"), {"tol": 1e-4, "most_points": 9}
     slipwave.branch(*words, **options, out="whole.nc")
     with monkeypatch.context() as patch:
-        patch.setattr(followed, "heads", failing)
+        patch.setattr(followed, "ends_of", failing)
         with pytest.raises(NumericsError, match="it turns too sharply") as failure:
             slipwave.branch(*words, **options, out="part.nc")
     assert len(failure.value.result.summary["points"]) == 5
@@ -272,13 +272,13 @@ def test_a_branch_goes_on_with_another_tolerance(capsys, tmp_path):
 )
 def test_every_fact_of_another_branch_is_refused(whole, monkeypatch, fact, changes):
     """Another range of the same parameter is none."""
-    own = Branch(over_range("log10_r=-2.71:-2.6", "paper"), "kelvin-voigt", 1e-4)
+    own = FollowedBranch(over_range("log10_r=-2.71:-2.6", "paper"), "kelvin-voigt", 1e-4)
     if fact == "sources":
-        read(whole[1], own)
+        read_followed(whole[1], own)
         monkeypatch.setattr("validation.branches.branch.source_digest", lambda: "of another version")
     other = replace(own, **changes, points=[], special=[], notes=[])
     with pytest.raises(slipwave.SceneError, match=rf"x\.nc': {fact} is "):
-        read(whole[1], other)
+        read_followed(whole[1], other)
     assert other.points == []
 
 

@@ -9,7 +9,7 @@ import xarray
 import slipwave as sw
 from validation.branches import followed
 from validation.branches.curve import Curve
-from validation.branches.followed import Outcome, read
+from validation.branches.followed import Ended, read_followed
 from validation.branches.parameter import over_range
 from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
 from validation.references.onset import onset_of
@@ -74,7 +74,7 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
         closed = onset_of(sw.read("paper").law, 2.8e-5, point["V"])
         assert 10.0 ** point["log10_r"] == pytest.approx(closed.r_delay, rel=1e-10)
         assert point["period"] == pytest.approx(2.0 * math.pi / (closed.omega_c * closed.r_delay), rel=1e-10)
-    monkeypatch.setattr("validation.results.curve.pursue", lambda *parts: Outcome(0.0, None, "", False))
+    monkeypatch.setattr("validation.results.curve.pursue", lambda *parts: Ended(0.0, None, "", False))
     again, other = sw.curve(file), sw.curve(file, along="V=90:91", tol=1e-4)
     call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100}
     assert (again.options.stored, again.found.model, again.found.kind) == (call, "delay", "HB")
@@ -112,8 +112,8 @@ def test_a_curve_needs_a_beginning(capsys):
 def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):
     """Stopped after one point and after three, when the secant is part of the state; then the whole file is as without a stop.
     Until the last point is there, the file says that it is not complete."""
-    file, whole, complete, write = tmp_path / "part.nc", tmp_path / "whole.nc", [], followed.write
-    monkeypatch.setattr(followed, "write", lambda *parts: [complete.append(parts[3]), write(*parts)])
+    file, whole, complete, write = tmp_path / "part.nc", tmp_path / "whole.nc", [], followed.write_followed
+    monkeypatch.setattr(followed, "write_followed", lambda *parts: [complete.append(parts[3]), write(*parts)])
     expected = sw.curve(*FOLDS, tol=1e-4, most_points=4, out=whole).found.points
     assert (len(expected), complete) == (4, [False] * 4 + [True])
     for most in (1, 3, 4):
@@ -140,10 +140,10 @@ def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):
 def test_every_fact_of_another_curve_is_refused(tmp_path, monkeypatch, fact, changes):
     path, own = tmp_path / "x.nc", Curve("LP", FIRST, SECOND, "delay", 1e-6)
     monkeypatch.setattr(Curve, "saved", lambda *parts: {})
-    followed.write(path, own, None, False, {})
+    followed.write_followed(path, own, None, False, {})
     with pytest.raises(sw.SceneError, match="is no file of a curve, or damaged"):  # no points, but the same facts
-        read(path, own)
+        read_followed(path, own)
     if fact == "sources":
         monkeypatch.setattr("validation.branches.curve.source_digest", lambda: "of another version")
     with pytest.raises(sw.SceneError, match=rf"x\.nc': {fact} is "):
-        read(path, replace(own, **changes))
+        read_followed(path, replace(own, **changes))

@@ -19,11 +19,11 @@ NUMBER = re.compile(r"(?<![\w.:=-])\d[\d.]*(?:e-?\d+)?(?![\w:]|\.\d)")
 HELP = {
     "run --fields": "validation.run.recording.FIELD_WINDOW",
     "run --checkpoint-every": "validation.run.recording._EVERY",
-    "orbit --tol": "validation.results.orbit.TOLERANCE",
-    "branch --tol": "validation.results.branch.TOLERANCE",
-    "branch --most-points": "validation.results.branch.MOST_POINTS",
-    "curve --tol": "validation.results.branch.TOLERANCE",
-    "curve --most-points": "validation.results.curve.MOST_POINTS",
+    "orbit --tol": "validation.results.orbit.ORBIT_TOLERANCE",
+    "branch --tol": "validation.results.branch.BRANCH_TOLERANCE",
+    "branch --most-points": "validation.results.branch.BRANCH_POINTS",
+    "curve --tol": "validation.results.branch.BRANCH_TOLERANCE",
+    "curve --most-points": "validation.results.curve.CURVE_POINTS",
 }
 RANGES = {"--cfl": {0.0, 1.0}}
 """Whose ends are refused or taken in `tests/fullwave`."""

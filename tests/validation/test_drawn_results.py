@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 import slipwave as sw
 from slipwave.observe.statistics import Margins
 from slipwave.observe.verdict import Verdict
-from validation.branches.branch import Branch
+from validation.branches.branch import FollowedBranch
 from validation.branches.curve import Curve
 from validation.branches.parameter import Over
 from validation.branches.points import BranchPoint, CurvePoint
@@ -141,7 +141,7 @@ def orbits(count: int) -> list[tuple[float, ...]]:
 def test_a_branch_shows_its_figures_and_where_stability_is_not_decided() -> None:
     decided = (True, False, None)
     points = [BranchPoint(*row, unstable, stable) for row, unstable, stable in zip(orbits(3), (0, 1, 0), decided, strict=True)]
-    found = BranchResult(Branch(RANGES[0], "delay", 1e-6, points=points), BranchOptions(), 1.0)
+    found = BranchResult(FollowedBranch(RANGES[0], "delay", 1e-6, points=points), BranchOptions(), 1.0)
     assert found.dataset["point_stable"].values.tolist() == [1, 0, -1]
     assert [point["stable"] for point in found.summary["points"]] == list(decided)
     names = ("period", "stress_drop", "elastic_stress_drop")

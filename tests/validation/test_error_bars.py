@@ -17,7 +17,7 @@ def test_a_table_of_what_was_held():
     ]
 
 
-@pytest.mark.parametrize("kind", error_bars.KINDS)
+@pytest.mark.parametrize("kind", error_bars.SLABS)
 def test_a_random_scene_is_of_its_kind_and_beyond_the_loss_of_stability(kind):
     scene = random_scene(kind, "sbp:6" if kind == "viscous" else "delay", np.random.default_rng(1))
     assert scene.alike is (kind != "unlike")

@@ -108,7 +108,7 @@ def test_a_run_that_leads_to_none_gives_way_to_the_branch():
 
 def test_a_period_in_seconds_is_asked_for_in_transits(monkeypatch):
     asked = []
-    monkeypatch.setattr("validation.results.orbit.orbit_of", lambda *all_of_it: asked.append(all_of_it[4]))
+    monkeypatch.setattr("validation.results.orbit.orbit_at_scene", lambda *all_of_it: asked.append(all_of_it[4]))
     scene = sw.read("paper-si")
     transit = scene.transit * scene.units.time
     for given in (f"{80 * transit:.17g} s", f"{8e4 * transit:.17g} ms", 80, "80"):
@@ -126,7 +126,7 @@ def test_beside_the_orbit_of_a_run_the_others_are_named_if_asked_for(monkeypatch
     monkeypatch.setattr(at_scene, "moving", lambda *_: None)
     monkeypatch.setattr(at_scene, "find_orbit", lambda *_: reached)
     monkeypatch.setattr(at_scene, "primary", lambda *_: followed.append(1) or Primary(both, "it was followed to 6"))
-    found = at_scene.orbit_of("by hand", flow.scene, 1e-8, others=others)
+    found = at_scene.orbit_at_scene("by hand", flow.scene, 1e-8, others=others)
     assert found.found is reached.found
     assert len(followed) == others
     assert [one.period for one in found.others] == pytest.approx([SUBCRITICAL.period(0.2)] * others, rel=1e-9)
@@ -166,7 +166,7 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_b
     monkeypatch.setattr(
         at_scene, "find_orbit", lambda *_: OrbitFound(given(own and periodic_orbit(*guesses[own])), 1e-8, "from the run")
     )
-    found = at_scene.orbit_of("by hand", flow.scene, 1e-8, near=near)
+    found = at_scene.orbit_at_scene("by hand", flow.scene, 1e-8, near=near)
     assert found.found.orbit.period.value == pytest.approx(SUBCRITICAL.period(s), rel=1e-10)
     assert found.found.multipliers.stable is (s == 0.8)
     assert (found.source == "from the run") is (s == own and s not in (on_branch or ()))

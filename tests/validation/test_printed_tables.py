@@ -7,7 +7,7 @@ from unittest.mock import Mock
 import pytest
 
 import slipwave as sw
-from validation.branches import KINDS
+from validation.branches import SPECIAL_KINDS
 from validation.branches.curve import Curve
 from validation.branches.parameter import Over
 from validation.branches.points import CurvePoint
@@ -20,9 +20,9 @@ PAPER = sw.read("paper")
 
 def table(lines: list[str], heading: list[str]) -> list[dict[str, str]]:
     """The rows below the line that begins with these words; cells are two blanks or more apart."""
-    (head,) = [k for k, line in enumerate(lines) if line.split()[: len(heading[0].split())] == heading[0].split()]
-    assert re.split(r"\s{2,}", lines[head].strip()) == heading
-    cells = [re.split(r"\s{2,}", line.strip()) for line in lines[head + 1 : lines.index("", head)]]
+    (end,) = [k for k, line in enumerate(lines) if line.split()[: len(heading[0].split())] == heading[0].split()]
+    assert re.split(r"\s{2,}", lines[end].strip()) == heading
+    cells = [re.split(r"\s{2,}", line.strip()) for line in lines[end + 1 : lines.index("", end)]]
     return [dict(zip(heading, row, strict=True)) for row in cells]
 
 
@@ -31,7 +31,7 @@ def test_a_curve_of_special_points() -> None:
     values = (-2.12345678987, 101.512345678, 59.123456789123, 0.123456789123, 0.25, 900.0, 20.0, 3.4567e-9, 1, 0, -0.5, 0.75)
     found = CurveResult(Curve("NS", over, second, "delay", 1e-6, points=[CurvePoint(*values)] * 2), CurveOptions(), 0.25)
     lines = "\n".join(found.lines({})).splitlines()
-    assert f"model delay: NS {KINDS['NS']}, 2 points" in lines
+    assert f"model delay: NS {SPECIAL_KINDS['NS']}, 2 points" in lines
     rows = table(lines, ["log10_r", "V", "period", "stress drop", "bracket", "multiplier"])
     told = {"log10_r": "-2.1234567899", "V": "101.51235", "period": "59.1234568", "stress drop": "0.1234568"}
     assert rows == [told | {"bracket": "3.5e-09", "multiplier": "-0.500000 +- 0.750000 i"}] * 2

@@ -23,7 +23,7 @@ class AlongBranch(PandasIndex):
             )
             places = np.flatnonzero((values >= low) & (values <= high))
         else:
-            places = passages(values, float(np.asarray(label)))
+            places = crossings(values, float(np.asarray(label)))
         if not places.size:
             raise KeyError(f"{name} = {label}: the branch goes from {values.min():g} to {values.max():g}")
         return IndexSelResult({self.dim: places})
@@ -34,7 +34,7 @@ def along(data: Dataset, name: str) -> Dataset:
     return data.set_coords(name).set_xindex(name, AlongBranch)
 
 
-def passages(values: np.ndarray[Any, Any], value: float) -> np.ndarray[Any, Any]:
+def crossings(values: np.ndarray[Any, Any], value: float) -> np.ndarray[Any, Any]:
     """The places in `values`, one for each time that they pass `value`: of both values beside it the nearer one."""
     side = np.sign(values - value)
     before = np.flatnonzero(side[:-1] * side[1:] < 0.0)

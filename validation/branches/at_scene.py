@@ -15,11 +15,11 @@ from reduced.parameters import with_parameter
 from reduced.stability.critical import critical_round_trip
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
-from validation.branches.branch import Branch
-from validation.branches.followed import Limits, heads
+from validation.branches.branch import FollowedBranch
+from validation.branches.followed import StopAt, ends_of
 from validation.branches.parameter import Over
 from validation.registry.families import one_port_of
-from validation.registry.orbits import OrbitFound, Other, find_orbit, most_transits, moving, orbits_near, refined
+from validation.registry.orbits import OrbitFound, Other, find_orbit, most_transits, moving, orbits_near, refined_orbit
 
 _LONGER = 5.0  # transits, beyond the period asked for: pairs of folds recur after about one
 _SAME = 1e-5  # relative difference of periods, to which the orbits of a branch are known, that count as one orbit's
@@ -49,7 +49,7 @@ class Primary(NamedTuple):
         return f"{start}{self.searched}" if self.searched else ""
 
 
-def orbit_of(
+def orbit_at_scene(
     model: str, scene: Scene, tolerance: float, cells: int | None = None, near: float | None = None, others: bool = False
 ) -> OrbitFound:
     """The orbit whose period is nearest to `near` (transits); or else the one that the scene's own start leads to or comes near
@@ -101,7 +101,7 @@ def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near
 
 def _chosen(one: Closed, known: list[Closed], scene: Scene, tolerance: float, source: str, searched: str) -> OrbitFound:
     """One of several orbits to the requested tolerance; the others are named."""
-    found = refined(scene, Guess(one.flow.of(scene), one.cycle.start, one.cycle.period, False), tolerance)
+    found = refined_orbit(scene, Guess(one.flow.of(scene), one.cycle.start, one.cycle.period, False), tolerance)
     return OrbitFound(found, tolerance, source, tuple(_other(orbit) for orbit in known if orbit is not one), searched)
 
 
@@ -144,11 +144,11 @@ def _points(model: str, scene: Scene, cells: int | None, here: float, longest: f
         )
     onset = math.log10(critical)
     first, last = (onset + _BACK, here - _BEYOND) if here < onset else (onset - _BEYOND, here + _BEYOND)
-    branch = Branch(Over(scene, _NAME, first, last, lambda value: with_parameter(scene, _NAME, value)), model, _TOLERANCE, cells)
+    over = Over(scene, _NAME, first, last, lambda value: with_parameter(scene, _NAME, value))
     points: list[OrbitPoint] = []
     try:
-        for head in heads(branch, Limits(longest, _MOST)):
-            points.append(head.point)
+        for end in ends_of(FollowedBranch(over, model, _TOLERANCE, cells), StopAt(longest, _MOST)):
+            points.append(end.point)
     except NumericsError as error:
         if not points:
             raise NumericsError(f"{said}no branch of orbits can be followed to it: {error}") from None

@@ -18,8 +18,8 @@ from reduced.stability.spectrum import unstable_count
 from slipwave.errors import NumericsError, SceneError
 from slipwave.solve import State
 from slipwave.sources import source_digest
-from validation.branches import KINDS
-from validation.branches.followed import Followed, Limits
+from validation.branches import SPECIAL_KINDS
+from validation.branches.followed import Followed, StopAt
 from validation.branches.parameter import Over
 from validation.branches.points import BranchPoint, SpecialPoint, point_of, special_of
 from validation.registry.families import one_port_of
@@ -41,7 +41,7 @@ _WITHOUT_IDLE = (
 )
 
 
-class Head(NamedTuple):
+class BranchEnd(NamedTuple):
     """The last `point` of a branch and the length of the next `step`: all that is needed to go on."""
 
     point: OrbitPoint
@@ -50,7 +50,7 @@ class Head(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Branch(Followed):
+class FollowedBranch(Followed):
     """The branch of `model` over a parameter. `cells` is for full waves. `closed` are the orbits of special points by their
     number in that list, if they were computed in this process. `doubled`: of the orbits of twice the period that are born at the
     first period doubling of the scene's own branch."""
@@ -87,18 +87,18 @@ class Branch(Followed):
         """As `Followed`."""
         return {"point": (BranchPoint, self.points), "special": (SpecialPoint, self.special)}
 
-    def saved(self, head: Head) -> dict[str, State]:
+    def saved(self, end: BranchEnd) -> dict[str, State]:
         """As `Followed`."""
-        return {"resume": stored(head.point, head.step) | {"metric": np.array([head.metric.period, head.metric.parameter])}}
+        return {"resume": stored(end.point, end.step) | {"metric": np.array([end.metric.period, end.metric.parameter])}}
 
-    def restored(self, saved: Mapping[str, State]) -> Head:
+    def restored(self, saved: Mapping[str, State]) -> BranchEnd:
         """As `Followed`."""
         state = saved["resume"]
         period, parameter = state["unknowns"][-2:].tolist()
         _, point, step = from_stored(self.family_at(parameter, period), state)
-        return Head(point, step, Metric(*state["metric"].tolist()))
+        return BranchEnd(point, step, Metric(*state["metric"].tolist()))
 
-    def begin(self) -> Head:
+    def begin(self) -> BranchEnd:
         """Record the Hopf point in the range that is nearest to its first end, or else an orbit at an end where steady sliding is
         unstable.
 
@@ -120,53 +120,53 @@ class Branch(Followed):
         metric = metric_for(*over.ends)
         return self._first(from_hopf(self.family_at(own.parameter, own.period), own.parameter, own.period, metric), metric)
 
-    def follow(self, head: Head, limits: Limits) -> Iterator[Head]:
+    def follow(self, end: BranchEnd, limits: StopAt) -> Iterator[BranchEnd]:
         """Record point after point; yields where the branch can go on. Ends at the limits, where it leaves the range, and where
         the orbits shrink to steady sliding. Raises NumericsError where it cannot be followed."""
-        family = FlowFamily(head.point.closed.flow, self.over.scene_at)
-        steps = follow_branch(family, head.point, head.metric, lambda _: True, self.tolerance, Control(first=head.step))
+        family = FlowFamily(end.point.closed.flow, self.over.scene_at)
+        steps = follow_branch(family, end.point, end.metric, lambda _: True, self.tolerance, Control(first=end.step))
         while True:
-            reason = self._end(head, limits)
+            reason = self._why_to_stop(end, limits)
             if reason is not None:
                 self.notes.extend([reason] if reason else [])
                 return
             step = next(steps)
-            if self.doubled and _closes(head.point, step.point):
+            if self.doubled and _closes(end.point, step.point):
                 self.notes.append("the branch ends at a period doubling, where both halves of its orbits become the same")
                 return
-            if _vanishes(head.point, step.point):
-                self._end_at_hopf(head.point)
+            if _vanishes(end.point, step.point):
+                self._end_at_hopf(end.point)
                 return
             for special in step.special:
                 self.closed[len(self.special)] = special.point.closed
                 self.special.append(special_of(special, len(self.points)))
             self._record(step.point)
-            head = Head(step.point, step.next_step, head.metric)
-            yield head
+            end = BranchEnd(step.point, step.next_step, end.metric)
+            yield end
 
     def family_at(self, parameter: float, period: float) -> FlowFamily:
         """The model's flows, on a mesh that suits steady sliding and its slow oscillations with `period` (transits)."""
         model = moving(self.model, self.over.scene_at(parameter), self.tolerance, self.cells)
         return FlowFamily(model.freeze(model.solver, period)[0], self.over.scene_at)
 
-    def first_special(self, head: Head, kind: str) -> tuple[Special, FlowFamily]:
-        """The first special point of `kind` after `head` in the range, and the flows on its mesh. Raises NumericsError if there
+    def first_special(self, end: BranchEnd, kind: str) -> tuple[Special, FlowFamily]:
+        """The first special point of `kind` after `end` in the range, and the flows on its mesh. Raises NumericsError if there
         is none."""
         over = self.over
-        family, last = FlowFamily(head.point.closed.flow, over.scene_at), head.point
-        for step in follow_branch(family, head.point, head.metric, lambda point: over.holds(point.parameter), self.tolerance):
+        family, last = FlowFamily(end.point.closed.flow, over.scene_at), end.point
+        for step in follow_branch(family, end.point, end.metric, lambda point: over.holds(point.parameter), self.tolerance):
             for special in step.special:
                 if special.kind == kind:
                     return special, FlowFamily(special.point.closed.flow, over.scene_at)
             last = step.point
         ended = f"it was followed to {over.name} = {last.parameter:.7g} and a period of {last.closed.cycle.period:.5g} transits"
         raise NumericsError(
-            f"no {KINDS[kind]} was found on the branch over {over.name} from {over.first:g} to {over.last:g}: {ended}"
+            f"no {SPECIAL_KINDS[kind]} was found on the branch over {over.name} from {over.first:g} to {over.last:g}: {ended}"
         )
 
-    def _first(self, point: OrbitPoint, metric: Metric) -> Head:
+    def _first(self, point: OrbitPoint, metric: Metric) -> BranchEnd:
         self._record(point)
-        return Head(point, Control.first, metric)
+        return BranchEnd(point, Control.first, metric)
 
     def _record(self, point: OrbitPoint) -> None:
         self.points.append(point_of(point))
@@ -174,7 +174,7 @@ class Branch(Followed):
             note = _UNDECIDED + (_UNCOUNTED if point.closed.flow.undecided else _WITHOUT_IDLE)
             self.notes.extend([] if note in self.notes else [note])
 
-    def _from_orbit(self, port: str) -> Head:
+    def _from_orbit(self, port: str) -> BranchEnd:
         over = self.over
         unstable = [value for value in (over.first, over.last) if unstable_count(characteristic(over.scene_at(value), port))]
         if not unstable:
@@ -188,18 +188,18 @@ class Branch(Followed):
             from_orbit(FlowFamily(found.flow, over.scene_at), found, value, sum(over.ends) - value, metric), metric
         )
 
-    def _from_doubling(self) -> Head:
+    def _from_doubling(self) -> BranchEnd:
         """The first orbit of twice the period, beside the first period doubling of the scene's own branch in the range."""
         own = replace(self, doubled=False, points=[], special=[], notes=[])
-        head = own.begin()
-        special, family = own.first_special(head, "PD")
+        end = own.begin()
+        special, family = own.first_special(end, "PD")
         born = special_of(special, 0)
         self.special.append(born._replace(period=2.0 * born.period))
-        return self._first(from_doubling(family, special, head.metric)[1], head.metric)
+        return self._first(from_doubling(family, special, end.metric)[1], end.metric)
 
-    def _end(self, head: Head, limits: Limits) -> str | None:
+    def _why_to_stop(self, end: BranchEnd, limits: StopAt) -> str | None:
         """Why the branch is not followed any further: empty if that needs no remark; None if it is."""
-        point = head.point
+        point = end.point
         if limits.kind and any(special.kind == limits.kind for special in self.special):
             return ""
         if not self.over.holds(point.parameter) and not self._enters():

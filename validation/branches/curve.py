@@ -20,9 +20,9 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import State
 from slipwave.sources import source_digest
-from validation.branches import KINDS
-from validation.branches.branch import Branch
-from validation.branches.followed import Followed, Limits
+from validation.branches import SPECIAL_KINDS
+from validation.branches.branch import FollowedBranch
+from validation.branches.followed import Followed, StopAt
 from validation.branches.parameter import Over
 from validation.branches.points import CurvePoint, curve_point_of
 from validation.registry.families import one_port_of
@@ -74,10 +74,10 @@ class Curve(Followed):
         self.points.append(curve_point_of(reached.last, 1.0))
         return reached
 
-    def follow(self, head: Reached, limits: Limits) -> Iterator[Reached]:
+    def follow(self, end: Reached, limits: StopAt) -> Iterator[Reached]:
         """Record point after point, until there are as many as the limits say or the curve leaves the rectangle; yields where it
         can go on. Raises NumericsError where the curve cannot be followed."""
-        steps = follow_curve(self.plane, head, self.tolerance)
+        steps = follow_curve(self.plane, end, self.tolerance)
         while len(self.points) < limits.points:
             further = next(steps)
             if not self._holds(*further.last.place):
@@ -87,10 +87,10 @@ class Curve(Followed):
             yield further
         self.notes.append(f"stopped after {len(self.points)} points: --most-points goes further")
 
-    def saved(self, head: Reached) -> dict[str, State]:
+    def saved(self, end: Reached) -> dict[str, State]:
         """As `Followed`."""
-        ends = {name: _saved(point, head.length) for name, point in (("before", head.before), ("last", head.last))}
-        return ends | {"resume": {"direction": np.array(head.direction)}}
+        ends = {name: _saved(point, end.length) for name, point in (("before", end.before), ("last", end.last))}
+        return ends | {"resume": {"direction": np.array(end.direction)}}
 
     def restored(self, saved: Mapping[str, State]) -> Reached:
         """As `Followed`."""
@@ -111,12 +111,12 @@ class Curve(Followed):
     def _holds(self, first: float, second: float) -> bool:
         return self.over.holds(first) and self.second.holds(second)
 
-    def _branch(self) -> Branch:
+    def _branch(self) -> FollowedBranch:
         """The branch where the second parameter has the value at which the curve begins."""
         over, value = self.over, self.second.first
         scene = self._scene_at(over.first, value)
         across = Over(scene, over.name, over.first, over.last, lambda one: self._scene_at(one, value))
-        return Branch(across, self.model, self.tolerance)
+        return FollowedBranch(across, self.model, self.tolerance)
 
     def _record_onsets(self) -> None:
         """Hopf points: the multiplier of the oscillation of steady sliding is 1 there."""
@@ -151,8 +151,8 @@ def _saved(one: OnCurve, length: float) -> dict[str, Array]:
 def require_curve(kind: str, over: Over, second: Over) -> None:
     """Raises SceneError if there is no such kind, or if the parameters are the same, or, of Hopf points, which are found by both
     parameters' short names, have none."""
-    if kind not in KINDS:
-        raise SceneError(f"--of {shorten(kind)}: must be one of {', '.join(KINDS)}")
+    if kind not in SPECIAL_KINDS:
+        raise SceneError(f"--of {shorten(kind)}: must be one of {', '.join(SPECIAL_KINDS)}")
     for option, name in (("--over", over.name), ("--and", second.name)):
         if kind == "HB" and name not in PARAMETERS:
             raise SceneError(f"{option} {shorten(name)}: a curve of Hopf points needs one of {', '.join(PARAMETERS)}")

@@ -3,8 +3,8 @@
 from itertools import groupby
 from typing import Any
 
-from validation.branches import KINDS
-from validation.branches.branch import Branch
+from validation.branches import SPECIAL_KINDS
+from validation.branches.branch import FollowedBranch
 from validation.branches.curve import Curve
 from validation.study.drawing import Axes, Drawing, canvas
 
@@ -22,7 +22,7 @@ _PENS: dict[bool | None, Any] = {
 }
 
 
-def figure_of_branch(branch: Branch) -> Drawing:
+def figure_of_branch(branch: FollowedBranch) -> Drawing:
     """One panel for each quantity. Call it inside `styled()`."""
     figure = canvas(height=8.5)
     panels = figure.subplots(len(_QUANTITIES), 1, sharex=True)
@@ -36,7 +36,7 @@ def figure_of_branch(branch: Branch) -> Drawing:
     return figure
 
 
-def _draw_pieces(axes: Axes, branch: Branch, name: str) -> None:
+def _draw_pieces(axes: Axes, branch: FollowedBranch, name: str) -> None:
     """The branch in pieces of one stability, which meet at the special points between them."""
     for stable, pen in _PENS.items():
         if any(point.stable is stable for point in branch.shown):
@@ -49,7 +49,7 @@ def _draw_pieces(axes: Axes, branch: Branch, name: str) -> None:
         axes.plot([one.value for one in run], [getattr(one, name) for one in run], **_PENS[stable] | {"label": None})
 
 
-def _draw_special(axes: Axes, branch: Branch, name: str) -> None:
+def _draw_special(axes: Axes, branch: FollowedBranch, name: str) -> None:
     for kind, look in _MARKS.items():
         found = [special for special in branch.shown_special if special.kind == kind]
         if found:
@@ -66,5 +66,5 @@ def figure_of_curve(curve: Curve) -> Drawing:
         axes.plot(*places, color="#111111", marker=".")
         axes.set_xlabel(label)
         axes.grid(True)
-    panels[0].set(ylabel=curve.second.name, title=f"{curve.over.base.name}, {curve.model}: {KINDS[curve.kind]}")
+    panels[0].set(ylabel=curve.second.name, title=f"{curve.over.base.name}, {curve.model}: {SPECIAL_KINDS[curve.kind]}")
     return figure

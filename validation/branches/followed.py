@@ -24,11 +24,11 @@ UNDECIDED = -1
 """In place of None in a column of numbers."""
 
 _KINDS = dict.fromkeys(("unstable", "unstable_before", "unstable_after", "place"), int) | {"stable": bool}
-Head: TypeAlias = Any
+End: TypeAlias = Any
 """Where a branch or a curve can go on."""
 
 
-class Limits(NamedTuple):
+class StopAt(NamedTuple):
     """Where to stop: beyond a `period` (transits), after so many `points`, at the first special point of a `kind` (if any)."""
 
     period: float = float("inf")
@@ -58,63 +58,63 @@ class Followed(ABC):
         """By the name of the file's dimension: the record of a row, and the rows."""
 
     @abstractmethod
-    def begin(self) -> Head:
+    def begin(self) -> End:
         """Record the first point; None if all points are known at once."""
 
     @abstractmethod
-    def follow(self, head: Head, limits: Limits) -> Iterator[Head]:
+    def follow(self, end: End, limits: StopAt) -> Iterator[End]:
         """Record point after point within the limits; yields where it can go on."""
 
     @abstractmethod
-    def saved(self, head: Head) -> dict[str, State]:
+    def saved(self, end: End) -> dict[str, State]:
         """All that is needed to go on, as arrays by group and name."""
 
     @abstractmethod
-    def restored(self, saved: Mapping[str, State]) -> Head:
+    def restored(self, saved: Mapping[str, State]) -> End:
         """The inverse of `saved`."""
 
 
-class Outcome(NamedTuple):
+class Ended(NamedTuple):
     """Run time in seconds; where it can go on, None if it cannot; why it ended early, or nothing; whether the user stopped it."""
 
     wall_s: float
-    head: Head | None
+    end: End | None
     failed: str
     stopped: bool
 
 
-def pursue(found: Followed, limits: Limits, file: Path | None, resume: Path | None, origin: Mapping[str, Any]) -> Outcome:
+def pursue(found: Followed, limits: StopAt, file: Path | None, resume: Path | None, origin: Mapping[str, Any]) -> Ended:
     """Fill `found`, an empty one, from its beginning or from a file to `resume`, within the limits, and write the `file`, if one
-    is wanted, after each point. Raises SceneError as `read` and `write` do."""
-    began, head, failed, stopped = time.perf_counter(), None, "", False
+    is wanted, after each point. Raises SceneError as `read_followed` and `write_followed` do."""
+    began, end, failed, stopped = time.perf_counter(), None, "", False
     try:
-        for head in heads(found, limits, resume):
+        for end in ends_of(found, limits, resume):
             if file is not None:
-                write(file, found, head, False, origin)
-        if file is not None and head is not None:
-            write(file, found, head, True, origin)
+                write_followed(file, found, end, False, origin)
+        if file is not None and end is not None:
+            write_followed(file, found, end, True, origin)
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:
         failed, stopped = f"interrupted after {len(found.points)} points", True
-    return Outcome(time.perf_counter() - began, head, failed, stopped)
+    return Ended(time.perf_counter() - began, end, failed, stopped)
 
 
-def heads(found: Followed, limits: Limits, resume: Path | None = None) -> Iterator[Head]:
+def ends_of(found: Followed, limits: StopAt, resume: Path | None = None) -> Iterator[End]:
     """Fill `found`, point after point, with progress; yields where it can go on. Raises NumericsError where it cannot."""
     try:
-        head = found.begin() if resume is None else read(resume, found)
-        if head is not None:
-            yield head
+        end = found.begin() if resume is None else read_followed(resume, found)
+        if end is not None:
+            yield end
             with progress(f"{found.over.base.name}, {found.model}, points of the {found.what}", limits.points) as report:
-                for later in found.follow(head, limits):
+                for later in found.follow(end, limits):
                     yield later
                     report(len(found.points))
     except NumericsError as error:  # the continuation knows no name of its parameter
         raise NumericsError(str(error).replace("parameter = ", f"{found.over.name} = ")) from None
 
 
-def write(path: Path, found: Followed, head: Head, complete: bool, origin: Mapping[str, Any]) -> None:
+def write_followed(path: Path, found: Followed, end: End, complete: bool, origin: Mapping[str, Any]) -> None:
     """Write all that was `found` and where it goes on, with attributes that say its `origin`. Raises SceneError if the file
     cannot be written."""
     from netCDF4 import Dataset
@@ -124,12 +124,12 @@ def write(path: Path, found: Followed, head: Head, complete: bool, origin: Mappi
         file.setncatts({**origin, "complete": int(complete), "facts": facts, "notes": json.dumps(found.notes)})
         for kind, (record, rows) in found.tables.items():
             _write_table(file, kind, record._fields, rows, found.over.name)
-        for name, state in found.saved(head).items():
+        for name, state in found.saved(end).items():
             _write_arrays(file.createGroup(name), state)
         file.setncattr("contents", _digest(file))
 
 
-def read(path: Path, found: Followed) -> Head:
+def read_followed(path: Path, found: Followed) -> End:
     """Fill `found`, an empty one, from the file, but for notes on its end, and say where it goes on: perhaps with another
     tolerance, for its mesh is refined, or kept, as the next point asks for.
 

@@ -127,7 +127,7 @@ def find_orbit(model: str, scene: Scene, tolerance: float, cells: int | None = N
     known, failed = moving(model, scene, tolerance, cells), None
     for guess in _guesses(known):
         try:
-            return OrbitFound(refined(known.solver.scene, guess, tolerance), tolerance, _source(known.solver.time, guess))
+            return OrbitFound(refined_orbit(known.solver.scene, guess, tolerance), tolerance, _source(known.solver.time, guess))
         except NumericsError as reason:
             failed = failed or reason
     assert failed is not None
@@ -168,14 +168,14 @@ def most_transits(scene: Scene, model: str) -> float:
     return max(MOST_TRANSITS, _CYCLES * expected) if expected <= _LONGEST_EXPECTED else MOST_TRANSITS
 
 
-def refined(scene: Scene, guess: Guess, tolerance: float) -> PeriodicOrbit:
+def refined_orbit(scene: Scene, guess: Guess, tolerance: float) -> PeriodicOrbit:
     """The orbit at a guess, to the `tolerance`, with progress. Raises NumericsError if there is none."""
     with progress(f"{scene.name}, {guess.flow.model}, orbit", _MESHES) as report:
         done = iter(range(int(_MESHES) + 1))
         return periodic_orbit(*guess[:3], tolerance, lambda _: report(float(next(done))))
 
 
-def orbit_at(closed: Closed, tolerance: float) -> OrbitFound:
+def neutral_orbit(closed: Closed, tolerance: float) -> OrbitFound:
     """The orbit of a special point of a branch, `closed` on a mesh that gives figures to the relative `tolerance`: neutral."""
     exact = replace(closed, monodromy=closed.flow.tangent(closed.cycle))
     orbit = Orbit(**{name: Estimate(value, tolerance * abs(value)) for name, value in figures_of(exact).items()})

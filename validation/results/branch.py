@@ -15,10 +15,10 @@ from slipwave.input import SceneSource
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.branches import KINDS
-from validation.branches.branch import Branch
+from validation.branches import SPECIAL_KINDS
+from validation.branches.branch import FollowedBranch
 from validation.branches.drawing import figure_of_branch
-from validation.branches.followed import Followed, Head, Limits, pursue, write
+from validation.branches.followed import End, Followed, StopAt, pursue, write_followed
 from validation.branches.parameter import Values, over_range, range_text, scene_along
 from validation.branches.points import BranchPoint, SpecialPoint
 from validation.output import figures, table, thinned
@@ -32,7 +32,7 @@ from validation.results.quantities import EVENTS, variables
 from validation.results.result import FIGURES, Dataset, Output, Result
 from validation.study.drawing import Drawing, styled
 
-TOLERANCE, MOST_POINTS = 1e-6, 2000
+BRANCH_TOLERANCE, BRANCH_POINTS = 1e-6, 2000
 """Where none are given."""
 
 _LISTED = 12  # points in the table
@@ -58,7 +58,7 @@ def points_option(default: int) -> Any:
 class FollowedOptions(ModelOptions):
     """Options of `slipwave.branch` and `slipwave.curve`."""
 
-    tol: float | None = tolerance_option(TOLERANCE)
+    tol: float | None = tolerance_option(BRANCH_TOLERANCE)
     out: Path | None = option("write each point here as it is computed", metavar="FILE.nc", suffixes=(".nc",))
     resume: Path | None = option(
         "go on from the last point in this file, and write the further ones to it", metavar="FILE.nc", suffixes=(".nc",)
@@ -98,23 +98,23 @@ class BranchOptions(FollowedOptions):
         stored=True,
     )
     cells: int | None = option("full wave: cells per slab", stored=True)
-    stop_at: str | None = option("stop at the first special point of this kind", metavar="|".join(KINDS), stored=True)
+    stop_at: str | None = option("stop at the first special point of this kind", metavar="|".join(SPECIAL_KINDS), stored=True)
     switch: str | None = option(
         "PD: follow the orbits of twice the period from the first period doubling on", metavar="HB|PD", stored=True
     )
     longest_period: float | None = option("stop at this period", metavar="TRANSITS", stored=True)
-    most_points: int | None = points_option(MOST_POINTS)
+    most_points: int | None = points_option(BRANCH_POINTS)
 
     @property
-    def limits(self) -> Limits:
+    def limits(self) -> StopAt:
         """Where the branch ends. Raises SceneError naming an option that makes no sense."""
-        if self.stop_at is not None and self.stop_at not in KINDS:
-            raise SceneError(f"--stop-at {shorten(self.stop_at)}: must be one of {', '.join(KINDS)}")
+        if self.stop_at is not None and self.stop_at not in SPECIAL_KINDS:
+            raise SceneError(f"--stop-at {shorten(self.stop_at)}: must be one of {', '.join(SPECIAL_KINDS)}")
         if self.longest_period is not None and not self.longest_period > 0.0:
             raise SceneError(f"--longest-period = {self.longest_period:g}: must be above 0")
         if self.switch not in (None, "HB", "PD"):
             raise SceneError(f"--switch {shorten(self.switch)}: must be HB or PD")
-        return Limits(self.longest_period or Limits().period, self.most_points or MOST_POINTS, self.stop_at or "")
+        return StopAt(self.longest_period or StopAt().period, self.most_points or BRANCH_POINTS, self.stop_at or "")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -124,7 +124,7 @@ class FollowedResult(Result):
     found: Followed
     options: FollowedOptions
     wall_s: float
-    head: Head | None = None
+    end: End | None = None
     failed: str = ""
     stopped: bool = False
 
@@ -169,10 +169,10 @@ class FollowedResult(Result):
     def to_netcdf(self, path: str | Path) -> None:
         """Write it and, where there is one, the point from which it can go on. Raises SceneError if the file cannot be
         written."""
-        if self.head is None:
+        if self.end is None:
             super().to_netcdf(path)
         else:
-            write(Path(path), self.found, self.head, not self.failed, self.origin)
+            write_followed(Path(path), self.found, self.end, not self.failed, self.origin)
 
     def _table(self, first: str, columns: Mapping[str, Sequence[str]]) -> Iterator[str]:
         """The scene, what was `first` said, the columns, and the time."""
@@ -192,7 +192,7 @@ class FollowedResult(Result):
 class BranchResult(FollowedResult):
     """A branch."""
 
-    found: Branch
+    found: FollowedBranch
 
     @property
     def _rows(self) -> dict[str, Any]:
@@ -251,23 +251,23 @@ class BranchResult(FollowedResult):
         found, scene, listed = self.found, self.found.over.base, thinned(self.found.shown, _LISTED)
         (low, high), digits = found.over.ends, _telling([point.value for point in listed])
         words = {True: "yes", None: "not decided"}
-        columns = {found.over.name: [figures(one.value, digits) for one in listed], "period": column(listed, "period")}
+        columns = {found.over.name: [figures(one.value, digits) for one in listed], "period": printed_column(listed, "period")}
         if scene.units:
             seconds = [one.period * found.over.scene_at(one.value).transit * scene.units.time for one in listed]
             columns["period [s]"] = [figures(one, 7) for one in seconds]
         rest = {"stress drop": "stress_drop", "elastic stress drop": "elastic_stress_drop", "v_max": "v_max", "v_min": "v_min"}
-        columns |= {heading: column(listed, name) for heading, name in rest.items()}
+        columns |= {heading: printed_column(listed, name) for heading, name in rest.items()}
         columns["stable"] = [words.get(one.stable, f"no ({one.unstable})") for one in listed]
         return self._table(f"{len(found.shown)} orbits over {found.over.name} from {low:g} to {high:g}", columns)
 
     def _special_lines(self) -> Iterator[str]:
         found, special = self.found, self.found.shown_special
         columns = {
-            "special points": [f"{one.kind} {KINDS[one.kind]}" for one in special],
-            found.over.name: column(special, "value", 11),
-            "bracket": column(special, "bracket", 2),
-            "period": column(special, "period", 9),
-            "stress drop": column(special, "stress_drop"),
+            "special points": [f"{one.kind} {SPECIAL_KINDS[one.kind]}" for one in special],
+            found.over.name: printed_column(special, "value", 11),
+            "bracket": printed_column(special, "bracket", 2),
+            "period": printed_column(special, "period", 9),
+            "stress drop": printed_column(special, "stress_drop"),
             "unstable multipliers": [
                 "not counted" if one.unstable_before is None else f"{one.unstable_before} -> {one.unstable_after}"
                 for one in special
@@ -281,7 +281,7 @@ def origin_of(found: Followed, options: FollowedOptions) -> dict[str, Any]:
     return provenance(found.what, found.over.base, found.model, options.stored) | {"parameter": found.over.name}
 
 
-def column(rows: Sequence[Any], name: str, digits: int = 7) -> list[str]:
+def printed_column(rows: Sequence[Any], name: str, digits: int = 7) -> list[str]:
     """A column of a printed table."""
     return [figures(getattr(row, name), digits) for row in rows]
 
@@ -314,11 +314,11 @@ def branch(source: SceneSource, options: BranchOptions) -> BranchResult:
     Raises SceneError for wrong input; NumericsError where the branch cannot be followed, with the part before as its `result`.
     """
     options = replace(options, over=range_text(options.over))
-    options = options.completed(source, "branch", tol=TOLERANCE, most_points=MOST_POINTS)
+    options = options.completed(source, "branch", tol=BRANCH_TOLERANCE, most_points=BRANCH_POINTS)
     limits = options.limits
     if options.over is None:
         raise SceneError("--over: missing; must be KEY=FROM:TO, as in log10_r=-2.72:-2.60")
     parameter = over_range(str(options.over), options.scene_of(source))
     name = announced(*flowing(options.model, parameter.base))
-    found = Branch(parameter, name, options.tol or TOLERANCE, options.cells, options.switch == "PD")
+    found = FollowedBranch(parameter, name, options.tol or BRANCH_TOLERANCE, options.cells, options.switch == "PD")
     return BranchResult(found, options, *pursue(found, limits, options.file, options.resume, origin_of(found, options)))

@@ -7,22 +7,22 @@ from typing import Any, ClassVar
 
 from slipwave.errors import SceneError
 from slipwave.input import SceneSource
-from validation.branches import KINDS
+from validation.branches import SPECIAL_KINDS
 from validation.branches.curve import Curve, require_curve
 from validation.branches.drawing import figure_of_curve
-from validation.branches.followed import Limits, pursue
+from validation.branches.followed import StopAt, pursue
 from validation.branches.parameter import Values, over_range, range_text
 from validation.branches.points import CurvePoint
 from validation.output import thinned
 from validation.registry.orbits import flowing
-from validation.results.branch import TOLERANCE, FollowedOptions, FollowedResult, column, origin_of, points_option
+from validation.results.branch import BRANCH_TOLERANCE, FollowedOptions, FollowedResult, origin_of, points_option, printed_column
 from validation.results.command import command
 from validation.results.options import announced, option
 from validation.results.quantities import table_of
 from validation.results.result import Dataset
 from validation.study.drawing import Drawing, styled
 
-MOST_POINTS = 100
+CURVE_POINTS = 100
 """Where none are given."""
 
 _LISTED = 24  # points in the table
@@ -42,7 +42,7 @@ class CurveOptions(FollowedOptions):
         "a curve is computed again, with what it holds where nothing is given."
     )
 
-    of: str | None = option("the kind of special point", metavar="|".join(KINDS), positional=True, stored=True)
+    of: str | None = option("the kind of special point", metavar="|".join(SPECIAL_KINDS), positional=True, stored=True)
     over: Values | None = option(
         "the branch's parameter: log10_r, epsilon, V, a, b ...", metavar="KEY=FROM:TO", positional=True, stored=True
     )
@@ -53,7 +53,7 @@ class CurveOptions(FollowedOptions):
         positional=True,
         stored=True,
     )
-    most_points: int | None = points_option(MOST_POINTS)
+    most_points: int | None = points_option(CURVE_POINTS)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -92,14 +92,14 @@ class CurveResult(FollowedResult):
         """Some of the points."""
         found, listed = self.found, thinned(self.found.points, _LISTED)
         columns = {
-            found.over.name: column(listed, "first", 11),
-            found.second.name: column(listed, "second", 8),
-            "period": column(listed, "period", 9),
-            "stress drop": column(listed, "stress_drop"),
-            "bracket": column(listed, "bracket", 2),
+            found.over.name: printed_column(listed, "first", 11),
+            found.second.name: printed_column(listed, "second", 8),
+            "period": printed_column(listed, "period", 9),
+            "stress drop": printed_column(listed, "stress_drop"),
+            "bracket": printed_column(listed, "bracket", 2),
             "multiplier": [f"{one.multiplier_re:.6f} +- {abs(one.multiplier_im):.6f} i" for one in listed],
         }
-        return self._table(f"{found.kind} {KINDS[found.kind]}, {len(found.points)} points", columns)
+        return self._table(f"{found.kind} {SPECIAL_KINDS[found.kind]}, {len(found.points)} points", columns)
 
 
 @command
@@ -114,7 +114,7 @@ def curve(source: SceneSource, options: CurveOptions) -> CurveResult:
     before as its `result`.
     """
     options = replace(options, over=range_text(options.over), along=range_text(options.along))
-    options = options.completed(source, "curve", tol=TOLERANCE, most_points=MOST_POINTS)
+    options = options.completed(source, "curve", tol=BRANCH_TOLERANCE, most_points=CURVE_POINTS)
     for name, (flag, example) in _NEEDED.items():
         if getattr(options, name) is None:
             raise SceneError(f"{flag}: missing; must be given, as in {flag} {example}")
@@ -123,9 +123,9 @@ def curve(source: SceneSource, options: CurveOptions) -> CurveResult:
         raise SceneError("--resume: a curve of Hopf points is computed at once; leave it out")
     parameters = over_range(str(options.over), scene), over_range(str(options.along), scene, "--and")
     require_curve(kind, *parameters)
-    found = Curve(kind, *parameters, announced(*flowing(options.model, scene)), options.tol or TOLERANCE)
-    limits = Limits(points=options.most_points or MOST_POINTS)
+    found = Curve(kind, *parameters, announced(*flowing(options.model, scene)), options.tol or BRANCH_TOLERANCE)
+    limits = StopAt(points=options.most_points or CURVE_POINTS)
     result = CurveResult(found, options, *pursue(found, limits, options.file, options.resume, origin_of(found, options)))
-    if options.out is not None and result.head is None and found.points:
+    if options.out is not None and result.end is None and found.points:
         result.to_netcdf(options.out)
     return result

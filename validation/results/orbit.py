@@ -19,9 +19,9 @@ from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.branches.at_scene import orbit_of
+from validation.branches.at_scene import orbit_at_scene
 from validation.output import figures, table
-from validation.registry.orbits import OrbitFound, flowing, orbit_at
+from validation.registry.orbits import OrbitFound, flowing, neutral_orbit
 from validation.results.branch import tolerance_option
 from validation.results.command import command
 from validation.results.facts import Place, finite
@@ -37,7 +37,7 @@ from validation.study.drawing import Drawing, styled
 if TYPE_CHECKING:
     from reduced.stability.idle import IdleMode
 
-TOLERANCE = 1e-8
+ORBIT_TOLERANCE = 1e-8
 """Relative error of an orbit's figures if none is requested."""
 
 _SHOWN = 6  # multipliers in the table
@@ -54,7 +54,7 @@ class OrbitOptions(ModelOptions):
         "wave marches exactly in time; its orbit is that of its grid."
     )
 
-    tol: float | None = tolerance_option(TOLERANCE)
+    tol: float | None = tolerance_option(ORBIT_TOLERANCE)
     near_period: float | str | None = option(
         "where orbits coexist: the one with the period nearest to this, in transits or as 60s", metavar="TIME", stored=True
     )
@@ -180,15 +180,15 @@ def orbit(source: SceneSource, options: OrbitOptions) -> OrbitResult:
     if isinstance(source, Place):
         if source.closed is not None and options.is_default:
             known = {"tol": source.tolerance, "near_period": source["period"]}
-            return OrbitResult(orbit_at(source.closed, source.tolerance), known, time.perf_counter() - began)
+            return OrbitResult(neutral_orbit(source.closed, source.tolerance), known, time.perf_counter() - began)
         near = _period_there(source) if options.near_period is None else options.near_period
         options = replace(options, near_period=near, model=source.model if options.model == "auto" else options.model)
     options = options.recalled(source, "orbit")
-    options = replace(options, tol=options.tol or TOLERANCE)
+    options = replace(options, tol=options.tol or ORBIT_TOLERANCE)
     scene = options.scene_of(source)
     name = announced(*flowing(options.model, scene))
     period = _period(options.near_period, scene)
-    found = orbit_of(name, scene, options.tol or TOLERANCE, options.cells, period, bool(options.others))
+    found = orbit_at_scene(name, scene, options.tol or ORBIT_TOLERANCE, options.cells, period, bool(options.others))
     return OrbitResult(found, options.stored, time.perf_counter() - began)
 
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from reduced.parameters import with_parameter
-from validation.branches.branch import Branch
+from validation.branches.branch import FollowedBranch
 from validation.branches.curve import Curve
-from validation.branches.followed import Limits, heads
+from validation.branches.followed import StopAt, ends_of
 from validation.branches.parameter import over_range
 from validation.branches.points import CurvePoint
 from validation.references.onset import onset_of
@@ -64,7 +64,7 @@ def run(budget: Budget) -> StudyResult:
 def _curve(model: str, kind: str, end: float, most: int) -> list[CurvePoint]:
     first = over_range(f"log10_r={_RANGE[0]}:{_RANGE[1]}", scene_at(-2.68))
     curve = Curve(kind, first, over_range(f"log10_V=2:{end}", scene_at(-2.68)), model, _TOLERANCE)
-    for _ in heads(curve, Limits(points=most)):
+    for _ in ends_of(curve, StopAt(points=most)):
         pass
     return curve.points
 
@@ -79,7 +79,7 @@ def _fold_at(point: CurvePoint) -> float:
     raised = with_parameter(scene, "epsilon", scene.upper.epsilon * 10.0 ** (point.second - 2.0))
     shift = point.second - 2.0
     over = over_range(f"log10_r={_RANGE[0] + shift}:{_RANGE[1] + shift}", raised)
-    branch = Branch(over, "delay", _TOLERANCE)
+    branch = FollowedBranch(over, "delay", _TOLERANCE)
     return float(branch.first_special(branch.begin(), "LP")[0].point.parameter)
 
 

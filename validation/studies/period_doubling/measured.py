@@ -14,8 +14,8 @@ from reduced.continuation.start import difference_of_halves, from_orbit, metric_
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.closing import close
 from reduced.orbit.multipliers import floquet
-from validation.branches.branch import Branch
-from validation.branches.followed import Limits, heads
+from validation.branches.branch import FollowedBranch
+from validation.branches.followed import StopAt, ends_of
 from validation.branches.parameter import over_range
 from validation.measure.cycle import watch
 from validation.references.published import half_digit, reference
@@ -106,8 +106,8 @@ class Bubble(NamedTuple):
 
 def bubble(low: float, high: float) -> Bubble:
     """The doubled orbits from the first period doubling between these log10 r on, at first towards the higher one."""
-    found = Branch(over_range(f"log10_r={low}:{high}", scene_at(AT)), MODEL, _ROUGH, doubled=True)
-    points = [head.point for head in heads(found, Limits())]
+    found = FollowedBranch(over_range(f"log10_r={low}:{high}", scene_at(AT)), MODEL, _ROUGH, doubled=True)
+    points = [end.point for end in ends_of(found, StopAt())]
     (before, far), (last, near) = ((point.parameter, difference_of_halves(point) ** 2) for point in points[-2:])
     ends = last + near * (last - before) / (far - near)  # the square of the difference vanishes linearly
     halves = [(one.value, 0.5 * one.period) for one in found.points]
