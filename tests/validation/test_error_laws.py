@@ -51,7 +51,7 @@ def test_how_far_an_error_may_be_from_its_law(onsets, model, sign):
     limit = (0.063 if model == "quasidynamic" else 5e-4) + 8.9e-16 / abs(law[abs(one.theta - 0.0316).argmin()])
 
     def outcome(off):
-        return _onset_verdicts({model: one._replace(error=law * (1.0 + sign * off))})[0].outcome
+        return next(_onset_verdicts({model: one._replace(error=law * (1.0 + sign * off))})).outcome
 
     assert [outcome(0.9 * limit), outcome(3.0 * limit)] == [Outcome.PASS, Outcome.FAIL]
 

@@ -5,9 +5,8 @@ from shown import quick
 
 from validation.measure.cycle import Cycle
 from validation.studies import load
-from validation.studies.unlike_slabs.cost import cost_verdicts
+from validation.studies.unlike_slabs import cost_verdicts, last_cycles
 from validation.studies.unlike_slabs.runs import PairRun
-from validation.studies.unlike_slabs.shown import last_cycles
 from validation.study import Outcome
 
 STUDY = load("unlike-slabs")

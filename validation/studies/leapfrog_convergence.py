@@ -1,6 +1,6 @@
 """The leapfrog against the delay system as its cells get smaller: from a smooth start and from a jump."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TypeAlias
 
 import numpy as np
@@ -12,7 +12,7 @@ from slipwave.solve import follow
 from validation.measure.order_fit import Fit, extrapolated, fit, shortfall
 from validation.measure.settle import SYMBOLS, settle
 from validation.registry.build import build
-from validation.study import SELF, WITNESS, Budget, Cell, Figure, Number, StudyResult, Table, Verdict, claim, holding, table
+from validation.study import SELF, WITNESS, Budget, Evidence, Figure, Number, StudyResult, Table, Verdict, claim, holding, table
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas
 from validation.study.text import plain
 
@@ -31,6 +31,7 @@ _SETTLED = 5e-13  # relative change of settled periods from run to run
 
 Errors: TypeAlias = dict[str, dict[float, Array]]
 """Signed error (relative for the orbit, absolute for psi) by quantity and CFL, one entry per cell count."""
+Fits: TypeAlias = Mapping[str, Mapping[float, Fit]]
 
 
 def run(budget: Budget) -> StudyResult:
@@ -51,7 +52,7 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _answer(fits: dict[str, dict[float, Fit]]) -> str:
+def _answer(fits: Fits) -> str:
     smooth = [fits[name][cfl].order for name in fits if name != _JUMP for cfl in CFLS]
     jump = [fits[_JUMP][cfl].order for cfl in CFLS]
     return (
@@ -80,14 +81,14 @@ def _psi(model: str, start: Scene, cells: int = 0, cfl: float = 0.0) -> float:
     return follow(solver, _FINAL).psi
 
 
-def _orders(fits: dict[str, dict[float, Fit]]) -> Table:
-    rows = []
-    for name in fits:
-        row: list[Cell] = [SYMBOLS.get(name, name)]
-        for cfl in CFLS:
-            fitted = fits[name][cfl]
-            row += [f"{fitted.order:.4f} ± {fitted.half_width:.4f}", fitted.finest]
-        rows.append(row)
+def _orders(fits: Fits) -> Table:
+    rows = (
+        [
+            SYMBOLS.get(name, name),
+            *(cell for one in some.values() for cell in (f"{one.order:.4f} ± {one.half_width:.4f}", one.finest)),
+        ]
+        for name, some in fits.items()
+    )
     heading = " | ".join(["error in", *(f"order [CFL {cfl}] | finest two .3f" for cfl in CFLS)])
     caption = (
         "Fitted order with its 95 % confidence interval, and the order of the two finest grids alone. T, Δμ, Δy, v_{max}, "
@@ -105,33 +106,30 @@ def _period_table(cells: tuple[int, ...], errors: Errors) -> Table:
     return table("errors", "Relative errors of period T and stress drop Δμ against the delay system.", heading, rows)
 
 
-def _verdicts(fits: dict[str, dict[float, Fit]]) -> list[Verdict]:
-    verdicts = []
-    for title, names, declared in (
-        ("Leapfrog: order 2 from the smooth start, in every output", [name for name in fits if name != _JUMP], 2.0),
-        ("Leapfrog: order 1 from a jump", [_JUMP], 1.0),
+def _verdicts(fits: Fits) -> Iterator[Verdict]:
+    smooth = [some for name, some in fits.items() if name != _JUMP]
+    for title, every, declared in (
+        ("Leapfrog: order 2 from the smooth start, in every output", smooth, 2.0),
+        ("Leapfrog: order 1 from a jump", [fits[_JUMP]], 1.0),
     ):
         for cfl in CFLS:
-            chosen = [fits[name][cfl] for name in names]
-            span = f"{min(fitted.order for fitted in chosen):.2f} to {max(fitted.order for fitted in chosen):.2f}"
-            holds = not any(shortfall(fitted, declared) for fitted in chosen)
-            evidence = SELF if cfl == 1.0 else WITNESS
-            ours = span if len(chosen) > 1 else f"{chosen[0].order:.3f}"
-            verdicts.append(holding(title, evidence, f"{declared:.0f} at CFL {cfl}", ours, holds))
-    return verdicts
+            orders, holds = [some[cfl].order for some in every], not any(shortfall(some[cfl], declared) for some in every)
+            ours = f"{min(orders):.2f} to {max(orders):.2f}" if len(orders) > 1 else f"{orders[0]:.3f}"
+            yield holding(title, _evidence(cfl), f"{declared:.0f} at CFL {cfl}", ours, holds)
+
+
+def _evidence(cfl: float) -> Evidence:
+    """At CFL 1 the leapfrog is the delay system itself."""
+    return SELF if cfl == 1.0 else WITNESS
 
 
 def _extrapolated(errors: Array, cells: int, cfl: float) -> Verdict:
     """`errors` of the period, the last one on `cells`. Extrapolation leaves an error of order 4: (N/cells)^2 of the last one."""
-    coarse, fine = errors[-2:]
-    left = abs(float(extrapolated(coarse, fine, 2.0)))
-    return claim(
-        "Extrapolated to zero cell size, the period of the full wave is that of the delay system",
-        SELF if cfl == 1.0 else WITNESS,
-        left,
-        (_NEXT_ORDER[cfl] / cells) ** 2 * abs(float(fine)) + _SETTLED,
-        f"at CFL {cfl}; without extrapolation, on the finest grid: {plain(abs(float(fine)), '.0e')}",
-    )
+    coarse, fine = map(float, errors[-2:])
+    title = "Extrapolated to zero cell size, the period of the full wave is that of the delay system"
+    limit = (_NEXT_ORDER[cfl] / cells) ** 2 * abs(fine) + _SETTLED
+    remark = f"at CFL {cfl}; without extrapolation, on the finest grid: {plain(abs(fine), '.0e')}"
+    return claim(title, _evidence(cfl), extrapolated(coarse, fine, 2.0), limit, remark)
 
 
 _CAPTION = (
@@ -154,7 +152,7 @@ _TITLES = {
 _LOOKS = {0.5: ("#d55e00", "s", "white"), 0.9: ("#0072b2", "D", "#0072b2"), 1.0: ("#111111", "o", "#111111")}
 
 
-def ladders(cells: Array, errors: Mapping[str, Mapping[float, Array]], fits: Mapping[str, Mapping[float, Fit]]) -> Drawing:
+def ladders(cells: Array, errors: Mapping[str, Mapping[float, Array]], fits: Fits) -> Drawing:
     """Log-log panels of error over cells per slab: one per figure of merit, a line per Courant number, the fits and a slope."""
     figure = canvas(WIDTH, 4.6)
     grid = figure.subplots(2, 4, sharex=True)
