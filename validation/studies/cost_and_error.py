@@ -6,7 +6,6 @@ import numpy as np
 
 import slipwave
 from slipwave.observe.statistics import Estimate
-from slipwave.scene import Scene
 from validation.measure.settle import settle
 from validation.references.lsoda import PlainRun, plain_kelvin_voigt
 from validation.references.onset import onset_of
@@ -48,6 +47,7 @@ def run(budget: Budget) -> StudyResult:
     """Time the ladder of settings of every model, then race."""
     paper = slipwave.read("paper")
     exact = settle(build("delay", paper, tolerance=_EXACT), tolerance=1e-10).orbit.values()
+    damped = math.log10(onset_of(paper.law, paper.upper.epsilon, paper.velocity).r_quasidynamic)
     repeats = 2 if budget.quick else 5
     settings = budget.each(_settings(budget.quick), end=0.5)
     points = [time_run(setting, paper, TRANSITS, exact, repeats) for setting in settings]
@@ -74,16 +74,11 @@ def run(budget: Budget) -> StudyResult:
             Omission(
                 "Quasi-static and quasi-dynamic models.",
                 f"At log_{{10}} r = {places([_LOG10_R])} the first runs away and the second slides steadily, as it does up to "
-                f"{places([_damped_onset(paper)], '.3f')}: there is no period to compare. The study `model-error` has its cost, "
+                f"{places([damped], '.3f')}: there is no period to compare. The study `model-error` has its cost, "
                 "and its errors beyond.",
             ),
         ),
     )
-
-
-def _damped_onset(scene: Scene) -> float:
-    """log10 r from which on the quasi-dynamic model sticks and slips."""
-    return math.log10(onset_of(scene.law, scene.upper.epsilon, scene.velocity).r_quasidynamic)
 
 
 def _settings(quick: bool) -> list[Setting]:
@@ -156,9 +151,9 @@ def _error(period: float) -> float:
 
 
 def _race_table(ours: list[Point], rivals: list[PlainRun]) -> Table:
-    rows = [("slipwave", p.setting.words, 1e3 * p.seconds, p.period, p.period_error) for p in ours]
-    for rival in rivals:
-        rows.append(("scipy LSODA", Setting("", rival.tolerance).words, 1e3 * rival.seconds, rival.period, _error(rival.period)))
+    runs: list[tuple[str, str, Point | PlainRun]] = [("slipwave", one.setting.words, one) for one in ours]
+    runs += [("scipy LSODA", Setting("", one.tolerance).words, one) for one in rivals]
+    rows = ((program, words, 1e3 * one.seconds, one.period, _error(one.period)) for program, words, one in runs)
     heading = "program | setting | run [ms] .1f | T [transits] .12g | error [relative] .0e"
     caption = (
         f"The Kelvin–Voigt system over {TRANSITS:.0f} transits: this package against `scipy.integrate.solve_ivp` (LSODA) with "
@@ -181,14 +176,9 @@ def _race_factor(ours: list[Point], rivals: list[PlainRun]) -> str:
 def _agreement(rivals: list[PlainRun]) -> Verdict:
     """The rival at its smallest tolerance."""
     best = min(rivals, key=lambda rival: rival.tolerance)
-    return claim(
-        "A ten-line program of the paper’s ODE finds the same period",
-        WITNESS,
-        abs(_error(best.period)),
-        _RIVAL_ERROR,
-        "scipy’s LSODA on system (41); shares no code with our models",
-        f"{best.period:.10g} for {_known():.10g}",
-    )
+    title, shown = "A ten-line program of the paper’s ODE finds the same period", f"{best.period:.10g} for {_known():.10g}"
+    remark = "scipy’s LSODA on system (41); shares no code with our models"
+    return claim(title, WITNESS, _error(best.period), _RIVAL_ERROR, remark, shown)
 
 
 def _marches_agree(points: list[Point]) -> Verdict:
@@ -231,30 +221,27 @@ _CAPTION = (
 )
 
 
-def _line(point: Point) -> tuple[str, float | None, str | None]:
-    """Points that are joined by one line."""
-    return point.setting.model, point.setting.cfl, point.setting.time
-
-
 def work_precision(points: list[Point]) -> Drawing:
     """Work-precision diagram, one line per model: error of the period over run time, both logarithmic."""
     figure = canvas(WIDTH, 4.6)
     axes = figure.add_subplot()
-    for name in dict.fromkeys(_line(point) for point in points):
-        chosen = [point for point in points if _line(point) == name]
-        style = pen(name[0])
-        if name[0] == _ELEMENTS:  # its own pen is as black and round as the delay system's
+    lines: dict[tuple[str, float | None, str | None], list[Point]] = {}
+    for point in points:
+        lines.setdefault((point.setting.model, point.setting.cfl, point.setting.time), []).append(point)
+    for (model, cfl, time), chosen in lines.items():
+        style = pen(model)
+        if model == _ELEMENTS:  # its own pen is as black and round as the delay system's
             style = style._replace(color="#a6761d", marker="P")
-        half = (name[1] is not None and name[1] < 1.0) or name[2] == "explicit"
+        half = (cfl is not None and cfl < 1.0) or time == "explicit"
         axes.loglog(
             [1e3 * point.seconds for point in chosen],
             [max(_FLOOR, abs(point.period_error)) for point in chosen],
             color=style.color,
-            linestyle="-" if name[0] in ("delay", "fd", _ELEMENTS) else style.dashes,
+            linestyle="-" if model in ("delay", "fd", _ELEMENTS) else style.dashes,
             linewidth=1.0,
             marker=style.marker,
             markerfacecolor="white" if half else style.color,
-            label=style.label + (f", CFL {name[1]:g}" if name[1] else "") + (f", {name[2]} in time" if name[2] else ""),
+            label=style.label + (f", CFL {cfl:g}" if cfl else "") + (f", {time} in time" if time else ""),
         )
     ruled(axes)
     axes.set(xlabel="run time (ms)", ylabel="relative error of the period")

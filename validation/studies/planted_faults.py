@@ -39,16 +39,8 @@ def _is_caught(fault: dict[str, Any]) -> bool:
 
 
 def _table(faults: list[dict[str, Any]]) -> Table:
-    rows = (
-        (
-            fault["where"].partition("::")[0],
-            fault["what"],
-            fault["user"],
-            _test_in_words(fault.get("caught_by")),
-            float(fault["seconds"]),
-        )
-        for fault in faults
-    )
+    facts = ((fault, fault["where"].partition("::")[0], _test_in_words(fault.get("caught_by"))) for fault in faults)
+    rows = ((file, fault["what"], fault["user"], test, float(fault["seconds"])) for fault, file, test in facts)
     caption = (
         "Every planted fault, the test that noticed it, and the time that this took (test and compilation, on a busy machine)."
     )
@@ -66,12 +58,7 @@ def _test_in_words(test: str | None) -> str:
 
 
 def _verdict(room: str, faults: list[dict[str, Any]]) -> Verdict:
-    survivors = [fault["name"] for fault in faults if not _is_caught(fault)]
-    return holding(
-        "Planted faults are caught by the checks that they name",
-        EXACT,
-        f"{len(faults)} of {len(faults)}",
-        f"{len(faults) - len(survivors)} of {len(faults)}",
-        bool(faults) and not survivors,
-        f"in `{room}`" + (f"; survives: {', '.join(survivors)}" if survivors else ""),
-    )
+    survivors, total = [fault["name"] for fault in faults if not _is_caught(fault)], len(faults)
+    title, ours = "Planted faults are caught by the checks that they name", f"{total - len(survivors)} of {total}"
+    remark = f"in `{room}`" + (f"; survives: {', '.join(survivors)}" if survivors else "")
+    return holding(title, EXACT, f"{total} of {total}", ours, bool(faults) and not survivors, remark)
