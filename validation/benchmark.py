@@ -26,8 +26,8 @@ from slipwave.solve import follow
 from validation.output import print_table
 from validation.references.lsoda import plain_kelvin_voigt
 from validation.registry.families import explicit_time
-from validation.report.provenance import provenance
-from validation.timing import March, Ratio, Setting, Work, alike_and_unlike, solver_of, whole
+from validation.report.provenance import machine_facts
+from validation.timing import March, Race, Setting, Work, alike_and_unlike, solver_of, whole
 
 ROUNDS = 9
 GRIDS = {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}
@@ -50,7 +50,7 @@ _FINE = Setting("dg:8", cells=4, time="exact")
 _FINER = Setting("dg:16", cells=2, time="exact")
 
 
-def ratios() -> Iterator[Ratio]:
+def ratios() -> Iterator[Race]:
     """All ratios: of sizes, of slabs and faces, of models, of orbits, and against a plain program."""
     paper, run = slipwave.read("paper"), partial(March, begin=1.0)
     unlike = replace(paper, lower=replace(paper.lower, epsilon=1.001 * paper.lower.epsilon))
@@ -58,42 +58,42 @@ def ratios() -> Iterator[Ratio]:
     for model, cells in GRIDS.items():
         base = Setting(model, cells=cells, time=explicit_time(model))
         once = run(base, paper, 20.0)
-        yield Ratio(f"{model}: twice the transits", run(base, paper, 40.0), once)
-        yield Ratio(f"{model}: four times the cells", run(replace(base, cells=4 * cells), paper, 20.0), once)
-        yield Ratio(f"{model}: unlike slabs over alike", run(base, unlike, 20.0), once)
-        yield Ratio(f"{model}: grip over rigid face", run(base, grip, 20.0), once)
-        yield Ratio(f"{model}: reflection over rigid face", run(base, reflection, 20.0), once)
-        yield Ratio(f"{model}: time of the delay system", once, run(_DELAY, paper, 20.0))
+        yield Race(f"{model}: twice the transits", run(base, paper, 40.0), once)
+        yield Race(f"{model}: four times the cells", run(replace(base, cells=4 * cells), paper, 20.0), once)
+        yield Race(f"{model}: unlike slabs over alike", run(base, unlike, 20.0), once)
+        yield Race(f"{model}: grip over rigid face", run(base, grip, 20.0), once)
+        yield Race(f"{model}: reflection over rigid face", run(base, reflection, 20.0), once)
+        yield Race(f"{model}: time of the delay system", once, run(_DELAY, paper, 20.0))
         if model != "fd":
-            yield Ratio(f"{model}: explicit over exact march", once, run(replace(base, time="exact"), paper, 20.0))
+            yield Race(f"{model}: explicit over exact march", once, run(replace(base, time="exact"), paper, 20.0))
     once = run(_FINE, paper, 200.0)
-    yield Ratio("exact march, dg:8: time of the delay system", once, run(_DELAY, paper, 200.0))
-    yield Ratio("exact march, dg:8: unlike slabs over alike", run(_FINE, unlike, 200.0), once)
-    yield Ratio("exact march, dg:8: grip over rigid face", run(_FINE, grip, 200.0), once)
+    yield Race("exact march, dg:8: time of the delay system", once, run(_DELAY, paper, 200.0))
+    yield Race("exact march, dg:8: unlike slabs over alike", run(_FINE, unlike, 200.0), once)
+    yield Race("exact march, dg:8: grip over rigid face", run(_FINE, grip, 200.0), once)
     time = 0.05 * paper.upper.round_trip
     viscous = {"Kelvin-Voigt": KelvinVoigtViscosity(time), "standard linear": StandardLinearViscosity(time, 0.5)}
     for name, viscosity in viscous.items():
-        yield Ratio(f"exact march, dg:8: {name} over elastic", run(_FINE, _both(paper, viscosity=viscosity), 200.0), once)
+        yield Race(f"exact march, dg:8: {name} over elastic", run(_FINE, _both(paper, viscosity=viscosity), 200.0), once)
     gentle = slipwave.read("paper", ["slab.log10_r=-2.6"])  # errors of psi(600): 5e-10 and 1e-11
-    yield Ratio("exact march: psi(600) to 1e-11 over 1e-9", run(_FINER, gentle, 599.0), run(_FINE, gentle, 599.0))
+    yield Race("exact march: psi(600) to 1e-11 over 1e-9", run(_FINER, gentle, 599.0), run(_FINE, gentle, 599.0))
     set_up = whole(_first_step, replace(_LARGE, time="exact"), paper)
-    yield Ratio("exact march: set-up of 500 unknowns over a transit of their explicit march", set_up, run(_LARGE, paper, 1.0))
+    yield Race("exact march: set-up of 500 unknowns over a transit of their explicit march", set_up, run(_LARGE, paper, 1.0))
     pair = alike_and_unlike()
     for name in ("commensurate", "irrational"):
-        yield Ratio(f"delay: {name} round trips over alike", run(_DELAY, pair[name], 200.0), run(_DELAY, pair["alike"], 200.0))
+        yield Race(f"delay: {name} round trips over alike", run(_DELAY, pair[name], 200.0), run(_DELAY, pair["alike"], 200.0))
     for model in REDUCTIONS:
         reduced = run(Setting(model, tolerance=1e-9), paper, 1000.0)
-        yield Ratio(f"{model}: time of the delay system", reduced, run(_DELAY, paper, 1000.0))
-    yield Ratio("delay: every transit of two cycles of granite over leaps", partial(_granite, True), partial(_granite, False))
+        yield Race(f"{model}: time of the delay system", reduced, run(_DELAY, paper, 1000.0))
+    yield Race("delay: every transit of two cycles of granite over leaps", partial(_granite, True), partial(_granite, False))
     plain = whole(plain_kelvin_voigt, paper, 300.0, 1e-8)
-    yield Ratio("scipy's LSODA over kelvin-voigt", plain, run(Setting("kelvin-voigt", tolerance=1e-8), paper, 300.0))
+    yield Race("scipy's LSODA over kelvin-voigt", plain, run(Setting("kelvin-voigt", tolerance=1e-8), paper, 300.0))
     for model in ("delay", "kelvin-voigt"):
         orbit, coarse = (whole(slipwave.orbit, paper, model, tol=tol) for tol in (1e-10, 1e-6))
         branch = whole(slipwave.branch, paper, "log10_r=-2.72:-2.3", model, most_points=10)
-        yield Ratio(f"{model}: orbit to 1e-10 over a run of 1000 transits", orbit, run(Setting(model), paper, 1000.0))
-        yield Ratio(f"{model}: orbit to 1e-10 over 1e-6", orbit, coarse)
-        yield Ratio(f"{model}: branch of ten points over an orbit", branch, coarse)
-    yield Ratio("slipwave --help over bare Python", _process("-m", "validation.cli", "--help"), _process("-c", ""))
+        yield Race(f"{model}: orbit to 1e-10 over a run of 1000 transits", orbit, run(Setting(model), paper, 1000.0))
+        yield Race(f"{model}: orbit to 1e-10 over 1e-6", orbit, coarse)
+        yield Race(f"{model}: branch of ten points over an orbit", branch, coarse)
+    yield Race("slipwave --help over bare Python", _process("-m", "validation.cli", "--help"), _process("-c", ""))
 
 
 def _both(scene: Scene, **changes: Any) -> Scene:
@@ -135,7 +135,7 @@ def main(folder: Path) -> None:
     before = last(folder)
     now = datetime.now(UTC)
     measured = {ratio.name: ratio.measure(ROUNDS) for ratio in ratios()}
-    record = {"date": now.strftime("%Y-%m-%d %H:%M UTC"), "machine": provenance(), "ratios": measured}
+    record = {"date": now.strftime("%Y-%m-%d %H:%M UTC"), "machine": machine_facts(), "ratios": measured}
     folder.mkdir(parents=True, exist_ok=True)
     with whole_or_absent(folder / now.strftime("%Y%m%d-%H%M%S.json")) as path:
         path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

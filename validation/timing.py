@@ -74,7 +74,7 @@ def whole(function: Callable[..., object], *given: Any, **named: Any) -> Work:
     return lambda: partial(function, *given, **named)
 
 
-class Ratio(NamedTuple):
+class Race(NamedTuple):
     """The ratio of the times of two pieces of work, `first` over `second`, and its `name`."""
 
     name: str
@@ -89,7 +89,7 @@ class Ratio(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Point:
+class TimedRun:
     """One timed run: seconds, relative errors of period and stress drop (signed), period in transits."""
 
     setting: Setting
@@ -104,14 +104,14 @@ def in_turn(works: Mapping[Name, Work], rounds: int) -> list[dict[Name, float]]:
     return [{name: timed(prepare())[0] for name, prepare in works.items()} for _ in range(rounds)]
 
 
-def time_run(setting: Setting, scene: Scene, until: float, exact: Mapping[str, float], repeats: int = 3) -> Point:
+def time_run(setting: Setting, scene: Scene, until: float, exact: Mapping[str, float], repeats: int = 3) -> TimedRun:
     """Run `setting` on `scene` to `until` (transits), the fastest of `repeats` runs, and compare its last cycles with `exact`
     (names of `Orbit`)."""
     warm_up(setting, scene)
     runs = [timed(lambda: watch(solver_of(setting, scene), until)) for _ in range(repeats)]
     orbit = estimate(runs[0][1].events()).values()
     period, drop = (orbit[name] / exact[name] - 1.0 for name in ("period", "stress_drop"))
-    return Point(setting, min(seconds for seconds, _ in runs), orbit["period"], period, drop)
+    return TimedRun(setting, min(seconds for seconds, _ in runs), orbit["period"], period, drop)
 
 
 def time_final(setting: Setting, scene: Scene, until: float, repeats: int = 3) -> tuple[float, float]:
@@ -121,7 +121,7 @@ def time_final(setting: Setting, scene: Scene, until: float, repeats: int = 3) -
     return min(seconds for seconds, _ in runs), runs[0][1].psi
 
 
-def cheapest(points: Sequence[Point], error: float) -> Point | None:
+def cheapest(points: Sequence[TimedRun], error: float) -> TimedRun | None:
     """The fastest point whose period is right to `error`, if there is one."""
     return min((one for one in points if abs(one.period_error) <= error), key=lambda one: one.seconds, default=None)
 

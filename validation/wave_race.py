@@ -99,7 +99,7 @@ def run_program(program: Path) -> list[Entrant]:
     ]
 
 
-def ratios(found: Sequence[Entrant]) -> Iterator[tuple[str, str]]:
+def race_ratios(found: Sequence[Entrant]) -> Iterator[tuple[str, str]]:
     """The ratios of times of `_COMPARED`; a dash where nothing reached the error."""
     for kind, error, other, its_error in _COMPARED:
         first, second = fastest(found, kind, error), fastest(found, other, its_error)
@@ -116,7 +116,7 @@ def main(found: Sequence[Entrant]) -> None:
     """Print the table and the ratios."""
     print_table(["march", "error of psi(600)", "ms"], [[one.what, f"{one.error:.1e}", f"{one.ms:.1f}"] for one in found])
     print()
-    print_table(["ratio of times", "measured"], [list(row) for row in ratios(found)])
+    print_table(["ratio of times", "measured"], [list(row) for row in race_ratios(found)])
 
 
 if __name__ == "__main__":

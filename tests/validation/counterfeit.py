@@ -210,7 +210,7 @@ PLACES: dict[str, tuple[Place, ...]] = {
             (part("entries", change=only("friction", scaled)),),
         ),
     ),
-    "unlike-slabs": (Place("unlike_slabs:march", (part("figures"),), 1), Place("unlike_slabs:costs")),
+    "unlike-slabs": (Place("unlike_slabs:march_pair", (part("figures"),), 1), Place("unlike_slabs:costs")),
     "partial-reflection": (
         Place("partial_reflection:orbit_of"),
         Place("partial_reflection:end_of"),

@@ -11,7 +11,7 @@ from counterfeit import green, tapes_of
 from slipwave.input import source
 from validation.report.sources import sources_of
 from validation.run import timing
-from validation.studies import load
+from validation.studies import study_called
 from validation.study import Budget, StudyResult
 from validation.study.drawing import styled
 
@@ -25,7 +25,7 @@ def quick(name: str) -> StudyResult:
     The shares of its work that it reports on the way must rise to 1 at most, its figures must draw, and a verdict must fail for
     every counterfeit of `counterfeit.PLACES`.
     """
-    shares, scenes, study, tapes = list[float](), set[str](), load(name), tapes_of(name)
+    shares, scenes, study, tapes = list[float](), set[str](), study_called(name), tapes_of(name)
     READ[name] = scenes
     with pytest.MonkeyPatch.context() as patch:
         readings = itertools.count()

@@ -17,7 +17,7 @@ from validation.run import timing
 from validation.studies import grid_convergence, leapfrog_convergence
 from validation.studies.grid_convergence import in_time, orbits
 from validation.studies.grid_convergence.code import code_note, code_table, shared
-from validation.studies.grid_convergence.in_time import COURANT, REQUESTS, Marches, reference, without_error_in_time
+from validation.studies.grid_convergence.in_time import COURANT, REQUESTS, Marches, delay_reference, without_error_in_time
 from validation.study import Budget, Evidence, Outcome
 
 CELLS = np.array([48, 96, 192, 384])
@@ -79,7 +79,7 @@ GRIDS = [orbits.GridOrbit("sbp:6", cells, 1e-3 * cells**-6.0, 1e-3 * cells**-6.0
 def test_the_grids_own_orbit_is_judged_on_both_sides(order, shares, red):
     """The order of its errors, and the errors on the finest grid."""
     family = [one._replace(stress_drop=1e-2 * (one.cells / 24) ** -order) for one in GRIDS]
-    assert orbits.order_of(family, "stress_drop") == pytest.approx(order)
+    assert orbits.orbit_order(family, "stress_drop") == pytest.approx(order)
     last = family[-1]
     allowed = orbits.Grids((24, 32), (last.period / shares[0], last.stress_drop / shares[1]))
     assert reds(orbits.orbit_verdicts(family, {"sbp:6": allowed})) == red
@@ -88,8 +88,8 @@ def test_the_grids_own_orbit_is_judged_on_both_sides(order, shares, red):
 def test_an_order_ends_where_rounding_begins():
     """The finest error above the floor counts; the second grid in any case."""
     family = [orbits.GridOrbit("dg:7", cells, error, error) for cells, error in ((2, 1e-4), (4, 1e-7), (8, 1e-10), (16, 2e-13))]
-    assert orbits.order_of(family, "period") == pytest.approx(np.log(1e6) / np.log(4.0))
-    assert orbits.order_of([family[0], family[3]], "period") == pytest.approx(np.log(5e8) / np.log(8.0))
+    assert orbits.orbit_order(family, "period") == pytest.approx(np.log(1e6) / np.log(4.0))
+    assert orbits.orbit_order([family[0], family[3]], "period") == pytest.approx(np.log(5e8) / np.log(8.0))
 
 
 def beside(off, error=0.0, cycles=0):
@@ -169,7 +169,7 @@ def test_a_scheme_short_of_its_order_is_red(exact, displaced, changes, red):
 def test_the_reference_of_errors_in_space_is_right_to_1e_12(course):
     """Against steps half as long and other nodes; measured: at most 1e-13."""
     other = measure(Delay(course.scene, nodes=9, steps=96, tolerance=1e-13), course)
-    assert max(errors(reference(course), other).values()) < 1e-12
+    assert max(errors(delay_reference(course), other).values()) < 1e-12
     assert in_space(replace(LADDERS["dg:7"], course=course)).course.floor >= 5e-12
 
 
@@ -190,7 +190,7 @@ def test_which_march_has_no_error_in_time(model, march):
 
 def test_elements_of_degree_3_show_order_6_without_error_in_time():
     """With explicit steps the fitted order is 8, that of the steps."""
-    climbed = climb(in_space(LADDERS["fem:3"]), reference(GENTLE), without_error_in_time)
+    climbed = climb(in_space(LADDERS["fem:3"]), delay_reference(GENTLE), without_error_in_time)
     assert climbed.fit_together().order == pytest.approx(6.0, abs=0.3)
     assert max(found[-1] for found in climbed.errors.values()) < 2e-11
 
@@ -275,8 +275,8 @@ def test_a_ladder_without_an_order_is_named_and_the_others_keep_their_rows():
 def test_every_family_with_a_ladder_is_judged_by_a_quick_report(monkeypatch):
     own = replace(GALERKIN, pattern="volumes", numbers=(), default=None, ladder={0: GALERKIN.ladder[1]})
     monkeypatch.setattr(grid_convergence, "GRIDS", (*grid_convergence.GRIDS, own, replace(own, pattern="bare", ladder={})))
-    assert grid_convergence.judged(quick=True) == (*grid_convergence._QUICK, "volumes")
-    assert set(grid_convergence.judged(quick=False)) == set(LADDERS)
+    assert grid_convergence.judged_models(quick=True) == (*grid_convergence._QUICK, "volumes")
+    assert set(grid_convergence.judged_models(quick=False)) == set(LADDERS)
 
 
 def test_which_code_is_common_is_read_from_the_imports():

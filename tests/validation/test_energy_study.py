@@ -5,7 +5,7 @@ import pytest
 
 from validation.measure.order_fit import fit
 from validation.studies import energy
-from validation.studies.energy.ledgers import LADDERS, ORDERS, History, history_of, order_of, residual_of
+from validation.studies.energy.ledgers import LADDERS, ORDERS, EnergyRun, history_of, ledger_order, residual_of
 from validation.study import Outcome
 
 CELLS = np.array([8, 12, 16, 24, 32, 48])
@@ -13,7 +13,7 @@ CELLS = np.array([8, 12, 16, 24, 32, 48])
 
 def test_leapfrog_closes_to_rounding_and_others_at_their_order():
     assert residual_of("fd", 12) < 1e-13
-    found = order_of("dg:1", np.array([residual_of("dg:1", n) for n in LADDERS["dg:1"][:4]]))
+    found = ledger_order("dg:1", np.array([residual_of("dg:1", n) for n in LADDERS["dg:1"][:4]]))
     assert found.order == pytest.approx(3.0, abs=0.02)
     assert ORDERS == {"sbp:2": 4.0, "fem:1": 4.0, "fem:2": 4.0, "dg:1": 3.0, "dg:2": 5.0}
 
@@ -44,7 +44,7 @@ def test_high_degrees_must_close(share, red):
 
 def test_the_answer_and_the_figure_show_the_entries():
     parts = {"input": 9.0, "friction": 8.91, "stored": 0.0, "radiated": 0.072, "viscous": 0.0225}
-    one = History(73.0, np.array([0.0, 1.0, 2.0]), {name: value * np.array([0.0, 0.4, 1.0]) for name, value in parts.items()})
+    one = EnergyRun(73.0, np.array([0.0, 1.0, 2.0]), {name: value * np.array([0.0, 0.4, 1.0]) for name, value in parts.items()})
     shown = {"rigid faces": one, "grips": one, "viscous": one}
     orders = {"dg:1": fit(CELLS, 1.0 * CELLS**-3.0), "dg:2": fit(CELLS, 1.0 * CELLS**-5.0)}
     told = energy.answer(shown, np.array([4e-15, 1e-15]), orders)

@@ -6,13 +6,13 @@ from shown import quick
 
 from reduced.impedance import reduction_of
 from slipwave.observe.statistics import Estimate
-from validation.studies import load
+from validation.studies import study_called
 from validation.studies.model_error import errors_of_means, errors_over_r, mean_table, measured, omissions
 from validation.studies.model_error.measured import Figures, error, states
 from validation.studies.one_cycle.measured import at_r
 from validation.study import Outcome
 
-STUDY = load("model-error")
+STUDY = study_called("model-error")
 
 
 @pytest.fixture(scope="module")

@@ -3,12 +3,12 @@ import math
 import numpy as np
 import pytest
 
-from validation.studies import load
+from validation.studies import study_called
 from validation.studies.partial_reflection import bare_and_grip, over_grip
 from validation.studies.partial_reflection.measured import Pair, Point, agreement, dies, keeps, locking_leak, locks
 from validation.study import Outcome
 
-STUDY = load("partial-reflection")
+STUDY = study_called("partial-reflection")
 
 
 def test_where_the_interface_locks():

@@ -15,7 +15,7 @@ from validation.cli import NUMERICS_FAILED, main
 from validation.report import baseline
 from validation.report.baseline import RedReport
 from validation.report.build import make_report
-from validation.report.store import Stored, save
+from validation.report.store import Stored, store_result
 from validation.study import Evidence, Number, Outcome, StudyResult, Verdict
 
 ROOT = Path(__file__).parents[2]
@@ -28,7 +28,7 @@ def failing(claim):
 @pytest.fixture
 def kept(tmp_path, monkeypatch):
     """The folder of the baseline, for this test only."""
-    monkeypatch.setattr(baseline.compare, "__defaults__", (tmp_path / "baseline",))
+    monkeypatch.setattr(baseline.changes_since, "__defaults__", (tmp_path / "baseline",))
     return tmp_path / "baseline"
 
 
@@ -99,7 +99,7 @@ def test_a_number_that_comes_or_goes_has_moved(kept, tmp_path, before, now, move
     """By more than its tolerance, 1e-6 of the larger one; a baseline holds numbers that JSON lacks too."""
     study = SimpleNamespace(NAME="first", QUESTION="?")
     store = tmp_path / "out" / "data"
-    save(store, study, "key", StudyResult("", numbers={"T": Number(before)}), 0.0)
+    store_result(store, study, "key", StudyResult("", numbers={"T": Number(before)}), 0.0)
     baseline.take(tmp_path / "out", kept)
     found = baseline.moved(Stored("first", "?", 0.0, True, StudyResult("", numbers={"T": Number(now)})), quick=False)
     assert [change.name for change in found] == ["T"] * moves

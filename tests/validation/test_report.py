@@ -69,15 +69,15 @@ def test_only_what_changed_is_computed_again(fake, tmp_path):
 
 def test_stored_result_comes_back_as_it_was(fake, tmp_path):
     module = fake.add("first")
-    saved = store.save(tmp_path, module, "key", result(), 1.5)
-    read = store.load(tmp_path, module, "key")
+    saved = store.store_result(tmp_path, module, "key", result(), 1.5)
+    read = store.stored_result(tmp_path, module, "key")
     assert read.result.tables[0].rows[0] == ("delay", 73.4721449)
     assert math.isnan(read.result.tables[0].rows[1][1])
     assert repr(read.result) == repr(saved.result)
     assert read.result.verdicts == result().verdicts
     assert read.result.omissions == result().omissions
     assert (read.fresh, saved.fresh) == (False, True)
-    assert store.load(tmp_path, module, "another key") is None
+    assert store.stored_result(tmp_path, module, "another key") is None
 
 
 @pytest.mark.parametrize("damage", ["overlay.svg", "overlay.png", "result.json"])
@@ -95,7 +95,7 @@ def test_damaged_result_is_computed_again(fake, tmp_path, damage):
 def test_no_damage_to_a_result_goes_unnoticed(fake, tmp_path):
     """One bit flipped anywhere in it, or cut off anywhere: absent, or (white space) the same result."""
     module = fake.add("first")
-    saved = store.save(tmp_path, module, "key", result(), 1.5)
+    saved = store.store_result(tmp_path, module, "key", result(), 1.5)
     path = tmp_path / "first" / "result.json"
     written = path.read_bytes()
     flips = (written[:k] + bytes([written[k] ^ (1 << k % 8)]) + written[k + 1 :] for k in range(0, len(written), 3))
@@ -103,7 +103,7 @@ def test_no_damage_to_a_result_goes_unnoticed(fake, tmp_path):
     found = []
     for damaged in (*flips, *cuts):
         path.write_bytes(damaged)
-        found.append(store.load(tmp_path, module, "key"))
+        found.append(store.stored_result(tmp_path, module, "key"))
         assert found[-1] is None or repr(found[-1].result) == repr(saved.result)
     assert len(found) > 600
     assert found.count(None) > 0.95 * len(found)
@@ -119,7 +119,7 @@ def test_what_a_killed_process_left_is_removed(fake, tmp_path):
         parts.append(tmp_path / f".first.{gone.pid}")
         for part in parts:
             part.mkdir()
-        store.save(tmp_path, module, "key", result(), 1.0)
+        store.store_result(tmp_path, module, "key", result(), 1.0)
         other.kill()
     assert [part for part in parts if part.exists()] == [parts[0]]
 
@@ -146,7 +146,7 @@ def test_failed_drawing_leaves_nothing_half_written(fake, tmp_path):
     module = fake.add("first")
     broken = StudyResult("", figures=(Figure("a", "", draw), Figure("b", "", lambda: 1 / 0)))
     with pytest.raises(ZeroDivisionError):
-        store.save(tmp_path, module, "key", broken, 1.0)
+        store.store_result(tmp_path, module, "key", broken, 1.0)
     assert list(tmp_path.glob("**/*.svg")) == []
     assert not (tmp_path / "first").exists()
 

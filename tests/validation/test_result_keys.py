@@ -8,7 +8,7 @@ from shown import READ, quick
 
 from slipwave.sources import ROOT, import_closure, program
 from validation.report import sources, store
-from validation.studies import STUDIES, load
+from validation.studies import STUDIES, study_called
 
 READ_BYTES = Path.read_bytes
 
@@ -41,12 +41,12 @@ def changes(monkeypatch, study, path):
 )
 def test_a_key_follows_each_file_of_each_room_that_the_study_uses(monkeypatch, path, followed):
     assert (ROOT / path).exists()
-    assert changes(monkeypatch, load("claims"), ROOT / path) == followed
+    assert changes(monkeypatch, study_called("claims"), ROOT / path) == followed
 
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_all_that_a_study_imports_and_all_data_are_in_its_key(name):
-    study = load(name)
+    study = study_called(name)
     files = set(sources.sources_of(study))
     assert set(import_closure([Path(study.__file__)], packages=False)) <= files
     assert set((ROOT / "validation").rglob("*.json")) <= files
@@ -63,7 +63,7 @@ def test_all_scenes_that_a_study_reads_are_in_its_key(monkeypatch):
 
 
 def test_a_key_follows_every_package_and_python(monkeypatch):
-    study = load("claims")
+    study = study_called("claims")
     before = store.study_key(study, False)
     packages = [line.split()[0] for line in sources.packages_of(sources.sources_of(study))[1:]]
     assert {"numpy", "scipy", "numba", "llvmlite", "scikit-fem", "pydantic", "matplotlib"} <= set(packages)
@@ -77,7 +77,7 @@ def test_a_key_follows_every_package_and_python(monkeypatch):
 
 
 def test_a_key_follows_the_settings_and_the_format(monkeypatch):
-    study = load("claims")
+    study = study_called("claims")
     assert store.study_key(study, False) == store.study_key(study, False) != store.study_key(study, True)
     before = store.study_key(study, False)
     monkeypatch.setattr(store, "_FORMAT", 0)

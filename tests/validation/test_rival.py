@@ -10,7 +10,7 @@ from validation.references.lsoda import PlainRun, plain_kelvin_voigt, right_hand
 from validation.studies import cost_and_error
 from validation.studies.cost_and_error import work_precision
 from validation.study import Outcome
-from validation.timing import Point, Setting
+from validation.timing import Setting, TimedRun
 
 KNOWN = 70.732344990  # AUTO-07p, log10 r = -2.68
 
@@ -42,7 +42,7 @@ def rival(off, tolerance=1e-10):
 
 
 def ours(off, tolerance=1e-11):
-    return Point(Setting("kelvin-voigt", tolerance=tolerance), 0.02, KNOWN * (1.0 + off), off, math.nan)
+    return TimedRun(Setting("kelvin-voigt", tolerance=tolerance), 0.02, KNOWN * (1.0 + off), off, math.nan)
 
 
 def test_both_runs_of_the_race_are_judged_at_their_least_tolerance():
@@ -59,12 +59,12 @@ def test_the_race_is_told_and_not_judged():
 
 def points():
     return [
-        Point(Setting(model, tolerance=10.0**-k), 1e-3 * k, 73.0, -(10.0**-k), 0.0)
+        TimedRun(Setting(model, tolerance=10.0**-k), 1e-3 * k, 73.0, -(10.0**-k), 0.0)
         for model in ("delay", "kelvin-voigt", "block8")
         for k in (3, 6, 15)
     ] + [
-        Point(Setting("fd", cells=16, cfl=0.5), 9e-3, 73.0, 2e-5, 0.0),
-        Point(Setting("dg:7", cells=2, time="exact"), 8e-3, 73.0, 2e-10, 0.0),
+        TimedRun(Setting("fd", cells=16, cfl=0.5), 9e-3, 73.0, 2e-5, 0.0),
+        TimedRun(Setting("dg:7", cells=2, time="exact"), 8e-3, 73.0, 2e-10, 0.0),
     ]
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from validation.report.sources import sources_of
-from validation.studies import load, slow_verification
+from validation.studies import slow_verification, study_called
 from validation.studies.slow_verification import _command, read_record, summarised
 from validation.study import Budget, Outcome
 from validation.study.text import cell
@@ -51,7 +51,7 @@ def test_failures_and_errors_turn_the_verdict_red(record):
 
 
 def test_a_changed_test_asks_for_a_new_run():
-    names = {path.name for path in sources_of(load("slow-verification"))}
+    names = {path.name for path in sources_of(study_called("slow-verification"))}
     assert {"test_exact_waves.py", "test_convergence_studies.py", "leapfrog_scenes.py", "system.py"} <= names
 
 

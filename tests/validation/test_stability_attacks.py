@@ -6,7 +6,7 @@ import pytest
 
 from validation.studies import stability_attacks
 from validation.studies.stability_attacks.limits import _largest, stops_beyond
-from validation.studies.stability_attacks.runs import ATTACKS, CELLS, Advice, AttackOutcome, advised, attack, locked_noise
+from validation.studies.stability_attacks.runs import ATTACKS, CELLS, AttackOutcome, Cure, advised, attack, locked_noise
 from validation.study import Outcome as Light
 
 STOPPED = AttackOutcome(math.nan, message="too stiff")
@@ -74,7 +74,7 @@ def test_an_attack_must_end_right_or_with_a_message(name):
 
 
 RATIOS = {"fd": math.inf, "sbp:2": 2.785, "dg:4": 6.394}
-CURED = Advice(0, "", 4, 1e-9)
+CURED = Cure(0, "", 4, 1e-9)
 JUDGED = {
     "limit_verdict": (
         [{"fd": dict(zip((-4, 0, 8), values, strict=True))} for values in ((1.0, 1.3, 1.039), (0.961, 1.3, 1.0))],
@@ -91,7 +91,7 @@ JUDGED = {
     "stop_verdict": ([{"fd": True, "dg:4": True}], [{"fd": True, "dg:4": False}]),
     "advice_verdict": tuple(
         [
-            {"dg:7": CURED, model: Advice(8, "more cells", 16, share * limit)}
+            {"dg:7": CURED, model: Cure(8, "more cells", 16, share * limit)}
             for model, limit in {"sbp:2": 5e-3, "fem:1": 5e-3, "fd": 1e-5, "dg:3": 2e-6}.items()
         ]
         for share in (0.95, 3.0)

@@ -9,14 +9,14 @@ from shown import quick
 import slipwave
 from slipwave.input.source import gallery_names
 from validation.report.build import make_report, store
-from validation.studies import STUDIES, load
+from validation.studies import STUDIES, study_called
 from validation.study import Outcome, StudyResult
-from validation.timing import Point, Setting, cheapest, time_final, time_run
+from validation.timing import Setting, TimedRun, cheapest, time_final, time_run
 
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_a_study_says_what_it_is(name):
-    study = load(name)
+    study = study_called(name)
     assert name == study.NAME
     assert study.QUESTION.endswith("?")
     assert set(study.SCENES) <= set(gallery_names())
@@ -80,9 +80,9 @@ def test_the_time_of_a_run_is_the_least_of_its_repetitions(monkeypatch):
 
 def test_cheapest_point_within_an_error():
     points = [
-        Point(Setting("a"), 3.0, 1.0, 1e-9, 0.0),
-        Point(Setting("b"), 1.0, 1.0, 1e-3, 0.0),
-        Point(Setting("c"), 2.0, 1.0, -1e-8, 0.0),
+        TimedRun(Setting("a"), 3.0, 1.0, 1e-9, 0.0),
+        TimedRun(Setting("b"), 1.0, 1.0, 1e-3, 0.0),
+        TimedRun(Setting("c"), 2.0, 1.0, -1e-8, 0.0),
     ]
     assert cheapest(points, 1e-7).setting.model == "c"
     assert cheapest(points, 1e-10) is None
@@ -95,7 +95,7 @@ def test_a_report_of_one_study_is_whole(tmp_path):
 
 
 def test_the_picture_of_the_readme_is_small_enough(cycle, tmp_path):
-    overlay, *_ = store.save(tmp_path, load("one-cycle"), "key", cycle, 1.0).pictures
+    overlay, *_ = store.store_result(tmp_path, study_called("one-cycle"), "key", cycle, 1.0).pictures
     assert 10_000 < overlay.png.stat().st_size < 200_000
 
 

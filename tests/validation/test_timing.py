@@ -13,10 +13,9 @@ from slipwave.solve import follow
 from validation import benchmark, timing
 from validation.benchmark import last, main, ratios
 from validation.run.timing import timed
-from validation.timing import March, Ratio, Setting, in_turn
-from validation.wave_race import Entrant, fastest, run_program, timed_in_turn
+from validation.timing import March, Race, Setting, in_turn
+from validation.wave_race import Entrant, fastest, race_ratios, run_program, timed_in_turn
 from validation.wave_race import main as print_race
-from validation.wave_race import ratios as race_ratios
 
 PLAIN = """
 import json, time
@@ -50,14 +49,14 @@ def test_works_take_turns(clock):
 
 
 def test_a_ratio_is_the_median_over_the_rounds_but_the_first(clock):
-    ratio = Ratio("a over b", clock(99.0, 2.0, 6.0, 4.0, 10.0, 8.0), clock(1.0, 1.0, 1.0, 1.0, 1.0, 1.0))
+    ratio = Race("a over b", clock(99.0, 2.0, 6.0, 4.0, 10.0, 8.0), clock(1.0, 1.0, 1.0, 1.0, 1.0, 1.0))
     assert ratio.measure(rounds=5) == {"median": 6.0, "low": 4.0, "high": 8.0}
 
 
 def test_a_record_is_written_and_compared_with_the_last(clock, monkeypatch, tmp_path, capsys):
     monkeypatch.setattr(benchmark, "ROUNDS", 1)
     for name, first, line in (("1", 2.0, "a 2.00 2.00 to 2.00 - -"), ("2", 3.0, "a 3.00 3.00 to 3.00 2.00 +50%")):
-        monkeypatch.setattr(benchmark, "ratios", lambda first=first: [Ratio("a", clock(first, first), clock(1.0, 1.0))])
+        monkeypatch.setattr(benchmark, "ratios", lambda first=first: [Race("a", clock(first, first), clock(1.0, 1.0))])
         main(tmp_path / "bench")
         assert " ".join(capsys.readouterr().out.splitlines()[1].split()) == line
         (written,) = (tmp_path / "bench").glob("2*.json")

@@ -4,12 +4,12 @@ from roomy import too_roomy
 from shown import quick
 
 from validation.measure.cycle import Cycle
-from validation.studies import load
+from validation.studies import study_called
 from validation.studies.unlike_slabs import cost_verdicts, last_cycles
 from validation.studies.unlike_slabs.runs import PairRun
 from validation.study import Outcome
 
-STUDY = load("unlike-slabs")
+STUDY = study_called("unlike-slabs")
 
 
 @pytest.fixture(scope="module")

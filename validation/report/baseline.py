@@ -40,7 +40,7 @@ class Change(NamedTuple):
         return f"{self.study}: {bare(self.name)}: expected {self.before:.9g} within {self.tolerance:.0e}, found {now}"
 
 
-def compare(stored: Stored, quick: bool, folder: Path = FOLDER) -> list[Change] | None:
+def changes_since(stored: Stored, quick: bool, folder: Path = FOLDER) -> list[Change] | None:
     """What changed in a study since the baseline of a full report; None if it has none, or if the study failed. A number that a
     quick report leaves out is no change."""
     path = folder / f"{stored.name}.json"
@@ -61,7 +61,7 @@ def compare(stored: Stored, quick: bool, folder: Path = FOLDER) -> list[Change] 
 
 def moved(stored: Stored, quick: bool) -> list[Change]:
     """Numbers that left their baseline; a new number has nothing to be compared with."""
-    return [change for change in compare(stored, quick) or [] if change.before is not None]
+    return [change for change in changes_since(stored, quick) or [] if change.before is not None]
 
 
 def red_lines(studies: Sequence[Stored], quick: bool) -> list[str]:

@@ -12,11 +12,11 @@ from typing import NamedTuple, cast
 from validation.report import store
 from validation.report.baseline import RedReport, red_lines
 from validation.report.page import write_page
-from validation.report.provenance import provenance
+from validation.report.provenance import machine_facts
 from validation.report.side_by_side import share_out
 from validation.run.progress import progress
 from validation.run.timing import cores
-from validation.studies import choose, load
+from validation.studies import choose, study_called
 from validation.study import Budget, Study
 
 
@@ -41,9 +41,9 @@ def make_report(
     whole. Raises SceneError for an unknown name in `only`.
     """
     asked = choose(only)
-    studies = [load(name) for name in choose(None)]
+    studies = [study_called(name) for name in choose(None)]
     tasks = {study.NAME: _task(study, out / "data", quick) for study in studies}
-    stored = {study.NAME: store.load(task.folder, study, task.key) for study, task in zip(studies, tasks.values(), strict=True)}
+    stored = {study.NAME: store.stored_result(out / "data", study, tasks[study.NAME].key) for study in studies}
     wanted = [study for study in studies if study.NAME in asked and stored[study.NAME] is None]
     for known in (result for name in asked if (result := stored[name])):
         _say(known)
@@ -61,7 +61,7 @@ def make_report(
             tell(result.name, 1.0)
             _say(result)
     results = [result for result in stored.values() if result]
-    page = write_page(out, results, provenance(), quick)
+    page = write_page(out, results, machine_facts(), quick)
     lines = red_lines(results, quick)
     if lines:
         raise RedReport(lines, page)
@@ -82,7 +82,7 @@ def _run(
     shared = [task for study in longest_first if (task := tasks[study.NAME]) not in timed]
     if processes > 1 and len(shared) > 1:
         for task, result in share_out(perform, shared, processes, lambda task, share: tell(task.name, share)):
-            yield result or _unfinished(load(task.name))
+            yield result or _unfinished(study_called(task.name))
     else:
         timed = shared + timed
     yield from (perform(task, partial(tell, task.name)) for task in timed)
@@ -94,7 +94,7 @@ def perform(task: Task, tell: Callable[[float], None]) -> store.Stored:
     began = time.perf_counter()
     try:
         result = study.run(Budget(task.quick, tell))
-        return store.save(task.folder, study, task.key, result, time.perf_counter() - began)
+        return store.store_result(task.folder, study, task.key, result, time.perf_counter() - began)
     except Exception as error:
         where = traceback.extract_tb(error.__traceback__)[-1]
         message = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno}, in {where.name})"

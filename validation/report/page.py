@@ -76,7 +76,7 @@ def tally(studies: Sequence[Stored]) -> dict[str, int]:
 
 def _changes(studies: Sequence[Stored], quick: bool) -> dict[str, Any]:
     """What moved since the baseline."""
-    compared = {study.name: baseline.compare(study, quick) for study in studies}
+    compared = {study.name: baseline.changes_since(study, quick) for study in studies}
     return {
         "compared": [name for name, changes in compared.items() if changes is not None],
         "numbers": sum(len(study.result.numbers) for study in studies if study.result and compared[study.name] is not None),

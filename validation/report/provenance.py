@@ -10,7 +10,7 @@ from slipwave.sources import ROOT, source_digest
 from validation.run.timing import cores
 
 
-def provenance() -> dict[str, str]:
+def machine_facts() -> dict[str, str]:
     """Facts for the page's head, in the order in which they are shown."""
     return {
         "slipwave": metadata.version("slipwave"),

@@ -55,7 +55,7 @@ def study_key(study: Study, quick: bool) -> str:
     return hashlib.sha256(f"{_FORMAT} {quick} {sources_digest(study)}".encode()).hexdigest()[:16]
 
 
-def load(folder: Path, study: Study, key: str) -> Stored | None:
+def stored_result(folder: Path, study: Study, key: str) -> Stored | None:
     """The study's stored result, if there is a whole one under the same key: as it was written, pictures and all."""
     place = folder / study.NAME
     try:
@@ -80,7 +80,7 @@ def _files(place: Path, figure: str) -> tuple[Path, Path]:
     return place / f"{figure}.svg", place / f"{figure}.png"
 
 
-def save(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds: float) -> Stored:
+def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds: float) -> Stored:
     """Write the result with its figures under folder/NAME; a reader sees all of it or none."""
     from validation.study.drawing import render, styled
 

@@ -32,7 +32,7 @@ STUDIES = {
 """Name of each study and the module of this package that holds it."""
 
 
-def load(name: str) -> Study:
+def study_called(name: str) -> Study:
     """The module of the study called `name`; imported only now, so that listing studies costs nothing."""
     return cast(Study, import_module(f"{__name__}.{STUDIES[name]}"))
 

@@ -15,7 +15,7 @@ from validation.study import WITNESS, Budget, Figure, Omission, StudyResult, Tab
 from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
 from validation.study.known import as_known
 from validation.study.text import places, plain, power
-from validation.timing import Point, Setting, cheapest, time_final, time_run
+from validation.timing import Setting, TimedRun, cheapest, time_final, time_run
 
 NAME = "cost-and-error"
 QUESTION = "What does each answer cost?"
@@ -88,8 +88,8 @@ def _settings(quick: bool) -> list[Setting]:
     return settings + [Setting(model, tolerance=tolerance) for model in _ODES for tolerance in _TOLERANCES]
 
 
-def _answer(points: list[Point]) -> str:
-    def words(point: Point) -> str:
+def _answer(points: list[TimedRun]) -> str:
+    def words(point: TimedRun) -> str:
         """Run time and error of one point in words."""
         return f"{1e3 * point.seconds:.0f} ms ({plain(abs(point.period_error), '.0e')})"
 
@@ -105,7 +105,7 @@ def _answer(points: list[Point]) -> str:
     )
 
 
-def _table(points: list[Point]) -> Table:
+def _table(points: list[TimedRun]) -> Table:
     rows = (
         (p.setting.model, p.setting.words, 1e3 * p.seconds, 1e6 * p.seconds / TRANSITS, p.period_error, p.drop_error)
         for p in points
@@ -135,10 +135,10 @@ def _final_states() -> Table:
     return table("final-states", caption, heading, rows)
 
 
-def _race_points(points: list[Point]) -> list[Point]:
+def _race_points(points: list[TimedRun]) -> list[TimedRun]:
     """The Kelvin-Voigt runs with their errors against that model's own reference period."""
     mine = [p for p in points if p.setting.model == "kelvin-voigt"]
-    return [Point(p.setting, p.seconds, p.period, _error(p.period), np.nan) for p in mine]
+    return [TimedRun(p.setting, p.seconds, p.period, _error(p.period), np.nan) for p in mine]
 
 
 def _known() -> float:
@@ -150,8 +150,8 @@ def _error(period: float) -> float:
     return period / _known() - 1.0
 
 
-def _race_table(ours: list[Point], rivals: list[PlainRun]) -> Table:
-    runs: list[tuple[str, str, Point | PlainRun]] = [("slipwave", one.setting.words, one) for one in ours]
+def _race_table(ours: list[TimedRun], rivals: list[PlainRun]) -> Table:
+    runs: list[tuple[str, str, TimedRun | PlainRun]] = [("slipwave", one.setting.words, one) for one in ours]
     runs += [("scipy LSODA", Setting("", one.tolerance).words, one) for one in rivals]
     rows = ((program, words, 1e3 * one.seconds, one.period, _error(one.period)) for program, words, one in runs)
     heading = "program | setting | run [ms] .1f | T [transits] .12g | error [relative] .0e"
@@ -163,7 +163,7 @@ def _race_table(ours: list[Point], rivals: list[PlainRun]) -> Table:
     return table("race", caption, heading, rows)
 
 
-def _race_factor(ours: list[Point], rivals: list[PlainRun]) -> str:
+def _race_factor(ours: list[TimedRun], rivals: list[PlainRun]) -> str:
     """How many times faster this package is at T to `_RACE_ERROR`. It is reported, not judged: run times vary on a busy
     machine."""
     able = [rival for rival in rivals if abs(_error(rival.period)) <= _RACE_ERROR]
@@ -181,7 +181,7 @@ def _agreement(rivals: list[PlainRun]) -> Verdict:
     return claim(title, WITNESS, _error(best.period), _RIVAL_ERROR, remark, shown)
 
 
-def _marches_agree(points: list[Point]) -> Verdict:
+def _marches_agree(points: list[TimedRun]) -> Verdict:
     """The two marches of one grid share neither step nor friction solve."""
     period = {(p.setting.cells, p.setting.time): p.period for p in points if p.setting.model == _ELEMENTS}
     apart = max(abs(period[cells, "exact"] / found - 1.0) for (cells, march), found in period.items() if march == "explicit")
@@ -190,7 +190,7 @@ def _marches_agree(points: list[Point]) -> Verdict:
     return claim(title, WITNESS, apart, _SAME_PERIOD, remark)
 
 
-def _grids(points: list[Point]) -> Verdict:
+def _grids(points: list[TimedRun]) -> Verdict:
     """The finest grid of each full wave."""
     allowed = {"fd": _LEAPFROG / max(point.setting.cells or 1 for point in points) ** 2, _ELEMENTS: _FINE}
     off = {model: abs(_finest(points, model).period_error) for model in allowed}
@@ -199,13 +199,13 @@ def _grids(points: list[Point]) -> Verdict:
     return claim(title, WITNESS, off[worst], allowed[worst], f"{', '.join(off)}; shown: `{worst}`")
 
 
-def _finest(points: list[Point], model: str) -> Point:
+def _finest(points: list[TimedRun], model: str) -> TimedRun:
     """Of the smallest tolerance, or of the most cells."""
     mine = (point for point in points if point.setting.model == model)
     return min(mine, key=lambda point: point.setting.tolerance or 1.0 / (point.setting.cells or 1))
 
 
-def _right(ours: list[Point]) -> Verdict:
+def _right(ours: list[TimedRun]) -> Verdict:
     """Our own run at the smallest tolerance, in the race's setting."""
     best = min(ours, key=lambda point: point.setting.tolerance or 1.0)
     title = "The Kelvin–Voigt run of the race has the period of other programs"
@@ -221,11 +221,11 @@ _CAPTION = (
 )
 
 
-def work_precision(points: list[Point]) -> Drawing:
+def work_precision(points: list[TimedRun]) -> Drawing:
     """Work-precision diagram, one line per model: error of the period over run time, both logarithmic."""
     figure = canvas(WIDTH, 4.6)
     axes = figure.add_subplot()
-    lines: dict[tuple[str, float | None, str | None], list[Point]] = {}
+    lines: dict[tuple[str, float | None, str | None], list[TimedRun]] = {}
     for point in points:
         lines.setdefault((point.setting.model, point.setting.cfl, point.setting.time), []).append(point)
     for (model, cfl, time), chosen in lines.items():

@@ -13,9 +13,9 @@ from validation.studies.energy.ledgers import (
     LADDERS,
     ORDERS,
     UNTIL,
-    History,
+    EnergyRun,
     history_of,
-    order_of,
+    ledger_order,
     residual_of,
 )
 from validation.study import EXACT, Budget, Cell, Figure, Number, StudyResult, Table, Verdict, claim, holding, table
@@ -45,7 +45,7 @@ def run(budget: Budget) -> StudyResult:
     residuals = {model: np.array([residual_of(model, n) for n in LADDERS[model]]) for model in budget.each(LADDERS, end=0.5)}
     high = {model: {name: residual_of(model, cells, name) for name in BOUNDARIES} for model, cells in HIGH.items()}
     shown = {name: history_of(name, 4 if budget.quick else 8) for name in BOUNDARIES}
-    orders = {model: order_of(model, residuals[model]) for model in ORDERS}
+    orders = {model: ledger_order(model, residuals[model]) for model in ORDERS}
     return StudyResult(
         answer=answer(shown, residuals["fd"], orders),
         figures=(Figure("entries", _ENTRIES, lambda: histories(shown)), Figure("closure", _CLOSURE, lambda: closure(residuals))),
@@ -55,7 +55,7 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def answer(shown: Mapping[str, History], fd: Array, orders: Mapping[str, Fit]) -> str:
+def answer(shown: Mapping[str, EnergyRun], fd: Array, orders: Mapping[str, Fit]) -> str:
     """Shares of the work, and how ledgers close."""
     lost = {name: 100.0 * (history.share("radiated") + history.share("viscous")) for name, history in shown.items()}
     friction = 100.0 * min(history.share("friction") for history in shown.values())
@@ -81,7 +81,7 @@ def _with_interval(found: Fit) -> str:
     return f"{found.order:.2f} ± {found.half_width:.2f}"
 
 
-def _balances(shown: Mapping[str, History]) -> Verdict:
+def _balances(shown: Mapping[str, EnergyRun]) -> Verdict:
     """The entries of two cycles: the input is the sum of the others."""
     off = {name: abs(1.0 - sum(history.share(entry) for entry in ENTRIES[1:])) for name, history in shown.items()}
     worst = max(off, key=off.__getitem__)
@@ -97,7 +97,7 @@ def high_verdicts(high: Mapping[str, Mapping[str, float]]) -> Iterator[Verdict]:
         yield claim("Ledgers of high degree close to rounding", EXACT, high[worst][name], _CLOSED[name], remark)
 
 
-def _shares_table(shown: Mapping[str, History]) -> Table:
+def _shares_table(shown: Mapping[str, EnergyRun]) -> Table:
     shares = ENTRIES[1:]
     heading = ["scene", "T [transits] .3f", "input [σL] .5g", *(f"{entry} [% of input] .4g" for entry in shares)]
     rows: Iterator[tuple[Cell, ...]] = (
@@ -150,7 +150,7 @@ _CLOSURE = (
 )
 
 
-def histories(shown: Mapping[str, History]) -> Drawing:
+def histories(shown: Mapping[str, EnergyRun]) -> Drawing:
     """A column per scene: large entries above, small ones below."""
     figure = canvas(WIDTH, 4.8)
     grid = figure.subplots(2, len(shown), sharex="col", sharey="row", gridspec_kw={"height_ratios": (2.0, 1.0)})

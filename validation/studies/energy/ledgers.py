@@ -45,7 +45,7 @@ BOUNDARIES = {"rigid faces": "paper", "grips": "grip", "viscous": "viscous"}
 
 
 @dataclass(frozen=True)
-class History:
+class EnergyRun:
     """Entries of the ledger (sigma L) since the first moment of `time` (transits), over two periods."""
 
     period: float
@@ -68,12 +68,12 @@ def residual_of(model: str, cells: int, name: str = "rigid faces") -> float:
     return abs(_ledger(solver).residual)
 
 
-def order_of(model: str, residual: Array) -> Fit:
+def ledger_order(model: str, residual: Array) -> Fit:
     """The order of the residuals above rounding; ValueError if fewer than four are."""
     return fit(np.array(LADDERS[model]), residual, _ROUNDING)
 
 
-def history_of(name: str, cells: int) -> History:
+def history_of(name: str, cells: int) -> EnergyRun:
     """The ledger's entries over two cycles of the settled orbit, from the end of a run on; linear between ends of steps."""
     solver = build_full_wave("dg:7", slipwave.read(BOUNDARIES[name]), cells=cells, time="exact")
     solver.keep_ledger()
@@ -87,7 +87,7 @@ def history_of(name: str, cells: int) -> History:
             rows.append(_entries(solver))
     time, *entries = np.array(rows).T
     found = (np.interp(moments, time, entry - entry[0]) for entry in entries)
-    return History(period, moments - begin, dict(zip(ENTRIES, found, strict=True)))
+    return EnergyRun(period, moments - begin, dict(zip(ENTRIES, found, strict=True)))
 
 
 def _ledger(solver: FieldSolver) -> Energy:

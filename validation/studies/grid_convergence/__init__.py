@@ -27,7 +27,7 @@ from validation.studies.grid_convergence.code import code_note, code_table
 from validation.studies.grid_convergence.in_time import (
     TIME_NOTE,
     both_marches,
-    reference,
+    delay_reference,
     time_table,
     time_verdicts,
     without_error_in_time,
@@ -39,10 +39,10 @@ from validation.studies.grid_convergence.orbits import (
     GridOrbit,
     as_r_grows,
     finest,
+    grid_orbit_table,
     grid_orbits,
     growth_table,
     growth_verdicts,
-    orbit_table,
     orbit_verdicts,
 )
 from validation.study import WITNESS, Budget, Cell, Figure, Number, StudyResult, Table, Verdict, holding, table
@@ -74,7 +74,7 @@ Curves: TypeAlias = Mapping[str, tuple[Array, Array, Array]]
 
 def run(budget: Budget) -> StudyResult:
     """Climb every ladder, fit its orders; then the figure's grids, the grids' own orbits and the error in time."""
-    climbs = [_climb(model) for model in budget.each(judged(budget.quick), end=0.7)]
+    climbs = [_climb(model) for model in budget.each(judged_models(budget.quick), end=0.7)]
     curves = {model: _curve(model, climbs) for model in (*_DRAWN, *_others(_DRAWN))}
     families, quick = FAMILIES[budget.quick], budget.quick
     orbits, beside, marches = grid_orbits(families), as_r_grows(ORBITS_AT[quick], MEANS_AT[quick]), both_marches()
@@ -84,7 +84,7 @@ def run(budget: Budget) -> StudyResult:
         tables=(
             orders_table(climbs, [family for family in GRIDS if not family.ladder]),
             finest_table(climbs),
-            orbit_table(orbits),
+            grid_orbit_table(orbits),
             *([growth_table(beside)] if beside else []),
             time_table(marches),
             code_table(),
@@ -102,7 +102,7 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def judged(quick: bool) -> tuple[str, ...]:
+def judged_models(quick: bool) -> tuple[str, ...]:
     """The members whose order is read: in a quick report some of those below, and one of every other family with a ladder."""
     return (*_QUICK, *_others(_QUICK)) if quick else tuple(LADDERS)
 
@@ -116,14 +116,14 @@ def _others(models: Iterable[str]) -> list[str]:
 def _climb(model: str) -> Climb:
     """Errors of the family without error in time, which the leapfrog has."""
     ladder = in_space(LADDERS[model])
-    return climb(ladder, reference(ladder.course), without_error_in_time)
+    return climb(ladder, delay_reference(ladder.course), without_error_in_time)
 
 
 def _curve(model: str, climbs: list[Climb]) -> tuple[Array, Array, Array]:
     """(points per slab, seconds, error of the state) on the figure's grids; those of its climb, if that was on their scene."""
     course = replace(GENTLE, density=GENTLE.density // _THINNED)
     found = next((one for one in climbs if one.ladder.model == model and one.ladder.course.scene is GENTLE.scene), None)
-    climbed = found or climb(replace(LADDERS[model], course=course), reference(GENTLE), without_error_in_time)
+    climbed = found or climb(replace(LADDERS[model], course=course), delay_reference(GENTLE), without_error_in_time)
     family, number = grid_of(model)
     shown = slice(None, None, _THINNED if found else 1)
     return climbed.cells[shown] * family.points(number), climbed.seconds[shown], climbed.errors["state"][shown]

@@ -36,7 +36,7 @@ _EXCESS = 3e-11
 
 
 @cache
-def reference(course: Course) -> Measured:
+def delay_reference(course: Course) -> Measured:
     """What the delay system gives over the `course`."""
     return measure(Delay(course.scene, steps=_STEPS, tolerance=_RESOLUTION), course)
 

@@ -115,7 +115,7 @@ def finest(orbits: list[GridOrbit]) -> dict[str, float]:
     return {one.model: max(one.period, one.stress_drop) for one in orbits}
 
 
-def order_of(family: list[GridOrbit], quantity: str) -> float:
+def orbit_order(family: list[GridOrbit], quantity: str) -> float:
     """Mean order from the coarsest grid to the finest one whose error is above the floor."""
     errors = [(one.cells, getattr(one, quantity)) for one in family]
     above = [pair for pair in errors if pair[1] > _FLOOR[quantity]]
@@ -130,7 +130,7 @@ def orbit_verdicts(orbits: Sequence[GridOrbit], families: Mapping[str, Grids]) -
     for model, grids in families.items():
         members, number = grid_of(model)
         declared, family = members.order_interface(number), [one for one in orbits if one.model == model]
-        period, drop = (order_of(family, quantity) for quantity in _FLOOR)
+        period, drop = (orbit_order(family, quantity) for quantity in _FLOOR)
         where = f"`{model}`, {family[0].cells} to {family[-1].cells} cells a slab"
         ours = f"{period:.2g} in T, {drop:.2g} in Δμ"
         yield holding(approaches, WITNESS, f"{declared} or more", ours, min(period, drop) >= declared, where)
@@ -157,7 +157,7 @@ def _where(some: list[Beside]) -> str:
     return f"`{_WAVE}` with {_WAVE_CELLS} cells, log_{{10}} r = {places}".replace("-", "−")
 
 
-def orbit_table(orbits: list[GridOrbit]) -> Table:
+def grid_orbit_table(orbits: list[GridOrbit]) -> Table:
     """Errors of every grid's orbit."""
     caption = (
         "Relative errors of the grid’s own periodic orbit against the delay system’s, both by Newton’s method, at log_{10} r = "

@@ -23,8 +23,8 @@ from validation.studies.stability_attacks.runs import (
     ATTACKS,
     CELLS,
     MOMENTS,
-    Advice,
     AttackOutcome,
+    Cure,
     advised,
     attack,
     locked_noise,
@@ -196,7 +196,7 @@ def attack_verdict(name: str, by_family: Mapping[str, AttackOutcome], beyond: bo
     )
 
 
-def advice_verdict(advice: Mapping[str, Advice]) -> Verdict:
+def advice_verdict(advice: Mapping[str, Cure]) -> Verdict:
     """Whether more cells cured the runs that asked for them."""
     allowed = {model: _CURED.get(model, _CURED_OTHERS) for model in advice}
     worst = max(advice, key=lambda model: advice[model].error / allowed[model])
@@ -293,7 +293,7 @@ def _message_table(attacks: Outcomes) -> tuple[Table, ...]:
     return (table("messages", "What the runs that stopped said.", "attack | family | message", rows),) if rows else ()
 
 
-def _advice_table(advice: Mapping[str, Advice]) -> Table:
+def _advice_table(advice: Mapping[str, Cure]) -> Table:
     rows = (
         (model, advised.stopped or "–", advised.message or "–", advised.cells, plain(advised.error, ".0e"))
         for model, advised in advice.items()

@@ -138,7 +138,7 @@ def _late_error(ours: _Course, exact: _Course) -> float:
     return min(of_state, max(abs(value / true - 1.0) for value, true in pairs))
 
 
-class Advice(NamedTuple):
+class Cure(NamedTuple):
     """Cells at which a run stopped with `message` (0 if it never did), cells at which it went through, its error of psi."""
 
     stopped: int
@@ -147,7 +147,7 @@ class Advice(NamedTuple):
     error: float
 
 
-def advised(model: str, until: float = ADVISED, most: int = 16) -> Advice:
+def advised(model: str, until: float = ADVISED, most: int = 16) -> Cure:
     """V = 1e5 from `model`'s usual cells, doubled (up to `most` times as many) for as long as the run ends with a message."""
     scene = _scene("V 5")
     exact = _course(build("delay", scene, tolerance=1e-10), until)
@@ -155,10 +155,10 @@ def advised(model: str, until: float = ADVISED, most: int = 16) -> Advice:
     while cells <= most * CELLS[model]:
         outcome = _outcome(model, cells, scene, exact, until)
         if not outcome.message:
-            return Advice(stopped, message, cells, max(outcome.error, abs(outcome.late)))
+            return Cure(stopped, message, cells, max(outcome.error, abs(outcome.late)))
         stopped, message = cells, outcome.message
         cells *= 2
-    return Advice(stopped, message, cells, math.inf)
+    return Cure(stopped, message, cells, math.inf)
 
 
 def locked_noise(model: str, transits: float) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 import slipwave
 from slipwave.observe.pieces import Array
 from validation.measure.cycle import Cycle
-from validation.studies.unlike_slabs.runs import MODELS, TOLERANCE, UNTIL, Costs, PairRun, costs, march
+from validation.studies.unlike_slabs.runs import MODELS, TOLERANCE, UNTIL, Costs, PairRun, costs, march_pair
 from validation.study import (
     SELF,
     WITNESS,
@@ -59,9 +59,9 @@ def run(budget: Budget) -> StudyResult:
     runs: dict[str, list[PairRun]] = {}
     for name in budget.each(_PAIRS, end=0.9):
         scene = slipwave.read(name)
-        runs[name] = [march(scene, "delay")]
+        runs[name] = [march_pair(scene, "delay")]
         for model, cells, cfl in grids:
-            runs[name].append(march(scene, model, cells, cfl))
+            runs[name].append(march_pair(scene, model, cells, cfl))
     timed = costs(repeats=5 if budget.quick else 9)
     shown = {name: (pair_runs[0].cycle, pair_runs[1].cycle) for name, pair_runs in runs.items()}
     return StudyResult(

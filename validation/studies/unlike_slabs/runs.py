@@ -46,7 +46,7 @@ class PairRun:
         return {name: ours[name] - theirs[name] if name == "psi" else ours[name] / theirs[name] - 1.0 for name in ours}
 
 
-def march(scene: Scene, model: str, cells: int | None = None, cfl: float | None = None) -> PairRun:
+def march_pair(scene: Scene, model: str, cells: int | None = None, cfl: float | None = None) -> PairRun:
     """Run `model` on `scene` to UNTIL."""
     if model == "delay":
         solver = build(model, scene, tolerance=TOLERANCE)
