@@ -118,11 +118,15 @@ def state_reach(model: str) -> float:
 
 def _calms_down(model: str, scene: Scene, share: float) -> bool:
     solver = with_step(model, scene, share)
+    return _goes_through(solver, STEPS * solver.step) and solver.failures == 0
+
+
+def _goes_through(solver: FieldSolver, until: float) -> bool:
     try:
-        follow(solver, STEPS * solver.step)
+        follow(solver, until)
     except NumericsError:
         return False
-    return solver.failures == 0
+    return True
 
 
 def _largest(stable: Callable[[float], bool]) -> float:
@@ -147,8 +151,4 @@ def around_the_limit(model: str, medium: str) -> tuple[float, float]:
 
 def stops_beyond(model: str, share: float, until: float = 120.0) -> bool:
     """Whether a run of the paper's scene at `share` of the declared step ends with a message."""
-    try:
-        follow(with_step(model, slipwave.read("paper"), share), until)
-    except NumericsError:
-        return True
-    return False
+    return not _goes_through(with_step(model, slipwave.read("paper"), share), until)

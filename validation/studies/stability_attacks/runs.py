@@ -34,27 +34,18 @@ class Attack(NamedTuple):
     late: float = 400.0
 
 
-def _impedance(power: int, *right: float) -> Attack:
-    return Attack(f"ε = 10^{{{power}}}", "paper", (f"slab.epsilon=1e{power}",), (right[0], right[1]))
-
-
-def _drive(power: int, *right: float, finer: int = 1) -> Attack:
-    late = 200.0 if power > 4 else 400.0
-    return Attack(f"V = 10^{{{power}}} V*", "paper", (f"drive.velocity=1e{power}",), (right[0], right[1]), finer, late)
-
+_IMPEDANCES = {-9: (2e-6, 2e-7), -4: (3e-6, 1e-11), -2: (6e-6, 1e-12), 2: (7e-6, 3e-9)}
+_DRIVES = {-6: (2e-6, 1e-9), -2: (2e-6, 1e-10), 3: (1e-2, 4e-3), 4: (2e-3, 3e-2), 5: (2e-8, 2e-5), 6: (3e-9, 1e-8)}
+_GRIDS = {4: (2, 400.0), 5: (4, 200.0), 6: (1, 200.0)}
+"""By the power of ten: what is right of epsilon and of V; how much finer the grids of some V are, and their late time."""
 
 _PI = ("upper.r=2e-3", f"lower.r={2e-3 * math.pi:.17g}")
 ATTACKS = {
-    "epsilon -9": _impedance(-9, 2e-6, 2e-7),
-    "epsilon -4": _impedance(-4, 3e-6, 1e-11),
-    "epsilon -2": _impedance(-2, 6e-6, 1e-12),
-    "epsilon 2": _impedance(2, 7e-6, 3e-9),
-    "V -6": _drive(-6, 2e-6, 1e-9),
-    "V -2": _drive(-2, 2e-6, 1e-10),
-    "V 3": _drive(3, 1e-2, 4e-3),
-    "V 4": _drive(4, 2e-3, 3e-2, finer=2),
-    "V 5": _drive(5, 2e-8, 2e-5, finer=4),
-    "V 6": _drive(6, 3e-9, 1e-8),
+    **{f"epsilon {n}": Attack(f"ε = 10^{{{n}}}", "paper", (f"slab.epsilon=1e{n}",), _IMPEDANCES[n]) for n in _IMPEDANCES},
+    **{
+        f"V {n}": Attack(f"V = 10^{{{n}}} V*", "paper", (f"drive.velocity=1e{n}",), right, *_GRIDS.get(n, (1, 400.0)))
+        for n, right in _DRIVES.items()
+    },
     "impedance": Attack("impedances 1 : 1000", "unlike", ("upper.epsilon=2.8e-5", "lower.epsilon=2.8e-2"), (6e-6, 1e-6)),
     "round trip": Attack("round trips 1 : 50", "unlike", ("upper.r=2e-4", "lower.r=1e-2"), (2e-6, 2e-7), late=200.0),
     "pi": Attack("round trips 1 : π", "unlike", _PI, (3e-5, 1e-4)),
