@@ -11,8 +11,11 @@ OF_LIBRARIES = {
     "node.body",
     "sys.stdout", "sys.stderr",
     "crossing.direction",
+    "call.__doc__", "call.__signature__", "self.call.__signature__", "self.call.__annotations__",
+    "mark.until", "work.until",
 }  # fmt: skip
-"""Attributes that numba, reprlib, ast, Python and scipy expect their users to set, or for which they have no option."""
+"""Attributes that numba, reprlib, ast, Python and scipy expect their users to set, or for which they have no option; and
+`until` of a mark and of the progress, the end of the stretch of a run that has just begun."""
 
 
 def attributes_set(path: Path) -> set[str]:
