@@ -12,7 +12,7 @@ class Interrupted(Exception):
 
 
 class NumericsError(ArithmeticError):
-    """The numerics failed: one line saying what, where and when (exit 3). `result` is what the door had computed by then, None if
+    """The numerics failed: one line saying what, where and when (exit 3). `result` is what was computed by then, None if
     nothing."""
 
     def __init__(self, message: str, result: Any = None) -> None:

@@ -104,7 +104,7 @@ def common(
 
 
 class _OnStderr(logging.Handler):
-    """Prints what the door logs, line by line."""
+    """Prints what is logged, line by line."""
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print one message."""

@@ -4,7 +4,7 @@ Where a motion that never repeats comes back near to itself, unstable periodic o
 """
 
 from collections.abc import Callable, Iterator
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -28,9 +28,12 @@ _STRETCH = 200.0
 _LATE = 10.0  # periods after which no further event is waited for
 _STEADY = 1e-3  # v_max/v_min - 1 below which a run has returned to steady sliding
 
-Marched = TypeVar("Marched", bound=Solver)
-Freeze = Callable[[Marched, float], tuple[Flow, Array]]
-"""(solver, period) -> its flow for that period and its present state."""
+
+class FlowingSolver(Solver, Protocol):
+    """A solver whose motion over a period is a differentiable map."""
+
+    def flow(self, period: float, tolerance: float) -> tuple[Flow, Array]:
+        """The map over a `period` (transits), on a mesh for figures with this relative error, and the present state."""
 
 
 class CycleSection(NamedTuple):
@@ -53,19 +56,19 @@ class Guess(NamedTuple):
 
 
 def approach(
-    solver: Marched, freeze: "Freeze[Marched]", most: float = MOST_TRANSITS, progress: Callable[[float], None] | None = None
+    solver: FlowingSolver, tolerance: float, most: float = MOST_TRANSITS, progress: Callable[[float], None] | None = None
 ) -> Guess:
-    """March `solver` near its periodic orbit. If its cycles keep changing, as beside an unstable orbit, the guess is the mean of
-    many of them: a torus surrounds its orbit, and cycles of a doubled one lie on both sides.
+    """March `solver` near its periodic orbit, for a flow of this `tolerance`. If its cycles keep changing, as beside an unstable
+    orbit, the guess is the mean of many of them: a torus surrounds its orbit, and cycles of a doubled one lie on both sides.
 
     Raises NumericsError if the run makes no cycles within `most` transits, or returns to steady sliding.
     """
-    return next(guesses(solver, freeze, most, progress))
+    return next(guesses(solver, tolerance, most, progress))
 
 
 def guesses(
-    solver: Marched,
-    freeze: "Freeze[Marched]",
+    solver: FlowingSolver,
+    tolerance: float,
     most: float = MOST_TRANSITS,
     progress: Callable[[float], None] | None = None,
     near: float | None = None,
@@ -84,10 +87,10 @@ def guesses(
         if cycles > 1 or not (_settled(events, alike) or _drifts(events)):
             break
         period = float(events.period[-1])
-        yield Guess(*_between(solver, observer, freeze, period), period, _settled(events, alike))
+        yield Guess(*_between(solver, observer, tolerance, period), period, _settled(events, alike))
     else:
         return
-    sections = _sections(solver, observer, freeze, period)
+    sections = _sections(solver, observer, tolerance, period)
     if near is None:
         mean = (sections[-1].date - sections[0].date) / (len(sections) - 1)
         yield Guess(sections[0].flow, np.mean([section.state for section in sections], axis=0), mean, False)
@@ -129,11 +132,11 @@ def _drifts(events: Events) -> bool:
     return bool((changes > 0.0).all() or (changes < 0.0).all())
 
 
-def _sections(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]", period: float) -> list[CycleSection]:
+def _sections(solver: FlowingSolver, observer: EventObserver, tolerance: float, period: float) -> list[CycleSection]:
     """The motion halfway after the next events, all on one mesh."""
     sections: list[CycleSection] = []
     while len(sections) < _CYCLES:
-        flow, state = _between(solver, observer, freeze, period)
+        flow, state = _between(solver, observer, tolerance, period)
         if sections and flow.size != sections[0].flow.size:  # the solver has refined its mesh
             sections = []
         sections.append(CycleSection(flow, state, float(observer.dates()[-1])))
@@ -150,7 +153,7 @@ def closest_returns(sections: list[CycleSection], cycles: int = 1, near: float |
     return [pair[:2] for pair in pairs[:_RETURNS]]
 
 
-def _between(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]", period: float) -> tuple[Flow, Array]:
+def _between(solver: FlowingSolver, observer: EventObserver, tolerance: float, period: float) -> tuple[Flow, Array]:
     """March to the middle between two slip events, half a period after the first to come; its flow and state."""
     last = float(observer.dates()[-1])
     if last + 0.5 * period <= solver.time + 1e-6:
@@ -162,7 +165,7 @@ def _between(solver: Marched, observer: EventObserver, freeze: "Freeze[Marched]"
         last = float(observer.dates()[-1])
     if last + 0.5 * period > solver.time:
         follow(solver, last + 0.5 * period, [observer])
-    return freeze(solver, period)
+    return solver.flow(period, tolerance)
 
 
 def _require_orbit(solver: Solver, events: Events, most: float) -> None:

@@ -54,7 +54,7 @@ def kelvin_voigt(log10_r):
     """A guess from a run."""
     scene = scene_at(log10_r)
     solver = ReducedModel(scene, reduction_of(scene, "kelvin-voigt"), 1e-6)
-    return approach(solver, lambda solver, period: solver.flow(period, 1e-8))
+    return approach(solver, 1e-8)
 
 
 def test_the_first_period_doubling_of_kelvin_voigt():
@@ -71,7 +71,7 @@ def test_the_torus_of_kelvin_voigt():
 
 
 def test_the_first_torus_of_the_delay_system():
-    guess = approach(DelayNetwork(scene_at(-2.658), tolerance=1e-6), lambda solver, period: solver.flow(period, 1e-6))
+    guess = approach(DelayNetwork(scene_at(-2.658), tolerance=1e-6), 1e-6)
     flow, state = guess.flow.remeshed(guess.flow.march(guess.state, guess.period), 1.5)
     family = FlowFamily(flow, scene_at)
     point = from_orbit(family, close(flow, state, guess.period), -2.658, 0.0, METRIC)

@@ -40,9 +40,9 @@ MULTIPLIERS = {-2.69: [0.461769, 0.169795], -2.68: [0.254520 + 0.347982j], -2.65
 def guessed(model, log10_r, tolerance=1e-9):
     scene = read("paper", {"slab.log10_r": log10_r})
     if model == "delay":
-        return approach(DelayNetwork(scene, tolerance=1e-6), lambda solver, period: solver.flow(period, 1e-6))
+        return approach(DelayNetwork(scene, tolerance=1e-6), 1e-6)
     solver = ReducedModel(scene, reduction_of(scene, model), 1e-6)
-    return approach(solver, lambda solver, period: solver.flow(period, tolerance))
+    return approach(solver, tolerance)
 
 
 @lru_cache
@@ -72,10 +72,10 @@ def returns(model, log10_r, near=None):
     """Orbits from the run's closest returns, those of Newton's failures left out."""
     scene = read("paper", {"slab.log10_r": log10_r})
     if model == "delay":
-        found = guesses(DelayNetwork(scene, tolerance=1e-6), lambda solver, period: solver.flow(period, 1e-6), near=near)
+        found = guesses(DelayNetwork(scene, tolerance=1e-6), 1e-6, near=near)
     else:
         solver = ReducedModel(scene, reduction_of(scene, model), 1e-6)
-        found = guesses(solver, lambda solver, period: solver.flow(period, 1e-9), near=near)
+        found = guesses(solver, 1e-9, near=near)
     for guess in found:
         with suppress(NumericsError):
             yield close(*guess[:3]), guess.cycles
@@ -111,7 +111,7 @@ def test_no_orbit_near_a_run():
         guessed("delay", -2.72)
     scene = read("paper")
     with pytest.raises(NumericsError, match=r"a run of 300 transits made \d+ cycles in its second half: no orbit near it"):
-        approach(DelayNetwork(scene, tolerance=1e-6), lambda solver, period: solver.flow(period, 1e-6), most=300.0)
+        approach(DelayNetwork(scene, tolerance=1e-6), 1e-6, most=300.0)
 
 
 @pytest.mark.parametrize(("model", "log10_r"), REFERENCE)

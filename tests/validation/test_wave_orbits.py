@@ -27,7 +27,7 @@ PERIOD, DROP = 73.4721449443, 0.1739634131
 
 def closed_orbit(solver):
     """The orbit of a grid, closed from a run."""
-    guess = approach(solver, lambda solver, period: solver.flow(period, 1e-10))
+    guess = approach(solver, 1e-10)
     return close(*guess[:3])
 
 
@@ -58,7 +58,7 @@ def test_three_large_elements_give_ten_digits():
 def test_the_orbit_of_unlike_slabs_is_that_of_the_delay_system():
     """Whose round trips are 1 : 2. Measured: 1e-14 in the period, 2e-11 in v."""
     scene = read("unlike")
-    guess = approach(DelayNetwork(scene, tolerance=1e-6), lambda solver, period: solver.flow(period, 1e-6))
+    guess = approach(DelayNetwork(scene, tolerance=1e-6), 1e-6)
     expected = periodic_orbit(*guess[:3], 1e-10)
     orbit = closed_orbit(DiscontinuousGalerkin(scene, number=7, cells=3, time="exact"))
     found = cycle_figures(scene.law, orbit.cycle, orbit.flow.nodes)

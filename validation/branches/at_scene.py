@@ -87,7 +87,7 @@ def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near
     candidates = [(one, _FROM_BRANCH) for one in known.orbits]
     if not candidates or near > _SEVERAL * max(one.cycle.period for one, _ in candidates):
         try:
-            candidates += [(one, _FROM_RUN) for one in orbits_near(moving(model, scene, tolerance, cells), near)]
+            candidates += [(one, _FROM_RUN) for one in orbits_near(moving(model, scene, cells), tolerance, near)]
         except NumericsError as reason:
             failed = reason
     # the run's own as it was found by the search for others, if it was

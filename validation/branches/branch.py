@@ -146,8 +146,8 @@ class FollowedBranch(Followed):
 
     def family_at(self, parameter: float, period: float) -> FlowFamily:
         """The model's flows, on a mesh that suits steady sliding and its slow oscillations with `period` (transits)."""
-        model = moving(self.model, self.over.scene_at(parameter), self.tolerance, self.cells)
-        return FlowFamily(model.freeze(model.solver, period)[0], self.over.scene_at)
+        solver = moving(self.model, self.over.scene_at(parameter), self.cells)
+        return FlowFamily(solver.flow(period, self.tolerance)[0], self.over.scene_at)
 
     def first_special(self, end: BranchEnd, kind: str) -> tuple[Special, FlowFamily]:
         """The first special point of `kind` after `end` in the range, and the flows on its mesh. Raises NumericsError if there

@@ -1,11 +1,11 @@
 """The periodic orbit of a scene, by a run that comes near it and Newton's method from there."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple, cast
 
 from reduced.orbit import PeriodicOrbit, periodic_orbit
-from reduced.orbit.approach import MOST_TRANSITS, Guess, guesses
+from reduced.orbit.approach import MOST_TRANSITS, FlowingSolver, Guess, guesses
 from reduced.orbit.closing import Closed, close
 from reduced.orbit.figures import figures_of, repeats_sooner
 from reduced.orbit.multipliers import multipliers
@@ -20,24 +20,12 @@ from validation.registry.families import DELAY, GRIDS, family_of, make, one_port
 from validation.run.outlook import outlook
 from validation.run.progress import progress
 
-if TYPE_CHECKING:
-    from slipwave.observe.pieces import Array
-    from slipwave.solve import Solver
-
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-11, 1e-2
 _RUN = 1e-6  # tolerance of a run that only has to come near an orbit
 _MESHES = 6.0
 _CYCLES = 25.0  # expected in a run before it is given up
 _LONGEST_EXPECTED = 3e4  # transits; steel on PMMA, with periods of 22,444, takes 20 s
 _SAME = 1e-6  # relative difference of two periods on one mesh that count as one orbit's
-
-
-class Moving(NamedTuple):
-    """A `solver` at the scene's start, and `freeze` (solver, period), which gives its flow over a period and its present
-    state."""
-
-    solver: "Solver"
-    freeze: "Callable[[Any, float], tuple[Flow, Array]]"
 
 
 class Other(NamedTuple):
@@ -104,9 +92,9 @@ def flowing(model: str, scene: Scene) -> tuple[str, str]:
     return model, why
 
 
-def moving(model: str, scene: Scene, tolerance: float, cells: int | None = None) -> Moving:
-    """The model called `model`, ready to look for an orbit to `tolerance`, the relative error of its figures. Full waves march
-    exactly. A scene that starts on its orbit starts with the nudge.
+def moving(model: str, scene: Scene, cells: int | None = None) -> FlowingSolver:
+    """The solver of `model` for a run to an orbit. Full waves march exactly. A scene that starts on its orbit starts with the
+    nudge.
 
     Raises SceneError if the drive changes, as `prepare` does, and for a model without flow.
     """
@@ -118,28 +106,28 @@ def moving(model: str, scene: Scene, tolerance: float, cells: int | None = None)
     if known is DELAY:
         from reduced.delay.network import DelayNetwork
 
-        return Moving(DelayNetwork(scene, tolerance=_RUN), lambda solver, period: solver.flow(period, tolerance))
-    return Moving(make(*asked).solver, lambda solver, period: solver.flow(period, tolerance))
+        return DelayNetwork(scene, tolerance=_RUN)
+    return cast(FlowingSolver, make(*asked).solver)
 
 
 def find_orbit(model: str, scene: Scene, tolerance: float, cells: int | None = None) -> OrbitFound:
     """The orbit of `model` that the scene's own start leads to, or comes near to. Raises NumericsError if there is none."""
-    known, failed = moving(model, scene, tolerance, cells), None
-    for guess in _guesses(known):
+    solver, failed = moving(model, scene, cells), None
+    for guess in _guesses(solver, tolerance):
         try:
-            return OrbitFound(refined_orbit(known.solver.scene, guess, tolerance), tolerance, _source(known.solver.time, guess))
+            return OrbitFound(refined_orbit(solver.scene, guess, tolerance), tolerance, _source(solver.time, guess))
         except NumericsError as reason:
             failed = failed or reason
     assert failed is not None
     raise failed
 
 
-def orbits_near(model: Moving, period: float) -> list[Closed]:
+def orbits_near(solver: FlowingSolver, tolerance: float, period: float) -> list[Closed]:
     """The different orbits to which the motion of the scene returns most closely after about the `period` (transits), on its own
     mesh. Raises NumericsError if there is none."""
     found: list[Closed] = []
-    failed = NumericsError(f"{model.solver.model}: the run does not come back to its state after about {period:g} transits")
-    for guess in _guesses(model, period):
+    failed = NumericsError(f"{solver.model}: the run does not come back to its state after about {period:g} transits")
+    for guess in _guesses(solver, tolerance, period):
         try:
             one = close(*guess[:3])
         except NumericsError as reason:
@@ -153,12 +141,11 @@ def orbits_near(model: Moving, period: float) -> list[Closed]:
     return found
 
 
-def _guesses(model: Moving, near: float | None = None) -> Iterator[Guess]:
+def _guesses(solver: FlowingSolver, tolerance: float, near: float | None = None) -> Iterator[Guess]:
     """`guesses` with progress."""
-    solver = model.solver
     most = most_transits(solver.scene, solver.model)
     with progress(f"{solver.scene.name}, {solver.model}, on the way to an orbit", most) as report:
-        yield from guesses(solver, model.freeze, most, report, near)
+        yield from guesses(solver, tolerance, most, report, near)
 
 
 def most_transits(scene: Scene, model: str) -> float:

@@ -76,7 +76,7 @@ def branch_of(model: str, highest: float, longest: float, tolerance: float = TOL
     `longest` (transits); on a mesh that keeps relative errors of the figures below `tolerance`."""
     metric = metric_for(*RANGE)
     onset = onsets(scene_at, *RANGE, model)[0]
-    family = FlowFamily(approach(*moving(model, scene_at(-2.68), tolerance)[:2]).flow, scene_at)
+    family = FlowFamily(approach(moving(model, scene_at(-2.68)), tolerance).flow, scene_at)
     first = from_hopf(family, onset.parameter, onset.period, metric)
 
     def inside(point: OrbitPoint) -> bool:

@@ -81,8 +81,7 @@ def at_r(model: str, log10_r: float) -> AtR | None:
 
 def _stable_orbit(model: str, scene: Scene) -> PeriodicOrbit | None:
     """The orbit on which a run settles; None if its cycles keep changing."""
-    known = moving(model, scene, _TOLERANCE)
-    guess = approach(known.solver, known.freeze)
+    guess = approach(moving(model, scene), _TOLERANCE)
     return periodic_orbit(*guess[:3], _TOLERANCE) if guess.settled else None
 
 

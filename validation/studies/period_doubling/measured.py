@@ -60,9 +60,9 @@ class Doubled(NamedTuple):
 def doubled() -> Doubled:
     """Both orbits by Newton's method from a run, and their branches in both directions."""
     single = memo.own_orbit(MODEL, scene_at(AT), TOLERANCE)
-    settled = moving(MODEL, scene_at(AT), TOLERANCE)
-    twice = float(watch(settled.solver, _MARCHED).events().period[-2:].sum())
-    double = periodic_orbit(*settled.freeze(settled.solver, twice), twice, TOLERANCE)
+    settled = moving(MODEL, scene_at(AT))
+    twice = float(watch(settled, _MARCHED).events().period[-2:].sum())
+    double = periodic_orbit(*settled.flow(twice, TOLERANCE), twice, TOLERANCE)
     primary, special = _both_ways(single, 1e9)
     bubble, _ = _both_ways(double, NEAR)
     return Doubled(single, double, twice, primary, special, bubble)
