@@ -70,7 +70,7 @@ def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
 
 
 @cache
-def courant_limit(degree: int) -> float:
+def _courant_limit(degree: int) -> float:
     """Longest stable dt/h (h the length of an element in travel time)."""
     nodes, weights = gauss_lobatto(degree)
     lift = np.zeros(degree + 1)
@@ -90,4 +90,4 @@ class DiscontinuousGalerkin(MethodOfLines):
 
     def elastic_limit(self) -> float:
         """As `MethodOfLines`."""
-        return courant_limit(self.number) * shortest_cell(self.sections)
+        return _courant_limit(self.number) * shortest_cell(self.sections)

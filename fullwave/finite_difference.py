@@ -19,8 +19,8 @@ import numpy as np
 from fullwave.families import LEAPFROG
 from fullwave.leapfrog.faces import Grip
 from fullwave.leapfrog.grid import common_step, slab_grid
-from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, march, steady_memory
-from fullwave.leapfrog.readout import energy_of, snapshot_of
+from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, march_leapfrog, steady_memory
+from fullwave.leapfrog.readout import energy_of, leapfrog_snapshot
 from fullwave.leapfrog.viscous import steady_side
 from fullwave.lines.budget import enough_memory, require_bytes, steps_at_once
 from fullwave.options import MOST_CELLS, require_cfl, require_whole
@@ -101,7 +101,7 @@ class Leapfrog:
         """March through `pieces` and fill them. If there are none, only take the sample at t = 0, unless it was taken before."""
         scene, upper = self.scene, self._sides[0]
         physics = (scene.law, self.step, scene.forcing, scene.drive.compiled)
-        failures, failed = march(*physics, upper, self._lower, self._memory, self._sample, pieces)
+        failures, failed = march_leapfrog(*physics, upper, self._lower, self._memory, self._sample, pieces)
         if failures and not self.failures:
             self.failed_at = failed * self.step
         self.failures += failures
@@ -119,7 +119,7 @@ class Leapfrog:
         """Velocity and stress at the nodes at `time`, of second order."""
         if self._sample < 0:  # the interface's velocity at t = 0 is only known once the sample there is taken
             self._fill(empty_pieces(0, self.nodes.size))
-        return snapshot_of(self.scene, self.time, self._memory, self._sides, self._grids)
+        return leapfrog_snapshot(self.scene, self.time, self._memory, self._sides, self._grids)
 
     def disturb(self, noise: Callable[[int], Array], stressed: bool = True) -> None:
         """As `FieldSolver`; stresses, which belong to other times, stay."""

@@ -143,7 +143,7 @@ def sample_cells(degree: int, cells: int) -> int:
 
 
 @cache
-def courant_limit(degree: int, mass: str, cells: int) -> float:
+def _courant_limit(degree: int, mass: str, cells: int) -> float:
     """Longest stable dt/h (h the length of an element in travel time) of a layer of `cells`."""
     _, norm, slope = assemble_layer(cells, degree, mass)
     inverse = np.linalg.inv(norm.toarray())
@@ -177,5 +177,5 @@ class FiniteElement(MethodOfLines):
     def elastic_limit(self) -> float:
         """As `MethodOfLines`."""
         degree = self.number
-        limits = (courant_limit(degree, self.mass, sample_cells(degree, s.cells)) * s.length / s.cells for s in self.sections)
+        limits = (_courant_limit(degree, self.mass, sample_cells(degree, s.cells)) * s.length / s.cells for s in self.sections)
         return min(limits)

@@ -106,7 +106,7 @@ def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
 
 
 @cache
-def courant_limit(order: int, cells: int) -> float:
+def _courant_limit(order: int, cells: int) -> float:
     """Longest stable dt/h of a layer of `cells`."""
     matrix, norm = difference_matrix(order, cells)
     lift = np.zeros(norm.shape[0])
@@ -130,4 +130,4 @@ class SummationByParts(MethodOfLines):
 
     def elastic_limit(self) -> float:
         """As `MethodOfLines`."""
-        return min(courant_limit(self.number, min(s.cells, _SAMPLE_CELLS)) * s.length / s.cells for s in self.sections)
+        return min(_courant_limit(self.number, min(s.cells, _SAMPLE_CELLS)) * s.length / s.cells for s in self.sections)

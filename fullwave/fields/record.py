@@ -133,7 +133,7 @@ class FieldRecord:
         """The record so far. Raises SceneError if it is shorter than a step."""
         if len(self._shots) < 2:
             raise SceneError(f"window = [{self._start:g}, {self._end:g}]: shorter than the solver's step")
-        return assemble(self._solver.scene, self._solver.model, self._shots)
+        return field_of(self._solver.scene, self._solver.model, self._shots)
 
     def state(self) -> State:
         """As `Resumable`: a row per sample with its time, then velocity and stress of the upper and of the lower slab."""
@@ -176,7 +176,7 @@ def record_field(
     return record.field, final
 
 
-def assemble(scene: Scene, model: str, shots: Sequence[Snapshot]) -> Field:
+def field_of(scene: Scene, model: str, shots: Sequence[Snapshot]) -> Field:
     """The record made of the snapshots of one run."""
     time = np.array([shot.time for shot in shots])
     lower = None if scene.alike else _stack([shot.lower for shot in shots])

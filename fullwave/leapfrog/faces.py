@@ -42,7 +42,7 @@ class Grip(NamedTuple):
 
 
 @by_class(inline=True)
-def settle(
+def settle_face(
     face: Rigid | Grip, inertia: float, old: float, pull: float, damping: float, mean: float, following: float
 ) -> tuple[float, float]:
     """(alpha, beta) of the face's row for the grid impedance `inertia` and the velocity `old` half a step before."""
@@ -55,7 +55,7 @@ def push(face: Rigid | Grip, traction: float, velocity: float, mean: float) -> f
     raise NotImplementedError(type(face))
 
 
-@settle.register(Rigid)
+@settle_face.register(Rigid)
 def _settle_rigid(face, inertia, old, pull, damping, mean, following):  # type: ignore[no-untyped-def]
     return 0.0, 0.5 * (old + following)
 
@@ -65,7 +65,7 @@ def _push_rigid(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
     return traction * velocity
 
 
-@settle.register(Grip)
+@settle_face.register(Grip)
 def _settle_grip(face, inertia, old, pull, damping, mean, following):  # type: ignore[no-untyped-def]
     resistance = face.impedance + face.half_spring
     total = inertia + resistance + damping

@@ -106,7 +106,7 @@ def _shift(memory: Array, slot: int, value: float) -> None:
 
 
 @njit
-def march(
+def march_leapfrog(
     law: Law,
     dt: float,
     forcing: Forcing,

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from fullwave.leapfrog.faces import Grip, Rigid, push, settle
+from fullwave.leapfrog.faces import Grip, Rigid, push, settle_face
 from fullwave.leapfrog.grid import LeapfrogGrid
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
@@ -102,7 +102,7 @@ def _accelerate_uniform(medium, face, rate, mean, following):  # type: ignore[no
     for j in range(1, n):
         velocity[j] += medium.mobility * (stress[j] - stress[j - 1])
     old = velocity[n]
-    _, top = settle(face, medium.inertia, old, stress[n - 1], 0.0, mean, following)
+    _, top = settle_face(face, medium.inertia, old, stress[n - 1], 0.0, mean, following)
     velocity[n] = 2.0 * top - old
     return push(face, stress[n - 1] + medium.inertia * (top - old), top, mean)
 
@@ -116,7 +116,7 @@ def accelerate_layered(medium: Medium, face: Rigid | Grip, rate: float, mean: fl
     for j in range(1, n):
         velocity[j] += mobility[j] * (stress[j] - stress[j - 1])
     old = velocity[n]
-    _, top = settle(face, medium.outer_inertia, old, stress[n - 1], 0.0, mean, following)
+    _, top = settle_face(face, medium.outer_inertia, old, stress[n - 1], 0.0, mean, following)
     velocity[n] = 2.0 * top - old
     return push(face, stress[n - 1] + medium.outer_inertia * (top - old), top, mean)
 

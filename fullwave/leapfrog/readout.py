@@ -56,7 +56,7 @@ def side_energy(side: Side, grid: LeapfrogGrid, steady_stress: float, velocity: 
     return kinetic + elastic + branch + spring, radiated, viscous
 
 
-def snapshot_of(scene: Scene, time: float, memory: Array, sides: list[Side], grids: list[LeapfrogGrid]) -> Snapshot:
+def leapfrog_snapshot(scene: Scene, time: float, memory: Array, sides: list[Side], grids: list[LeapfrogGrid]) -> Snapshot:
     """Velocity and stress at the nodes at the whole time `time`, of second order in the cell."""
     stress, rate = float(memory[STRESS]) - scene.steady_stress, float(memory[RATE])
     drive = 0.5 * scene.drive.at(time)

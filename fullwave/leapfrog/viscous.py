@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fullwave.leapfrog.faces import Grip, Rigid, compiled_face, coupling, push, settle
+from fullwave.leapfrog.faces import Grip, Rigid, compiled_face, coupling, push, settle_face
 from fullwave.leapfrog.grid import LeapfrogGrid
 from fullwave.leapfrog.media import (
     Side,
@@ -115,7 +115,7 @@ def _strain_standard_linear(medium):  # type: ignore[no-untyped-def]
 def _load_kelvin_voigt(medium, face, mean, following):  # type: ignore[no-untyped-def]
     velocity, stress, beta, inertia, damping = medium.velocity, medium.stress, medium.beta, medium.node_inertia, medium.damping
     n = stress.size
-    _, beta[n] = settle(face, inertia[n], velocity[n], stress[n - 1], damping[n - 1], mean, following)
+    _, beta[n] = settle_face(face, inertia[n], velocity[n], stress[n - 1], damping[n - 1], mean, following)
     for j in range(n - 1, 0, -1):
         known = inertia[j] * velocity[j] + stress[j] - stress[j - 1]
         beta[j] = (known + damping[j] * beta[j + 1]) * medium.pivot[j]

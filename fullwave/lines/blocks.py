@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fullwave.lines.panels import LANES
-from fullwave.lines.system import SCALARS, Elastic, Interface, Operator, System, Tops, Traces, Viscous
+from fullwave.lines.system import SCALARS, Elastic, GridInterface, Operator, System, Tops, Traces, Viscous
 from fullwave.options import MOST_CELLS, require_whole
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -182,13 +182,13 @@ def _medium(scene: Scene, grid: BlockGrid) -> Elastic | Viscous:
     return Viscous(energy_weight(grid), rate, fraction, delay, is_velocity, total, spare)
 
 
-def _interface(scene: Scene, traces: Traces, size: int, viscous: bool) -> Interface:
+def _interface(scene: Scene, traces: Traces, size: int, viscous: bool) -> GridInterface:
     sides = len(scene.slabs)
     has_mass = any(slab.termination.mass > 0.0 for slab in scene.slabs)
     joints = traces.lift.size // 2 - sides
     copies = 2.0 if sides == 1 else 1.0
     ends = slice(2 * joints, 2 * joints + sides)
-    return Interface(
+    return GridInterface(
         law=scene.law,
         impedance=1.0 / float((copies / (traces.impedance * traces.stiffened))[ends].sum()),
         copies=copies,

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, enough_memory, steps_at_once
-from fullwave.lines.kernel import MOST_PIECES, STEPS_PER_PIECE, march
+from fullwave.lines.kernel import MOST_PIECES, STEPS_PER_PIECE, march_lines
 from fullwave.lines.matrix import motion_of
-from fullwave.lines.runge_kutta import RungeKutta, scaled
+from fullwave.lines.runge_kutta import RungeKutta, scaled_method
 from fullwave.lines.scheme_limit import longest_decay_step
 from fullwave.lines.system import ELASTIC, FRICTION, INPUT, PSI, RADIATED, VISCOUS, System
 from fullwave.sampling import pieces_until, sample_nodes
@@ -30,7 +30,7 @@ class ExplicitMarch:
         self, scene: Scene, system: System, method: RungeKutta, step: float, values: Array, work: float, cells: int, model: str
     ) -> None:
         self._scene, self._system, self._method, self.step, self._model = scene, system, method, step, model
-        self.nodes, self._scaled = sample_nodes(STEPS_PER_PIECE), scaled(method, step)
+        self.nodes, self._scaled = sample_nodes(STEPS_PER_PIECE), scaled_method(method, step)
         self.layout = values
         self.failures, self.failed_at = 0, math.nan
         self._taken, self._cells, self._work = 0, cells, work
@@ -80,7 +80,7 @@ class ExplicitMarch:
         """March the `steps` of `pieces`, in parts so that the run can be interrupted; returns the state's fastest relaxation."""
         fastest = 0.0
         for begin in range(0, steps + 1, self._stride):
-            failures, failed, relaxation = march(
+            failures, failed, relaxation = march_lines(
                 self._system,
                 self._scaled,
                 self.step,

@@ -11,7 +11,7 @@ from fullwave.lines.blocks import state_size
 from fullwave.lines.budget import MOST_BYTES
 from fullwave.lines.grid_ledger import GridLedger, Power
 from fullwave.lines.matrix import motion_of
-from fullwave.lines.propagator import LinearSlabs, StepMap, impedance_at, to_legendre
+from fullwave.lines.propagator import LinearSlabs, StepMap, grid_impedance_at, to_legendre
 from fullwave.lines.step_maps import StepMaps, at_nodes, dissipation_of, maps_of
 from fullwave.lines.system import System
 from slipwave.observe.pieces import SAME, Array
@@ -133,7 +133,7 @@ class GridSlabs:
     def resistance(self, port: Port, levels: Levels, growth: float) -> Array:
         """As `Slabs`."""
         with one_thread():
-            return np.array([impedance_at(self.slabs, growth / length) for length in port.length[levels].tolist()])
+            return np.array([grid_impedance_at(self.slabs, growth / length) for length in port.length[levels].tolist()])
 
     def next_break(self, time: float) -> float:
         """As `Slabs`: knots of the drive, and their arrivals at the interface."""

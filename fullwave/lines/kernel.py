@@ -1,7 +1,7 @@
 """The compiled loop of the method-of-lines march: equal Runge-Kutta steps, with a sample of the interface after each."""
 
 from fullwave.lines.motion import rates_of
-from fullwave.lines.runge_kutta import RungeKutta, combine
+from fullwave.lines.runge_kutta import RungeKutta, combine_stages
 from fullwave.lines.system import ELASTIC, PSI, System
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array, Pieces
@@ -15,7 +15,7 @@ shared by 4096 steps."""
 
 
 @njit
-def march(
+def march_lines(
     system: System,
     method: RungeKutta,
     step: float,
@@ -30,7 +30,7 @@ def march(
     frames: Array,
 ) -> tuple[int, int, float]:
     """March steps `begin` to `end` (excluded) of those that fill `pieces`, which begin at step number `first`. The step after the
-    last piece is evaluated only to record the last sample. `method` is that of steps of this length (`scaled`). `unknowns`
+    last piece is evaluated only to record the last sample. `method` is that of steps of this length (`scaled_method`). `unknowns`
     (3, stages) holds z of the last three steps' stages, latest first: a parabola through them starts each friction solve, which
     saves two of four iterations. `frames`, if it has rows, receives the state at the beginning of every step. Returns (failed
     solves, step n of the first one or -1, fastest relaxation of the state per transit)."""
@@ -45,7 +45,7 @@ def march(
             for i in range(state.size):
                 frames[n, i] = state[i]
         for stage in range(stages):
-            combine(weight, stages, stage, state, rates, trial)
+            combine_stages(weight, stages, stage, state, rates, trial)
             guess = 3.0 * (unknowns[0, stage] - unknowns[1, stage]) + unknowns[2, stage]
             at = stage * state.size
             z, mu, relaxation, iterations = rates_of(system, time + abscissae[stage], trial, rates, at, guess)
@@ -63,5 +63,5 @@ def march(
             unknowns[2, stage] = unknowns[1, stage]
             unknowns[1, stage] = unknowns[0, stage]
             unknowns[0, stage] = z
-        combine(weight, stages, stages, state, rates, state)
+        combine_stages(weight, stages, stages, state, rates, state)
     return failures, failed, fastest

@@ -23,7 +23,7 @@ def _columns(operator: Operator, states: Array, at_apply: Array, at_finish: Arra
         finish(operator, at_finish[k], 0)
 
 
-class Motion(NamedTuple):
+class LinearMotion(NamedTuple):
     """Linear forms, as rows, in (q, u, c): the state q = (grid, scalars, memory stresses, heavy faces) in deviations from steady
     sliding, the slip rate u = v - V_0 and the change c = (V - V_0)/2 of the drive of each face.
 
@@ -54,7 +54,7 @@ def motion_matrix(system: System, locked: bool) -> Array:
     return rates
 
 
-def motion_of(system: System) -> Motion:
+def motion_of(system: System) -> LinearMotion:
     """The equations of motion of `system`."""
     size = system.interface.size
     viscous = system.medium if isinstance(system.medium, Viscous) else None
@@ -95,7 +95,7 @@ def motion_of(system: System) -> Motion:
         pull = impedance[side] * state[grip + side] + tops.dashpot[side] * slip[side]
         matrix[system.interface.heavy + side] = (pull - traction[side]) / tops.mass[side]
         traction[side] = pull
-    return Motion(matrix, at_interface, traction, slip)
+    return LinearMotion(matrix, at_interface, traction, slip)
 
 
 def _star(system: System, state: Array, arriving: Array) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ from fullwave.lines.system import (
     PSI,
     RADIATED,
     VISCOUS,
-    Interface,
+    GridInterface,
     System,
     Tops,
     Traces,
@@ -44,7 +44,7 @@ def _meet_joints(joints: int, traces: Traces, state: Array) -> None:
 
 @inlined
 def _meet_interface(
-    interface: Interface, forcing: Forcing, traces: Traces, state: Array, z: float
+    interface: GridInterface, forcing: Forcing, traces: Traces, state: Array, z: float
 ) -> tuple[float, float, float, int]:
     """Friction solve at the interface: returns (z, v, mu, iterations) and sets w* - w of each slab."""
     first = 2 * interface.joints
@@ -64,7 +64,7 @@ def _meet_interface(
 
 @inlined
 def _meet_tops(
-    interface: Interface, forcing: Forcing, traces: Traces, tops: Tops, drive: float, state: Array, rates: Array, at: int
+    interface: GridInterface, forcing: Forcing, traces: Traces, tops: Tops, drive: float, state: Array, rates: Array, at: int
 ) -> None:
     """Sets w* - w at the outer faces, each driven at half of `drive`, and the rates of the springs' loads, of heavy faces'
     velocities, of the input and of the radiation."""
@@ -95,7 +95,7 @@ def _meet_tops(
 
 
 @inlined
-def _evolve(interface: Interface, forcing: Forcing, time: float, z: float, psi: float) -> tuple[float, float]:
+def _evolve(interface: GridInterface, forcing: Forcing, time: float, z: float, psi: float) -> tuple[float, float]:
     """(d psi/dt~, relaxation rate of psi), per transit, including the nudge."""
     answer = respond(interface.law, z, psi)
     return forcing.transit * answer[5] + nudge_rate(forcing.nudge, time), forcing.transit * abs(answer[7])

@@ -54,7 +54,7 @@ class StepMap:
     through: Array
 
 
-def impedance_at(slabs: LinearSlabs, s: float) -> float:
+def grid_impedance_at(slabs: LinearSlabs, s: float) -> float:
     """Z(s) for real s > 0 (1/transit): minus the response of the first output, the stress, to the first input, the slip rate."""
     moved = np.linalg.solve(s * np.eye(slabs.rates.shape[0]) - slabs.rates, slabs.inputs[:, 0])
     return -float(slabs.direct[0, 0] + slabs.outputs[0] @ moved)
@@ -118,7 +118,7 @@ def _taylor_weights(most_in: int, most_out: int) -> tuple[Array, Array, Array]:
     return entering, powers @ late, passing
 
 
-def doubled(slabs: LinearSlabs, half: StepMap) -> StepMap:
+def doubled_map(slabs: LinearSlabs, half: StepMap) -> StepMap:
     """The map of a step twice as long as that of `half`: exact, because polynomials on the step are polynomials on its halves."""
     first, second = halves(slabs.input_terms)
     early, late = (0.5 * half.T for half in halves(slabs.output_terms))

@@ -32,7 +32,7 @@ def _packed(order: int, table: Array, final: Array) -> RungeKutta:
     return RungeKutta(order, final.size, np.vstack((table, final)).ravel(), table.sum(axis=1))
 
 
-def scaled(method: RungeKutta, step: float) -> RungeKutta:
+def scaled_method(method: RungeKutta, step: float) -> RungeKutta:
     """The method with weights and abscissae times the length of a step."""
     return method._replace(weight=step * method.weight, abscissae=step * method.abscissae)
 
@@ -48,7 +48,7 @@ def stability_polynomial(method: RungeKutta) -> Array:
 
 
 @inlined
-def combine(weight: Array, stages: int, row: int, base: Array, rates: Array, out: Array) -> None:
+def combine_stages(weight: Array, stages: int, row: int, base: Array, rates: Array, out: Array) -> None:
     """out = base + sum of row `row` of `weight` (times the step) over the earlier stages' rates (flat, stages times base.size).
     Sizes are multiples of panels.LANES; out may be base."""
     for i in range(0, base.size, LANES):

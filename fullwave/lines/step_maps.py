@@ -17,8 +17,8 @@ import scipy.linalg
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from fullwave.lines.matrix import Motion
-from fullwave.lines.propagator import LinearSlabs, StepMap, doubled, halves, short_step, shortest_halving
+from fullwave.lines.matrix import LinearMotion
+from fullwave.lines.propagator import LinearSlabs, StepMap, doubled_map, halves, short_step, shortest_halving
 from fullwave.lines.system import SCALARS, System, Viscous
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import from_moments, radau
@@ -35,7 +35,7 @@ class Dissipation(NamedTuple):
     weight: Array
 
 
-def dissipation_of(system: System, motion: Motion, slots: NDArray[np.int64]) -> Dissipation | None:
+def dissipation_of(system: System, motion: LinearMotion, slots: NDArray[np.int64]) -> Dissipation | None:
     """The dissipated power in the marched slabs per transit, for the grid's values in `slots`; None in elastic slabs."""
     medium = system.medium
     if not isinstance(medium, Viscous):
@@ -113,7 +113,7 @@ class StepMaps:
                 self._begin(max(level, series))
             for k in range(series, level, -1):
                 if k - 1 not in self._maps:
-                    self._maps[k - 1] = doubled(self._slabs, self._maps[k])
+                    self._maps[k - 1] = doubled_map(self._slabs, self._maps[k])
                     if self._dissipation:
                         self.heats[k - 1] = doubled_heat(self._slabs, self._maps[k], self.heats[k])
         return self._maps[level]
@@ -127,7 +127,7 @@ class StepMaps:
         heat = short_heat(self._slabs, self._dissipation, first) if self._dissipation else None
         for _ in range(extra):
             heat = doubled_heat(self._slabs, step, heat) if heat is not None else None
-            step = doubled(self._slabs, step)
+            step = doubled_map(self._slabs, step)
         self._maps[level] = step
         if heat is not None:
             self.heats[level] = heat

@@ -80,7 +80,7 @@ class Tops(NamedTuple):
     mass: Array
 
 
-class Interface(NamedTuple):
+class GridInterface(NamedTuple):
     """Law, Z, copies (2 if only one slab is marched); joints, marched slabs and slots of the grid; `heavy`: the slot, after all
     others, of w* at the first slab's face (one slot per slab); 0 if no face has a mass."""
 
@@ -98,7 +98,7 @@ class System(NamedTuple):
 
     operator: Operator
     medium: Medium
-    interface: Interface
+    interface: GridInterface
     forcing: Forcing
     drive: Constant | Ramps
     traces: Traces

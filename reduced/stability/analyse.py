@@ -112,7 +112,7 @@ class PhysicalStability:
     missing: tuple[str, ...] = ()
 
 
-def in_si(scene: Scene, found: Stability) -> PhysicalStability | None:
+def stability_in_si(scene: Scene, found: Stability) -> PhysicalStability | None:
     """`found`, which is the stability of `scene`, in SI; None for a scene without units."""
     units = scene.units
     if units is None:

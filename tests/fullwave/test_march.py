@@ -14,10 +14,8 @@ from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.options import AnyShare
 from fullwave.summation_by_parts import SummationByParts
-from reduced.delay.system import delay_system
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene.slab import Slab
-from slipwave.scene.start import Start, StartKind
 from slipwave.solve import follow
 
 PAPER = slipwave.read("paper")
@@ -95,19 +93,3 @@ def test_ledger_residual_falls_at_the_order_of_the_scheme():
         follow(solver, 60.0)
         residuals.append(abs(solver.energy().residual))
     assert np.log(residuals[0] / residuals[2]) / np.log(2.0) > 6.0  # measured: 7.06
-
-
-@pytest.mark.parametrize("family", FINE)
-def test_jump_start_converges_without_growth(family):
-    """A jump of psi returns every transit: the error against the delay system halves with the cells, nothing runs away."""
-    kind, options = FINE[family]
-    chosen = dataclasses.replace(PAPER, start=Start(StartKind.JUMP, 0.5))
-    exact = follow(delay_system(chosen, tolerance=1e-11), 60.0).psi
-    errors = []
-    for factor in (1, 2, 4):
-        solver = kind(chosen, **options | {"cells": factor * options["cells"]})
-        errors.append(abs(follow(solver, 60.0).psi - exact))
-        assert np.abs(solver.state()["state"][: solver.grid.size]).max() < 1e4
-    assert errors[0] < 3e-5  # measured: 1.7e-6 to 2.7e-6, then 0.51 to 0.54 of it each time
-    assert errors[1] < 0.6 * errors[0]
-    assert errors[2] < 0.6 * errors[1]

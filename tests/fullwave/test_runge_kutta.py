@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fullwave.lines.runge_kutta import CLASSICAL, combine, method_of, stability_polynomial
+from fullwave.lines.runge_kutta import CLASSICAL, combine_stages, method_of, stability_polynomial
 from fullwave.lines.scheme_limit import longest_decay_step, longest_step
 
 METHODS = pytest.mark.parametrize("method", [CLASSICAL, method_of(8)], ids=["order 4", "order 8"])
@@ -19,9 +19,9 @@ def integrate(method, steps, until=2.0):
     weight = step * method.weight
     for n in range(steps):
         for stage in range(method.stages):
-            combine(weight, method.stages, stage, state, rates, trial)
+            combine_stages(weight, method.stages, stage, state, rates, trial)
             rates[8 * stage] = -(trial[0] ** 2) * math.cos(3.0 * (n + method.abscissae[stage]) * step)
-        combine(weight, method.stages, method.stages, state, rates, state)
+        combine_stages(weight, method.stages, method.stages, state, rates, state)
     return state[0]
 
 

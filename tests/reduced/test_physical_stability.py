@@ -7,7 +7,7 @@ import pytest
 
 import slipwave
 from reduced.stability import analyse, characteristic, scaled, spectrum, unstable_count
-from reduced.stability.analyse import in_si, thickened
+from reduced.stability.analyse import stability_in_si, thickened
 from slipwave.scene import Scene
 from tests.granite import GRANITE
 
@@ -30,7 +30,7 @@ def test_granite_by_hand() -> None:
     and inertia changes that by less than 1e-7 here; sigma_c = G L/(2 h (b - a)). Roots of the spring-slider at h = 10 m:
     a s^2 + (a + k - b) s + k = 0 in units of V/L with k = G L/(2 h sigma) = 0.003: s = 0.1 +- i sqrt(0.3 - 0.01)."""
     scene = slipwave.read(GRANITE)
-    found = in_si(scene, analyse(scene))
+    found = stability_in_si(scene, analyse(scene))
     assert found is not None
     assert found.thickness == pytest.approx(10.0, rel=1e-12)
     assert found.critical_thickness == pytest.approx(30e9 * 1e-5 / (2.0 * 5e6 * 0.005), rel=1e-6)
@@ -42,7 +42,7 @@ def test_granite_by_hand() -> None:
 
 def test_a_stable_sample_would_slip_beyond_six_metres_or_150_megapascal() -> None:
     scene = slipwave.read(GRANITE, ["slab.thickness=0.2"])
-    found = in_si(scene, analyse(scene))
+    found = stability_in_si(scene, analyse(scene))
     assert found is not None
     assert (found.critical_thickness, found.critical_normal_stress) == (
         pytest.approx(6.0, rel=1e-6),
@@ -56,7 +56,7 @@ def test_a_stable_sample_would_slip_beyond_six_metres_or_150_megapascal() -> Non
 @pytest.mark.parametrize("tables", [GRANITE, MACHINE, UNLIKE, VISCOUS], ids=["granite", "machine", "unlike", "viscous"])
 def test_the_scene_read_again_at_its_critical_values_is_neutral(tables: dict) -> None:
     scene = slipwave.read(tables)
-    found = in_si(scene, analyse(scene))
+    found = stability_in_si(scene, analyse(scene))
     assert found is not None
     assert abs(leading(scene)) > 1e-3
     stressed = slipwave.read(tables, [f"interface.normal_stress={found.critical_normal_stress!r}"])
@@ -79,14 +79,14 @@ def test_a_thicker_slab_keeps_its_machine() -> None:
 
 def test_no_units_no_thickness_and_no_weakening() -> None:
     paper = slipwave.read("paper")
-    assert in_si(paper, analyse(paper)) is None
+    assert stability_in_si(paper, analyse(paper)) is None
     bare = slipwave.read(GRANITE, {"slab": {"epsilon": 1.8e-6, "r": 6e-4}})
-    found = in_si(bare, analyse(bare))
+    found = stability_in_si(bare, analyse(bare))
     assert found is not None
     assert math.isnan(found.thickness)
     assert math.isnan(found.critical_thickness)
     strengthening = slipwave.read(MACHINE, ["interface.b=0.005"])
-    values = in_si(strengthening, analyse(strengthening))
+    values = stability_in_si(strengthening, analyse(strengthening))
     assert values is not None
     assert math.isnan(values.critical_thickness)
     assert math.isnan(values.critical_normal_stress)
@@ -122,7 +122,7 @@ def test_fast_sliding_on_a_machine_loses_stability_where_roots_begin_to_grow(
     """Quasi-static: of both slabs 1/k = 2 (h/G + 1/k_machine) = 2 (h/30e9 + 1e-11) is L/((b - a) sigma); other values measured.
     Quasi-dynamic slabs of any thickness are stable there."""
     scene = fast(velocity)
-    values = in_si(scene, analyse(scene, model))
+    values = stability_in_si(scene, analyse(scene, model))
     assert values is not None
     assert values.missing == ()
     assert values.critical_normal_stress == pytest.approx(stress, rel=1e-6)
@@ -144,7 +144,7 @@ def test_a_growing_pair_beside_hundreds_of_slow_decaying_ones_is_unstable() -> N
     assert (found.stable, found.unstable_roots) == (False, 2)
     assert found.leading_roots[0] == pytest.approx(0.7928570494 + 6308.306341j, rel=1e-8)
     assert found.leading_roots[2].real == pytest.approx(-0.002303594, rel=1e-5)
-    values = in_si(scene, found)
+    values = stability_in_si(scene, found)
     assert values is not None
     assert values.critical_normal_stress == pytest.approx(3223113.77, rel=1e-6)
     assert values.growth_time == pytest.approx(10.0 / 0.7928570494, rel=1e-8)

@@ -191,7 +191,7 @@ def test_a_function_of_the_users_is_kept_until_what_it_names_changes(monkeypatch
 def test_code_for_one_kind_of_grid_does_not_depend_on_another() -> None:
     import fullwave.discontinuous
     import fullwave.finite_element
-    from fullwave.lines.kernel import march
+    from fullwave.lines.kernel import march_lines as march
 
     kernel: Any = march
     made_from = compile_cache.made_from_what(kernel.py_func, {fullwave.discontinuous.Elements})

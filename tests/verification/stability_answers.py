@@ -15,7 +15,7 @@ import numpy as np
 
 import slipwave
 from reduced.stability import analyse, characteristic, scaled, unstable_count
-from reduced.stability.analyse import in_si, thickened
+from reduced.stability.analyse import stability_in_si, thickened
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.ageing import Ageing, AgeingRegularised
 from slipwave.friction.slip import Slip, SlipRegularised
@@ -116,7 +116,7 @@ def _sides(scene: Scene, found: Any, model: str) -> Iterator[tuple[str, Scene, S
     if math.isfinite(found.epsilon_c):
         factor = found.epsilon_c / scene.upper.epsilon
         yield "epsilon_c", scaled(scene, epsilon=factor * (1.0 + near)), scaled(scene, epsilon=factor * (1.0 - near))
-    physical = in_si(scene, found)
+    physical = stability_in_si(scene, found)
     if physical is not None and math.isfinite(physical.critical_thickness):
         factor = physical.critical_thickness / physical.thickness
         yield "thickness", thickened(scene, factor * (1.0 - near)), thickened(scene, factor * (1.0 + near))

@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from reduced.stability import Stability, analyse, friction_slopes, scaled
-from reduced.stability.analyse import in_si
+from reduced.stability.analyse import stability_in_si
 from slipwave.scene import Scene
 from validation.run.length import LONGEST, UntilSettled
 from validation.run.outlook import outlook
@@ -51,7 +51,7 @@ def on_stability(scene: Scene, found: Stability) -> str:
 def what_would_change(scene: Scene, found: Stability) -> str:
     """The thickness or normal stress, or r or epsilon, beyond which steady sliding is no longer what it is; empty if there is
     none, or if it is neutral."""
-    physical = in_si(scene, found)
+    physical = stability_in_si(scene, found)
     if physical is not None and scene.units is not None:
         slabs = "slabs" if scene.alike else f"an upper slab{_TOGETHER}"
         limits = [

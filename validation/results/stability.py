@@ -10,7 +10,7 @@ import numpy as np
 
 from reduced.families import DELAY, REDUCTIONS
 from reduced.stability import Stability, analyse, friction_slopes
-from reduced.stability.analyse import PhysicalStability, in_si
+from reduced.stability.analyse import PhysicalStability, stability_in_si
 from reduced.stability.crossing import FIRST_OCTAVE, LAST_OCTAVE
 from slipwave.extras import require
 from slipwave.input import SceneSource
@@ -94,7 +94,7 @@ class StabilityResult(Result):
     @cached_property
     def physical(self) -> PhysicalStability | None:
         """The same in SI, None for a scene without units."""
-        return in_si(self.scene, self.found)
+        return stability_in_si(self.scene, self.found)
 
     @cached_property
     def dataset(self) -> Dataset:
