@@ -15,12 +15,14 @@ _PLACES = {
     "branch": "results.branch",
     "compare": "results.compare",
     "curve": "results.curve",
+    "map": "sweep.map_command",
     "models": "results.listing",
     "orbit": "results.orbit",
     "run": "results.run",
     "scenes": "results.listing",
     "show": "results.listing",
     "stability": "results.stability",
+    "sweep": "sweep.command",
 }
 """The module of `validation` in which each function is written."""
 

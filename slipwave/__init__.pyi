@@ -12,6 +12,8 @@ from validation.results.listing import show as show
 from validation.results.orbit import orbit as orbit
 from validation.results.run import run as run
 from validation.results.stability import stability as stability
+from validation.sweep.command import sweep as sweep
+from validation.sweep.map_command import map as map
 
 __version__: str
 __all__: list[str]

@@ -9,14 +9,18 @@ EXTRAS = {
     "plot": ("matplotlib",),
     "fem": ("skfem",),
     "report": ("jinja2", "markupsafe"),
+    "cluster": ("distributed",),
 }
-"""Modules by the extra of the distribution that installs them; the extra `report` includes the others."""
+"""Modules by the extra of the distribution that installs them."""
+
+OF_THE_REPORT = ("files", "plot", "fem", "report")
+"""Extras that the extra `report` installs."""
 
 
 def missing(extra: str) -> list[str]:
     """The modules of `extra` that are not installed."""
-    names = EXTRAS[extra] if extra != "report" else [name for modules in EXTRAS.values() for name in modules]
-    return [name for name in names if not _is_installed(name)]
+    extras = OF_THE_REPORT if extra == "report" else (extra,)
+    return [name for one in extras for name in EXTRAS[one] if not _is_installed(name)]
 
 
 def require(extra: str, what: str) -> None:

@@ -108,3 +108,22 @@ def _files(name: str, packages: bool) -> Iterator[Path]:
     for count in range(1 if packages else len(parts), len(parts) + 1):
         place = ROOT.joinpath(*parts[:count])
         yield from (path for path in (place.with_suffix(".py"), place / "__init__.py") if path.is_file())
+
+
+def commit() -> str:
+    """Short hash of the checkout the code runs from, with "+" if it was edited since; "unknown" outside a checkout."""
+    import subprocess
+
+    try:
+        head = _git("rev-parse", "--short=10", "HEAD")
+        edited = _git("status", "--porcelain", "--untracked-files=no")
+    except (OSError, subprocess.SubprocessError):
+        return "unknown"
+    return head + ("+" if edited else "")
+
+
+def _git(*words: str) -> str:
+    import subprocess
+
+    done = subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True, check=True, timeout=10)
+    return done.stdout.strip()

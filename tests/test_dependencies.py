@@ -9,7 +9,7 @@ from pathlib import Path
 
 from packaging.requirements import Requirement
 
-from slipwave.extras import EXTRAS
+from slipwave.extras import EXTRAS, OF_THE_REPORT
 
 ROOT = Path(__file__).parents[1]
 ROOMS = ("slipwave", "reduced", "fullwave", "validation")
@@ -67,7 +67,7 @@ def names(lines: list[str]) -> set[str]:
 
 
 def test_what_is_imported_is_declared_and_what_is_declared_is_imported() -> None:
-    assert names([*PROJECT["project"]["dependencies"], *lines_of("report")]) == imported() | ENGINES
+    assert names([*PROJECT["project"]["dependencies"], *lines_of("report"), *lines_of("cluster")]) == imported() | ENGINES
 
 
 def test_extras_install_the_modules_that_are_said_to_need_them() -> None:
@@ -78,7 +78,7 @@ def test_extras_install_the_modules_that_are_said_to_need_them() -> None:
     page = (ROOT / "docs" / "install.md").read_text(encoding="utf-8")
     for extra, modules in EXTRAS.items():
         assert f"| `{extra}` | {', '.join(f'`{name}`' for name in modules)} |" in page
-    assert set(names(lines_of("report"))) == {plain(providers[name][0]) for modules in EXTRAS.values() for name in modules}
+    assert set(names(lines_of("report"))) == {plain(providers[name][0]) for extra in OF_THE_REPORT for name in EXTRAS[extra]}
 
 
 def test_the_lock_file_holds_all_that_is_needed_and_nothing_else() -> None:

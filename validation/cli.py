@@ -21,7 +21,11 @@ from slipwave.files import reason_of
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 _OBJECTS_BEFORE_COLLECTION = 1_000_000
-_SPREAD: dict[str, Callable[[str], bool]] = {"--set": lambda word: "=" in word, "--only": lambda word: True}
+_SPREAD: dict[str, Callable[[str], bool]] = {
+    "--set": lambda word: "=" in word,
+    "--vary": lambda word: "=" in word,
+    "--only": lambda word: True,
+}
 
 COMMANDS = {
     "report": "Run the studies whose scene, code or settings changed and write DIR/index.html.",
@@ -33,6 +37,8 @@ COMMANDS = {
     "compare": "Draw one cycle of each model in one figure; print periods and stress drops with their errors.",
     "bench": "Time every model against its error in period and stress drop; the reference is the delay system at a tight "
     "tolerance.",
+    "sweep": "One measure of many scenes over axes, on all cores or a cluster; resumed after any interruption.",
+    "map": "Draw a sweep: regimes with the boundaries that theory gives, figures, differences between two models.",
     "scenes": "List the gallery's scenes, one line each.",
     "schema": "Print the JSON Schema of scene files, for an editor that completes and checks them.",
     "show": "Print the resolved scene as TOML, for a file of your own: slipwave show paper > mine.toml",

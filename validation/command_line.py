@@ -96,7 +96,7 @@ def _in_words(one: Option) -> tuple[Any, Any]:
     parts = {one.hint, *get_args(one.hint)}
     if bool in parts or "stands_for" in one.more:
         return Annotated[bool | None, notes], None
-    word: Any = next(kind for kind in (Path, str, float, int) if kind in parts)
+    word: Any = next((kind for kind in (Path, str, float, int) if kind in parts), str)
     if one.is_required or isinstance(one.default, str):
         return Annotated[word, notes], Parameter.empty if one.is_required else one.default
     return Annotated[list[str] if one.default == () else word | None, notes], None

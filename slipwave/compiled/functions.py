@@ -39,7 +39,7 @@ def _compiled(function: Function, counts: bool) -> Function:
 
 def _dispatcher(function: Function, counts: bool, is_part: bool) -> Any:
     options = {"no_cfunc_wrapper": True, "no_cpython_wrapper": is_part, "_nrt": counts}
-    dispatcher = numba.njit(error_model="numpy", fastmath={"contract"}, **options)(function)
+    dispatcher = numba.njit(error_model="numpy", fastmath={"contract"}, nogil=True, **options)(function)
     dispatcher._cache = DiskCache(function, is_part)
     return dispatcher
 

@@ -225,6 +225,11 @@ PLACES: dict[str, tuple[Place, ...]] = {
         Place("model_error:orbit_of", (lambda value: value and scaled(value),)),
         Place("model_error:mean_at", (lambda value: scaled(value, 1e-2),), unjudged=("modal:2",)),
     ),
+    "regime-map": (
+        Place("regime_map:swept_plane"),
+        Place("regime_map:onset_of", (displaced(0.06), displaced(-0.06))),
+        Place("regime_map:regimes_of", (lambda found: np.roll(found, 4, axis=0),)),
+    ),
     "error-laws": (
         Place("error_laws:critical_round_trip", S, 1),
         Place("error_laws:measure_cycle"),

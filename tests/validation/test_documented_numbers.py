@@ -24,6 +24,8 @@ HELP = {
     "branch --most-points": "validation.results.branch.BRANCH_POINTS",
     "curve --tol": "validation.results.branch.BRANCH_TOLERANCE",
     "curve --most-points": "validation.results.curve.CURVE_POINTS",
+    "sweep --refine": "2.0",
+    "sweep --until": "validation.sweep.measures.TRANSITS",
 }
 RANGES = {"--cfl": {0.0, 1.0}}
 """Whose ends are refused or taken in `tests/fullwave`."""

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from slipwave.extras import EXTRAS
+from slipwave.extras import EXTRAS, OF_THE_REPORT
 
 HIDDEN = sorted(name for modules in EXTRAS.values() for name in (*modules, "pandas"))
 SCRIPT = f"""
@@ -51,7 +51,7 @@ REFUSED = {
     "run paper --model fem:4": "model = 'fem:4': needs skfem: pip install 'slipwave[fem]'",
     "compare paper --models delay,fd": "--out = 'compare.png': needs matplotlib: pip install 'slipwave[plot]'",
     "run paper --model fem:2": "model = 'fem:2': needs skfem: pip install 'slipwave[fem]'",
-    "report --quick": f"the report: needs {' and '.join(name for names in EXTRAS.values() for name in names)}: "
+    "report --quick": f"the report: needs {' and '.join(name for extra in OF_THE_REPORT for name in EXTRAS[extra])}: "
     "pip install 'slipwave[report]'",
 }
 

@@ -1,12 +1,11 @@
 """Where a report comes from: version, commit, machine, libraries."""
 
 import platform
-import subprocess
 from importlib import metadata
 from pathlib import Path
 
 import slipwave
-from slipwave.sources import ROOT, source_digest
+from slipwave.sources import commit, source_digest
 from validation.run.timing import cores
 
 
@@ -25,21 +24,6 @@ def machine_facts() -> dict[str, str]:
         "scipy": metadata.version("scipy"),
         "numba": metadata.version("numba"),
     }
-
-
-def commit() -> str:
-    """Short hash of the checkout the code runs from, with "+" if it was edited since; "unknown" outside a checkout."""
-    try:
-        head = _git("rev-parse", "--short=10", "HEAD")
-        edited = _git("status", "--porcelain", "--untracked-files=no")
-    except (OSError, subprocess.SubprocessError):
-        return "unknown"
-    return head + ("+" if edited else "")
-
-
-def _git(*words: str) -> str:
-    done = subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True, check=True, timeout=10)
-    return done.stdout.strip()
 
 
 def _processor() -> str:

@@ -12,7 +12,7 @@ from slipwave.friction.law import name_of
 from slipwave.friction.own import own_law
 from slipwave.input.tables import to_toml
 from slipwave.scene import Scene
-from validation.report.provenance import commit
+from slipwave.sources import commit
 
 SCHEMA = 1
 """Version of the names in files and of the keys of the JSON of every command."""

@@ -25,6 +25,7 @@ STUDIES = {
     "period-against-delay": "period_against_delay",
     "special-curves": "special_curves",
     "period-doubling": "period_doubling",
+    "regime-map": "regime_map",
     "claims": "claims",
     "planted-faults": "planted_faults",
     "slow-verification": "slow_verification",

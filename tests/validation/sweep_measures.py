@@ -1,0 +1,35 @@
+"""Measures of sweeps that tests know in advance."""
+
+import os
+import time
+from pathlib import Path
+
+from slipwave.scene import Scene
+
+
+def disc(scene: Scene) -> dict[str, float | str]:
+    """A regime inside a disc of (a, b) and another one outside, with a figure that is linear there."""
+    x, y = (scene.law.a - 0.01) / 0.01, (scene.law.b - 0.02) / 0.01
+    return {"regime": float(x * x + y * y < 0.36), "height": 2.0 * x - y}
+
+
+def slowly(scene: Scene) -> dict[str, float]:
+    """A figure that takes 10 ms."""
+    time.sleep(0.01)
+    return {"sum": scene.law.a + scene.law.b}
+
+
+def deadly(scene: Scene) -> dict[str, float]:
+    """Kills its process at one point, always; at another one, twice."""
+    if scene.law.a == 0.012:
+        os._exit(9)
+    marks = Path(os.environ["SLIPWAVE_TEST_MARKS"])
+    if scene.law.a == 0.014 and len(list(marks.iterdir())) < 2:
+        (marks / str(os.getpid())).touch()
+        os._exit(9)
+    return {"sum": scene.law.a + scene.law.b}
+
+
+def wrong(scene: Scene) -> dict[str, float]:
+    """Has a bug at one point."""
+    return {"inverse": 1.0 / (scene.law.a - 0.012)}

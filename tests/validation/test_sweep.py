@@ -1,0 +1,316 @@
+"""Sweeps: the same arrays however they are computed, nothing lost when killed, one line for whatever is wrong."""
+
+import itertools
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+
+import slipwave as sw
+from validation.cli import main
+from validation.sweep.axes import axis_of
+from validation.sweep.engine import Engine
+from validation.sweep.plan import Plan, morton, order_of
+from validation.sweep.refine import refine
+from validation.sweep.store import Store
+from validation.sweep.sweep import Where, manifest_of, perform, plan_of
+
+ROOT = Path(__file__).parents[2]
+DISC = "tests.validation.sweep_measures:disc"
+
+
+class Here(Executor):
+    """Computes at once, in this process."""
+
+    _max_workers = 2
+
+    def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> "Future[Any]":
+        """As `Executor`."""
+        future: Future[Any] = Future()
+        future.set_result(function(*given, **named))
+        return future
+
+
+def plan(counts: tuple[int, int] = (5, 4), measure: str = DISC, models: tuple[str, ...] = ("delay",), **options: Any) -> Plan:
+    """A sweep over (a, b) of the paper's scene."""
+    axes = [axis_of("a", f"0.001:0.019:{counts[0]}"), axis_of("b", f"0.011:0.029:{counts[1]}")]
+    return plan_of(sw.read_scene("paper"), axes, models, measure, **options)
+
+
+def computed(what: Plan, folder: Path, **where: Any) -> xarray.Dataset:
+    """The gathered sweep."""
+    from validation.sweep.gather import dataset_of
+
+    store = Store(folder)
+    perform(what, store, Where(**({"executor": Here()} | where)))
+    return dataset_of(what, store)
+
+
+def same(one: xarray.Dataset, other: xarray.Dataset) -> bool:
+    """Whether all arrays are equal to the bit."""
+    return all(np.array_equal(one[name].values, other[name].values, equal_nan=one[name].dtype.kind == "f") for name in one)
+
+
+def test_morton_order_keeps_patches_together() -> None:
+    order = morton((8, 8))
+    assert sorted(order) == list(range(64))
+    for first in range(0, 64, 16):
+        rows, columns = np.divmod(order[first : first + 16], 8)
+        assert np.ptp(rows) == 3
+        assert np.ptp(columns) == 3
+    assert sorted(morton((5, 1, 7))) == list(range(35))
+
+
+def test_arrays_do_not_depend_on_who_computes_them(tmp_path: Path) -> None:
+    verdicts = plan((2, 2), "verdict", ("block12", "kelvin-voigt"), tol=1e-6)
+    here = computed(verdicts, tmp_path / "here")
+    with ThreadPoolExecutor(3) as threads:
+        assert same(here, computed(verdicts, tmp_path / "threads", executor=threads))
+    assert same(here, computed(verdicts, tmp_path / "processes", executor=None, workers=2))
+    assert here["verdict"].attrs["flag_meanings"].split()[int(here["verdict"][0, 0, 0])] in (
+        "steady",
+        "decaying",
+        "periodic",
+        "growing",
+    )
+
+
+def test_a_point_of_a_sweep_is_a_run(tmp_path: Path) -> None:
+    what = plan_of(
+        sw.read("paper", {"run.until": 1500.0}), [axis_of("log10_r", [-2.68, -2.6])], ["kelvin-voigt"], "run", tol=1e-8
+    )
+    point = computed(what, tmp_path / "run").isel(log10_r=1)
+    run = sw.run("paper", "kelvin-voigt", until=1500.0, tol=1e-8, log10_r=-2.6)
+    assert point["final_psi"].item() == run.done.final.psi
+    assert point["period"].item() == run.done.statistics.period.mean
+
+
+def test_parts_of_a_job_array_and_a_resumed_sweep_are_the_whole(tmp_path: Path) -> None:
+    whole = computed(plan((7, 5)), tmp_path / "whole")
+    for number in (3, 1, 2):
+        parts = computed(plan((7, 5)), tmp_path / "parts", part=(number, 3))
+    assert same(whole, parts)
+    for path in list((tmp_path / "parts" / "parts").iterdir())[::2]:
+        path.write_bytes(path.read_bytes()[:-7])  # a truncated part counts as absent
+    assert same(whole, computed(plan((7, 5)), tmp_path / "parts"))
+
+
+def test_a_half_done_sweep_can_be_gathered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    what = plan((6, 6))
+    computed(what, tmp_path / "half", part=(1, 2))
+    assert main(["sweep", str(tmp_path / "half"), "--gather", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["points"], told["done"]) == (36, 18)
+    data = xarray.load_dataset(tmp_path / "half" / "sweep.nc")
+    there = data["status"].values == 0
+    assert there.sum() == 18
+    assert np.isnan(data["height"].values[~there]).all()
+    x = (data["a"].values - 0.01) / 0.01
+    y = (data["b"].values - 0.02) / 0.01
+    assert np.allclose(data["height"].values[there], (2.0 * x[:, None] - y)[there], atol=1e-12)
+
+
+@pytest.mark.parametrize("counts", [(65, 33), (33, 65)])
+def test_refinement_finds_what_the_full_lattice_shows(tmp_path: Path, counts: tuple[int, int]) -> None:
+    full = computed(plan(counts), tmp_path / "full")
+    what = plan(counts, refine=3)
+    found = computed(what, tmp_path / "refined")
+    shown = found["regime"].values == full["regime"].values
+    assert 0 < (found["status"].values == 0).sum() < 0.6 * shown.size
+    assert shown.all()
+    assert np.allclose(found["height"].values, full["height"].values, atol=1e-12)
+
+
+def test_refinement_does_not_depend_on_what_is_there(tmp_path: Path) -> None:
+    what = plan((33, 33), refine=3)
+    found = computed(what, tmp_path / "one")
+    store = Store(tmp_path / "two")
+    store.begin(manifest_of(what))
+    Engine(what, store, Here, 1).run(order_of(what)[100:300])  # points of all levels, of which some are not needed
+    again = computed(what, tmp_path / "two")
+    needed = found["status"].values == 0
+    assert (again["status"].values[needed] == 0).all()
+    assert np.array_equal(found["regime"].values, again["regime"].values)
+
+
+def test_the_audit_sees_an_island(tmp_path: Path) -> None:
+    """A regime smaller than a cell is found where a cell is divided by chance, and its surroundings are then computed."""
+    what = plan((129, 129), refine=3)
+    island = np.zeros(what.shape, dtype=int)
+    known = np.full(what.shape, -1)
+
+    def compute(points: Any) -> None:
+        known.reshape(-1)[points] = island.reshape(-1)[points]
+
+    assert refine(what, 3, compute, lambda: known.reshape(-1)).hidden == 0
+    seen = int((known >= 0).sum())
+    fresh = np.argwhere((known[0] >= 0) & (np.add.outer(np.arange(129) % 8, np.arange(129) % 8) > 0))
+    island[0, fresh[0][0], fresh[0][1]] = 1
+    known[...] = -1
+    audit = refine(what, 3, compute, lambda: known.reshape(-1))
+    assert audit.hidden >= 1
+    assert int((known >= 0).sum()) > seen
+
+
+@pytest.fixture
+def marks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder in which a measure counts its deaths."""
+    (tmp_path / "marks").mkdir()
+    monkeypatch.setenv("SLIPWAVE_TEST_MARKS", str(tmp_path / "marks"))
+    return tmp_path / "marks"
+
+
+def test_a_killed_worker_is_a_part_done_again(tmp_path: Path, marks: Path) -> None:
+    axes = [axis_of("a", [0.010, 0.011, 0.012, 0.013, 0.014, 0.015])]
+    what = plan_of(sw.read_scene("paper"), axes, ["delay"], "tests.validation.sweep_measures:deadly")
+    data = computed(what, tmp_path / "deadly", executor=None, workers=2)
+    assert data["status"].values.tolist() == [0, 0, 3, 0, 0, 0]
+    assert "killed 3 times" in str(data["reason"].values[2])
+    assert np.allclose(np.delete(data["sum"].values, 2), np.delete(np.array(axes[0].values) + sw.read_scene("paper").law.b, 2))
+
+
+def test_a_point_that_cannot_be_computed_has_a_reason(tmp_path: Path) -> None:
+    axes = [axis_of("a", [0.011, 0.012, 0.013])]
+    data = computed(plan_of(sw.read_scene("paper"), axes, ["delay"], "tests.validation.sweep_measures:wrong"), tmp_path / "wrong")
+    assert data["status"].values.tolist() == [0, 2, 0]
+    assert "ZeroDivisionError" in str(data["reason"].values[1])
+    rows = tmp_path / "rows.csv"
+    rows.write_text("log10_r,model_of_nobody\n-2.5,1\n")
+    assert main(["sweep", "paper", "--rows", str(rows), "--measure", DISC, "--out", str(tmp_path / "rows")]) == 0
+    refused = xarray.load_dataset(tmp_path / "rows" / "sweep.nc") if (tmp_path / "rows" / "sweep.nc").exists() else None
+    assert refused is None or "model_of_nobody" in str(refused["reason"].values[0])
+
+
+@pytest.mark.parametrize("moment", [pytest.param(k, marks=[] if k < 5 else pytest.mark.slow) for k in range(35)])
+def test_a_sweep_killed_at_any_moment_goes_on(tmp_path: Path, moment: int) -> None:
+    """The parent, or one of its workers, is killed when so many parts are there."""
+    generator = np.random.default_rng(moment)
+    words = ["paper", "--vary", "a=0.001:0.019:20", "b=0.011:0.029:10", "--measure", "tests.validation.sweep_measures:slowly"]
+    folder = tmp_path / "killed"
+    command = [sys.executable, "-c", "import sys; from validation.cli import main; sys.exit(main(sys.argv[1:]))", "sweep"]
+    running = subprocess.Popen(
+        [*command, *words, "--out", str(folder)], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    wanted = int(generator.integers(1, 6))
+    while running.poll() is None and len(list((folder / "parts").glob("[0-9]*.npz"))) < wanted:
+        time.sleep(0.005)
+    children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
+    victims = [int(word) for word in children.read_text().split()] if running.poll() is None else []
+    victim = running.pid if moment % 2 == 0 or not victims else int(generator.choice(victims))
+    if running.poll() is None:
+        os.kill(victim, signal.SIGKILL)
+    running.wait(60)
+    result = sw.sweep(folder, executor=Here())
+    x, y = np.linspace(0.001, 0.019, 20), np.linspace(0.011, 0.029, 10)
+    assert result.summary["done"] == 200
+    assert np.array_equal(result.dataset["sum"].values, x[:, None] + y)
+
+
+def test_two_sweeps_into_one_folder_are_one(tmp_path: Path) -> None:
+    what = plan((6, 4), "tests.validation.sweep_measures:slowly")
+    with ThreadPoolExecutor(2) as both:
+        found = list(both.map(lambda _: computed(what, tmp_path / "both", executor=None, workers=1), range(2)))
+    for data in found:
+        assert (data["status"].values == 0).all()
+        assert same(data, found[0])
+
+
+WRONG = {
+    "no axes": (["paper"], "--vary: missing"),
+    "no range": (["paper", "--vary", "log10_r=-2.7:-2.2"], "FROM:TO:COUNT"),
+    "no key": (["paper", "--vary", "log10_q=1:2:3"], "log10_q"),
+    "out of range": (["paper", "--vary", "a=-1:2:3"], "interface.a"),
+    "units": (["rock", "--vary", "slab.thickness=1 m:2:3"], "same unit"),
+    "twice": (["paper", "--vary", "a=0.01:0.02:3", "--vary", "a=0.01:0.02:3"], "twice"),
+    "count": (["paper", "--vary", "a=0.01:0.02:1"], "COUNT"),
+    "log": (["paper", "--vary", "a=0:0.02:3:log"], "above 0"),
+    "too many": (["paper", "--vary", "a=0.01:0.02:50000", "--vary", "b=0.03:0.04:50000"], "1e8"),
+    "measure": (["paper", "--vary", "a=0.01:0.02:3", "--measure", "colour"], "--measure"),
+    "model": (["paper", "--vary", "a=0.01:0.02:3", "--models", "delai"], "delay"),
+    "levels": (["paper", "--vary", "a=0.01:0.02:4", "--refine", "2"], "as 5"),
+    "part": (["paper", "--vary", "a=0.01:0.02:3", "--part", "4/3"], "--part"),
+    "scheduler": (["paper", "--vary", "a=0.01:0.02:3", "--scheduler", "nowhere"], "--scheduler"),
+    "rows": (["paper", "--rows", "nothing.csv"], "--rows"),
+    "map": ("map", "neither a folder"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_input_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+    words, told = WRONG[name]
+    command = ["map", "nothing.nc"] if words == "map" else ["sweep", *words, "--out", str(tmp_path / "out")]
+    assert main(command) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len([line for line in lines if not line.startswith("note")]) == 1
+    assert told in lines[-1]
+    assert not (tmp_path / "out").exists()
+
+
+def test_another_sweep_in_the_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["sweep", "paper", "--measure", DISC, "--workers", "1", "--out", str(tmp_path / "out")]
+    computed(plan((3, 2)), tmp_path / "out")
+    assert main([*words, "--vary", "a=0.01:0.02:3"]) == 2
+    assert "holds another sweep (axes changed)" in capsys.readouterr().err
+    changed = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    changed["program"]["code"] = "another"
+    (tmp_path / "out" / "manifest.json").write_text(json.dumps(changed))
+    assert main(["sweep", str(tmp_path / "out")]) == 2
+    assert "program: code changed" in capsys.readouterr().err
+    (tmp_path / "out" / "manifest.json").write_text("{")
+    assert main(["sweep", str(tmp_path / "out")]) == 2
+    assert "damaged" in capsys.readouterr().err
+
+
+def test_a_dry_sweep_computes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert (
+        main(["sweep", "paper", "--vary", "a=0.01:0.02:30", "--measure", DISC, "--out", str(tmp_path / "x"), "--dry", "--json"])
+        == 0
+    )
+    told = json.loads(capsys.readouterr().out)["expected"]
+    assert told["points"] == 30
+    assert 0.0 < told["seconds_per_point"] < 1.0
+    assert not (tmp_path / "x").exists()
+
+
+def test_difference_of_two_models_in_per_cent_of_the_area() -> None:
+    from validation.sweep.difference import difference
+    from validation.sweep.measures import VERDICTS
+
+    kinds = [VERDICTS.index(word) for word in ("steady", "decaying", "periodic", "irregular", "too short")]
+    here, there = np.array(list(itertools.product(kinds, kinds))).T
+    period = np.linspace(1.0, 2.0, here.size)
+    data = xarray.Dataset(
+        {
+            "verdict": (("model", "a"), np.array([here, there])),
+            "period": (("model", "a"), np.array([period, 1.1 * period])),
+            "stress_drop": (("model", "a"), np.array([period, 0.8 * period])),
+        },
+        coords={"model": ["delay", "block12"], "a": period},
+    )
+    row = difference(data, "delay").attrs["differences"][0]
+    assert row["other_regime_percent"] == pytest.approx(100.0 * 10 / 16)
+    assert (row["period"], row["stress_drop"]) == pytest.approx((0.1, -0.2))
+
+
+def test_a_map_shows_the_boundary_of_stability_within_a_cell(tmp_path: Path) -> None:
+    what = plan_of(
+        sw.read_scene("paper"), [axis_of("log10_r", "-2.75:-2.6:16"), axis_of("V", "10:1000:9:log")], ["delay"], "stability"
+    )
+    data = computed(what, tmp_path / "map")
+    stable = data["stable"].values == 1
+    lines = sw.map(tmp_path / "map").boundaries
+    for number, velocity in enumerate(data["drive_velocity"].values):
+        row = stable[:, number]
+        last = float(data["log10_r"].values[row][-1])
+        critical = float(np.interp(velocity, *np.array(sorted(zip(lines[0].up, lines[0].across, strict=True))).T))
+        assert last <= critical <= last + 0.0101

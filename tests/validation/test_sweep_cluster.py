@@ -1,0 +1,89 @@
+"""A sweep on a real dask cluster: a scheduler and two workers, each a process, started by dask's own commands."""
+
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import slipwave as sw
+from slipwave.errors import NumericsError
+
+pytest.importorskip("distributed")
+ROOT = Path(__file__).parents[2]
+SLOWLY = "tests.validation.sweep_measures:slowly"
+VARY = {"a": (0.001, 0.019, 20), "b": (0.011, 0.029, 10)}
+
+
+@pytest.fixture
+def cluster() -> Iterator[tuple[str, "subprocess.Popen[Any]"]]:
+    """The scheduler's address and its process."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+
+    def start(*words: str) -> "subprocess.Popen[Any]":
+        """One process of the cluster."""
+        quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": ROOT}
+        return subprocess.Popen([sys.executable, "-m", "dask", *words], **quiet)
+
+    scheduler = start("scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2], "--no-dashboard")
+    workers = [start("worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny") for _ in range(2)]
+    try:
+        _await_workers(address, 2)
+        yield address, scheduler
+    finally:
+        for process in (*workers, scheduler):
+            process.kill()
+            process.wait()
+
+
+def _await_workers(address: str, count: int) -> None:
+    import distributed
+
+    with distributed.Client(address, timeout="60s", set_as_default=False) as client:  # type: ignore[no-untyped-call]
+        client.wait_for_workers(count, timeout=60)
+
+
+@pytest.mark.slow
+def test_a_cluster_gives_equal_arrays(tmp_path: Path, cluster: tuple[str, Any]) -> None:
+    vary = {"log10_r": (-2.72, -2.6, 4)}
+    here = sw.sweep("paper", vary=vary, models="block12", until=400, tol=1e-6, workers=1, out=tmp_path / "here").dataset
+    there = sw.sweep(
+        "paper", vary=vary, models="block12", until=400, tol=1e-6, scheduler=cluster[0], out=tmp_path / "there"
+    ).dataset
+    assert (here["status"].values == 0).all()
+    for name in here.data_vars:
+        assert np.array_equal(here[name].values, there[name].values, equal_nan=here[name].dtype.kind == "f")
+
+
+@pytest.mark.slow
+def test_a_scheduler_killed_half_way_costs_nothing(tmp_path: Path, cluster: tuple[str, Any]) -> None:
+    address, scheduler = cluster
+    command = [sys.executable, "-m", "validation.cli", "sweep", "paper", "--measure", SLOWLY, "--scheduler", address]
+    command += ["--vary", "a=0.001:0.019:20", "b=0.011:0.029:10", "--out", str(tmp_path / "out")]
+    running = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    while running.poll() is None and not list((tmp_path / "out" / "parts").glob("[0-9]*.npz")):
+        time.sleep(0.01)
+    scheduler.kill()
+    told = running.communicate(timeout=120)[1]
+    assert running.returncode == 3, told
+    assert "went away" in told.splitlines()[-1]
+    result = sw.sweep(tmp_path / "out", workers=1)
+    assert result.summary["done"] == 200
+    assert result.summary["computed_now"] < 200
+
+
+def test_no_scheduler_is_one_line(tmp_path: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{taken.getsockname()[1]}"
+        with pytest.raises(sw.SceneError, match="no scheduler answers"):
+            sw.sweep("paper", vary=VARY, measure=SLOWLY, scheduler=address, out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+    assert issubclass(NumericsError, Exception)

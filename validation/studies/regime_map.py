@@ -1,0 +1,159 @@
+"""Where in the plane of round trip and velocity does each model slide steadily, periodically, or irregularly?"""
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import slipwave
+from validation.study import WITNESS, Budget, Figure, Number, StudyResult, Table, Verdict, holding, table
+from validation.study.drawing import Drawing
+from validation.sweep.axes import axis_of
+from validation.sweep.boundaries import onsets
+from validation.sweep.difference import difference, regimes
+from validation.sweep.gather import dataset_of
+from validation.sweep.map_figures import Line, figure_of
+from validation.sweep.refine import Audit
+from validation.sweep.store import Store
+from validation.sweep.sweep import Where, perform, plan_of
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+else:
+    Dataset = Any
+
+NAME = "regime-map"
+QUESTION = "Where does each model have the wrong regime?"
+SCENES = ("paper",)
+SECONDS = (12.0, 40.0)
+
+_REFERENCE = "delay"
+_MODELS = (_REFERENCE, "kelvin-voigt", "modal:2", "block12", "quasidynamic")
+_UNTIL, _TOLERANCE = 1200.0, 1e-6
+_R, _V = (-2.74, -2.42), (100.0, 1000.0)
+_BANDS = ((1.0, 1.1), (1.1, 1.4), (1.4, np.inf))  # r over the critical one
+
+
+def run(budget: Budget) -> StudyResult:
+    """Sweep the plane with every model, hold the boundaries against certified counts, and compare the regimes."""
+    audit, data = swept_plane(budget)
+    lines = onsets(data)
+    differences = difference(data, _REFERENCE)
+    worst = max(differences.attrs["differences"], key=lambda row: row["other_regime_percent"])
+    return StudyResult(
+        answer=f"Of the plane shown, {worst['model']} has another regime than the delay system in "
+        f"{worst['other_regime_percent']:.0f} % of the area that both decide; {_best(differences)}.",
+        figures=(
+            Figure("regimes", _REGIMES, lambda: figure_of(data, "verdict", lines)),
+            Figure("differences", _DIFFERENCES, lambda: _draw(differences)),
+        ),
+        tables=(_errors(data, differences, lines),),
+        verdicts=(_boundaries(data, lines), _audited(audit)),
+        numbers={
+            f"{row['model']} other regime": Number(row["other_regime_percent"], 0.05) for row in differences.attrs["differences"]
+        },
+    )
+
+
+def swept_plane(budget: Budget) -> tuple[Audit, Dataset]:
+    """The plane as every model has it, and what the map says of itself."""
+    scene = slipwave.read("paper", {"run.until": _UNTIL})
+    counts, levels = ((17, 9), 1) if budget.quick else ((33, 17), 2)
+    axes = [axis_of("log10_r", (*_R, counts[0])), axis_of("V", f"{_V[0]:g}:{_V[1]:g}:{counts[1]}:log")]
+    plan = plan_of(scene, axes, _MODELS, "verdict", tol=_TOLERANCE, refine=levels)
+    with TemporaryDirectory() as folder, ThreadPoolExecutor(1) as here:
+        swept = perform(plan, Store(Path(folder)), Where(workers=1, executor=here))
+        assert swept.audit is not None
+        return swept.audit, dataset_of(plan, swept.store)
+
+
+def _best(differences: Dataset) -> str:
+    best = min(differences.attrs["differences"], key=lambda row: row["other_regime_percent"])
+    return f"{best['model']} in {best['other_regime_percent']:.1f} %"
+
+
+def onset_of(model: str, lines: tuple[Line, ...], velocities: Any) -> Any:
+    """log10 of the critical r of a model at these velocities, from the certified number of growing roots."""
+    line = next(line for line in lines if line.model == model)
+    order = np.argsort(line.up)
+    return np.interp(velocities, np.asarray(line.up)[order], np.asarray(line.across)[order])
+
+
+def regimes_of(model: str, data: Dataset) -> Any:
+    """The regimes of a model in the plane (`validation.sweep.difference.regimes`)."""
+    return regimes(data["verdict"].sel(model=model).values)
+
+
+def _boundaries(data: Dataset, lines: tuple[Line, ...]) -> Verdict:
+    """The verdicts of runs against the certified counts of roots, which know no run."""
+    log10_r, wrong, judged = data["log10_r"].values, 0, 0
+    cell = float(log10_r[1] - log10_r[0])
+    for model in _MODELS:
+        found = regimes_of(model, data)
+        beyond = log10_r[:, None] - onset_of(model, lines, data["drive_velocity"].values)[None, :]
+        clear = (np.abs(beyond) > cell) & (found >= 0)
+        wrong, judged = wrong + int((clear & ((found == 0) != (beyond < 0.0))).sum()), judged + int(clear.sum())
+    return holding(
+        "Runs leave steady sliding where certified counts of roots say so",
+        WITNESS,
+        "no point beyond one cell of the boundary on the wrong side",
+        f"{wrong} of {judged}",
+        wrong == 0,
+        f"every model; boundaries by `slipwave.stability`; a cell is {cell:.3g} in log10 r",
+    )
+
+
+def _audited(audit: Audit) -> Verdict:
+    return holding(
+        "Cells that were not divided hold no other regime",
+        WITNESS,
+        "at most one in twenty of those divided by chance",
+        f"{audit.hidden} of {audit.divided}",
+        audit.hidden <= 0.05 * max(audit.divided, 1),
+        "one in a hundred cells is divided although its corners and its neighbours agree",
+    )
+
+
+def _errors(data: Dataset, differences: Dataset, lines: tuple[Line, ...]) -> Table:
+    """Area of the wrong regime, and the largest errors by the distance from the onset."""
+    ratio = 10.0 ** (data["log10_r"].values[:, None] - onset_of(_REFERENCE, lines, data["drive_velocity"].values)[None, :])
+    rows = []
+    for row in differences.attrs["differences"]:
+        ours = differences.sel(model=row["model"])
+        cells: list[str | float | None] = [row["model"], row["other_regime_percent"]]
+        for low, high in _BANDS:
+            for name in ("period", "stress_drop"):
+                values = ours[name].values[(ratio >= low) & (ratio < high)]
+                values = values[np.isfinite(values)]
+                cells.append(100.0 * float(values[np.argmax(np.abs(values))]) if values.size else None)
+        rows.append(tuple(cells))
+    bands = [f"{low:g} to {high:g} r_{{c}}" if np.isfinite(high) else f"above {low:g} r_{{c}}" for low, high in _BANDS]
+    heading = " | ".join(
+        ["model", "other regime [%] .2g", *(f"{what}, {band} [%] .2g" for band in bands for what in ("T", "drop"))]
+    )
+    return table("errors", _ERRORS, heading, rows)
+
+
+def _draw(differences: Dataset) -> Drawing:
+    return figure_of(differences, "other_regime")
+
+
+_PLANE = (
+    f"log10 r from {_R[0]:g} to {_R[1]:g}, V from {_V[0]:g} to {_V[1]:g} V*, the paper’s law and ε, runs of at most {_UNTIL:g} "
+    "transits from a nudge of steady sliding"
+)
+_REGIMES = (
+    f"Verdicts on the motion: {_PLANE}. Dashed: where steady sliding loses its stability, from the certified number of growing "
+    "roots of each model, not from runs. “Too short”: too few cycles for a verdict."
+)
+_DIFFERENCES = (
+    "Where a model has another regime than the delay system; white: one of both has no verdict. Steady sliding and the "
+    "return to it are one regime."
+)
+_ERRORS = (
+    f"{_PLANE}. Per cent of the area, as far as both have a verdict, in which the regime is another one than that of the delay "
+    "system; and the largest relative error of period and stress drop where both motions are periodic, by the distance from the "
+    "delay system’s onset r_{c} at the same V. Empty: no point where both are periodic."
+)

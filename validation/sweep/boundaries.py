@@ -1,0 +1,81 @@
+"""Lines over a map that theory gives: where steady sliding loses its stability, and special curves of orbits."""
+
+import tomllib
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+import slipwave
+from reduced.parameters import PARAMETERS
+from reduced.stability.boundary import boundary
+from slipwave.errors import NumericsError, SceneError
+from validation.registry.families import one_port_of
+from validation.sweep.map_figures import Line, is_logarithmic
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+else:
+    Dataset = Any
+
+_SHORT = {"slab.log10_r": "log10_r", "slab.r": "r", "slab.epsilon": "epsilon", "drive.velocity": "V"}
+_SHORT |= {"interface.a": "a", "interface.b": "b"}
+
+
+class _Side(NamedTuple):
+    """An axis as a parameter of stability boundaries: its name there, and its range in that parameter."""
+
+    name: str
+    values: npt.NDArray[np.float64]
+    is_power: bool
+
+
+def _side(data: Dataset, axis: str) -> _Side | None:
+    """None for a key that is no such parameter, as a thickness."""
+    values, key = np.asarray(data[axis].values, dtype=float), str(data[axis].attrs.get("long_name", axis))
+    name = _SHORT.get(key, key)
+    if is_logarithmic(values) and f"log10_{name}" in PARAMETERS:
+        return _Side(f"log10_{name}", np.log10(values), True)
+    return _Side(name, values, False) if name in PARAMETERS else None
+
+
+def onsets(data: Dataset) -> tuple[Line, ...]:
+    """The curves on which steady sliding loses its stability, of each model of a map over two parameters; none where an axis is
+    no parameter of theirs, or where they cannot be found."""
+    axes = [str(name) for name in data["status"].dims if name != "model"]
+    sides = [_side(data, axis) for axis in axes]
+    if len(axes) != 2 or None in sides:
+        return ()
+    across, up = (side for side in sides if side is not None)
+    scene = slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))
+    ranges = tuple((float(side.values.min()), float(side.values.max())) for side in (across, up))
+    found = []
+    for model in (str(name) for name in np.atleast_1d(data["model"].values)):
+        try:
+            curves = boundary(scene, one_port_of(model), (across.name, up.name), (ranges[0], ranges[1]))
+        except (NumericsError, SceneError, ValueError):
+            continue
+        for curve in curves:
+            first, second = (10.0**v if side.is_power else v for v, side in ((curve.first, across), (curve.second, up)))
+            found.append(Line(f"onset of instability, {model}", first, second, model))
+    return tuple(found)
+
+
+def lines_of_curve(files: Iterable[str], data: Dataset) -> tuple[Line, ...]:
+    """The special curves in files of `slipwave curve`. Raises SceneError for another file, or one over other parameters."""
+    import xarray
+
+    axes = [str(name) for name in data["status"].dims if name != "model"]
+    found = []
+    for path in files:
+        try:
+            curve = xarray.load_dataset(path, engine="netcdf4")
+        except (OSError, ValueError) as error:
+            raise SceneError(f"--curve = {str(path)!r}: is no netCDF file: {str(error).lower()}") from None
+        names = {str(name): str(name) for name in curve.variables} | ({"drive_velocity": "V"} if "V" in curve else {})
+        if any(axis not in names for axis in axes):
+            raise SceneError(f"--curve = {str(path)!r}: holds no curve over {' and '.join(axes)}")
+        first, second = (np.asarray(curve[names[axis]].values, dtype=float) for axis in axes)
+        found.append(Line(f"{curve.attrs.get('type', 'curve')}, {curve.attrs.get('model', '')}", first, second, ""))
+    return tuple(found)

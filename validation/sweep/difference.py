@@ -1,0 +1,65 @@
+"""How models differ over a map: where the regime is another one, and by how much period and stress drop differ."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from slipwave.errors import SceneError
+from validation.sweep.measures import VERDICTS
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+else:
+    Dataset = Any
+
+_KINDS = {"steady": 0, "decaying": 0, "periodic": 1, "torus": 2, "irregular": 3, "growing": 4}
+"""Regimes that differ; other verdicts are not decided, and such points are not compared."""
+
+_COMPARED = ("period", "stress_drop")
+
+
+def regimes(verdict: Any) -> Any:
+    """One number per regime of the verdicts' numbers, -1 where none is decided. Steady sliding and the return to it are one."""
+    numbers = np.array([_KINDS.get(word, -1) for word in VERDICTS] + [-1])
+    return numbers[np.asarray(verdict, dtype=int)]
+
+
+def difference(data: Dataset, reference: str) -> Dataset:
+    """`other_regime` (1 where it differs from the `reference`, 0 where not, NaN where one of both is not decided), and relative
+    differences of period and stress drop where both are periodic, for every other model of a sweep of verdicts.
+
+    Raises SceneError for a sweep of one model, without that model, or of another measure."""
+    names = [str(name) for name in np.atleast_1d(data["model"].values)]
+    if reference not in names or len(names) < 2:
+        raise SceneError(f"--against = {reference!r}: must be one of at least two models of the sweep, {', '.join(names)}")
+    if "verdict" not in data:
+        raise SceneError("--against: needs a sweep with verdicts (--measure verdict, run or lyapunov)")
+    ours, others = data.sel(model=reference), data.sel(model=[name for name in names if name != reference])
+    here, there = regimes(ours["verdict"].values), regimes(others["verdict"].values)
+    decided = (here >= 0) & (there >= 0)
+    found = others[["verdict"]].rename(verdict="other_regime").astype(float)
+    found["other_regime"].values[...] = np.where(decided, here != there, np.nan)
+    found["other_regime"].attrs = {"long_name": f"regime differs from that of {reference}", "units": "1"}
+    both = (here == _KINDS["periodic"]) & (there == _KINDS["periodic"])
+    for name in _COMPARED:
+        found[name] = others[name] / ours[name] - 1.0
+        found[name].values[~both] = np.nan
+        found[name].attrs = {"long_name": f"relative difference of {name.replace('_', ' ')} from {reference}", "units": "1"}
+    rows = [
+        {
+            "model": model,
+            "other_regime_percent": float(100.0 * np.nanmean(found["other_regime"].sel(model=model)))
+            if decided[number].any()
+            else np.nan,
+            "compared_percent": float(100.0 * decided[number].mean()),
+            **{name: _largest(found[name].sel(model=model).values) for name in _COMPARED},
+        }
+        for number, model in enumerate(str(name) for name in found["model"].values)
+    ]
+    return found.assign_attrs({**data.attrs, "differences": rows})
+
+
+def _largest(values: Any) -> float:
+    """The value of the largest size, with its sign; NaN if there is none."""
+    there = values[np.isfinite(values)]
+    return float(there[np.argmax(np.abs(there))]) if there.size else np.nan

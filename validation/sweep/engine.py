@@ -1,0 +1,203 @@
+"""Computes the points of a plan on any `concurrent.futures.Executor`, part by part, and writes each finished part."""
+
+import math
+import time
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from slipwave.errors import NumericsError, SceneError
+from slipwave.scene import Scene
+from validation.results.quantities import in_si
+from validation.sweep.measures import Figures, Measure, measure_of
+from validation.sweep.plan import Indices, Plan
+from validation.sweep.store import Columns, Store
+
+PART_SECONDS, SLOW_PART_SECONDS = 10.0, 60.0
+"""Time that a part takes, and one of points that take more than a second each."""
+
+IN_FLIGHT = 3
+"""Parts per worker that are submitted and not finished: more would fill the memory of a scheduler."""
+
+_LARGEST = 20_000
+_TRIES = 3
+_PATIENCE = 5.0  # seconds between looks at the scheduler
+STATUS = ("done", "refused", "failed", "died")
+"""How a point ended: with figures; refused as a scene; the numerics failed; the process was killed three times in a row."""
+
+
+class Finished(NamedTuple):
+    """A part that came back: its points, their columns, and the time it took (s)."""
+
+    points: Indices
+    columns: Columns
+    seconds: float
+
+
+def compute(plan: Plan, points: Indices) -> Finished:
+    """The figures of these points, in the process that is called. It never raises: a point that cannot be computed has a status
+    and a reason."""
+    began = time.perf_counter()
+    measure = measure_of(plan.measure)
+    rows = [_point(plan, measure, int(point)) for point in points]
+    return Finished(points, columns_of(measure, rows), time.perf_counter() - began)
+
+
+def _point(plan: Plan, measure: Measure, point: int) -> Figures:
+    try:
+        scene = plan.scene(point)
+        found = measure.of(scene, plan.model(point), plan.options)
+        return {"status": "done", **found, **_in_si(found, measure, scene)}
+    except SceneError as refusal:
+        return {"status": "refused", "reason": str(refusal)}
+    except NumericsError as failure:
+        return {"status": "failed", "reason": str(failure)}
+    except Exception as bug:
+        return {"status": "failed", "reason": f"{type(bug).__name__}: {bug}"}
+
+
+def _in_si(found: Figures, measure: Measure, scene: Scene) -> Figures:
+    """The figures of a scene with units in SI, under the names that they have everywhere (period_s)."""
+    twins: dict[str, float] = {}
+    for name, quantity in measure.columns.items() if scene.units else ():
+        value = found.get(name)
+        twins |= {
+            twin: float(size) for twin, (size, _) in in_si(name, math.nan if value is None else value, quantity, scene).items()
+        }
+    return twins
+
+
+def columns_of(measure: Measure, rows: list[Figures]) -> Columns:
+    """Rows as one array per figure: numbers, NaN where there is none; words as their numbers, -1 where there is none."""
+    names = dict.fromkeys([*measure.columns, *(name for row in rows for name in row if name not in ("status", "reason"))])
+    found: dict[str, Any] = {"status": np.array([STATUS.index(str(row["status"])) for row in rows], dtype=np.int8)}
+    found["reason"] = np.array([str(row.get("reason", "")) for row in rows])
+    for name in names:
+        values = [row.get(name) for row in rows]
+        if name in measure.words:
+            found[name] = np.array([_word(measure.words[name], value) for value in values], dtype=np.int8)
+        else:
+            found[name] = np.array([math.nan if value is None else float(value) for value in values])
+    return found
+
+
+def _word(words: tuple[str, ...], value: Any) -> int:
+    if value is None:
+        return -1
+    return int(value) if isinstance(value, bool) else words.index(str(value))
+
+
+@dataclass
+class Sizes:
+    """Points of a part, from the time that those before it took; at the end parts become smaller, so that all workers end
+    together."""
+
+    workers: int
+    points: float = 1.0
+    seconds_per_point: float = math.nan
+    _largest: int = 0
+
+    def learn(self, part: Finished) -> None:
+        """Take a finished part into account: the larger ones, because the first points of a process wait for it to be ready. The
+        size grows at most eightfold at a time."""
+        if part.points.size < 0.5 * self._largest:
+            return
+        self._largest = max(self._largest, part.points.size)
+        self.seconds_per_point = max(part.seconds / part.points.size, 1e-6)
+        wanted = (SLOW_PART_SECONDS if self.seconds_per_point > 1.0 else PART_SECONDS) / self.seconds_per_point
+        self.points = min(max(1.0, wanted), 8.0 * self.points, _LARGEST)
+
+    def next(self, rest: int) -> int:
+        """Points of the next part, of a `rest` of so many."""
+        return int(min(rest, max(min(self.points, rest / (2 * self.workers)), self.points / 16.0, 1.0)))
+
+
+@dataclass
+class Engine:
+    """Runs parts of `plan` on executors made by `start`, with so many `workers`; finished parts go to the `store`."""
+
+    plan: Plan
+    store: Store
+    start: Callable[[], Executor]
+    workers: int
+    report: Callable[[int], None] = lambda points: None
+    alive: Callable[[], bool] = lambda: True
+
+    def __post_init__(self) -> None:
+        self.sizes = Sizes(self.workers)
+
+    def run(self, points: Indices) -> None:
+        """Compute these points, in this order. A part whose process was killed is done again; a point whose process was killed
+        three times in a row is a row with that reason.
+
+        Raises NumericsError if the executor is gone for good; finished parts are kept.
+        """
+        waiting: deque[tuple[Indices, int]] = deque([(points, 0)] if points.size else [])
+        while waiting:
+            flying: dict[Future[Finished], tuple[Indices, int]] = {}
+            try:
+                self._drain(self.start(), waiting, flying)
+            finally:
+                for future in flying:
+                    future.cancel()
+
+    def _drain(
+        self,
+        executor: Executor,
+        waiting: deque[tuple[Indices, int]],
+        flying: dict["Future[Finished]", tuple[Indices, int]],
+    ) -> None:
+        """Until nothing is left, or the executor breaks: what was in flight is then `waiting` again."""
+        broken = False
+        while flying or (waiting and not broken):
+            while waiting and not broken and len(flying) < self._most(waiting):
+                part, deaths = self._next(waiting)
+                try:
+                    flying[executor.submit(compute, self.plan, part)] = part, deaths
+                except Exception:  # whatever the executor raises: `compute` itself never does
+                    waiting.appendleft((part, deaths))
+                    broken = True
+            alone = len(flying) == 1
+            for future in wait(flying, _PATIENCE, FIRST_COMPLETED).done:
+                part, deaths = flying.pop(future)
+                try:
+                    finished = future.result()
+                except (Exception, CancelledError):
+                    broken = True
+                    self._again(waiting, part, max(deaths, 1) + alone)
+                    continue
+                self.sizes.learn(finished)
+                self.store.write(finished.points, finished.columns)
+                self.report(finished.points.size)
+            if not self.alive():
+                raise NumericsError(
+                    "the scheduler went away; finished parts are kept, the same command goes on without --scheduler"
+                )
+
+    def _most(self, waiting: deque[tuple[Indices, int]]) -> int:
+        """Parts in flight; one alone where a process was killed, so that the guilty part is known."""
+        return 1 if waiting[0][1] else IN_FLIGHT * self.workers
+
+    def _next(self, waiting: deque[tuple[Indices, int]]) -> tuple[Indices, int]:
+        rest, deaths = waiting.popleft()
+        count = rest.size if deaths else self.sizes.next(rest.size)
+        if rest.size > count:
+            waiting.appendleft((rest[count:], deaths))
+        return rest[:count], deaths
+
+    def _again(self, waiting: deque[tuple[Indices, int]], part: Indices, deaths: int) -> None:
+        """Put a part back whose process was killed, to be computed alone (1: it may have been the fault of another part); if
+        that is killed three times in a row, in halves, down to the point that kills."""
+        if deaths <= _TRIES:
+            waiting.appendleft((part, deaths))
+        elif part.size > 1:
+            middle = part.size // 2
+            waiting.extendleft([(part[middle:], 1), (part[:middle], 1)])
+        else:
+            why = f"the process was killed {_TRIES} times in a row (out of memory?)"
+            self.store.write(part, columns_of(measure_of(self.plan.measure), [{"status": "died", "reason": why}]))
+            self.report(1)

@@ -1,0 +1,114 @@
+"""Where parts are computed: processes of this machine, or a cluster that is there already."""
+
+import logging
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+from slipwave.errors import SceneError
+from slipwave.extras import require
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+def cores() -> int:
+    """Processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextmanager
+def processes(workers: int) -> Iterator[Callable[[], Executor]]:
+    """Context with a maker of pools of so many processes on this machine, each with one thread for algebra. They are ended with
+    this process, however it ends."""
+    made: list[ProcessPoolExecutor] = []
+
+    def start() -> Executor:
+        """A new pool in place of the one before."""
+        while made:
+            kill(made.pop())
+        with _environment(dict.fromkeys(_THREADS, "1")):
+            pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin)
+            made.append(pool)
+            for _ in range(workers):
+                pool.submit(int)
+        return pool
+
+    try:
+        yield start
+    finally:
+        for pool in made:
+            kill(pool)
+
+
+def kill(pool: ProcessPoolExecutor) -> None:
+    """End the processes of a pool now; what they were computing is lost."""
+    running = list((pool._processes or {}).values())  # there is no public way before Python 3.14
+    pool.shutdown(wait=False, cancel_futures=True)
+    for process in running:
+        process.kill()
+
+
+def _begin() -> None:
+    """In a worker: the user's Ctrl-C is for the parent, and a worker without a parent ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+
+    def watch() -> None:
+        """End this process when the parent has ended."""
+        assert parent is not None
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+@contextmanager
+def _environment(values: dict[str, str]) -> Iterator[None]:
+    """Context with these environment variables, which new processes inherit."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+class Cluster(NamedTuple):
+    """Executors on a cluster, the number of its workers' threads, and whether its scheduler is there."""
+
+    start: Callable[[], Executor]
+    workers: int
+    alive: Callable[[], bool]
+
+
+@contextmanager
+def cluster(address: str) -> Iterator[Cluster]:
+    """Context with the dask scheduler at `address`. Raises SceneError if there is none, or if it has no workers."""
+    require("cluster", "--scheduler")
+    for name in ("distributed", "tornado.application"):  # a scheduler that goes away is told in one line, by us
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+    import distributed
+
+    try:
+        client: Any = distributed.Client(  # type: ignore[no-untyped-call]
+            address, timeout="5s", set_as_default=False
+        )
+    except (OSError, ValueError, TimeoutError) as error:
+        reason = (str(error) or type(error).__name__).splitlines()[0]
+        raise SceneError(f"--scheduler = {address!r}: no scheduler answers there: {reason}") from None
+    try:
+        workers = sum(client.nthreads().values())
+        if not workers:
+            raise SceneError(f"--scheduler = {address!r}: has no workers")
+        yield Cluster(lambda: client.get_executor(pure=False, retries=0), workers, lambda: client.status == "running")
+    finally:
+        client.close(timeout=1)

@@ -1,0 +1,86 @@
+"""The finished points of a sweep as one `xarray.Dataset`, at any time."""
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from slipwave.extras import require
+from validation.results.provenance import provenance
+from validation.results.quantities import Quantity, attributes
+from validation.sweep.engine import STATUS
+from validation.sweep.measures import Measure, measure_of
+from validation.sweep.plan import Plan
+from validation.sweep.refine import fill, regimes_of
+from validation.sweep.store import Store
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+else:  # xarray is loaded only when a dataset is made
+    Dataset = Any
+
+Array = npt.NDArray[Any]
+
+
+def arrays_of(plan: Plan, store: Store) -> dict[str, Array]:
+    """Every column over all points of the plan: NaN, -1 and "" where a point is not there. Where two processes computed the same
+    point both have the same figures."""
+    found: dict[str, Array] = {"status": np.full(plan.size, -1, dtype=np.int8), "reason": np.full(plan.size, "", dtype=object)}
+    for points, columns in store.parts():
+        for name, values in columns.items():
+            if name not in found:
+                empty: Any = np.nan if values.dtype.kind == "f" else -1
+                found[name] = np.full(plan.size, empty, dtype=values.dtype)
+            found[name][points] = values
+    return found
+
+
+def dataset_of(plan: Plan, store: Store) -> Dataset:
+    """The columns over (model, axes), words as CF flags. `status` says how each point ended; of a refined sweep the verdict of
+    points between those computed is that of their cell, and their status is "not computed"."""
+    require("files", "a dataset")
+    import xarray
+
+    measure, arrays = measure_of(plan.measure), arrays_of(plan, store)
+    levels = int(plan.options.get("refine", 0))
+    if levels:
+        shown = {name: values for name, values in arrays.items() if name not in ("status", "reason")}
+        fill(plan, levels, regimes_of(measure, arrays), shown)
+    names = ["scene"] if plan.rows else [axis.name for axis in plan.axes]
+    dimensions = ("model", *names)
+    variables = {name: (dimensions, values.reshape(plan.shape), _notes(name, measure, plan)) for name, values in arrays.items()}
+    facts = provenance("sweep", plan.base, ", ".join(plan.models), {**plan.options, "measure": plan.measure})
+    data = xarray.Dataset(variables, coords=_coordinates(plan), attrs=facts | {"manifest": json.dumps(plan.manifest)})
+    return data if len(plan.models) > 1 else data.isel(model=0)
+
+
+def _coordinates(plan: Plan) -> dict[str, Any]:
+    models: dict[str, Any] = {"model": ("model", list(plan.models))}
+    if plan.rows:
+        keys = dict.fromkeys(key for row in plan.rows for key in row)
+        return models | {key.replace(".", "_"): ("scene", [row.get(key, np.nan) for row in plan.rows]) for key in keys}
+    return models | {
+        axis.name: (axis.name, list(axis.values), {"long_name": axis.key, "units": axis.unit or "1"}) for axis in plan.axes
+    }
+
+
+def _notes(name: str, measure: Measure, plan: Plan) -> dict[str, Any]:
+    """CF attributes of a column."""
+    if name == "reason":
+        return {"long_name": "why there are no figures"}
+    words = (*STATUS,) if name == "status" else measure.words.get(name)
+    if words:
+        meanings = " ".join(word.replace(" ", "_") for word in words)
+        meaning = "how the point ended; -1: not computed" if name == "status" else measure.columns[name].meaning
+        return {
+            "long_name": meaning,
+            "flag_values": np.arange(len(words), dtype=np.int8),
+            "flag_meanings": meanings,
+        }
+    if name in measure.columns:
+        return attributes(measure.columns[name], plan.base)
+    plain = next((column for column in measure.columns if name.startswith(f"{column}_")), None)
+    if plain:  # the twin in SI
+        return {"long_name": measure.columns[plain].meaning, "units": name.removeprefix(f"{plain}_").replace("_per_", " ")}
+    return attributes(Quantity(name), plan.base)

@@ -1,0 +1,120 @@
+"""`slipwave.map`: figures of a sweep: regimes with the boundaries that theory gives, figures, and how two models differ."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from slipwave.errors import SceneError
+from slipwave.extras import require
+from slipwave.input import SceneSource
+from validation.output import figures, table
+from validation.results.command import command
+from validation.results.facts import finite
+from validation.results.options import SceneOptions, option
+from validation.results.provenance import SCHEMA
+from validation.results.result import FIGURES, Dataset, Output, Result
+from validation.study.drawing import Drawing
+from validation.sweep.boundaries import lines_of_curve, onsets
+from validation.sweep.difference import difference
+from validation.sweep.gather import dataset_of
+from validation.sweep.map_figures import Line, figure_of
+from validation.sweep.store import Store
+from validation.sweep.sweep import stored_plan
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapOptions(SceneOptions):
+    """Options of `slipwave.map`."""
+
+    EXAMPLES: ClassVar = (
+        "slipwave map map --plot map.png",
+        "slipwave map map/sweep.nc --show period --plot period.svg",
+        "slipwave map both --against kelvin-voigt --plot difference.png",
+    )
+    DETAILS: ClassVar = "SCENE is the folder of a sweep or the netCDF file gathered from it."
+
+    show: str | None = option("the column to be drawn (default: regime, period and stress drop)", metavar="COLUMN")
+    model: str | None = option("one of the models (default: all)", positional=True)
+    against: str | None = option("draw where this model has another regime, and by how much its period and stress drop differ")
+    curve: Iterable[str] = option("netCDF files of `slipwave curve` to be drawn over the map", (), metavar="FILE.nc ...")
+    plain: bool = option("without the boundary on which steady sliding loses its stability", False)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class MapResult(Result):
+    """A gathered sweep `data`, `differences` of its models from one of them, and the `boundaries` over it."""
+
+    OUTPUTS: ClassVar = (Output("--plot", FIGURES, "save_plot", "draw it: .png, .pdf or .svg", default="map.png", key="figure"),)
+
+    data: Dataset
+    differences: Dataset | None
+    boundaries: tuple[Line, ...]
+    shown: str | None
+
+    @property
+    def dataset(self) -> Dataset:
+        """What is drawn: the sweep, or the differences."""
+        return self.data if self.differences is None else self.differences
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The JSON of `slipwave map`: the axes; of a difference the share of the area with another regime, in per cent, and the
+        largest relative differences where both motions are periodic."""
+        data = self.dataset
+        found: dict[str, Any] = {"schema": SCHEMA, "scene": data.attrs["scene"], "axes": [str(name) for name in data.dims]}
+        if self.differences is not None:
+            found["differences"] = self.differences.attrs["differences"]
+        return dict(finite(found | {"boundaries": [line.name for line in self.boundaries]}))
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """What is drawn, and the differences as a table."""
+        yield f"scene {summary['scene']} over {', '.join(summary['axes'])}"
+        yield from (f"boundary: {line.name}" for line in self.boundaries)
+        rows = [
+            [row["model"], *(figures(row[name], 4) for name in ("other_regime_percent", "period", "stress_drop"))]
+            for row in summary.get("differences", [])
+        ]
+        if rows:
+            yield ""
+            yield from table(["model", "other regime [%]", "largest error of T", "of the stress drop"], rows)
+
+    def plot(self) -> Drawing:
+        """The map."""
+        return figure_of(self.dataset, self.shown, self.boundaries)
+
+
+@command
+def map(source: SceneSource, options: MapOptions) -> MapResult:
+    """Figures of a sweep over one or two axes. Raises SceneError for a file or folder that holds none."""
+    data = gathered(source)
+    if options.against is not None:
+        return MapResult(data, difference(data, options.against), (), options.show)
+    if options.model is not None:
+        data = data.sel(model=_known(data, options.model)) if "model" in data.dims else data
+    boundaries = () if options.plain else onsets(data)
+    return MapResult(data, None, (*boundaries, *lines_of_curve(options.curve, data)), options.show)
+
+
+def gathered(source: SceneSource) -> Dataset:
+    """The dataset of a sweep's folder or file. Raises SceneError if it holds none."""
+    path = Path(source) if isinstance(source, str | Path) else Path()
+    if path.is_dir():
+        return dataset_of(stored_plan(path), Store(path))
+    require("files", "a map")
+    import xarray
+
+    try:
+        data = xarray.load_dataset(path, engine="netcdf4")
+    except (OSError, ValueError) as error:
+        raise SceneError(f"SCENE = {str(source)!r}: neither a folder nor a netCDF file: {str(error).lower()}") from None
+    if "manifest" not in data.attrs:
+        raise SceneError(f"SCENE = {str(source)!r}: holds no sweep; slipwave sweep DIR --gather writes one")
+    return data
+
+
+def _known(data: Dataset, model: str) -> str:
+    names = [str(name) for name in data["model"].values]
+    if model not in names:
+        raise SceneError(f"model = {model!r}: must be one of the sweep's, {', '.join(names)}")
+    return model

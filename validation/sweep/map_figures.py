@@ -1,0 +1,151 @@
+"""Figures of a sweep: regimes over two axes with boundaries over them, a figure over two axes, or everything over one."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from slipwave.errors import SceneError
+from validation.study.drawing import Axes, Drawing, canvas, styled
+
+if TYPE_CHECKING:
+    from xarray import DataArray, Dataset
+else:
+    DataArray = Dataset = Any
+
+_COLOURS = {
+    "steady": "#e8eef4",
+    "decaying": "#cfe0ee",
+    "settling": "#dddddd",
+    "growing": "#b9b4d8",
+    "periodic": "#f3c77a",
+    "torus": "#5aa28c",
+    "irregular": "#c5523f",
+    "driven": "#bbbbbb",
+    "protocol": "#bbbbbb",
+    "too short": "#f6f6f6",
+    "no": "#f3c77a",
+    "yes": "#e8eef4",
+}
+_OTHER, _ABSENT = "#999999", "#ffffff"
+_LINE: Any = {"color": "#111111", "linewidth": 1.3, "dashes": (4, 1.5)}
+_ABREAST = 3
+_PICTURES = ("period", "stress_drop")
+
+
+class Line(NamedTuple):
+    """A boundary over a map: values of both axes, and the model it is of (empty: of all)."""
+
+    name: str
+    across: Any
+    up: Any
+    model: str
+
+
+def figure_of(data: Dataset, shown: str | None = None, lines: Sequence[Line] = ()) -> Drawing:
+    """The figure of a gathered sweep with `lines` over its maps; `shown` is the column (default: regimes, period, stress drop).
+
+    Raises SceneError for more than two axes, or a column that is not there."""
+    axes = [str(name) for name in next(iter(data.data_vars.values())).dims if name != "model"]
+    if shown is not None and shown not in data:
+        raise SceneError(f"--show = {shown!r}: must be one of {', '.join(map(str, data.data_vars))}")
+    with styled():
+        if len(axes) == 1:
+            return _over_one(data, axes[0], shown)
+        if len(axes) == 2:
+            return _over_two(data, axes, shown, lines)
+    raise SceneError(f"a figure needs one or two axes, this sweep has {len(axes)}; choose values of the others first")
+
+
+def _models(data: Dataset) -> list[Dataset]:
+    return [data.isel(model=number) for number in range(data.sizes["model"])] if "model" in data.dims else [data]
+
+
+def _over_two(data: Dataset, names: Sequence[str], shown: str | None, lines: Sequence[Line]) -> Drawing:
+    columns = [shown] if shown else [name for name in ("verdict", "stable", "other_regime", *_PICTURES) if name in data]
+    panels = [(model, column) for model in _models(data) for column in columns]
+    width = min(len(panels), _ABREAST) if len(columns) == 1 else len(columns)
+    rows = math.ceil(len(panels) / width)
+    figure = canvas(3.7 * width, 3.2 * rows)
+    grid = figure.subplots(rows, width, squeeze=False).ravel()
+    marks: dict[str, Any] = {}
+    for axes, (model, column) in zip(grid, panels, strict=False):
+        marks |= _image(axes, model, names, column)
+        for line in lines:
+            if line.model in ("", model["model"].item()):
+                marks[line.name.partition(",")[0]] = axes.plot(line.across, line.up, **_LINE)[0]
+        axes.set_xlim(*_ends(model[names[0]].values))
+        axes.set_ylim(*_ends(model[names[1]].values))
+    for axes in grid[len(panels) :]:
+        axes.remove()
+    if marks:
+        figure.legend(marks.values(), marks, loc="outside lower center", ncols=6, fontsize=9)
+    return figure
+
+
+def _ends(values: Any) -> tuple[float, float]:
+    return float(np.min(values)), float(np.max(values))
+
+
+def _image(axes: Axes, data: Dataset, names: Sequence[str], column: str) -> dict[str, Any]:
+    """Draw one column of a model; the colours of words by the words."""
+    across, up = (data[name] for name in names)
+    values = data[column].transpose(names[1], names[0])
+    _scales(axes, across, up)
+    axes.set_title(f"{data['model'].item()}: {column.replace('_', ' ')}")
+    if column == "other_regime":
+        return _words(axes, across, up, values.fillna(-1), {"the same regime": "#dfe6ec", "another regime": "#c5523f"})
+    if "flag_meanings" in values.attrs:
+        words = [word.replace("_", " ") for word in values.attrs["flag_meanings"].split()]
+        return _words(axes, across, up, values, {word: _COLOURS.get(word, _OTHER) for word in words})
+    picture = axes.pcolormesh(across, up, np.ma.masked_invalid(values), shading="nearest", cmap="viridis", rasterized=True)
+    axes.figure.colorbar(picture, ax=axes)
+    return {}
+
+
+def _words(axes: Axes, across: DataArray, up: DataArray, values: DataArray, colours: Mapping[str, str]) -> dict[str, Any]:
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+    from matplotlib.patches import Patch
+
+    norm = BoundaryNorm(np.arange(-1.5, len(colours) + 0.5), len(colours) + 1)
+    palette = ListedColormap([_ABSENT, *colours.values()])
+    axes.pcolormesh(across, up, values, shading="nearest", cmap=palette, norm=norm, rasterized=True)
+    there = [word for number, word in enumerate(colours) if bool((values == number).any())]
+    return {word: Patch(facecolor=colours[word], edgecolor="#888888", linewidth=0.4) for word in there}
+
+
+def _scales(axes: Axes, across: DataArray, up: DataArray) -> None:
+    for coordinate, scale, label in ((across, axes.set_xscale, axes.set_xlabel), (up, axes.set_yscale, axes.set_ylabel)):
+        if is_logarithmic(coordinate.values):
+            scale("log")
+            axis = axes.xaxis if coordinate is across else axes.yaxis
+            axis.set_minor_formatter("")
+            axis.set_major_formatter("{x:g}")
+        unit = coordinate.attrs.get("units", "1")
+        label(coordinate.attrs.get("long_name", coordinate.name) + ("" if unit == "1" else f" [{unit}]"))
+
+
+def is_logarithmic(values: Any) -> bool:
+    """Whether values are spaced as powers."""
+    if len(values) < 3 or np.min(values) <= 0.0:
+        return False
+    powers = np.diff(np.log(values))
+    return bool(np.ptp(powers) < 1e-6 * abs(powers.mean()))
+
+
+def _over_one(data: Dataset, name: str, shown: str | None) -> Drawing:
+    columns = [shown] if shown else [column for column in _PICTURES if column in data] or [str(next(iter(data.data_vars)))]
+    figure = canvas(7.4, 2.9 * len(columns))
+    grid = figure.subplots(len(columns), 1, squeeze=False, sharex=True)[:, 0]
+    for axes, column in zip(grid, columns, strict=True):
+        for model in _models(data):
+            values = model[column]
+            points = values.values if values.ndim == 2 else values.values[:, None]
+            for cycle in points.T:
+                axes.plot(model[name], cycle, ".", markersize=2.5, label=model["model"].item())
+        axes.set_ylabel(column.replace("_", " "))
+    if is_logarithmic(data[name].values):
+        grid[-1].set_xscale("log")
+    grid[-1].set_xlabel(data[name].attrs.get("long_name", name))
+    return figure

@@ -1,0 +1,178 @@
+"""What a sweep computes at each point. A measure is one function and one line of `MEASURES`."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from importlib import import_module
+from typing import Any, NamedTuple, cast, get_args
+
+import slipwave
+from slipwave.errors import NumericsError, SceneError
+from slipwave.observe.verdict import Kind
+from slipwave.scene import Scene
+from validation.registry.build import prepare
+from validation.registry.families import one_port_of
+from validation.results.quantities import Quantity
+from validation.run.length import Length, Until, UntilSettled
+from validation.run.outlook import Outlook, outlook
+from validation.run.simulate import Run, reconsidered, simulate
+
+VERDICTS: tuple[str, ...] = get_args(Kind)
+"""The words of a verdict, in the order of their numbers in files."""
+
+TRANSITS = 4000.0
+"""The longest run of a scene without `run.until`."""
+
+Options = Mapping[str, Any]
+Figures = Mapping[str, float | str | bool | None]
+
+
+class Measure(NamedTuple):
+    """`of` computes the figures of a model on a scene with the options of the sweep; `columns` says what they are, `words` which
+    of them are words, and `regime` which of them tell one regime from another. The columns of a user's own function are what it
+    returns."""
+
+    of: Callable[[Scene, str, Options], Figures]
+    columns: Mapping[str, Quantity] = {}
+    words: Mapping[str, tuple[str, ...]] = {}
+    regime: tuple[str, ...] = ()
+
+
+class _Expected:
+    """As `Outlook`, computed only when a motion dies out: what repeats needs no spectrum."""
+
+    def __init__(self, scene: Scene, model: str) -> None:
+        self._scene, self._model = scene, model
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(outlook(self._scene, self._model), name)
+
+
+class UntilSure(UntilSettled):
+    """Until the motion is settled, but not beyond `until` (transits)."""
+
+    def ends(self, after: float) -> Iterator[float]:
+        """As `Length`: a quarter, a half and the whole."""
+        yield from (end for end in (0.25 * self.until, 0.5 * self.until, self.until) if end > after)
+
+
+def march(scene: Scene, model: str, options: Options, whole: bool = False) -> Run:
+    """The run of a point: until its verdict is sure, at most to `run.until`, or the `whole` of it.
+
+    Raises SceneError for a scene that the model cannot do, NumericsError where it fails."""
+    solver = prepare(model, scene, tolerance=options.get("tol"), cells=options.get("cells")).solver
+    one_port = one_port_of(solver.model)
+    until = scene.until if scene.until is not None else TRANSITS
+    length: Length = Until(until) if whole else UntilSure(scene, cast(Outlook, _Expected(scene, one_port)), until=until)
+    run = reconsidered(simulate(solver, length), one_port)
+    if run.failed:
+        raise NumericsError(run.failed)
+    return run
+
+
+def _figures(run: Run) -> dict[str, Any]:
+    found = run.verdict
+    means = run.statistics.values() if found and found.repeats else {}
+    counts = {"multiplicity": found.multiplicity, "cycles": found.cycles} if found else {}
+    return {"verdict": run.kind, **counts, **means, "until": run.until}
+
+
+def verdict_of(scene: Scene, model: str, options: Options) -> Figures:
+    """The verdict on the motion and the means of its cycles; ends when the verdict is sure."""
+    return _figures(march(scene, model, options))
+
+
+def run_of(scene: Scene, model: str, options: Options) -> Figures:
+    """As the verdict, of the whole run, and the interface at its end."""
+    run = march(scene, model, options, whole=True)
+    return _figures(run) | ({f"final_{name}": getattr(run.final, name) for name in ("ln_v", "psi", "mu")} if run.final else {})
+
+
+def orbit_of(scene: Scene, model: str, options: Options) -> Figures:
+    """The periodic orbit, stable or not."""
+    given = {name: options[name] for name in ("tol", "cells") if options.get(name) is not None}
+    found = slipwave.orbit(scene, model, **given).summary
+    outside = sum(math.hypot(*pair) > 1.0 + 1e-6 for pair in found["multipliers"] or ())
+    return {name: found[name] for name in (*_CYCLE, "stable")} | {"unstable_multipliers": outside}
+
+
+def stability_of(scene: Scene, model: str, options: Options) -> Figures:
+    """Whether steady sliding is stable, and its leading root."""
+    found = slipwave.stability(scene, model).summary
+    leading = found["leading_roots"][0] if found["leading_roots"] else (None, None)
+    counted = {name: found[name] for name in ("stable", "unstable_roots", "log10_r_c", "epsilon_c")}
+    return counted | {"growth_rate": leading[0], "angular_frequency": leading[1]}
+
+
+def lyapunov_of(scene: Scene, model: str, options: Options) -> Figures:
+    """The largest Lyapunov exponent, with the verdict."""
+    given = {name: options[name] for name in ("tol", "cells") if options.get(name) is not None}
+    result = slipwave.run(scene, model, lyapunov=True, **given)
+    exponent = result.exponent
+    return _figures(result.done) | ({"exponent": exponent.rate, "exponent_error": exponent.margin} if exponent else {})
+
+
+_CYCLE = {
+    "period": Quantity("mean period of the cycles", "transit"),
+    "stress_drop": Quantity("mean stress drop of the cycles", "normal stress"),
+    "elastic_stress_drop": Quantity("mean elastic stress drop of the cycles", "normal stress"),
+    "v_max": Quantity("largest slip rate of the cycles", "V*"),
+    "v_min": Quantity("smallest slip rate of the cycles", "V*"),
+}
+_VERDICT = {
+    "verdict": Quantity("verdict on the motion"),
+    "multiplicity": Quantity("slip events in a period"),
+    "cycles": Quantity("cycles in the second half of the run"),
+    **_CYCLE,
+    "until": Quantity("length of the run", "transit"),
+}
+_FINAL = {f"final_{name}": Quantity(f"{name} at the end of the run") for name in ("ln_v", "psi", "mu")}
+_EXPONENT = {"exponent": Quantity("largest Lyapunov exponent, per transit"), "exponent_error": Quantity("half its 95 % interval")}
+_STABILITY = {
+    "stable": Quantity("whether steady sliding is stable"),
+    "unstable_roots": Quantity("number of roots of growing disturbances"),
+    "log10_r_c": Quantity("log10 of the critical round trip"),
+    "epsilon_c": Quantity("critical epsilon"),
+    "growth_rate": Quantity("growth rate of the leading root, per L/V*"),
+    "angular_frequency": Quantity("angular frequency of the leading root, per L/V*"),
+}
+_ORBIT = {**_CYCLE, "stable": Quantity("whether the orbit is stable")}
+_ORBIT["unstable_multipliers"] = Quantity("number of multipliers outside the unit circle")
+_KINDS, _YES_NO = {"verdict": VERDICTS}, {"stable": ("no", "yes")}
+_REGIME = ("verdict", "multiplicity")
+
+MEASURES: Mapping[str, Measure] = {
+    "verdict": Measure(verdict_of, _VERDICT, _KINDS, _REGIME),
+    "run": Measure(run_of, {**_VERDICT, **_FINAL}, _KINDS, _REGIME),
+    "orbit": Measure(orbit_of, _ORBIT, _YES_NO, ("stable", "unstable_multipliers")),
+    "stability": Measure(stability_of, _STABILITY, _YES_NO, ("stable", "unstable_roots")),
+    "lyapunov": Measure(lyapunov_of, {**_VERDICT, **_EXPONENT}, _KINDS, _REGIME),
+}
+
+
+def measure_of(name: str) -> Measure:
+    """The measure called `name`; "module:function" is a user's own function of a
+    scene that returns numbers by name; the number `regime`, if it is there, tells regimes apart.
+
+    Raises SceneError if there is none."""
+    if name in MEASURES:
+        return MEASURES[name]
+    module, colon, function = name.partition(":")
+    try:
+        own = getattr(import_module(module), function) if colon else None
+    except (ImportError, AttributeError):
+        own = None
+    if own is None:
+        raise SceneError(f"--measure = {name!r}: must be one of {', '.join(MEASURES)}, or an importable module:function")
+    return Measure(lambda scene, model, options: own(scene), regime=("regime",))
+
+
+def name_of(measure: str | Callable[[Scene], Figures]) -> str:
+    """The name of a measure, by which another process finds it. Raises SceneError for a function inside another one."""
+    if isinstance(measure, str):
+        return measure
+    if "<" in measure.__qualname__ or measure.__module__ == "__main__":
+        raise SceneError(
+            f"measure = {measure.__qualname__}: must be a function of a module that other processes can import, not of the main "
+            "part of a script or of another function"
+        )
+    return f"{measure.__module__}:{measure.__qualname__}"

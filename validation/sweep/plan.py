@@ -1,0 +1,113 @@
+"""What a sweep computes: the points of its axes, in an order that keeps neighbours together, and the scene of each."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from slipwave.errors import SceneError
+from slipwave.scene import Scene
+from validation.sweep.axes import Axis, changed
+
+MOST = 10**8
+"""Points of one sweep."""
+
+Indices = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """`measure` of every model at every point of the `axes` over the `base` scene. The points have one number each: that of an
+    array with the shape (models, *axes), row by row. `rows` replaces the axes where scenes are listed: the changes of each."""
+
+    base: Scene
+    axes: tuple[Axis, ...]
+    models: tuple[str, ...]
+    measure: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+    rows: tuple[Mapping[str, float | str], ...] = ()
+
+    @property
+    def lattice(self) -> tuple[int, ...]:
+        """Points along each axis."""
+        return (len(self.rows),) if self.rows else tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Models and the points along each axis."""
+        return (len(self.models), *self.lattice)
+
+    @property
+    def size(self) -> int:
+        """Number of points."""
+        return math.prod(self.shape)
+
+    def model(self, point: int) -> str:
+        """The model of a point."""
+        return self.models[point // math.prod(self.lattice)]
+
+    def changes(self, point: int) -> dict[str, float | str]:
+        """The keys of the scene that a point sets."""
+        place = np.unravel_index(point % math.prod(self.lattice), self.lattice)
+        if self.rows:
+            return dict(self.rows[int(place[0])])
+        return {axis.key: axis.written(int(number)) for axis, number in zip(self.axes, place, strict=True)}
+
+    def scene(self, point: int) -> Scene:
+        """The scene of a point. Raises SceneError if its values are out of range."""
+        return changed(self.base, self.changes(point))
+
+    @cached_property
+    def manifest(self) -> dict[str, Any]:
+        """All that the result depends on, but the program: the text of `manifest.json`."""
+        return {
+            "scene": self.base.name,
+            "scene_digest": self.base.digest,
+            "axes": [{"key": axis.key, "unit": axis.unit, "values": list(axis.values)} for axis in self.axes],
+            "rows": [dict(row) for row in self.rows],
+            "models": list(self.models),
+            "measure": self.measure,
+            "options": dict(self.options),
+        }
+
+
+def require_plan(plan: Plan) -> None:
+    """Raises SceneError for a plan without points or with too many, with a key twice, and for values that a scene refuses at the
+    ends of its axes."""
+    if not plan.axes and not plan.rows:
+        raise SceneError("--vary: missing; must be KEY=FROM:TO:COUNT, as in log10_r=-2.75:-2.2:200")
+    if plan.size > MOST:
+        raise SceneError(f"--vary: {plan.size} points; must be at most 1e8; divide the sweep, or --refine")
+    keys = [axis.key for axis in plan.axes]
+    if len(set(keys)) < len(keys):
+        raise SceneError(f"--vary: {max(keys, key=keys.count)} is given twice")
+    for axis in plan.axes:
+        for number in (0, len(axis.values) - 1):
+            changed(plan.base, {axis.key: axis.written(number)})
+
+
+def morton(shape: Sequence[int]) -> Indices:
+    """The numbers of all points of a lattice along its Morton curve: neighbours in the lattice are close in this order, so that
+    every part of it is a patch.
+
+    The bits of the coordinates are interleaved, those of the longest axis first where it has more.
+    """
+    places = np.indices(shape, dtype=np.int64).reshape(len(shape), -1)
+    code = np.zeros(places.shape[1], dtype=np.int64)
+    position = 0
+    for bit in range(max(max(shape) - 1, 1).bit_length()):
+        for axis, count in enumerate(shape):
+            if (count - 1) >> bit:
+                code |= ((places[axis] >> bit) & 1) << position
+                position += 1
+    return np.argsort(code, kind="stable").astype(np.int64)
+
+
+def order_of(plan: Plan) -> Indices:
+    """All points of a plan in the order in which they are computed: place by place along the Morton curve, all models at each."""
+    places, count = morton(plan.lattice), math.prod(plan.lattice)
+    return (places[:, None] + count * np.arange(len(plan.models))[None, :]).reshape(-1)

@@ -1,0 +1,179 @@
+"""Where a map needs points: a coarse lattice, and from level to level the cells in which the regime changes.
+
+A cell is divided if its corners are not of one regime, or if a neighbour's are not. Each level is computed whole before the next
+is chosen, so the result does not depend on the order in which points arrive. One in a hundred of the other cells, chosen by its
+number, is divided too: the share of these that held another regime is the map's own error bar.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.ndimage import binary_dilation
+
+from slipwave.errors import SceneError
+from validation.sweep.measures import Measure
+from validation.sweep.plan import Indices, Plan
+
+_AUDITED = 100
+_UNKNOWN = -1
+Regimes = npt.NDArray[np.int64]
+Cells = npt.NDArray[np.bool_]
+
+
+class Audit(NamedTuple):
+    """Cells that were divided though nothing said so, and how many of them held another regime."""
+
+    divided: int
+    hidden: int
+
+
+def require_refinable(plan: Plan, levels: int) -> None:
+    """Raises SceneError if the axes cannot be halved so often."""
+    if not 1 <= levels <= 20:
+        raise SceneError(f"--refine = {levels}: must be a whole number from 1 to 20")
+    for axis in plan.axes:
+        count, step = len(axis.values), 2**levels
+        if count < step + 1 or (count - 1) % step:
+            near = max(round((count - 1) / step), 1) * step + 1
+            raise SceneError(f"--refine = {levels}: {axis.key} must have a multiple of {step} plus 1 values, as {near}")
+    if plan.rows:
+        raise SceneError("--refine: needs axes, not a list of scenes")
+
+
+def regimes_of(measure: Measure, arrays: Mapping[str, npt.NDArray[Any]]) -> Regimes:
+    """One number per point for its regime: those columns that tell regimes apart, and its status; -1 where it is not computed."""
+    found = arrays["status"].astype(np.int64)
+    for name in measure.regime:
+        values = np.nan_to_num(arrays[name], nan=-1.0) if name in arrays else np.full(found.size, -1.0)
+        found = found * 1024 + np.clip(values, -1, 1022).astype(np.int64) + 1
+    return np.where(arrays["status"] < 0, _UNKNOWN, found)
+
+
+def refine(plan: Plan, levels: int, compute: Callable[[Indices], None], regimes: Callable[[], Regimes]) -> Audit:
+    """Compute what the map of `plan` needs, level by level. `compute` takes the numbers of points, which may be there already;
+    `regimes` tells those of all points.
+
+    A cell beside one whose corners differ may not be there, because the cell around it was not divided: then that is divided
+    too, and all levels are gone through again until nothing is divided any more.
+    """
+    steps = {level: 2**level for level in range(levels, 0, -1)}
+    divided = {level: np.zeros(_cells(plan, step), dtype=bool) for level, step in steps.items()}
+    compute(np.flatnonzero(_points_of(np.ones(_cells(plan, 2**levels), dtype=bool), 2**levels, 1, plan)))
+    before = -1
+    while before != (before := sum(int(cells.sum()) for cells in divided.values())):
+        for level, step in steps.items():
+            there = _there(divided, level, levels)
+            wanted = _around(_changing(regimes().reshape(plan.shape), step, divided[level]) & there)
+            divided[level] |= (wanted | _audited(there.shape)) & there
+            for above in range(level + 1, levels + 1):
+                divided[above] |= _coarser(wanted & ~there, 2 ** (above - level))
+            compute(np.flatnonzero(_points_of(divided[level], step, 2, plan)))
+    return _audit(plan, regimes().reshape(plan.shape), divided, levels)
+
+
+def fill(plan: Plan, levels: int, regimes: Regimes, columns: Mapping[str, npt.NDArray[Any]]) -> None:
+    """Give every point that is not computed the values at the corners of its cell, which are of one regime: numbers by linear
+    interpolation along each axis, words as they are."""
+    known = regimes.reshape(plan.shape)
+    given = {name: column.reshape(plan.shape).copy() for name, column in columns.items()}
+    for level in range(levels, 0, -1):
+        step = 2**level
+        whole = np.logical_and.reduce([corner != _UNKNOWN for corner in _corners(known, step)])
+        cells = [np.minimum(np.arange(n) // step, (n - 1) // step - 1) for n in plan.lattice]
+        at = np.ix_(range(plan.shape[0]), *cells)
+        wanted = whole[at] & (known == _UNKNOWN)
+        for name, column in columns.items():
+            corners = _coarse(given[name], step)
+            if column.dtype.kind == "f":
+                for axis, n in enumerate(plan.lattice, start=1):
+                    corners = _stretched(corners, axis, np.arange(n) / step)
+                column.reshape(plan.shape)[wanted] = corners[wanted]
+            else:
+                column.reshape(plan.shape)[wanted] = corners[at][wanted]
+
+
+def _stretched(values: npt.NDArray[Any], axis: int, places: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
+    """`values` along an axis at fractional `places`, by linear interpolation."""
+    before = np.minimum(places.astype(int), values.shape[axis] - 2)
+    share = np.expand_dims(places - before, tuple(range(1, values.ndim - axis)))
+    return np.asarray(np.take(values, before, axis) * (1.0 - share) + np.take(values, before + 1, axis) * share)
+
+
+def _cells(plan: Plan, step: int) -> tuple[int, ...]:
+    return (plan.shape[0], *((n - 1) // step for n in plan.lattice))
+
+
+def _coarse(values: npt.NDArray[Any], step: int) -> npt.NDArray[Any]:
+    """Every `step`-th value along each axis."""
+    return values[(slice(None), *[slice(None, None, step)] * (values.ndim - 1))]
+
+
+def _corners(known: Regimes, step: int) -> Iterator[Regimes]:
+    """The regimes at each of the corners of all cells."""
+    coarse = _coarse(known, step)
+    for ends in product((slice(None, -1), slice(1, None)), repeat=known.ndim - 1):
+        yield coarse[(slice(None), *ends)]
+
+
+def _differing(known: Regimes, step: int) -> Cells:
+    first, *others = _corners(known, step)
+    return np.asarray(np.logical_or.reduce([first != other for other in others]))
+
+
+def _changing(known: Regimes, step: int, divided: Cells) -> Cells:
+    """Cells whose corners differ, or in which another regime was found when they were divided."""
+    return _differing(known, step) | (divided & _coarser(_differing(known, step // 2), 2))
+
+
+def _around(cells: Cells) -> Cells:
+    """These cells and their neighbours, for each model."""
+    return np.asarray(binary_dilation(cells, np.ones((1, *[3] * (cells.ndim - 1)), dtype=np.bool_)))
+
+
+def _audited(shape: tuple[int, ...]) -> Cells:
+    """One in a hundred cells, by a hash of their numbers (Knuth's multiplicative one)."""
+    numbers = np.arange(1, int(np.prod(shape)) + 1, dtype=np.uint64) * np.uint64(2654435761) % np.uint64(2**32)
+    return np.asarray(numbers % np.uint64(_AUDITED) == 0).reshape(shape)
+
+
+def _there(divided: Mapping[int, Cells], level: int, levels: int) -> Cells:
+    """The cells of a level: all of the coarsest, else the parts of those divided."""
+    if level == levels:
+        return np.ones_like(divided[level])
+    found = divided[level + 1]
+    for axis in range(1, found.ndim):
+        found = np.repeat(found, 2, axis)
+    return found
+
+
+def _coarser(cells: Cells, factor: int) -> Cells:
+    """The cells, so many times larger, that hold one of these."""
+    for axis in range(1, cells.ndim):
+        shape = (*cells.shape[:axis], cells.shape[axis] // factor, factor, *cells.shape[axis + 1 :])
+        cells = np.asarray(cells.reshape(shape).any(axis + 1))
+    return cells
+
+
+def _points_of(cells: Cells, step: int, parts: int, plan: Plan) -> Cells:
+    """The points of these cells on the lattice that divides each into so many `parts` along each axis."""
+    lattice = np.zeros((cells.shape[0], *(n * parts + 1 for n in cells.shape[1:])), dtype=bool)
+    for offsets in product(range(parts + 1), repeat=cells.ndim - 1):
+        ends = (slice(offset, offset + (n - 1) * parts + 1, parts) for offset, n in zip(offsets, cells.shape[1:], strict=True))
+        lattice[(slice(None), *ends)] |= cells
+    found = np.zeros(plan.shape, dtype=bool)
+    _coarse(found, step // parts)[...] = lattice
+    return found
+
+
+def _audit(plan: Plan, known: Regimes, divided: Mapping[int, Cells], levels: int) -> Audit:
+    """Of the cells divided for nothing but their number, how many held another regime than their corners'."""
+    count = hidden = 0
+    for level in divided:
+        step, there = 2**level, _there(divided, level, levels)
+        chosen = _audited(there.shape) & there & ~_around(_differing(known, step) & there)
+        other = _coarser(_differing(known, step // 2), 2)
+        count, hidden = count + int(chosen.sum()), hidden + int((chosen & other).sum())
+    return Audit(count, hidden)

@@ -1,0 +1,126 @@
+"""The folder of a sweep: `manifest.json` says what is computed, each file in `parts` holds finished points.
+
+A part is written to a temporary name, flushed to disk and renamed, and the folder is flushed too: after a crash of any kind a
+part is there whole or not at all, and what remains to be done follows from the points that are there, whoever computed them.
+"""
+
+import json
+import os
+import shutil
+import uuid
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+import numpy.typing as npt
+
+from slipwave.errors import SceneError
+from slipwave.files import reason_of, whole_or_absent
+from validation.sweep.plan import Indices
+
+_MANIFEST, _PARTS = "manifest.json", "parts"
+_SHOWN = 3
+Columns = Mapping[str, npt.NDArray[Any]]
+
+
+class Store:
+    """The parts of one sweep in `folder`."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    @property
+    def manifest(self) -> dict[str, Any] | None:
+        """What the folder holds; None if it holds no sweep. Raises SceneError for a damaged manifest."""
+        try:
+            found = json.loads((self.folder / _MANIFEST).read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError):
+            raise SceneError(f"{str(self.folder / _MANIFEST)!r} is damaged: it is no manifest of a sweep") from None
+        if not isinstance(found, dict):
+            raise SceneError(f"{str(self.folder / _MANIFEST)!r} is damaged: it is no manifest of a sweep")
+        return found
+
+    def begin(self, manifest: Mapping[str, Any], anew: bool = False) -> None:
+        """Begin the sweep of `manifest`, or go on with it. Raises SceneError if the folder holds another one, naming what
+        differs, unless it shall be computed `anew`; and for a folder with other files."""
+        present = self.manifest
+        if anew and present is not None:
+            shutil.rmtree(self.folder / _PARTS, ignore_errors=True)
+            (self.folder / _MANIFEST).unlink()
+            present = None
+        if present is None:
+            if self.folder.exists() and (
+                not self.folder.is_dir() or any(not path.name.startswith((".", _PARTS)) for path in self.folder.iterdir())
+            ):
+                raise SceneError(f"--out = {str(self.folder)!r}: must be a new or empty folder, or one of a sweep")
+            self._write_manifest(manifest)
+        elif differing := [key for key in manifest if present.get(key) != manifest[key]]:
+            told = "; ".join(_difference(key, present.get(key), manifest[key]) for key in differing[:_SHOWN])
+            raise SceneError(
+                f"--out = {str(self.folder)!r}: holds another sweep ({told}); another folder, or --anew to begin again"
+            )
+
+    def _write_manifest(self, manifest: Mapping[str, Any]) -> None:
+        try:
+            (self.folder / _PARTS).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise SceneError(f"--out = {str(self.folder)!r}: cannot be made: {reason_of(error)}") from None
+        temporary = self.folder / f".{uuid.uuid4().hex}.json"
+        try:
+            with temporary.open("w", encoding="utf-8") as file:
+                json.dump(manifest, file, indent=1, ensure_ascii=False)
+                os.fsync(file.fileno())
+            os.link(temporary, self.folder / _MANIFEST)  # fails where another process has begun a sweep here just now
+        except FileExistsError:
+            self.begin(manifest)
+        except OSError as error:
+            raise SceneError(f"--out = {str(self.folder)!r}: cannot be written: {reason_of(error)}") from None
+        finally:
+            temporary.unlink(missing_ok=True)
+
+    def write(self, points: Indices, columns: Columns) -> None:
+        """Add finished points. Raises SceneError if the part cannot be written."""
+        path = self.folder / _PARTS / f"{points[0]:012d}-{uuid.uuid4().hex[:12]}.npz"
+        with whole_or_absent(path) as temporary, temporary.open("wb") as file:
+            np.savez(file, allow_pickle=False, **{"point": points, **columns})
+        _flush(path.parent)
+
+    def parts(self) -> Iterator[tuple[Indices, Columns]]:
+        """Every whole part: its points and their columns. A damaged one counts as absent."""
+        for path in sorted((self.folder / _PARTS).glob("[0-9]*.npz")):
+            try:
+                with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
+                    columns = {name: data[name] for name in data.files}
+                points = columns.pop("point")
+            except (BadZipFile, OSError, ValueError, KeyError, EOFError):
+                continue
+            yield points.astype(np.int64), columns
+
+    def done(self, size: int) -> npt.NDArray[np.bool_]:
+        """Which of `size` points are there."""
+        found = np.zeros(size, dtype=bool)
+        for points, _ in self.parts():
+            found[points] = True
+        return found
+
+
+def _difference(key: str, before: Any, now: Any) -> str:
+    if isinstance(before, dict) and isinstance(now, dict):
+        inner = [name for name in {*before, *now} if before.get(name) != now.get(name)]
+        return f"{key}: {', '.join(sorted(inner))} changed"
+    short = all(isinstance(value, str | int | float | None) for value in (before, now))
+    return f"{key} = {before}, now {now}" if short else f"{key} changed"
+
+
+def _flush(folder: Path) -> None:
+    """Flush the names in a folder to disk, where the system can."""
+    if os.name == "posix":
+        number = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)

@@ -1,0 +1,183 @@
+"""A sweep from its plan to its finished points."""
+
+import json
+import shutil
+import time
+import tomllib
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import slipwave
+from slipwave.errors import SceneError
+from slipwave.input.tables import to_toml
+from slipwave.scene import Scene
+from slipwave.solve.foresight import DAY
+from slipwave.sources import source_digest
+from validation.registry.choice import parse, resolve
+from validation.run.progress import progress
+from validation.sweep import executors
+from validation.sweep.axes import Axis, whole_key
+from validation.sweep.engine import Engine, compute
+from validation.sweep.gather import arrays_of
+from validation.sweep.measures import measure_of
+from validation.sweep.plan import Indices, Plan, order_of, require_plan
+from validation.sweep.refine import Audit, refine, regimes_of, require_refinable
+from validation.sweep.store import Store
+
+_BYTES = 40  # per figure of a point: its value in the parts, and in the netCDF file
+_PROBES = 8
+_PROBE_SECONDS = 5.0
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where points are computed: on so many `workers` of this machine, on the dask `scheduler`, or on a given `executor`; `part`
+    (i, n) is the i-th of n jobs that share the folder. More than `most_seconds` are refused."""
+
+    workers: int = 0
+    scheduler: str | None = None
+    executor: Executor | None = None
+    part: tuple[int, int] = (1, 1)
+    most_seconds: float = DAY
+
+
+@dataclass(frozen=True)
+class Swept:
+    """What is finished of a `plan` in its `store`: the `audit` of a refined one, and the time of this call (s)."""
+
+    plan: Plan
+    store: Store
+    audit: Audit | None = None
+    wall_s: float = 0.0
+    computed: int = 0
+
+
+class Forecast(NamedTuple):
+    """What a sweep will take: points, seconds per point and in all with so many workers, bytes on disk."""
+
+    points: int
+    seconds_per_point: float
+    seconds: float
+    size: int
+    workers: int
+
+
+def plan_of(scene: Scene, axes: Sequence[Axis], models: Sequence[str], measure: str, **options: Any) -> Plan:
+    """The checked plan. Raises SceneError for anything wrong about it."""
+    names = tuple(dict.fromkeys(resolve(name.strip(), scene)[0] for name in models))
+    for name in names:
+        parse(name)
+    given = {name: value for name, value in options.items() if value}
+    rows = tuple(given.pop("rows", ()))
+    plan = Plan(scene, tuple(replace(axis, key=whole_key(axis.key, scene)) for axis in axes), names, measure, given, rows)
+    measure_of(measure)
+    require_plan(plan)
+    if given.get("refine"):
+        require_refinable(plan, given["refine"])
+    return plan
+
+
+def manifest_of(plan: Plan) -> dict[str, Any]:
+    """The plan and the program, which a folder must agree with to be gone on with."""
+    program = {name: version(name) for name in ("slipwave", "numpy", "scipy", "numba")} | {"code": source_digest()}
+    source = {"scene_toml": to_toml(plan.base)}
+    return dict(json.loads(json.dumps(plan.manifest | source | {"program": program})))
+
+
+def stored_plan(folder: Path) -> Plan:
+    """The plan of a folder. Raises SceneError if it holds no sweep."""
+    found = Store(folder).manifest
+    if found is None:
+        raise SceneError(f"SCENE = {str(folder)!r}: a folder without a sweep (no manifest.json)")
+    try:
+        axes = tuple(Axis(axis["key"], tuple(axis["values"]), axis["unit"]) for axis in found["axes"])
+        scene = slipwave.read_scene(tomllib.loads(found["scene_toml"]))
+        return Plan(scene, axes, tuple(found["models"]), found["measure"], found["options"], tuple(found["rows"]))
+    except (KeyError, TypeError):
+        raise SceneError(f"{str(folder)!r}: written by a slipwave {found.get('program')} that this one cannot read") from None
+
+
+def forecast(plan: Plan, where: Where) -> Forecast:
+    """From a few points all over the plan, computed in this process; of a refined plan it is that of the whole lattice."""
+    chosen = order_of(plan)[np.linspace(0, plan.size - 1, min(_PROBES, plan.size)).astype(int)]
+    compute(plan, chosen[:1])  # compiled code is loaded
+    spent: list[float] = []
+    for point in chosen:
+        spent.append(compute(plan, np.array([point])).seconds)
+        if sum(spent) > _PROBE_SECONDS:
+            break
+    each, workers = float(np.mean(spent)), where.workers or executors.cores()
+    return Forecast(plan.size, each, plan.size * each / workers, _size(plan), workers)
+
+
+def _size(plan: Plan) -> int:
+    return plan.size * _BYTES * (len(measure_of(plan.measure).columns) * (2 if plan.base.units else 1) + 2)
+
+
+def perform(plan: Plan, store: Store, where: Where, anew: bool = False) -> Swept:
+    """Compute what is not there yet, or begin `anew`.
+
+    Raises SceneError for more than the disk or `most_seconds`; NumericsError if the scheduler goes away. What is finished stays
+    in the store whatever happens.
+    """
+    with _engine(plan, store, where) as engine:
+        store.begin(manifest_of(plan), anew)
+        return _complete(plan, store, where, engine)
+
+
+def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
+    free = shutil.disk_usage(store.folder).free
+    if _size(plan) > free:
+        raise SceneError(f"--out = {str(store.folder)!r}: needs about {_size(plan):.1e} bytes, and {free:.1e} are free")
+    began, done = time.perf_counter(), store.done(plan.size)
+    before, order, levels = int(done.sum()), order_of(plan), int(plan.options.get("refine", 0))
+    order = order[len(order) * (where.part[0] - 1) // where.part[1] : len(order) * where.part[0] // where.part[1]]
+    with progress(f"{plan.base.name}, points", len(order)) as report:
+
+        def told(points: int) -> None:
+            """Show progress and refuse what would take days."""
+            done_now[0] += points
+            report(done_now[0])
+            rest = (len(order) - done_now[0]) * engine.sizes.seconds_per_point / engine.workers
+            if rest > where.most_seconds and not levels:
+                raise SceneError(f"the sweep would take about {rest / 3600.0:.0f} hours more; --yes computes it all the same")
+
+        done_now = [before]
+        engine.report = told
+
+        def missing(wanted: Indices) -> None:
+            """Compute those of the wanted points that are not there, in their order."""
+            chosen = np.zeros(plan.size, dtype=bool)
+            chosen[wanted] = True
+            engine.run(order[(chosen & ~store.done(plan.size))[order]])
+
+        if levels:
+            measure = measure_of(plan.measure)
+            audit = refine(plan, levels, missing, lambda: regimes_of(measure, arrays_of(plan, store)))
+        else:
+            audit = None
+            missing(order)
+    return Swept(plan, store, audit, time.perf_counter() - began, int(store.done(plan.size).sum()) - before)
+
+
+@contextmanager
+def _engine(plan: Plan, store: Store, where: Where) -> Iterator[Engine]:
+    """Context with the engine of a sweep."""
+    if where.executor is not None:
+        workers = where.workers or getattr(where.executor, "_max_workers", None) or executors.cores()
+        given = where.executor
+        yield Engine(plan, store, lambda: given, workers)
+    elif where.scheduler:
+        with executors.cluster(where.scheduler) as cluster:
+            yield Engine(plan, store, cluster.start, cluster.workers, alive=cluster.alive)
+    else:
+        workers = where.workers or executors.cores()
+        with executors.processes(workers) as start:
+            yield Engine(plan, store, start, workers)
