@@ -180,7 +180,7 @@ def test_the_answer_counts_what_holds():
 
 @pytest.mark.parametrize(("other", "words"), [(73.5, "leads to the same orbit"), (74.0, "two stable orbits")])
 def test_another_start_may_find_another_orbit(monkeypatch, other, words):
-    monkeypatch.setattr(claims, "from_large_nudge", lambda log10_r: orbit(other))
+    monkeypatch.setattr(measured, "from_large_nudge", lambda log10_r: orbit(other))
     assert words in claims._two_orbits(branch())
 
 

@@ -5,18 +5,8 @@ from typing import Any
 
 from reduced.continuation.special import Special
 from reduced.orbit.figures import figures_of
-from validation.studies.bifurcation.measured import (
-    WAVE,
-    WaveOrbit,
-    bubbles,
-    index,
-    mildly_subcritical,
-    modes_converge,
-    published,
-    same_orbits,
-    unlike,
-    wave_orbit,
-)
+from validation.studies.bifurcation import measured
+from validation.studies.bifurcation.measured import WAVE, WaveOrbit
 from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, Verdict, table
 from validation.study.branch_drawing import NAMES, color_of, draw_branch, draw_special, special_keys
 from validation.study.drawing import WIDTH, Drawing, canvas, line, ruled
@@ -50,7 +40,7 @@ def run(budget: Budget) -> StudyResult:
     """Follow the branches from their Hopf points; find the full wave's own orbits."""
     ends = _ENDS[budget.quick]
     branches = {model: branch_of(model, *ends[model]) for model in budget.each(ends, end=len(ends) / (len(ends) + 1))}
-    waves = [wave_orbit(branches["delay"], log10_r) for log10_r in _WAVES[budget.quick]]
+    waves = [measured.wave_orbit(branches["delay"], log10_r) for log10_r in _WAVES[budget.quick]]
     return StudyResult(
         answer=_answer(branches),
         figures=(Figure("branches", _CAPTION, lambda: diagram(branches.values(), waves)),),
@@ -70,9 +60,19 @@ def _tables(branches: dict[str, Branch], waves: list[WaveOrbit], quick: bool) ->
 
 def _verdicts(branches: dict[str, Branch], waves: list[WaveOrbit], quick: bool) -> tuple[Verdict, ...]:
     delay, ode = branches["delay"], branches["kelvin-voigt"]
-    always = (published(delay), published(ode), index(branches.values()), same_orbits(waves), mildly_subcritical(delay, ode))
+    always = (
+        measured.published(delay),
+        measured.published(ode),
+        measured.index(branches.values()),
+        measured.same_orbits(waves),
+        measured.mildly_subcritical(delay, ode),
+    )
     modal = [branch for model, branch in branches.items() if model.startswith("modal")]
-    return (*always, *(() if quick else (*bubbles(ode), modes_converge(delay, modal))), unlike(delay, ode))
+    return (
+        *always,
+        *(() if quick else (*measured.bubbles(ode), measured.modes_converge(delay, modal))),
+        measured.unlike(delay, ode),
+    )
 
 
 def _answer(branches: dict[str, Branch]) -> str:

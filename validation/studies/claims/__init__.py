@@ -4,23 +4,8 @@ import math
 
 import numpy as np
 
-from validation.studies.claims.measured import (
-    LARGE_NUDGE,
-    LONGEST,
-    MODELS,
-    SHOWN,
-    Deep,
-    Orbits,
-    Ripples,
-    all_verdicts,
-    from_large_nudge,
-    measure_ripples,
-    onset_at,
-    recurrence,
-    run_deep,
-    settled_at,
-    spread,
-)
+from validation.studies.claims import measured
+from validation.studies.claims.measured import LARGE_NUDGE, LONGEST, MODELS, SHOWN, Deep, Orbits, Ripples, recurrence, spread
 from validation.study import Budget, Cell, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict, table
 from validation.study.drawing import WIDTH, Drawing, canvas, pen
 from validation.study.text import minus
@@ -42,11 +27,14 @@ _SPEEDS = (1.0, 10.0, 100.0, 1e3, 1e4)
 
 def run(budget: Budget) -> StudyResult:
     """Settle orbits along the stable branch, run deep inside it, evaluate the closed forms."""
-    found = {log10_r: settled_at(log10_r) for log10_r in budget.each(_LOG10_R[budget.quick], end=0.6)}
+    found = {log10_r: measured.settled_at(log10_r) for log10_r in budget.each(_LOG10_R[budget.quick], end=0.6)}
     orbits = {log10_r: models for log10_r, models in found.items() if models}
-    deep = {model: run_deep(model, 6000.0 if budget.quick else 16000.0) for model in ("delay", "kelvin-voigt", "quasidynamic")}
-    ripples = {model: measure_ripples(model) for model in ("delay", "kelvin-voigt")}
-    verdicts = all_verdicts(orbits, deep, ripples)
+    deep = {
+        model: measured.run_deep(model, 6000.0 if budget.quick else 16000.0)
+        for model in ("delay", "kelvin-voigt", "quasidynamic")
+    }
+    ripples = {model: measured.measure_ripples(model) for model in ("delay", "kelvin-voigt")}
+    verdicts = measured.all_verdicts(orbits, deep, ripples)
     return StudyResult(
         answer=_answer(verdicts),
         figures=(Figure("irregular", _CAPTION, lambda: irregular(deep)), Figure("returns", _RETURNS, lambda: returns(deep))),
@@ -61,7 +49,7 @@ def run(budget: Budget) -> StudyResult:
 def _two_orbits(orbits: Orbits) -> str:
     """Whether another start finds another orbit at the largest r."""
     largest = max(orbits)
-    usual, other = orbits[largest]["delay"].period.value, from_large_nudge(largest).period.value
+    usual, other = orbits[largest]["delay"].period.value, measured.from_large_nudge(largest).period.value
     at = minus(f"At log_{{10}} r = {largest:g}")
     if abs(other / usual - 1.0) < _SAME:
         return f"{at} a nudge of {LARGE_NUDGE:g} leads to the same orbit as the scene’s own start."
@@ -101,7 +89,7 @@ def _branch_table(orbits: Orbits) -> Table:
 def _onset_table() -> Table:
     rows = (
         (v, o.omega_c, math.log10(o.r_delay), math.log10(o.r_kelvin_voigt), o.r_kelvin_voigt / o.r_delay - 1.0)
-        for v, o in ((v, onset_at(v)) for v in _SPEEDS)
+        for v, o in ((v, measured.onset_at(v)) for v in _SPEEDS)
     )
     heading = (
         "V [V*] .0f | ω_{c} [V*/L] .6g | log_{10} r_{c} [delay, (39)] .7f | log_{10} r_{c} [ODE, (27)] .7f | "

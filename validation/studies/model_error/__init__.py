@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from slipwave.observe.statistics import Estimate
+from validation.studies.model_error import measured
 from validation.studies.model_error.measured import (
     DAMPED,
     MODELS,
@@ -15,13 +16,7 @@ from validation.studies.model_error.measured import (
     TOLERANCE,
     TRANSITS,
     Runs,
-    all_verdicts,
-    column,
     error,
-    mean_at,
-    milliseconds_of,
-    onset_of_damped,
-    orbit_of,
     states,
 )
 from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, table
@@ -53,11 +48,11 @@ def run(budget: Budget) -> StudyResult:
     grid, orbits, means, times = _ORBITS[budget.quick], Runs(), Runs(), dict[str, float]()
     for model in budget.each(("delay", *MODELS, *_FEW)):
         warm_up(Setting(model), scene_at(-2.68))
-        times[model] = milliseconds_of(model)
-        orbits[model] = {log10_r: orbit_of(model, log10_r) for log10_r in (SHOWN if model in _FEW else grid)}
+        times[model] = measured.milliseconds_of(model)
+        orbits[model] = {log10_r: measured.orbit_of(model, log10_r) for log10_r in (SHOWN if model in _FEW else grid)}
         if model not in _FEW:
-            means[model] = {log10_r: mean_at(model, log10_r, _UNTIL[budget.quick]) for log10_r in _MEANS[budget.quick]}
-    means[DAMPED] = {log10_r: orbit_of(DAMPED, log10_r) for log10_r in sorted({*_MEANS[budget.quick], RUN_AT})}
+            means[model] = {log10_r: measured.mean_at(model, log10_r, _UNTIL[budget.quick]) for log10_r in _MEANS[budget.quick]}
+    means[DAMPED] = {log10_r: measured.orbit_of(DAMPED, log10_r) for log10_r in sorted({*_MEANS[budget.quick], RUN_AT})}
     return StudyResult(
         answer=_answer(orbits, means),
         figures=(
@@ -65,7 +60,7 @@ def run(budget: Budget) -> StudyResult:
             Figure("deep", _DEEP_CAPTION, lambda: errors_of_means(means)),
         ),
         tables=(error_table(orbits, times), mean_table(means)),
-        verdicts=all_verdicts(orbits, means),
+        verdicts=measured.all_verdicts(orbits, means),
         notes=(_note(times),),
         numbers={
             f"{model} error of {symbol} at {log10_r}": _number(error(orbits, model, log10_r, name).value)
@@ -167,7 +162,9 @@ def omissions(orbits: Runs) -> tuple[Omission, ...]:
     left_out = [Omission("Quasi-static model.", "It has no limit cycle.")]
     steady = [x for x, orbit in orbits[DAMPED].items() if not orbit]
     if steady:
-        why = f"It slides steadily there; it sticks and slips from log_{{10}} r = {places([onset_of_damped()], '.3f')} on."
+        why = (
+            f"It slides steadily there; it sticks and slips from log_{{10}} r = {places([measured.onset_of_damped()], '.3f')} on."
+        )
         left_out.append(Omission(f"Quasi-dynamic orbits at {places(steady)}.", why))
     if lost:
         left_out.append(Omission("Points where no orbit was found.", f"{', '.join(lost)}."))
@@ -180,7 +177,7 @@ def errors_over_r(orbits: Runs) -> Drawing:
     for axes, quantity in zip(panels, _QUANTITIES, strict=True):
         for model in MODELS:
             look = line(model, marker=pen(model).marker, linewidth=1.1)
-            axes.semilogy(list(orbits["delay"]), column(orbits, model, quantity), **look)
+            axes.semilogy(list(orbits["delay"]), measured.column(orbits, model, quantity), **look)
     panels[0].set_ylabel("relative error")
     figure.legend(handles=panels[0].get_lines(), loc="outside upper left", ncols=4, handlelength=3.0)
     return figure
@@ -192,8 +189,8 @@ def errors_of_means(means: Runs) -> Drawing:
     grid = np.array(list(means["delay"]))
     for axes, quantity in zip(panels, _QUANTITIES, strict=True):
         for place, model in enumerate((*MODELS, DAMPED)):
-            values = 100.0 * column(means, model, quantity, lambda one: one.value)
-            bars = 200.0 * column(means, model, quantity, lambda one: one.error)
+            values = 100.0 * measured.column(means, model, quantity, lambda one: one.value)
+            bars = 200.0 * measured.column(means, model, quantity, lambda one: one.error)
             at = grid + _SPREAD * (place - 0.5 * len(MODELS))
             look = line(model, linestyle="none", linewidth=1.0, marker=pen(model).marker)
             axes.errorbar(at, values, bars, capsize=2.0, **look)

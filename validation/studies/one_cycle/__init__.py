@@ -10,18 +10,8 @@ from reduced.orbit.periodic import relative_error
 from validation.measure.cycle import Cycle
 from validation.measure.settle import SYMBOLS, WINDOW
 from validation.references.published import reference, reference_orbit
-from validation.studies.one_cycle.measured import (
-    COMPARED,
-    IN_TURN,
-    LOG10_R,
-    AtR,
-    CycleRun,
-    at_r,
-    error,
-    run_model,
-    verdicts,
-    what_stops,
-)
+from validation.studies.one_cycle import measured
+from validation.studies.one_cycle.measured import COMPARED, IN_TURN, LOG10_R, AtR, CycleRun, error, verdicts
 from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, table
 from validation.study.drawing import WIDTH, Drawing, canvas, line, pen
 from validation.study.text import minus, places, plain
@@ -40,12 +30,12 @@ _OUTLINE = 0.1  # a model whose period is further off does not have the same cyc
 
 def run(budget: Budget) -> StudyResult:
     """Find every model's orbit, lay one cycle of each over the others, compare; then as r grows."""
-    runs = {model: run_model(model) for model in budget.each(MODELS, end=0.7)}
-    found = {log10_r: {model: at_r(model, log10_r) for model in COMPARED} for log10_r in _PLACES[budget.quick]}
+    runs = {model: measured.run_model(model) for model in budget.each(MODELS, end=0.7)}
+    found = {log10_r: {model: measured.at_r(model, log10_r) for model in COMPARED} for log10_r in _PLACES[budget.quick]}
     grown = {log10_r: {model: one for model, one in models.items() if one} for log10_r, models in found.items()}
     cycles = {model: own.cycle for model, own in runs.items()}
     errors = {model: error(own, runs["delay"], "period") for model, own in runs.items()}
-    escape, damped = what_stops("quasistatic", 2000.0), what_stops("quasidynamic", 12000.0)
+    escape, damped = measured.what_stops("quasistatic", 2000.0), measured.what_stops("quasidynamic", 12000.0)
     return StudyResult(
         answer=_answer(runs),
         figures=(

@@ -7,26 +7,8 @@ from typing import Any
 import numpy as np
 
 from slipwave.observe.pieces import Array
-from validation.studies.partial_reflection.measured import (
-    HELD,
-    LOG10_R,
-    LOG10_R_BARE,
-    RESTLESS,
-    UNTIL,
-    Pair,
-    Point,
-    agreement,
-    bare_scene,
-    dies,
-    end_of,
-    grip_scene,
-    keeps,
-    last_alive,
-    locking_leak,
-    locks,
-    orbit_of,
-    pair_of,
-)
+from validation.studies.partial_reflection import measured
+from validation.studies.partial_reflection.measured import HELD, LOG10_R, LOG10_R_BARE, RESTLESS, UNTIL, Pair, Point, locks
 from validation.study import Budget, Figure, Number, StudyResult, Table, table
 from validation.study.drawing import WIDTH, Drawing, canvas
 from validation.study.text import plain
@@ -43,19 +25,20 @@ _SLOW_LEAKS = (0.05, 0.1, 0.15, 0.25, 0.5)  # 1 - R on both sides of locking
 def run(budget: Budget) -> StudyResult:
     """Settle over the grip's impedance, lay the full wave over it, then lower a bare coefficient from 1."""
     grid = np.geomspace(0.01, 100.0, 9 if budget.quick else 17)
-    orbits = {stiff: [orbit_of(grip_scene(stiff, z, LOG10_R)) for z in grid] for stiff in STIFFNESSES}
+    orbits = {stiff: [measured.orbit_of(measured.grip_scene(stiff, z, LOG10_R)) for z in grid] for stiff in STIFFNESSES}
     budget.report(0.4)
     few = (0.1, 1.0, 10.0) if budget.quick else tuple(grid[::4])
-    pairs = [pair_of(k, z, budget.quick) for k in STIFFNESSES for z in few]
+    pairs = [measured.pair_of(k, z, budget.quick) for k in STIFFNESSES for z in few]
     budget.report(0.6)
     leaks = _leaks(budget.quick)
-    bare = [orbit_of(bare_scene(leak)) for leak in leaks]
-    held = [orbit_of(grip_scene(HELD, 2.0 / leak - 1.0, LOG10_R_BARE)) for leak in leaks]
+    bare = [measured.orbit_of(measured.bare_scene(leak)) for leak in leaks]
+    held = [measured.orbit_of(measured.grip_scene(HELD, 2.0 / leak - 1.0, LOG10_R_BARE)) for leak in leaks]
     ends = [
-        end_of(bare_scene(leak)) if math.isnan(point.period) else "stick-slip" for leak, point in zip(leaks, bare, strict=True)
+        measured.end_of(measured.bare_scene(leak)) if math.isnan(point.period) else "stick-slip"
+        for leak, point in zip(leaks, bare, strict=True)
     ]
-    edge = locking_leak()
-    slow = {leak: end_of(bare_scene(leak, nudge=0.01)) for leak in _SLOW_LEAKS}
+    edge = measured.locking_leak()
+    slow = {leak: measured.end_of(measured.bare_scene(leak, nudge=0.01)) for leak in _SLOW_LEAKS}
     return StudyResult(
         answer=_answer(leaks, ends, held),
         figures=(
@@ -63,7 +46,12 @@ def run(budget: Budget) -> StudyResult:
             Figure("bare", _BARE, lambda: bare_and_grip(np.array(leaks), bare, held, edge)),
         ),
         tables=(wave_table(pairs), bare_table(leaks, bare, held, ends)),
-        verdicts=(agreement(pairs, budget.quick), dies(leaks, ends, bare[0].period), keeps(leaks, held), locks(slow, edge)),
+        verdicts=(
+            measured.agreement(pairs, budget.quick),
+            measured.dies(leaks, ends, bare[0].period),
+            measured.keeps(leaks, held),
+            locks(slow, edge),
+        ),
         notes=(
             "A locked interface returns each wave whole, the outer face returns the share R of it. Behind a bare coefficient the "
             "load therefore falls by the factor R every transit, to 1/e in about 1/(1 − R) transits. Stick-slip needs a load "
@@ -81,7 +69,7 @@ def _leaks(quick: bool) -> tuple[float, ...]:
 
 
 def _answer(leaks: tuple[float, ...], ends: list[str], held: list[Point]) -> str:
-    alive, dead = last_alive(leaks, ends)
+    alive, dead = measured.last_alive(leaks, ends)
     kept = sum(not math.isnan(point.period) for point in held)
     return (
         f"Grips keep the cycle at {kept} of {len(held)} reflections tried, down to R = {1.0 - max(leaks):g}; bare coefficients, "

@@ -3,19 +3,9 @@
 from typing import Any
 
 from validation.references.published import reference
+from validation.studies.period_against_delay import measured
 from validation.studies.period_against_delay.law import MASSES, period_of
-from validation.studies.period_against_delay.measured import (
-    WAVES,
-    Periods,
-    at_onset,
-    known,
-    orbit,
-    order,
-    periods_at,
-    settled,
-    settled_period,
-    thick,
-)
+from validation.studies.period_against_delay.measured import WAVES, Periods, known, orbit, order, thick
 from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, table
 from validation.study.branch_drawing import draw_branch, special_keys
 from validation.study.drawing import WIDTH, Drawing, canvas, line, pen, ruled
@@ -49,15 +39,15 @@ def run(budget: Budget) -> StudyResult:
     """Follow both branches, find the blocks' orbits, and run where no orbit is stable."""
     quick = budget.quick
     branches = {model: branch_of(model, *_ENDS[quick][model]) for model in budget.each(_ENDS[quick], end=0.7)}
-    listed = [periods_at(log10_r, branches, _UNTIL[quick]) for log10_r in _GRID[quick]]
+    listed = [measured.periods_at(log10_r, branches, _UNTIL[quick]) for log10_r in _GRID[quick]]
     budget.report(0.9)
     ratios = {model: {x: orbit(model, x).cycle.period / period_of(scene_at(x), model) for x in _THICK} for model in MASSES}
-    runs = {place: settled_period(*place) for place in _RUN}
+    runs = {place: measured.settled_period(*place) for place in _RUN}
     return StudyResult(
         answer=_answer(listed),
         figures=(Figure("over-r", _CAPTION, lambda: periods_over_r(branches, listed, ratios)),),
         tables=(period_table(listed), mean_table(listed)),
-        verdicts=(order(listed), *known(listed), settled(listed, runs), at_onset(branches), thick(ratios)),
+        verdicts=(order(listed), *known(listed), measured.settled(listed, runs), measured.at_onset(branches), thick(ratios)),
         notes=(_ENERGY,),
         numbers=_numbers(listed),
     )

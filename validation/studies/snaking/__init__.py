@@ -10,25 +10,8 @@ from reduced.continuation.branch import Control
 from reduced.orbit.closing import Closed
 from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import count_unstable, floquet
-from validation.studies.snaking.measured import (
-    Attractor,
-    Run,
-    Side,
-    Sides,
-    attractor,
-    branch_claims,
-    coexisting,
-    fold_pairs,
-    grows,
-    in_thicker_slabs,
-    on_torus,
-    reappears,
-    run_at,
-    settles,
-    sides,
-    torus_at,
-    wanders,
-)
+from validation.studies.snaking import measured
+from validation.studies.snaking.measured import Attractor, Run, Side, Sides, coexisting, grows, settles, sides
 from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, memo, table
 from validation.study.branch_drawing import draw_branch, draw_special, special_keys
 from validation.study.drawing import WIDTH, Drawing, canvas, ruled
@@ -65,11 +48,11 @@ def run(budget: Budget) -> StudyResult:
     finer = branch_of("delay", -2.3, _FINER_LONGEST[budget.quick], _FINER, _SHORT)
     budget.report(0.9)
     orbits = {log10_r: branch.orbits_at(log10_r) for log10_r in _SHOWN[budget.quick]}
-    runs = [run_at(log10_r) for log10_r in (_BEFORE, _BEYOND)]
+    runs = [measured.run_at(log10_r) for log10_r in (_BEFORE, _BEYOND)]
     starts = [(log10_r, size) for log10_r in _COEXIST[budget.quick] for size in _NUDGES]
-    attractors = [attractor(log10_r, size, branch.orbits_at(log10_r)) for log10_r, size in starts]
+    attractors = [measured.attractor(log10_r, size, branch.orbits_at(log10_r)) for log10_r, size in starts]
     again = memo.own_orbit("delay", scene_at(-2.68), 1e-11).closed
-    residuals = {turns: in_thicker_slabs(again, turns, again.cycle.period) for turns in range(4)}
+    residuals = {turns: measured.in_thicker_slabs(again, turns, again.cycle.period) for turns in range(4)}
     both = sides(branch, *_SIDES[budget.quick])
     beside = [branch.orbits_at(log10_r)[-1] for log10_r in (_BEFORE, _BEYOND)]
     return StudyResult(
@@ -84,13 +67,13 @@ def run(budget: Budget) -> StudyResult:
             _reappearance_table(again, residuals),
         ),
         verdicts=(
-            *branch_claims(branch, finer),
+            *measured.branch_claims(branch, finer),
             *settles(runs[0], beside[0]),
-            wanders(runs[1], beside[1]),
+            measured.wanders(runs[1], beside[1]),
             *grows(both),
             *coexisting(attractors),
-            *on_torus(torus_at(-2.65)),
-            reappears(residuals),
+            *measured.on_torus(measured.torus_at(-2.65)),
+            measured.reappears(residuals),
         ),
         notes=(_WHY,),
         numbers={
@@ -103,8 +86,9 @@ def run(budget: Budget) -> StudyResult:
 
 def _answer(branch: Branch, most: int) -> str:
     torus, last = branch.of_kind("NS")[0].point, branch.points[-1].closed.cycle.period
+    pairs = len(measured.fold_pairs(branch))
     return (
-        f"Up to {most}, at the r shown. The branch folds back and forth, with {len(fold_pairs(branch))} pairs of folds up to "
+        f"Up to {most}, at the r shown. The branch folds back and forth, with {pairs} pairs of folds up to "
         f"T = {last:.1f} transits. Its orbits are stable up to a torus point at log_{{10}} r = {torus.parameter:.7f}, except "
         "between the two folds of a pair; beyond it they are stable in short windows only."
     ).replace("= -", "= −")
@@ -128,7 +112,7 @@ _RUNS: dict[str, Any] = {"color": "#d55e00", "capsize": 3.0, "linestyle": "none"
 
 
 def _pair_table(branch: Branch) -> Table:
-    places = [[(one.point.parameter, one.point.closed.cycle.period) for one in pair] for pair in fold_pairs(branch)]
+    places = [[(one.point.parameter, one.point.closed.cycle.period) for one in pair] for pair in measured.fold_pairs(branch)]
     since = [None, *np.diff([turn[1] for turn, _ in places]).tolist()]
     rows = ((*turn, *back, turn[0] - back[0], growth) for (turn, back), growth in zip(places, since, strict=False))
     heading = (

@@ -19,16 +19,8 @@ from reduced.stability import (
 )
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.studies.stability_boundaries.measured import (
-    TRACED,
-    Curves,
-    closed_form_verdicts,
-    critical_over_velocity,
-    crossed,
-    fig_2,
-    fig_3,
-    taylor,
-)
+from validation.studies.stability_boundaries import measured
+from validation.studies.stability_boundaries.measured import TRACED, Curves
 from validation.study import Budget, Figure, Number, StudyResult, Table, table
 from validation.study.drawing import WIDTH, Drawing, canvas, line, pen
 from validation.study.text import plain
@@ -46,7 +38,7 @@ _SPECTRA = ("delay", "kelvin-voigt", "modal:1", "modal:8", "block12")
 def run(budget: Budget) -> StudyResult:
     """Compute the curves, trace the boundaries, hold both against the closed forms."""
     paper = slipwave.read("paper")
-    curves = critical_over_velocity(paper, np.geomspace(1.0, 1e4, 25 if budget.quick else 81))
+    curves = measured.critical_over_velocity(paper, np.geomspace(1.0, 1e4, 25 if budget.quick else 81))
     budget.report(0.2)
     traced = {model: boundary(paper, model, ("log10_r", "log10_epsilon"), _WINDOW) for model in TRACED}
     budget.report(0.6)
@@ -65,11 +57,11 @@ def run(budget: Budget) -> StudyResult:
         ),
         tables=(velocity_table(curves), model_table(onsets), scene_table(found)),
         verdicts=(
-            *closed_form_verdicts(paper, curves),
-            *fig_2(curves),
-            *fig_3(traced, slopes, paper),
-            crossed(paper, onsets, found),
-            taylor(paper),
+            *measured.closed_form_verdicts(paper, curves),
+            *measured.fig_2(curves),
+            *measured.fig_3(traced, slopes, paper),
+            measured.crossed(paper, onsets, found),
+            measured.taylor(paper),
         ),
         notes=(_HOW, *_remarks()),
         numbers=_numbers(onsets, curves, found),
