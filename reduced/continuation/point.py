@@ -7,8 +7,9 @@ from functools import cached_property, lru_cache
 import numpy as np
 import scipy.linalg
 
+from reduced.impedance.transmission_line import Complex
 from reduced.orbit.closing import Closed, FlowAt, close_family
-from reduced.orbit.multipliers import Complex, floquet
+from reduced.orbit.multipliers import floquet
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene

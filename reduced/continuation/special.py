@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from reduced.continuation.point import Metric, OrbitPoint, point_near
+from reduced.impedance.transmission_line import Complex
 from reduced.orbit.closing import CLOSES_TO, FlowAt
-from reduced.orbit.multipliers import Complex
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 

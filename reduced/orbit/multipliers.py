@@ -3,16 +3,14 @@
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from reduced.impedance.transmission_line import Complex
 from reduced.orbit.closing import Closed
 from slipwave.observe.pieces import Array
 from slipwave.step.flow import without
 
 if TYPE_CHECKING:
     from reduced.stability.idle import IdleMode
-
-Complex = NDArray[np.complex128]
 
 _NEUTRAL = 1e-6
 """Distance of a multiplier's modulus from 1 below which stability is not decided."""
