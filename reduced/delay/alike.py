@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from reduced.delay.kernel import Alike, Clock, Memory, march_transits
+from reduced.delay.kernel import Alike, Clock, Memory, march_lines
 from reduced.delay.march import DelayMarch, dense_resolution, next_count
 from reduced.delay.transit_mesh import TransitMesh, cuts_of, transit_mesh
 from reduced.delay.transmission_lines import NODES
@@ -127,10 +127,12 @@ class Delay(DelayMarch):
 
     def _march(self, transits: int, pieces: Pieces) -> tuple[int, int]:
         """March `transits` transits; returns (transits kept, verdict)."""
-        march = (self._physics, self._lines, self._memory, self._nodal, self._clock, self._limits)
-        kept, iterations, verdict = march_transits(self._shape, *march, transits, pieces)
+        clock = self._clock._replace(origin=float(self._memory.now[TIME]), times=transits)
+        march = (self._physics, self._lines, self._memory, self._nodal, clock, self._limits)
+        first = pieces.time.size - self.steps * transits  # room for all steps or for those of the last transit
+        kept, iterations, verdict = march_lines(self._shape, *march, first, pieces)
         self.iterations += iterations
-        return kept, verdict
+        return kept // self.steps, verdict
 
     def _refine(self, verdict: int) -> None:
         """Take more steps per transit; the polynomials of the incoming waves (now or at the beginning) give the new nodes."""

@@ -187,7 +187,7 @@ def march_breaks(
             return n, total, TOO_MANY
         set_tops(nodes, ends, physics.rule, lines.network, length)
         begin[1], lengths[0] = length, length
-        clock = Clock(start, begin, lengths)
+        clock = Clock(start, begin, lengths, 1)
         _, used, verdict = march_lines(nodes, physics, lines, memory, nodal, clock, limits, n, pieces)
         total += used
         if verdict != DONE:

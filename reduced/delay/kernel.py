@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from slipwave.compiled import inlined, njit, overwrite
+from slipwave.compiled import njit, overwrite
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene.drive import velocity_at
@@ -46,11 +46,12 @@ class Memory(NamedTuple):
 
 class Clock(NamedTuple):
     """Steps that `begin` (n + 1,), with the end of the last, after `origin`, and their `length` (n,), in transits: a sum of steps
-    would accumulate rounding."""
+    would accumulate rounding. All are repeated `times`; each repetition begins where the one before ended."""
 
     origin: float
     begin: Array
     length: Array
+    times: int = 1
 
 
 def clock_of(origin: float, done: int, count: int, length: float) -> Clock:
@@ -69,6 +70,16 @@ class Alike(NamedTuple):
 
 
 @by_class(inline=True)
+def keep(lines: Any, memory: Memory) -> None:
+    """Keep what is remembered at the start of the steps of a `Clock`, if a march goes back there from a step that it rejects."""
+
+
+@by_class(inline=True)
+def go_back(lines: Any, memory: Memory) -> None:
+    """Return to what `keep` has kept, if anything."""
+
+
+@by_class(inline=True)
 def arrive(lines: Any, nodes: Nodes, physics: Physics, n: int, length: float, nodal: Nodal) -> None:
     """nodal.incoming <- S of step `n`, which is `length` long. What is remembered does not change."""
     raise NotImplementedError(type(lines))
@@ -84,6 +95,24 @@ def roughness(lines: Any, nodes: Nodes, tail: Array, nodal: Nodal) -> float:
 def leave(lines: Any, nodes: Nodes, physics: Physics, n: int, start: float, length: float, nodal: Nodal) -> None:
     """Remember the waves of the solved step `n`."""
     raise NotImplementedError(type(lines))
+
+
+@njit
+def _copy(incoming: Array, memory: Memory, target: Array, into: Memory) -> None:
+    overwrite(target, incoming)
+    overwrite(into.guess.psi, memory.guess.psi)
+    overwrite(into.guess.z, memory.guess.z)
+    overwrite(into.now, memory.now)
+
+
+@keep.register(Alike)
+def _keep_transit(lines, memory):  # type: ignore[no-untyped-def]
+    _copy(lines.incoming, memory, lines.first, lines.before)
+
+
+@go_back.register(Alike)
+def _begin_transit_again(lines, memory):  # type: ignore[no-untyped-def]
+    _copy(lines.first, lines.before, lines.incoming, memory)
 
 
 @arrive.register(Alike)
@@ -118,12 +147,16 @@ def march_lines(
     pieces: Pieces,
 ) -> tuple[int, int, int]:
     """March the steps of the `clock`, of which the first becomes piece `first`, or none where that is negative. Returns (steps,
-    Newton iterations, verdict of `judge_step`); a rejected step leaves the memory at its start."""
+    Newton iterations, verdict of `judge_step`); a rejected step leaves the memory at its start, or where the lines `go_back`."""
     s, (law, forcing, _, rule) = len(nodes), physics
-    impedance = Diagonal(lines.impedance)
-    guess, now, count, iterations = memory.guess, memory.now, clock.length.size, 0
-    for n in range(count):
-        start, length, left = clock.origin + clock.begin[n], clock.length[n], now[PSI]
+    impedance, origin, iterations = Diagonal(lines.impedance), clock.origin, 0
+    guess, now, count = memory.guess, memory.now, clock.length.size
+    for k in range(clock.times * count):
+        n = k % count
+        if n == 0:
+            keep(lines, memory)
+            origin = now[TIME] if k else clock.origin
+        start, length, left = origin + clock.begin[n], clock.length[n], now[PSI]
         begin_step(nodes, physics, start, length, left, nodal)
         for j in range(s):
             nodal.psi[j], nodal.z[j] = guess.psi[j], guess.z[j]
@@ -134,49 +167,14 @@ def march_lines(
         if verdict == DONE and not roughness(lines, nodes, rule.tail, nodal) <= limits.resolution:
             verdict = NOT_SMOOTH
         if verdict != DONE:
-            return n, iterations, verdict
-        if first + n >= 0:
+            go_back(lines, memory)
+            return k, iterations, verdict
+        if first + k >= 0:
             elastic, step = now[ELASTIC], (start, length)
-            now[ELASTIC] = emit(nodes, forcing.stiffness, impedance, step, rule.integral, nodal, elastic, pieces, first + n)
+            now[ELASTIC] = emit(nodes, forcing.stiffness, impedance, step, rule.integral, nodal, elastic, pieces, first + k)
         leave(lines, nodes, physics, n, start, length, nodal)
-        now[PSI], now[TIME] = nodal.psi[s - 1], clock.origin + clock.begin[n + 1]
+        now[PSI], now[TIME] = nodal.psi[s - 1], origin + clock.begin[n + 1]
         predict(nodes, rule, EQUAL, left, Interface(nodal.psi, nodal.z), guess)
         if clock.length[n + 1 if n + 1 < count else 0] != length:
             hold(nodes, now[PSI], nodal.z[s - 1], guess)
-    return count, iterations, DONE
-
-
-@inlined
-def _keep(incoming: Array, memory: Memory, target: Array, into: Memory) -> None:
-    overwrite(target, incoming)
-    overwrite(into.guess.psi, memory.guess.psi)
-    overwrite(into.guess.z, memory.guess.z)
-    overwrite(into.now, memory.now)
-
-
-@njit
-def march_transits(
-    nodes: Nodes,
-    physics: Physics,
-    lines: Alike,
-    memory: Memory,
-    nodal: Nodal,
-    clock: Clock,
-    limits: Limits,
-    transits: int,
-    pieces: Pieces,
-) -> tuple[int, int, int]:
-    """March `transits` whole transits in the steps of the `clock`, whatever its origin; returns (transits kept, iterations,
-    verdict). If that is not DONE, the memory is that of the last whole transit. `pieces` has room for all steps or for those of
-    the last transit."""
-    steps, iterations, now = clock.length.size, 0, memory.now
-    first = pieces.time.size - steps * transits
-    for n in range(transits):
-        _keep(lines.incoming, memory, lines.first, lines.before)
-        whole = Clock(now[TIME], clock.begin, clock.length)
-        _, used, verdict = march_lines(nodes, physics, lines, memory, nodal, whole, limits, first + n * steps, pieces)
-        iterations += used
-        if verdict != DONE:
-            _keep(lines.first, lines.before, lines.incoming, memory)
-            return n, iterations, verdict
-    return transits, iterations, DONE
+    return clock.times * count, iterations, DONE

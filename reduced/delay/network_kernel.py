@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.delay.kernel import arrive, leave, roughness
+from reduced.delay.kernel import Memory, arrive, go_back, keep, leave, roughness
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
@@ -199,6 +199,12 @@ def roughness_from_faces(nodes: Nodes, tail: Array, lines: NetworkLines, nodal: 
                 coefficient += tail[j] * passage.launched[last, INWARD, j]
             worst = max(worst, abs(coefficient) * inverse * network.interface_impedance / network.impedance[last])
     return worst
+
+
+@keep.register(NetworkLines)
+@go_back.register(NetworkLines)
+def _stay(lines: NetworkLines, memory: Memory) -> None:
+    return
 
 
 @arrive.register(NetworkLines)

@@ -23,6 +23,7 @@ from slipwave.step.nodal import Interface, Nodal, constant_guess, nodal_of
 
 _MAX_NEWTON = 25
 _LARGEST_CHANGE = 2.0
+_ROUNDING = 1e-14  # of a stress
 
 
 @njit
@@ -170,7 +171,7 @@ def _pull_others(impedance, nodes, nodal):  # type: ignore[no-untyped-def]
     return moved
 
 
-@by_class(inline=True)
+@by_class()
 def eliminate_nodes(impedance: Impedance, nodes: Nodes, integral: Array, nodal: Nodal) -> None:
     """As `relax`, by elimination of all nodes."""
     raise NotImplementedError(type(impedance))
@@ -178,16 +179,6 @@ def eliminate_nodes(impedance: Impedance, nodes: Nodes, integral: Array, nodal: 
 
 @eliminate_nodes.register(Diagonal)
 def _eliminate_alone(impedance, nodes, integral, nodal):  # type: ignore[no-untyped-def]
-    _eliminate_state(nodes, integral, nodal)
-
-
-@eliminate_nodes.register(Full)
-def _eliminate_coupled(impedance, nodes, integral, nodal):  # type: ignore[no-untyped-def]
-    _solve_together(nodes, impedance.matrix, integral, nodal)
-
-
-@njit
-def _eliminate_state(nodes: Nodes, integral: Array, nodal: Nodal) -> None:
     """change <- (1 - A diag(slope))^-1 change."""
     s, state = len(nodes), nodal.state
     for j in range(s):
@@ -200,14 +191,15 @@ def _eliminate_state(nodes: Nodes, integral: Array, nodal: Nodal) -> None:
         nodal.change[j] = state[j, s]
 
 
-@njit
-def _solve_together(nodes: Nodes, matrix: Array, integral: Array, nodal: Nodal) -> None:
+@eliminate_nodes.register(Full)
+def _eliminate_coupled(impedance, nodes, integral, nodal):  # type: ignore[no-untyped-def]
     """With P = 1 - A h G_psi and c the right-hand side of psi, linearised friction and state are
 
         (1 + kappa) dz + ratio dpsi = -mismatch,     dpsi = P^-1 (c + A B dz).
 
     dpsi is eliminated."""
-    s, rows, state, rate = len(nodes), matrix.shape[0], nodal.state, nodal.rate  # s, rows: loops over rows are not to be unrolled
+    matrix, state, rate = impedance.matrix, nodal.state, nodal.rate
+    s, rows = len(nodes), matrix.shape[0]  # equal; loops over rows are not to be unrolled
     for j in range(rows):
         total = nodal.change[j]
         for m in range(s):
@@ -297,6 +289,9 @@ def first_guess(nodes: Nodes, law: Law, impedance: float, incoming: Array, psi: 
     """Nodal z for constant psi under the `incoming` stress (s,), from a guess `z`, and whether they were found; for a step
     without an earlier one to extend. psi does not change in a step of length 0."""
     s = len(nodes)
+    v, _, friction, *_ = respond(law, z, psi)
+    if np.abs(friction + impedance * v - incoming).max() < _ROUNDING:  # steady sliding
+        return constant_guess(psi, z, s), True
     nodal = nodal_of(s)
     nodal.incoming[:], nodal.left[:], nodal.psi[:], nodal.z[:] = incoming, psi, psi, z
     used = _solve_still(nodes, law, impedance, np.zeros((s, s)), nodal)

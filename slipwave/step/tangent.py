@@ -59,7 +59,7 @@ def step_answer(
 
     If psi is frozen, v answers to S alone, and psi to nothing.
     """
-    s, rows, state, matrix = len(nodes), motion.z.shape[1], answer.state, answer.matrix  # s, rows: see `_solve_together`
+    s, rows, state, matrix = len(nodes), motion.z.shape[1], answer.state, answer.matrix  # s, rows: not to be unrolled
     free = 0.0 if motion.frozen else 1.0
     for m in range(rows):
         _, v_z, _, friction_z, friction_psi, _, g_z, g_psi = respond(law, motion.z[k, m], motion.psi[k, m])
