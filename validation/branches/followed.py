@@ -20,9 +20,7 @@ from validation.run.progress import progress
 if TYPE_CHECKING:
     from netCDF4 import Dataset
 
-UNDECIDED = -1
-"""In place of None in a column of numbers."""
-
+_UNCOUNTED = -1  # in place of None in a column of numbers
 _KINDS = dict.fromkeys(("unstable", "unstable_before", "unstable_after", "place"), int) | {"stable": bool}
 End: TypeAlias = Any
 """Where a branch or a curve can go on."""
@@ -181,7 +179,7 @@ def _write_table(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[
     for name, column in zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True):
         text = name == "kind"
         variable = file.createVariable(f"{kind}_{name}", str if text else "f8", (kind,))
-        variable[:] = np.array([UNDECIDED if one is None else one for one in column], dtype=object if text else float)
+        variable[:] = np.array([_UNCOUNTED if one is None else one for one in column], dtype=object if text else float)
         notes = {"long_name": parameter if name == "value" else name.replace("_", " ")}
         variable.setncatts(notes if text else notes | {"units": "1"})
 
@@ -189,7 +187,7 @@ def _write_table(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[
 def _read_table(file: "Dataset", kind: str, names: tuple[str, ...]) -> Iterator[tuple[Any, ...]]:
     """The rows that `_write_table` wrote, with whole numbers where they count, truth values, or None."""
     columns = [(file[f"{kind}_{name}"][:].tolist(), _KINDS.get(name)) for name in names]
-    whole = ([None if one == UNDECIDED else kind(one) for one in column] if kind else column for column, kind in columns)
+    whole = ([None if one == _UNCOUNTED else kind(one) for one in column] if kind else column for column, kind in columns)
     return zip(*whole, strict=True)
 
 

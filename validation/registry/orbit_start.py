@@ -103,6 +103,8 @@ class FieldsOnOrbit(OnOrbit):
     def __init__(self, solver: FieldSolver) -> None:
         super().__init__(solver)
         self.cells, self.step = solver.cells, solver.step
+        self.keep_frames, self.disturb = solver.keep_frames, solver.disturb
+        self.deviation, self.deviation_energy = solver.deviation, solver.deviation_energy
 
     def keep_ledger(self) -> None:
         """From now on `energy` returns the ledger since the start on the orbit."""
@@ -112,10 +114,6 @@ class FieldsOnOrbit(OnOrbit):
     def snapshot(self) -> Snapshot:
         """The fields now."""
         return self._on_clock(self._solver.snapshot())
-
-    def keep_frames(self, interval: float) -> None:
-        """As `FieldSolver`."""
-        self._solver.keep_frames(interval)
 
     def frames(self) -> list[Snapshot]:
         """The fields at the ends of the last advance's steps, where kept."""
