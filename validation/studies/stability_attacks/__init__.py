@@ -46,7 +46,7 @@ _SHARP = 0.04
 0.018 was measured."""
 _CURED = {"sbp:2": 5e-3, "fem:1": 5e-3, "fd": 1e-5}  # error of psi on the grid that was asked for: 3e-4, 3e-4, 8e-7 and at most
 _CURED_OTHERS = 2e-6  # 8e-8 was measured
-_CALM, _GROWN = 20.0, 100.0  # 5.8 and 1e3 were measured
+_CALM, _GROWN = 20.0, 100.0  # 13 and 1e3 were measured
 _REACHED = 0.01  # how sharply the state's limit is found; 0.002 was measured
 _SWINGS = 3e-4  # of the leapfrog's energy, which is taken at two times half a step apart; 3e-5 was measured
 _REACH = {4: 2.785, 8: 6.394}
