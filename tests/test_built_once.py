@@ -12,10 +12,11 @@ OF_LIBRARIES = {
     "sys.stdout", "sys.stderr",
     "crossing.direction",
     "call.__doc__", "call.__signature__", "self.call.__signature__", "self.call.__annotations__",
-    "mark.until", "work.until",
+    "mark.until", "work.until", "engine.report",
+    "found[name].attrs", "found['other_regime'].attrs",
 }  # fmt: skip
 """Attributes that numba, reprlib, ast, Python and scipy expect their users to set, or for which they have no option; and
-`until` of a mark and of the progress, the end of the stretch of a run that has just begun."""
+`until` of a mark and of the progress, the end of the stretch of a run that has just begun, and a sweep's `report`."""
 
 
 def attributes_set(path: Path) -> set[str]:
