@@ -137,8 +137,13 @@ class ProtocolObserver:
         return {"seen": seen, "slip": np.array([self._slip, self._last])}
 
     def restore(self, state: dict[str, Array]) -> None:
-        """Continue from what `state` returned."""
+        """Continue from what `state` returned. Raises ValueError for the state of a run with another number of stages."""
         rows = state["seen"].tolist()
+        if len(rows) != len(self.stages):
+            raise ValueError(
+                f"it is of a run with {len(rows)} stages of the drive, this one has {len(self.stages)}: a protocol is not "
+                "prolonged past a knot; give the whole length from the start"
+            )
         self._seen = [Seen._make([*row[:5], *(Extent(*row[k : k + 2]) for k in (5, 7, 9)), row[11]]) for row in rows]
         self._now = sum(seen.reached >= stage.end for stage, seen in zip(self.stages, self._seen, strict=True))
         self._slip, self._last = state["slip"].tolist()

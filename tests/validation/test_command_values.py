@@ -99,16 +99,6 @@ def test_bench_errors_are_those_of_the_runs_it_timed(capsys: pytest.CaptureFixtu
     assert errors[0] / errors[-1] > 10.0
 
 
-def test_the_march_in_time_is_chosen_and_named(capsys: pytest.CaptureFixture[str]) -> None:
-    found = {}
-    for time in ("exact", "explicit"):
-        assert main(["run", "paper", "--model", "dg:5", "--until", "50", "--time", time, "--json"]) == 0
-        found[time] = json.loads(capsys.readouterr().out)
-        assert found[time]["time"] == time
-    assert found["exact"]["final"]["psi"] == pytest.approx(found["explicit"]["final"]["psi"], abs=1e-8)
-    assert found["exact"]["final"] != found["explicit"]["final"]
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -96,29 +96,3 @@ def test_the_cycle_is_of_the_judged_window() -> None:
     assert (late.period, early.period) == (pytest.approx(10.0, abs=1e-6), pytest.approx(20.0, abs=1e-6))
     assert np.ptp(late.time) == pytest.approx(10.0, abs=0.1)
     assert late.slip_rate.max() == pytest.approx(100.0 * np.exp(3.0), rel=1e-3)
-
-
-@pytest.mark.parametrize("kept", [16, 2])
-def test_what_is_forgotten_is_not_of_the_last_cycle(monkeypatch: pytest.MonkeyPatch, kept: int) -> None:
-    """The last complete cycle is whole at any time, also where all before it is dropped as soon as can be: period 20."""
-    monkeypatch.setattr("validation.measure.cycle._FIRST_MOST", kept)
-    nodes = np.linspace(1 / 6, 1.0, 6)
-    watch = CycleObserver(SimpleNamespace(scene=slipwave.read("paper"), nodes=nodes))  # type: ignore[arg-type]
-    left = np.linspace(0.0, 300.0, 3001)[:-1]
-    angle = np.pi * (left[:, None] + 0.1 * nodes) / 10.0
-    for k in range(0, left.size, 20):
-        part = slice(k, k + 20)
-        rate, flat = np.log(100.0) - 3.0 * np.cos(angle[part]), np.zeros((20, 6))
-        watch.scan(Pieces(left[part], np.full(20, 0.1), rate, flat, flat, np.sin(angle[part])))
-        cycle = watch.cycle(0.0)
-        if cycle is not None:
-            assert (cycle.time[0], cycle.time[-1]) == (pytest.approx(0.0, abs=0.03), pytest.approx(20.0, abs=0.03))
-            assert cycle.slip_rate.max() == pytest.approx(100.0 * np.exp(3.0), rel=1e-3)
-    assert cycle is not None
-    assert len(watch._history) < 60 * kept
-
-
-def test_a_scene_in_si_has_second_axes() -> None:
-    above, below = slipwave.compare("paper-si", ["delay", "block8"], until=60, **{"drive.velocity": 2000}).plot().axes
-    labels = [axis.get_xlabel() or axis.get_ylabel() for axes in (above, below) for axis in axes.child_axes]
-    assert labels == ["time / s", "friction stress / Pa", "slip rate / (m/s)"]

@@ -88,20 +88,6 @@ def test_a_scene_may_be_a_name_a_file_a_dictionary_or_another_scene(tmp_path: Pa
     assert sw.read_scene(sources[3]) is sources[3]
 
 
-def test_a_missing_file_is_looked_for_among_its_neighbours(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "granite.toml").write_text("")
-    for given, meant in (
-        ("granit.toml", "granite.toml"),
-        ("paper.toml", "paper"),
-        (str(tmp_path / "garnite.toml"), "granite.toml"),
-    ):
-        with pytest.raises(sw.SceneError, match=f'no such file; did you mean "(.*/)?{meant}"'):
-            sw.run(given)
-    with pytest.raises(sw.SceneError, match=r"no such file$"):
-        sw.run("nowhere/granite.toml")
-
-
 def test_a_scene_of_a_program_has_no_keys_to_change() -> None:
     from dataclasses import replace
 

@@ -2,7 +2,6 @@
 
 import io
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +9,6 @@ import pytest
 from matplotlib.axes import Axes
 
 import slipwave as sw
-from slipwave.observe.statistics import Margins
-from slipwave.observe.verdict import Verdict
 from validation.branches.branch import FollowedBranch
 from validation.branches.curve import Curve
 from validation.branches.parameter import Over
@@ -56,32 +53,6 @@ def test_the_ranges_of_the_motion_are_drawn_in_both_units() -> None:
     sizes = (above.child_axes[0].get_xlim, above.get_xlim, transit), (above.child_axes[1].get_ylim, above.get_ylim, 1000.0)
     for second, own, size in (*sizes, (below.child_axes[0].get_ylim, below.get_ylim, 1e-6)):
         assert second() == pytest.approx([limit * size for limit in own()], rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("verdict", "multiplicity", "rotation", "rate"),
-    [
-        (Verdict("torus", 20, change=0.1, rotation=0.263), None, 0.263, None),
-        (Verdict("periodic", 9, 2, 1e-5), 2, None, None),
-        (Verdict("decaying", 9, change=-0.1, rate=-0.0125), None, None, -0.0125),
-        (Verdict("irregular", 20, change=0.2), None, None, None),
-    ],
-    ids=lambda one: one.kind if isinstance(one, Verdict) else "",
-)
-def test_all_that_a_verdict_says_is_told(
-    verdict: Verdict, multiplicity: int | None, rotation: float | None, rate: float | None
-) -> None:
-    """In the JSON and, where a file can hold it, in its attributes."""
-    plain = sw.run("paper", "block8", until=60, **{"drive.velocity": 2000})
-    figures = replace(plain.done.statistics, margins=Margins(0.1, 0.2, 0.3))
-    told = replace(plain, done=replace(plain.done, verdict=verdict, statistics=figures, starts=21))
-    facts, attributes = told.summary, told.dataset.attrs
-    assert (facts["verdict"], facts["events"]) == (attributes["verdict"], attributes["events"]) == (verdict.kind, 21)
-    assert (facts["multiplicity"], facts["rotation_number"], facts["rate"]) == (multiplicity, rotation, rate)
-    known = {"multiplicity": multiplicity, "rotation_number": rotation}
-    assert {name: attributes.get(name) for name in known} == known
-    margins = {"period": 0.1, "stress_drop": 0.2, "elastic_stress_drop": 0.3}
-    assert facts["margins"] == (margins if verdict.kind in ("torus", "irregular") else None)
 
 
 def assert_table(found: Result, rows: list[dict[str, Any]]) -> None:

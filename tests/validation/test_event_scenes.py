@@ -58,14 +58,6 @@ def test_precursors_are_no_events(tolerance: float) -> None:
     assert prominence.min() > 0.5 * prominence.max()
 
 
-@pytest.mark.parametrize(("velocity", "until", "count"), [(1e4, 200.0, 83), (1e5, 200.0, 58)])
-def test_counts_do_not_hover_with_tolerance_or_grid(velocity: float, until: float, count: int) -> None:
-    chosen = slipwave.read("paper", [f"drive.velocity={velocity}"])
-    runs = [watch(chosen, until, tolerance=tolerance) for tolerance in (1e-5, 1e-7, 1e-9, 1e-11)]
-    runs += [watch(chosen, until, "dg:7", cells=4), watch(chosen, until, "fd", cells=400)]
-    assert [run.count for run in runs] == [count] * 6
-
-
 GRANITE = [
     "slab.density=2700.0",
     "slab.shear_modulus=3e10",
@@ -182,10 +174,3 @@ def test_verdicts_of_runs(words: list[str], verdict: str, multiplicity: int | No
     else:
         assert figures == [None] * 8
     assert run["events"] >= 5
-
-
-def test_the_verdict_and_no_figures_of_a_transient_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "paper", "--model", "quasidynamic"]) == 0
-    out = capsys.readouterr().out
-    assert "18 slip events; the second half is decaying: the drop" in out
-    assert "stress drop " not in out

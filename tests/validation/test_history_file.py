@@ -11,7 +11,7 @@ import slipwave
 from slipwave.errors import SceneError
 from slipwave.observe import HistoryObserver, Pieces
 from slipwave.solve import follow
-from validation.cli import INPUT_WRONG, main
+from validation.cli import main
 from validation.registry.build import build
 from validation.results.quantities import stored_name
 from validation.run.history_file import HistoryFile, Kept
@@ -95,24 +95,6 @@ def test_the_file_of_a_run_holds_the_solvers_own_samples(
             "in_units_of": "normal stress",
         }
     assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
-
-
-def test_a_prolonged_run_has_the_whole_history(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["run", "paper", "--model", "dg:3", "--cells", "4", *INTERFACE, "--json"]
-    saving = ["--checkpoint", str(tmp_path / "run.npz"), "--checkpoint-every", "20"]
-    assert main([*words, "--until", "50", "--out", str(tmp_path / "short.nc"), *saving]) == 0
-    assert main([*words, "--until", "90", "--out", str(tmp_path / "long.nc"), *saving]) == 0
-    assert main([*words, "--until", "90", "--out", str(tmp_path / "straight.nc")]) == 0
-    with xarray.open_dataset(tmp_path / "long.nc") as long, xarray.open_dataset(tmp_path / "straight.nc") as straight:
-        assert long["time"].size > 1000
-        assert np.array_equal(long["interface_slip_rate"].values, straight["interface_slip_rate"].values)
-    (tmp_path / "run.npz.samples").write_bytes(b"")
-    capsys.readouterr()
-    assert main([*words, "--until", "95", "--out", str(tmp_path / "other.nc"), *saving]) == INPUT_WRONG
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert "run.npz.samples' is not the one that belongs to it" in err
-    assert len(err.splitlines()) == 1
 
 
 @pytest.mark.parametrize("every", [1, 2, 3, 7])

@@ -181,3 +181,11 @@ def test_a_protocol_resumed_at_a_knot_or_in_a_hold_is_the_same_text(
         texts.append(json.dumps({name: value for name, value in found.items() if name != "wall_s"}))
         assert (tmp_path / "c.npz").exists()
     assert texts[0] == texts[1]
+
+
+def test_a_protocol_is_not_prolonged_past_a_knot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["run", "paper", "--set", "drive.velocity=[[0, 100], [8, 100], [8, 120]]", "--model", "block8"]
+    words += ["--checkpoint", str(tmp_path / "c.npz"), "--checkpoint-every", "3"]
+    assert main([*words, "--until", "7"]) == 0
+    assert main([*words, "--until", "12"]) == 2
+    assert "a run with 1 stages of the drive, this one has 2: a protocol is not prolonged past a knot" in capsys.readouterr().err

@@ -103,21 +103,6 @@ def test_a_run_that_goes_on_keeps_the_same_samples(tmp_path: Path) -> None:
         sw.run("paper", "block8", until=90, **saving | {"every": 1})
 
 
-@pytest.mark.parametrize(
-    ("option", "told"),
-    [
-        ({"every": 0}, "every = 0: must be 1 or more"),
-        ({"window": (5.0, 5.0)}, "window = '5.0:5.0': must be BEGIN:END in transits or with a unit of time"),
-        ({"window": "10s:60s"}, 'window = "10s": must come with interface.normal_stress'),
-        ({"window": "1:2:3"}, "window = '1:2:3': must be BEGIN:END"),
-        ({"window": "1 m:2 m"}, "window = '1 m:2 m': must be BEGIN:END"),
-    ],
-)
-def test_what_cannot_be_kept_is_refused(option: dict[str, Any], told: str) -> None:
-    with pytest.raises(sw.SceneError, match=told):
-        sw.run("paper", "block8", until=20, **option)
-
-
 @pytest.mark.parametrize("name", gallery_names())
 def test_show_prints_a_scene_that_is_read_as_the_same(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["show", name]) == 0
@@ -153,20 +138,6 @@ def test_an_orbit_is_one_period_with_its_multipliers(tmp_path: Path, capsys: pyt
     assert again == {key: value for key, value in facts.items() if key != "wall_s"}
     assert main(["run", str(tmp_path / "orbit.nc")]) == INPUT_WRONG
     assert "is a result of slipwave orbit, not of slipwave run" in capsys.readouterr().err
-
-
-def test_a_branch_file_and_its_dataset_agree(tmp_path: Path) -> None:
-    found = sw.branch("paper", "log10_r=-2.72:-2.68", "kelvin-voigt", tol=1e-4, most_points=3, out=tmp_path / "a.nc")
-    data = found.dataset
-    assert data["point_value"].values.tolist() == [point["log10_r"] for point in found.summary["points"]]
-    assert data["special_kind"].values.tolist() == ["HB"]
-    assert data["point_stable"].values.tolist() == [0, 0, 0]
-    found.to_netcdf(tmp_path / "b.nc")
-    with xarray.open_dataset(tmp_path / "a.nc") as one, xarray.open_dataset(tmp_path / "b.nc") as other:
-        assert one.equals(other)
-        assert one["point_period"].values.tolist() == data["point_period"].values.tolist()
-        assert sw.read(tmp_path / "a.nc").digest == sw.read("paper").digest == one.attrs["scene_digest"]
-        assert json.loads(one.attrs["options"])["over"] == "log10_r=-2.72:-2.68"
 
 
 def test_a_file_has_the_numbers_of_every_slab() -> None:

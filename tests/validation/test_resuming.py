@@ -109,11 +109,6 @@ def test_what_does_not_belong_is_refused(tmp_path, capsys, monkeypatch, words, h
     assert hint in said.err
 
 
-def test_interval_needs_a_file(capsys):
-    assert main([*BASE, "--checkpoint-every", "90"]) == 2
-    assert "--checkpoint FILE" in capsys.readouterr().err
-
-
 def test_the_interval_may_have_a_unit(tmp_path):
     scene = slipwave.read("paper-si")
     five = 5.0 * scene.transit * scene.units.time
