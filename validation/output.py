@@ -68,7 +68,7 @@ def thinned(rows: Sequence[Row], most: int) -> list[Row]:
     return [row for n, row in enumerate(rows) if n % every == 0 or n == len(rows) - 1]
 
 
-def table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+def aligned(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
     """Lines of aligned columns: the first to the left, the others to the right."""
     widths = [max(len(row[column]) for row in [heading, *rows]) for column in range(len(heading))]
     for row in [heading, *rows]:
@@ -78,10 +78,10 @@ def table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str
 
 def print_table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
     """The same on stdout."""
-    print("\n".join(table(heading, rows)))
+    print("\n".join(aligned(heading, rows)))
 
 
-def figures(value: float | None, digits: int = 9) -> str:
+def rounded(value: float | None, digits: int = 9) -> str:
     """A number for a table; a dash where there is none."""
     return "-" if value is None or math.isnan(value) else f"{value:.{digits}g}"
 

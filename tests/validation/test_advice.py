@@ -7,7 +7,7 @@ import pytest
 
 import slipwave
 from slipwave.scene import Scene
-from validation.run.simulate import Advice, error_without_echoes
+from validation.run.simulate import LongRunAdvice, error_without_echoes
 
 
 @dataclass
@@ -26,7 +26,7 @@ def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, ca
     """A tenth of the run has taken so many seconds, then two tenths."""
     clock = iter([0.0, seconds, 10.0 + seconds])
     monkeypatch.setattr("validation.run.simulate.time.monotonic", lambda: next(clock))
-    advice = Advice(Marching(model), 100.0, lambda done: None)  # type: ignore[arg-type]
+    advice = LongRunAdvice(Marching(model), 100.0, lambda done: None)  # type: ignore[arg-type]
     with caplog.at_level(logging.INFO, logger="slipwave"):
         advice(10.0)
         advice(90.0)

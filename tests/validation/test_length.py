@@ -16,7 +16,7 @@ from slipwave.observe.pieces import Pieces
 from slipwave.solve.checkpoint import Checkpoints
 from validation.cli import main
 from validation.registry.build import build
-from validation.run.length import Judged, Until, UntilCycles, UntilSettled, halves_agree, length_of
+from validation.run.length import JudgedHalf, Until, UntilCycles, UntilSettled, halves_agree, length_of
 from validation.run.outlook import Outlook, outlook
 from validation.run.simulate import simulate
 
@@ -26,13 +26,13 @@ UNSTABLE = Outlook(False, 0.01, 80.0)
 STABLE = Outlook(True, -0.01, 80.0)
 
 
-def judged(sizes: np.ndarray, rests: bool = True, slides: bool = False, until: float = 4000.0) -> Judged:
+def judged(sizes: np.ndarray, rests: bool = True, slides: bool = False, until: float = 4000.0) -> JudgedHalf:
     """Of cycles with these drops, in tenths of the normal stress, and periods that go with them."""
     drop = 0.1 * np.asarray(sizes, dtype=float)
     period = 50.0 + 300.0 * drop
     time = np.cumsum(period) - period[0] if drop.size else period
     cycles = Events(time, period, 1.1 * drop, drop, 1e4 * drop, 1e-3 / drop)
-    return Judged(until, judge_motion(cycles, np.append(drop, drop[-1:]), rests, slides, until), cycles)
+    return JudgedHalf(until, judge_motion(cycles, np.append(drop, drop[-1:]), rests, slides, until), cycles)
 
 
 def henon(count: int) -> np.ndarray:
@@ -133,7 +133,7 @@ def test_a_run_that_does_not_settle_ends_at_the_limit_of_work() -> None:
     ends = list(itertools.islice(never.ends(0.0), 4))
 
     class Unsettled(UntilSettled):
-        def ended(self, now: Judged) -> None:
+        def ended(self, now: JudgedHalf) -> None:
             return None
 
     per_transit = _pieces(ends[2]) / ends[2] * solver.seconds_per_piece

@@ -77,7 +77,7 @@ def _takes(family: Family, option: str, known: dict[str, Any]) -> bool:
     return option in family.options and not (option == "tolerance" and "cells" in known and "cells" in family.options)
 
 
-def judged(solver: Solver, start: State, cfl: float | None = None, time: str | None = None) -> "Choice | None":
+def judged_grid(solver: Solver, start: State, cfl: float | None = None, time: str | None = None) -> "Choice | None":
     """The default grid of `solver` with its estimated error, from its own state at the `start` and a coarser grid; None for
     models without a grid and for a start on the orbit, which depends on a march of its own. `solver` is left as it is."""
     if not isinstance(solver, FieldSolver) or solver.scene.start.kind is StartKind.ORBIT:

@@ -8,11 +8,11 @@ from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
-from validation.output import figures, table
+from validation.output import aligned, rounded
 from validation.registry.choice import honouring
 from validation.registry.families import one_port_of
 from validation.results.command import command
-from validation.results.comparison import Comparison, answer, errors_of, nothing, remarks
+from validation.results.comparison import Comparison, errors_of, nothing, remarks, row_of
 from validation.results.options import RunsOptions
 from validation.run.length import Length, Until, length_of
 from validation.run.progress import progress
@@ -53,7 +53,7 @@ class BenchResult(Comparison):
     @property
     def rows(self) -> list[dict[str, Any]]:
         """One for each run, with errors without sign."""
-        rows = [answer(run, {"setting": setting}, self.reference) for run, setting in self.runs]
+        rows = [row_of(run, {"setting": setting}, self.reference) for run, setting in self.runs]
         for row in rows:
             row["error"] = {name: None if error is None else abs(error) for name, error in row["error"].items()}
         return rows
@@ -64,12 +64,12 @@ class BenchResult(Comparison):
             [
                 row["model"],
                 ", ".join(f"{name} {value:g}" for name, value in row["setting"].items()) or "-",
-                figures(row["wall_s"], 3),
+                rounded(row["wall_s"], 3),
                 *errors_of(row),
             ]
             for row in summary["models"]
         ]
-        yield from table(["model", "setting", "wall s", "error T", "error drop"], rows)
+        yield from aligned(["model", "setting", "wall s", "error T", "error drop"], rows)
         against = f"relative errors of the second half's mean against {summary['reference']} (tight)"
         yield f"\n{summary['until']:g} transits; {against}"
         yield from remarks(summary)

@@ -21,15 +21,15 @@ from validation.branches.drawing import figure_of_branch
 from validation.branches.followed import End, Followed, StopAt, pursue, write_followed
 from validation.branches.parameter import Values, over_range, range_text, scene_along
 from validation.branches.points import BranchPoint, SpecialPoint
-from validation.output import figures, table, thinned
+from validation.output import FIGURES, aligned, rounded, thinned
 from validation.registry.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
 from validation.results.command import command
-from validation.results.facts import Place, finite
+from validation.results.facts import PointOfBranch, finite
 from validation.results.header import header
 from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import EVENTS, variables
-from validation.results.result import FIGURES, Dataset, Output, Result
+from validation.results.result import Dataset, Output, Result
 from validation.study.drawing import Drawing, styled
 
 BRANCH_TOLERANCE, BRANCH_POINTS = 1e-6, 2000
@@ -181,7 +181,7 @@ class FollowedResult(Result):
         yield f"model {self.found.model}: {first}"
         yield ""
         yield from self._special_lines()
-        yield from table(list(columns), list(zip(*columns.values(), strict=True)))
+        yield from aligned(list(columns), list(zip(*columns.values(), strict=True)))
         yield f"\nperiods in transits; wall time {self.wall_s:.3g} s"
 
     def _special_lines(self) -> Iterator[str]:
@@ -227,19 +227,19 @@ class BranchResult(FollowedResult):
         return along(data, found.over.column)
 
     @property
-    def points(self) -> list[Place]:
+    def points(self) -> list[PointOfBranch]:
         """Those of the JSON; each can be given to `slipwave.orbit` in place of a scene."""
         return [self._place(point, None) for point in self.found.shown]
 
     @property
-    def special(self) -> list[Place]:
+    def special(self) -> list[PointOfBranch]:
         """The special points, likewise."""
         found = self.found
         return [self._place(one, found.closed.get(k)) for k, one in enumerate(found.special) if found.over.holds(one.value)]
 
-    def _place(self, point: BranchPoint | SpecialPoint, closed: Closed | None) -> Place:
+    def _place(self, point: BranchPoint | SpecialPoint, closed: Closed | None) -> PointOfBranch:
         found = self.found
-        return Place(finite(self._at(point)), scene_along(found.over, point.value), found.model, closed, found.tolerance)
+        return PointOfBranch(finite(self._at(point)), scene_along(found.over, point.value), found.model, closed, found.tolerance)
 
     def plot(self) -> Drawing:
         """Period and stress drops against the parameter."""
@@ -251,10 +251,10 @@ class BranchResult(FollowedResult):
         found, scene, listed = self.found, self.found.over.base, thinned(self.found.shown, _LISTED)
         (low, high), digits = found.over.ends, _telling([point.value for point in listed])
         words = {True: "yes", None: "not decided"}
-        columns = {found.over.name: [figures(one.value, digits) for one in listed], "period": printed_column(listed, "period")}
+        columns = {found.over.name: [rounded(one.value, digits) for one in listed], "period": printed_column(listed, "period")}
         if scene.units:
             seconds = [one.period * found.over.scene_at(one.value).transit * scene.units.time for one in listed]
-            columns["period [s]"] = [figures(one, 7) for one in seconds]
+            columns["period [s]"] = [rounded(one, 7) for one in seconds]
         rest = {"stress drop": "stress_drop", "elastic stress drop": "elastic_stress_drop", "v_max": "v_max", "v_min": "v_min"}
         columns |= {heading: printed_column(listed, name) for heading, name in rest.items()}
         columns["stable"] = [words.get(one.stable, f"no ({one.unstable})") for one in listed]
@@ -273,7 +273,7 @@ class BranchResult(FollowedResult):
                 for one in special
             ],
         }
-        yield from [*table(list(columns), list(zip(*columns.values(), strict=True))), ""] if special else []
+        yield from [*aligned(list(columns), list(zip(*columns.values(), strict=True))), ""] if special else []
 
 
 def origin_of(found: Followed, options: FollowedOptions) -> dict[str, Any]:
@@ -283,13 +283,13 @@ def origin_of(found: Followed, options: FollowedOptions) -> dict[str, Any]:
 
 def printed_column(rows: Sequence[Any], name: str, digits: int = 7) -> list[str]:
     """A column of a printed table."""
-    return [figures(getattr(row, name), digits) for row in rows]
+    return [rounded(getattr(row, name), digits) for row in rows]
 
 
 def _telling(values: list[float]) -> int:
     """Digits with which neighbours that differ are printed differently."""
     pairs = [pair for pair in pairwise(values) if pair[0] != pair[1]]
-    enough = (n for n in range(8, 17) if all(figures(one, n) != figures(other, n) for one, other in pairs))
+    enough = (n for n in range(8, 17) if all(rounded(one, n) != rounded(other, n) for one, other in pairs))
     return next(enough, 17)
 
 

@@ -12,10 +12,10 @@ from slipwave.errors import NumericsError, SceneError
 from validation.results.options import SceneOptions, options_of
 from validation.results.result import Result, Stopped
 
-Answer = TypeVar("Answer")
+_Answer = TypeVar("_Answer")
 
 
-def command(compute: Callable[[Any, Any], Answer]) -> Callable[..., Answer]:
+def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
     """`compute` (source, options) as a function of a source and keywords; `__wrapped__` is `compute` itself.
 
     Raises SceneError for arguments that it does not have and for those of another type than the options declare. If the result
@@ -31,7 +31,7 @@ def command(compute: Callable[[Any, Any], Answer]) -> Callable[..., Answer]:
     signature = Signature([first, *keywords, Parameter("changes", Parameter.VAR_KEYWORD, annotation=Any)])
 
     @wraps(compute)
-    def call(*given: Any, **named: Any) -> Answer:
+    def call(*given: Any, **named: Any) -> _Answer:
         try:
             bound = signature.bind(*given, **named).arguments
         except TypeError as error:

@@ -10,14 +10,14 @@ from slipwave.scene import Scene
 from slipwave.solve import Solver
 from slipwave.solve.foresight import require_time
 from validation.measure.cycle import Cycle, CycleObserver
-from validation.output import figures, table
+from validation.output import FIGURES, aligned, rounded
 from validation.registry.build import build_all
 from validation.registry.families import one_port_of
 from validation.results.command import command
-from validation.results.comparison import Comparison, answer, barred, errors_of, nothing, remarks
+from validation.results.comparison import Comparison, barred, errors_of, nothing, remarks, row_of
 from validation.results.figures import second_axis
 from validation.results.options import NumericalOptions, RunsOptions, option
-from validation.results.result import FIGURES, Output
+from validation.results.result import Output
 from validation.run.length import Until, length_of, second_half
 from validation.run.simulate import Run, reconsidered, simulate
 from validation.study.drawing import Drawing, canvas, styled
@@ -65,7 +65,7 @@ class CompareResult(Comparison):
     @property
     def rows(self) -> list[dict[str, Any]]:
         """One for each model."""
-        return [answer(run, _figures(run), self.reference) for run in self.runs]
+        return [row_of(run, _figures(run), self.reference) for run in self.runs]
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """A row for each model, and what they come to."""
@@ -79,17 +79,17 @@ class CompareResult(Comparison):
             [
                 row["model"],
                 mean(row, "period", 9),
-                figures(row["period"]["std"], 2),
+                rounded(row["period"]["std"], 2),
                 mean(row, "stress_drop", 7),
                 mean(row, "elastic_stress_drop", 7),
-                figures(row["v_max"], 7),
-                figures(row["v_min"], 7),
+                rounded(row["v_max"], 7),
+                rounded(row["v_min"], 7),
                 *errors_of(row),
-                figures(row["wall_s"], 3),
+                rounded(row["wall_s"], 3),
             ]
             for row in summary["models"]
         ]
-        yield from table(names, rows)
+        yield from aligned(names, rows)
         against = f"relative errors against {summary['reference']}"
         yield f"\nperiods in transits, means over the second half, {against}; figure: {summary['figure']}"
         yield from remarks(summary)

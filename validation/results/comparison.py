@@ -9,7 +9,7 @@ from slipwave.family import Exact
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.output import figures
+from validation.output import rounded
 from validation.registry.families import family_of, one_port_of
 from validation.results.facts import finite
 from validation.results.provenance import SCHEMA, provenance
@@ -142,7 +142,7 @@ class Comparison(Result):
         return data.assign_attrs(provenance(self.COMMAND, self.scene, ",".join(models), self.options))
 
 
-def answer(run: Run, figures: Mapping[str, Any], reference: Run) -> dict[str, Any]:
+def row_of(run: Run, figures: Mapping[str, Any], reference: Run) -> dict[str, Any]:
     """A row: the model, `figures`, the distances from the reference, and what failed."""
     row = {"model": run.solver.model, "verdict": run.kind, **figures, **in_json(run, reference)}
     row |= {"failures": run.solver.failures, "wall_s": run.wall_s}
@@ -185,8 +185,8 @@ def errors_of(row: _Row) -> list[str]:
 def barred(value: float | None, margin: float | None, digits: int = 3) -> str:
     """A number for a table; with its margin, to two figures, where that is not 0, and as many decimals."""
     if value is None or margin == 0.0:
-        return figures(value, digits)
+        return rounded(value, digits)
     if margin is None or not math.isfinite(margin):
-        return f"{figures(value, digits)} +- ?"
+        return f"{rounded(value, digits)} +- ?"
     decimals = max(0, 1 - math.floor(math.log10(margin)))
     return f"{value:.{decimals}f} +- {margin:.{decimals}f}"

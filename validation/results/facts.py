@@ -16,10 +16,10 @@ class Facts(dict[str, Any]):
     def __getattr__(self, name: str) -> Any:
         if name not in self:
             raise AttributeError(f"no {name!r} here, only {', '.join(self)}")
-        return facts_of(self[name])
+        return as_facts(self[name])
 
 
-class Place(Facts):
+class PointOfBranch(Facts):
     """A point of a branch: a table of its JSON that is also a source of the `scene` there, for `slipwave.orbit` and others.
     `model` and `tolerance` are those of the branch, `closed` is the orbit of a special point that was computed just now."""
 
@@ -33,10 +33,10 @@ class Place(Facts):
         self.scene, self.model, self.closed, self.tolerance = scene, model, closed, tolerance
 
 
-def facts_of(value: Any) -> Any:
+def as_facts(value: Any) -> Any:
     """A part of a summary with its tables as `Facts`."""
     if isinstance(value, list):
-        return [facts_of(item) for item in value]
+        return [as_facts(item) for item in value]
     return Facts(value) if isinstance(value, dict) and not isinstance(value, Facts) else value
 
 

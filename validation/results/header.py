@@ -10,7 +10,7 @@ from slipwave.scene.doubts import doubts
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import FACES, Face, KelvinVoigtViscosity, RigidFace, Slab, Viscosity
 from slipwave.scene.units import Units
-from validation.output import figures
+from validation.output import rounded
 
 
 def header(scene: Scene, notes: Iterable[str] = ()) -> list[str]:
@@ -31,7 +31,7 @@ def _drive(drive: Drive) -> str:
 
 def _slab(slab: Slab, units: Units | None, alike: bool) -> list[str]:
     """Its numbers, and in a scene with units the same in SI. The round trip of `alike` slabs is the transit, told once below."""
-    lines = [f"epsilon {figures(slab.epsilon)}, r {figures(slab.round_trip)} = 10^{math.log10(slab.round_trip):.6g}"]
+    lines = [f"epsilon {rounded(slab.epsilon)}, r {rounded(slab.round_trip)} = 10^{math.log10(slab.round_trip):.6g}"]
     if units:
         lines.append(_in_si(slab, units, alike))
     if not isinstance(slab.face, RigidFace):
@@ -45,12 +45,12 @@ def _slab(slab: Slab, units: Units | None, alike: bool) -> list[str]:
 
 
 def _in_si(slab: Slab, units: Units, alike: bool) -> str:
-    facts = [f"impedance {figures(slab.epsilon * units.face['impedance'], 6)} Pa s/m"]
-    facts += [] if alike else [f"round trip {figures(slab.round_trip * units.time, 6)} s"]
+    facts = [f"impedance {rounded(slab.epsilon * units.face['impedance'], 6)} Pa s/m"]
+    facts += [] if alike else [f"round trip {rounded(slab.round_trip * units.time, 6)} s"]
     if slab.material:
         speed = slab.material.wave_speed
         thickness = 0.5 * slab.round_trip * units.time * speed
-        facts = [f"thickness {figures(thickness, 6)} m", f"wave speed {figures(speed, 6)} m/s", *facts]
+        facts = [f"thickness {rounded(thickness, 6)} m", f"wave speed {rounded(speed, 6)} m/s", *facts]
     return ", ".join(facts)
 
 
@@ -61,14 +61,17 @@ def _face(face: Face) -> str:
 
 def _face_in_si(slab: Slab, units: Units) -> str:
     held, size = slab.termination, units.face
-    facts = [f"{figures(held.spring * size['stiffness'], 6)} Pa/m", f"{figures(held.dashpot * size['impedance'], 6)} Pa s/m"]
-    facts += [f"{figures(held.mass * size['mass'], 6)} kg/m2"] if held.mass > 0.0 else []
+    facts = [
+        f"{rounded(held.spring * size['stiffness'], 6)} Pa/m",
+        f"{rounded(held.dashpot * size['impedance'], 6)} Pa s/m",
+    ]
+    facts += [f"{rounded(held.mass * size['mass'], 6)} kg/m2"] if held.mass > 0.0 else []
     return f" ({', '.join(facts)})"
 
 
 def _viscosity(viscosity: Viscosity, units: Units | None) -> str:
     kind = "kelvin-voigt" if isinstance(viscosity, KelvinVoigtViscosity) else "standard-linear"
-    return f"{kind}: {_values(viscosity)}" + (f" ({figures(viscosity.time * units.time, 6)} s)" if units else "")
+    return f"{kind}: {_values(viscosity)}" + (f" ({rounded(viscosity.time * units.time, 6)} s)" if units else "")
 
 
 def _values(part: Face | Viscosity) -> str:
@@ -81,6 +84,6 @@ def _units(scene: Scene, units: Units) -> list[str]:
     velocity = scene.velocity * units.reference_velocity
     return [
         f"units: L = {units.memory_length:g} m, V* = {units.reference_velocity:g} m/s, sigma = {units.normal_stress:g} Pa",
-        f"one transit = {figures(scene.transit * units.time, 6)} s; V = {figures(velocity, 6)} m/s; "
-        f"stiffness of slabs and faces in series {figures(stiffness, 6)} Pa/m",
+        f"one transit = {rounded(scene.transit * units.time, 6)} s; V = {rounded(velocity, 6)} m/s; "
+        f"stiffness of slabs and faces in series {rounded(stiffness, 6)} Pa/m",
     ]

@@ -24,7 +24,7 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.solve.foresight import DAY
 from validation.registry.families import FAMILIES, GRIDS, Options
-from validation.results.facts import Place
+from validation.results.facts import PointOfBranch
 
 log = logging.getLogger("slipwave")
 """What is chosen for the user and how far long work has come, at level INFO; the command line prints it on stderr."""
@@ -127,7 +127,7 @@ class SceneOptions:
         doubtful about it."""
         length = [] if until is None else [f"run.until={until}"]
         settings = [self.settings] if isinstance(self.settings, str) else self.settings
-        given = read(source.scene if isinstance(source, Place) else source, [*settings, *length])
+        given = read(source.scene if isinstance(source, PointOfBranch) else source, [*settings, *length])
         self._require_known(given.tables or {})
         scene = read_scene(given, **self.changes)
         for line in doubts(scene):

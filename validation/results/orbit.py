@@ -20,17 +20,17 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.branches.at_scene import orbit_at_scene
-from validation.output import figures, table
+from validation.output import FIGURES, aligned, rounded
 from validation.registry.orbits import OrbitFound, flowing, neutral_orbit
 from validation.results.branch import tolerance_option
 from validation.results.command import command
-from validation.results.facts import Place, finite
+from validation.results.facts import PointOfBranch, finite
 from validation.results.figures import motion_figure
 from validation.results.header import header
 from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
-from validation.results.result import FIGURES, Dataset, Output, Result
+from validation.results.result import Dataset, Output, Result
 from validation.results.wording import orbit_rows
 from validation.study.drawing import Drawing, styled
 
@@ -149,20 +149,20 @@ class OrbitResult(Result):
         yield from header(done.scene)
         yield from (f"note: {note}" for note in done.notes)
         verdict = {True: "stable", False: "unstable", None: "its stability is not decided"}[multipliers.stable]
-        yield f"model {done.flow.model}: periodic orbit, {verdict}; it closes to {figures(done.found.closed.residual, 2)}"
+        yield f"model {done.flow.model}: periodic orbit, {verdict}; it closes to {rounded(done.found.closed.residual, 2)}"
         yield ""
-        yield from table(*orbit_rows(done.found.orbit, done.scene))
+        yield from aligned(*orbit_rows(done.found.orbit, done.scene))
         yield ""
         shown = [value for value in multipliers.values.tolist() if value.imag >= 0.0 and abs(value) > _ROUNDING]
         rows = [
-            [figures(value.real, 8) + (f" +- {value.imag:.8g} i" if value.imag else ""), figures(abs(value), 8)]
+            [rounded(value.real, 8) + (f" +- {value.imag:.8g} i" if value.imag else ""), rounded(abs(value), 8)]
             for value in shown[:_SHOWN]
         ]
         none = ["no multiplier lies outside the essential radius"]
-        yield from table(["largest multipliers", "modulus"], rows) if rows else none
+        yield from aligned(["largest multipliers", "modulus"], rows) if rows else none
         more = f"; {len(shown) - _SHOWN} more" if len(shown) > _SHOWN else ""
-        radius = f"; essential radius {figures(multipliers.essential_radius, 4)}" if multipliers.essential_radius else ""
-        yield f"the trivial one is 1 within {figures(multipliers.trivial_defect, 2)}{radius}{more}"
+        radius = f"; essential radius {rounded(multipliers.essential_radius, 4)}" if multipliers.essential_radius else ""
+        yield f"the trivial one is 1 within {rounded(multipliers.trivial_defect, 2)}{radius}{more}"
         yield f"wall time {self.wall_s:.3g} s"
 
 
@@ -177,7 +177,7 @@ def orbit(source: SceneSource, options: OrbitOptions) -> OrbitResult:
     Raises SceneError for wrong input, NumericsError if there is no orbit.
     """
     began = time.perf_counter()
-    if isinstance(source, Place):
+    if isinstance(source, PointOfBranch):
         if source.closed is not None and options.is_default:
             known = {"tol": source.tolerance, "near_period": source["period"]}
             return OrbitResult(neutral_orbit(source.closed, source.tolerance), known, time.perf_counter() - began)
@@ -192,7 +192,7 @@ def orbit(source: SceneSource, options: OrbitOptions) -> OrbitResult:
     return OrbitResult(found, options.stored, time.perf_counter() - began)
 
 
-def _period_there(point: Place) -> float:
+def _period_there(point: PointOfBranch) -> float:
     """The period of a point of a branch. Raises SceneError for one where the orbit has no size."""
     if point.get("type") == "HB":
         raise SceneError(

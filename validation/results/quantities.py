@@ -20,7 +20,7 @@ from validation.results.facts import leaves
 from validation.results.result import Dataset
 
 
-class Quantity(NamedTuple):
+class Meaning(NamedTuple):
     """What it is, and what 1 of it means: "transit", "normal stress", "V*", "L"; nothing for a pure number."""
 
     meaning: str
@@ -28,34 +28,34 @@ class Quantity(NamedTuple):
 
 
 EVENTS = {
-    "event_time": Quantity("date of the slip event: v passes half its largest value", "transit"),
-    "period": Quantity("time to the next event", "transit"),
-    "stress_drop": Quantity("max - min of the friction stress over the cycle", "normal stress"),
-    "elastic_stress_drop": Quantity("max - min of the elastic stress y over the cycle", "normal stress"),
-    "v_max": Quantity("largest slip rate of the cycle", "V*"),
-    "v_min": Quantity("smallest slip rate of the cycle", "V*"),
+    "event_time": Meaning("date of the slip event: v passes half its largest value", "transit"),
+    "period": Meaning("time to the next event", "transit"),
+    "stress_drop": Meaning("max - min of the friction stress over the cycle", "normal stress"),
+    "elastic_stress_drop": Meaning("max - min of the elastic stress y over the cycle", "normal stress"),
+    "v_max": Meaning("largest slip rate of the cycle", "V*"),
+    "v_min": Meaning("smallest slip rate of the cycle", "V*"),
 }
 _MARGIN = "half the width of the 95 % interval of the mean over the second half: "
 MARGINS = {
-    f"{name}_margin": Quantity(_MARGIN + name, EVENTS[name].unit) for name in ("period", "stress_drop", "elastic_stress_drop")
+    f"{name}_margin": Meaning(_MARGIN + name, EVENTS[name].unit) for name in ("period", "stress_drop", "elastic_stress_drop")
 }
-STAGES = {
-    "stage_start": Quantity("beginning of the stage", "transit"),
-    "stage_end": Quantity("end of the stage", "transit"),
-    "stage_velocity": Quantity("V of the drive", "V*"),
-    "stage_steady_stress": Quantity("friction stress at the end of a settled stage", "normal stress"),
-    "stage_direct_effect": Quantity("peak minus the friction stress before the step", "normal stress"),
-    "stage_evolution": Quantity("peak minus the new steady stress", "normal stress"),
-    "stage_slip_to_recovery": Quantity("slip from the peak to where 1/e of its distance from the steady stress is left", "L"),
-    "stage_relaxation": Quantity("friction stress before the hold minus that at its end", "normal stress"),
-    "stage_healing": Quantity("peak after the hold minus the friction stress before it", "normal stress"),
+STAGE_QUANTITIES = {
+    "stage_start": Meaning("beginning of the stage", "transit"),
+    "stage_end": Meaning("end of the stage", "transit"),
+    "stage_velocity": Meaning("V of the drive", "V*"),
+    "stage_steady_stress": Meaning("friction stress at the end of a settled stage", "normal stress"),
+    "stage_direct_effect": Meaning("peak minus the friction stress before the step", "normal stress"),
+    "stage_evolution": Meaning("peak minus the new steady stress", "normal stress"),
+    "stage_slip_to_recovery": Meaning("slip from the peak to where 1/e of its distance from the steady stress is left", "L"),
+    "stage_relaxation": Meaning("friction stress before the hold minus that at its end", "normal stress"),
+    "stage_healing": Meaning("peak after the hold minus the friction stress before it", "normal stress"),
 }
 INTERFACE = {
-    TIME: Quantity("time since the start of the run, of an orbit since the start of its period", "transit"),
-    "interface_slip_rate": Quantity("slip rate v", "V*"),
-    "interface_psi": Quantity("state ln phi"),
-    "interface_stress": Quantity("friction stress mu", "normal stress"),
-    "interface_elastic_stress": Quantity("elastic stress y", "normal stress"),
+    TIME: Meaning("time since the start of the run, of an orbit since the start of its period", "transit"),
+    "interface_slip_rate": Meaning("slip rate v", "V*"),
+    "interface_psi": Meaning("state ln phi"),
+    "interface_stress": Meaning("friction stress mu", "normal stress"),
+    "interface_elastic_stress": Meaning("elastic stress y", "normal stress"),
 }
 
 
@@ -71,7 +71,7 @@ _IN_WORDS = {"re": "real part", "im": "imaginary part", "std": "standard deviati
 _IN_WORDS |= {"error": "relative error of", "difference": "difference of", "margin": "margin of"}
 
 
-def si_factor(quantity: Quantity, scene: Scene) -> float | None:
+def si_factor(quantity: Meaning, scene: Scene) -> float | None:
     """The size of 1 in SI; None for a pure number and for scenes without units."""
     return scene.units.size(quantity.unit, scene.transit) if scene.units and quantity.unit else None
 
@@ -82,7 +82,7 @@ def shown_in(unit: str, scene: Scene) -> tuple[float, str]:
     return (scene.units.size(unit, scene.transit), physical) if scene.units else (1.0, plain)
 
 
-def attributes(quantity: Quantity, scene: Scene) -> dict[str, Any]:
+def attributes(quantity: Meaning, scene: Scene) -> dict[str, Any]:
     """Attributes of a variable."""
     found: dict[str, Any] = {"long_name": quantity.meaning, "units": "1"}
     if quantity.unit:
@@ -96,11 +96,11 @@ def column_notes(key: str, scene: Scene, numbers: bool) -> dict[str, Any]:
     words = " ".join(_IN_WORDS.get(part, part) for part in re.split(r"[._]", key))
     figure = EVENTS.get(key.partition(".")[0])
     if figure:
-        return attributes(Quantity(f"{words}; {figure.meaning}", figure.unit), scene)
+        return attributes(Meaning(f"{words}; {figure.meaning}", figure.unit), scene)
     return {"long_name": words} | ({"units": "s" if key == "wall_s" else "1"} if numbers else {})
 
 
-def in_si(name: str, values: ArrayLike, quantity: Quantity, scene: Scene) -> dict[str, tuple[Any, dict[str, str]]]:
+def twins_in_si(name: str, values: ArrayLike, quantity: Meaning, scene: Scene) -> dict[str, tuple[Any, dict[str, str]]]:
     """The twin in SI by its name, with values and attributes; none for a pure number and for scenes without units."""
     factor = si_factor(quantity, scene)
     if factor is None:
@@ -115,14 +115,16 @@ def cycle_in_si(values: Mapping[str, float], scene: Scene) -> dict[str, dict[str
     if scene.units is None:
         return {}
     kinds = {name: EVENTS[name.removesuffix("_std").removesuffix("_margin")] for name in values}
-    twins = {twin: float(size) for name in values for twin, (size, _) in in_si(name, values[name], kinds[name], scene).items()}
+    twins = {
+        twin: float(size) for name in values for twin, (size, _) in twins_in_si(name, values[name], kinds[name], scene).items()
+    }
     return {"si": twins | {"transit_s": scene.units.size("transit", scene.transit)}}
 
 
 def variables(
     dimension: str | tuple[str, ...],
     columns: Mapping[str, ArrayLike],
-    quantities: Mapping[str, Quantity],
+    quantities: Mapping[str, Meaning],
     scene: Scene,
     twins: bool = True,
 ) -> dict[str, Any]:
@@ -131,7 +133,7 @@ def variables(
     for name, values in columns.items():
         found[name] = (dimension, values, attributes(quantities[name], scene))
         if twins:
-            found |= {twin: (dimension, *rest) for twin, rest in in_si(name, values, quantities[name], scene).items()}
+            found |= {twin: (dimension, *rest) for twin, rest in twins_in_si(name, values, quantities[name], scene).items()}
     return found
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from reduced.stability import Stability, analyse, friction_slopes, scaled
 from reduced.stability.analyse import stability_in_si
 from slipwave.scene import Scene
-from validation.run.length import LONGEST, UntilSettled
+from validation.run.length import LONGEST_RUN, UntilSettled
 from validation.run.outlook import outlook
 from validation.run.simulate import Run
 
@@ -98,7 +98,7 @@ def needed(run: Run, model: str) -> float:
         return verdict.needed if verdict else math.nan
     settled = UntilSettled(replace(scene, until=None), outlook(scene, model))
     expected = next(settled.ends(0.0))
-    return max(verdict.needed, expected) if expected < LONGEST else math.inf
+    return max(verdict.needed, expected) if expected < LONGEST_RUN else math.inf
 
 
 def _on_cycles(run: Run, model: str) -> str:

@@ -7,16 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from slipwave.files import whole_or_absent
-from validation.results.facts import facts_of, leaves
+from validation.results.facts import as_facts, leaves
 from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
     from xarray import Dataset as Dataset
 else:  # xarray is loaded only when a dataset is made
     Dataset = Any
-
-FIGURES = (".png", ".pdf", ".svg")
-"""Kinds of file that figures are drawn to."""
 
 
 class Output(NamedTuple):
@@ -100,7 +97,7 @@ class Result(ABC):
             raise AttributeError(
                 f"{type(self).__name__} has no attribute {name!r}" + (f"; it has {', '.join(known)}" if known else "")
             )
-        return facts_of(known[name])
+        return as_facts(known[name])
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self.summary})

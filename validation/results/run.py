@@ -13,7 +13,7 @@ from slipwave.solve import FieldSolver, Solver, State
 from slipwave.solve.foresight import DAY
 from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
 from validation.registry import build as models
-from validation.registry.build import grid_in_words, judged, note_on, note_on_given
+from validation.registry.build import grid_in_words, judged_grid, note_on, note_on_given
 from validation.registry.families import Built, Options, one_port_of
 from validation.results.command import command
 from validation.results.options import ModelOptions, NumericalOptions, RunsOptions, announced, log, option
@@ -127,7 +127,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
 def _default_grid(solver: Solver, start: State, options: RunOptions) -> "Choice | None":
     """The grid that a full wave took by itself, with its estimated error."""
     chosen = options.cells is not None or options.tol is not None
-    return None if chosen else judged(solver, start, options.cfl, options.time)
+    return None if chosen else judged_grid(solver, start, options.cfl, options.time)
 
 
 def _tell(built: Built) -> None:

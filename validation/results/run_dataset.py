@@ -17,7 +17,17 @@ from slipwave.files import TIME, whole_or_absent
 from slipwave.observe import Events
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
-from validation.results.quantities import EVENTS, INTERFACE, MARGINS, STAGES, attributes, in_si, shown_in, stored_name, variables
+from validation.results.quantities import (
+    EVENTS,
+    INTERFACE,
+    MARGINS,
+    STAGE_QUANTITIES,
+    attributes,
+    shown_in,
+    stored_name,
+    twins_in_si,
+    variables,
+)
 from validation.run.history_file import HistoryFile
 from validation.run.simulate import Run
 
@@ -74,9 +84,9 @@ def _figures(done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures]
         found = found.assign(variables((), margins, MARGINS, scene))
     if stages:
         rows = [asdict(stage) for stage in stages]
-        columns = {name: [row[name.removeprefix("stage_")] for row in rows] for name in STAGES}
+        columns = {name: [row[name.removeprefix("stage_")] for row in rows] for name in STAGE_QUANTITIES}
         numbers = {name: np.array(column, dtype=float) for name, column in columns.items()}  # None becomes NaN
-        found = found.assign(variables("stage", numbers, STAGES, scene))
+        found = found.assign(variables("stage", numbers, STAGE_QUANTITIES, scene))
         kinds = np.array([row["kind"] for row in rows], dtype=object)
         found["stage_kind"] = ("stage", kinds, {"long_name": "kind of the stage"})
         stick_slips = [int(row["stick_slips"]) for row in rows]
@@ -111,7 +121,7 @@ def _append_history(path: Path, history: HistoryFile, scene: Scene) -> None:
         file.createDimension(TIME, len(history))
         for name, quantity in INTERFACE.items():
             _column(file, name, attributes(quantity, scene))
-        twin = {name: notes for name, (_, notes) in in_si(TIME, 0.0, INTERFACE[TIME], scene).items()}
+        twin = {name: notes for name, (_, notes) in twins_in_si(TIME, 0.0, INTERFACE[TIME], scene).items()}
         for name, notes in twin.items():
             _column(file, name, notes)
         for name in INTERFACE.keys() - {TIME} if twin else ():
@@ -119,7 +129,7 @@ def _append_history(path: Path, history: HistoryFile, scene: Scene) -> None:
         first = 0
         for part in history.parts():
             columns = _renamed(part)
-            columns |= {name: values for name, (values, _) in in_si(TIME, part["time"], INTERFACE[TIME], scene).items()}
+            columns |= {name: values for name, (values, _) in twins_in_si(TIME, part["time"], INTERFACE[TIME], scene).items()}
             for name, values in columns.items():
                 file[name][first : first + values.size] = values
             first += part["time"].size

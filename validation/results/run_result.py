@@ -14,7 +14,7 @@ from slipwave.observe.stages import StageFigures
 from slipwave.scene.doubts import doubts
 from slipwave.solve import Leaping
 from slipwave.solve.lyapunov import Exponent
-from validation.output import figures, table
+from validation.output import FIGURES, aligned, rounded
 from validation.registry.build import grid_in_words
 from validation.registry.families import one_port_of
 from validation.results.facts import finite
@@ -23,7 +23,7 @@ from validation.results.header import header
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import cycle_in_si
 from validation.results.reasons import needed, reasons
-from validation.results.result import FIGURES, Dataset, Output, Result, save_drawing
+from validation.results.result import Dataset, Output, Result, save_drawing
 from validation.results.run_dataset import run_dataset, write_events, write_run
 from validation.results.stage_table import missing_in_words, stage_results, stage_rows, stages_in_words
 from validation.results.wording import ENDED, events_in_words, exponent_in_words, margins_in_words, statistics_rows
@@ -92,21 +92,21 @@ class RunResult(Result):
             yield ENDED[done.ended]
         if done.verdict and done.verdict.repeats:
             yield ""
-            yield from table(*statistics_rows(done.statistics, scene))
+            yield from aligned(*statistics_rows(done.statistics, scene))
             yield from margins_in_words(done.statistics, scene)
         if self.exponent is not None:
             yield exponent_in_words(self.exponent)
         if self.stages:
             yield ""
-            yield from table(*stage_rows(self.stages, scene))
+            yield from aligned(*stage_rows(self.stages, scene))
             yield from missing_in_words(self.stages)
         if done.final:
             state = {"ln v": done.final.ln_v, "psi": done.final.psi, "mu": done.final.mu}
-            yield "\nat the end: " + ", ".join(f"{name} = {figures(value, 12)}" for name, value in state.items())
+            yield "\nat the end: " + ", ".join(f"{name} = {rounded(value, 12)}" for name, value in state.items())
         for label, one in self.records.named.items():
-            yield f"{label}: " + ", ".join(f"{name} = {figures(value, 6)}" for name, value in one.figures().items())
+            yield f"{label}: " + ", ".join(f"{name} = {rounded(value, 6)}" for name, value in one.figures().items())
         if self.energy:
-            yield "energy: " + ", ".join(f"{name} {figures(value, 6)}" for name, value in self.energy.items())
+            yield "energy: " + ", ".join(f"{name} {rounded(value, 6)}" for name, value in self.energy.items())
         if done.solver.failures:
             yield f"interface solves that did not converge: {done.solver.failures}"
         yield f"wall time {done.wall_s:.3g} s"

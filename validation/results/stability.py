@@ -16,7 +16,7 @@ from slipwave.extras import require
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.output import figures, table
+from validation.output import aligned, rounded
 from validation.registry.families import one_port_of
 from validation.results.command import command
 from validation.results.facts import finite
@@ -135,19 +135,23 @@ class StabilityResult(Result):
         yield from (f"note: {note}" for note in self.notes)
         yield ""
         rows = [
-            ["critical frequency omega_c [V*/L]", figures(found.omega_c, 12), ""],
-            ["critical round trip log10 r_c", figures(found.log10_r_c, 12), f"scene {figures(math.log10(scene.transit), 10)}"],
-            ["critical epsilon", figures(found.epsilon_c, 12), f"scene {figures(scene.upper.epsilon, 10)}"],
-            ["limit of the fast roots, Re s [V*/L]", figures(found.essential_abscissa, 10), ""],
+            ["critical frequency omega_c [V*/L]", rounded(found.omega_c, 12), ""],
+            [
+                "critical round trip log10 r_c",
+                rounded(found.log10_r_c, 12),
+                f"scene {rounded(math.log10(scene.transit), 10)}",
+            ],
+            ["critical epsilon", rounded(found.epsilon_c, 12), f"scene {rounded(scene.upper.epsilon, 10)}"],
+            ["limit of the fast roots, Re s [V*/L]", rounded(found.essential_abscissa, 10), ""],
         ]
-        yield from table(["", "critical", "here"], [*rows, *self._rows_in_si()])
+        yield from aligned(["", "critical", "here"], [*rows, *self._rows_in_si()])
         yield ""
         roots = [
-            [f"{figures(root.real, 8)} {root.imag:+.8g} i", figures(abs(root.imag) * scene.transit / (2.0 * math.pi), 6)]
+            [f"{rounded(root.real, 8)} {root.imag:+.8g} i", rounded(abs(root.imag) * scene.transit / (2.0 * math.pi), 6)]
             for root in found.leading_roots
             if root.imag >= 0.0
         ]
-        yield from table(["leading roots s [V*/L], conjugates left out", "cycles per transit"], roots)
+        yield from aligned(["leading roots s [V*/L], conjugates left out", "cycles per transit"], roots)
 
     def _rows_in_si(self) -> list[list[str]]:
         """Rows of the table for a scene with units."""
@@ -158,10 +162,10 @@ class StabilityResult(Result):
         slabs = "thickness" if scene.alike else "upper thickness, both scaled together"
         stress, critical = scene.units.normal_stress, found.critical_normal_stress
         return [
-            [f"critical {slabs} [m]", figures(found.critical_thickness, 9), f"scene {figures(found.thickness, 9)}"],
-            ["critical normal stress [Pa]", figures(critical, 9), f"scene {figures(stress, 9)}"],
-            [f"{word} time of the leading root [s]", "", figures(time, 9)],
-            ["frequency of the leading root [Hz]", "", figures(found.frequency, 9)],
+            [f"critical {slabs} [m]", rounded(found.critical_thickness, 9), f"scene {rounded(found.thickness, 9)}"],
+            ["critical normal stress [Pa]", rounded(critical, 9), f"scene {rounded(stress, 9)}"],
+            [f"{word} time of the leading root [s]", "", rounded(time, 9)],
+            ["frequency of the leading root [Hz]", "", rounded(found.frequency, 9)],
         ]
 
     @property

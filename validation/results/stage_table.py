@@ -8,8 +8,8 @@ from typing import Any
 
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
-from validation.output import figures
-from validation.results.quantities import STAGES, in_si, shown_in
+from validation.output import rounded
+from validation.results.quantities import STAGE_QUANTITIES, shown_in, twins_in_si
 
 
 def stage_results(stages: Sequence[StageFigures], scene: Scene) -> list[dict[str, Any]]:
@@ -22,9 +22,9 @@ def _in_si(stage: StageFigures, scene: Scene) -> dict[str, Any]:
     if scene.units is None:
         return {}
     found = {}
-    for name, quantity in STAGES.items():
+    for name, quantity in STAGE_QUANTITIES.items():
         value = getattr(stage, name.removeprefix("stage_"))
-        for twin, (size, _) in in_si(name, math.nan if value is None else value, quantity, scene).items():
+        for twin, (size, _) in twins_in_si(name, math.nan if value is None else value, quantity, scene).items():
             found[twin.removeprefix("stage_")] = None if value is None else float(size)
     return {"si": found}
 
@@ -49,7 +49,7 @@ def missing_in_words(stages: Sequence[StageFigures]) -> list[str]:
     for before, stage in pairwise(stages):
         name = {"hold": "relaxation", "slide": "healing"}.get(stage.kind, "")
         if name and getattr(stage, name) is None:
-            lines.append(f"no {name} of the {stage.kind} from {figures(stage.start, 6)} transits on: {_why(before)}")
+            lines.append(f"no {name} of the {stage.kind} from {rounded(stage.start, 6)} transits on: {_why(before)}")
     return lines
 
 
@@ -68,11 +68,11 @@ def stage_rows(stages: Sequence[StageFigures], scene: Scene) -> tuple[list[str],
     rows = [
         [
             f"{stage.kind}, stick-slip" if stage.stick_slips else stage.kind,
-            figures(stage.start * second, 6),
-            figures(stage.velocity * rate, 6),
-            *(figures(value, 6) for value in (stage.steady_stress, stage.direct_effect, stage.evolution)),
-            figures(None if stage.slip_to_recovery is None else stage.slip_to_recovery * metre, 6),
-            *(figures(value, 6) for value in (stage.relaxation, stage.healing)),
+            rounded(stage.start * second, 6),
+            rounded(stage.velocity * rate, 6),
+            *(rounded(value, 6) for value in (stage.steady_stress, stage.direct_effect, stage.evolution)),
+            rounded(None if stage.slip_to_recovery is None else stage.slip_to_recovery * metre, 6),
+            *(rounded(value, 6) for value in (stage.relaxation, stage.healing)),
         ]
         for stage in stages
     ]

@@ -9,7 +9,7 @@ from slipwave.observe.statistics import Orbit
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.solve.lyapunov import Exponent
-from validation.output import figures
+from validation.output import rounded
 from validation.results.quantities import EVENTS, shown_in
 
 ENDED = {
@@ -47,7 +47,7 @@ def _with_units(
     period, spread = known["period"]
     facts.insert(1, ("period [L/V*]", period * scene.transit, spread * scene.transit, *second))
     rows = [
-        [label, figures(value), figures(spread, 3), f"{figures(value * size, 6)} {unit}", _sized(spread * size, unit)]
+        [label, rounded(value), rounded(spread, 3), f"{rounded(value * size, 6)} {unit}", _sized(spread * size, unit)]
         for label, value, spread, size, unit in facts
     ]
     heading = ["", *columns, "SI", f"{columns[1]} in SI"]
@@ -55,7 +55,7 @@ def _with_units(
 
 
 def _sized(spread: float, unit: str) -> str:
-    return "-" if math.isnan(spread) else f"{figures(spread, 3)} {unit}"
+    return "-" if math.isnan(spread) else f"{rounded(spread, 3)} {unit}"
 
 
 def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
@@ -65,16 +65,16 @@ def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
     period, drop = found.margins.period, found.margins.stress_drop
     sizes = [shown_in(unit, scene)[0] for unit in ("transit", "normal stress")]
     seconds, pascals = (
-        f" ({figures(value * size, 3)} {unit})" if scene.units else ""
+        f" ({rounded(value * size, 3)} {unit})" if scene.units else ""
         for value, size, unit in zip((period, drop), sizes, ("s", "Pa"), strict=True)
     )
-    known = f"period +- {figures(period, 3)} transits{seconds}, stress drop +- {figures(drop, 3)}{pascals}"
+    known = f"period +- {rounded(period, 3)} transits{seconds}, stress drop +- {rounded(drop, 3)}{pascals}"
     return [f"the mean of an endless run lies within (95 %): {known}"]
 
 
 def exponent_in_words(found: Exponent) -> str:
     """A line with the largest Lyapunov exponent, and whether it differs from zero."""
-    known = f"largest Lyapunov exponent {figures(found.rate, 3)} +- {figures(found.margin, 2)} per transit (95 %)"
+    known = f"largest Lyapunov exponent {rounded(found.rate, 3)} +- {rounded(found.margin, 2)} per transit (95 %)"
     if abs(found.rate) <= found.margin:
         return f"{known}: motions close by neither part nor join"
     word = "part" if found.rate > 0.0 else "join"

@@ -25,12 +25,12 @@ Ended: TypeAlias = Literal["until", "cycles", "settled", "limit"]
 LIMIT = 300.0
 """Seconds, by a count of its work, that a run until it is settled may take."""
 
-LONGEST = 1e9
+LONGEST_RUN = 1e9
 """Transits; the longest run."""
 
 MOST_CYCLES = 1_000_000
 
-LEFT = 40.0
+LEFT_BY_ROUNDING = 40.0
 """Growth times in which rounding alone leaves steady sliding."""
 
 _FIRST = 16.0  # expected cycles, half of them judged
@@ -40,7 +40,7 @@ _ENOUGH = 8  # cycles that repeat
 _STEP = 1.02  # from one look for cycles to the next, if a cycle is shorter
 
 
-class Judged(NamedTuple):
+class JudgedHalf(NamedTuple):
     """What is judged `until` now (transits): the `cycles` in the second half of what was run, and the verdict on it, None if
     events are not watched."""
 
@@ -68,7 +68,7 @@ class Length(Protocol):
     def ends(self, after: float) -> Iterator[float]:
         """The ends of its stretches, rising, of a run that is at the time `after` (transits)."""
 
-    def ended(self, now: Judged) -> Ended | None:
+    def ended(self, now: JudgedHalf) -> Ended | None:
         """Why the run ends here, if it does."""
 
 
@@ -83,7 +83,7 @@ class Until:
         """As `Length`: one."""
         yield self.until
 
-    def ended(self, now: Judged) -> Ended | None:
+    def ended(self, now: JudgedHalf) -> Ended | None:
         """As `Length`."""
         return "until"
 
@@ -106,13 +106,13 @@ class UntilSettled:
         """As `Length`: the first after the start and 16 expected cycles; a changing drive rests from its middle on. Each of the
         others is a quarter later."""
         changes = 0.0 if self.scene.drive.is_constant else self.scene.drive.times[-1]
-        end = min(2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + self._first(), LONGEST)
-        while end <= LONGEST:
+        end = min(2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + self._first(), LONGEST_RUN)
+        while end <= LONGEST_RUN:
             if end > after:
                 yield end
             end *= _LONGER
 
-    def ended(self, now: Judged) -> Ended | None:
+    def ended(self, now: JudgedHalf) -> Ended | None:
         """As `Length`."""
         return "settled" if self._settled(now) else None
 
@@ -122,14 +122,14 @@ class UntilSettled:
         dies_out = _DIES_OUT / -self.expected.rate if self.expected.stable else math.inf
         return min(dies_out, _FIRST * self.expected.period)
 
-    def _settled(self, now: Judged) -> bool:
+    def _settled(self, now: JudgedHalf) -> bool:
         if now.verdict is None:
             return True
         match now.verdict.kind:
             case "driven":
                 return True
             case "steady":
-                return self.expected.stable is not False or self.expected.rate * now.until > LEFT
+                return self.expected.stable is not False or self.expected.rate * now.until > LEFT_BY_ROUNDING
             case "decaying":
                 return self.expected.stable is not False
             case "periodic":
@@ -139,7 +139,7 @@ class UntilSettled:
         return False
 
 
-def halves_agree(now: Judged) -> bool:
+def halves_agree(now: JudgedHalf) -> bool:
     """Whether period and stress drop have the same mean over the earlier and the later half of the cycles, each of whole
     periods: within 1e-3, or the larger of the margins if they never repeat."""
     assert now.verdict is not None
@@ -169,12 +169,12 @@ class UntilCycles:
         """As `Length`."""
         cycle = self.expected.period if math.isfinite(self.expected.period) else 1.0
         end = cycle
-        while end < LONGEST:
+        while end < LONGEST_RUN:
             if end > after:
                 yield end
             end = max(end + cycle, _STEP * end)
 
-    def ended(self, now: Judged) -> Ended | None:
+    def ended(self, now: JudgedHalf) -> Ended | None:
         """As `Length`."""
         if now.verdict is None or now.verdict.cycles >= self.wanted:
             return "cycles"

@@ -31,7 +31,7 @@ import numpy as np
 from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, StartKind
 
-TOLERANCE = 1e-9
+EXPECTED_ERROR = 1e-9
 """Relative error expected of a model without a requested tolerance."""
 
 
@@ -121,7 +121,7 @@ def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float 
     one with the one-port of the model that runs."""
     from reduced.stability import characteristic, follow_root, friction_slopes, spectrum
 
-    wanted = TOLERANCE if tolerance is None else tolerance
+    wanted = EXPECTED_ERROR if tolerance is None else tolerance
     slopes = friction_slopes(scene.law, scene.velocity)
     fastest = (slopes.reach - slopes.healing) * scene.transit  # no root of a passive slab grows faster
     if scene.start.kind is StartKind.ORBIT or not slopes.weakening or _share(scene, fastest) <= wanted:

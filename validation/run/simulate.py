@@ -16,7 +16,7 @@ from slipwave.scene.drive import Drive
 from slipwave.solve import Energy, Final, Mark, Observer, Solver, follow
 from slipwave.solve.checkpoint import Checkpoints
 from slipwave.solve.foresight import DAY, Foresight, require_time
-from validation.run.length import LEFT, Ended, Judged, Length, Until, second_half
+from validation.run.length import LEFT_BY_ROUNDING, Ended, JudgedHalf, Length, Until, second_half
 from validation.run.outlook import outlook
 from validation.run.progress import progress
 
@@ -112,16 +112,16 @@ class _Marched:
                 if isinstance(mark, Checkpoints):
                     mark.until = end
             with progress(f"{self.solver.scene.name}, {self.solver.model}", end) as report:
-                self.final = follow(self.solver, end, everyone, Advice(self.solver, end, report), marks)
+                self.final = follow(self.solver, end, everyone, LongRunAdvice(self.solver, end, report), marks)
             self.ended = length.ended(self.judged())
             if self.ended:
                 return
         self.ended = "limit"
 
-    def judged(self) -> Judged:
+    def judged(self) -> JudgedHalf:
         """The second half of what was run so far, and the verdict on it."""
         half = second_half(self.solver, self.until)
-        return Judged(2.0 * half, self._verdict(half) if self.watched else None, self.watch.events(half))
+        return JudgedHalf(2.0 * half, self._verdict(half) if self.watched else None, self.watch.events(half))
 
     def _verdict(self, half: float) -> Verdict:
         """On the second half of what was run, which begins at `half` (transits)."""
@@ -166,7 +166,7 @@ def reconsidered(run: Run, model: str) -> Run:
         return run
     if run.kind == "decaying":
         return replace(run, verdict=run.verdict._replace(kind="settling", rate=math.nan))
-    grown = LEFT / outlook(run.solver.scene, model).rate
+    grown = LEFT_BY_ROUNDING / outlook(run.solver.scene, model).rate
     return run if run.until > grown else replace(run, verdict=run.verdict._replace(kind="too short", needed=2.0 * grown))
 
 
@@ -177,7 +177,7 @@ def error_without_echoes(scene: Scene) -> float:
     return float(2.0 * scene.impedance * slopes[1] / slopes[3])
 
 
-class Advice:
+class LongRunAdvice:
     """Takes how far a run of `solver` to `until` (transits) has come, for `report`; says once that it is long, and names the
     cheaper model with its estimated error."""
 

@@ -7,10 +7,10 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-Answer = TypeVar("Answer")
+_Answer = TypeVar("_Answer")
 
 
-def timed(work: Callable[[], Answer]) -> tuple[float, Answer]:
+def timed(work: Callable[[], _Answer]) -> tuple[float, _Answer]:
     """(processor seconds, answer) of `work`."""
     began = _spent()
     answer = work()

@@ -18,12 +18,12 @@ import numpy as np
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import SceneSource
 from slipwave.solve.foresight import DAY
-from validation.output import figures, table
+from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
 from validation.results.facts import finite
 from validation.results.options import SceneOptions, option
 from validation.results.provenance import SCHEMA
-from validation.results.result import FIGURES, Dataset, Output, Result
+from validation.results.result import Dataset, Output, Result
 from validation.study.drawing import Drawing
 from validation.sweep.axes import Axis, axis_of
 from validation.sweep.engine import STATUS
@@ -152,7 +152,7 @@ class SweepResult(Result):
             yield f"{axis['key']} from {axis['from']:g} to {axis['to']:g}{unit}, {axis['count']} values"
         if self.expected is not None:
             yield (
-                f"{figures(self.expected.seconds_per_point * 1e3, 3)} ms per point: about {figures(self.expected.seconds, 3)} s "
+                f"{rounded(self.expected.seconds_per_point * 1e3, 3)} ms per point: about {rounded(self.expected.seconds, 3)} s "
                 f"with {self.expected.workers} workers, {self.expected.size / 1e6:.1f} MB"
             )
             return
@@ -166,7 +166,7 @@ class SweepResult(Result):
         if summary["regimes"]:
             yield ""
             words = list(dict.fromkeys(word for row in summary["regimes"] for word in row))
-            yield from table(words, [[str(row.get(word, "-")) for word in words] for row in summary["regimes"]])
+            yield from aligned(words, [[str(row.get(word, "-")) for word in words] for row in summary["regimes"]])
 
     def plot(self) -> Drawing:
         """The map over two axes, or the figures over one."""

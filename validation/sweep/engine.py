@@ -12,7 +12,7 @@ import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
-from validation.results.quantities import in_si
+from validation.results.quantities import twins_in_si
 from validation.sweep.measures import Figures, Measure, measure_of
 from validation.sweep.plan import Indices, Plan
 from validation.sweep.store import Columns, Store
@@ -51,7 +51,7 @@ def _point(plan: Plan, measure: Measure, point: int) -> Figures:
     try:
         scene = plan.scene(point)
         found = measure.of(scene, plan.model(point), plan.options)
-        return {"status": "done", **found, **_in_si(found, measure, scene)}
+        return {"status": "done", **found, **_twins_in_si(found, measure, scene)}
     except SceneError as refusal:
         return {"status": "refused", "reason": str(refusal)}
     except NumericsError as failure:
@@ -60,13 +60,14 @@ def _point(plan: Plan, measure: Measure, point: int) -> Figures:
         return {"status": "failed", "reason": f"{type(bug).__name__}: {bug}"}
 
 
-def _in_si(found: Figures, measure: Measure, scene: Scene) -> Figures:
+def _twins_in_si(found: Figures, measure: Measure, scene: Scene) -> Figures:
     """The figures of a scene with units in SI, under the names that they have everywhere (period_s)."""
     twins: dict[str, float] = {}
     for name, quantity in measure.columns.items() if scene.units else ():
         value = found.get(name)
         twins |= {
-            twin: float(size) for twin, (size, _) in in_si(name, math.nan if value is None else value, quantity, scene).items()
+            twin: float(size)
+            for twin, (size, _) in twins_in_si(name, math.nan if value is None else value, quantity, scene).items()
         }
     return twins
 

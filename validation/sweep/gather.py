@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from slipwave.extras import require
 from validation.results.provenance import provenance
-from validation.results.quantities import Quantity, attributes
+from validation.results.quantities import Meaning, attributes
 from validation.sweep.engine import STATUS
 from validation.sweep.measures import Measure, measure_of
 from validation.sweep.plan import Plan
@@ -83,4 +83,4 @@ def _notes(name: str, measure: Measure, plan: Plan) -> dict[str, Any]:
     plain = next((column for column in measure.columns if name.startswith(f"{column}_")), None)
     if plain:  # the twin in SI
         return {"long_name": measure.columns[plain].meaning, "units": name.removeprefix(f"{plain}_").replace("_per_", " ")}
-    return attributes(Quantity(name), plan.base)
+    return attributes(Meaning(name), plan.base)

@@ -8,12 +8,12 @@ from typing import Any, ClassVar
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.input import SceneSource
-from validation.output import figures, table
+from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
 from validation.results.facts import finite
 from validation.results.options import SceneOptions, option
 from validation.results.provenance import SCHEMA
-from validation.results.result import FIGURES, Dataset, Output, Result
+from validation.results.result import Dataset, Output, Result
 from validation.study.drawing import Drawing
 from validation.sweep.boundaries import lines_of_curve, onsets
 from validation.sweep.difference import difference
@@ -72,12 +72,12 @@ class MapResult(Result):
         yield f"scene {summary['scene']} over {', '.join(summary['axes'])}"
         yield from (f"boundary: {line.name}" for line in self.boundaries)
         rows = [
-            [row["model"], *(figures(row[name], 4) for name in ("other_regime_percent", "period", "stress_drop"))]
+            [row["model"], *(rounded(row[name], 4) for name in ("other_regime_percent", "period", "stress_drop"))]
             for row in summary.get("differences", [])
         ]
         if rows:
             yield ""
-            yield from table(["model", "other regime [%]", "largest error of T", "of the stress drop"], rows)
+            yield from aligned(["model", "other regime [%]", "largest error of T", "of the stress drop"], rows)
 
     def plot(self) -> Drawing:
         """The map."""

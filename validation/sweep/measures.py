@@ -11,7 +11,7 @@ from slipwave.observe.verdict import Kind
 from slipwave.scene import Scene
 from validation.registry.build import prepare
 from validation.registry.families import one_port_of
-from validation.results.quantities import Quantity
+from validation.results.quantities import Meaning
 from validation.run.length import Length, Until, UntilSettled
 from validation.run.outlook import Outlook, outlook
 from validation.run.simulate import Run, reconsidered, simulate
@@ -32,7 +32,7 @@ class Measure(NamedTuple):
     returns."""
 
     of: Callable[[Scene, str, Options], Figures]
-    columns: Mapping[str, Quantity] = {}
+    columns: Mapping[str, Meaning] = {}
     words: Mapping[str, tuple[str, ...]] = {}
     regime: tuple[str, ...] = ()
 
@@ -112,31 +112,31 @@ def lyapunov_of(scene: Scene, model: str, options: Options) -> Figures:
 
 
 _CYCLE = {
-    "period": Quantity("mean period of the cycles", "transit"),
-    "stress_drop": Quantity("mean stress drop of the cycles", "normal stress"),
-    "elastic_stress_drop": Quantity("mean elastic stress drop of the cycles", "normal stress"),
-    "v_max": Quantity("largest slip rate of the cycles", "V*"),
-    "v_min": Quantity("smallest slip rate of the cycles", "V*"),
+    "period": Meaning("mean period of the cycles", "transit"),
+    "stress_drop": Meaning("mean stress drop of the cycles", "normal stress"),
+    "elastic_stress_drop": Meaning("mean elastic stress drop of the cycles", "normal stress"),
+    "v_max": Meaning("largest slip rate of the cycles", "V*"),
+    "v_min": Meaning("smallest slip rate of the cycles", "V*"),
 }
 _VERDICT = {
-    "verdict": Quantity("verdict on the motion"),
-    "multiplicity": Quantity("slip events in a period"),
-    "cycles": Quantity("cycles in the second half of the run"),
+    "verdict": Meaning("verdict on the motion"),
+    "multiplicity": Meaning("slip events in a period"),
+    "cycles": Meaning("cycles in the second half of the run"),
     **_CYCLE,
-    "until": Quantity("length of the run", "transit"),
+    "until": Meaning("length of the run", "transit"),
 }
-_FINAL = {f"final_{name}": Quantity(f"{name} at the end of the run") for name in ("ln_v", "psi", "mu")}
-_EXPONENT = {"exponent": Quantity("largest Lyapunov exponent, per transit"), "exponent_error": Quantity("half its 95 % interval")}
+_FINAL = {f"final_{name}": Meaning(f"{name} at the end of the run") for name in ("ln_v", "psi", "mu")}
+_EXPONENT = {"exponent": Meaning("largest Lyapunov exponent, per transit"), "exponent_error": Meaning("half its 95 % interval")}
 _STABILITY = {
-    "stable": Quantity("whether steady sliding is stable"),
-    "unstable_roots": Quantity("number of roots of growing disturbances"),
-    "log10_r_c": Quantity("log10 of the critical round trip"),
-    "epsilon_c": Quantity("critical epsilon"),
-    "growth_rate": Quantity("growth rate of the leading root, per L/V*"),
-    "angular_frequency": Quantity("angular frequency of the leading root, per L/V*"),
+    "stable": Meaning("whether steady sliding is stable"),
+    "unstable_roots": Meaning("number of roots of growing disturbances"),
+    "log10_r_c": Meaning("log10 of the critical round trip"),
+    "epsilon_c": Meaning("critical epsilon"),
+    "growth_rate": Meaning("growth rate of the leading root, per L/V*"),
+    "angular_frequency": Meaning("angular frequency of the leading root, per L/V*"),
 }
-_ORBIT = {**_CYCLE, "stable": Quantity("whether the orbit is stable")}
-_ORBIT["unstable_multipliers"] = Quantity("number of multipliers outside the unit circle")
+_ORBIT = {**_CYCLE, "stable": Meaning("whether the orbit is stable")}
+_ORBIT["unstable_multipliers"] = Meaning("number of multipliers outside the unit circle")
 _KINDS, _YES_NO = {"verdict": VERDICTS}, {"stable": ("no", "yes")}
 _REGIME = ("verdict", "multiplicity")
 
