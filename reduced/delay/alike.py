@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from reduced.delay.kernel import Alike, Clock, Memory, march_lines
+from reduced.delay.kernel import Alike, Clock, DelayMemory, march_delay
 from reduced.delay.march import DelayMarch, dense_resolution, next_count
 from reduced.delay.transit_mesh import TransitMesh, cuts_of, transit_mesh
 from reduced.delay.transmission_lines import NODES
@@ -105,7 +105,7 @@ class Delay(DelayMarch):
             shapes |= {"beginning.incoming": (beginning.steps, self._stages), "beginning.now": (3,)}
         saved = tables(state, shapes, self.model)
         self.failures, self.iterations = failures, iterations
-        self._take(mesh, saved["incoming"], Memory(Interface(*saved["guess"]), saved["now"]))
+        self._take(mesh, saved["incoming"], DelayMemory(Interface(*saved["guess"]), saved["now"]))
         time, length, *values = np.split(saved["waiting"], [1, 2, *(2 + self._stages * k for k in range(1, 4))], axis=1)
         self._waiting = Pieces(time.ravel(), length.ravel(), *(table.copy() for table in values))
         if not self._emit:
@@ -130,7 +130,7 @@ class Delay(DelayMarch):
         clock = self._clock._replace(origin=float(self._memory.now[TIME]), times=transits)
         march = (self._physics, self._lines, self._memory, self._nodal, clock, self._limits)
         first = pieces.time.size - self.steps * transits  # room for all steps or for those of the last transit
-        kept, iterations, verdict = march_lines(self._shape, *march, first, pieces)
+        kept, iterations, verdict = march_delay(self._shape, *march, first, pieces)
         self.iterations += iterations
         return kept // self.steps, verdict
 
@@ -145,12 +145,12 @@ class Delay(DelayMarch):
     def _remember(self, mesh: TransitMesh, incoming: Array, now: Array) -> None:
         """Be at a whole transit, with guesses for constant psi."""
         guess = self._first_guess(0.5 * self.scene.upper.epsilon, incoming[0], now[PSI])
-        self._take(mesh, incoming, Memory(guess, now.copy()))
+        self._take(mesh, incoming, DelayMemory(guess, now.copy()))
 
-    def _take(self, mesh: TransitMesh, incoming: Array, memory: Memory) -> None:
+    def _take(self, mesh: TransitMesh, incoming: Array, memory: DelayMemory) -> None:
         """Go on from this memory in the steps of `mesh`."""
         self._mesh, self._clock, self._memory = mesh, Clock(0.0, np.append(mesh.starts, 1.0), mesh.lengths), memory
-        before = Memory(Interface(*np.empty((2, self._stages))), np.empty(3))
+        before = DelayMemory(Interface(*np.empty((2, self._stages))), np.empty(3))
         self._lines = Alike(0.5 * self.scene.upper.epsilon, incoming, np.empty_like(incoming), before)
 
 

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from reduced.delay.kernel import Clock, Memory, march_lines
+from reduced.delay.kernel import Clock, DelayMemory, march_delay
 from reduced.delay.network_kernel import INWARD, OUTWARD, Integers, Network, NetworkLines
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array, Pieces
@@ -163,7 +163,7 @@ def march_breaks(
     nodes: Nodes,
     physics: Physics,
     lines: NetworkLines,
-    memory: Memory,
+    memory: DelayMemory,
     nodal: Nodal,
     trail: tuple[History, Ends],
     limits: Limits,
@@ -171,7 +171,7 @@ def march_breaks(
     pieces: Pieces,
 ) -> tuple[int, int, int]:
     """March to the first end at or beyond `until`, at most as many steps as `pieces`. Returns (steps, Newton iterations, verdict)
-    as `march_lines`."""
+    as `march_delay`."""
     history, ends = trail
     now, total, longest = memory.now, 0, ends.longest
     begin, lengths = history.present
@@ -188,7 +188,7 @@ def march_breaks(
         set_tops(nodes, ends, physics.rule, lines.network, length)
         begin[1], lengths[0] = length, length
         clock = Clock(start, begin, lengths, 1)
-        _, used, verdict = march_lines(nodes, physics, lines, memory, nodal, clock, limits, n, pieces)
+        _, used, verdict = march_delay(nodes, physics, lines, memory, nodal, clock, limits, n, pieces)
         total += used
         if verdict != DONE:
             return n, total, verdict

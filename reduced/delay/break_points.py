@@ -9,7 +9,7 @@ at which it arrives at the layer's other end becomes a break point, where a step
 import numpy as np
 
 from reduced.delay.break_kernel import FILLED, FOLLOWED, TOO_MANY, WAITING, Ends, History, march_breaks
-from reduced.delay.kernel import Memory
+from reduced.delay.kernel import DelayMemory
 from reduced.delay.march import next_count
 from reduced.delay.network import DelayNetwork
 from reduced.delay.transmission_lines import Lines
@@ -100,7 +100,7 @@ class DelayBreaks(DelayNetwork):
             )
         self._require_room(verdict)
         self._count = next_count(self._count)
-        self._memory = Memory(
+        self._memory = DelayMemory(
             constant_guess(self._memory.now[PSI], self._memory.guess.z[0], self._stages), self._memory.now
         )  # polynomials fit the old lengths
 
@@ -131,4 +131,4 @@ class DelayBreaks(DelayNetwork):
         self._remember(saved["past"], saved["arrivals"].ravel(), points)
         self._lines.waves[:, :, :steps] = saved["waves"]
         self._lines = self._lines._replace(tops=saved["tops"], cursor=np.array([steps % _RING]))
-        self._memory = Memory(Interface(*saved["guess"]), saved["now"])
+        self._memory = DelayMemory(Interface(*saved["guess"]), saved["now"])

@@ -1,4 +1,4 @@
-"""The compiled derivative of `march_lines` through a network: what the waves of equal steps do with small changes of their state.
+"""The compiled derivative of `march_delay` through a network: what the waves of equal steps do with small changes of their state.
 
 All changes are carried at once, each in a column, the last axis of every array: loops over columns are what the compiler
 vectorises. Friction's part is `step_answer`, the slabs' part `Exchange`: it is linear, the same in every step, and so a matrix,

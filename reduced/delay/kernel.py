@@ -37,7 +37,7 @@ from slipwave.step.nodal import (
 )
 
 
-class Memory(NamedTuple):
+class DelayMemory(NamedTuple):
     """The present: predicted nodal psi and z of the next step, `guess`, and `now` (3,): time (transits), psi, y."""
 
     guess: Interface
@@ -66,21 +66,21 @@ class Alike(NamedTuple):
     impedance: float
     incoming: Array
     first: Array
-    before: Memory
+    before: DelayMemory
 
 
 @by_class(inline=True)
-def keep(lines: Any, memory: Memory) -> None:
+def keep(lines: Any, memory: DelayMemory) -> None:
     """Keep what is remembered at the start of the steps of a `Clock`, if a march goes back there from a step that it rejects."""
 
 
 @by_class(inline=True)
-def go_back(lines: Any, memory: Memory) -> None:
+def go_back(lines: Any, memory: DelayMemory) -> None:
     """Return to what `keep` has kept, if anything."""
 
 
 @by_class(inline=True)
-def arrive(lines: Any, nodes: Nodes, physics: Physics, n: int, length: float, nodal: Nodal) -> None:
+def receive(lines: Any, nodes: Nodes, physics: Physics, n: int, length: float, nodal: Nodal) -> None:
     """nodal.incoming <- S of step `n`, which is `length` long. What is remembered does not change."""
     raise NotImplementedError(type(lines))
 
@@ -98,7 +98,7 @@ def leave(lines: Any, nodes: Nodes, physics: Physics, n: int, start: float, leng
 
 
 @njit
-def _copy(incoming: Array, memory: Memory, target: Array, into: Memory) -> None:
+def _copy(incoming: Array, memory: DelayMemory, target: Array, into: DelayMemory) -> None:
     overwrite(target, incoming)
     overwrite(into.guess.psi, memory.guess.psi)
     overwrite(into.guess.z, memory.guess.z)
@@ -115,7 +115,7 @@ def _begin_transit_again(lines, memory):  # type: ignore[no-untyped-def]
     _copy(lines.first, lines.before, lines.incoming, memory)
 
 
-@arrive.register(Alike)
+@receive.register(Alike)
 def _arrive_from_one(lines, nodes, physics, n, length, nodal):  # type: ignore[no-untyped-def]
     for j in range(len(nodes)):
         nodal.incoming[j] = lines.incoming[n, j]
@@ -135,11 +135,11 @@ def _leave_into_one(lines, nodes, physics, n, start, length, nodal):  # type: ig
 
 
 @njit
-def march_lines(
+def march_delay(
     nodes: Nodes,
     physics: Physics,
     lines: Any,
-    memory: Memory,
+    memory: DelayMemory,
     nodal: Nodal,
     clock: Clock,
     limits: Limits,
@@ -160,7 +160,7 @@ def march_lines(
         begin_step(nodes, physics, start, length, left, nodal)
         for j in range(s):
             nodal.psi[j], nodal.z[j] = guess.psi[j], guess.z[j]
-        arrive(lines, nodes, physics, n, length, nodal)
+        receive(lines, nodes, physics, n, length, nodal)
         used = solve(nodes, law, impedance, length * forcing.transit, rule.integral, limits.newton, nodal)
         iterations += used
         verdict = judge_step(nodes, rule.tail, nodal, used, limits)

@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from reduced.delay.alike import Delay
-from reduced.delay.kernel import Memory
+from reduced.delay.kernel import DelayMemory
 from reduced.delay.multirevolution import ORDER, Past, no_past
 from reduced.delay.transit_mesh import TransitMesh
 from slipwave.friction import rates, respond, unknown_of
@@ -29,7 +29,7 @@ _SHRINK, _SAFETY, _GROW = 0.2, 0.8, 2.0
 _EXTREMES = 6
 _PAUSE, _LONGEST_PAUSE = 64, 2048  # transits marched before the next try to leap; doubled by a try that fails
 
-_Moment: TypeAlias = tuple[TransitMesh, Array, Memory]
+_Moment: TypeAlias = tuple[TransitMesh, Array, DelayMemory]
 
 
 class LeapingDelay(Delay):

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from reduced.delay.frozen_step import Disturbance, Friction, FrozenStep, advanced, mean_friction, powers_of, slow_parts
-from reduced.delay.kernel import Memory
+from reduced.delay.kernel import DelayMemory
 from reduced.delay.network import DelayNetwork
 from reduced.delay.network_kernel import LOAD, VELOCITY, NetworkLines, lines_with
 from reduced.delay.slow_motion import Slow, SlowMotion
@@ -180,11 +180,11 @@ class LeapingNetwork(DelayNetwork):
         self._lines, self._memory, self._origin, self._done, self.iterations = before
         return None, scale
 
-    def _moment(self) -> tuple[NetworkLines, Memory, float, int, int]:
+    def _moment(self) -> tuple[NetworkLines, DelayMemory, float, int, int]:
         """All that a march changes, for a return to the present."""
         lines, (guess, now) = self._lines, self._memory
         waves = lines_with(lines.network, lines.waves.copy(), lines.tops.copy(), int(lines.cursor[0]))
-        memory = Memory(Interface(guess.psi.copy(), guess.z.copy()), now.copy())
+        memory = DelayMemory(Interface(guess.psi.copy(), guess.z.copy()), now.copy())
         return waves, memory, self._origin, self._done, self.iterations
 
     def _beyond(self, split: _Split, ahead: _Check, count: int) -> tuple[Pieces | None, float]:
@@ -281,7 +281,7 @@ class LeapingNetwork(DelayNetwork):
         unknown = float(self._parts()[0].interface(split.slow, np.array(time)).z)
         self._done += steps
         self._lines = lines_with(self._lines.network, waves.copy(), tops.copy())
-        self._memory = Memory(constant_guess(psi, unknown, self._stages), np.array([time, psi, y]))
+        self._memory = DelayMemory(constant_guess(psi, unknown, self._stages), np.array([time, psi, y]))
 
     def _parts(self) -> tuple[SlowMotion, FrozenStep]:
         """The tools for both parts of the motion."""

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from reduced.delay.kernel import Memory
+from reduced.delay.kernel import DelayMemory
 from slipwave.errors import NumericsError
 from slipwave.friction import respond, unknown_of
 from slipwave.observe.pieces import Array
@@ -23,7 +23,7 @@ class DelayMarch:
     failed_at = math.nan
     bookkeeping = frozenset({"counts", "origin", "waiting", "leaps", "tries", "past", "past.incoming", "arrivals"})
     settings: dict[str, Any]
-    _memory: Memory
+    _memory: DelayMemory
 
     def __init__(self, scene: Scene, stages: int, tolerance: float, resolution: float) -> None:
         self.scene, self._stages = scene, stages

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from reduced.delay.flow import DelayFlow
-from reduced.delay.kernel import Memory, clock_of, march_lines
+from reduced.delay.kernel import DelayMemory, clock_of, march_delay
 from reduced.delay.march import DelayMarch, dense_resolution, next_count
 from reduced.delay.network_kernel import Network, lines_with
 from reduced.delay.transit_mesh import TransitMesh
@@ -44,7 +44,7 @@ class DelayNetwork(DelayMarch):
         self._lines = lines_with(network, waves, tops)
         psi = scene.steady_psi + scene.start.jump_size
         guess = self._first_guess(scene.impedance, np.full(NODES, network.base), psi)
-        self._memory = Memory(guess, np.array([0.0, psi, scene.steady_stress]))
+        self._memory = DelayMemory(guess, np.array([0.0, psi, scene.steady_stress]))
         self._origin, self._done = 0.0, 0
 
     @property
@@ -68,7 +68,7 @@ class DelayNetwork(DelayMarch):
             self._refine(verdict)
 
     def state(self) -> State:
-        """As `Solver`: the ring of waves launched in past steps, and the present state (`NetworkLines`, `Memory`); `counts`:
+        """As `Solver`: the ring of waves launched in past steps, and the present state (`NetworkLines`, `DelayMemory`); `counts`:
         steps in the span that they divide, steps done since `origin`, ring index, failures, iterations."""
         lines, memory = self._lines, self._memory
         counts = (self._count, self._done, lines.cursor[0], self.failures, self.iterations)
@@ -90,7 +90,7 @@ class DelayNetwork(DelayMarch):
         saved = tables(state, shapes, self.model)
         self._count, self._done, self.failures, self.iterations = count, done, failures, iterations
         self._origin, self._lines = float(saved["origin"][0]), lines_with(network, saved["waves"], saved["tops"], cursor % ring)
-        self._memory = Memory(Interface(*saved["guess"]), saved["now"])
+        self._memory = DelayMemory(Interface(*saved["guess"]), saved["now"])
 
     def _present(self) -> dict[str, tuple[int, ...]]:
         """Shapes of the arrays that describe the present, in a state."""
@@ -121,7 +121,7 @@ class DelayNetwork(DelayMarch):
         verdict)."""
         clock = clock_of(self._origin, self._done, pieces.time.size, length)
         march = (self._physics, self._lines, self._memory, self._nodal, clock, self._limits)
-        steps, iterations, verdict = march_lines(self._shape, *march, 0, pieces)
+        steps, iterations, verdict = march_delay(self._shape, *march, 0, pieces)
         self._done += steps
         self.iterations += iterations
         return steps, verdict
@@ -147,7 +147,7 @@ class DelayNetwork(DelayMarch):
         past, new = (TransitMesh(n, np.full(n, h), h * np.arange(-n, 0)) for n, h in ((ring, before), (wanted, length)))
         waves = past.resample(np.roll(old.waves, -int(old.cursor[0]), axis=2), self.nodes, new)
         self._lines = lines_with(network, waves, old.tops)
-        self._memory = Memory(constant_guess(memory.now[PSI], float(memory.guess.z[0]), self._stages), memory.now)
+        self._memory = DelayMemory(constant_guess(memory.now[PSI], float(memory.guess.z[0]), self._stages), memory.now)
 
     def _finer(self) -> int:
         """The next number of steps in their span of which one ends at the present moment, at the latest twice the present one:

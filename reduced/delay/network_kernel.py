@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.delay.kernel import Memory, arrive, go_back, keep, leave, roughness
+from reduced.delay.kernel import DelayMemory, go_back, keep, leave, receive, roughness
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
@@ -203,11 +203,11 @@ def roughness_from_faces(nodes: Nodes, tail: Array, lines: NetworkLines, nodal: 
 
 @keep.register(NetworkLines)
 @go_back.register(NetworkLines)
-def _stay(lines: NetworkLines, memory: Memory) -> None:
+def _stay(lines: NetworkLines, memory: DelayMemory) -> None:
     return
 
 
-@arrive.register(NetworkLines)
+@receive.register(NetworkLines)
 def _arrive_through_network(lines, nodes, physics, n, length, nodal):  # type: ignore[no-untyped-def]
     for j in range(len(nodes)):
         lines.passage.drive[j] = 0.5 * (nodal.drive[j] - physics.forcing.velocity)

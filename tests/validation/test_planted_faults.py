@@ -22,7 +22,7 @@ CAUGHT = {
 SURVIVES = {
     "name": "late-nudge",
     "room": "reduced",
-    "where": "reduced/delay/kernel.py::march_lines",
+    "where": "reduced/delay/kernel.py::march_delay",
     "what": "a late nudge",
     "user": "every run begins late",
     "caught": False,
