@@ -17,7 +17,7 @@ from fullwave.lines.system import System
 from slipwave.observe.pieces import SAME, Array
 from slipwave.scene import Scene
 from slipwave.step.collocation import radau
-from slipwave.step.port import LEVELS, Levels, Port, aligned, blank_port, padded
+from slipwave.step.port import LEVELS, Levels, Port, blank_port, line_aligned, padded
 from slipwave.threads import one_thread
 
 DRIVE_TERMS = 2
@@ -96,13 +96,13 @@ class GridSlabs:
     def port(self, longest: float, levels: int = LEVELS) -> Port:
         """As `Slabs`: of exactly this length, with the tables of any that differs by rounding, and of all `LEVELS`."""
         port = self.known(longest).port
-        values = aligned(port.values.size)
+        values = line_aligned(port.values.size)
         return port._replace(length=np.ldexp(longest, -np.arange(port.length.size)), values=values)
 
     def _blank(self, longest: float) -> Port:
         port = blank_port(self.scene, longest, LEVELS, self.remembered, self.stages)
         rows, m = port.vector.size, sum(self.slabs.output_terms) - self.stages
-        heat = aligned(LEVELS, rows, rows) if self._dissipation else np.empty((0, 0, 0))
+        heat = line_aligned(LEVELS, rows, rows) if self._dissipation else np.empty((0, 0, 0))
         moments = np.zeros((LEVELS, rows, m))
         ledger = (self.is_kept, self.entries, moments, heat, self.scene.forcing, self._power, np.zeros(m), np.zeros(rows))
         return port._replace(ledger=GridLedger(*ledger))

@@ -97,12 +97,12 @@ def blank_port(scene: Scene, longest: float, levels: int, remembered: int, stage
         np.zeros(levels, dtype=np.bool_),
         np.empty((levels, stages, stages)),
         np.empty((levels, stages)),
-        aligned(levels, n, stages),
+        line_aligned(levels, n, stages),
         np.empty((levels, stages, stages)),
-        aligned(levels, n + 2 * stages, n),
+        line_aligned(levels, n + 2 * stages, n),
         scene.velocity,
         scene.drive.is_constant,
-        aligned(n),
+        line_aligned(n),
         np.zeros(n + 2 * stages),
         NoLedger(np.zeros(1, dtype=np.bool_)),
     )
@@ -113,7 +113,7 @@ def padded(remembered: int) -> int:
     return remembered if remembered < 2 * _LANES else -(-remembered // _LANES) * _LANES
 
 
-def aligned(*shape: int) -> Array:
+def line_aligned(*shape: int) -> Array:
     """An array of zeros that begins at a cache line."""
     size = int(np.prod(shape))
     memory = np.zeros(size + _LANES)
