@@ -23,6 +23,7 @@ from pathlib import Path
 import slipwave
 from fullwave.finite_difference import Leapfrog
 from slipwave.observe import EventObserver
+from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints
 chosen = slipwave.read("paper")
 solver = Leapfrog(chosen, 32, 0.9)

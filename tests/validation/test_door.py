@@ -154,6 +154,9 @@ class Doomed:
     def energy(self) -> None:
         return None
 
+    def state(self) -> Any:
+        return self._inner.state()
+
 
 def test_failed_numerics_keep_what_was_computed(monkeypatch: pytest.MonkeyPatch) -> None:
     from validation.registry import build as models

@@ -37,8 +37,8 @@ def mortal(function):
     return call
 
 
-room = {"march": fullwave.lines.explicit, "replace": os}[sys.argv[1]]
-setattr(room, sys.argv[1], mortal(getattr(room, sys.argv[1])))
+module, name = {"march": (fullwave.lines.explicit, "march_lines"), "replace": (os, "replace")}[sys.argv[1]]
+setattr(module, name, mortal(getattr(module, name)))
 sys.exit(main(sys.argv[3:]))
 """
 
