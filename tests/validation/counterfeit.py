@@ -226,8 +226,8 @@ PLACES: dict[str, tuple[Place, ...]] = {
     ),
     "regime-map": (
         Place("regime_map:swept_plane"),
-        Place("regime_map:onset_of", (displaced(0.06), displaced(-0.06))),
-        Place("regime_map:regimes_of", (lambda found: np.roll(found, 4, axis=0),)),
+        Place("regime_map:critical_round_trips", (displaced(0.06), displaced(-0.06))),
+        Place("regime_map:model_regimes", (lambda found: np.roll(found, 4, axis=0),)),
     ),
     "error-laws": (
         Place("error_laws:critical_round_trip", S, 1),

@@ -23,7 +23,7 @@ from validation.sweep.engine import Engine
 from validation.sweep.plan import Plan, morton, order_of
 from validation.sweep.refine import refine
 from validation.sweep.store import Store
-from validation.sweep.sweep import Where, manifest_of, perform, plan_of
+from validation.sweep.sweep import Where, manifest_of, perform_sweep, plan_of
 
 ROOT = Path(__file__).parents[2]
 DISC = "tests.validation.sweep_measures:disc"
@@ -52,7 +52,7 @@ def computed(what: Plan, folder: Path, **where: Any) -> xarray.Dataset:
     from validation.sweep.gather import dataset_of
 
     store = Store(folder)
-    perform(what, store, Where(**({"executor": Here()} | where)))
+    perform_sweep(what, store, Where(**({"executor": Here()} | where)))
     return dataset_of(what, store)
 
 

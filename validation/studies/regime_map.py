@@ -11,13 +11,13 @@ import slipwave
 from validation.study import WITNESS, Budget, Figure, Number, StudyResult, Table, Verdict, holding, table
 from validation.study.drawing import Drawing
 from validation.sweep.axes import axis_of
-from validation.sweep.boundaries import onsets
+from validation.sweep.boundaries import onset_lines
 from validation.sweep.difference import difference, regimes
 from validation.sweep.gather import dataset_of
 from validation.sweep.map_figures import Line, figure_of
 from validation.sweep.refine import Audit
 from validation.sweep.store import Store
-from validation.sweep.sweep import Where, perform, plan_of
+from validation.sweep.sweep import Where, perform_sweep, plan_of
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -39,7 +39,7 @@ _BANDS = ((1.0, 1.1), (1.1, 1.4), (1.4, np.inf))  # r over the critical one
 def run(budget: Budget) -> StudyResult:
     """Sweep the plane with every model, hold the boundaries against certified counts, and compare the regimes."""
     audit, data = swept_plane(budget)
-    lines = onsets(data)
+    lines = onset_lines(data)
     differences = difference(data, _REFERENCE)
     worst = max(differences.attrs["differences"], key=lambda row: row["other_regime_percent"])
     return StudyResult(
@@ -64,7 +64,7 @@ def swept_plane(budget: Budget) -> tuple[Audit, Dataset]:
     axes = [axis_of("log10_r", (*_R, counts[0])), axis_of("V", f"{_V[0]:g}:{_V[1]:g}:{counts[1]}:log")]
     plan = plan_of(scene, axes, _MODELS, "verdict", tol=_TOLERANCE, refine=levels)
     with TemporaryDirectory() as folder, ThreadPoolExecutor(1) as here:
-        swept = perform(plan, Store(Path(folder)), Where(workers=1, executor=here))
+        swept = perform_sweep(plan, Store(Path(folder)), Where(workers=1, executor=here))
         assert swept.audit is not None
         return swept.audit, dataset_of(plan, swept.store)
 
@@ -74,14 +74,14 @@ def _best(differences: Dataset) -> str:
     return f"{best['model']} in {best['other_regime_percent']:.1f} %"
 
 
-def onset_of(model: str, lines: tuple[Line, ...], velocities: Any) -> Any:
+def critical_round_trips(model: str, lines: tuple[Line, ...], velocities: Any) -> Any:
     """log10 of the critical r of a model at these velocities, from the certified number of growing roots."""
     line = next(line for line in lines if line.model == model)
     order = np.argsort(line.up)
     return np.interp(velocities, np.asarray(line.up)[order], np.asarray(line.across)[order])
 
 
-def regimes_of(model: str, data: Dataset) -> Any:
+def model_regimes(model: str, data: Dataset) -> Any:
     """The regimes of a model in the plane (`validation.sweep.difference.regimes`)."""
     return regimes(data["verdict"].sel(model=model).values)
 
@@ -91,8 +91,8 @@ def _boundaries(data: Dataset, lines: tuple[Line, ...]) -> Verdict:
     log10_r, wrong, judged = data["log10_r"].values, 0, 0
     cell = float(log10_r[1] - log10_r[0])
     for model in _MODELS:
-        found = regimes_of(model, data)
-        beyond = log10_r[:, None] - onset_of(model, lines, data["drive_velocity"].values)[None, :]
+        found = model_regimes(model, data)
+        beyond = log10_r[:, None] - critical_round_trips(model, lines, data["drive_velocity"].values)[None, :]
         clear = (np.abs(beyond) > cell) & (found >= 0)
         wrong, judged = wrong + int((clear & ((found == 0) != (beyond < 0.0))).sum()), judged + int(clear.sum())
     return holding(
@@ -118,7 +118,9 @@ def _audited(audit: Audit) -> Verdict:
 
 def _errors(data: Dataset, differences: Dataset, lines: tuple[Line, ...]) -> Table:
     """Area of the wrong regime, and the largest errors by the distance from the onset."""
-    ratio = 10.0 ** (data["log10_r"].values[:, None] - onset_of(_REFERENCE, lines, data["drive_velocity"].values)[None, :])
+    ratio = 10.0 ** (
+        data["log10_r"].values[:, None] - critical_round_trips(_REFERENCE, lines, data["drive_velocity"].values)[None, :]
+    )
     rows = []
     for row in differences.attrs["differences"]:
         ours = differences.sel(model=row["model"])

@@ -40,7 +40,7 @@ def _side(data: Dataset, axis: str) -> _Side | None:
     return _Side(name, values, False) if name in PARAMETERS else None
 
 
-def onsets(data: Dataset) -> tuple[Line, ...]:
+def onset_lines(data: Dataset) -> tuple[Line, ...]:
     """The curves on which steady sliding loses its stability, of each model of a map over two parameters; none where an axis is
     no parameter of theirs, or where they cannot be found."""
     axes = [str(name) for name in data["status"].dims if name != "model"]

@@ -29,10 +29,10 @@ from validation.sweep.axes import Axis, axis_of
 from validation.sweep.engine import STATUS
 from validation.sweep.gather import dataset_of
 from validation.sweep.map_figures import figure_of
-from validation.sweep.measures import MEASURES, measure_of, name_of
+from validation.sweep.measures import MEASURES, measure_name, measure_of
 from validation.sweep.plan import Plan
 from validation.sweep.store import Store
-from validation.sweep.sweep import Forecast, Swept, Where, forecast, perform, plan_of, stored_plan
+from validation.sweep.sweep import Forecast, Swept, Where, forecast, perform_sweep, plan_of, stored_plan
 
 _SHOWN = 5  # reasons why points have no figures
 GATHERED = "sweep.nc"
@@ -203,7 +203,7 @@ def sweep(source: SceneSource, options: SweepOptions) -> SweepResult:
         return result
     failed, stopped, swept = "", False, Swept(plan, store)
     try:
-        swept = perform(plan, store, _where(options), options.anew)
+        swept = perform_sweep(plan, store, _where(options), options.anew)
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:
@@ -227,7 +227,7 @@ def _plan(source: SceneSource, options: SweepOptions) -> Plan:
     if rows and options.vary:
         raise SceneError(f"--rows = {str(options.rows)!r}: must not be given together with --vary")
     numerical = {"tol": options.tol, "cells": options.cells, "refine": options.refine}
-    return plan_of(scene, _axes(options.vary), options.models.split(","), name_of(options.measure), rows=rows, **numerical)
+    return plan_of(scene, _axes(options.vary), options.models.split(","), measure_name(options.measure), rows=rows, **numerical)
 
 
 def _axes(vary: Iterable[str] | Mapping[str, Any]) -> list[Axis]:

@@ -16,11 +16,6 @@ from slipwave.extras import require
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
-def cores() -> int:
-    """Processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 @contextmanager
 def processes(workers: int) -> Iterator[Callable[[], Executor]]:
     """Context with a maker of pools of so many processes on this machine, each with one thread for algebra. They are ended with

@@ -12,7 +12,7 @@ from validation.results.quantities import Meaning, attributes
 from validation.sweep.engine import STATUS
 from validation.sweep.measures import Measure, measure_of
 from validation.sweep.plan import Plan
-from validation.sweep.refine import fill, regimes_of
+from validation.sweep.refine import fill, regime_numbers
 from validation.sweep.store import Store
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def dataset_of(plan: Plan, store: Store) -> Dataset:
     levels = int(plan.options.get("refine", 0))
     if levels:
         shown = {name: values for name, values in arrays.items() if name not in ("status", "reason")}
-        fill(plan, levels, regimes_of(measure, arrays), shown)
+        fill(plan, levels, regime_numbers(measure, arrays), shown)
     names = ["scene"] if plan.rows else [axis.name for axis in plan.axes]
     dimensions = ("model", *names)
     variables = {name: (dimensions, values.reshape(plan.shape), _notes(name, measure, plan)) for name, values in arrays.items()}

@@ -15,7 +15,7 @@ from validation.results.options import SceneOptions, option
 from validation.results.provenance import SCHEMA
 from validation.results.result import Dataset, Output, Result
 from validation.study.drawing import Drawing
-from validation.sweep.boundaries import lines_of_curve, onsets
+from validation.sweep.boundaries import lines_of_curve, onset_lines
 from validation.sweep.difference import difference
 from validation.sweep.gather import dataset_of
 from validation.sweep.map_figures import Line, figure_of
@@ -92,7 +92,7 @@ def map(source: SceneSource, options: MapOptions) -> MapResult:
         return MapResult(data, difference(data, options.against), (), options.show)
     if options.model is not None:
         data = data.sel(model=_known(data, options.model)) if "model" in data.dims else data
-    boundaries = () if options.plain else onsets(data)
+    boundaries = () if options.plain else onset_lines(data)
     return MapResult(data, None, (*boundaries, *lines_of_curve(options.curve, data)), options.show)
 
 

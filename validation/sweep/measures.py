@@ -55,7 +55,7 @@ class UntilSure(UntilSettled):
         yield from (end for end in (0.25 * self.until, 0.5 * self.until, self.until) if end > after)
 
 
-def march(scene: Scene, model: str, options: Options, whole: bool = False) -> Run:
+def march_point(scene: Scene, model: str, options: Options, whole: bool = False) -> Run:
     """The run of a point: until its verdict is sure, at most to `run.until`, or the `whole` of it.
 
     Raises SceneError for a scene that the model cannot do, NumericsError where it fails."""
@@ -78,12 +78,12 @@ def _figures(run: Run) -> dict[str, Any]:
 
 def verdict_of(scene: Scene, model: str, options: Options) -> Figures:
     """The verdict on the motion and the means of its cycles; ends when the verdict is sure."""
-    return _figures(march(scene, model, options))
+    return _figures(march_point(scene, model, options))
 
 
 def run_of(scene: Scene, model: str, options: Options) -> Figures:
     """As the verdict, of the whole run, and the interface at its end."""
-    run = march(scene, model, options, whole=True)
+    run = march_point(scene, model, options, whole=True)
     return _figures(run) | ({f"final_{name}": getattr(run.final, name) for name in ("ln_v", "psi", "mu")} if run.final else {})
 
 
@@ -166,7 +166,7 @@ def measure_of(name: str) -> Measure:
     return Measure(lambda scene, model, options: own(scene), regime=("regime",))
 
 
-def name_of(measure: str | Callable[[Scene], Figures]) -> str:
+def measure_name(measure: str | Callable[[Scene], Figures]) -> str:
     """The name of a measure, by which another process finds it. Raises SceneError for a function inside another one."""
     if isinstance(measure, str):
         return measure

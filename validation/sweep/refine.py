@@ -43,7 +43,7 @@ def require_refinable(plan: Plan, levels: int) -> None:
         raise SceneError("--refine: needs axes, not a list of scenes")
 
 
-def regimes_of(measure: Measure, arrays: Mapping[str, npt.NDArray[Any]]) -> Regimes:
+def regime_numbers(measure: Measure, arrays: Mapping[str, npt.NDArray[Any]]) -> Regimes:
     """One number per point for its regime: those columns that tell regimes apart, and its status; -1 where it is not computed."""
     found = arrays["status"].astype(np.int64)
     for name in measure.regime:

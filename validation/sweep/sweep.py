@@ -22,13 +22,14 @@ from slipwave.solve.foresight import DAY
 from slipwave.sources import source_digest
 from validation.registry.choice import parse, resolve
 from validation.run.progress import progress
+from validation.run.timing import cores
 from validation.sweep import executors
 from validation.sweep.axes import Axis, whole_key
 from validation.sweep.engine import Engine, compute
 from validation.sweep.gather import arrays_of
 from validation.sweep.measures import measure_of
 from validation.sweep.plan import Indices, Plan, order_of, require_plan
-from validation.sweep.refine import Audit, refine, regimes_of, require_refinable
+from validation.sweep.refine import Audit, refine, regime_numbers, require_refinable
 from validation.sweep.store import Store
 
 _BYTES = 40  # per figure of a point: its value in the parts, and in the netCDF file
@@ -113,7 +114,7 @@ def forecast(plan: Plan, where: Where) -> Forecast:
         spent.append(compute(plan, np.array([point])).seconds)
         if sum(spent) > _PROBE_SECONDS:
             break
-    each, workers = float(np.mean(spent)), where.workers or executors.cores()
+    each, workers = float(np.mean(spent)), where.workers or cores()
     return Forecast(plan.size, each, plan.size * each / workers, _size(plan), workers)
 
 
@@ -121,7 +122,7 @@ def _size(plan: Plan) -> int:
     return plan.size * _BYTES * (len(measure_of(plan.measure).columns) * (2 if plan.base.units else 1) + 2)
 
 
-def perform(plan: Plan, store: Store, where: Where, anew: bool = False) -> Swept:
+def perform_sweep(plan: Plan, store: Store, where: Where, anew: bool = False) -> Swept:
     """Compute what is not there yet, or begin `anew`.
 
     Raises SceneError for more than the disk or `most_seconds`; NumericsError if the scheduler goes away. What is finished stays
@@ -160,7 +161,7 @@ def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
 
         if levels:
             measure = measure_of(plan.measure)
-            audit = refine(plan, levels, missing, lambda: regimes_of(measure, arrays_of(plan, store)))
+            audit = refine(plan, levels, missing, lambda: regime_numbers(measure, arrays_of(plan, store)))
         else:
             audit = None
             missing(order)
@@ -171,13 +172,13 @@ def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
 def _engine(plan: Plan, store: Store, where: Where) -> Iterator[Engine]:
     """Context with the engine of a sweep."""
     if where.executor is not None:
-        workers = where.workers or getattr(where.executor, "_max_workers", None) or executors.cores()
+        workers = where.workers or getattr(where.executor, "_max_workers", None) or cores()
         given = where.executor
         yield Engine(plan, store, lambda: given, workers)
     elif where.scheduler:
         with executors.cluster(where.scheduler) as cluster:
             yield Engine(plan, store, cluster.start, cluster.workers, alive=cluster.alive)
     else:
-        workers = where.workers or executors.cores()
+        workers = where.workers or cores()
         with executors.processes(workers) as start:
             yield Engine(plan, store, start, workers)
