@@ -21,7 +21,7 @@ from validation.cli import main
 from validation.sweep.axes import axis_of
 from validation.sweep.engine import Engine
 from validation.sweep.plan import Plan, morton, order_of
-from validation.sweep.refine import refine
+from validation.sweep.refine import fill, refine
 from validation.sweep.store import Store
 from validation.sweep.sweep import Where, manifest_of, perform_sweep, plan_of
 
@@ -105,6 +105,14 @@ def test_parts_of_a_job_array_and_a_resumed_sweep_are_the_whole(tmp_path: Path) 
     assert same(whole, computed(plan((7, 5)), tmp_path / "parts"))
 
 
+def test_a_finished_sweep_computes_nothing(tmp_path: Path) -> None:
+    computed(plan((3, 3)), tmp_path / "done")
+    assert sw.sweep(tmp_path / "done", executor=Here()).summary["computed_now"] == 0
+    before = sorted((tmp_path / "done" / "parts").iterdir())
+    computed(plan((3, 3)), tmp_path / "done")
+    assert sorted((tmp_path / "done" / "parts").iterdir()) == before
+
+
 def test_a_half_done_sweep_can_be_gathered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     what = plan((6, 6))
     computed(what, tmp_path / "half", part=(1, 2))
@@ -160,6 +168,24 @@ def test_the_audit_sees_an_island(tmp_path: Path) -> None:
     audit = refine(what, 3, compute, lambda: known.reshape(-1))
     assert audit.hidden >= 1
     assert int((known >= 0).sum()) > seen
+
+
+def test_a_finger_of_a_regime_is_followed_into_the_next_cell() -> None:
+    """It crosses the edge between two corners that lie outside."""
+    what = plan((33, 33), refine=3)
+    truth = np.zeros(what.shape, dtype=int)
+    truth[0, 15:18, 15:21] = 1
+    truth[0, 16:31, 20] = 1
+    known = np.full(what.shape, -1)
+
+    def compute(points: Any) -> None:
+        known.reshape(-1)[points] = truth.reshape(-1)[points]
+
+    refine(what, 3, compute, lambda: known.reshape(-1))
+    shown = known.astype(float)
+    fill(what, 3, known.reshape(-1), {"regime": shown.reshape(-1)})
+    assert np.array_equal(shown, truth)
+    assert (known >= 0).mean() < 0.7
 
 
 @pytest.fixture
