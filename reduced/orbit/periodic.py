@@ -17,7 +17,7 @@ FINER = 1.5
 _MOST_MESHES = 6
 _TO_ROUNDING = 0.0  # residual at which Newton's method ends, if it shrinks so far
 _LEAST_GAIN = 4.0  # a mesh that is finer by FINER reduces the errors of a period at least so far; by 16 to 200 where smooth
-_ROUNDING = 1e-12  # relative differences below this may be rounding errors, which no mesh reduces
+_ROUNDING = 2e-12  # relative differences below this may be rounding errors, which no mesh reduces; 1.3e-12 occurs
 _LEAST_ERROR, _LEAST_PERIOD_ERROR = 1e-13, 3e-14  # relative; smaller differences are chance
 _LEAST_AMPLITUDE = 1e-3  # of ln v; smaller orbits are steady sliding up to the accuracy that is asked for
 

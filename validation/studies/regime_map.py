@@ -60,7 +60,7 @@ def run(budget: Budget) -> StudyResult:
 def swept_plane(budget: Budget) -> tuple[Audit, Dataset]:
     """The plane as every model has it, and what the map says of itself."""
     scene = slipwave.read("paper", {"run.until": _UNTIL})
-    counts, levels = ((17, 9), 1) if budget.quick else ((33, 17), 2)
+    counts, levels = ((17, 9), 1) if budget.quick else ((25, 13), 2)
     axes = [axis_of("log10_r", (*_R, counts[0])), axis_of("V", f"{_V[0]:g}:{_V[1]:g}:{counts[1]}:log")]
     plan = plan_of(scene, axes, _MODELS, "verdict", tol=_TOLERANCE, refine=levels)
     with TemporaryDirectory() as folder, ThreadPoolExecutor(1) as here:
