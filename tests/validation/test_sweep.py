@@ -213,8 +213,10 @@ def test_a_point_that_cannot_be_computed_has_a_reason(tmp_path: Path) -> None:
     rows = tmp_path / "rows.csv"
     rows.write_text("log10_r,model_of_nobody\n-2.5,1\n")
     assert main(["sweep", "paper", "--rows", str(rows), "--measure", DISC, "--out", str(tmp_path / "rows")]) == 0
-    refused = xarray.load_dataset(tmp_path / "rows" / "sweep.nc") if (tmp_path / "rows" / "sweep.nc").exists() else None
-    assert refused is None or "model_of_nobody" in str(refused["reason"].values[0])
+    assert main(["sweep", str(tmp_path / "rows"), "--gather"]) == 0
+    refused = xarray.load_dataset(tmp_path / "rows" / "sweep.nc")
+    assert refused["status"].values.tolist() == [1]
+    assert "model_of_nobody" in str(refused["reason"].values[0])
 
 
 @pytest.mark.parametrize("moment", [pytest.param(k, marks=[] if k < 5 else pytest.mark.slow) for k in range(35)])

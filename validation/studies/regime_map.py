@@ -15,7 +15,6 @@ from validation.sweep.boundaries import onset_lines
 from validation.sweep.difference import difference, regimes
 from validation.sweep.gather import dataset_of
 from validation.sweep.map_figures import Line, figure_of
-from validation.sweep.refine import Audit
 from validation.sweep.store import Store
 from validation.sweep.sweep import Where, perform_sweep, plan_of
 
@@ -38,7 +37,7 @@ _BANDS = ((1.0, 1.1), (1.1, 1.4), (1.4, np.inf))  # r over the critical one
 
 def run(budget: Budget) -> StudyResult:
     """Sweep the plane with every model, hold the boundaries against certified counts, and compare the regimes."""
-    audit, data = swept_plane(budget)
+    data = swept_plane(budget)
     lines = onset_lines(data)
     differences = difference(data, _REFERENCE)
     worst = max(differences.attrs["differences"], key=lambda row: row["other_regime_percent"])
@@ -50,23 +49,22 @@ def run(budget: Budget) -> StudyResult:
             Figure("differences", _DIFFERENCES, lambda: _draw(differences)),
         ),
         tables=(_errors(data, differences, lines),),
-        verdicts=(_boundaries(data, lines), _audited(audit)),
+        verdicts=(_boundaries(data, lines),),
         numbers={
             f"{row['model']} other regime": Number(row["other_regime_percent"], 0.05) for row in differences.attrs["differences"]
         },
     )
 
 
-def swept_plane(budget: Budget) -> tuple[Audit, Dataset]:
-    """The plane as every model has it, and what the map says of itself."""
+def swept_plane(budget: Budget) -> Dataset:
+    """The plane as every model has it."""
     scene = slipwave.read("paper", {"run.until": _UNTIL})
     counts, levels = ((17, 9), 1) if budget.quick else ((25, 13), 2)
     axes = [axis_of("log10_r", (*_R, counts[0])), axis_of("V", f"{_V[0]:g}:{_V[1]:g}:{counts[1]}:log")]
     plan = plan_of(scene, axes, _MODELS, "verdict", tol=_TOLERANCE, refine=levels)
     with TemporaryDirectory() as folder, ThreadPoolExecutor(1) as here:
         swept = perform_sweep(plan, Store(Path(folder)), Where(workers=1, executor=here))
-        assert swept.audit is not None
-        return swept.audit, dataset_of(plan, swept.store)
+        return dataset_of(plan, swept.store)
 
 
 def _best(differences: Dataset) -> str:
@@ -102,17 +100,6 @@ def _boundaries(data: Dataset, lines: tuple[Line, ...]) -> Verdict:
         f"{wrong} of {judged}",
         wrong == 0,
         f"every model; boundaries by `slipwave.stability`; a cell is {cell:.3g} in log10 r",
-    )
-
-
-def _audited(audit: Audit) -> Verdict:
-    return holding(
-        "Cells that were not divided hold no other regime",
-        WITNESS,
-        "at most one in twenty of those divided by chance",
-        f"{audit.hidden} of {audit.divided}",
-        audit.hidden <= 0.05 * max(audit.divided, 1),
-        "one in a hundred cells is divided although its corners and its neighbours agree",
     )
 
 

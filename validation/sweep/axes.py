@@ -39,14 +39,6 @@ class Axis:
         """The name of the coordinate: slab_thickness for slab.thickness."""
         return self.key.rpartition(".")[2] if self.key in _PLAIN else self.key.replace(".", "_")
 
-    @property
-    def is_logarithmic(self) -> bool:
-        """Whether the values are spaced as powers."""
-        if len(self.values) < 3 or min(self.values) <= 0.0:
-            return False
-        steps, powers = np.diff(self.values), np.diff(np.log(self.values))
-        return bool(np.ptp(powers) < np.ptp(steps / np.mean(steps)) * abs(float(np.mean(powers))))
-
     def written(self, number: int) -> float | str:
         """A value as the scene's key takes it."""
         value = self.values[number]
