@@ -9,6 +9,7 @@ from slipwave.observe.statistics import Estimate
 from validation.references.published import half_digit
 from validation.study import PAPER, Evidence, Outcome, StudyResult, Verdict, claim
 from validation.study.known import as_known
+from validation.study.names import with_names
 
 
 @pytest.mark.parametrize(
@@ -21,10 +22,48 @@ def test_a_size_beyond_its_limit_is_red(size, outcome):
 
 def test_a_bound_tells_its_limit_and_its_room():
     verdict = claim("c", Evidence.EXACT, 1.0 - 2.0**-25, 1e-6, near=1.0)
-    assert (verdict.expected, verdict.ours) == ("below 1 · 10^{−6}", "3.0 · 10^{−8}")
-    assert (verdict.size, verdict.limit) == (2.0**-25, 1e-6)
+    assert (verdict.expected, verdict.ours) == ("1.0000000 ± 1 · 10^{−6}", "1.0000000")
+    assert (verdict.size, verdict.limit, verdict.margin) == (2.0**-25, 1e-6, 2.0**-25 / 1e-6)
     assert len(too_roomy([verdict, claim("c", Evidence.EXACT, 4e-8, 1e-6), claim("c", Evidence.EXACT, 1e-15, 1e-12)])) == 1
     assert claim("c", PAPER, 2e-6, 1e-6).outcome is Outcome.FINDING
+
+
+@pytest.mark.parametrize(
+    ("near", "ours", "within", "expected", "found"),
+    [
+        (0.0, 1.6467e-7, 1.7489e-7, "below 1.7 · 10^{−7} s", "1.6 · 10^{−7} s"),
+        (0.0, 1.749e-7, 1.746e-7, "below 1.746 · 10^{−7} s", "1.749 · 10^{−7} s"),
+        (1.0, 1.00010028, 5.0135e-4, "1.00000 ± 0.0005 s", "1.00010 s"),
+        (-1.0, -0.9978, 0.03, "−1.000 ± 0.03 s", "−0.998 s"),
+        (1.0, 1.0 + 6e-15, 1e-10, "below 1 · 10^{−10} s", "6 · 10^{−15} s"),
+        (0.0, math.nan, 1e-3, "below 0.001 s", "– s"),
+    ],
+)
+def test_found_and_limit_are_the_same_quantity_with_enough_digits(near, ours, within, expected, found):
+    verdict = claim("c", Evidence.EXACT, ours, within, "at r", "2.86", near=near, unit="s")
+    assert (verdict.expected, verdict.ours, verdict.remark) == (expected, found, "at r; 2.86")
+
+
+def test_what_refutes_a_claim():
+    told = [claim("c", kind, 1e-7, 1e-6).refutation for kind in (Evidence.EXACT, Evidence.WITNESS)]
+    assert told[0] == "anything but below 1 · 10^{−6}"
+    assert told[1].startswith(told[0] + ", or agreement to the last bit")
+    assert Verdict("c", PAPER, "1", "1", Outcome.PASS, refuted="a second orbit").refutation == "a second orbit"
+
+
+def test_each_verdict_has_a_name_that_stays():
+    """Claim, and as much of evidence and remark as sets it apart; never what was measured."""
+    told = [
+        ("Ψ at 10^{-9}: *T*", "EXACT", ""),
+        ("A", "PAPER", "`dg:7`; 1 e"),
+        ("A", "PAPER", "√2 : 1"),
+        ("A", "EXACT", ""),
+        ("A", "EXACT", ""),
+    ]
+    verdicts = [Verdict(title, Evidence[kind], "", "", Outcome.PASS, remark) for title, kind, remark in told]
+    names = ["psi-at-10-minus-9-t", "a.paper-dg-7", "a.paper-root-2", "a.exact", "a.exact-2"]
+    assert [verdict.id for verdict in with_names("of-a", verdicts)] == [f"of-a.{name}" for name in names]
+    assert [verdict.id for verdict in with_names("of-a", verdicts[:1])] == ["of-a.psi-at-10-minus-9-t"]
 
 
 def test_no_study_answers_yes_beside_a_red_light():

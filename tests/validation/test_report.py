@@ -12,6 +12,7 @@ from fake_studies import draw, result
 from slipwave.errors import SceneError
 from validation.report.build import make_report, store
 from validation.study import Figure, StudyResult
+from validation.study.names import with_names
 
 
 class Tags(HTMLParser):
@@ -74,7 +75,7 @@ def test_stored_result_comes_back_as_it_was(fake, tmp_path):
     assert read.result.tables[0].rows[0] == ("delay", 73.4721449)
     assert math.isnan(read.result.tables[0].rows[1][1])
     assert repr(read.result) == repr(saved.result)
-    assert read.result.verdicts == result().verdicts
+    assert read.result.verdicts == with_names("first", result().verdicts)
     assert read.result.omissions == result().omissions
     assert (read.fresh, saved.fresh) == (False, True)
     assert store.stored_result(tmp_path, module, "another key") is None

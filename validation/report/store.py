@@ -14,6 +14,7 @@ from pydantic import TypeAdapter
 from slipwave.files import is_running
 from validation.report.sources import sources_digest
 from validation.study import Number, Omission, Study, StudyResult, Table, Verdict
+from validation.study.names import with_names
 
 _FORMAT = 2
 _PARTS: dict[str, Any] = {
@@ -116,7 +117,7 @@ def _remove(folder: Path) -> None:
 
 def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) -> dict[str, Any]:
     figures = [{"name": f.name, "caption": f.caption, "lead": f.lead} for f in result.figures]
-    body = {name: getattr(result, name) for name in _PARTS}
+    body = {name: getattr(result, name) for name in _PARTS} | {"verdicts": with_names(study.NAME, result.verdicts)}
     record = {"study": study.NAME, "question": study.QUESTION, "key": key, "wall_seconds": wall_seconds, "figures": figures}
     return record | {"answer": result.conclusion} | {name: _plain(value) for name, value in body.items()}
 

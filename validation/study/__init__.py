@@ -19,7 +19,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from validation.study.text import Cell as Cell
-from validation.study.text import plain
+from validation.study.text import around
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
@@ -108,9 +108,11 @@ class Figure:
 
 @dataclass(frozen=True)
 class Verdict:
-    """One claim and one kind of evidence: what was expected, what was found, and the outcome.
+    """One claim and one kind of evidence: what was expected, what was found (the same quantity), and the outcome.
 
-    `size` and `limit`: what was measured and what is allowed, if the claim says that a number lies near another (`claim`).
+    `size` and `limit`, in `unit` (none: a pure number): the distance that was measured and the one that is allowed, if the claim
+    says that a number lies near another (`claim`). `refuted` says what would refute the claim, where that is more than the
+    opposite of what was expected. `id` is the verdict's name on the page and in files (`validation.study.names`).
     """
 
     claim: str
@@ -121,6 +123,22 @@ class Verdict:
     remark: str = ""
     size: float | None = None
     limit: float | None = None
+    unit: str = ""
+    refuted: str = ""
+    id: str = ""
+
+    @property
+    def margin(self) -> float | None:
+        """The share of what is allowed that was found; None for a claim in words."""
+        return self.size / self.limit if self.size is not None and self.limit else None
+
+    @property
+    def refutation(self) -> str:
+        """What would refute the claim."""
+        if self.refuted:
+            return self.refuted
+        itself = ", or agreement to the last bit: then a thing was compared with itself" if self.evidence is WITNESS else ""
+        return f"anything but {self.expected}" + (itself if self.limit is not None else "")
 
 
 @dataclass(frozen=True)
@@ -184,15 +202,24 @@ def judge(holds: bool, otherwise: Outcome = Outcome.FAIL) -> Outcome:
 
 
 def claim(
-    title: str, evidence: Evidence, ours: float, within: float, remark: str = "", shown: str = "", near: float = 0.0
+    title: str,
+    evidence: Evidence,
+    ours: float,
+    within: float,
+    remark: str = "",
+    shown: str = "",
+    near: float = 0.0,
+    unit: str = "",
 ) -> Verdict:
     """PASS if `ours` lies `within` so much of `near`: 0 for an error, 1 for a ratio. NaN does not pass, nor does an independent
     witness that agrees to the last bit: then a thing was compared with itself. A claim of the paper's that does not hold is a
-    finding, no failure of this program. `shown` may say more than the distance."""
+    finding, no failure of this program. `shown` says more than the distance; it ends the remark."""
     size = abs(ours - near)
     holds = size < within and not (evidence is WITNESS and size == 0.0)
     outcome, known = judge(holds, Outcome.FINDING if evidence is PAPER else Outcome.FAIL), size if math.isfinite(size) else None
-    return Verdict(title, evidence, f"below {plain(within, '.2g')}", shown or plain(size, ".1e"), outcome, remark, known, within)
+    expected, found = (f"{words} {unit}".strip() for words in around(near, ours, within))
+    remark = "; ".join(filter(None, (remark, shown)))
+    return Verdict(title, evidence, expected, found, outcome, remark, known, within, unit)
 
 
 def holding(

@@ -77,6 +77,18 @@ def plain(value: float, spec: str = ".3g") -> str:
     return f"{mantissa} · 10^{{{exponent}}}" if exponent else mantissa
 
 
+def around(near: float, found: float, within: float) -> tuple[str, str]:
+    """What is allowed and what was found, the same quantity with enough digits to tell them apart, in the small markup: both
+    values where the difference shows in the first seven digits, distances from `near` elsewhere."""
+    size = abs(found - near)
+    if near and math.isfinite(found) and within > 1e-7 * abs(near):
+        fewest = 1 - math.floor(math.log10(within))
+        places = next((n for n in range(fewest, 15) if round(size, n) != round(within, n)), 15)
+        return minus(f"{near:.{places}f} ± {plain(within, '.2g')}"), minus(f"{found:.{places}f}")
+    digits = next((n for n in range(2, 17) if f"{size:.{n}g}" != f"{within:.{n}g}"), 17)
+    return f"below {plain(within, f'.{digits}g')}", plain(size, f".{digits}g")
+
+
 def minus(text: str) -> str:
     """`text` with true minus signs instead of hyphens."""
     return text.replace("-", "−")

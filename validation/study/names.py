@@ -1,0 +1,54 @@
+"""Names of verdicts that stay from report to report: `study.claim`, and as much of the evidence and of the remark as tells apart
+those of one claim."""
+
+import re
+import unicodedata
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from validation.study import Verdict
+from validation.study.text import bare
+
+_WORDS = 8
+"""So many words of a claim are in its name."""
+
+
+def with_names(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
+    """The verdicts of a study with their `id`, each once."""
+    return tuple(replace(verdict, id=f"{study}.{name}") for verdict, name in zip(verdicts, _names(verdicts), strict=True))
+
+
+def _names(verdicts: Sequence[Verdict]) -> Iterator[str]:
+    """The name of each, with a number behind a name that an earlier one has."""
+    seen = Counter[str]()
+    for verdict in verdicts:
+        name = _name(verdict, [other for other in verdicts if slug(other.claim) == slug(verdict.claim)])
+        seen[name] += 1
+        yield f"{name}-{seen[name]}" if seen[name] > 1 else name
+
+
+def _name(verdict: Verdict, alike: Sequence[Verdict]) -> str:
+    """The claim, and behind a point the fewest clauses that set it apart from others of this claim; the evidence if none do."""
+    clauses = _clauses(verdict)
+    apart = (n for n in range(len(clauses) + 1) if sum(_clauses(other)[:n] == clauses[:n] for other in alike) == 1)
+    count = next(apart, 1)
+    return ".".join(filter(None, (slug(verdict.claim), slug(" ".join(clauses[:count])))))
+
+
+def _clauses(verdict: Verdict) -> list[str]:
+    return [verdict.evidence.name, *re.split("[;,:] ", verdict.remark)]
+
+
+def slug(words: str) -> str:
+    """The first words in lower case, joined by hyphens: Latin letters, numerals and points; names for the rest."""
+    spelled = "".join(map(_spelled, bare(words).replace("^-", "^−")))
+    return "-".join(re.findall(r"[a-z0-9]+(?:\.[0-9]+)*", spelled.lower())[:_WORDS])
+
+
+def _spelled(letter: str) -> str:
+    """The name of a Greek letter, of a minus sign and of a root; other characters as they are."""
+    if letter in "−√":
+        return {"−": " minus ", "√": " root "}[letter]
+    name = unicodedata.name(letter, "")
+    return f" {name.split()[-1]} " if name.startswith("GREEK") else letter
