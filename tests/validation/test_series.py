@@ -1,0 +1,128 @@
+"""A stranger's record, in whatever shape it comes, is read into the same columns in SI; what cannot be read says so in one line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from slipwave import SceneError, read_scene
+from validation.data.series import Series, read_series
+
+TIME, MOVED, FRICTION = [0.0, 0.5, 1.25], [0.0, 5e-6, 1.25e-5], [0.6, 0.61, 0.605]
+ROWS = [[0, 0, 0.6], [500, 5, 0.61], [1250, 12.5, 0.605]]  # ms, um, 1
+
+
+def written(folder: Path, text: str, encoding: str = "utf-8") -> str:
+    path = folder / "steps.csv"
+    path.write_bytes(text.encode(encoding))
+    return str(path)
+
+
+def body(between: str = ",", point: str = ".") -> str:
+    return "".join(between.join(f"{value:g}".replace(".", point) for value in row) + "\n" for row in ROWS)
+
+
+@pytest.mark.parametrize(
+    ("text", "options"),
+    [
+        ("Time [ms],disp_um,mu\n" + body(), {}),
+        ("# a comment\n% another\n\nTime (ms);Displacement (µm);Friction [-]\n" + body(";", ","), {}),
+        ("# p4347\n# t_ms  load point displacement [um]  mu\n" + body(" "), {"columns": "t [ms],disp [um],mu"}),
+        ("# time_ms disp_um mu\n" + body("\t"), {}),
+        ("time [ms]  load point displacement [um]   friction coefficient\n" + body("   "), {}),
+        ("Time\tDisp\tmu\nms\tmicron\t.\n".replace(".", "-") + body("\t"), {}),
+        (body(" "), {"columns": "time,displacement,friction", "units": "ms,um,1"}),
+        ("a,b,c\r\n" + body().replace("\n", "\r\n"), {"columns": "time,disp,mu", "units": "disp=um,time=ms"}),
+        ('"Time, ms","disp / um","mu"\n' + body(), {}),
+        ("\ufefftime_ms,disp_um,mu\n" + body(), {}),
+    ],
+)
+def test_the_same_record_in_many_shapes(text: str, options: dict[str, str], tmp_path: Path) -> None:
+    for encoding in ("utf-8", *(["latin-1"] if "\ufeff" not in text else [])):
+        found = read_series(written(tmp_path, text, encoding), **options)
+        assert found.is_own is False
+        for name, values in (("time", TIME), ("load_point_displacement", MOVED), ("friction", FRICTION)):
+            np.testing.assert_allclose(found[name], values, rtol=1e-14, err_msg=text)
+
+
+def test_columns_of_the_seas_benchmarks_are_known_by_name(tmp_path: Path) -> None:
+    text = "# problem=BP1\n# step 2\nt slip slip_rate shear_stress state\n0 0 -9 29.5 8.5\n60 1e-3 -2 28 8.25\n"
+    found = read_series(written(tmp_path, text))
+    expected = {"time": [0, 60], "slip": [0, 1e-3], "slip_rate": [1e-9, 1e-2], "shear_stress": [29.5e6, 28e6]}
+    for name, values in (expected | {"state": [10**8.5, 10**8.25]}).items():
+        np.testing.assert_allclose(found[name], values, rtol=1e-14)
+    two = (
+        text.replace("slip ", "slip_2 slip_3 ")
+        .replace("slip_rate ", "slip_rate_2 ")
+        .replace("0 0 ", "0 0 7 ")
+        .replace("e-3", "e-3 7")
+    )
+    np.testing.assert_allclose(
+        read_series(written(tmp_path, two.replace("shear_stress", "shear_stress_2")))["slip_rate"], [1e-9, 1e-2]
+    )
+
+
+def test_friction_is_shear_over_normal_stress() -> None:
+    stresses = {"time": np.arange(2.0), "shear_stress": np.array([3e6, 6e6]), "normal_stress": np.array([6e6, 1e7])}
+    np.testing.assert_allclose(Series("x", stresses).friction(), [0.5, 0.6])
+    del stresses["normal_stress"]
+    np.testing.assert_allclose(Series("x", stresses).friction(6e6), [0.5, 1.0])
+    with pytest.raises(SceneError, match="'x': shear stress without normal stress gives no friction"):
+        Series("x", stresses).friction()
+    with pytest.raises(SceneError, match="'x': has no column friction; the columns read are time;"):
+        Series("x", {"time": np.arange(2.0)}).friction()
+
+
+def test_a_record_in_the_units_of_a_scene() -> None:
+    scene = read_scene("paper-si")
+    assert scene.units is not None
+    second, metre = scene.units.size("transit", scene.transit), scene.units.memory_length
+    record = Series("x", {"time": np.array([second]), "slip": np.array([2 * metre]), "slip_rate": np.array([3e-6])})
+    own = record.of(scene)
+    assert [own["time"][0], own["slip"][0], own["slip_rate"][0]] == pytest.approx([1.0, 2.0, 3.0], rel=1e-12)
+    assert own.of(read_scene("paper"))["time"][0] == own["time"][0]
+    with pytest.raises(SceneError, match="'x' = in SI: must come with interface.normal_stress"):
+        record.of(read_scene("paper"))
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "told"),
+    [
+        ("", {}, "is empty"),
+        ("# only words\ntime,mu\n", {}, "has no line of numbers"),
+        (body(), {}, "has no heading: name its 3 columns by --columns"),
+        ("disp,mu,tau\n" + body(), {}, "has no column time; its columns: disp, mu, tau"),
+        ("time,mu,friction\n" + body(), {}, "columns 2 and 3 are both friction"),
+        ("time,disp,mu\n0,0,0.6\n1,x,0.6\n", {}, "line 3: column 2 is 'x': must be a finite number"),
+        ("time,disp,mu\n0,0,0.6\n\n1,0,nan\n", {}, "line 4: column 3 is 'nan': must be a finite number"),
+        ("time,disp,mu\n0,0,0.6\n1,0\n", {}, "line 3: column 3 is missing"),
+        ("time,disp,mu\n0,0,0.6\n2,0,0.6\n1,0,0.6\n", {}, "line 4: time falls from 2 to 1 s: must rise"),
+        ("time,disp,mu\n0,0,0.6\n0,0,0.6\n", {}, "time is 0 in every line"),
+        ("time,disp,mu\n0,0,0.6\n", {}, "has 1 line of numbers"),
+        ("time [parsec],mu\n0,0.6\n1,0.6\n", {}, "unit 'parsec' is not known there: known are s, ms, us, min, h, d, transit"),
+        ("time,mu [MPa]\n0,0.6\n1,0.6\n", {}, "unit 'MPa' does not fit: it is a pure number"),
+        ("time [s],slip [L]\n0,0.6\n1,0.6\n", {}, "slip in the units of a scene, the rest in SI"),
+        ("time,mu\n0,0.6\n1,0.6\n", {"columns": "time,color"}, "--columns: 'color' is no quantity of a record"),
+        ("time,mu\n0,0.6\n1,0.6\n", {"columns": "time,mu,slip"}, "names 3 columns; .* has 2"),
+        ("time,mu\n0,0.6\n1,0.6\n", {"units": "s,1,m"}, "has 3 units; .* has 2 columns"),
+    ],
+)
+def test_what_cannot_be_read_says_so_in_one_line(text: str, options: dict[str, str], told: str, tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match=told) as error:
+        read_series(written(tmp_path, text), **options)
+    assert "\n" not in str(error.value)
+
+
+def test_a_file_that_is_not_there_and_one_of_bytes(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match="cannot be read: no such file"):
+        read_series(tmp_path / "absent.csv")
+    (tmp_path / "x.nc").write_bytes(b"CDF\0\1")
+    with pytest.raises(SceneError, match="is no file of text"):
+        read_series(tmp_path / "x.nc")
+
+
+def test_notes_say_what_was_assumed_and_left_out(tmp_path: Path) -> None:
+    notes = " ".join(read_series(written(tmp_path, "time [s],disp,colour\n0,0,1\n0,1,1\n1,2,1\n")).notes)
+    assert "load_point_displacement without a unit: taken as SI" in notes
+    assert "not read: colour" in notes
+    assert "1 samples at the time of the one before left out" in notes

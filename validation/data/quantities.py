@@ -1,0 +1,141 @@
+"""The quantities that a record may hold: the names that columns of them have, their units in SI and in a scene's own units."""
+
+import re
+from typing import NamedTuple
+
+from slipwave.errors import SceneError
+from slipwave.input.quantity import quantity
+from slipwave.input.wording import choices, shorten
+
+
+class Measured(NamedTuple):
+    """A quantity: its unit in SI, that in a scene's own units (both empty for a pure number), other names of its columns, and
+    units to name in a refusal."""
+
+    unit: str
+    own: str
+    names: tuple[str, ...]
+    usual: str = ""
+
+
+_LENGTHS, _STRESSES = "m, mm, um, nm, L", "Pa, kPa, MPa, GPa, bar, psi, normal stress"
+
+MEASURED = {
+    "time": Measured("s", "transit", ("t", "times", "elapsed_time", "seconds"), "s, ms, us, min, h, d, transits"),
+    "load_point_displacement": Measured(
+        "m",
+        "L",
+        (
+            *(
+                "disp",
+                "displacement",
+                "load_point",
+                "load_displacement",
+                "loading_displacement",
+                "load_disp",
+                "lp_disp",
+                "lpdisp",
+            ),
+            *("loadpoint", "loadpoint_displacement", "load_point_disp", "vert_disp", "vertical_displacement"),
+        ),
+        _LENGTHS,
+    ),
+    "slip": Measured("m", "L", ("delta", "slip_2", "fault_slip", "slip_displacement", "onboard_disp", "obdisp"), _LENGTHS),
+    "slip_rate": Measured("m/s", "V*", ("v", "sliprate", "slip_rate_2", "slip_velocity"), "m/s, mm/s, um/s, nm/s, V*"),
+    "shear_stress": Measured("Pa", "normal stress", ("tau", "stress", "shear", "shear_stress_2"), _STRESSES),
+    "friction": Measured("", "", ("mu", "friction_coefficient", "coefficient_of_friction", "coeff_friction", "cof")),
+    "normal_stress": Measured("Pa", "normal stress", ("sigma", "sigma_n", "normal", "sn"), _STRESSES),
+    "state": Measured("s", "L/V*", ("theta", "state_variable"), "s, L/V*"),
+}
+"""By the name that its column has here; the names are compared in small letters, with _ for all else."""
+
+_NAMES = {name: key for key, one in MEASURED.items() for name in (key, *one.names)}
+_OWN = {"transits": "transit", **{one.own.lower(): one.own for one in MEASURED.values() if one.own}}
+_PURE = ("", "-", "1", "none", "dimensionless")
+_IN_BRACKETS = re.compile(r"(.*?)\s*[\[({]([^\])}]*)[\])}]\s*")
+SEAS = {"t": "s", "slip": "m", "slip_rate": "log10 m/s", "shear_stress": "MPa", "state": "log10 s"}
+"""Columns of a record of the SEAS benchmarks with the units that their headings leave out; those in two directions end in _2."""
+
+
+class Unit(NamedTuple):
+    """The size of a column's unit in SI, or in the scene's own units if it `is_own`; `is_log`: the column holds log10."""
+
+    size: float
+    is_own: bool = False
+    is_log: bool = False
+
+
+class Heading(NamedTuple):
+    """A column's `quantity` (a key of MEASURED; empty for one that is not read), and its `unit` as written, None where there is
+    none."""
+
+    quantity: str
+    unit: str | None
+
+
+def heading(text: str) -> Heading:
+    """What the heading of a column says: as in "Time [s]", "tau(MPa)", "mu", "disp_um", "log10 slip rate [m/s]"."""
+    text = text.strip().strip("\"'").strip()
+    found = _IN_BRACKETS.fullmatch(text)
+    name, unit = (_plain(found[1]), found[2].strip()) if found else (_plain(text), None)
+    for prefix in ("log10_", "log_"):
+        if name.startswith(prefix) and name.removeprefix(prefix) in _NAMES:
+            name, unit = name.removeprefix(prefix), f"log10 {unit or ''}".strip()
+    if name in _NAMES:
+        return Heading(_NAMES[name], unit)
+    return (
+        next((one for one in map(_ending_in_unit, _cuts(text)) if one), Heading("", unit)) if unit is None else Heading("", unit)
+    )
+
+
+def _plain(text: str) -> str:
+    return re.sub(r"\W+", "_", text.strip().lower().replace("μ", "mu").replace("τ", "tau").replace("σ", "sigma")).strip("_")
+
+
+def _cuts(text: str) -> list[tuple[str, str]]:
+    """`text` cut in two at each separator, the longest beginning first."""
+    places = [found.span() for found in re.finditer(r"\s*[_/, ]\s*", text)]
+    return [(_plain(text[:begin]), text[end:].replace("_per_", "/").replace("_", " ")) for begin, end in reversed(places)]
+
+
+def _ending_in_unit(parts: tuple[str, str]) -> Heading | None:
+    name, unit = parts
+    key = _NAMES.get(name)
+    return Heading(key, unit) if key and unit and _size(unit, key) is not None else None
+
+
+def unit_of(written: str | None, key: str, where: str) -> Unit | None:
+    """The unit that was `written` for a column of MEASURED[key]; None if none was written. Raises SceneError, which begins with
+    `where`, for one that does not fit."""
+    if written is None:
+        return None
+    found = _size(written, key)
+    if found is None and not MEASURED[key].unit:
+        raise SceneError(f"{where}: unit {shorten(written)} does not fit: it is a pure number")
+    if found is None:
+        raise SceneError(f"{where}: unit {shorten(written)} is not known there: known are {MEASURED[key].usual}, log10 of them")
+    return found
+
+
+def _size(written: str, key: str) -> Unit | None:
+    """The unit; None if `written` is none of this quantity."""
+    is_log = written.lower().startswith("log10")
+    text, known = (written[5:].strip(" ()[]") if is_log else written.strip()), MEASURED[key]
+    if not known.unit:
+        return Unit(0.01 if text == "%" else 1.0, is_log=is_log) if text.lower() in (*_PURE, "%") else None
+    if _OWN.get(text.lower(), "") == known.own:
+        return Unit(1.0, True, is_log)
+    if is_log and not text:
+        return Unit(1.0, is_log=True)
+    try:
+        return Unit(quantity(f"1 {text}", known.unit).value, is_log=is_log)
+    except ValueError:
+        return None
+
+
+def name_of_quantity(text: str, where: str) -> str:
+    """The key of MEASURED that a user's word names. Raises SceneError, which begins with `where`, if there is none."""
+    found = heading(text).quantity
+    if not found:
+        raise SceneError(f"{where}: {shorten(text)} is no quantity of a record: {choices(MEASURED, text)}")
+    return found

@@ -1,0 +1,300 @@
+"""A record of time that somebody measured, or that a run wrote, as named columns: read from CSV or columns of text.
+
+The names and units of columns are in a heading (`validation.data.quantities`), or are given. Lines that begin with # or % are
+comments. Numbers without any unit are in SI, or, for a scene without SI, in its own units.
+"""
+
+import csv
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipwave.errors import SceneError
+from slipwave.files import reason_of
+from slipwave.input.relate import require_units
+from slipwave.input.wording import listed, shorten
+from slipwave.scene import Scene
+from slipwave.scene.units import IN_SI
+from validation.data.quantities import MEASURED, SEAS, Heading, Unit, heading, name_of_quantity, unit_of
+
+Array = NDArray[np.float64]
+
+_COMMENTS = ("#", "%")
+_SKIP = ("", "_", "-")
+
+
+@dataclass(frozen=True)
+class Series:
+    """A record by the names of MEASURED, arrays of equal length, time rising. `is_own`: in the units of a scene (transits, L, V*,
+    normal stress) and not in SI; None if no column had a unit. `notes` say how the file was read."""
+
+    source: str
+    columns: Mapping[str, Array]
+    is_own: bool | None = False
+    notes: Sequence[str] = ()
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.columns
+
+    def __len__(self) -> int:
+        return len(next(iter(self.columns.values())))
+
+    def __getitem__(self, name: str) -> Array:
+        """A column. Raises SceneError naming the columns that there are, if it is missing."""
+        if name not in self.columns:
+            there = f"the columns read are {', '.join(self.columns)}"
+            raise SceneError(f"{self.source!r}: has no column {name}; {there}; --columns names them in order")
+        return self.columns[name]
+
+    def of(self, scene: Scene) -> "Series":
+        """The same record in the units of `scene`. Raises SceneError for a record in SI and a scene without."""
+        if self.is_own or (self.is_own is None and scene.units is None):
+            return replace(self, is_own=True)
+        known = require_units(repr(self.source), "in SI", scene.units, "in transits, L, V* and normal stress")
+        sizes = {"": 1.0, "L/V*": known.time} | {unit: known.size(unit, scene.transit) for unit in IN_SI}
+        columns = {name: values / sizes[MEASURED[name].own] for name, values in self.columns.items()}
+        return replace(self, columns=columns, is_own=True)
+
+    def friction(self, normal_stress: float | None = None) -> Array:
+        """The friction coefficient: its column, or shear over normal stress, which is a column or, else, `normal_stress` (1 in a
+        scene's own units)."""
+        if "friction" in self or "shear_stress" not in self:
+            return self["friction"]
+        below = self.columns.get("normal_stress", 1.0 if self.is_own else normal_stress)
+        if below is None:
+            raise SceneError(f"{self.source!r}: shear stress without normal stress gives no friction: name a column of it")
+        return np.asarray(self["shear_stress"] / below)
+
+
+class _Text(NamedTuple):
+    """A file's lines of numbers with their numbers in the file, what stands between columns (None: blanks), and the cells of the
+    heading and of units below it."""
+
+    lines: list[str]
+    places: list[int]
+    between: str | None
+    cells: list[str]
+    units: list[str]
+
+
+def read_series(
+    path: Path | str, columns: str | None = None, units: str | None = None, need: Iterable[str] = ("time",)
+) -> Series:
+    """Read a record. `columns` are the quantities in the order of the file ("time,stress,_", _ for one that is not read), `units`
+    those of its columns in this order, or pairs ("s,MPa" or "time=s,stress=MPa"); both go before what the file says.
+
+    Raises SceneError: a file that cannot be read or is empty, no heading and no `columns`, no column of time or of what is
+    needed, a cell that is no finite number (which line), a time that falls (which line), a unit that is not known.
+    """
+    label = str(path)
+    text = _parted(label, _lines_of(Path(path)))
+    headings = _headings(label, text, columns)
+    chosen = _chosen(label, headings, text)
+    given = _given_units(label, units, [*headings.values()])
+    found = {key: unit_of(given.get(key, headings[place].unit), key, f"{label!r}, column {key}") for key, place in chosen.items()}
+    values = _numbers(label, text, list(chosen.values()))
+    _require_units_of_one_kind(label, found)
+    series = {key: _converted(column, found[key]) for (key, column) in zip(chosen, values.T, strict=True)}
+    series, dropped = _rising(label, series, text.places)
+    measured = {key: unit for key, unit in found.items() if MEASURED[key].unit}
+    is_own = None if not any(measured.values()) else any(unit.is_own for unit in measured.values() if unit)
+    result = Series(label, series, is_own, [*_told(headings, chosen, measured, text), *dropped])
+    for name in need:
+        _ = result[name]
+    return result
+
+
+def _lines_of(path: Path) -> list[str]:
+    """The lines of a file in UTF-8 or Latin-1. Raises SceneError if it cannot be read or holds nothing."""
+    try:
+        raw = path.read_bytes()
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{str(path)!r}: cannot be read: {reason_of(error)}") from None
+    if b"\0" in raw:
+        raise SceneError(f"{str(path)!r}: is no file of text: CSV, or columns of numbers between blanks")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("latin-1")
+    if not text.strip():
+        raise SceneError(f"{str(path)!r}: is empty")
+    return text.splitlines()
+
+
+def _parted(label: str, lines: list[str]) -> _Text:
+    """The numbers of a file apart from its heading, which may be a comment; a second heading line may hold the units."""
+    rows = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith(_COMMENTS)]
+    first = next((k for k, (_, line) in enumerate(rows) if _has_numbers(line)), None)
+    if first is None:
+        raise SceneError(f"{label!r}: has no line of numbers")
+    between = _between(rows[first][1])
+    width = len(_cells(rows[first][1], between))
+    above = [line for _, line in rows[:first]]
+    if not above:  # a heading within a comment
+        above = [line.lstrip().lstrip("#% ") for line in lines[: rows[0][0] - 1] if line.strip()]
+        above = [line for line in above[-1:] if len(_words(line, between, width)) == width]
+    cells = [_words(line, between, width) for line in above[-2:]]
+    of_units = len(cells) == 2 and not any(heading(cell).quantity for cell in cells[1]) and len(cells[0]) == len(cells[1])
+    names = (cells[0] if of_units else cells[-1]) if cells else []
+    data = rows[first:]
+    return _Text([line for _, line in data], [number for number, _ in data], between, names, cells[1] if of_units else [])
+
+
+def _has_numbers(line: str) -> bool:
+    """Whether a line's cells are numbers, but for one or the other."""
+    cells = [cell for cell in _cells(line, _between(line)) if cell]
+    return sum(map(_is_number, cells)) > len(cells) / 2
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell.replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
+def _between(line: str) -> str | None:
+    return next((sign for sign in (";", "\t", ",") if sign in line.strip()), None)
+
+
+def _cells(line: str, between: str | None) -> list[str]:
+    return line.split() if between is None else [cell.strip() for cell in next(csv.reader([line], delimiter=between))]
+
+
+def _words(line: str, between: str | None, width: int) -> list[str]:
+    """The cells of a heading; between blanks a unit in brackets belongs to the name before it."""
+    if between is not None and (between in line or width == 1):
+        return _cells(line, between)
+    for pattern in (r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", r"(?:\S+\s)*?\S+(?=\s{2,}|\s*$)", r"[^,;\t]+"):
+        found = [word.strip() for word in re.findall(pattern, line.strip())]
+        if len(found) == width:
+            return found
+    return line.split()
+
+
+def _headings(label: str, text: _Text, columns: str | None) -> dict[int, Heading]:
+    """What each column is, by its place: as `columns` say, or the heading of the file."""
+    names = text.cells if columns is None else [word.strip() for word in columns.split(",")]
+    width = len(_cells(text.lines[0], text.between))
+    if not names:
+        raise SceneError(f"{label!r}: has no heading: name its {width} columns by --columns, as in time,friction,_ (_: not read)")
+    if columns is not None and len(names) > width:
+        raise SceneError(f"--columns = {shorten(columns)}: names {len(names)} columns; {label!r} has {width}")
+    if columns is not None:
+        for word in names:
+            if word not in _SKIP:
+                name_of_quantity(word, "--columns")
+    found = {place: heading(name) for place, name in enumerate(names)}
+    below = dict(enumerate(text.units)) if columns is None else {}
+    found = {place: Heading(one.quantity, below.get(place, one.unit) or one.unit) for place, one in found.items()}
+    plain = {re.sub("_2$", "", name.strip().lower()): place for place, name in enumerate(names)}
+    if SEAS.keys() <= plain.keys() and not any(one.unit for one in found.values()):
+        found |= {plain[name]: Heading(found[plain[name]].quantity, unit) for name, unit in SEAS.items()}
+    return found
+
+
+def _chosen(label: str, headings: Mapping[int, Heading], text: _Text) -> dict[str, int]:
+    """The place of each quantity that there is. Raises SceneError if two columns are the same quantity, and if none is time."""
+    found: dict[str, int] = {}
+    for place, one in headings.items():
+        if one.quantity in found:
+            places = f"columns {found[one.quantity] + 1} and {place + 1}"
+            raise SceneError(f"{label!r}: {places} are both {one.quantity}: --columns says which is which (_: not read)")
+        if one.quantity:
+            found[one.quantity] = place
+    if "time" not in found:
+        there = ", ".join(text.cells) or "none named"
+        raise SceneError(
+            f"{label!r}: has no column time; its columns: {there}; --columns names them in order, as in time,friction,_"
+        )
+    return found
+
+
+def _given_units(label: str, units: str | None, headings: Sequence[Heading]) -> dict[str, str]:
+    """The units of --units, by quantity."""
+    if units is None:
+        return {}
+    parts = [part.strip() for part in units.split(",")]
+    if all("=" in part for part in parts):
+        pairs = (part.split("=", 1) for part in parts)
+        return {name_of_quantity(name, "--units"): unit.strip() for name, unit in pairs}
+    if len(parts) > len(headings):
+        raise SceneError(f"--units = {shorten(units)}: has {len(parts)} units; {label!r} has {len(headings)} columns")
+    return {one.quantity: unit for one, unit in zip(headings, parts, strict=False) if one.quantity and unit not in _SKIP}
+
+
+def _require_units_of_one_kind(label: str, units: Mapping[str, Unit | None]) -> None:
+    kinds = {key: unit.is_own for key, unit in units.items() if unit and MEASURED[key].unit}
+    if len(set(kinds.values())) > 1:
+        own = listed(key for key, is_own in kinds.items() if is_own)
+        raise SceneError(f"{label!r}: {own} in the units of a scene, the rest in SI: must be all of one kind")
+
+
+def _numbers(label: str, text: _Text, places: list[int]) -> Array:
+    """The columns at these places, of shape (samples, columns). Raises SceneError naming the first line with a cell that is no
+    finite number."""
+    lines = [line.replace(",", ".") for line in text.lines] if text.between == ";" else text.lines
+    try:
+        found = np.loadtxt(lines, delimiter=text.between, usecols=places, ndmin=2, comments=None, quotechar='"')
+    except ValueError:
+        found = np.full((1, 1), math.nan)
+    if np.isfinite(found).all():
+        if len(found) < 2:
+            raise SceneError(f"{label!r}: has {len(found)} line of numbers; a record has 2 or more")
+        return np.asarray(found, dtype=float)
+    for number, line in zip(text.places, lines, strict=True):
+        cells = _cells(line, text.between)
+        for place in places:
+            cell = cells[place] if place < len(cells) else ""
+            if not (_is_number(cell) and math.isfinite(float(cell.replace(",", ".")))):
+                told = (
+                    f"column {place + 1} is {shorten(cell)}: must be a finite number"
+                    if cell
+                    else f"column {place + 1} is missing"
+                )
+                raise SceneError(f"{label!r}, line {number}: {told}")
+    raise SceneError(f"{label!r}: cannot be read as columns of numbers")
+
+
+def _converted(column: Array, unit: Unit | None) -> Array:
+    if unit is None:
+        return column
+    return np.asarray((10.0**column if unit.is_log else column) * unit.size)
+
+
+def _rising(label: str, columns: dict[str, Array], places: Sequence[int]) -> tuple[dict[str, Array], list[str]]:
+    """The columns without samples at the time of the one before, and a note of those. Raises SceneError where time falls."""
+    steps = np.diff(columns["time"])
+    if (steps < 0.0).any():
+        at = int(np.argmax(steps < 0.0)) + 1
+        before, after = columns["time"][at - 1 : at + 1]
+        raise SceneError(f"{label!r}, line {places[at]}: time falls from {before:.9g} to {after:.9g} s: must rise")
+    kept = np.concatenate(([True], steps > 0.0))
+    if kept.sum() < 2:
+        raise SceneError(f"{label!r}: time is {columns['time'][0]:g} in every line: must rise")
+    if kept.all():
+        return columns, []
+    return {key: values[kept] for key, values in columns.items()}, [
+        f"{(~kept).sum()} samples at the time of the one before left out"
+    ]
+
+
+def _told(
+    headings: Mapping[int, Heading], chosen: Mapping[str, int], units: Mapping[str, Unit | None], text: _Text
+) -> Iterable[str]:
+    """How the columns were read, in words."""
+    parts = [f"{key} from column {place + 1}" for key, place in chosen.items()]
+    yield f"read {', '.join(parts)}"
+    bare = [key for key, unit in units.items() if unit is None]
+    if bare:
+        yield f"{', '.join(bare)} without a unit: taken as SI, or as the units of a scene without SI (--units says others)"
+    left = [text.cells[place] for place, one in headings.items() if not one.quantity and place < len(text.cells)]
+    if left:
+        yield f"not read: {', '.join(left)}"
