@@ -1,4 +1,4 @@
-"""A stranger's record, in whatever shape it comes, is read into the same columns in SI; what cannot be read says so in one line."""
+"""A record of a stranger, in whatever shape, is read into the same columns in SI; what cannot be read says so in one line."""
 
 from pathlib import Path
 
@@ -81,7 +81,7 @@ def test_a_record_in_the_units_of_a_scene() -> None:
     own = record.of(scene)
     assert [own["time"][0], own["slip"][0], own["slip_rate"][0]] == pytest.approx([1.0, 2.0, 3.0], rel=1e-12)
     assert own.of(read_scene("paper"))["time"][0] == own["time"][0]
-    with pytest.raises(SceneError, match="'x' = in SI: must come with interface.normal_stress"):
+    with pytest.raises(SceneError, match="'x' = in SI: must come with interface"):
         record.of(read_scene("paper"))
 
 
@@ -96,7 +96,7 @@ def test_a_record_in_the_units_of_a_scene() -> None:
         ("time,disp,mu\n0,0,0.6\n1,x,0.6\n", {}, "line 3: column 2 is 'x': must be a finite number"),
         ("time,disp,mu\n0,0,0.6\n\n1,0,nan\n", {}, "line 4: column 3 is 'nan': must be a finite number"),
         ("time,disp,mu\n0,0,0.6\n1,0\n", {}, "line 3: column 3 is missing"),
-        ("time,disp,mu\n0,0,0.6\n2,0,0.6\n1,0,0.6\n", {}, "line 4: time falls from 2 to 1 s: must rise"),
+        ("time,disp,mu\n0,0,0.6\n2,0,0.6\n1,0,0.6\n", {}, "line 4: time falls from 2 to 1: must rise"),
         ("time,disp,mu\n0,0,0.6\n0,0,0.6\n", {}, "time is 0 in every line"),
         ("time,disp,mu\n0,0,0.6\n", {}, "has 1 line of numbers"),
         ("time [parsec],mu\n0,0.6\n1,0.6\n", {}, "unit 'parsec' is not known there: known are s, ms, us, min, h, d, transit"),

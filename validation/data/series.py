@@ -275,7 +275,7 @@ def _rising(label: str, columns: dict[str, Array], places: Sequence[int]) -> tup
     if (steps < 0.0).any():
         at = int(np.argmax(steps < 0.0)) + 1
         before, after = columns["time"][at - 1 : at + 1]
-        raise SceneError(f"{label!r}, line {places[at]}: time falls from {before:.9g} to {after:.9g} s: must rise")
+        raise SceneError(f"{label!r}, line {places[at]}: time falls from {before:.9g} to {after:.9g}: must rise")
     kept = np.concatenate(([True], steps > 0.0))
     if kept.sum() < 2:
         raise SceneError(f"{label!r}: time is {columns['time'][0]:g} in every line: must rise")
