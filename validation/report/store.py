@@ -14,6 +14,7 @@ from pydantic import TypeAdapter
 from slipwave.files import is_running
 from validation.report.sources import sources_digest
 from validation.study import Number, Omission, Study, StudyResult, Table, Verdict
+from validation.study.model_table import ModelTable
 from validation.study.names import with_names
 
 _FORMAT = 2
@@ -23,6 +24,7 @@ _PARTS: dict[str, Any] = {
     "notes": tuple[str, ...],
     "numbers": dict[str, Number],
     "omissions": tuple[Omission, ...],
+    "model_tables": tuple[ModelTable, ...],
 }
 """The parts of a result that are kept, with their types."""
 
@@ -146,7 +148,8 @@ def _revived(value: Any) -> Any:
 def _stored(folder: Path, study: Study, record: dict[str, Any]) -> Stored:
     """Inverse of `_record`."""
     pictures = tuple(Picture(f["name"], f["caption"], f["lead"], *_files(folder, f["name"])) for f in record["figures"])
-    parts = {name: TypeAdapter(kind).validate_python(_revived(record[name])) for name, kind in _PARTS.items()}
+    known = [(name, kind) for name, kind in _PARTS.items() if name in record]
+    parts = {name: TypeAdapter(kind).validate_python(_revived(record[name])) for name, kind in known}
     return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, StudyResult(record["answer"], **parts), pictures)
 
 

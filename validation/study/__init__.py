@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
+from validation.study.model_table import ModelTable
 from validation.study.text import Cell as Cell
 from validation.study.text import around
 
@@ -165,7 +166,8 @@ class Omission:
 
 @dataclass(frozen=True)
 class StudyResult:
-    """All a study has to say; `answer` is one sentence that is true if no verdict fails, `conclusion` what may be said."""
+    """All a study has to say; `answer` is one sentence that is true if no verdict fails, `conclusion` what may be said.
+    `model_tables` compare all models at several places (`validation.study.model_table`)."""
 
     answer: str
     tables: tuple[Table, ...] = ()
@@ -174,6 +176,7 @@ class StudyResult:
     notes: tuple[str, ...] = ()
     numbers: dict[str, Number] = field(default_factory=dict)
     omissions: tuple[Omission, ...] = ()
+    model_tables: tuple[ModelTable, ...] = ()
 
     @property
     def conclusion(self) -> str:

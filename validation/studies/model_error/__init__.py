@@ -6,6 +6,7 @@ import numpy as np
 
 from slipwave.observe.statistics import Estimate
 from validation.studies.model_error import measured
+from validation.studies.model_error.first_screen import first_table
 from validation.studies.model_error.measured import (
     DAMPED,
     MODELS,
@@ -70,6 +71,7 @@ def run(budget: Budget) -> StudyResult:
         }
         | {f"{DAMPED} T at {x}": Number(found.period.value, 1e-8) for x, found in means[DAMPED].items() if found},
         omissions=omissions(orbits),
+        model_tables=(first_table(orbits, means, times),),
     )
 
 
