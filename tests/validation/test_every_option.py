@@ -73,7 +73,13 @@ def test_every_declared_option_arrives_under_its_own_name(name: str, computed: C
 
 @pytest.mark.parametrize(
     ("words", "interface", "fields"),
-    [("--events a.csv", False, False), ("--out a.nc", None, None), ("--out a.nc --plot a.png --fields a.vtu", None, True)],
+    [
+        ("--events a.csv", False, False),
+        ("--out a.nc", None, None),
+        ("--out a.nc --plot a.png --fields a.vtu", None, True),
+        ("--series a.csv", True, False),
+        ("--out a.nc --series a.csv", True, None),
+    ],
 )
 def test_a_run_keeps_what_its_files_need(words: str, interface: bool | None, fields: bool | None, computed: Any) -> None:
     """In a file of results, what the scene records."""

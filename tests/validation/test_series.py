@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import slipwave as sw
 from slipwave import SceneError, read_scene
 from validation.data.series import Series, read_series
 
@@ -126,3 +127,28 @@ def test_notes_say_what_was_assumed_and_left_out(tmp_path: Path) -> None:
     assert "load_point_displacement without a unit: taken as SI" in notes
     assert "not read: colour" in notes
     assert "1 samples at the time of the one before left out" in notes
+
+
+@pytest.mark.parametrize("name", ["paper", "paper-si"])
+def test_a_run_is_written_as_a_record_and_read_back_equal(name: str, tmp_path: Path) -> None:
+    """Slip, which is taken from the elastic stress, is the integral of the slip rate."""
+    result = sw.run(name, "block8", until=80, interface=True, **{"drive.velocity": [[0, 100], [40, 100], [40, 300]]})
+    result.write_series(tmp_path / "run.csv")
+    scene, data, found = result.done.solver.scene, result.dataset, read_series(tmp_path / "run.csv")
+    assert found.is_own is (scene.units is None)
+    own, time = found.of(scene), data["time"].values
+    same = {"time": time, "slip_rate": data["interface_slip_rate"], "friction": data["interface_stress"]}
+    for key, values in (same | {"shear_stress": data["interface_stress"], "state": np.exp(data["interface_psi"])}).items():
+        np.testing.assert_allclose(own[key], values, rtol=1e-14, err_msg=key)
+    moved = scene.transit * (100 * (time - time[0]) + 200 * np.clip(time - 40, 0, None))
+    np.testing.assert_allclose(own["load_point_displacement"], moved, rtol=1e-12, atol=1e-12)
+    rate, steps = own["slip_rate"], np.diff(time)
+    slip = scene.transit * np.cumsum(0.5 * steps * (rate[1:] + rate[:-1]))
+    np.testing.assert_allclose(own["slip"][1:], slip, atol=3e-4 * slip[-1])  # the error of trapezia
+    if scene.units:
+        np.testing.assert_allclose(found["shear_stress"], 1e3 * found["friction"], rtol=1e-14)
+
+
+def test_a_run_without_a_history_gives_no_record(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match="a record needs the interface's history: run with interface=True"):
+        sw.run("paper", "block8", until=1, interface=False).write_series(tmp_path / "run.csv")

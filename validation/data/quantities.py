@@ -6,6 +6,8 @@ from typing import NamedTuple
 from slipwave.errors import SceneError
 from slipwave.input.quantity import quantity
 from slipwave.input.wording import choices, shorten
+from slipwave.scene import Scene
+from slipwave.scene.units import IN_SI
 
 
 class Measured(NamedTuple):
@@ -139,3 +141,11 @@ def name_of_quantity(text: str, where: str) -> str:
     if not found:
         raise SceneError(f"{where}: {shorten(text)} is no quantity of a record: {choices(MEASURED, text)}")
     return found
+
+
+def unit_sizes(scene: Scene) -> dict[str, float]:
+    """The size in SI of each unit of a scene's own, 1 for a scene without SI."""
+    known = scene.units
+    if known is None:
+        return dict.fromkeys((one.own for one in MEASURED.values()), 1.0)
+    return {"": 1.0, "L/V*": known.time} | {unit: known.size(unit, scene.transit) for unit in IN_SI}

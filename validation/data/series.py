@@ -20,8 +20,7 @@ from slipwave.files import reason_of
 from slipwave.input.relate import require_units
 from slipwave.input.wording import listed, shorten
 from slipwave.scene import Scene
-from slipwave.scene.units import IN_SI
-from validation.data.quantities import MEASURED, SEAS, Heading, Unit, heading, name_of_quantity, unit_of
+from validation.data.quantities import MEASURED, SEAS, Heading, Unit, heading, name_of_quantity, unit_of, unit_sizes
 
 Array = NDArray[np.float64]
 
@@ -56,8 +55,8 @@ class Series:
         """The same record in the units of `scene`. Raises SceneError for a record in SI and a scene without."""
         if self.is_own or (self.is_own is None and scene.units is None):
             return replace(self, is_own=True)
-        known = require_units(repr(self.source), "in SI", scene.units, "in transits, L, V* and normal stress")
-        sizes = {"": 1.0, "L/V*": known.time} | {unit: known.size(unit, scene.transit) for unit in IN_SI}
+        require_units(repr(self.source), "in SI", scene.units, "in transits, L, V* and normal stress")
+        sizes = unit_sizes(scene)
         columns = {name: values / sizes[MEASURED[name].own] for name, values in self.columns.items()}
         return replace(self, columns=columns, is_own=True)
 

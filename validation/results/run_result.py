@@ -14,6 +14,7 @@ from slipwave.observe.stages import StageFigures
 from slipwave.scene.doubts import doubts
 from slipwave.solve import Leaping
 from slipwave.solve.lyapunov import Exponent
+from validation.data.writing import write_series
 from validation.output import FIGURES, aligned, rounded
 from validation.registry.build import grid_in_words
 from validation.registry.families import one_port_of
@@ -60,17 +61,18 @@ class RunResult(Result):
             "full wave: write velocity and stress of the last 100 transits, .vtu, .xdmf or .nc",
         ),
         Output("--events", (".csv",), "write_events", "write the slip events, in s and Pa for scenes in SI", "FILE.csv"),
+        Output("--series", (".csv",), "write_series", "write the interface's motion as a record, with units", "FILE.csv"),
         Output("--plot", FIGURES, "save_plot", "draw stress and slip rate over time: .png, .pdf or .svg"),
         Output("--return-map", FIGURES, "save_return_map", "draw the period of each cycle over that of the one before"),
     )
 
     @classmethod
     def wanted_for(cls, files: Mapping[str, Path | None]) -> dict[str, Any]:
-        """The history for a netCDF file only, if its scene records it; the fields for theirs."""
-        out = files["out"]
+        """The history for a record, and for a netCDF file if its scene records it; the fields for theirs."""
+        out, record = files["out"], {"interface": True} if files["series"] else {}
         if out is None:
-            return {"interface": False, "fields": files["fields"] is not None}
-        return {"samples": part_of(out, ".samples")} | ({"fields": True} if files["fields"] else {})
+            return {"interface": False, "fields": files["fields"] is not None} | record
+        return {"samples": part_of(out, ".samples")} | ({"fields": True} if files["fields"] else {}) | record
 
     def to_go_on(self, options: Any) -> str:
         """From its checkpoint."""
@@ -238,6 +240,14 @@ class RunResult(Result):
     def write_events(self, path: str | Path) -> None:
         """Write one line for each complete cycle to a .csv file, in SI if the scene has units."""
         write_events(Path(path), self.done.events, self.done.solver.scene)
+
+    def write_series(self, path: str | Path) -> None:
+        """Write the interface's motion as a record that `validation.data.series.read_series` reads, in SI if the scene has units.
+        Raises SceneError if the run kept no history (`interface`), or if it cannot be written."""
+        history = self.records.history
+        if history is None or history.problem:
+            raise SceneError(history.problem if history else "a record needs the interface's history: run with interface=True")
+        write_series(Path(path), history.parts(), self.done.solver.scene)
 
     def write_fields(self, path: str | Path) -> None:
         """Write velocity and stress of the last transits to a .vtu, .xdmf or .nc file; nothing if the run kept none."""
