@@ -2,6 +2,8 @@
 PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/installed
+# small matrices gain nothing from more threads, and lose a factor of 50 where processes share the machine
+export OMP_NUM_THREADS ?= 1
 
 .PHONY: install test report wheel bench docs cf faults mutants
 

@@ -4,6 +4,7 @@ import sys
 from importlib import import_module
 
 from slipwave.rooms import hidden
+from slipwave.threads import one_thread_unless_told
 
 
 def main() -> int:
@@ -12,6 +13,7 @@ def main() -> int:
     if line:
         print(f"slipwave: {line}", file=sys.stderr)
         return 2
+    one_thread_unless_told()
     return int(import_module("validation.cli").main())
 
 

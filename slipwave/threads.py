@@ -1,7 +1,17 @@
 """Linear algebra on one thread: products of small matrices gain nothing from more, and lose a factor of 50 on a busy machine."""
 
+import os
 from functools import cache
 from typing import Any
+
+VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""What libraries of linear algebra read when they are loaded."""
+
+
+def one_thread_unless_told() -> None:
+    """Libraries that this process and its children load from now on use one thread, unless the environment says how many."""
+    if not any(name in os.environ for name in VARIABLES):
+        os.environ |= dict.fromkeys(VARIABLES, "1")
 
 
 @cache

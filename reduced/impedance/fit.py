@@ -17,6 +17,7 @@ from reduced.impedance.transmission_line import Complex, Jet, pair_ratio
 from reduced.impedance.vector_fit import fit_poles, partial_fractions, passive_coefficients
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
+from slipwave.threads import one_thread
 
 WORST_ALLOWED = 0.05
 """Largest allowed error of Z below half the first mode, relative to |Z| + epsilon; a worse fit is refused."""
@@ -40,8 +41,9 @@ def fit_scene(scene: Scene, name: str, count: int, spring: float) -> Reduction:
     s = 1j * axis / longest
     target = exact_impedance(scene, s)
     start = np.asarray((2.0 * np.pi * np.arange(1, count + 1)) * (1j - 0.05) / longest, dtype=np.complex128)
-    pairs, reals = fit_poles(s, target - spring / s, _weight(s, target), start, np.array([-0.3, -3.0]) / longest)
-    fit = _passive(name, s, target, spring, pairs, reals)
+    with one_thread():
+        pairs, reals = fit_poles(s, target - spring / s, _weight(s, target), start, np.array([-0.3, -3.0]) / longest)
+        fit = _passive(name, s, target, spring, pairs, reals)
     _require_accuracy(scene, fit, longest)
     return fit
 

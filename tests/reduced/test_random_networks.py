@@ -25,7 +25,7 @@ def test_march_agrees_with_the_plain_transcription(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("first", range(24, 72, 12))
+@pytest.mark.parametrize("first", range(24, 48, 12))
 def test_longer_marches_agree_with_the_plain_transcription(first):
     found = [judge(seed) for seed in range(first, first + 12)]
     assert not [one for one in found if not one.ratio <= ALLOWED]

@@ -41,7 +41,7 @@ def test_errors_of_orbits_hold_the_truth(model):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "model"),
-    [("alike", "delay"), ("machine", "delay"), ("alike", "block8"), ("unlike", "modal:1")],
+    [("machine", "delay"), ("unlike", "modal:1")],
 )
 def test_errors_of_many_orbits_hold_the_truth(kind, model):
     share, median = held(of_orbits(kind, model, np.random.default_rng(8)), 12)

@@ -1,19 +1,7 @@
-"""Studies whose quick run no other test needs; and what counts as a difference from the one recorded page."""
+"""What counts as a difference from the one recorded page."""
 
 import pytest
 from records import differences
-from shown import quick
-
-from validation.study import Outcome
-
-
-@pytest.mark.parametrize(
-    "name", ["leapfrog-convergence", "grid-convergence", "cost-and-error", "stability-attacks", "energy", "error-laws"]
-)
-def test_no_verdict_fails(name):
-    result = quick(name)
-    assert result.verdicts
-    assert [verdict.claim for verdict in result.verdicts if verdict.outcome is Outcome.FAIL] == []
 
 
 @pytest.mark.parametrize(

@@ -77,6 +77,7 @@ def test_every_slow_test_of_the_tree_is_run(tmp_path):
     }
 
 
+@pytest.mark.slow
 def test_an_installed_package_says_that_the_tests_are_missing(tmp_path):
     """The four rooms without the checkout round them, as pip installs them."""
     for room in ("slipwave", "reduced", "fullwave", "validation"):

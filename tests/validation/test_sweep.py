@@ -219,7 +219,7 @@ def test_a_point_that_cannot_be_computed_has_a_reason(tmp_path: Path) -> None:
     assert "model_of_nobody" in str(refused["reason"].values[0])
 
 
-@pytest.mark.parametrize("moment", [pytest.param(k, marks=[] if k < 5 else pytest.mark.slow) for k in range(35)])
+@pytest.mark.parametrize("moment", range(5))
 def test_a_sweep_killed_at_any_moment_goes_on(tmp_path: Path, moment: int) -> None:
     """The parent, or one of its workers, is killed when so many parts are there."""
     generator = np.random.default_rng(moment)
@@ -242,6 +242,26 @@ def test_a_sweep_killed_at_any_moment_goes_on(tmp_path: Path, moment: int) -> No
     x, y = np.linspace(0.001, 0.019, 10), np.linspace(0.011, 0.029, 10)
     assert result.summary["done"] == 100
     assert np.array_equal(result.dataset["sum"].values, x[:, None] + y)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(5, 35, 10))
+def test_a_sweep_killed_again_and_again_ends(tmp_path: Path, first: int) -> None:
+    """A forked copy of this process computes it, and is killed ten times, whatever it was doing."""
+    what, killed = plan((20, 20), "tests.validation.sweep_measures:slowly"), 0
+    for seed in range(first, first + 10):
+        copy = os.fork()
+        if copy == 0:
+            computed(what, tmp_path)
+            os._exit(0)
+        time.sleep(float(np.random.default_rng(seed).uniform(0.05, 0.25)))
+        os.kill(copy, signal.SIGKILL)
+        killed += os.WIFSIGNALED(os.waitpid(copy, 0)[1])
+    data = computed(what, tmp_path)
+    x, y = (axis.values for axis in what.axes)
+    assert killed == 10
+    assert (data["status"].values == 0).all()
+    assert np.array_equal(data["sum"].values, np.add.outer(x, y))
 
 
 def test_two_sweeps_into_one_folder_are_one(tmp_path: Path) -> None:

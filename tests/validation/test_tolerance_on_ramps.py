@@ -29,7 +29,7 @@ def error_and_estimate(chosen: Scene, tolerance: float) -> tuple[float, float]:
     return float(np.abs(cycles(built.solver, chosen.until) / exact - 1.0).max()), built.choice.error_estimate
 
 
-@pytest.mark.parametrize("tolerance", [1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-5, pytest.param(1e-6, marks=pytest.mark.slow)])
 def test_a_ramp_beyond_the_probe_of_a_constant_drive_is_seen(monkeypatch: pytest.MonkeyPatch, tolerance: float) -> None:
     """Three cells are enough up to the ramp, whatever the tolerance; they err by 5e-6 after it."""
     monkeypatch.setattr("fullwave.adapt.PROBE", 110.0)

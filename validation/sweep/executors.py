@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
-
-_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+from slipwave.threads import VARIABLES
 
 
 @contextmanager
@@ -26,7 +25,7 @@ def processes(workers: int) -> Iterator[Callable[[], Executor]]:
         """A new pool in place of the one before."""
         while made:
             kill(made.pop())
-        with _environment(dict.fromkeys(_THREADS, "1")):
+        with _environment(dict.fromkeys(VARIABLES, "1")):
             pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin)
             made.append(pool)
             for _ in range(workers):
