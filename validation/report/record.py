@@ -1,0 +1,208 @@
+"""report.json: all that a report says, for programs. `slipwave schema --report` prints its JSON Schema, which is made from the
+classes here.
+
+Two reports of the same commit are the same but for run times. These are in `times`, in columns and figures whose `timed` is true,
+and between ~{ and } in words; `without_times` takes them out.
+"""
+
+import math
+from enum import StrEnum
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, WithJsonSchema
+from pydantic.json_schema import GenerateJsonSchema
+
+from validation.study import Evidence, Omission, Outcome
+
+FORMAT: Literal[1] = 1
+
+_NUMBER = {"anyOf": [{"type": "number"}, {"enum": ["NaN", "Infinity", "-Infinity"]}]}
+Real = Annotated[float, WithJsonSchema(_NUMBER)]
+"""A number; what JSON lacks is written as a word."""
+
+
+class Part(BaseModel):
+    """A part of report.json. A later version may add keys."""
+
+    model_config = ConfigDict(frozen=True, use_attribute_docstrings=True, ser_json_inf_nan="strings")
+
+
+class StudyRecord(Part):
+    """One question of the report."""
+
+    name: str
+    """Words joined by hyphens; `slipwave report --only NAME` runs it."""
+    question: str
+    answer: str
+    """One sentence; it names the claims that fail, if any do."""
+    notes: tuple[str, ...]
+    omissions: tuple[Omission, ...]
+    """What a reader might expect and does not find, with the reason."""
+    scenes: dict[str, str]
+    """Names of the gallery's scenes that it runs, with their digests."""
+    key: str
+    """Digest of all that the result depends on: programs, scenes, settings and packages."""
+    error: str
+    """Why it did not finish; empty if it did."""
+
+
+class VerdictRecord(Part):
+    """One claim, one kind of evidence, and how it fared."""
+
+    id: str
+    """Stable from report to report; the anchor of its row on the page."""
+    study: str
+    claim: str
+    evidence: Evidence
+    expected: str
+    """What was expected, in words."""
+    ours: str
+    """What was found, in words."""
+    found: Real | None
+    """What was measured, as a number of the same quantity as `limit`; null where the claim is one in words."""
+    limit: Real | None
+    """`found` lies below it if the claim holds."""
+    unit: str
+    outcome: Outcome
+    """`finding`: a published claim, or a promised speed, that does not hold; `fail`: anything else that does not."""
+    remark: str
+
+
+class NumberRecord(Part):
+    """A value that later reports are compared with."""
+
+    id: str
+    study: str
+    name: str
+    value: Real
+    tolerance: Real
+    """Largest relative difference that is no change."""
+    known: Real | None
+    """The true value, where one is known to more digits than `tolerance` asks for."""
+
+
+class ColumnRecord(Part):
+    """Heading of a column."""
+
+    title: str
+    unit: str
+    timed: bool
+    """Whether it holds run times."""
+
+
+class TableRecord(Part):
+    """A table of the page, row by row."""
+
+    id: str
+    study: str
+    caption: str
+    columns: tuple[ColumnRecord, ...]
+    rows: tuple[tuple[Real | int | str | None, ...], ...]
+    csv: str
+    """Where the table is as CSV, from the folder of this file."""
+
+
+class FigureRecord(Part):
+    """A figure of the page."""
+
+    id: str
+    study: str
+    caption: str
+    files: tuple[str, ...]
+    """Its picture and its data, from the folder of this file."""
+    timed: bool
+    """Whether it shows run times."""
+
+
+class Word(StrEnum):
+    """What became of a number, or of what a verdict found, since an earlier report. `better` and `worse` are said only where the
+    truth is known or an error is measured; `moved` says that it left its bar where no better is known; `not comparable` is
+    neutral."""
+
+    BETTER = "better"
+    SAME = "same"
+    MOVED = "moved"
+    WORSE = "worse"
+    NEW = "new"
+    GONE = "gone"
+    NOT_COMPARABLE = "not comparable"
+
+
+class Change(Part):
+    """A number or a verdict, in an earlier report and now."""
+
+    id: str
+    study: str
+    name: str
+    """Of the number, or the verdict's claim."""
+    kind: Literal["number", "verdict"]
+    before: Real | str | None
+    """A value, or the outcome of a verdict that changed its outcome; null where it is new."""
+    now: Real | str | None
+    """The same now; null where it is gone."""
+    bar: Real
+    """The largest difference that is no change."""
+    word: Word
+    why: str
+    """Why it cannot be compared."""
+
+    @property
+    def over(self) -> float:
+        """By how many bars it moved; infinite where that is no number."""
+        if isinstance(self.before, float) and isinstance(self.now, float) and self.bar > 0.0:
+            distance = abs(self.now - self.before) / self.bar
+            return distance if math.isfinite(distance) else math.inf
+        return math.inf
+
+
+class Changes(Part):
+    """What became of every number and verdict since an earlier report."""
+
+    since: str
+    """Which report that is."""
+    counts: dict[Word, int]
+    """How many numbers and verdicts there are of each word."""
+    listed: tuple[Change, ...]
+    """All but those that are the same; those that moved by the most bars first."""
+
+    def of(self, *words: Word) -> list[Change]:
+        """Those that are listed under these words."""
+        return [change for change in self.listed if change.word in words]
+
+
+class Times(Part):
+    """All that differs between two reports of the same commit."""
+
+    written: str
+    """When, UTC."""
+    seconds: dict[str, float]
+    """Wall time by study; that of an earlier report where its result was still valid."""
+    before: dict[str, float]
+    """The same in the report that `changes` compares with; empty if that tells none."""
+    machine: dict[str, str]
+
+
+class Report(Part):
+    """A whole report: of every study, or of those that were asked for and stored."""
+
+    format: Literal[1]
+    quick: bool
+    """Whether this is the cheap version of every study."""
+    versions: dict[str, str]
+    """Program, Python and packages."""
+    digests: dict[str, str]
+    """Commit, sources of the solvers, and the paper's scene."""
+    outcomes: dict[str, int]
+    """How many verdicts of each outcome, and how many studies did not finish (`broken`)."""
+    studies: tuple[StudyRecord, ...]
+    verdicts: tuple[VerdictRecord, ...]
+    numbers: tuple[NumberRecord, ...]
+    tables: tuple[TableRecord, ...]
+    figures: tuple[FigureRecord, ...]
+    changes: Changes
+    times: Times
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON Schema (draft 2020-12) of report.json."""
+    return {"$schema": GenerateJsonSchema.schema_dialect} | Report.model_json_schema(mode="serialization")

@@ -1,0 +1,113 @@
+"""The report as a record: from what is stored, to a file and back."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+import slipwave
+from slipwave.errors import SceneError
+from slipwave.files import reason_of
+from validation.report.record import (
+    FORMAT,
+    Changes,
+    ColumnRecord,
+    FigureRecord,
+    NumberRecord,
+    Report,
+    StudyRecord,
+    TableRecord,
+    Times,
+    VerdictRecord,
+)
+from validation.report.store import Picture, Stored
+from validation.studies import study_called
+from validation.study import Outcome, Table, Verdict
+
+NAME = "report.json"
+_DIGESTS = ("commit", "solver sources", "scene paper")
+_MACHINE = ("platform", "processor", "cores")
+
+
+def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, written: str) -> Report:
+    """The report of what is stored, in the order of `studies`, compared with nothing; `facts` are those of
+    `validation.report.provenance.machine_facts`."""
+    done = [(study.name, study.result) for study in studies if study.result]
+    verdicts = [_verdict(name, verdict) for name, result in done for verdict in result.verdicts]
+    counts = {outcome.value: sum(verdict.outcome is outcome for verdict in verdicts) for outcome in Outcome}
+    machine = {key: facts[key] for key in _MACHINE}
+    return Report(
+        format=FORMAT,
+        quick=quick,
+        versions={key: value for key, value in facts.items() if key not in (*_DIGESTS, *_MACHINE)},
+        digests={key: facts[key] for key in _DIGESTS},
+        outcomes=counts | {"broken": len(studies) - len(done)},
+        studies=tuple(map(_study, studies)),
+        verdicts=tuple(verdicts),
+        numbers=tuple(
+            NumberRecord(id=f"{study}.{name}", study=study, name=name, **asdict(number))
+            for study, result in done
+            for name, number in result.numbers.items()
+        ),
+        tables=tuple(_table(name, table) for name, result in done for table in result.tables),
+        figures=tuple(_figure(study.name, picture) for study in studies for picture in study.pictures),
+        changes=Changes(since="", counts={}, listed=()),
+        times=Times(written=written, seconds={one.name: one.wall_seconds for one in studies}, before={}, machine=machine),
+    )
+
+
+def _study(stored: Stored) -> StudyRecord:
+    result, scenes = stored.result, study_called(stored.name).SCENES
+    return StudyRecord(
+        name=stored.name,
+        question=stored.question,
+        answer=result.conclusion if result else "",
+        notes=result.notes if result else (),
+        omissions=result.omissions if result else (),
+        scenes={scene: slipwave.read(scene).digest for scene in scenes},
+        key=stored.key,
+        error=stored.error,
+    )
+
+
+def _verdict(study: str, verdict: Verdict) -> VerdictRecord:
+    told = {name: getattr(verdict, name) for name in VerdictRecord.model_fields if name not in ("study", "found")}
+    return VerdictRecord(study=study, found=verdict.size, **told)
+
+
+def _table(study: str, table: Table) -> TableRecord:
+    return TableRecord(
+        id=f"{study}.{table.name}",
+        study=study,
+        caption=table.caption,
+        columns=tuple(ColumnRecord(title=one.title, unit=one.unit, timed=one.timed) for one in table.columns),
+        rows=table.rows,
+        csv=table_file(study, table.name),
+    )
+
+
+def table_file(study: str, name: str) -> str:
+    """Where a table is as CSV, from the report's folder. A figure of the same name has its data beside it."""
+    return f"data/{study}/table-{name}.csv"
+
+
+def _figure(study: str, picture: Picture) -> FigureRecord:
+    files = tuple(f"data/{study}/{path.name}" for path in picture.files)
+    return FigureRecord(id=f"{study}.{picture.name}", study=study, caption=picture.caption, files=files, timed=picture.timed)
+
+
+def text_of(report: Report) -> str:
+    """What report.json holds."""
+    return report.model_dump_json(indent=1) + "\n"
+
+
+def read_report(place: Path, option: str = "--against") -> Report:
+    """The report in the file `place`, or in report.json in the folder `place`; SceneError that names the option if there is
+    none."""
+    path = place / NAME if place.is_dir() else place
+    try:
+        return Report.model_validate_json(path.read_bytes())
+    except OSError as error:
+        why = f"{reason_of(error)}; must be a {NAME}, or the folder of one, which `slipwave report` writes"
+    except ValueError:
+        why = f"is no {NAME} of format {FORMAT}, as `slipwave report` writes it and `slipwave schema --report` describes it"
+    raise SceneError(f"{option} = {str(path)!r}: {why}")
