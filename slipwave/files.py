@@ -20,7 +20,7 @@ _PROBE = 1 << 20  # bytes; a disk with less room counts as full
 
 
 _HOST = re.sub(r"\W", "", platform.node())[:_LONGEST_STEM]
-_PART = re.compile(rf"\..*-{_HOST}-(\d+)\.(nc|png|pdf|svg|npz|csv|vtu|xdmf|h5|samples)")
+_PART = re.compile(rf"\..*-{_HOST}-(\d+)\.(nc|png|pdf|svg|npz|csv|vtu|xdmf|h5|samples|html|json|xml|patch)")
 
 
 def part_of(path: Path, suffix: str) -> Path:

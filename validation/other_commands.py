@@ -13,9 +13,14 @@ from slipwave.extras import require
 from validation.output import printed, require_folder
 
 EXAMPLES = {
-    "report": ("slipwave report --quick", "slipwave report --only one-cycle --out reports"),
+    "report": (
+        "slipwave report --quick",
+        "slipwave report --only one-cycle --out reports",
+        "slipwave report --against last-release/report.json",
+        "slipwave report --json > report.json",
+    ),
     "scenes": ("slipwave scenes",),
-    "schema": ("slipwave schema > scene.schema.json",),
+    "schema": ("slipwave schema > scene.schema.json", "slipwave schema --report > report.schema.json"),
     "show": ("slipwave show paper > mine.toml", "slipwave show run.nc"),
 }
 
@@ -30,11 +35,13 @@ def scenes() -> None:
         print(f"{name:<{width}}  {title}")
 
 
-def schema() -> None:
-    """The table of scene keys as a JSON Schema."""
-    from slipwave.input.schema import json_schema
-
-    print(json.dumps(json_schema(), indent=2))
+def schema(report: Annotated[bool, typer.Option("--report", help="that of report.json instead")] = False) -> None:
+    """The table of scene keys, or what report.json holds, as a JSON Schema."""
+    if report:
+        from validation.report.record import report_schema as made
+    else:
+        from slipwave.input.schema import json_schema as made
+    print(json.dumps(made(), indent=2))
 
 
 def show(source: str, options: Any, files: Mapping[Any, Any], as_json: bool) -> None:
@@ -55,17 +62,34 @@ def report(
     quick: Annotated[bool, typer.Option("--quick", help="the cheap version of every study")] = False,
     only: Annotated[list[str] | None, typer.Option(metavar="STUDY ...", help="only these studies; may be repeated")] = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="folder of the page and its data")] = Path("reports"),
+    against: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE|DIR", help="compare with another report.json, or the folder of one, not with the baseline"),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print report.json, and nothing else, on stdout")] = False,
 ) -> None:
-    """Run the studies and write the page."""
+    """Run the studies; write the page and the files beside it."""
     from validation.report.baseline import RedReport
     from validation.report.build import make_report
+    from validation.report.changes import change_lines
+    from validation.report.recorded import NAME, read_report
 
     require("report", "the report")
+    earlier = read_report(against) if against else None
     require_folder(out)
+
+    def show() -> None:
+        """The page's place and what changed, or the whole record."""
+        if as_json:
+            print((out / NAME).read_text(encoding="utf-8"), end="")
+        else:
+            print("\n".join([str(out / "index.html"), *(change_lines(read_report(out).changes) if against else ())]))
+
     try:
-        print(make_report(out=out, quick=quick, only=only or None))
+        make_report(out=out, quick=quick, only=only or None, against=earlier)
+        printed(show)
     except RedReport as red:
-        print(red.page)
+        printed(show)
         for line in red.lines:
             typer.echo(line, err=True)
         raise

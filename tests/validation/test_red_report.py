@@ -6,7 +6,6 @@ import os
 import re
 import subprocess
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from fake_studies import result
@@ -15,7 +14,8 @@ from validation.cli import NUMERICS_FAILED, main
 from validation.report import baseline
 from validation.report.baseline import RedReport
 from validation.report.build import make_report
-from validation.report.store import Stored, store_result
+from validation.report.record import Word
+from validation.report.recorded import read_report
 from validation.study import Evidence, Number, Outcome, StudyResult, Verdict
 
 ROOT = Path(__file__).parents[2]
@@ -28,7 +28,7 @@ def failing(claim):
 @pytest.fixture
 def kept(tmp_path, monkeypatch):
     """The folder of the baseline, for this test only."""
-    monkeypatch.setattr(baseline.changes_since, "__defaults__", (tmp_path / "baseline",))
+    monkeypatch.setattr(baseline, "FOLDER", tmp_path / "baseline")
     return tmp_path / "baseline"
 
 
@@ -47,7 +47,7 @@ def test_every_reason_has_its_line(fake, kept, tmp_path, capsys):
 
     fake.add("first", measured)
     make_report(out)
-    baseline.take(out, kept)
+    baseline.take(out)
     fake.add(
         "second", lambda budget: StudyResult("", verdicts=(failing("Waves *stay*"), *result().verdicts, failing("Grips hold")))
     )
@@ -59,7 +59,7 @@ def test_every_reason_has_its_line(fake, kept, tmp_path, capsys):
     said = capsys.readouterr()
     assert said.out == f"{out / 'index.html'}\n"
     *lines, last = said.err.splitlines()[-5:]
-    assert lines[0] == "first: T_1: expected 73 within 1e-06, found 73.0001".replace("T_1", "T1")
+    assert lines[0] == "first: T1: expected 73 ± 7.3e-05, found 73.0001"
     assert lines[1:3] == [
         "second: Waves stay: expected below 10^-9, found 3 · 10^-4 (at r = 1)",
         "second: Grips hold: expected below 10^-9, found 3 · 10^-4 (at r = 1)",
@@ -95,14 +95,17 @@ def test_a_stored_failure_stays_red(fake, kept, tmp_path):
         (0.0, 0.0, False),
     ],
 )
-def test_a_number_that_comes_or_goes_has_moved(kept, tmp_path, before, now, moves):
+def test_a_number_that_comes_or_goes_has_moved(fake, kept, tmp_path, before, now, moves):
     """By more than its tolerance, 1e-6 of the larger one; a baseline holds numbers that JSON lacks too."""
-    study = SimpleNamespace(NAME="first", QUESTION="?")
-    store = tmp_path / "out" / "data"
-    store_result(store, study, "key", StudyResult("", numbers={"T": Number(before)}), 0.0)
-    baseline.take(tmp_path / "out", kept)
-    found = baseline.moved(Stored("first", "?", 0.0, True, StudyResult("", numbers={"T": Number(now)})), quick=False)
-    assert [change.name for change in found] == ["T"] * moves
+    numbers = {"T": Number(before)}
+    fake.add("first", lambda budget: StudyResult("", numbers=numbers))
+    make_report(tmp_path)
+    baseline.take(tmp_path)
+    (tmp_path / "data/first/result.json").unlink()
+    numbers["T"] = Number(now)
+    assert main(["report", "--out", str(tmp_path)]) == 3 * moves
+    assert [change.name for change in read_report(tmp_path).changes.of(Word.MOVED)] == ["T"] * moves
+    assert (tmp_path / "baseline.patch").exists() == moves
 
 
 def test_the_page_tells_what_moved_since_the_baseline(fake, kept, tmp_path):
@@ -113,20 +116,20 @@ def test_the_page_tells_what_moved_since_the_baseline(fake, kept, tmp_path):
         return StudyResult("", numbers={name: n for name, n in numbers.items() if not budget.quick or name == "T"})
 
     fake.add("first", measured)
-    assert "No baseline" in make_report(tmp_path / "full").read_text()
-    (written,) = baseline.take(tmp_path / "full", kept)
+    assert "<p>2 new</p>" in make_report(tmp_path / "full").read_text()
+    (written,) = baseline.take(tmp_path / "full")
     assert json.loads(written.read_text())["T"] == {"value": 73.0, "tolerance": 1e-6}
     assert main(["report", "--out", str(tmp_path / "again")]) == 0
     assert told(tmp_path / "again" / "index.html") == [0, 0, 0]
-    assert "All 2 numbers of first are within" in (tmp_path / "again" / "index.html").read_text()
-    assert "All 1 numbers of first are within" in make_report(tmp_path / "quick", quick=True).read_text()
+    assert "<p>2 same</p>" in (tmp_path / "again" / "index.html").read_text()
+    assert "<p>1 same</p>" in make_report(tmp_path / "quick", quick=True).read_text()
     numbers |= {"T": Number(73.001), "new": Number(3.0)}
     del numbers["order"]
     with pytest.raises(RedReport) as red:
         make_report(tmp_path / "moved")
     assert red.value.lines == [
-        "first: order: expected 2 within 1e-06, found none",
-        "first: T: expected 73 within 1e-06, found 73.001",
+        "first: order: expected 2, found none",
+        "first: T: expected 73 ± 7.3e-05, found 73.001",
     ]
     html = red.value.page.read_text()
     assert '<td class="n">73</td><td class="n">73.001</td>' in html

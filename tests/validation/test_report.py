@@ -42,8 +42,9 @@ def test_page_is_one_file_without_scripts_or_addresses(fake, tmp_path):
     tags.feed(html)
     assert tags.open == []
     assert len(tags.anchors) == len(set(tags.anchors)) > 4
-    assert sorted(path.name for path in page.parent.iterdir()) == ["data", "index.html"]
-    assert sorted(path.name for path in (page.parent / "data/first").iterdir()) == ["overlay.png", "overlay.svg", "result.json"]
+    assert sorted(path.name for path in page.parent.iterdir()) == ["badge.svg", "data", "index.html", "junit.xml", "report.json"]
+    beside = sorted(path.name for path in (page.parent / "data/first").iterdir())
+    assert beside == ["overlay.png", "overlay.svg", "result.json", "table-t.csv"]
 
 
 def test_matrix_shows_the_worst_outcome_of_each_kind_of_evidence(fake, tmp_path):

@@ -3,19 +3,23 @@
 python -m validation.report.baseline reports        # take the numbers of reports/ as the new baseline
 """
 
+import difflib
 import json
 import sys
-from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 from slipwave.errors import NumericsError
 from slipwave.sources import ROOT
-from validation.report.store import Stored, numbers_of
-from validation.study import Number, Outcome
+from validation.report.record import Change, NumberRecord, Record, VerdictRecord, Word
+from validation.report.recorded import read_report
+from validation.report.store import jsonable, numbers_of
+from validation.study import Outcome
 from validation.study.text import bare
 
 FOLDER = ROOT / "reports" / "baseline"
+LEFT = (Word.GONE, Word.MOVED, Word.BETTER, Word.WORSE)
+"""What became of a number that left its baseline."""
 
 
 class RedReport(NumericsError):
@@ -26,67 +30,85 @@ class RedReport(NumericsError):
         self.lines, self.page = lines, page
 
 
-class Change(NamedTuple):
-    """A number that moved by more than its tolerance; `before` or `now` is None where it is new or gone."""
-
-    study: str
-    name: str
-    before: float | None
-    now: float | None
-    tolerance: float
-
-    def __str__(self) -> str:
-        now = "none" if self.now is None else f"{self.now:.9g}"
-        return f"{self.study}: {bare(self.name)}: expected {self.before:.9g} within {self.tolerance:.0e}, found {now}"
-
-
-def changes_since(stored: Stored, quick: bool, folder: Path = FOLDER) -> list[Change] | None:
-    """What changed in a study since the baseline of a full report; None if it has none, or if the study failed. A number that a
-    quick report leaves out is no change."""
-    path = folder / f"{stored.name}.json"
-    if stored.result is None or not path.exists():
-        return None
-    before, now = numbers_of(json.loads(path.read_text(encoding="utf-8"))), stored.result.numbers
-
-    def change(name: str, number: Number) -> Change:
-        """From the baseline to now."""
-        old, new = (known[name].value if name in known else None for known in (before, now))
-        return Change(stored.name, name, old, new, number.tolerance)
-
-    changes = [change(name, number) for name, number in now.items() if name not in before]
-    changes += [change(name, number) for name, number in before.items() if name not in now and not quick]
-    both = {name: number for name, number in now.items() if name in before}
-    return changes + [change(name, number) for name, number in both.items() if number.differs(before[name].value)]
+def as_report(now: Record) -> Record:
+    """The baseline as a report to compare `now` with: numbers alone, at the tolerances that they have now."""
+    tolerances = {number.id: number.tolerance for number in now.numbers}
+    numbers = [
+        NumberRecord(id=f"{study.name}.{name}", study=study.name, name=name, value=one.value, tolerance=one.tolerance, known=None)
+        for study in now.studies
+        if (path := FOLDER / f"{study.name}.json").exists()
+        for name, one in numbers_of(json.loads(path.read_text(encoding="utf-8"))).items()
+    ]
+    kept = tuple(one.model_copy(update={"tolerance": tolerances.get(one.id, one.tolerance)}) for one in numbers)
+    return now.model_copy(update={"numbers": kept, "verdicts": ()})
 
 
-def moved(stored: Stored, quick: bool) -> list[Change]:
-    """Numbers that left their baseline; a new number has nothing to be compared with."""
-    return [change for change in changes_since(stored, quick) or [] if change.before is not None]
-
-
-def red_lines(studies: Sequence[Stored], quick: bool) -> list[str]:
-    """One line for each study that failed, verdict that fails and number that left its baseline: which it is, what was expected
-    and what was found."""
+def red_lines(report: Record, red: tuple[Word, ...]) -> list[str]:
+    """One line for each study that failed, verdict that fails and change under one of the words `red`: which it is, what was
+    expected and what was found."""
     lines = []
-    for study in studies:
+    for study in report.studies:
         lines += [f"{study.name}: failed: {study.error}"] if study.error else []
-        for verdict in study.result.verdicts if study.result else ():
-            if verdict.outcome is Outcome.FAIL:
-                remark = f" ({verdict.remark})" if verdict.remark else ""
-                lines.append(bare(f"{study.name}: {verdict.claim}: expected {verdict.expected}, found {verdict.ours}{remark}"))
-        lines += map(str, moved(study, quick))
-    return [" ".join(line.split()) for line in lines]
+        for verdict in report.verdicts:
+            if verdict.study == study.name and verdict.outcome is Outcome.FAIL:
+                lines.append(f"{study.name}: {reason(verdict)}")
+        changes = sorted(report.changes.of(*red), key=lambda change: red.index(change.word))
+        lines += [line_of(change) for change in changes if change.study == study.name]
+    return [" ".join(bare(line).split()) for line in lines]
 
 
-def take(out: Path, folder: Path = FOLDER) -> list[Path]:
-    """Write the numbers stored under out/data as the baseline in `folder`; returns the files written."""
-    folder.mkdir(parents=True, exist_ok=True)
+def reason(verdict: VerdictRecord) -> str:
+    """A verdict in one line: what was expected and what was found."""
+    remark = f" ({verdict.remark})" if verdict.remark else ""
+    return f"{verdict.claim}: expected {verdict.expected}, found {verdict.ours}{remark}"
+
+
+def line_of(change: Change) -> str:
+    """A change as a line of its own."""
+    before, now = (f"{value:.9g}" if isinstance(value, float) else value or "none" for value in (change.before, change.now))
+    bar = f" ± {change.bar:.1e}" if change.bar else ""
+    return f"{change.study}: {change.name}: expected {before}{bar}, found {now}"
+
+
+def patch_of(report: Record) -> str:
+    """A patch for `git apply` by which the baseline takes the numbers that left it, and in a full report those that are new."""
+    taken = (*LEFT, *(() if report.quick else (Word.NEW,)))
+    changes = [change for change in report.changes.of(*taken) if change.kind == "number"]
+    now = {number.id: number for number in report.numbers}
+    parts: list[str] = []
+    for study in dict.fromkeys(change.study for change in changes):
+        path = FOLDER / f"{study}.json"
+        before = path.read_text(encoding="utf-8") if path.exists() else ""
+        numbers = json.loads(before) if before else {}
+        for change in changes:
+            if change.study == study:
+                numbers.pop(change.name, None) if change.now is None else numbers.update({change.name: _kept(now[change.id])})
+        place = f"reports/baseline/{path.name}"
+        parts += difflib.unified_diff(
+            before.splitlines(True), _text(numbers).splitlines(True), f"a/{place}" if before else "/dev/null", f"b/{place}"
+        )
+    return "".join(parts)
+
+
+def _kept(number: NumberRecord) -> dict[str, Any]:
+    """What the baseline keeps of a number."""
+    kept: dict[str, Any] = jsonable({"value": number.value, "tolerance": number.tolerance})
+    return kept
+
+
+def _text(numbers: dict[str, Any]) -> str:
+    return json.dumps(numbers, indent=1, ensure_ascii=False) + "\n"
+
+
+def take(out: Path) -> list[Path]:
+    """Write the numbers of out/report.json as the baseline; returns the files written."""
+    report = read_report(out, "the report")
+    FOLDER.mkdir(parents=True, exist_ok=True)
     written = []
-    for path in sorted(out.glob("data/*/result.json")):
-        record = json.loads(path.read_text(encoding="utf-8"))
-        if record["numbers"]:
-            written.append(folder / f"{record['study']}.json")
-            written[-1].write_text(json.dumps(record["numbers"], indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    for study in dict.fromkeys(number.study for number in report.numbers):
+        written.append(FOLDER / f"{study}.json")
+        kept = {number.name: _kept(number) for number in report.numbers if number.study == study}
+        written[-1].write_text(_text(kept), encoding="utf-8")
     return written
 
 

@@ -4,15 +4,20 @@ import sys
 import time
 import traceback
 from collections.abc import Callable, Iterator
+from datetime import UTC, datetime
 from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple, cast
 
-from validation.report import store
+from validation.report import baseline, store
 from validation.report.baseline import RedReport, red_lines
+from validation.report.changes import changes_since
+from validation.report.files import write_files
 from validation.report.page import write_page
 from validation.report.provenance import machine_facts
+from validation.report.record import Record, Word
+from validation.report.recorded import record_of
 from validation.report.side_by_side import share_out
 from validation.run.progress import progress
 from validation.run.timing import cores
@@ -31,13 +36,18 @@ class Task(NamedTuple):
 
 
 def make_report(
-    out: Path = Path("reports"), quick: bool = False, only: list[str] | None = None, processes: int | None = None
+    out: Path = Path("reports"),
+    quick: bool = False,
+    only: list[str] | None = None,
+    processes: int | None = None,
+    against: Record | None = None,
 ) -> Path:
-    """Write out/index.html, computing what is not already stored under out/data; returns the page's path.
+    """Write out/index.html and the files beside it, computing what is not already stored under out/data; returns the page's path.
 
     Studies run side by side in `processes` (default: one for each core); those that measure run time (`TIMED`) run alone at the
-    end. A study that fails is shown as failed and the others go on. Once the page is written, RedReport (a NumericsError) is
-    raised if a study or a verdict fails or a number left its baseline. An interrupted report resumes: finished studies are stored
+    end. A study that fails is shown as failed and the others go on. Once all is written, RedReport (a NumericsError) is
+    raised if a study or a verdict fails, or a number left its baseline; with `against`, an earlier report that takes the place of
+    the baseline, if a number or a verdict is worse than there. An interrupted report resumes: finished studies are stored
     whole. Raises SceneError for an unknown name in `only`.
     """
     asked = choose(only)
@@ -60,12 +70,33 @@ def make_report(
             stored[result.name] = result
             tell(result.name, 1.0)
             _say(result)
-    results = [result for result in stored.values() if result]
-    page = write_page(out, results, machine_facts(), quick)
-    lines = red_lines(results, quick)
+    return _write(out, [result for result in stored.values() if result], quick, against)
+
+
+def _write(out: Path, results: list[store.Stored], quick: bool, against: Record | None) -> Path:
+    """The page and the files beside it; RedReport at the end."""
+    facts = machine_facts()
+    bare = record_of(results, facts, quick, datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"))
+    kept = baseline.as_report(bare)
+    left = changes_since(kept, bare, "the committed baseline")
+    report = bare.model_copy(update={"changes": left})
+    patch = baseline.patch_of(report)
+    red: tuple[Word, ...] = baseline.LEFT
+    if against:
+        red, times = (Word.WORSE,), bare.times.model_copy(update={"before": against.times.seconds})
+        report = bare.model_copy(update={"changes": changes_since(against, bare, _called(against)), "times": times})
+    out.mkdir(parents=True, exist_ok=True)
+    write_files(out, report, red, patch)
+    page = write_page(out, results, facts, report)
+    lines = red_lines(report, red)
     if lines:
         raise RedReport(lines, page)
     return page
+
+
+def _called(report: Record) -> str:
+    """A report by its version, commit and time."""
+    return f"slipwave {report.versions.get('slipwave', '?')}, {report.digests.get('commit', '?')}, of {report.times.written}"
 
 
 def _task(study: Study, folder: Path, quick: bool) -> Task:

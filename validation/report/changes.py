@@ -1,17 +1,22 @@
 """What became of the numbers and verdicts of an earlier report."""
 
+import math
 from collections import Counter
-from collections.abc import Iterator
-from typing import Literal
+from collections.abc import Iterator, Sequence
+from typing import Literal, TypeVar
 
-from validation.report.record import Change, Changes, NumberRecord, Report, VerdictRecord, Word
+from validation.output import aligned, rounded
+from validation.report.record import Change, Changes, NumberRecord, Record, VerdictRecord, Word
 from validation.study import Number, Outcome
+from validation.study.text import bare
+
+One = TypeVar("One", NumberRecord, VerdictRecord)
 
 _OF_LIMIT = 0.1
 """What a verdict found has changed when it moves by more than this share of what is allowed."""
 
 
-def changes_since(before: Report, now: Report, since: str) -> Changes:
+def changes_since(before: Record, now: Record, since: str) -> Changes:
     """Every number and verdict of the studies that are done now, in `before` and now; `since` says which report `before` is."""
     done = {study.name for study in now.studies if not study.error}
     scenes = {study.name: study.scenes for study in before.studies}
@@ -26,17 +31,34 @@ def _uncompared(change: Change, why: str) -> Change:
     return change.model_copy(update={"word": Word.NOT_COMPARABLE, "why": why})
 
 
-def _of_numbers(before: Report, now: Report, done: set[str]) -> Iterator[Change]:
-    """A number that a quick report leaves out is not gone."""
-    old, new = ({number.id: number for number in report.numbers} for report in (before, now))
+def _of_numbers(before: Record, now: Record, done: set[str]) -> Iterator[Change]:
+    for there, here in _paired(before.numbers, now.numbers, set() if now.quick else done):
+        if there and here:
+            yield _number(there, here)
+        elif here:
+            yield _change(here, "number", here.name, (None, here.value), 0.0, Word.NEW)
+        elif there:
+            yield _change(there, "number", there.name, (there.value, None), 0.0, Word.GONE)
+
+
+def _of_verdicts(before: Record, now: Record, done: set[str]) -> Iterator[Change]:
+    """The verdicts of a report that tells none, as the baseline, are not compared."""
+    for there, here in _paired(before.verdicts, now.verdicts, set() if now.quick else done) if before.verdicts else ():
+        if there and here:
+            yield _verdict(there, here)
+        elif here:
+            yield _change(here, "verdict", here.claim, (None, here.outcome.value), 0.0, Word.NEW)
+        elif there:
+            yield _change(there, "verdict", there.claim, (there.outcome.value, None), 0.0, Word.GONE)
+
+
+def _paired(before: Sequence[One], now: Sequence[One], whole: set[str]) -> Iterator[tuple[One | None, One | None]]:
+    """What has one id, before and now; None where it is missing. Only of the studies that are `whole` can anything be gone."""
+    old: dict[str, One] = {one.id: one for one in before}
+    new: dict[str, One] = {one.id: one for one in now}
     for name in dict.fromkeys([*new, *old]):
-        here, there = new.get(name), old.get(name)
-        if one := here or there:
-            values = (there and there.value, here and here.value)
-            if here and there:
-                yield _number(there, here)
-            elif here or (one.study in done and not now.quick):
-                yield _change(one, "number", one.name, values, 0.0, Word.NEW if here else Word.GONE)
+        if name in new or old[name].study in whole:
+            yield old.get(name), new.get(name)
 
 
 def _number(before: NumberRecord, now: NumberRecord) -> Change:
@@ -46,19 +68,6 @@ def _number(before: NumberRecord, now: NumberRecord) -> Change:
     if word is Word.MOVED and now.known is not None:
         word = Word.BETTER if abs(now.value - now.known) < abs(before.value - now.known) else Word.WORSE
     return _change(now, "number", now.name, (before.value, now.value), bar, word)
-
-
-def _of_verdicts(before: Report, now: Report, done: set[str]) -> Iterator[Change]:
-    """The verdicts of a report that tells none, as the baseline, are not compared."""
-    old, new = ({verdict.id: verdict for verdict in report.verdicts} for report in (before, now))
-    for name in dict.fromkeys([*new, *old]) if old else ():
-        here, there = new.get(name), old.get(name)
-        if one := here or there:
-            if here and there:
-                yield _verdict(there, here)
-            elif here or (one.study in done and not now.quick):
-                outcomes = (there and there.outcome.value, here and here.outcome.value)
-                yield _change(one, "verdict", one.claim, outcomes, 0.0, Word.NEW if here else Word.GONE)
 
 
 def _verdict(before: VerdictRecord, now: VerdictRecord) -> Change:
@@ -90,3 +99,24 @@ def _change(
 ) -> Change:
     before, now = values
     return Change(id=one.id, study=one.study, name=name, kind=kind, before=before, now=now, bar=bar, word=word, why=why)
+
+
+def change_lines(changes: Changes) -> Iterator[str]:
+    """How many of each word, and every change that is listed, as printed lines."""
+    counts = ", ".join(f"{changes.counts[word]} {word}" for word in Word if word in changes.counts)
+    yield f"Since {changes.since}: {counts or 'nothing to compare'}."
+    rows = [
+        [bare(f"{one.study}: {one.name}"), one.word, _shown(one.before), _shown(one.now), _bars(one)]
+        for one in changes.listed
+        if one.word is not Word.NOT_COMPARABLE
+    ]
+    if rows:
+        yield from aligned(["number or claim", "is", "before", "now", "moved by bars"], rows)
+
+
+def _shown(value: float | str | None) -> str:
+    return rounded(value, 7) if isinstance(value, float | None) else value
+
+
+def _bars(change: Change) -> str:
+    return f"{change.over:.2g}" if math.isfinite(change.over) else "-"

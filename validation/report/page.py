@@ -2,12 +2,11 @@
 
 import base64
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from slipwave.files import whole_or_absent
-from validation.report import baseline
+from validation.report.record import Record
 from validation.report.store import Picture, Stored
 from validation.study import Evidence, Outcome, Verdict, text
 
@@ -15,7 +14,7 @@ _HERE = Path(__file__).parent
 _WORST = (Outcome.FAIL, Outcome.FINDING, Outcome.PASS)
 
 
-def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], quick: bool) -> Path:
+def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], report: Record) -> Path:
     """Render out/index.html from the studies' results; the file appears whole or not at all."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
@@ -29,18 +28,17 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], quic
     page = environment.get_template("page.html.j2").render(
         css=Markup((_HERE / "page.css").read_text(encoding="utf-8")),
         facts=facts,
-        quick=quick,
-        written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        quick=report.quick,
+        written=report.times.written,
         studies=studies,
         evidence=tuple(Evidence),
         matrix=matrix(studies),
         tally=tally(studies),
         leads=[(study, picture) for study in studies for picture in study.pictures if picture.lead],
         omissions=[(study, o) for study in studies if study.result for o in study.result.omissions],
-        changes=_changes(studies, quick),
+        changes=report.changes,
         wall=sum(study.wall_seconds for study in studies),
     )
-    out.mkdir(parents=True, exist_ok=True)
     with whole_or_absent(out / "index.html") as temporary:
         temporary.write_text(page, encoding="utf-8")
     return out / "index.html"
@@ -72,16 +70,6 @@ def tally(studies: Sequence[Stored]) -> dict[str, int]:
     verdicts = [verdict for study in studies if study.result for verdict in study.result.verdicts]
     counts = {outcome.value: sum(v.outcome is outcome for v in verdicts) for outcome in Outcome}
     return counts | {"broken": sum(study.result is None for study in studies)}
-
-
-def _changes(studies: Sequence[Stored], quick: bool) -> dict[str, Any]:
-    """What moved since the baseline."""
-    compared = {study.name: baseline.changes_since(study, quick) for study in studies}
-    return {
-        "compared": [name for name, changes in compared.items() if changes is not None],
-        "numbers": sum(len(study.result.numbers) for study in studies if study.result and compared[study.name] is not None),
-        "list": [change for changes in compared.values() for change in changes or ()],
-    }
 
 
 def _inline(picture: Picture) -> str:

@@ -182,7 +182,7 @@ class Times(Part):
     machine: dict[str, str]
 
 
-class Report(Part):
+class Record(Part):
     """A whole report: of every study, or of those that were asked for and stored."""
 
     format: Literal[1]
@@ -203,6 +203,6 @@ class Report(Part):
     times: Times
 
 
-def json_schema() -> dict[str, Any]:
+def report_schema() -> dict[str, Any]:
     """The JSON Schema (draft 2020-12) of report.json."""
-    return {"$schema": GenerateJsonSchema.schema_dialect} | Report.model_json_schema(mode="serialization")
+    return {"$schema": GenerateJsonSchema.schema_dialect} | Record.model_json_schema(mode="serialization")

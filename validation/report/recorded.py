@@ -13,7 +13,7 @@ from validation.report.record import (
     ColumnRecord,
     FigureRecord,
     NumberRecord,
-    Report,
+    Record,
     StudyRecord,
     TableRecord,
     Times,
@@ -28,14 +28,14 @@ _DIGESTS = ("commit", "solver sources", "scene paper")
 _MACHINE = ("platform", "processor", "cores")
 
 
-def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, written: str) -> Report:
+def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, written: str) -> Record:
     """The report of what is stored, in the order of `studies`, compared with nothing; `facts` are those of
     `validation.report.provenance.machine_facts`."""
     done = [(study.name, study.result) for study in studies if study.result]
     verdicts = [_verdict(name, verdict) for name, result in done for verdict in result.verdicts]
     counts = {outcome.value: sum(verdict.outcome is outcome for verdict in verdicts) for outcome in Outcome}
     machine = {key: facts[key] for key in _MACHINE}
-    return Report(
+    return Record(
         format=FORMAT,
         quick=quick,
         versions={key: value for key, value in facts.items() if key not in (*_DIGESTS, *_MACHINE)},
@@ -95,17 +95,17 @@ def _figure(study: str, picture: Picture) -> FigureRecord:
     return FigureRecord(id=f"{study}.{picture.name}", study=study, caption=picture.caption, files=files, timed=picture.timed)
 
 
-def text_of(report: Report) -> str:
+def text_of(report: Record) -> str:
     """What report.json holds."""
     return report.model_dump_json(indent=1) + "\n"
 
 
-def read_report(place: Path, option: str = "--against") -> Report:
+def read_report(place: Path, option: str = "--against") -> Record:
     """The report in the file `place`, or in report.json in the folder `place`; SceneError that names the option if there is
     none."""
     path = place / NAME if place.is_dir() else place
     try:
-        return Report.model_validate_json(path.read_bytes())
+        return Record.model_validate_json(path.read_bytes())
     except OSError as error:
         why = f"{reason_of(error)}; must be a {NAME}, or the folder of one, which `slipwave report` writes"
     except ValueError:

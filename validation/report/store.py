@@ -36,8 +36,14 @@ class Picture:
     name: str
     caption: str
     lead: bool
+    timed: bool
     svg: Path
     png: Path
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """All that is stored of it."""
+        return self.svg, self.png
 
 
 @dataclass(frozen=True)
@@ -51,6 +57,7 @@ class Stored:
     result: StudyResult | None = None
     pictures: tuple[Picture, ...] = ()
     error: str = ""
+    key: str = ""
 
 
 def study_key(study: Study, quick: bool) -> str:
@@ -118,20 +125,20 @@ def _remove(folder: Path) -> None:
 
 
 def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) -> dict[str, Any]:
-    figures = [{"name": f.name, "caption": f.caption, "lead": f.lead} for f in result.figures]
+    figures = [{"name": f.name, "caption": f.caption, "lead": f.lead, "timed": f.timed} for f in result.figures]
     body = {name: getattr(result, name) for name in _PARTS} | {"verdicts": with_names(study.NAME, result.verdicts)}
     record = {"study": study.NAME, "question": study.QUESTION, "key": key, "wall_seconds": wall_seconds, "figures": figures}
-    return record | {"answer": result.conclusion} | {name: _plain(value) for name, value in body.items()}
+    return record | {"answer": result.conclusion} | {name: jsonable(value) for name, value in body.items()}
 
 
-def _plain(value: Any) -> Any:
+def jsonable(value: Any) -> Any:
     """Dataclasses as dicts, numbers that JSON lacks as words."""
     if hasattr(value, "__dataclass_fields__"):
-        return _plain(asdict(value))
+        return jsonable(asdict(value))
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: jsonable(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [jsonable(item) for item in value]
     if isinstance(value, str | int | None):
         return value
     number = float(value)
@@ -139,7 +146,7 @@ def _plain(value: Any) -> Any:
 
 
 def _revived(value: Any) -> Any:
-    """`value` with the numbers that `_plain` wrote as words."""
+    """`value` with the numbers that `jsonable` wrote as words."""
     if isinstance(value, dict):
         return float(value["number"]) if [*value] == ["number"] else {key: _revived(item) for key, item in value.items()}
     return [_revived(item) for item in value] if isinstance(value, list) else value
@@ -147,10 +154,14 @@ def _revived(value: Any) -> Any:
 
 def _stored(folder: Path, study: Study, record: dict[str, Any]) -> Stored:
     """Inverse of `_record`."""
-    pictures = tuple(Picture(f["name"], f["caption"], f["lead"], *_files(folder, f["name"])) for f in record["figures"])
+    figures = record["figures"]
+    pictures = tuple(
+        Picture(f["name"], f["caption"], f["lead"], f.get("timed", False), *_files(folder, f["name"])) for f in figures
+    )
     known = [(name, kind) for name, kind in _PARTS.items() if name in record]
     parts = {name: TypeAdapter(kind).validate_python(_revived(record[name])) for name, kind in known}
-    return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, StudyResult(record["answer"], **parts), pictures)
+    result = StudyResult(record["answer"], **parts)
+    return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, result, pictures, key=record["key"])
 
 
 def numbers_of(record: dict[str, Any]) -> dict[str, Number]:

@@ -64,6 +64,10 @@ class Budget:
             self.report(end * count / len(items))
 
 
+RUN_TIMES = ("s", "ms", "μs", "of times")
+"""Units of columns that hold run times, or ratios of run times; in sentences these stand between ~{ and }."""
+
+
 @dataclass(frozen=True)
 class Column:
     """Heading, unit and number format (a format spec such as ".7g"; empty for text) of a table's column."""
@@ -71,6 +75,11 @@ class Column:
     title: str
     unit: str = ""
     format: str = ""
+
+    @property
+    def timed(self) -> bool:
+        """Whether it holds run times or their ratios (by its unit): no two reports have the same."""
+        return self.unit in RUN_TIMES
 
 
 @dataclass(frozen=True)
@@ -99,12 +108,14 @@ def table(name: str, caption: str, heading: str, rows: Iterable[Iterable[Cell]],
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture drawn on demand by matplotlib, stored as SVG and PNG. A `lead` figure is shown at the top of the page."""
+    """A picture drawn on demand by matplotlib, stored as SVG and PNG. A `lead` figure is shown at the top of the page; a `timed`
+    one shows run times."""
 
     name: str
     caption: str
     draw: "Callable[[], Drawing]"
     lead: bool = False
+    timed: bool = False
 
 
 @dataclass(frozen=True)
@@ -144,10 +155,12 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Number:
-    """A value that the committed baseline remembers; it has changed when it moves by more than `tolerance`, relative."""
+    """A value that the committed baseline remembers; it has changed when it moves by more than `tolerance`, relative. `known` is
+    the true value, if it is known: a change is then for the better or for the worse (0 for an error of a computation)."""
 
     value: float
     tolerance: float = 1e-6
+    known: float | None = None
 
     def differs(self, other: float) -> bool:
         """True if `other` is further away than the tolerance; two NaN are equal, and so are two equal infinities."""

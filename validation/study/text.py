@@ -13,13 +13,14 @@ _MARKS = (
     (re.compile(r"_\{([^}]*)\}"), r"<sub>\1</sub>"),
     (re.compile(r"\^\{([^}]*)\}"), r"<sup>\1</sup>"),
     (re.compile(r"`([^`]*)`"), r"<code>\1</code>"),
+    (re.compile(r"~\{([^{}]*)\}"), r'<span class="time">\1</span>'),
     (re.compile(r"(?<![A-Za-z0-9])\*([^*\s](?:[^*]*[^*\s])?)\*(?![A-Za-z0-9])"), r"<em>\1</em>"),
 )
 _POWER = re.compile(r"^(.*)e([+−])0*(\d+)$")
 
 
 def markup(text: str) -> str:
-    """HTML of `text`: x_{sub}, x^{sup}, *emphasis* and `code`; everything else is escaped."""
+    """HTML of `text`: x_{sub}, x^{sup}, *emphasis*, `code` and ~{run time}; everything else is escaped."""
     result = html.escape(text, quote=False).replace("^{-", "^{−").replace(" · 10^", "\u202f·\u202f10^")
     for pattern, replacement in _MARKS:
         result = pattern.sub(replacement, result)
@@ -54,7 +55,7 @@ def cell(value: Cell, spec: str) -> str:
 
 def bare(words: str) -> str:
     """`words` without the small markup, for titles and for the terminal."""
-    for mark in ("_{", "^{", "}", "*", "`"):
+    for mark in ("~{", "_{", "^{", "}", "*", "`"):
         words = words.replace(mark, "^" if mark == "^{" else "")
     return words
 

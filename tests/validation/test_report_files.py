@@ -1,0 +1,210 @@
+"""The files beside the page: what programs read of a report."""
+
+import csv
+import io
+import json
+import math
+import subprocess
+from pathlib import Path
+from xml.etree import ElementTree as xml
+
+import pytest
+from fake_studies import result
+
+from validation.cli import main
+from validation.report import baseline
+from validation.report.build import make_report
+from validation.report.files import csv_of
+from validation.report.record import ColumnRecord, report_schema
+from validation.report.recorded import read_report, text_of
+from validation.study import EXACT, Number, Outcome, StudyResult, Verdict, claim
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def changing(fake, tmp_path, monkeypatch):
+    """A study whose result a test changes, its report in `out`, and a baseline of this test's own."""
+    monkeypatch.setattr(baseline, "FOLDER", tmp_path / "baseline")
+    kept = {"result": result()}
+    fake.add("first", lambda budget: kept["result"])
+    return Changing(kept, tmp_path / "out")
+
+
+class Changing:
+    def __init__(self, kept, out):
+        self.kept, self.out = kept, out
+
+    def report(self, *words, now=None):
+        """The exit status of `slipwave report`, computed again if the study's result is `now`."""
+        if now is not None:
+            self.kept["result"] = now
+            (self.out / "data/first/result.json").unlink(missing_ok=True)
+        return main(["report", "--out", str(self.out), *words])
+
+    def record(self):
+        return read_report(self.out)
+
+
+def found(size, limit=1e-6, title="Waves stay"):
+    return claim(title, EXACT, size, limit)
+
+
+def in_words(ours):
+    return Verdict("It slides", EXACT, "it does", ours, Outcome.PASS)
+
+
+def test_report_json_says_all_and_comes_back(changing, capsys):
+    assert changing.report("--json") == 0
+    text = (changing.out / "report.json").read_text()
+    assert capsys.readouterr().out == text == text_of(changing.record())
+    told = json.loads(text)
+    assert told["outcomes"] == {"pass": 2, "finding": 1, "fail": 0, "broken": 0}
+    assert [(one["outcome"], one["ours"]) for one in told["verdicts"]] == [("pass", "73.48"), ("finding", "80"), ("pass", "73.5")]
+    assert len({one["id"] for one in told["verdicts"]}) == 3
+    assert told["numbers"][1] == {
+        "id": "first.void",
+        "study": "first",
+        "name": "void",
+        "value": "NaN",
+        "tolerance": 1e-6,
+        "known": None,
+    }
+    assert math.isnan(changing.record().numbers[1].value)
+    assert [file for one in told["figures"] for file in one["files"] if not (changing.out / file).exists()] == []
+
+
+def test_the_published_schema_is_that_of_the_classes():
+    assert json.loads((ROOT / "docs/report.schema.json").read_text()) == json.loads(json.dumps(report_schema()))
+
+
+def test_every_verdict_and_number_is_a_case_of_junit(changing):
+    verdicts = (found(1e-9), found(3e-6, title="Grips hold \x1b & <go>"), *result().verdicts)
+    make_report(changing.out)
+    baseline.take(changing.out)
+    assert changing.report(now=StudyResult("", verdicts=verdicts, numbers={"T": Number(74.0), "new": Number(1.0)})) == 3
+    (suite,) = xml.parse(changing.out / "junit.xml").getroot()
+    assert {name: suite.get(name) for name in ("name", "tests", "failures", "errors")} == {
+        "name": "first",
+        "tests": "8",
+        "failures": "3",
+        "errors": "0",
+    }
+    failed = {case.get("name"): case.find("failure").get("message") for case in suite if case.find("failure") is not None}
+    assert list(failed.values()) == [
+        "Grips hold ? & <go>: expected below 1 · 10^−6, found 3 · 10^−6",
+        "first: T: expected 73.4721449 ± 7.4e-05, found 74",
+        "first: void: expected nan, found none",
+    ]
+    assert list(failed)[1:] == ["number T", "number void"]
+    findings = [case for case in suite if (case.findtext("system-out") or "").startswith("finding")]
+    assert [case.find("failure") for case in findings] == [None]
+
+
+def test_a_study_that_broke_is_an_error_of_junit_and_a_red_badge(fake, tmp_path):
+    fake.add("first", lambda budget: 1 / 0)
+    assert main(["report", "--out", str(tmp_path)]) == 3
+    ((case,),) = xml.parse(tmp_path / "junit.xml").getroot()
+    assert case.find("error").get("message").startswith("ZeroDivisionError")
+    badge = xml.parse(tmp_path / "badge.svg").getroot()
+    assert badge.get("aria-label") == "slipwave: 0 hold, 1 red"
+    assert badge[2].get("fill") == "#b3261e"
+
+
+@pytest.mark.parametrize(("verdicts", "fill"), [((), "#5f6368"), ((found(1e-9),), "#2e7d32"), ((found(1e-3),), "#b3261e")])
+def test_the_badge_is_green_only_if_something_holds(changing, verdicts, fill):
+    changing.report(now=StudyResult("", verdicts=verdicts))
+    assert xml.parse(changing.out / "badge.svg").getroot()[2].get("fill") == fill
+
+
+def test_a_table_as_csv_has_every_digit_and_no_heading_twice():
+    heading = [("model", ""), ("T", "transits"), ("error", "relative"), ("Δμ", "σ"), ("error", "relative"), ("error", "relative")]
+    columns = [ColumnRecord(title=title, unit=unit, timed=False) for title, unit in heading]
+    rows = [("`dg:7`, r_{c}", 73.47214494429114, None, 1e-300, math.nan, 3)]
+    (head, row) = csv.reader(io.StringIO(csv_of(columns, rows)))
+    assert head == [
+        "model",
+        "T [transits]",
+        "T [transits]: error [relative]",
+        "Δμ [σ]",
+        *(f"Δμ [σ]: error [relative]{n}" for n in ("", " 2")),
+    ]
+    assert row == ["dg:7, rc", "73.47214494429114", "", "1e-300", "nan", "3"]
+
+
+def test_the_patch_gives_the_baseline_that_take_would_write(changing, tmp_path):
+    """Numbers that moved, came and went; of a study whose numbers have not moved the baseline stays byte for byte."""
+    place = tmp_path / "checkout/reports/baseline"
+    place.mkdir(parents=True)
+    changing.report()
+    baseline.take(changing.out)
+    committed = (baseline.FOLDER / "first.json").read_text()
+    (place / "first.json").write_text(committed)
+    assert changing.report(now=StudyResult("", numbers={"T": Number(73.0, 1e-7), "λ_{1}": Number(math.inf)})) == 3
+    subprocess.run(["git", "init", "-q"], cwd=tmp_path / "checkout", check=True)
+    subprocess.run(["git", "apply", changing.out / "baseline.patch"], cwd=tmp_path / "checkout", check=True)
+    baseline.take(changing.out)
+    assert (place / "first.json").read_text() == (baseline.FOLDER / "first.json").read_text() != committed
+    assert changing.report() == 0
+    assert not (changing.out / "baseline.patch").exists()
+
+
+def test_a_study_without_a_baseline_gets_one_by_the_patch(changing, tmp_path):
+    assert changing.report() == 0
+    subprocess.run(["git", "apply", changing.out / "baseline.patch"], cwd=tmp_path, check=True)
+    baseline.take(changing.out)
+    assert (tmp_path / "reports/baseline/first.json").read_text() == (baseline.FOLDER / "first.json").read_text()
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "word", "status"),
+    [
+        (found(5e-7), found(1e-7), "better", 0),
+        (found(1e-7), found(5e-7), "worse", 3),
+        (found(1.0e-7), found(1.9e-7), "same", 0),
+        (found(2e-6), found(5e-7), "better", 0),
+        (found(5e-7), found(2e-6), "worse", 3),
+        (found(5e-7), found(5e-7, title="Others stay"), "new", 0),
+        (Number(73.0, 1e-6), Number(73.00002, 1e-9), "same", 0),
+        (Number(73.0, 1e-9), Number(73.001, 1e-9), "moved", 0),
+        (Number(73.0, 1e-9, known=72.0), Number(72.5, 1e-9, known=72.0), "better", 0),
+        (Number(72.5, 1e-9, known=72.0), Number(71.4, 1e-9, known=72.0), "worse", 3),
+        (Number(72.5, 1e-9, known=72.0), Number(math.nan, 1e-9, known=72.0), "worse", 3),
+        (in_words("yes"), in_words("so"), "not comparable", 0),
+        (in_words("yes"), in_words("yes"), "same", 0),
+    ],
+)
+def test_against_an_earlier_report(changing, tmp_path, capsys, before, now, word, status):
+    def of(one):
+        return StudyResult("", numbers={"T": one}) if isinstance(one, Number) else StudyResult("", verdicts=(one,))
+
+    changing.report(now=of(before))
+    changing.out.rename(tmp_path / "earlier")
+    changing.report(now=of(now))
+    capsys.readouterr()
+    assert changing.report("--against", str(tmp_path / "earlier")) == max(status, 3 * (now == found(2e-6)))
+    said = capsys.readouterr().out.splitlines()
+    changes = changing.record().changes
+    assert changes.counts[word] == 1
+    assert [change.word for change in changes.listed][:1] == [word] * (word != "same")
+    assert f"1 {word}" in said[1]
+    shown = [line.removeprefix("first: ").split()[1:] for line in said[3:]]
+    assert len(shown) == sum(change.word != "not comparable" for change in changes.listed)
+    assert [word in words for words in shown[:1]] == [True] * len(shown[:1])
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [(None, "no such file"), ("{", "is no report.json of format 1"), ('{"format": 2}', "is no report.json of format 1")],
+)
+def test_what_is_no_report_is_refused_before_anything_runs(fake, tmp_path, capsys, text, why):
+    fake.add("first")
+    if text is not None:
+        (tmp_path / "report.json").write_text(text)
+    assert main(["report", "--out", str(tmp_path / "out"), "--against", str(tmp_path / "report.json")]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"slipwave: --against = '{tmp_path / 'report.json'}': ")
+    assert why in said
+    assert said.count("\n") == 1
+    assert fake.runs == []
+    assert not (tmp_path / "out").exists()
