@@ -1,7 +1,7 @@
 """Rate-and-state friction laws as plain data and compiled pure functions; `LAWS` lists the registered ones by name."""
 
 from slipwave.friction import ageing, regularised, slip
-from slipwave.friction.law import LAWS, Law, rate_of, rates, register, respond, steady_state, unknown_of
+from slipwave.friction.law import LAWS, Law, rate_of, rates, register, respond, steady_state, unknown_of, unknowns
 
 register("ageing", ageing.Ageing, ageing.respond_ageing, regularised.steady_psi)
 register("slip", slip.Slip, slip.respond_slip, regularised.steady_psi)
@@ -9,4 +9,4 @@ _SHARED = (regularised.steady_psi, regularised.sinh_rate, regularised.sinh_unkno
 register("ageing-regularised", ageing.AgeingRegularised, ageing.respond_ageing_regularised, *_SHARED)
 register("slip-regularised", slip.SlipRegularised, slip.respond_slip_regularised, *_SHARED)
 
-__all__ = ["LAWS", "Law", "rate_of", "rates", "register", "respond", "steady_state", "unknown_of"]
+__all__ = ["LAWS", "Law", "rate_of", "rates", "register", "respond", "steady_state", "unknown_of", "unknowns"]

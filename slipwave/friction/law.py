@@ -77,6 +77,15 @@ def rates(law: Law, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
     return found
 
 
+@allocating
+def unknowns(law: Law, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rate unknowns z at the slip rates (V*); an array of the same shape."""
+    found = np.empty_like(speeds)
+    for i in range(speeds.size):
+        found.flat[i] = unknown_of(law, speeds.flat[i])
+    return found
+
+
 _GENERIC: tuple[ByClass[..., Any], ...] = (respond, steady_state, rate_of, unknown_of)
 
 

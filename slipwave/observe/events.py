@@ -44,13 +44,14 @@ class Events(NamedTuple):
 
 
 class EventObserver:
-    """Reads pieces; gives the events of any window that lasts to the latest piece."""
+    """Reads pieces; gives the events of any window that lasts to the latest piece. Falls below `floor` (normal stress), such as
+    the noise of a record, are no events either."""
 
     whole_from = math.inf
 
-    def __init__(self, scene: Scene, nodes: Array) -> None:
+    def __init__(self, scene: Scene, nodes: Array, floor: float = 0.0) -> None:
         by_rate = abs(respond(scene.law, unknown_of(scene.law, scene.velocity), scene.steady_psi)[3])
-        floor = _QUIET_RATE * by_rate + _QUIET_STRESS * abs(scene.steady_stress)
+        floor = max(floor, _QUIET_RATE * by_rate + _QUIET_STRESS * abs(scene.steady_stress))
         self._found = new_detector(scene.law, lagrange_basis(nodes), floor, _FIRST_ROOM + nodes.size)
         self.scan(empty_pieces(0, nodes.size))  # loads the detector outside timed runs
 

@@ -82,7 +82,7 @@ def test_a_record_in_the_units_of_a_scene() -> None:
     own = record.of(scene)
     assert [own["time"][0], own["slip"][0], own["slip_rate"][0]] == pytest.approx([1.0, 2.0, 3.0], rel=1e-12)
     assert own.of(read_scene("paper"))["time"][0] == own["time"][0]
-    with pytest.raises(SceneError, match="'x' = in SI: must come with interface"):
+    with pytest.raises(SceneError, match="'x': is in SI; scene 'paper' is not: give interface"):
         record.of(read_scene("paper"))
 
 

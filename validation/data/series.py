@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from slipwave.errors import SceneError
 from slipwave.files import reason_of
-from slipwave.input.relate import require_units
 from slipwave.input.wording import listed, shorten
 from slipwave.scene import Scene
 from validation.data.quantities import MEASURED, SEAS, Heading, Unit, heading, name_of_quantity, unit_of, unit_sizes
@@ -55,7 +54,9 @@ class Series:
         """The same record in the units of `scene`. Raises SceneError for a record in SI and a scene without."""
         if self.is_own or (self.is_own is None and scene.units is None):
             return replace(self, is_own=True)
-        require_units(repr(self.source), "in SI", scene.units, "in transits, L, V* and normal stress")
+        if scene.units is None:
+            keys = "interface.normal_stress, memory_length and reference_velocity"
+            raise SceneError(f"{self.source!r}: is in SI; scene {scene.name!r} is not: give {keys}, or a record in its own units")
         sizes = unit_sizes(scene)
         columns = {name: values / sizes[MEASURED[name].own] for name, values in self.columns.items()}
         return replace(self, columns=columns, is_own=True)

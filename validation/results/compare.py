@@ -3,20 +3,26 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
+from slipwave.errors import SceneError
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.solve import Solver
 from slipwave.solve.foresight import require_time
+from validation.data.events import MeasuredMotion, measured_motion
+from validation.data.series import read_series
 from validation.measure.cycle import Cycle, CycleObserver
 from validation.output import FIGURES, aligned, rounded
 from validation.registry.build import build_all
 from validation.registry.families import one_port_of
+from validation.results.beside_data import data_lines, distances_from_data, draw_beside_data, facts_of_data
 from validation.results.command import command
 from validation.results.comparison import Comparison, barred, errors_of, nothing, remarks, row_of
+from validation.results.facts import finite
 from validation.results.figures import second_axis
-from validation.results.options import NumericalOptions, RunsOptions, option
+from validation.results.options import NumericalOptions, RunsOptions, log, option
 from validation.results.result import Output
 from validation.run.length import Until, length_of, second_half
 from validation.run.simulate import Run, reconsidered, simulate
@@ -31,10 +37,26 @@ _ON_TOP = {"color": "#111111", "linewidth": 0.9, "dashes": (4, 2), "zorder": 3}
 class CompareOptions(NumericalOptions, RunsOptions):
     """Options of `slipwave.compare`."""
 
-    EXAMPLES: ClassVar = ("slipwave compare paper --models delay,kelvin-voigt,fd --out compare.png",)
+    EXAMPLES: ClassVar = (
+        "slipwave compare paper --models delay,kelvin-voigt,fd --out compare.png",
+        "slipwave compare mine.toml --with measured.csv --models quasidynamic --out compare.pdf",
+    )
 
-    models: str | Sequence[str] = option(
-        "the models; the reference is delay if it is among them, else the first", ..., metavar="M1,M2,...", positional=True
+    models: str | Sequence[str] | None = option(
+        "the models; the reference is delay if it is among them, else the first (beside a record default auto)",
+        metavar="M1,M2,...",
+        positional=True,
+    )
+    data: Path | None = option("a measured record of time and friction, CSV or columns", flag="--with", metavar="FILE")
+    columns: str | None = option(
+        "the record's columns in their order, as in time,disp,friction,_ (_: not read)", metavar="NAME,..."
+    )
+    units: str | None = option("the units of these columns, as in s,um,1,_ or time=s,disp=um", metavar="UNIT,...")
+    smooth: int | None = option(
+        "samples of the record that a local parabola smooths (default: a quarter of a slip event)",
+        metavar="N",
+        least=1,
+        must="be 1 or more samples",
     )
 
 
@@ -54,6 +76,7 @@ class CompareResult(Comparison):
     runs: list[Run]
     cycles: list[Cycle | None]
     options: Mapping[str, Any]
+    motion: MeasuredMotion | None = None
     failed: str = ""
     stopped: bool = False
 
@@ -65,7 +88,18 @@ class CompareResult(Comparison):
     @property
     def rows(self) -> list[dict[str, Any]]:
         """One for each model."""
-        return [row_of(run, _figures(run), self.reference) for run in self.runs]
+        rows = [row_of(run, _figures(run), self.reference) for run in self.runs]
+        if self.motion is None:
+            return rows
+        data = facts_of_data(self.motion, self.scene)
+        return [row | {"against_data": distances_from_data(row, data)} for row in rows]
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """As of every comparison; `data` are the figures of the record, if there is one."""
+        if self.motion is None:
+            return super().summary
+        return super().summary | {"data": dict(finite(facts_of_data(self.motion, self.scene)))}
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """A row for each model, and what they come to."""
@@ -93,12 +127,18 @@ class CompareResult(Comparison):
         against = f"relative errors against {summary['reference']}"
         yield f"\nperiods in transits, means over the second half, {against}; figure: {summary['figure']}"
         yield from remarks(summary)
+        if self.motion is not None:
+            yield from data_lines(summary, self.scene)
 
     def plot(self) -> Drawing:
         """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model, the reference dashed on
-        top; a motion without cycles appears in the legend only."""
+        top; a motion without cycles appears in the legend only. Beside a record: its cycles and residuals."""
         with styled():
-            return self._drawn()
+            if self.motion is None:
+                return self._drawn()
+            pairs = zip(self.runs, self.cycles, strict=True)
+            shown = [(run.solver.model, cycle if run.verdict and run.verdict.repeats else None) for run, cycle in pairs]
+            return draw_beside_data(self.motion, shown, self.scene)
 
     def _drawn(self) -> Drawing:
         sheet = canvas(9.0, 6.0)
@@ -133,16 +173,36 @@ def _label(run: Run, shown: bool) -> str:
 @command
 def compare(source: SceneSource, options: CompareOptions) -> CompareResult:
     """Run several models (a list, or names separated by commas) on a scene and compare their cycles with those of the delay
-    system, or of the first model.
+    system, or of the first model; with `data`, a record, also with its cycles.
 
     Raises SceneError for wrong input; NumericsError if one of them fails, with all of them as its `result`.
     """
     scene = options.scene_of(source, options.until)
-    names = options.models if isinstance(options.models, str) else ",".join(options.models)
+    if options.models is None and options.data is None:
+        raise SceneError("--models: missing: name models, as in delay,kelvin-voigt, or a record by --with FILE")
+    given = "auto" if options.models is None else options.models
+    names = given if isinstance(given, str) else ",".join(given)
+    motion = _measured(options, scene)
     found, stopped = _runs_of(build_all(names, scene, **options.numerical), scene, options.most_seconds)
     runs, cycles = [run for run, _ in found], [cycle for _, cycle in found]
     failed = [*(run.failed for run in runs if run.failed), *([stopped] if stopped else [])]
-    return CompareResult(scene, runs, cycles, options.stored, "; ".join(failed), bool(stopped))
+    return CompareResult(scene, runs, cycles, options.stored, motion, "; ".join(failed), bool(stopped))
+
+
+def _measured(options: CompareOptions, scene: Scene) -> MeasuredMotion | None:
+    """The motion in the record, if one is given. Raises SceneError for options of a record without one, and for a drive that
+    changes: its motion has no cycles."""
+    if options.data is None:
+        without = [name for name in ("columns", "units", "smooth") if getattr(options, name) is not None]
+        if without:
+            raise SceneError(f"{without[0]}: needs a record: --with FILE")
+        return None
+    if not scene.drive.is_constant:
+        raise SceneError(f"scene {scene.name!r}: its drive changes; cycles are compared under a constant drive.velocity")
+    series = read_series(options.data, options.columns, options.units)
+    for note in series.notes:
+        log.info("note: %s", note)
+    return measured_motion(series, scene, options.smooth)
 
 
 def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tuple[Run, Cycle | None]], str]:

@@ -1,0 +1,135 @@
+"""Slip events in records are those of runs, by the same detector; a record beside models: its table, its figure, its refusals."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import slipwave as sw
+from slipwave import SceneError
+from slipwave.observe import Events
+from slipwave.scene import Scene
+from validation.cli import main
+from validation.data.events import measured_motion, noise_of
+from validation.data.series import Series
+from validation.data.writing import as_record
+
+NAME, UNTIL = "steel-on-pmma", 90000.0
+
+
+@pytest.fixture(scope="module")
+def slips() -> tuple[Series, Events, Scene]:
+    """A run with slip events as a record, its cycles, and its scene."""
+    result = sw.run(NAME, "quasidynamic", until=UNTIL, interface=True)
+    assert result.records.history
+    parts = [*as_record(result.records.history.parts(), result.done.solver.scene)]
+    columns = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
+    return Series("run.csv", columns), result.done.events, result.done.solver.scene
+
+
+def sampled(series: Series, scene: Scene, noise: float) -> Series:
+    """What a laboratory would record: a load cell in the drive at 10 kHz, with noise."""
+    assert scene.units
+    time = np.arange(0.0, series["time"][-1], 1e-4)
+    held = (series["load_point_displacement"] - series["slip"]) / scene.units.memory_length / scene.transit
+    friction = np.interp(time, series["time"], scene.steady_stress + scene.stiffness * held)
+    friction += noise * np.random.default_rng(1).standard_normal(time.size)
+    return Series("cell.csv", {"time": time, "load_point_displacement": 1e-3 * time, "friction": friction})
+
+
+def test_events_in_the_record_of_a_run_are_those_of_the_run(slips: tuple[Series, Events, Scene]) -> None:
+    series, cycles, scene = slips
+    found = measured_motion(series, scene)
+    assert (found.noise, found.smoothing.samples, found.dates.size) == (0.0, 1, cycles.time.size + 1)
+    np.testing.assert_allclose(found.events.time, cycles.time, atol=1e-3)
+    for name in ("period", "stress_drop", "v_max"):
+        np.testing.assert_allclose(getattr(found.events, name), getattr(cycles, name), rtol=1e-4)
+    without = Series("x", {key: series[key] for key in ("time", "slip", "friction")})
+    np.testing.assert_allclose(measured_motion(without, scene).events.v_max[1:], cycles.v_max[1:], rtol=0.01)
+
+
+def test_noise_adds_no_events_and_what_smoothing_does_is_told(slips: tuple[Series, Events, Scene]) -> None:
+    series, cycles, scene = slips
+    quiet, noisy = (measured_motion(sampled(series, scene, noise), scene) for noise in (0.0, 1e-3))
+    assert noise_of(noisy.time, sampled(series, scene, 1e-3)["friction"]) == pytest.approx(1e-3, rel=0.1)
+    assert noisy.dates.size == quiet.dates.size == cycles.time.size + 1
+    assert noisy.smoothing.samples > 3
+    assert np.abs(noisy.dates - quiet.dates).max() < 2.0 * noisy.smoothing.dates < 0.02 * cycles.period[0]
+    for name in ("period", "stress_drop", "v_max"):
+        change = abs(getattr(noisy.events, name).mean() / getattr(quiet.events, name).mean() - 1.0)
+        assert change < 1.5 * getattr(noisy.smoothing, name) + 1e-4, name
+    assert quiet.events.stress_drop == pytest.approx(cycles.elastic_stress_drop, rel=2e-3)
+
+
+def test_without_events_or_with_one_there_is_nothing_to_compare(slips: tuple[Series, Events, Scene]) -> None:
+    series, _, scene = slips
+    cell = sampled(series, scene, 1e-3)
+    for last, told in ((300, "no slip event: no fall of friction exceeds the range of noise"), (900, "one slip event only")):
+        part = Series("cell.csv", {key: values[:last] for key, values in cell.columns.items()})
+        with pytest.raises(SceneError, match=f"'cell.csv': {told}"):
+            measured_motion(part, scene)
+    with pytest.raises(SceneError, match="smooth = 9999: must be from 1 to"):
+        measured_motion(cell, scene, 9999)
+
+
+def written(series: Series, path: Path) -> str:
+    table = np.column_stack([1e3 * series["time"], 1e6 * series["load_point_displacement"], series["friction"]])
+    np.savetxt(path, table, delimiter=",", header="time [ms],disp_um,mu", comments="")
+    return str(path)
+
+
+def test_a_record_beside_a_model(slips: tuple[Series, Events, Scene], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    series, cycles, scene = slips
+    path = written(sampled(series, scene, 2e-4), tmp_path / "cell.csv")
+    words = ["compare", NAME, "--with", path, "--models", "quasidynamic", "--until", f"{UNTIL:g}"]
+    assert main([*words, "--json", "--out", str(tmp_path / "x.svg")]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    data, (row,) = facts["data"], facts["models"]
+    assert data["period"]["mean"] == pytest.approx(cycles.period[1:].mean(), rel=2e-3)
+    assert data["period"]["n"] == cycles.time.size
+    assert data["si"]["period_s"] == pytest.approx(data["period"]["mean"] * scene.transit, rel=1e-6)  # L/V* is 1 s
+    assert row["against_data"]["period"] == pytest.approx(row["period"]["mean"] / data["period"]["mean"] - 1.0, rel=1e-12)
+    assert row["against_data"]["stress_drop"] > 0.2
+    assert row["elastic_stress_drop"]["mean"] == pytest.approx(data["stress_drop"]["mean"], rel=0.02)
+    assert (tmp_path / "x.svg").stat().st_size > 10_000
+    result = sw.compare(NAME, "quasidynamic", data=path, until=UNTIL)
+    above, middle, below = result.plot().axes[::2]
+    (time, record), (_, model), _ = (line.get_data() for line in above.get_lines())
+    np.testing.assert_allclose(middle.get_lines()[0].get_ydata(), record - model, atol=1e-15)
+    assert time[np.argmax(np.asarray(below.get_lines()[1].get_ydata()))] == pytest.approx(0.0, abs=2e-4)
+    assert result.data.period.n == data["period"]["n"]
+    assert "its elastic stress, which a load cell in the drive measures, drops by" in "\n".join(
+        result.lines(facts | {"figure": ""})
+    )
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["paper"], "--models: missing: name models, as in delay,kelvin-voigt, or a record by --with FILE"),
+        (["paper", "--models", "delay", "--columns", "time,mu"], "columns: needs a record: --with FILE"),
+        (["velocity-steps", "--with", "x.csv"], "its drive changes; cycles are compared under a constant drive.velocity"),
+        ([NAME, "--with", "absent.csv"], "'absent.csv': cannot be read: no such file or directory"),
+        (["paper", "--with", "x.csv"], "'x.csv': is in SI; scene 'paper' is not: give interface.normal_stress"),
+        ([NAME, "--with", "x.csv"], "'x.csv': no slip event; a comparison of cycles needs two or more"),
+        ([NAME, "--with", "x.csv", "--columns", "time,slip"], "'x.csv': has no column friction; the columns read are time, slip"),
+    ],
+)
+def test_refusals_are_one_line(
+    words: list[str], told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "x.csv").write_text("time [s],mu\n0,0.6\n1,0.6\n2,0.6\n")
+    assert main(["compare", *words]) == 2
+    lines = [line for line in capsys.readouterr().err.splitlines() if not line.startswith("note:")]
+    assert len(lines) == 1
+    assert told in lines[0]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["x.csv"]
+
+
+def test_a_pure_rise_has_no_noise() -> None:
+    time = np.array([0.0, 1.0, 1.5, 4.0])
+    assert noise_of(time, 3.0 * time) == 0.0
+    assert math.isclose(noise_of(np.arange(2.0), np.arange(2.0)), 0.0)
