@@ -116,13 +116,13 @@ def test_the_page_tells_what_moved_since_the_baseline(fake, kept, tmp_path):
         return StudyResult("", numbers={name: n for name, n in numbers.items() if not budget.quick or name == "T"})
 
     fake.add("first", measured)
-    assert "<p>2 new</p>" in make_report(tmp_path / "full").read_text()
+    assert "the committed baseline: 2 new." in make_report(tmp_path / "full").read_text()
     (written,) = baseline.take(tmp_path / "full")
     assert json.loads(written.read_text())["T"] == {"value": 73.0, "tolerance": 1e-6}
     assert main(["report", "--out", str(tmp_path / "again")]) == 0
     assert told(tmp_path / "again" / "index.html") == [0, 0, 0]
-    assert "<p>2 same</p>" in (tmp_path / "again" / "index.html").read_text()
-    assert "<p>1 same</p>" in make_report(tmp_path / "quick", quick=True).read_text()
+    assert "0 of 2 numbers moved since the committed baseline" in (tmp_path / "again" / "index.html").read_text()
+    assert "0 of 1 numbers moved" in make_report(tmp_path / "quick", quick=True).read_text()
     numbers |= {"T": Number(73.001), "new": Number(3.0)}
     del numbers["order"]
     with pytest.raises(RedReport) as red:

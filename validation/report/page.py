@@ -2,74 +2,114 @@
 
 import base64
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from slipwave.files import whole_or_absent
-from validation.report.record import Record
+from validation.report import first_screen
+from validation.report.questions import ask, verdicts_of
+from validation.report.record import Changes, Record, Word
 from validation.report.store import Picture, Stored
 from validation.study import Evidence, Outcome, Verdict, text
 
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
 _HERE = Path(__file__).parent
+_FILES = {"JSON": "report.json", "JUnit": "junit.xml", "badge": "badge.svg"}
 _WORST = (Outcome.FAIL, Outcome.FINDING, Outcome.PASS)
 
 
 def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], report: Record) -> Path:
     """Render out/index.html from the studies' results; the file appears whole or not at all."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
-    environment = Environment(
-        loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["markup"] = lambda words: Markup(text.markup(words))
-    environment.filters["cell"] = lambda value, spec: Markup(text.cell(value, spec))
-    environment.filters["inline"] = _inline
-    page = environment.get_template("page.html.j2").render(
-        css=Markup((_HERE / "page.css").read_text(encoding="utf-8")),
-        facts=facts,
-        quick=report.quick,
-        written=report.times.written,
-        studies=studies,
-        evidence=tuple(Evidence),
-        matrix=matrix(studies),
-        tally=tally(studies),
-        leads=[(study, picture) for study in studies for picture in study.pictures if picture.lead],
-        omissions=[(study, o) for study in studies if study.result for o in study.result.omissions],
-        changes=report.changes,
-        wall=sum(study.wall_seconds for study in studies),
+    said = _said(report.changes)
+    page = (
+        _templates(studies)
+        .get_template("page.html.j2")
+        .render(
+            css=Markup((_HERE / "page.css").read_text(encoding="utf-8")),
+            script=Markup((_HERE / "page.js").read_text(encoding="utf-8")),
+            facts=facts,
+            files=_FILES,
+            quick=report.quick,
+            written=report.times.written,
+            models=first_screen.models_of(studies),
+            questions=ask(studies, said),
+            findings=[verdict for verdict in verdicts_of(studies) if verdict.outcome is Outcome.FINDING],
+            failures=[verdict for verdict in verdicts_of(studies) if verdict.outcome is Outcome.FAIL],
+            evidence=tuple(Evidence),
+            matrix=matrix(studies),
+            tally=tally(studies),
+            leads=[(study, picture) for study in studies for picture in study.pictures if picture.lead],
+            omissions=[(study, o) for study in studies if study.result for o in study.result.omissions],
+            changes=report.changes,
+            said=said,
+            studies=studies,
+            before=report.times.before,
+            wall=sum(study.wall_seconds for study in studies),
+        )
     )
     with whole_or_absent(out / "index.html") as temporary:
         temporary.write_text(page, encoding="utf-8")
     return out / "index.html"
 
 
+def _templates(studies: Sequence[Stored]) -> "Environment":
+    """What the templates call, beside what jinja offers."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
+
+    environment = Environment(
+        loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters |= {
+        "markup": lambda words: Markup(text.markup(words)),
+        "cell": lambda value, spec: Markup(text.cell(value, spec)),
+        "bare": text.bare,
+        "sentences": text.first_sentence,
+        "inline": _inline,
+    }
+    environment.globals |= {function.__name__: function for function in first_screen.SHOWN}
+    environment.globals |= {"tally_of": tally, "proofs": partial(first_screen.proofs, studies=studies)}
+    return environment
+
+
 def matrix(studies: Sequence[Stored]) -> list[dict[str, Any]]:
-    """Rows of the claim x evidence matrix: study, claim, and per kind of evidence its worst outcome and all its verdicts."""
+    """Rows of the matrix study x evidence: per kind of evidence the worst outcome, and how many verdicts there are."""
     rows = []
     for study in studies:
-        verdicts = study.result.verdicts if study.result else ()
-        for claim in dict.fromkeys(verdict.claim for verdict in verdicts):
-            mine = [verdict for verdict in verdicts if verdict.claim == claim]
-            cells = [_light([v for v in mine if v.evidence is kind]) for kind in Evidence]
-            rows.append({"study": study.name, "claim": claim, "cells": cells})
+        cells = [_light([v for v in verdicts_of([study]) if v.evidence is kind]) for kind in Evidence]
+        rows += [{"study": study.name, "cells": cells}] if any(cells) else []
     return rows
 
 
 def _light(verdicts: list[Verdict]) -> dict[str, Any] | None:
-    """The symbol of one cell: the worst outcome, with a title that lists its verdicts."""
+    """The symbol of one cell: the worst outcome."""
     if not verdicts:
         return None
     worst = next(outcome for outcome in _WORST if any(v.outcome is outcome for v in verdicts))
-    title = "; ".join(f"expected {v.expected}, ours {v.ours}" for v in verdicts)
-    return {"outcome": worst.value, "count": len(verdicts), "title": text.bare(title)}
+    return {"outcome": worst.value, "count": len(verdicts)}
 
 
 def tally(studies: Sequence[Stored]) -> dict[str, int]:
     """How many verdicts of each outcome, and how many studies failed."""
-    verdicts = [verdict for study in studies if study.result for verdict in study.result.verdicts]
+    verdicts = verdicts_of(studies)
     counts = {outcome.value: sum(v.outcome is outcome for v in verdicts) for outcome in Outcome}
     return counts | {"broken": sum(study.result is None for study in studies)}
+
+
+def _said(changes: Changes) -> str:
+    """How many numbers and verdicts moved, in one sentence."""
+    fresh = changes.counts.get(Word.NEW, 0)
+    every, new = sum(changes.counts.values()) - fresh, f"; {fresh} are new" if fresh else ""
+    if not every:
+        return f"Nothing to compare with{new}."
+    left = sum(changes.counts.get(word, 0) for word in (Word.BETTER, Word.MOVED, Word.WORSE, Word.GONE))
+    kind = "numbers and verdicts" if any(change.kind == "verdict" for change in changes.listed) else "numbers"
+    return f"{left} of {every} {kind} moved since {changes.since}{new}."
 
 
 def _inline(picture: Picture) -> str:

@@ -60,6 +60,12 @@ def bare(words: str) -> str:
     return words
 
 
+def first_sentence(words: str) -> tuple[str, str]:
+    """The first sentence of `words`, and the rest."""
+    first, *rest = re.split(r"(?<=[.?!]) +(?=[A-ZΔΨ`*(])", words.strip(), maxsplit=1)
+    return first, " ".join(rest)
+
+
 def places(values: Iterable[float], spec: str = "g") -> str:
     """Several numbers in a sentence: −2.69, −2.68."""
     return ", ".join(format(value, spec).replace("-", "−") for value in values)

@@ -1,0 +1,168 @@
+"""The page: seven questions, the table of models, rows of verdicts, in the words and numbers of the stored results."""
+
+import re
+from pathlib import Path
+
+import pytest
+from fake_studies import result
+
+from validation.report.first_screen import SHOWN
+from validation.report.page import write_page
+from validation.report.questions import QUESTIONS, ask
+from validation.report.recorded import record_of
+from validation.report.store import Stored
+from validation.studies import STUDIES
+from validation.study import Evidence, Outcome, StudyResult, Verdict
+from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
+from validation.study.names import with_names
+from validation.study.text import first_sentence
+
+FACTS = dict.fromkeys(("slipwave", "commit", "solver sources", "scene paper", "platform", "processor", "cores"), "1")
+
+
+def stored(name, *verdicts, answer="It does.", **parts):
+    """A study that finished."""
+    return Stored(name, f"Does {name} work?", 1.0, True, StudyResult(answer, verdicts=with_names(name, verdicts), **parts))
+
+
+def verdict(outcome=Outcome.PASS, evidence=Evidence.EXACT, title="A holds", **more):
+    return Verdict(title, evidence, "below 0.5", "0.1", outcome, **more)
+
+
+def models():
+    """Two models at three r: the second slides steadily at the first two, and is 40 % short at the third."""
+    columns = tuple(ModelColumn(f"−{x}", -x, 1.0, group) for x, group in ((2.7, "periodic"), (2.6, "periodic"), (2.5, "torus")))
+    own = [{"T": Compared(70.0 + n, None, 1e-9), "Δμ": Compared(0.2, None, 1e-9)} for n in range(3)]
+    short = {"T": Compared(43.2, -0.4, 0.001), "Δμ": Compared(0.21, 0.05, 0.001)}
+    still = ModelCell("slides steadily", False)
+    rows = (
+        ModelRow(
+            "delay",
+            tuple(ModelCell("periodic", True, 0, figures) for figures in own),
+            Compared(-2.69, None, 0.0),
+            (1.0,),
+            "use",
+            "",
+        ),
+        ModelRow("quasidynamic", (still, still, ModelCell("periodic", True, 140, short)), None, (0.05,), "avoid", "other cycles"),
+    )
+    quantities = (ModelQuantity("T", "period", "transits"), ModelQuantity("Δμ", "stress drop", "σ"))
+    return ModelTable(
+        "paper", "Errors. Of orbits.", "log_{10} r", quantities, columns, ("−2.6",), "delay", rows, ("Use `delay`.",)
+    )
+
+
+def page_of(tmp_path: Path, *studies: Stored) -> str:
+    return write_page(tmp_path, studies, FACTS, record_of(studies, FACTS, False, "today")).read_text(encoding="utf-8")
+
+
+def summary_of(html: str, name: str) -> str:
+    return re.search(rf'<details class="\w+" id="{name}"[^>]*>\s*<summary>(.*?)</summary>', html, re.DOTALL)[1]
+
+
+def rows_of(html: str, label: str) -> list[list[str]]:
+    """Cells of the table in the region of this label, without tags."""
+    table = html.split(f'aria-label="{label}"')[1].split("</table>")[0]
+    rows = re.findall(r"<tr.*?</tr>", table, re.DOTALL)
+    return [[re.sub(r"<.*?>", "", cell) for cell in re.findall(r"<t[hd].*?</t[hd]>", row, re.DOTALL)] for row in rows]
+
+
+def test_every_study_answers_one_question():
+    listed = [name for question in QUESTIONS for name in question.studies]
+    assert sorted(listed) == sorted(STUDIES)
+    assert len(QUESTIONS) == 7
+
+
+def test_a_question_is_answered_by_its_first_study_and_by_no_study_that_fails(tmp_path):
+    sound, broken = stored("grid-convergence", verdict(), answer="They agree."), stored("energy", verdict(Outcome.FAIL))
+    stopped = Stored("slip-event", "?", 1.0, True, error="it died")
+    answers = {asked.question.name: asked.answer for asked in ask([broken, sound, stopped], "Nothing.")}
+    assert answers["exact"] == "They agree. But 1 checks of `energy` fail, `slip-event` did not finish."
+    assert answers["changed"] == "Nothing."
+    assert answers["cost"] == "Not computed in this report."
+    assert "They agree." in summary_of(page_of(tmp_path, sound), "exact")
+
+
+def test_claims_of_the_paper_are_counted_and_findings_come_first(tmp_path):
+    kinds = [Outcome.PASS, Outcome.FINDING, Outcome.PASS]
+    studies = [stored("claims", *(verdict(kind, Evidence.PAPER, f"P{n} holds") for n, kind in enumerate(kinds)), verdict())]
+    html = page_of(tmp_path, *studies)
+    assert "Of 3 checks against its printed numbers and claims 2 hold; 1 do not" in summary_of(html, "paper")
+    assert [row[1:] for row in rows_of(html, "verdicts that are findings")][1:] == [
+        ["P1 holds", "paper", "below 0.5", "0.1", "in words"]
+    ]
+
+
+def test_the_verdicts_rest_on_kinds_of_evidence(tmp_path):
+    html = page_of(tmp_path, stored("energy", verdict(), verdict(Outcome.FAIL), verdict(evidence=Evidence.WITNESS)))
+    assert "The 3 verdicts rest on five kinds of evidence: 2 exact, 0 self-convergence, 1 independent witness" in html
+    assert rows_of(html, "studies and kinds of evidence")[1] == ["energy", "✗ 2", "", "✓ 1", "", ""]
+
+
+def test_a_row_of_a_verdict_has_found_beside_limit_and_their_ratio(tmp_path):
+    html = page_of(tmp_path, stored("energy", verdict(size=0.1, limit=0.5, refuted="a second root")))
+    assert rows_of(html, "verdicts energy")[1][1:] == ["A holdsRefuted by a second root.", "exact", "below 0.5", "0.1", " 0.2"]
+    assert '<tr id="energy.a-holds">' in html
+    assert '<i style="width:20%">' in html
+
+
+def test_every_address_within_the_page_leads_somewhere(tmp_path):
+    html = page_of(
+        tmp_path,
+        stored("model-error", verdict(Outcome.FINDING, remark="`delay`"), model_tables=(models(),)),
+        stored("energy", verdict(Outcome.FAIL)),
+    )
+    names = re.findall(r'id="(.*?)"', html)
+    assert len(names) == len(set(names))
+    assert set(re.findall(r'href="#(.*?)"', html)) <= set(names)
+
+
+def test_the_table_of_models_joins_cells_of_a_wrong_regime(tmp_path):
+    html = page_of(tmp_path, stored("model-error", verdict(), model_tables=(models(),)))
+    assert "Use <code>delay</code>." in html
+    head, titles, delay, short = rows_of(html, "error of the period, paper")
+    assert head[1:] == ["periodic", "torus", "cost, delay = 1", "advice"]
+    assert titles == ["−2.7", "−2.6", "−2.5", "at −2.6"]
+    assert delay == ["delay exact, T, transits", "70", "71", "72", "1", "use"]
+    assert short == ["quasidynamic", "slides steadily", "−40.0 ± 0.2 %", "0.05", "avoid other cycles"]
+    assert '<td class="n wrong first" colspan="2"><a href="#models.paper.quasidynamic.-2.7">slides steadily</a></td>' in html
+    assert rows_of(html, "error of the stress drop, paper")[3][2] == "+5.0 ± 0.2 %"
+    assert rows_of(html, "onset of stick-slip, paper")[1:] == [
+        ["delay", "−2.690000", "exact", "use"],
+        ["quasidynamic", "no onset", "avoid other cycles"],
+    ]
+
+
+def test_every_cell_has_its_numbers_its_verdicts_and_a_command(tmp_path):
+    html = page_of(tmp_path, stored("model-error", verdict(remark="`quasidynamic`"), model_tables=(models(),)))
+    last = rows_of(html, "every cell of the table paper")[-1]
+    assert last[:6] == [
+        "quasidynamic",
+        "−2.5",
+        "periodic, 140 cycles",
+        "43.2",
+        "−4.00\u202f·\u202f10−1".replace("\u202f", "&#8239;"),
+        "1.0&#8239;·&#8239;10−3",
+    ]
+    assert last[-1] == "1 slipwave run paper --model quasidynamic --set slab.log10_r=-2.5"
+    assert 'href="#model-error.a-holds" title="model-error.a-holds">1</a>' in html
+
+
+@pytest.mark.parametrize(
+    ("words", "first"),
+    [
+        ("Errors of T. Means.", "Errors of T."),
+        ("At 10^{-2.5}, say. `delay` is", "At 10^{-2.5}, say."),
+        ("One", "One"),
+    ],
+)
+def test_a_caption_folds_behind_its_first_sentence(words, first):
+    assert first_sentence(words)[0] == first
+    assert " ".join(filter(None, first_sentence(words))) == words
+
+
+def test_a_whole_result_is_shown(tmp_path):
+    html = page_of(tmp_path, Stored("claims", "?", 1.0, True, result()))
+    assert len(SHOWN) == len({function.__name__ for function in SHOWN})
+    assert "Clock: transits." in html
+    assert "<b>P8</b> needs continuation" in html

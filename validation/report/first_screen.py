@@ -1,0 +1,75 @@
+"""The table of models as the page shows it: one quantity at a time, neighbouring cells of one wrong regime joined."""
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+from typing import Any
+
+from validation.report.questions import verdicts_of
+from validation.report.store import Stored
+from validation.study.model_table import ModelCell, ModelColumn, ModelRow, ModelTable, shade_of, words_of
+
+
+def models_of(studies: Sequence[Stored]) -> list[ModelTable]:
+    """All tables of models, in the order of the studies."""
+    return [table for study in studies if study.result for table in study.result.model_tables]
+
+
+def groups_of(table: ModelTable) -> list[tuple[str, int]]:
+    """Groups of columns, and how many columns each has."""
+    return [(group, len(list(columns))) for group, columns in groupby(table.columns, lambda column: column.group)]
+
+
+def starts(table: ModelTable) -> set[str]:
+    """Titles of the columns with which a group begins."""
+    return {next(columns).title for _, columns in groupby(table.columns, lambda column: column.group)}
+
+
+def usual(table: ModelTable) -> int:
+    """The place that is shown first where one is shown at a time: the first at which costs are measured."""
+    return next((n for n, column in enumerate(table.columns) if column.title in table.costed), 0)
+
+
+def cost_at(table: ModelTable, row: ModelRow, column: ModelColumn) -> float | None:
+    """The model's cost at the place nearest to this one where costs are measured."""
+    measured = {other.title: abs(other.log10_r - column.log10_r) for other in table.columns if other.title in table.costed}
+    costs = dict(zip(table.costed, row.costs, strict=True))
+    return costs[min(measured, key=lambda title: measured[title])] if measured else None
+
+
+def joined(table: ModelTable, row: ModelRow, symbol: str) -> Iterator[dict[str, Any]]:
+    """Cells of a row as they are shown; neighbours without numbers and of one regime, in one group, are one."""
+
+    def kind(pair: tuple[ModelColumn, ModelCell]) -> tuple[str, ...]:
+        """What neighbours that are joined share."""
+        column, cell = pair
+        return (column.group, cell.regime) if symbol not in cell.figures else (column.group, cell.regime, column.title)
+
+    for _, found in groupby(zip(table.columns, row.cells, strict=True), kind):
+        pairs = list(found)
+        column, cell = pairs[0]
+        yield shown(table, row, column, cell, symbol) | {"span": len(pairs), "first": column.title in starts(table)}
+
+
+def shown(table: ModelTable, row: ModelRow, column: ModelColumn, cell: ModelCell, symbol: str) -> dict[str, Any]:
+    """What a cell says, its shade, and the anchor of what proves it."""
+    return {"words": words_of(cell, symbol), "shade": shade_of(cell, symbol), "anchor": anchor(table, row, column)}
+
+
+def anchor(table: ModelTable, row: ModelRow, column: ModelColumn) -> str:
+    """Name of the row that proves a cell: models.table.model.place."""
+    return f"models.{table.name}.{row.model}.{column.title}".replace("−", "-").replace(" ", "-")
+
+
+def command_for(table: ModelTable, row: ModelRow, column: ModelColumn, cell: ModelCell) -> str:
+    """The command that repeats a cell of a table over r."""
+    name = "run" if cell.cycles else "orbit" if cell.figures else "stability"
+    return f"slipwave {name} {table.name} --model {row.model} --set slab.log10_r={column.log10_r:g}"
+
+
+def proofs(model: str, studies: Sequence[Stored]) -> list[str]:
+    """Names of the verdicts that judge the model by its name."""
+    return [verdict.id for verdict in verdicts_of(studies) if f"`{model}`" in verdict.claim + verdict.remark]
+
+
+SHOWN = (anchor, command_for, cost_at, groups_of, joined, shown, starts, usual)
+"""What the template of the table calls."""

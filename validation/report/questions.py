@@ -1,0 +1,95 @@
+"""The seven questions of the page and the studies that answer each: the one place that says where a study is shown."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from validation.report.store import Stored
+from validation.study import Evidence, Outcome, Verdict
+
+
+class Question(NamedTuple):
+    """A question: its anchor, its words, and the studies that answer it in the order in which they are shown. The first that is
+    there says the answer."""
+
+    name: str
+    title: str
+    studies: tuple[str, ...]
+
+
+QUESTIONS = (
+    Question("which", "Which model may I use?", ("model-error", "one-cycle", "error-laws", "regime-map")),
+    Question("cost", "What does an answer cost?", ("cost-and-error",)),
+    Question(
+        "exact",
+        "Is the exact solution exact?",
+        ("grid-convergence", "leapfrog-convergence", "energy", "unlike-slabs", "partial-reflection", "slip-event"),
+    ),
+    Question(
+        "onset",
+        "Where does stick-slip begin, and what comes after?",
+        ("stability-boundaries", "bifurcation", "snaking", "special-curves", "period-doubling", "period-against-delay"),
+    ),
+    Question("paper", "What of the paper holds?", ("claims", "scene-facts")),
+    Question("trust", "Can I trust the checks?", ("planted-faults", "slow-verification", "stability-attacks")),
+    Question("changed", "What changed?", ()),
+)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A question with the studies of this report that answer it; `said` is what they say together, where no single one does."""
+
+    question: Question
+    studies: tuple[Stored, ...]
+    said: str = ""
+
+    @property
+    def answer(self) -> str:
+        """What is said, and what keeps it from being sure: checks that fail, studies that did not finish."""
+        lead = next((study for study in self.studies if study.result), None)
+        said = self.said or (lead.result.conclusion if lead and lead.result else "Not computed in this report.")
+        doubts = [f"{len(failed)} checks of `{study.name}` fail" for study in self.studies if (failed := _failed(study))]
+        doubts += [f"`{study.name}` did not finish" for study in self.studies if study.error]
+        return f"{said} But {', '.join(doubts)}." if doubts else said
+
+
+def _failed(study: Stored) -> list[Verdict]:
+    return [verdict for verdict in verdicts_of([study]) if verdict.outcome is Outcome.FAIL]
+
+
+def ask(studies: Sequence[Stored], changed: str) -> list[Asked]:
+    """All questions with their studies; those that no question names come with the checks. `changed` answers the last."""
+    listed = {name for question in QUESTIONS for name in question.studies}
+    known = {study.name: study for study in studies}
+    said = {"paper": _of_paper(studies), "trust": _of_checks(studies), "changed": changed}
+    found = []
+    for question in QUESTIONS:
+        mine = [known[name] for name in question.studies if name in known]
+        mine += [study for study in studies if question.name == "trust" and study.name not in listed]
+        found.append(Asked(question, tuple(mine), said.get(question.name, "")))
+    return found
+
+
+def verdicts_of(studies: Sequence[Stored]) -> list[Verdict]:
+    """All verdicts of the studies that finished, in order."""
+    return [verdict for study in studies if study.result for verdict in study.result.verdicts]
+
+
+def _of_paper(studies: Sequence[Stored]) -> str:
+    """How many of the paper's claims hold, and which do not."""
+    judged = [verdict for verdict in verdicts_of(studies) if verdict.evidence is Evidence.PAPER]
+    if not judged:
+        return ""
+    wrong = [verdict for verdict in judged if verdict.outcome is not Outcome.PASS]
+    said = f"Of {len(judged)} checks against its printed numbers and claims {len(judged) - len(wrong)} hold"
+    return f"{said}; {len(wrong)} do not, and are listed first." if wrong else f"{said}."
+
+
+def _of_checks(studies: Sequence[Stored]) -> str:
+    """On what the verdicts rest, and what the programmes of faults say."""
+    verdicts = verdicts_of(studies)
+    kinds = [f"{sum(v.evidence is kind for v in verdicts)} {kind.value}" for kind in Evidence]
+    programmes = ("planted-faults", "coverage", "manufactured")
+    told = [study.result.conclusion for study in studies if study.result and study.name in programmes]
+    return " ".join([*told, f"The {len(verdicts)} verdicts rest on five kinds of evidence: {', '.join(kinds)}."])
