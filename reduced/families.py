@@ -22,7 +22,7 @@ DELAY = Family(
     pens={None: Pen("delay system (exact)", "#111111", "-", "o", 2.0)},
 )
 
-REDUCTIONS = (
+REDUCTIONS = [
     Family(
         "quasistatic",
         "reduced.impedance.reduce:quasistatic",
@@ -82,5 +82,5 @@ REDUCTIONS = (
         numbers=_MODES,
         default=4,
     ),
-)
+]
 FAMILIES = (DELAY, *REDUCTIONS)

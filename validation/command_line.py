@@ -70,13 +70,9 @@ def on_a_scene(kind: type[SceneOptions], act: Act, outputs: tuple[Output, ...] =
 
     def call(source: str, json: bool = False, **words: Any) -> None:
         """Take the words of the command line."""
-        if words.get("law"):
-            from slipwave.friction.own import load_laws
-
-            load_laws(words["law"])
         files = {one: _place_of(one, words.pop(one.name), json) for one in outputs}
         given = {name: _value(known[name], word) for name, word in words.items() if word is not None}
-        act(source, kind(**given), files, json)
+        act(source, kind(**given).load_own(), files, json)
 
     parameters = [
         _parameter("source", Annotated[str, SCENE], Parameter.empty),

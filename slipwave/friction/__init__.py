@@ -2,6 +2,7 @@
 
 from slipwave.friction import ageing, regularised, slip
 from slipwave.friction.law import LAWS, Law, rate_of, rates, register, respond, steady_state, unknown_of, unknowns
+from slipwave.packages import load_from_packages
 
 register("ageing", ageing.Ageing, ageing.respond_ageing, regularised.steady_psi)
 register("slip", slip.Slip, slip.respond_slip, regularised.steady_psi)
@@ -10,3 +11,5 @@ register("ageing-regularised", ageing.AgeingRegularised, ageing.respond_ageing_r
 register("slip-regularised", slip.SlipRegularised, slip.respond_slip_regularised, *_SHARED)
 
 __all__ = ["LAWS", "Law", "rate_of", "rates", "register", "respond", "steady_state", "unknown_of", "unknowns"]
+
+load_from_packages("slipwave.laws", lambda found, label: None)  # a module that registers its laws when it is imported

@@ -1,13 +1,12 @@
 """Friction laws of the user's own: loaded from a Python file on request, and named by the digest of that file."""
 
 import hashlib
-import importlib.util
-import sys
 from pathlib import Path
 from typing import NamedTuple
 
 from slipwave.errors import SceneError
 from slipwave.friction.law import HOUSE, LAWS
+from slipwave.packages import run_file
 
 
 class OwnLaw(NamedTuple):
@@ -23,19 +22,8 @@ def load_laws(path: Path) -> list[str]:
     Only a user's own request leads here, never a scene. Raises SceneError if the file cannot be run or registers no law.
     """
     label = f"--law = {str(path)!r}"
-    if path.suffix != ".py" or not path.is_file():
-        raise SceneError(f"{label}: {'must be a Python file' if path.exists() else 'no such file'}")
-    spec = importlib.util.spec_from_file_location(f"own_law_{path.stem}", path)
-    assert spec is not None
-    assert spec.loader is not None
     before = dict(LAWS)
-    module = sys.modules[spec.name] = importlib.util.module_from_spec(spec)  # where compiled code on disk looks for its classes
-    try:
-        spec.loader.exec_module(module)
-    except SceneError:
-        raise
-    except Exception as error:
-        raise SceneError(f"{label}: cannot be run: {type(error).__name__}: {error}") from error
+    run_file(path, f"own_law_{path.stem}", label)
     found = [name for name, law in LAWS.items() if before.get(name) is not law]
     if not found:
         raise SceneError(f"{label}: registers no friction law: call slipwave.friction.register(...) in it")

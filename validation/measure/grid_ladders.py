@@ -45,6 +45,7 @@ ROUGH = Course(-2.59, until=120.0, window=16.0, density=8, slack=0.75)
 STEEP = Course(-2.5, until=120.0, window=16.0, density=8, slack=0.75)
 ROUGH_FROM, STEEP_FROM = 5.0, 7.0  # declared order
 FLOOR_IN_SPACE = 5e-12
+_UNDECLARED = 1e-2  # bound of the finest errors of a member without a ladder
 
 
 @dataclass(frozen=True)
@@ -87,3 +88,9 @@ def _ladder(family: FullWave, number: int, rungs: Rungs) -> GridLadder:
 _ALL = [_ladder(family, number, rungs) for family in FAMILIES for number, rungs in family.ladder.items()]
 LADDERS = {ladder.model: ladder for ladder in _ALL}
 """By the model's name on the command line. Leapfrog runs at CFL 0.5; at CFL 1 it is the delay system itself."""
+
+
+def ladder_of(family: FullWave, number: int) -> GridLadder:
+    """The ladder of any member: what its family declares, else from half its usual cells to sixteen times as many."""
+    usual = Rungs(max(2, family.cells // 2), 16 * family.cells, _UNDECLARED)
+    return _ladder(family, number, family.ladder.get(number, usual))

@@ -6,8 +6,10 @@ from fullwave.families import FAMILIES as GRIDS
 from fullwave.families import FullWave, facts_of
 from reduced.families import DELAY
 from reduced.families import FAMILIES as WITHOUT_GRID
+from reduced.families import REDUCTIONS
 from slipwave.errors import SceneError
 from slipwave.family import Exact, Family
+from slipwave.packages import load_from_packages
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice
@@ -21,6 +23,7 @@ __all__ = [
     "OPTIONS",
     "Built",
     "Options",
+    "add_family",
     "explicit_time",
     "family_of",
     "given",
@@ -29,8 +32,8 @@ __all__ = [
     "one_port_of",
 ]
 
-FAMILIES: tuple[Family, ...] = (*WITHOUT_GRID, *GRIDS)
-"""Cheapest first; `auto` takes the first that is exact."""
+FAMILIES: list[Family] = [*WITHOUT_GRID, *GRIDS]
+"""Cheapest first; `auto` takes the first that is exact. Families of other packages and files are added at the end."""
 
 OPTIONS = tuple(dict.fromkeys(option for family in reversed(FAMILIES) for option in family.options))
 """The numerical options that a family may take."""
@@ -57,6 +60,19 @@ class Built(NamedTuple):
     solver: "Solver"
     choice: "Choice | None" = None
     why: str = ""
+
+
+def add_family(family: object, label: str) -> None:
+    """Make a family known to every command. Raises SceneError, which begins with `label`, if it is none or its name is taken."""
+    if not isinstance(family, Family):
+        raise SceneError(f"{label}: is no slipwave.family.Family")
+    if family.name == "auto" or family_of(family.name):
+        raise SceneError(f"{label}: the name {family.name!r} is taken by another family of models")
+    FAMILIES.append(family)
+    if isinstance(family, FullWave):
+        GRIDS.append(family)
+    else:
+        REDUCTIONS.append(family)
 
 
 def family_of(model: str) -> Family | None:
@@ -119,3 +135,6 @@ def _on_a_grid(family: Family, scene: "Scene", number: int | None, options: Opti
     facts = facts_of(family.name)
     order = (facts.order_at_best or facts.order_interface)(number or 0)
     return Built(*to_tolerance(scene, tolerance, member, order, **steps, **given(options, "cfl", "time")))
+
+
+load_from_packages("slipwave.families", add_family)

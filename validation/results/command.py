@@ -37,7 +37,8 @@ def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
         except TypeError as error:
             raise SceneError(f"{compute.__name__}: {error}") from None
         source, changes = bound.pop("source", first.default), bound.pop("changes", {})
-        result = compute(source, kind(**{name: known[name].checked(value) for name, value in bound.items()}, changes=changes))
+        options = kind(**{name: known[name].checked(value) for name, value in bound.items()}, changes=changes)
+        result = compute(source, options.load_own())
         if isinstance(result, Result) and (result.failed or result.stopped):
             raise (Stopped if result.stopped else NumericsError)(result.failed, result)
         return result

@@ -17,6 +17,7 @@ from typing import Any, ClassVar, Literal, NamedTuple, Self, TypedDict, Unpack, 
 import numpy as np
 
 from slipwave.errors import SceneError
+from slipwave.friction.own import load_laws
 from slipwave.input import SceneSource, read, read_scene
 from slipwave.input.stored import recall
 from slipwave.input.wording import listed, nearest, shorten
@@ -24,6 +25,7 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.solve.foresight import DAY
 from validation.registry.families import FAMILIES, GRIDS, Options
+from validation.registry.own import load_families
 from validation.results.facts import PointOfBranch
 
 log = logging.getLogger("slipwave")
@@ -119,8 +121,17 @@ class SceneOptions:
     settings: Iterable[str] = option(
         "change one key of the scene, as in slab.log10_r=-2.3; may be repeated", (), flag="--set", metavar="KEY=VALUE ..."
     )
-    law: Path | None = option("run this Python file, which registers a friction law", metavar="FILE.py", only="command line")
+    law: Path | None = option("run this Python file, which registers a friction law", metavar="FILE.py")
+    family: Path | None = option("run this Python file, which declares a family of models", metavar="FILE.py")
     changes: Mapping[str, Any] = field(default_factory=dict)
+
+    def load_own(self) -> Self:
+        """Itself, when the user's own law and family are known. Raises SceneError for a file that cannot be run or gives none."""
+        if self.law is not None:
+            load_laws(self.law)
+        if self.family is not None:
+            load_families(self.family)
+        return self
 
     def scene_of(self, source: SceneSource, until: float | str | None = None) -> Scene:
         """The scene of a call: `source` with `settings` and `changes` and, if given, another length. The log says what is

@@ -13,8 +13,7 @@ from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, Solver, follow
 from validation.registry.build import build, build_full_wave
 from validation.registry.families import explicit_time
-from validation.studies.stability_attacks.limits import ATTACKED
-from validation.studies.stability_attacks.limits import CELLS as COARSE
+from validation.studies.stability_attacks.limits import ATTACKED, few_cells
 from validation.study.text import plain
 
 CELLS = {model: cells.fine for model, cells in ATTACKED.items()}
@@ -155,7 +154,7 @@ def advised(model: str, until: float = ADVISED, most: int = 16) -> Cure:
 def locked_noise(model: str, transits: float) -> float:
     """Energy left of noise in a locked slab after `transits`, over its mean in the first ten; infinite if the run broke down."""
     scene = slipwave.read("paper", ["drive.velocity=1e-6", "start.size=0"])
-    solver = build_full_wave(model, scene, cells=COARSE[model], cfl=1.0)
+    solver = build_full_wave(model, scene, cells=few_cells(model), cfl=1.0)
     solver.disturb(np.random.default_rng(1).standard_normal, stressed=False)
     try:
         first = np.mean([_energy(solver, moment) for moment in 2.0 * np.arange(1.0, 6.0)])

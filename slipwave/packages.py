@@ -1,0 +1,43 @@
+"""What a user brings: a Python file that is run on request, and what installed packages offer as entry points."""
+
+import importlib.util
+import logging
+import sys
+from collections.abc import Callable
+from importlib.metadata import entry_points
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from slipwave.errors import SceneError
+
+log = logging.getLogger("slipwave")
+
+
+def run_file(path: Path, name: str, label: str) -> ModuleType:
+    """Run the Python file `path` as a module called `name`. Raises SceneError, which begins with `label`, if it cannot be run."""
+    if path.suffix != ".py" or not path.is_file():
+        raise SceneError(f"{label}: {'must be a Python file' if path.exists() else 'no such file'}")
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)  # where compiled code on disk looks for its classes
+    try:
+        spec.loader.exec_module(module)
+    except SceneError:
+        raise
+    except Exception as error:
+        raise SceneError(f"{label}: cannot be run: {type(error).__name__}: {error}") from error
+    return module
+
+
+def load_from_packages(group: str, take: Callable[[Any, str], None]) -> None:
+    """Hand what each installed package offers in the `group` of entry points to `take`, with a label for messages. A package
+    that fails is told in one line and stops nothing."""
+    for entry in entry_points(group=group):
+        label = f"{entry.dist.name if entry.dist else 'an installed package'}: {group} {entry.name} = {entry.value!r}"
+        try:
+            take(entry.load(), label)
+        except Exception as error:
+            reason = str(error) if isinstance(error, SceneError) else f"{label}: {type(error).__name__}: {error}"
+            log.warning("note: %s; it is left out", " ".join(reason.split()))

@@ -1,0 +1,60 @@
+"""Families of models that a user declares in a Python file."""
+
+import hashlib
+from pathlib import Path
+
+from fullwave.families import FullWave
+from reduced.families import REDUCTIONS
+from slipwave.errors import SceneError
+from slipwave.family import Family
+from slipwave.packages import run_file
+from slipwave.solve import FieldSolver
+from validation.registry.families import FAMILIES, GRIDS, add_family
+
+_OWN: dict[Path, list[Family]] = {}
+
+
+def own_files() -> list[Path]:
+    """The files of families that were loaded: processes that are started later load them too."""
+    return list(_OWN)
+
+
+def load_families(path: Path) -> list[Family]:
+    """Run the Python file `path` and make every `Family` known that it declares as a variable (docs/extending.md); returns them.
+    A file that is loaded again replaces its own.
+
+    Raises SceneError if the file cannot be run or declares none, for a name that is taken, and as `require_members`."""
+    path, label = path.resolve(), f"--family = {str(path)!r}"
+    module = run_file(path, f"own_family_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}", label)
+    before = _OWN.pop(path, [])
+    for known in (FAMILIES, GRIDS, REDUCTIONS):
+        known[:] = [one for one in known if one not in before]
+    of_others = {id(one) for one in FAMILIES}
+    declared = [one for one in vars(module).values() if isinstance(one, Family) and id(one) not in of_others]
+    if not declared:
+        raise SceneError(
+            f'{label}: declares no family of models: NAME = FullWave("name", f"{{__name__}}:Class", ...), see docs/extending.md'
+        )
+    for family in declared:
+        require_members(family, label)
+        add_family(family, label)
+    _OWN[path] = declared
+    return declared
+
+
+def require_members(family: Family, label: str) -> None:
+    """Raises SceneError, in one line, if what makes the members of `family` is not there or lacks a method."""
+    told = f"{label}: family {family.name!r}"
+    try:
+        made = family.maker()
+    except (ImportError, AttributeError, ValueError):
+        raise SceneError(f'{told}: made_by = {family.made_by!r}: no such class or function; write f"{{__name__}}:Class"') from None
+    if not isinstance(family, FullWave):
+        return
+    methods = {name for base in FieldSolver.__mro__ for name in vars(base) if not name.startswith("_")}
+    absent = {name for name in methods if callable(getattr(FieldSolver, name)) and not callable(getattr(made, name, None))}
+    absent |= getattr(made, "__abstractmethods__", frozenset())
+    if absent:
+        raise SceneError(f"{told}: class {made.__name__} lacks the methods {', '.join(sorted(absent))}")
+    if getattr(made, "family", family) is not family:
+        raise SceneError(f"{told}: {made.__name__}.family is another one: it must be the variable that declares the family")
