@@ -16,6 +16,10 @@ class OwnLaw(NamedTuple):
     digest: str
 
 
+LAW_FILES: dict[Path, None] = {}
+"""The files that were run, in order: processes that are started later run them too."""
+
+
 def load_laws(path: Path) -> list[str]:
     """Run the Python file `path`, which registers laws (docs/extending.md), and return their names.
 
@@ -25,6 +29,7 @@ def load_laws(path: Path) -> list[str]:
     before = dict(LAWS)
     run_file(path, f"own_law_{path.stem}", label)
     found = [name for name, law in LAWS.items() if before.get(name) is not law]
+    LAW_FILES[path.resolve()] = None
     if not found:
         raise SceneError(f"{label}: registers no friction law: call slipwave.friction.register(...) in it")
     return found

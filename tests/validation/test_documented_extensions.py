@@ -94,9 +94,12 @@ def sections(page):
 
 JUDGE = """
 import sys
+from pathlib import Path
 from reduced.stability import scaled
+from validation.registry.own import load_families
 from validation.measure.orders import climb
 from validation.studies import grid_convergence as study
+load_families(Path("finite_volume.py"))
 assert "fv" in study.judged_models(quick=True)
 true = study.without_error_in_time
 study.without_error_in_time = lambda model, scene, cells, **o: true(model, scaled(scene, epsilon=float(sys.argv[1])), cells, **o)
@@ -158,12 +161,12 @@ def test_a_reduction(reader):
 @pytest.mark.slow
 def test_a_discretisation(reader):
     reader.follow(EXTENDING["Adding a discretisation"])
-    assert len(reader.changed) == 2
-    words = ("delay", "fv --cells 200", "fv --cells 400")
+    assert reader.changed == {"finite_volume.py", "pyproject.toml"}
+    words = ("delay", "fv --family finite_volume.py --cells 200", "fv --family finite_volume.py --cells 400")
     exact, *found = (reader.json(f"slipwave run paper --until 12 --model {model}")["final"]["psi"] for model in words)
     coarse, fine = (abs(psi - exact) for psi in found)
     assert coarse / fine == pytest.approx(2.0, rel=0.1)
-    assert reader.run("slipwave run viscous --until 1 --model fv") == 2
+    assert reader.run("slipwave run viscous --until 1 --family finite_volume.py --model fv") == 2
     assert "'fv': cannot do Kelvin-Voigt viscosity" in reader.output
     right, wrong = (reader.run(f"python -c '{JUDGE}' {factor}") or reader.output for factor in (1.0, 1.01))
     assert right.startswith("pass 0.97")

@@ -52,14 +52,14 @@ def test_a_page_does_what_it_says(page: str, tmp_path: Path, monkeypatch: pytest
     names: dict[str, object] = {}
     printed, shown = "", 0
     for kind, content, words in steps(page):
-        if kind in ("sh", "python"):
+        if found := FILE.search(" ".join(words.split())):
+            Path(found[1]).write_text(content)
+        elif kind in ("sh", "python"):
             printed = printed_by(kind, content, names)
         elif kind == "text":
             lines = printed.splitlines()
             assert [line for line in content.splitlines() if line not in ("...", *lines)] == [], printed
             shown += 1
-        elif found := FILE.search(" ".join(words.split())):
-            Path(found[1]).write_text(content)
     assert shown
 
 

@@ -4,9 +4,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict
 
 from fullwave.families import FAMILIES as GRIDS
 from fullwave.families import FullWave, facts_of
-from reduced.families import DELAY
+from reduced.families import DELAY, REDUCTIONS
 from reduced.families import FAMILIES as WITHOUT_GRID
-from reduced.families import REDUCTIONS
 from slipwave.errors import SceneError
 from slipwave.family import Exact, Family
 from slipwave.packages import load_from_packages

@@ -2,6 +2,7 @@
 
 import hashlib
 from pathlib import Path
+from typing import Any
 
 from fullwave.families import FullWave
 from reduced.families import REDUCTIONS
@@ -27,7 +28,8 @@ def load_families(path: Path) -> list[Family]:
     path, label = path.resolve(), f"--family = {str(path)!r}"
     module = run_file(path, f"own_family_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}", label)
     before = _OWN.pop(path, [])
-    for known in (FAMILIES, GRIDS, REDUCTIONS):
+    lists: tuple[list[Any], ...] = (FAMILIES, GRIDS, REDUCTIONS)
+    for known in lists:
         known[:] = [one for one in known if one not in before]
     of_others = {id(one) for one in FAMILIES}
     declared = [one for one in vars(module).values() if isinstance(one, Family) and id(one) not in of_others]
@@ -48,13 +50,16 @@ def require_members(family: Family, label: str) -> None:
     try:
         made = family.maker()
     except (ImportError, AttributeError, ValueError):
-        raise SceneError(f'{told}: made_by = {family.made_by!r}: no such class or function; write f"{{__name__}}:Class"') from None
+        hint = 'no such class or function; write f"{__name__}:Class"'
+        raise SceneError(f"{told}: made_by = {family.made_by!r}: {hint}") from None
     if not isinstance(family, FullWave):
         return
-    methods = {name for base in FieldSolver.__mro__ for name in vars(base) if not name.startswith("_")}
-    absent = {name for name in methods if callable(getattr(FieldSolver, name)) and not callable(getattr(made, name, None))}
-    absent |= getattr(made, "__abstractmethods__", frozenset())
+    needed = {name for base in FieldSolver.__mro__ for name in vars(base) if not name.startswith("_")}
+    needed = {name for name in needed if callable(getattr(FieldSolver, name))}  # others may be set when a member is made
+    needed |= {name for base in getattr(made, "__mro__", ()) for name in getattr(base, "__abstractmethods__", ())}
+    unfinished = getattr(made, "__abstractmethods__", ())
+    absent = [name for name in sorted(needed) if name in unfinished or not callable(getattr(made, name, None))]
     if absent:
-        raise SceneError(f"{told}: class {made.__name__} lacks the methods {', '.join(sorted(absent))}")
+        raise SceneError(f"{told}: class {made.__name__} lacks the methods {', '.join(absent)}")
     if getattr(made, "family", family) is not family:
         raise SceneError(f"{told}: {made.__name__}.family is another one: it must be the variable that declares the family")

@@ -8,11 +8,14 @@ import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
+from slipwave.friction.own import LAW_FILES, load_laws
 from slipwave.threads import VARIABLES
+from validation.registry.own import load_families, own_files
 
 
 @contextmanager
@@ -26,7 +29,7 @@ def processes(workers: int) -> Iterator[Callable[[], Executor]]:
         while made:
             kill(made.pop())
         with _environment(dict.fromkeys(VARIABLES, "1")):
-            pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin)
+            pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin, ([*LAW_FILES], own_files()))
             made.append(pool)
             for _ in range(workers):
                 pool.submit(int)
@@ -47,9 +50,14 @@ def kill(pool: ProcessPoolExecutor) -> None:
         process.kill()
 
 
-def _begin() -> None:
-    """In a worker: the user's Ctrl-C is for the parent, and a worker without a parent ends."""
+def _begin(laws: list[Path], families: list[Path]) -> None:
+    """In a worker: the user's Ctrl-C is for the parent, a worker without a parent ends, and what the user brings in these files
+    is known."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for path in laws:
+        load_laws(path)
+    for path in families:
+        load_families(path)
     parent = multiprocessing.parent_process()
 
     def watch() -> None:

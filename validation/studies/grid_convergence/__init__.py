@@ -19,6 +19,7 @@ from validation.measure.grid_ladders import (
     STEEP_FROM,
     Course,
     in_space,
+    ladder_of,
 )
 from validation.measure.order_fit import FEWEST_DENSE, TREND
 from validation.measure.orders import ALMOST, KNOWN, OUTPUTS, QUANTITIES, RESOLVED, Climb, climb
@@ -115,7 +116,7 @@ def _others(models: Iterable[str]) -> list[str]:
 
 def _climb(model: str) -> Climb:
     """Errors of the family without error in time, which the leapfrog has."""
-    ladder = in_space(LADDERS[model])
+    ladder = in_space(ladder_of(*grid_of(model)))
     return climb(ladder, delay_reference(ladder.course), without_error_in_time)
 
 
