@@ -1,12 +1,13 @@
 """The page: seven questions, the table of models, rows of verdicts, in the words and numbers of the stored results."""
 
+import dataclasses
 import re
 from pathlib import Path
 
 import pytest
 from fake_studies import result
 
-from validation.report.first_screen import SHOWN
+from validation.report.first_screen import SHOWN, cost_at, usual
 from validation.report.page import write_page
 from validation.report.questions import QUESTIONS, ask
 from validation.report.recorded import record_of
@@ -77,7 +78,7 @@ def test_a_question_is_answered_by_its_first_study_and_by_no_study_that_fails(tm
     sound, broken = stored("grid-convergence", verdict(), answer="They agree."), stored("energy", verdict(Outcome.FAIL))
     stopped = Stored("slip-event", "?", 1.0, True, error="it died")
     answers = {asked.question.name: asked.answer for asked in ask([broken, sound, stopped], "Nothing.")}
-    assert answers["exact"] == "They agree. But 1 checks of `energy` fail, `slip-event` did not finish."
+    assert answers["exact"] == "They agree. But: 1 check of `energy` failed; `slip-event` did not finish."
     assert answers["changed"] == "Nothing."
     assert answers["cost"] == "Not computed in this report."
     assert "They agree." in summary_of(page_of(tmp_path, sound), "exact")
@@ -146,6 +147,20 @@ def test_every_cell_has_its_numbers_its_verdicts_and_a_command(tmp_path):
     ]
     assert last[-1] == "1 slipwave run paper --model quasidynamic --set slab.log10_r=-2.5"
     assert 'href="#model-error.a-holds" title="model-error.a-holds">1</a>' in html
+
+
+def test_on_a_phone_the_cost_is_that_of_the_nearest_place():
+    row = dataclasses.replace(models().rows[0], costs=(1.0, 9.0))
+    table = dataclasses.replace(models(), costed=("−2.7", "−2.5"))
+    assert [cost_at(table, row, column) for column in table.columns] == [1.0, 1.0, 9.0]
+    assert (usual(table), usual(models())) == (0, 1)
+
+
+def test_a_study_that_no_question_names_is_shown_once(tmp_path):
+    html = page_of(tmp_path, stored("energy", verdict()), stored("planted-faults", verdict()))
+    asked = ask([stored("energy"), stored("a-new-one")], "")
+    assert [[study.name for study in one.studies] for one in asked if one.studies] == [["energy"], ["a-new-one"]]
+    assert html.count('<details class="study"') == 2
 
 
 @pytest.mark.parametrize(

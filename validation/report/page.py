@@ -103,7 +103,7 @@ def tally(studies: Sequence[Stored]) -> dict[str, int]:
 def _said(changes: Changes) -> str:
     """How many numbers and verdicts moved, in one sentence."""
     fresh = changes.counts.get(Word.NEW, 0)
-    every, new = sum(changes.counts.values()) - fresh, f"; {fresh} are new" if fresh else ""
+    every, new = sum(changes.counts.values()) - fresh, f", {fresh} new" if fresh else ""
     if not every:
         return f"Nothing to compare with{new}."
     left = sum(changes.counts.get(word, 0) for word in (Word.BETTER, Word.MOVED, Word.WORSE, Word.GONE))

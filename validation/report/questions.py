@@ -49,9 +49,13 @@ class Asked:
         """What is said, and what keeps it from being sure: checks that fail, studies that did not finish."""
         lead = next((study for study in self.studies if study.result), None)
         said = self.said or (lead.result.conclusion if lead and lead.result else "Not computed in this report.")
-        doubts = [f"{len(failed)} checks of `{study.name}` fail" for study in self.studies if (failed := _failed(study))]
+        doubts = [
+            f"{len(failed)} check{'s' if len(failed) > 1 else ''} of `{study.name}` failed"
+            for study in self.studies
+            if (failed := _failed(study))
+        ]
         doubts += [f"`{study.name}` did not finish" for study in self.studies if study.error]
-        return f"{said} But {', '.join(doubts)}." if doubts else said
+        return f"{said} But: {'; '.join(doubts)}." if doubts else said
 
 
 def _failed(study: Stored) -> list[Verdict]:
