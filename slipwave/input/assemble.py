@@ -33,7 +33,7 @@ def assemble_scene(data: dict[str, Any], tables: SceneTable, name: str) -> Scene
     }
     return Scene(
         name=tables.name or name,
-        law=law(**{key: interface[key] for key in law._fields}),
+        law=law(**{key: in_scene(f"interface.{key}", interface[key], units, VELOCITY) for key in law._fields}),
         upper=upper,
         lower=lower,
         drive=_drive(tables.drive, units, upper.round_trip),

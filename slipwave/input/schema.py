@@ -23,6 +23,8 @@ _PARAMETERS = {
     "a_star": (Numbers(-1e3, 1e3), "friction of steady sliding at V*"),
     "a": (Numbers(1e-9, 10.0), "direct effect"),
     "b": (Numbers(0.0, 10.0), "evolution effect"),
+    "cutoff_velocity": (VELOCITY, "slip rate above which the state effect is cut off"),
+    "saturation_velocity": (VELOCITY, "slip rate below which contacts age no further"),
 }
 _OTHER_PARAMETER = (Numbers(-1e9, 1e9), "parameter of the law")
 

@@ -22,11 +22,14 @@ from reduced.stability import (
 from slipwave.errors import SceneError
 from slipwave.friction import respond, steady_state, unknown_of
 from slipwave.friction.ageing import Ageing, AgeingRegularised
+from slipwave.friction.cutoff import AgeingCutoff, SlipCutoff
 from slipwave.friction.slip import Slip, SlipRegularised
+from slipwave.friction.spinodal import Spinodal
 from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
 
 SLOPES = friction_slopes(PAPER, 100.0)
 LAWS = [PAPER, Slip(*PAPER), AgeingRegularised(*PAPER), SlipRegularised(*PAPER), Ageing(0.6, 0.01, 0.015)]
+LAWS += [AgeingCutoff(*PAPER, 40.0), SlipCutoff(*PAPER, 40.0), Spinodal(*PAPER, 0.02, 40.0)]
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -42,7 +45,7 @@ def test_friction_impedance_of_every_law(law, velocity):
     assert slopes.steady == pytest.approx(
         (steady_stress(velocity + step) - steady_stress(velocity - step)) / (2 * step), rel=1e-6
     )
-    assert slopes.healing == pytest.approx(velocity, rel=1e-9)
+    assert slopes.healing == pytest.approx(math.hypot(velocity, getattr(law, "saturation_velocity", 0.0)), rel=1e-9)
     _, v_z, _, f_z, f_psi, _, g_z, g_psi = respond(law, unknown_of(law, velocity), steady_state(law, velocity))
     omega = 0.7 * velocity
     z, psi = np.linalg.solve([[v_z, 0.0], [-g_z, 1j * omega - g_psi]], [1.0, 0.0])

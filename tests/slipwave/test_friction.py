@@ -11,6 +11,8 @@ from slipwave.compiled import njit
 from slipwave.friction import LAWS, Law, rate_of, respond, steady_state, unknown_of
 
 PAPER = (0.369, 0.0349, 0.0489)
+CUT, SATURATED = 40.0, 0.02
+OWN = {"cutoff_velocity": CUT, "saturation_velocity": SATURATED}
 REGULARISED = ("ageing-regularised", "slip-regularised")
 STEP = 1e-6
 
@@ -19,8 +21,10 @@ offsets = st.floats(-3.0, 3.0)
 names = st.sampled_from(sorted(LAWS))
 
 
-def law_called(name: str) -> Law:
-    return LAWS[name].parameters(*PAPER)
+def law_called(name: str, **own: float) -> Law:
+    """With the paper's parameters; `own` are those that only some laws have."""
+    made = LAWS[name].parameters
+    return made(*PAPER, **{key: value for key, value in (OWN | own).items() if key in made._fields})
 
 
 def plainness(rate: float, psi: float) -> float:
@@ -47,9 +51,9 @@ def test_derivatives_are_those_of_finite_differences(name: str, rate: float, off
         assert given_one == pytest.approx(measured, rel=1e-6, abs=1e-7 * size)
 
 
-@given(names, rates)
+@given(st.sampled_from(sorted(name for name in LAWS if name != "spinodal")), rates)
 def test_steady_sliding_is_steady_and_weakens_as_b_exceeds_a(name: str, rate: float) -> None:
-    law = law_called(name)
+    law = law_called(name, cutoff_velocity=1e300)
     psi = steady_state(law, rate)
     answer = respond(law, unknown_of(law, rate), psi)
     assert psi == pytest.approx(-math.log(rate), abs=1e-14)
@@ -90,6 +94,48 @@ def test_a_regularised_law_keeps_its_digits_near_rest_and_where_the_exponential_
         assert respond(law, unknown_of(law, rate), 0.7)[2] == pytest.approx(0.0349 * math.asinh(0.5 * rate * growth), rel=1e-13)
     weak = LAWS[name].parameters(0.6, 1e-3, 1e-3)  # (a_* + b psi)/a = 600
     assert respond(weak, unknown_of(weak, 2.0), 0.0)[2] == pytest.approx(0.6 + 1e-3 * math.log(2.0), rel=1e-13)
+
+
+@given(st.sampled_from(["ageing-cutoff", "slip-cutoff"]), rates, offsets)
+def test_a_law_with_a_cutoff_is_its_plain_one_but_for_young_contacts(name: str, rate: float, offset: float) -> None:
+    """a_* means the same; the state effect is b ln(phi v_c + 1), but for a constant; 1/v_c = 0 is the plain law."""
+    law, plain = law_called(name), law_called(name.removesuffix("-cutoff"))
+    psi = offset - math.log(rate)
+    cut, sharp = (respond(one, math.log(rate), psi) for one in (law, plain))
+    assert cut[2] - sharp[2] == pytest.approx(0.0489 * math.log1p(math.exp(-psi) / CUT), rel=1e-9, abs=1e-14)
+    assert cut[2] == pytest.approx(
+        0.369 - 0.0489 * math.log(CUT) + 0.0349 * math.log(rate) + 0.0489 * math.log(math.exp(psi) * CUT + 1.0), abs=1e-13
+    )
+    assert (*cut[:2], cut[3], *cut[5:]) == pytest.approx((*sharp[:2], sharp[3], *sharp[5:]), rel=1e-14)
+    far = respond(law_called(name, cutoff_velocity=1e300), math.log(rate), psi)
+    assert far == pytest.approx(sharp, rel=1e-14)
+
+
+@given(rates, offsets)
+def test_the_spinodal_law_is_the_regularised_ageing_law_between_its_two_rates(rate: float, offset: float) -> None:
+    law = law_called("spinodal", cutoff_velocity=1e200, saturation_velocity=1e-200)
+    plain = law_called("ageing-regularised")
+    z, psi = unknown_of(plain, rate), offset - math.log(rate)
+    assert steady_state(law, rate) == pytest.approx(-math.log(rate), abs=1e-14)
+    assert respond(law, z, psi) == pytest.approx(respond(plain, z, psi), rel=1e-13)
+
+
+def test_steady_friction_of_the_spinodal_law_rises_falls_and_rises() -> None:
+    """Its maximum and minimum are where theory puts them, and it is 0 at rest."""
+    low, high = 1e-6, 1e8
+    law = law_called("spinodal", cutoff_velocity=high, saturation_velocity=low)
+
+    def steady(v: float) -> float:
+        return respond(law, unknown_of(law, v), steady_state(law, v))[2]
+
+    a, b = PAPER[1:]
+    for place, sign in ((low * math.sqrt(a / (b - a)), 1.0), (high * (b - a) / a, -1.0)):
+        assert sign * steady(place) > max(sign * steady(place * 1.1), sign * steady(place / 1.1))
+        near = [steady(place * factor) for factor in (1.0 / 1.001, 1.001)]
+        assert abs(near[1] - near[0]) < 1e-3 * a * 0.002
+    assert steady(0.0) == 0.0
+    assert steady(-3.0) == pytest.approx(-steady(3.0), rel=1e-12)
+    assert 0.0 < steady(1e-12) < steady(1e-7) < steady(low * 1.5)
 
 
 @pytest.mark.parametrize("name", sorted(LAWS))

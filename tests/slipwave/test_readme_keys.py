@@ -26,7 +26,7 @@ def in_code(words: Any) -> str:
 
 
 def rows(table: type[KeyTable], above: str = "", kind: str = "") -> Iterator[str]:
-    """A row for each key of `table` and of the tables in it; those of [interface] once for all laws."""
+    """A row for each key of `table` and of the tables in it; keys that several laws share are rows more than once."""
     for key, field in table.model_fields.items():
         inner, name = tables_in(field.annotation), f"{above}{key}"
         if len(inner) > 1:
@@ -37,11 +37,11 @@ def rows(table: type[KeyTable], above: str = "", kind: str = "") -> Iterator[str
         elif not inner and key not in ("law", kind and "kind"):
             of = f" (`{kind}`)" if kind and above != "interface." else ""
             yield f"| `{name}`{of} | {field.description} | {told(field)} |"
-        for one, below in [*inner.items()][: 1 if key == "interface" else None]:
+        for one, below in inner.items():
             yield from rows(below, f"{name}.", one if len(inner) > 1 else "") if name not in SAME_AS_SLAB else ()
 
 
-TABLE = "\n".join(["| key | meaning | allowed |", "|---|---|---|", *rows(scene_keys())])
+TABLE = "\n".join(["| key | meaning | allowed |", "|---|---|---|", *dict.fromkeys(rows(scene_keys()))])
 
 
 def test_the_table_of_keys_is_read_from_the_schema() -> None:
