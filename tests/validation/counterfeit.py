@@ -216,13 +216,14 @@ PLACES: dict[str, tuple[Place, ...]] = {
         Place("partial_reflection.measured:end_of"),
         Place("partial_reflection.measured:last_cycle", S, 1),
     ),
-    "model-error": (
-        Place("model_error:warm_up"),
-        Place("model_error.measured:run_of_damped", S),
-        Place("model_error.measured:fitted_modes"),
-        Place("model_error.measured:milliseconds_of"),
-        Place("model_error.measured:orbit_of", (lambda value: value and scaled(value),)),
-        Place("model_error.measured:mean_at", (lambda value: scaled(value, 1e-2),), unjudged=("modal:2",)),
+    "which-model": (
+        Place("which_model:costs_at"),
+        Place("which_model:one_period"),
+        Place("which_model.measured:run_of_damped", S),
+        Place("which_model.measured:fitted_modes"),
+        Place("which_model.measured:mean_at", (scaled,)),
+        Place("which_model.measured:orbit_of", (lambda value: value and scaled(value),)),
+        Place("which_model.measured:regime_at", (lambda value: scaled(value, 1e-2),)),
     ),
     "regime-map": (
         Place("regime_map:swept_plane"),

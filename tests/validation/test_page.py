@@ -110,7 +110,7 @@ def test_a_row_of_a_verdict_has_found_beside_limit_and_their_ratio(tmp_path):
 def test_every_address_within_the_page_leads_somewhere(tmp_path):
     html = page_of(
         tmp_path,
-        stored("model-error", verdict(Outcome.FINDING, remark="`delay`"), model_tables=(models(),)),
+        stored("which-model", verdict(Outcome.FINDING, remark="`delay`"), model_tables=(models(),)),
         stored("energy", verdict(Outcome.FAIL)),
     )
     names = re.findall(r'id="(.*?)"', html)
@@ -119,7 +119,7 @@ def test_every_address_within_the_page_leads_somewhere(tmp_path):
 
 
 def test_the_table_of_models_joins_cells_of_a_wrong_regime(tmp_path):
-    html = page_of(tmp_path, stored("model-error", verdict(), model_tables=(models(),)))
+    html = page_of(tmp_path, stored("which-model", verdict(), model_tables=(models(),)))
     assert "Use <code>delay</code>." in html
     head, titles, delay, short = rows_of(html, "error of the period, paper")
     assert head[1:] == ["periodic", "torus", "cost, delay = 1", "advice"]
@@ -135,7 +135,7 @@ def test_the_table_of_models_joins_cells_of_a_wrong_regime(tmp_path):
 
 
 def test_every_cell_has_its_numbers_its_verdicts_and_a_command(tmp_path):
-    html = page_of(tmp_path, stored("model-error", verdict(remark="`quasidynamic`"), model_tables=(models(),)))
+    html = page_of(tmp_path, stored("which-model", verdict(remark="`quasidynamic`"), model_tables=(models(),)))
     last = rows_of(html, "every cell of the table paper")[-1]
     assert last[:6] == [
         "quasidynamic",
@@ -146,7 +146,7 @@ def test_every_cell_has_its_numbers_its_verdicts_and_a_command(tmp_path):
         "1.0&#8239;·&#8239;10−3",
     ]
     assert last[-1] == "1 slipwave run paper --model quasidynamic --set slab.log10_r=-2.5"
-    assert 'href="#model-error.a-holds" title="model-error.a-holds">1</a>' in html
+    assert 'href="#which-model.a-holds" title="which-model.a-holds">1</a>' in html
 
 
 def test_on_a_phone_the_cost_is_that_of_the_nearest_place():

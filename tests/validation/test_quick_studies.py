@@ -33,7 +33,7 @@ STUDIES = {
     "partial-reflection": Expected(
         4, (), {"grip 1, Z_{g}/ε = 1: T": (185.5406, 1e-5), "grip 10, Z_{g}/ε = 1: T": (114.2073, 1e-5)}
     ),
-    "model-error": Expected(12, (), {f"{model} error of T at -2.68": (value, 2e-3) for model, value in ERRORS.items()}),
+    "which-model": Expected(17, (), {f"{model} error of T at -2.68": (value, 2e-3) for model, value in ERRORS.items()}),
     "bifurcation": Expected(
         6,
         ("P14",),

@@ -5,12 +5,12 @@ from pathlib import Path
 
 from reduced.stability import analyse
 from validation.registry.families import one_port_of
-from validation.studies.model_error.measured import MODELS, SHORT, SHOWN, onset_of_damped
+from validation.studies.which_model.measured import MODELS, SHORT, SHOWN, onset_of_damped
 from validation.study.over_r import scene_at
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-BASELINE = json.loads((ROOT / "reports" / "baseline" / "model-error.json").read_text(encoding="utf-8"))
+BASELINE = json.loads((ROOT / "reports" / "baseline" / "which-model.json").read_text(encoding="utf-8"))
 
 
 def shown(error: float) -> str:

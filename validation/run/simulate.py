@@ -96,7 +96,6 @@ class _Marched:
         self.solver, self.watch, self.watched = solver, watch, watched
         self.until = 0.0
         self.final: Final | None = None
-        self._judged: JudgedHalf | None = None
         self.ended: Ended | None = None
 
     def march(self, length: Length, observers: Sequence[Observer], marks: Sequence[Mark], most: float) -> None:
@@ -107,15 +106,14 @@ class _Marched:
             if work.seconds(end) > length.most_seconds:
                 break
             require_time(self.solver, end, most)
-            self.until, self.final, self._judged = end, None, None
+            self.until, self.final = end, None
             work.until = end
             for mark in marks:
                 if isinstance(mark, Checkpoints):
                     mark.until = end
             with progress(f"{self.solver.scene.name}, {self.solver.model}", end) as report:
                 self.final = follow(self.solver, end, everyone, LongRunAdvice(self.solver, end, report), marks)
-            self._judged = self.judged()
-            self.ended = length.ended(self._judged)
+            self.ended = length.ended(self.judged())
             if self.ended:
                 return
         self.ended = "limit"
@@ -133,7 +131,7 @@ class _Marched:
 
     def run(self, wall_s: float, failed: str, stopped: bool) -> Run:
         """What is known of it."""
-        solver, watch, judged = self.solver, self.watch, self._judged or self.judged()
+        solver, watch, judged = self.solver, self.watch, self.judged()
         verdict, cycles = _of_protocol(judged.verdict, solver.scene.drive, self.until), watch.events(math.inf)
         if verdict and verdict.repeats:
             cycles = repeating(judged.cycles, verdict.multiplicity) if verdict.multiplicity else judged.cycles

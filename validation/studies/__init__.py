@@ -7,6 +7,7 @@ from slipwave.errors import SceneError
 from validation.study import Study
 
 STUDIES = {
+    "which-model": "which_model",
     "scene-facts": "scene_facts",
     "one-cycle": "one_cycle",
     "leapfrog-convergence": "leapfrog_convergence",
@@ -18,7 +19,6 @@ STUDIES = {
     "energy": "energy",
     "unlike-slabs": "unlike_slabs",
     "partial-reflection": "partial_reflection",
-    "model-error": "model_error",
     "error-laws": "error_laws",
     "bifurcation": "bifurcation",
     "snaking": "snaking",

@@ -74,7 +74,7 @@ def run(budget: Budget) -> StudyResult:
             Omission(
                 "Quasi-static and quasi-dynamic models.",
                 f"At log_{{10}} r = {places([_LOG10_R])} the first runs away and the second slides steadily, as it does up to "
-                f"{places([damped], '.3f')}: there is no period to compare. The study `model-error` has its cost, "
+                f"{places([damped], '.3f')}: there is no period to compare. The study `which-model` has its cost, "
                 "and its errors beyond.",
             ),
         ),

@@ -24,8 +24,8 @@ from validation.registry.build import build
 from validation.registry.orbit_start import first_event
 from validation.registry.orbits import find_orbit
 
-_TRANSIENT = 1500.0  # transits
-_TOLERANCE = 1e-7  # of a run whose cycles never repeat
+TRANSIENT = 1500.0  # transits
+LATE_TOLERANCE = 1e-7  # of a run whose cycles never repeat
 _TURNS = (-1, 0, 1, 2)  # periods of an orbit, of which a cycle needs some
 
 Settings = ParamSpec("Settings")
@@ -81,8 +81,8 @@ def settled(
 @kept
 def late_cycles(model: str, scene: Scene, until: float, cells: int | None = None) -> Events:
     """The cycles of a run to `until` (transits) after its transient. Raises NumericsError as a run does."""
-    solver = build(model, scene, tolerance=_TOLERANCE) if cells is None else build(model, scene, cells=cells)
-    return watch(solver, until).events(_TRANSIENT)
+    solver = build(model, scene, tolerance=LATE_TOLERANCE) if cells is None else build(model, scene, cells=cells)
+    return watch(solver, until).events(TRANSIENT)
 
 
 def means(model: str, scene: Scene, until: float, cells: int | None = None) -> Means:
@@ -106,10 +106,10 @@ def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -
 @kept
 def cycles_in_turn(model: str, scene: Scene, count: int, longest: float, per_piece: int = 4) -> list[Cycle]:
     """So many cycles of a run in turn, after its transient, if none is longer than `longest` (transits)."""
-    solver = build(model, scene, tolerance=_TOLERANCE)
-    end = _TRANSIENT + (count + 2) * longest
-    history, observer = HistoryObserver(scene.law, solver.nodes, _TRANSIENT), EventObserver(scene, solver.nodes)
+    solver = build(model, scene, tolerance=LATE_TOLERANCE)
+    end = TRANSIENT + (count + 2) * longest
+    history, observer = HistoryObserver(scene.law, solver.nodes, TRANSIENT), EventObserver(scene, solver.nodes)
     follow(solver, end, [history, observer])
-    events, samples = observer.events(_TRANSIENT), history.samples(per_piece)
+    events, samples = observer.events(TRANSIENT), history.samples(per_piece)
     each = zip(events.time.tolist(), events.period.tolist(), strict=True)
     return [cut(scene.law, samples, date, period) for date, period in each][:count]

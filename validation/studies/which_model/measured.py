@@ -1,9 +1,10 @@
-"""Orbits of every reduction and of the delay system, means where no orbit is stable, and what the errors of both must show."""
+"""Regimes of every model over r, orbits of every reduction, and what the errors of both must show."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
 from itertools import pairwise, product
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -12,20 +13,24 @@ from reduced.impedance.fit import exact_impedance
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate
-from validation.measure.cycle import watch
 from validation.references.onset import onset_of
-from validation.registry.build import build
-from validation.run.timing import timed
-from validation.study import EXACT, PAPER, WITNESS, Verdict, claim, holding, memo
+from validation.study import EXACT, PAPER, SELF, WITNESS, Outcome, Verdict, claim, holding, memo
+from validation.study.advice import AS_CHEAP, GOOD, costs_of_good_reductions
+from validation.study.compared import against
 from validation.study.known import as_known, error_of
+from validation.study.model_table import ModelTable
 from validation.study.over_r import begun_at, scene_at
+from validation.study.regimes import AWAY, STEADY, CycleFigures, Regime, regime_of
 from validation.study.text import places, plain
 
 MODELS = ("block12", "block8", "kelvin-voigt", "modal:1", "modal:2", "modal:4", "modal:8")
+"""The reductions with a stable orbit wherever the exact system has one."""
 DAMPED = "quasidynamic"
 """Slides steadily up to an onset of its own, and has a stable orbit beyond."""
+WAVE, CELLS = "dg:7", 3
+"""The full wave, propagated exactly in time on so many cells per slab: its orbit is right to ten digits."""
 SHOWN = (-2.69, -2.68, -2.66)
-"""log10 r of the table of orbits."""
+"""log10 r at which the exact system's orbit is stable."""
 TARGETS = {"modal:1": 1e-3, "modal:2": 1e-5}
 """Model -> largest error of the period of the paper's scene."""
 SHORT = (0.35, 0.6)
@@ -33,10 +38,10 @@ SHORT = (0.35, 0.6)
 RUN_AT = -2.5
 """log10 r of a direct run of the quasi-dynamic model."""
 TOLERANCE = 1e-9
-TRANSITS, TIMED_AT = 1000.0, -2.68
-"""Transits that are timed, and log10 r there."""
 
+_JUDGED = ("period", "drop")
 _LADDER = ("modal:1", "modal:2", "modal:4", "modal:8")
+_AS_WAVES = (WAVE, "modal:4", "modal:8")
 _REPEATING = ("block12", "block8", "kelvin-voigt", "modal:1")
 _PRINTED = 1.0 - 70.73 / 73.5
 _HALF_DIGITS = 0.05 / 73.5 + 0.005 / 70.73
@@ -44,49 +49,65 @@ _SHIFT, _SAMPLES = 0.2, 400  # of the line on which the impedance is sampled, pe
 _FITTED = 5e-12
 _ERRORS = 4.0  # standard errors
 _KNOWN = 1e-10  # relative: the error of the other programs' periods
-_REPEATS = 1e-6  # relative
+_REPEATS, _UNTIL = 1e-6, 4000.0  # relative; transits of a run whose cycles repeat
+_WAVE_PERIOD, _WAVE_DROP = 1e-10, 1e-7  # relative
 
-
-class Figures(NamedTuple):
-    """Period and stress drop with their errors: of an orbit those of its computation, of a mean its standard error."""
-
-    period: Estimate
-    drop: Estimate
-
-
-Runs = dict[str, dict[float, Figures | None]]
+ByModel = Mapping[str, Sequence[Regime]]
+"""model -> its regime at every r in turn."""
+Runs = dict[str, dict[float, CycleFigures | None]]
 """model -> log10 r -> its orbit, or its mean; None where it found none."""
 
 
-def orbit_of(model: str, log10_r: float) -> Figures | None:
+def regime_at(model: str, log10_r: float, until: float) -> Regime:
+    """What a run of the model does there; the reductions' orbits by Newton's method."""
+    grid = {"cells": CELLS} if model == WAVE else {"tolerance": TOLERANCE}
+    return regime_of(model, scene_at(log10_r), until, **cast(Any, grid))
+
+
+def parted(regimes: ByModel, grid: Sequence[float]) -> tuple[Runs, Runs]:
+    """(orbits where the exact one is stable, figures beyond)."""
+    at = {model: {x: one.figures for x, one in zip(grid, found, strict=True)} for model, found in regimes.items()}
+    inside = {model: {x: one for x, one in by_r.items() if x in SHOWN} for model, by_r in at.items()}
+    return inside, {model: {x: one for x, one in by_r.items() if x not in SHOWN} for model, by_r in at.items()}
+
+
+def orbit_of(model: str, log10_r: float) -> CycleFigures | None:
     """The model's own orbit by Newton's method; None if it has none."""
     try:
         orbit = memo.own_orbit(model, begun_at(log10_r), TOLERANCE).orbit
     except NumericsError:
         return None
-    return Figures(orbit.period, orbit.stress_drop)
+    return CycleFigures(orbit.period, orbit.stress_drop, orbit.v_max)
 
 
-def mean_at(model: str, log10_r: float, until: float) -> Figures:
-    """Means over the cycles of a run of so many transits, its transient left out."""
-    return Figures(*memo.means(model, scene_at(log10_r), until)[:2])
+def mean_at(model: str, log10_r: float) -> CycleFigures:
+    """Means over the late cycles of a run."""
+    late = memo.late_cycles(model, scene_at(log10_r), _UNTIL)
+    return CycleFigures(*(Estimate(float(one.mean()), 0.0) for one in (late.period, late.stress_drop, late.v_max)))
 
 
-def run_of_damped() -> Figures:
+def run_of_damped() -> CycleFigures:
     """Where a direct run of the quasi-dynamic model settles."""
     orbit = memo.settled(DAMPED, scene_at(RUN_AT), TOLERANCE, 1e-9).orbit
-    return Figures(orbit.period, orbit.stress_drop)
+    return CycleFigures(orbit.period, orbit.stress_drop, orbit.v_max)
+
+
+@cache
+def _onsets() -> tuple[float, float]:
+    """log10 r of the onsets of the exact system and of the quasi-dynamic model, by their closed forms."""
+    scene = scene_at(SHOWN[0])
+    found = onset_of(scene.law, scene.upper.epsilon, scene.velocity)
+    return math.log10(found.r_delay), math.log10(found.r_quasidynamic)
+
+
+def onset_of_exact() -> float:
+    """log10 r from which on the exact system sticks and slips."""
+    return _onsets()[0]
 
 
 def onset_of_damped() -> float:
-    """log10 r from which on the quasi-dynamic model sticks and slips, by its closed form."""
-    scene = scene_at(SHOWN[0])
-    return math.log10(onset_of(scene.law, scene.upper.epsilon, scene.velocity).r_quasidynamic)
-
-
-def milliseconds_of(model: str) -> float:
-    """Processor time of the transits that are timed."""
-    return 1e3 * timed(lambda: watch(build(model, scene_at(TIMED_AT), tolerance=TOLERANCE), TRANSITS))[0]
+    """log10 r from which on the quasi-dynamic model sticks and slips."""
+    return _onsets()[1]
 
 
 def error(runs: Runs, model: str, log10_r: float, quantity: str) -> Estimate:
@@ -94,9 +115,8 @@ def error(runs: Runs, model: str, log10_r: float, quantity: str) -> Estimate:
     ours, exact = runs[model].get(log10_r), runs["delay"].get(log10_r)
     if ours is None or exact is None:
         return Estimate(math.nan, math.nan)
-    one, other = getattr(ours, quantity), getattr(exact, quantity)
-    ratio = one.value / other.value
-    return Estimate(ratio - 1.0, ratio * math.hypot(one.error / one.value, other.error / other.value))
+    found = against(getattr(ours, quantity), getattr(exact, quantity))
+    return Estimate(math.nan if found.error is None else found.error, found.standard_error)
 
 
 def column(runs: Runs, model: str, quantity: str, part: Callable[[Estimate], float] = lambda one: abs(one.value)) -> Array:
@@ -104,15 +124,11 @@ def column(runs: Runs, model: str, quantity: str, part: Callable[[Estimate], flo
     return np.array([part(error(runs, model, log10_r, quantity)) for log10_r in runs["delay"]])
 
 
-def states(model: str) -> int:
-    """Dynamical variables: psi, the elastic stress, v if there is mass, and two for each mode."""
-    scene = reduction_of(scene_at(TIMED_AT), model)
-    return 2 + (not scene.is_algebraic) + 2 * len(scene.frequencies) + len(scene.relaxations)
-
-
-def apart(one: Figures | None, other: Figures | None) -> float:
+def apart(one: CycleFigures | None, other: CycleFigures | None) -> float:
     """The larger relative difference of period and drop; NaN where one is missing."""
-    return max(abs(a.value / b.value - 1.0) for a, b in zip(one, other, strict=True)) if one and other else math.nan
+    if not one or not other:
+        return math.nan
+    return max(abs(one.period.value / other.period.value - 1.0), abs(one.drop.value / other.drop.value - 1.0))
 
 
 def orbit_claims(orbits: Runs) -> Iterator[Verdict]:
@@ -131,7 +147,7 @@ def orbit_claims(orbits: Runs) -> Iterator[Verdict]:
         abs(short - _PRINTED) < _HALF_DIGITS,
         "printed: 70.73 against 73.5 transits, log_{10} r = −2.68; half of the last printed digits is allowed",
     )
-    largest = [[float(np.nanmax(column(orbits, model, name))) for model in _LADDER] for name in Figures._fields]
+    largest = [[float(np.nanmax(column(orbits, model, name))) for model in _LADDER] for name in _JUDGED]
     yield holding(
         "Every doubling of the number of modes reduces the largest error over the range of r",
         WITNESS,
@@ -142,13 +158,13 @@ def orbit_claims(orbits: Runs) -> Iterator[Verdict]:
     )
 
 
-def mean_claims(means: Runs, orbits_there: dict[str, Figures | None]) -> Iterator[Verdict]:
-    """Means of irregular motions against the delay system's, and of cycles that repeat against `orbits_there`, at the least r:
-    the figures of an orbit, which Newton's method finds without the run's end."""
-    found = [error(means, *one) for one in product(("modal:4", "modal:8"), means["delay"], Figures._fields)]
+def mean_claims(means: Runs, ran: dict[str, CycleFigures]) -> Iterator[Verdict]:
+    """Means of wandering motions against the delay system's, and of orbits at the least r, which Newton's method finds without
+    the run's end, against the means `ran` there over the cycles of a run."""
+    found = [error(means, *one) for one in product(_AS_WAVES, means["delay"], _JUDGED)]
     off = max(abs(one.value) / one.error for one in found)
     yield holding(
-        "Where no orbit is stable, four and eight modes give the delay system’s mean period and mean stress drop",
+        "Where no orbit is stable, the full wave, four and eight modes have the delay system’s mean period and mean stress drop",
         WITNESS,
         f"within {_ERRORS:g} standard errors",
         f"within {off:.1f}",
@@ -156,14 +172,14 @@ def mean_claims(means: Runs, orbits_there: dict[str, Figures | None]) -> Iterato
         f"the largest of {len(found)} differences, at {places(means['delay'])}",
     )
     first = min(means["delay"])
-    differ = {model: apart(means[model][first], orbit) for model, orbit in orbits_there.items()}
+    differ = {model: apart(one, means[model][first]) for model, one in ran.items()}
     worst = max(differ, key=differ.__getitem__)
     title = "Runs whose cycles repeat have the period and the stress drop of the model’s orbit"
     where = f"{', '.join(f'`{model}`' for model in differ)} at log_{{10}} r = {places([first])}; shown: `{worst}`"
     yield claim(title, WITNESS, differ[worst], _REPEATS, where)
 
 
-def damped_claims(orbits: Runs, means: Runs, run: Figures) -> Iterator[Verdict]:
+def damped_claims(orbits: Runs, means: Runs, run: CycleFigures) -> Iterator[Verdict]:
     """Where the quasi-dynamic model slides steadily, how short its period is beyond, and that a direct run has it too."""
     onset, every = onset_of_damped(), orbits[DAMPED] | means[DAMPED]
     right = all((found is not None) == (log10_r > onset) for log10_r, found in every.items())
@@ -179,7 +195,7 @@ def damped_claims(orbits: Runs, means: Runs, run: Figures) -> Iterator[Verdict]:
     )
     title = "A direct run of the quasi-dynamic model settles on the orbit that Newton’s method finds"
     orbit = every[RUN_AT]
-    limit = max(map(error_of, run, orbit)) if orbit else math.nan
+    limit = max(error_of(getattr(run, name), getattr(orbit, name)) for name in _JUDGED) if orbit else math.nan
     yield claim(title, WITNESS, apart(run, orbit), limit, f"T and Δμ at log_{{10}} r = {places([RUN_AT])}")
 
 
@@ -219,9 +235,48 @@ def no_modes() -> Verdict:
     return holding("No mode at all is the ρh/12 block", EXACT, "the same equations", "same" if same else "not", same)
 
 
-def all_verdicts(orbits: Runs, means: Runs) -> tuple[Verdict, ...]:
+def wave_claims(orbits: Runs) -> Iterator[Verdict]:
+    """The full wave's cycles against the delay system's orbits."""
+    off = {name: max(abs(error(orbits, WAVE, x, name).value) for x in SHOWN) for name in _JUDGED}
+    where = f"`{WAVE}`, {CELLS} cells, propagated exactly in time, at {places(SHOWN)}"
+    yield claim("The full wave has the period of the delay system’s orbit", WITNESS, off["period"], _WAVE_PERIOD, where)
+    yield claim("The full wave has the stress drop of the delay system’s orbit", WITNESS, off["drop"], _WAVE_DROP, where)
+
+
+def table_claims(table: ModelTable) -> Iterator[Verdict]:
+    """Regimes against onsets, which know no run; that the simplest model runs away; and what an exact answer costs."""
+    known = [(row, one, cell) for row in table.rows for one, cell in zip(table.columns, row.cells, strict=True) if row.onset]
+    wrong = sum((cell.regime == STEADY) != (one.log10_r < row.onset.value) for row, one, cell in known if row.onset)
+    title, expected = "Runs leave steady sliding where their model’s onset lies", f"0 of {len(known)} on the wrong side"
+    where = "every model without a grid; onsets from its impedance, which know no run"
+    yield holding(title, WITNESS, expected, f"{wrong} of {len(known)} on the wrong side", wrong == 0, where)
+    same = [cell.right for model in _AS_WAVES for cell in table.row(model).cells]
+    title, expected = (
+        "The full wave, four and eight modes have the exact system’s regimes",
+        f"at {len(same)} of {len(same)} points",
+    )
+    yield holding(title, WITNESS, expected, f"at {sum(same)} of {len(same)} points", all(same), "verdicts on runs, at every r")
+    every = {cell.regime for cell in table.row("quasistatic").cells}
+    away = " and ".join(sorted(every))
+    yield holding(
+        "The quasi-static model runs away", EXACT, AWAY, away, every == {AWAY}, f"at {places(x.log10_r for x in table.columns)}"
+    )
+    least = min(costs_of_good_reductions(table), default=math.inf)
+    yield holding(
+        f"No ODE that is right to {100 * GOOD:g} % at every r shown costs less than the exact system",
+        SELF,
+        f"at least {1.0 / AS_CHEAP:.1f} of its time",
+        f"~{{{least:.2g}}} of its time",
+        least * AS_CHEAP >= 1.0,
+        f"the least of {len(costs_of_good_reductions(table))} ratios of medians; run times vary by a tenth",
+        Outcome.FINDING,
+    )
+
+
+def all_verdicts(orbits: Runs, means: Runs, table: ModelTable) -> tuple[Verdict, ...]:
     """In the order of the page."""
-    periods = {model: orbit.period for model, by_r in orbits.items() if (orbit := by_r.get(-2.68))}
-    repeating = {model: orbit_of(model, min(means["delay"])) for model in _REPEATING}
-    of_means = (*mean_claims(means, repeating), *damped_claims(orbits, means, run_of_damped()))
-    return (*orbit_claims(orbits), *of_means, *known_claims(periods), fitted_modes("fitted:4"), no_modes())
+    periods = {model: orbit.period for model, by_r in orbits.items() if (orbit := by_r.get(-2.68)) and model != WAVE}
+    ran = {model: mean_at(model, min(means["delay"])) for model in _REPEATING}
+    of_means = (*mean_claims(means, ran), *damped_claims(orbits, means, run_of_damped()))
+    of_orbits = (*orbit_claims(orbits), *wave_claims(orbits), *known_claims(periods))
+    return (*table_claims(table), *of_orbits, *of_means, fitted_modes("fitted:4"), no_modes())

@@ -1,0 +1,104 @@
+"""The table of models from regimes and run times: errors, their error bars, units, advice and the two sentences."""
+
+from dataclasses import replace
+
+import pytest
+
+import slipwave
+from slipwave.observe.statistics import Estimate
+from validation.study import compared
+from validation.study.advice import is_good
+from validation.study.compared import Sight, compared_table
+from validation.study.model_table import Compared, ModelCell
+from validation.study.regimes import AWAY, STEADY, CycleFigures, Regime
+
+PAPER = slipwave.read("paper")
+SIGHTS = [Sight("near", PAPER, 1.05), Sight("far", PAPER, 1.6)]
+
+
+def regime(period, drop=0.2, v_max=4000.0, words="periodic", error=0.0):
+    figures = CycleFigures(Estimate(period, error), Estimate(drop, 0.0), Estimate(v_max, 0.0))
+    return Regime(words, figures, 0 if words == "periodic" else 90)
+
+
+EXACT = [regime(70.0), regime(90.0, words="irregular", error=0.9)]
+REGIMES = {
+    "delay": EXACT,
+    "dg:7": EXACT,
+    "modal:8": [regime(70.007), regime(90.9, words="irregular", error=0.9)],
+    "modal:1": [regime(70.35), regime(90.0)],
+    "kelvin-voigt": [regime(67.9), regime(72.0, words="irregular")],
+    "quasidynamic": [Regime(STEADY), regime(45.0)],
+    "quasistatic": [Regime(AWAY)] * 2,
+}
+
+
+def a_table(cost=1.2):
+    times = {model: {"modal:8": cost, "dg:7": 4.0}.get(model, 1.0) for model in REGIMES}
+    return compared_table("paper", "caption", SIGHTS, REGIMES, {"near": times})
+
+
+def test_the_table_has_errors_against_the_exact_system():
+    table = a_table()
+    assert [column.group for column in table.columns] == ["periodic", "torus, irregular"]
+    exact, modal = table.row("delay").cells[1], table.row("modal:8").cells[1]
+    assert exact.figures["T"] == Compared(90.0, None, pytest.approx(0.01))
+    assert modal.figures["T"] == Compared(90.9, pytest.approx(0.01), pytest.approx(0.0141, rel=1e-2))
+    assert modal.figures["v_{max}"] == Compared(4000.0, 0.0, 0.0)
+    assert table.row("kelvin-voigt").cells[0].figures["T"].error == pytest.approx(-0.03)
+    assert table.row("quasidynamic").cells[0] == ModelCell(STEADY, right=False)
+    assert table.row("quasidynamic").onset.error == pytest.approx(0.1126, rel=1e-3)
+    assert table.row("dg:7").onset is None
+
+
+def test_advice_and_sentences_follow_the_table():
+    table = a_table()
+    assert {row.model: (row.advice, row.why) for row in table.rows} == {
+        "delay": ("use", "exact"),
+        "dg:7": ("use as witness", "full wave"),
+        "modal:8": ("use", "where an ODE is needed: off by 1 · 10^{−4} at most where orbits repeat"),
+        "modal:1": ("use up to 1.05 r_{c}", "beyond: periodic where the waves are not"),
+        "kelvin-voigt": ("avoid", "T −3.0 to −20 %"),
+        "quasidynamic": ("avoid", "slides steadily up to 1.05 r_{c}, then T −50 %"),
+        "quasistatic": ("avoid", "runs away"),
+    }
+    use, avoid = table.sentences
+    assert use == (
+        "Use `delay`: it is exact and costs as little as any ODE that is right to 1 % (they take ~{1.2} of its time); where an "
+        "ODE is needed, `modal:8` (off by 1 · 10^{−4} at most where orbits repeat), `modal:1` up to 1.05 r_{c}."
+    )
+    assert avoid.startswith("Avoid `kelvin-voigt` (T −3.0 to −20 %), `quasidynamic` (slides steadily up to 1.05 r_{c}, then")
+    assert "ODEs that are right to 1 % take ~{0.5} of its time" in a_table(cost=0.5).sentences[0]
+
+
+@pytest.mark.parametrize(
+    ("error", "bar", "right", "good"),
+    [
+        (0.0099, 0.0, True, True),
+        (-0.011, 0.0, True, False),
+        (0.02, 0.006, True, True),
+        (0.03, 0.006, True, False),
+        (0.0, 0.0, False, False),
+    ],
+)
+def test_a_model_is_good_within_one_per_cent_and_two_standard_errors(error, bar, right, good):
+    assert is_good(ModelCell("periodic", right, 0, {"T": Compared(70.0, error, bar)})) is good
+
+
+def test_values_of_a_scene_in_si_are_in_si():
+    scene = slipwave.read("paper-si")
+    table = compared_table("paper-si", "caption", [Sight("33 mm", scene, 1.05)], {"delay": EXACT[:1]})
+    found = [(one.unit, table.rows[0].cells[0].figures[one.symbol].value) for one in table.quantities]
+    transit = scene.transit * 0.9
+    assert found == [("s", pytest.approx(70.0 * transit)), ("Pa", pytest.approx(200.0)), ("m/s", pytest.approx(4e-3))]
+
+
+def test_costs_are_medians_of_ratios_to_the_exact_system(monkeypatch):
+    times = [
+        {"delay": 9.0, "block8": 1.0},
+        {"delay": 2.0, "block8": 1.0},
+        {"delay": 2.0, "block8": 4.0},
+        {"delay": 2.0, "block8": 1.2},
+    ]
+    monkeypatch.setattr(compared, "in_turn", lambda works, rounds: times[:rounds])
+    assert compared.relative_costs(["delay", "block8"], {}, replace(PAPER), 3) == {"delay": 1.0, "block8": 0.6}

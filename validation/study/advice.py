@@ -1,0 +1,124 @@
+"""Advice on models, computed from their table.
+
+The rule: a model is good at a place if its regime is that of the reference, and T and Δμ err by less than 1 % there, or by no
+more than 1 % and two standard errors of the difference. Good everywhere: "use"; a full wave, which serves to check the exact
+system, "use as witness". Good up to a place: "use up to" there, in r over the reference's onset. Not good at the first place:
+"avoid".
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from slipwave.family import Exact
+from validation.registry.families import family_of
+from validation.study.model_table import ModelCell, ModelRow, ModelTable
+from validation.study.text import minus, plain
+
+GOOD = 1e-2
+JUDGED = ("T", "Δμ")
+AS_CHEAP = 1.1
+"""A cost up to which a model costs as little as another: run times of one program vary by a tenth."""
+
+
+def is_good(cell: ModelCell) -> bool:
+    """Whether the model may be used there."""
+    found = (cell.figures[symbol] for symbol in JUDGED if symbol in cell.figures)
+    return cell.right and all(abs(one.error or 0.0) <= GOOD + 2.0 * one.standard_error for one in found)
+
+
+def with_advice(table: ModelTable) -> ModelTable:
+    """The table with advice in every row, and with its sentences."""
+    told = ((row, _advice(row, table)) for row in table.rows)
+    done = replace(table, rows=tuple(replace(row, advice=advice, why=why) for row, (advice, why) in told))
+    return replace(done, sentences=tuple(_sentences(done)))
+
+
+def _advice(row: ModelRow, table: ModelTable) -> tuple[str, str]:
+    """(advice, why)."""
+    if row.model == table.reference:
+        return "use", "exact"
+    good = [is_good(cell) for cell in row.cells]
+    last = (good.index(False) if False in good else len(good)) - 1
+    family = family_of(row.model)
+    if last < 0:
+        return "avoid", _trouble(row, table)
+    if False in good:
+        beyond = next(cell for cell, fine in zip(row.cells, good, strict=True) if not fine)
+        return f"use up to {table.columns[last].over_onset:.2f} r_{{c}}", f"beyond: {_fault(beyond)}"
+    if family and family.exact is not Exact.NEVER:
+        return "use as witness", "full wave"
+    return "use", f"where an ODE is needed: off by {plain(_largest(row), '.0e')} at most where orbits repeat"
+
+
+def _fault(cell: ModelCell) -> str:
+    """What is not good in a cell, in words."""
+    if not cell.right:
+        return f"{cell.regime} where the waves are not"
+    worst = max((symbol for symbol in JUDGED if symbol in cell.figures), key=lambda symbol: _size(cell, symbol))
+    return f"{worst} {_span([cell.figures[worst].error])}"
+
+
+def _size(cell: ModelCell, symbol: str) -> float:
+    return abs(cell.figures[symbol].error or 0.0) if symbol in cell.figures else 0.0
+
+
+def _trouble(row: ModelRow, table: ModelTable) -> str:
+    """Why a model is to be avoided: up to where it has no cycles, and the range of its errors of T."""
+    silent = [(cell.regime, column) for cell, column in zip(row.cells, table.columns, strict=True) if not cell.figures]
+    errors = [cell.figures["T"].error for cell in row.cells if "T" in cell.figures]
+    words = []
+    if silent:
+        regime, last = silent[-1]
+        words.append(regime + (f" up to {last.over_onset:.2f} r_{{c}}" if errors else ""))
+    if errors:
+        words.append(f"T {_span(errors)}")
+    return ", then ".join(words)
+
+
+def _span(errors: Sequence[float | None]) -> str:
+    """The smallest and the largest error, in per cent."""
+    ends = sorted((100.0 * error for error in errors if error is not None), key=abs)
+    shown = list(dict.fromkeys(f"{end:+.{0 if abs(end) >= 10.0 else 1}f}" for end in (ends[0], ends[-1])))
+    return minus(" to ".join(shown)) + " %"
+
+
+def _largest(row: ModelRow) -> float:
+    """The largest error of T and Δμ where orbits are compared: means know theirs no better than their scatter."""
+    return max((_size(cell, symbol) for cell in row.cells for symbol in JUDGED if not cell.cycles), default=0.0)
+
+
+def costs_of_good_reductions(table: ModelTable) -> list[float]:
+    """Costs, at every place where they are known, of the models without a grid that are good everywhere."""
+    return [cost for row in _good_reductions(table) for cost in row.costs if cost is not None]
+
+
+def _good_reductions(table: ModelTable) -> list[ModelRow]:
+    return [row for row in table.rows if row.advice == "use" and row.model != table.reference]
+
+
+def _sentences(table: ModelTable) -> Iterator[str]:
+    """What to use, with the news on costs; what to avoid."""
+    good, also = _good_reductions(table), list[str]()
+    if good:
+        also.append(f"{' or '.join(f'`{row.model}`' for row in good)} ({_as_good(good)})")
+    also += [f"`{row.model}` {row.advice.removeprefix('use ')}" for row in table.rows if row.advice.startswith("use up to")]
+    yield f"Use `{table.reference}`: it is exact{_news(table)}{'; where an ODE is needed, ' if also else ''}{', '.join(also)}."
+    avoid = [f"`{row.model}` ({row.why})" for row in table.rows if row.advice == "avoid"]
+    if avoid:
+        yield f"Avoid {', '.join(avoid)}."
+
+
+def _news(table: ModelTable) -> str:
+    """Whether the exact system costs as little as any ODE that is good everywhere."""
+    costs = costs_of_good_reductions(table)
+    if not costs:
+        return ""
+    times = f"~{{{' to '.join(dict.fromkeys(f'{cost:.2g}' for cost in (min(costs), max(costs))))}}} of its time"
+    if min(costs) * AS_CHEAP >= 1.0:
+        return f" and costs as little as any ODE that is right to {100 * GOOD:g} % (they take {times})"
+    return f"; ODEs that are right to {100 * GOOD:g} % take {times}"
+
+
+def _as_good(rows: Sequence[ModelRow]) -> str:
+    """How closely the best of them follows the reference where orbits are compared."""
+    return f"off by {plain(min(map(_largest, rows)), '.0e')} at most where orbits repeat"

@@ -1,0 +1,83 @@
+"""What a model does in a scene in the end: its regime in words, and the figures of its cycles if it has any."""
+
+from typing import NamedTuple
+
+from slipwave.errors import NumericsError
+from slipwave.observe import EventObserver, Events
+from slipwave.observe.statistics import Estimate
+from slipwave.scene import Scene
+from validation.measure.correlated import mean_of
+from validation.measure.settle import estimate
+from validation.registry.build import build
+from validation.registry.families import one_port_of
+from validation.run.simulate import reconsidered, simulate
+from validation.study.memo import LATE_TOLERANCE, TRANSIENT, kept, own_orbit
+
+STEADY, AWAY, UNDECIDED = "slides steadily", "runs away", "undecided"
+_WORDS = {"steady": STEADY, "decaying": STEADY, "settling": UNDECIDED, "growing": UNDECIDED, "too short": UNDECIDED}
+"""What some verdicts on a run are called in tables of models; the others keep their name."""
+
+
+class CycleFigures(NamedTuple):
+    """Period (transits), stress drop (σ) and largest slip rate (V*) with their errors: of an orbit those of its computation, of
+    a mean its standard error."""
+
+    period: Estimate
+    drop: Estimate
+    v_max: Estimate
+
+
+class Regime(NamedTuple):
+    """`words`: "periodic" (with its events, if several), "torus", "irregular", or one of the words above; `figures` of its
+    cycles, None if it has none; `cycles`, how many they are means over, 0 for cycles that are all alike."""
+
+    words: str
+    figures: CycleFigures | None = None
+    cycles: int = 0
+
+    def agrees(self, other: "Regime") -> bool:
+        """Whether both are the same, as far as both are decided."""
+        return self.words == other.words or UNDECIDED in (self.words, other.words)
+
+
+@kept
+def regime_of(model: str, scene: Scene, until: float, cells: int | None = None, tolerance: float | None = None) -> Regime:
+    """The regime of a run of `model` to `until` (transits). Figures are means over the cycles after the transient; of a motion
+    that repeats, those of the last cycles or, if a `tolerance` is given, of its stable orbit by Newton's method.
+
+    A run whose numerics fail runs away: no step is short enough for rates that grow without limit."""
+    solver = build(model, scene, tolerance=LATE_TOLERANCE) if cells is None else build(model, scene, cells=cells)
+    watch = EventObserver(solver.scene, solver.nodes)
+    run = reconsidered(simulate(solver, until, watch=watch), one_port_of(model))
+    kind, events = run.kind, (run.verdict.multiplicity if run.verdict else None) or 1
+    if run.failed or kind is None:
+        return Regime(AWAY)
+    orbit = _stable_orbit(model, scene, tolerance, cells) if tolerance and kind in ("periodic", "settling") else None
+    if orbit and events == 1:
+        return Regime("periodic", orbit)
+    if kind == "periodic":
+        return Regime("periodic" if events == 1 else f"periodic, {events} events", _repeating(watch.events(0.5 * until), events))
+    if kind in ("torus", "irregular"):
+        late = watch.events(TRANSIENT)
+        return Regime(kind, CycleFigures(*map(mean_of, (late.period, late.stress_drop, late.v_max))), late.period.size)
+    return Regime(_WORDS.get(kind, kind))
+
+
+def _repeating(cycles: Events, events: int) -> CycleFigures:
+    """Figures of the last cycles: of one, or means over the last period of several `events` with what they changed by since the
+    period before."""
+    if events == 1:
+        last = estimate(cycles)
+        return CycleFigures(last.period, last.stress_drop, last.v_max)
+    columns = (cycles.period, cycles.stress_drop, cycles.v_max)
+    means = [(float(one[-events:].mean()), float(one[-2 * events : -events].mean())) for one in columns]
+    return CycleFigures(*(Estimate(last, abs(last - before)) for last, before in means))
+
+
+def _stable_orbit(model: str, scene: Scene, tolerance: float, cells: int | None) -> CycleFigures | None:
+    try:
+        found = own_orbit(model, scene, tolerance, cells)
+    except NumericsError:
+        return None
+    orbit = found.orbit
+    return CycleFigures(orbit.period, orbit.stress_drop, orbit.v_max) if found.multipliers.stable else None
