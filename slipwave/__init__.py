@@ -1,7 +1,7 @@
 """What is simulated: friction laws, slabs, drive, start and observers. Imports no solver and none of the other packages.
 
-It also offers what the commands do: `run`, `stability`, `orbit`, `branch`, `curve`, `compare`, `bench`, `scenes`, `models` and
-`show` are imported when one of them is first used, by name (their types are in `__init__.pyi`). `import slipwave` stays light.
+It also offers what the commands do: `run`, `stability`, `orbit`, `branch`, `curve`, `compare`, `bench`, `fit`, `scenes`, `models`
+and `show` are imported when one of them is first used (their types are in `__init__.pyi`). `import slipwave` stays light.
 """
 
 from importlib import import_module
@@ -15,6 +15,7 @@ _PLACES = {
     "branch": "results.branch",
     "compare": "results.compare",
     "curve": "results.curve",
+    "fit": "fit.command",
     "map": "sweep.map_command",
     "models": "results.listing",
     "orbit": "results.orbit",

@@ -25,6 +25,8 @@ _SPREAD: dict[str, Callable[[str], bool]] = {
     "--set": lambda word: "=" in word,
     "--vary": lambda word: "=" in word,
     "--only": lambda word: True,
+    "--data": lambda word: True,
+    "--free": lambda word: True,
 }
 
 COMMANDS = {
@@ -37,6 +39,7 @@ COMMANDS = {
     "compare": "Draw one cycle of each model in one figure; print periods and stress drops with their errors.",
     "bench": "Time every model against its error in period and stress drop; the reference is the delay system at a tight "
     "tolerance.",
+    "fit": "Parameters of a scene from measured friction, by least squares, with 95 % intervals.",
     "sweep": "One measure of many scenes over axes, on all cores or a cluster; resumed after any interruption.",
     "map": "Draw a sweep: regimes with the boundaries that theory gives, figures, differences between two models.",
     "scenes": "List the gallery's scenes, one line each.",

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from decimal import Decimal
-from functools import cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 from slipwave.input.wording import choices, nearest
@@ -75,6 +75,7 @@ def examples(units: Iterable[str]) -> str:
     return choices(KINDS[unit][1] for unit in units)
 
 
+@lru_cache(maxsize=4096)
 def _converted(number: str, written: str, unit: str) -> float | None:
     """Convert `number` from `written` to `unit`; None if impossible."""
     from pint.errors import PintError

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from validation.measure.order_fit import Fit, fit, shortfall
+from validation.measure.order_fit import Fit, fit_order, shortfall
 
 
 def assert_order(errors, steps, declared, tolerance=0.1, absolute=None, scale=1.0, at_least=False, widest=0.5) -> Fit:
@@ -10,7 +10,7 @@ def assert_order(errors, steps, declared, tolerance=0.1, absolute=None, scale=1.
     `absolute`; returns the fit."""
     errors, steps = np.abs(np.asarray(errors, dtype=float)), np.asarray(steps, dtype=float)
     assert errors.size >= 4, "an order needs four levels"
-    result = fit(1.0 / steps, errors, scale)
+    result = fit_order(1.0 / steps, errors, scale)
     message = shortfall(result, declared, tolerance, at_least, widest)
     assert not message, f"{message}; errors {[f'{error:.3e}' for error in errors]}"
     if absolute is not None:

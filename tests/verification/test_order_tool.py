@@ -7,7 +7,7 @@ import pytest
 from order import assert_order
 
 from validation.measure.grid_ladders import LADDERS
-from validation.measure.order_fit import fit, fit_dense
+from validation.measure.order_fit import fit_dense, fit_order
 from validation.measure.orders import QUANTITIES, Climb
 
 STEPS = 0.1 * 0.5 ** np.arange(6)
@@ -20,7 +20,7 @@ def test_interval_is_the_textbook_one():
     slope = centred @ y / (centred @ centred)
     rest = y - y.mean() - slope * centred
     deviation = np.sqrt(rest @ rest / 4 / (centred @ centred))
-    result = fit(1 / STEPS, errors)
+    result = fit_order(1 / STEPS, errors)
     assert result.used == slice(0, 6)
     assert result.order == pytest.approx(slope)
     assert result.half_width == pytest.approx(2.7764451 * deviation, rel=1e-6)  # Student t(0.975, 4)
@@ -115,7 +115,7 @@ def test_an_order_approached_from_below_holds_and_a_wrong_limit_does_not(changes
     [(0.9, 0.97, 0.05, True), (0.9, 0.94, 0.05, False), (0.9, 0.97, 0.2, False), (0.4, 0.97, 0.05, False)],
 )
 def test_where_local_orders_lead(order, limit, width, leads):
-    assert replace(fit(1 / STEPS, STEPS), order=order, limit=limit, limit_half_width=width).leads_to(1.0) is leads
+    assert replace(fit_order(1 / STEPS, STEPS), order=order, limit=limit, limit_half_width=width).leads_to(1.0) is leads
 
 
 def test_a_ladder_without_usable_levels_says_so():

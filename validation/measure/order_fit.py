@@ -57,7 +57,7 @@ class Fit:
         return f"{self.order:.2f}\u00a0±\u00a0{math.ceil(100 * self.half_width) / 100:.2f}"
 
 
-def fit(cells: Array, errors: Array, scale: float = 1.0) -> Fit:
+def fit_order(cells: Array, errors: Array, scale: float = 1.0) -> Fit:
     """Fit the order of `errors` (positive) on grids of `cells` (increasing).
 
     Excluded by rule: levels at rounding (error below 100 machine epsilons of `scale`, and all finer ones), then coarse levels

@@ -9,7 +9,7 @@ import slipwave
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import follow
-from validation.measure.order_fit import Fit, extrapolated, fit, shortfall
+from validation.measure.order_fit import Fit, extrapolated, fit_order, shortfall
 from validation.measure.settle import SYMBOLS, settle
 from validation.registry.build import build
 from validation.study import SELF, WITNESS, Budget, Evidence, Figure, Number, StudyResult, Table, Verdict, claim, holding, table
@@ -38,7 +38,7 @@ def run(budget: Budget) -> StudyResult:
     """Measure every error, fit every order."""
     cells = _QUICK if budget.quick else _FULL
     errors = _measure(cells, budget)
-    fits = {name: {cfl: fit(np.array(cells), np.abs(errors[name][cfl])) for cfl in CFLS} for name in errors}
+    fits = {name: {cfl: fit_order(np.array(cells), np.abs(errors[name][cfl])) for cfl in CFLS} for name in errors}
     return StudyResult(
         answer=_answer(fits),
         figures=(Figure("ladders", _CAPTION, lambda: ladders(np.array(cells), errors, fits)),),

@@ -8,7 +8,7 @@ import slipwave
 from slipwave.observe.pieces import Array
 from slipwave.solve import Energy, FieldSolver, follow
 from validation.measure.cycle import watch
-from validation.measure.order_fit import Fit, fit
+from validation.measure.order_fit import Fit, fit_order
 from validation.registry.build import build_full_wave
 from validation.registry.families import explicit_time
 
@@ -70,7 +70,7 @@ def residual_of(model: str, cells: int, name: str = "rigid faces") -> float:
 
 def ledger_order(model: str, residual: Array) -> Fit:
     """The order of the residuals above rounding; ValueError if fewer than four are."""
-    return fit(np.array(LADDERS[model]), residual, _ROUNDING)
+    return fit_order(np.array(LADDERS[model]), residual, _ROUNDING)
 
 
 def history_of(name: str, cells: int) -> EnergyRun:

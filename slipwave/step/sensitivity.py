@@ -1,0 +1,221 @@
+"""The derivative of a march by parameters of its scene, along the steps that it took: exact for these steps.
+
+A parameter p changes what a step is given (`slipwave.step.tangent`): the stress by S_p - F_p, where S_p is that of the slabs'
+tables at a fixed memory, and the state's rate by (h G)_p; then what the slabs remember. The derivatives of the law's formula and
+of the tables are differences between scenes on either side of the present one: both are smooth, and free of a march's noise.
+Steps are fixed in time, not in transits, so that a parameter may change the transit too.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipwave.compiled import allocating, njit
+from slipwave.friction import Law, rates, respond
+from slipwave.observe.pieces import SAME, Array, Pieces
+from slipwave.scene import Scene
+from slipwave.scene.drive import Constant, Ramps, velocity_at
+from slipwave.step.collocation import Nodes, rule_of
+from slipwave.step.impedance import Full
+from slipwave.step.port import Port, Slabs, propagate
+from slipwave.step.tangent import Answer, Motion, step_answer
+
+
+class Sides(NamedTuple):
+    """The scenes at p + `step` and p - `step`, each with its transits per transit of the present scene."""
+
+    scenes: tuple[Scene, Scene]
+    clocks: tuple[float, float]
+    step: float
+
+
+class Given(NamedTuple):
+    """What m parameters change in k steps of s nodes by themselves: `stress` and h G, `gain` (k, m, s), and the `memory` after
+    the step (k, m, n). The answers: of v, `rate`, and of psi, `state` (k, m, s)."""
+
+    stress: Array
+    gain: Array
+    memory: Array
+    rate: Array
+    state: Array
+
+
+class Changes(NamedTuple):
+    """Changes by m parameters of what is remembered (m, n) and of psi (m,), at the present."""
+
+    memory: Array
+    psi: Array
+
+
+class LawAlong(NamedTuple):
+    """v, v_z, F, F_z, F_psi and G at the nodes (k, s) of a motion."""
+
+    v: Array
+    v_z: Array
+    stress: Array
+    by_z: Array
+    by_psi: Array
+    growth: Array
+
+
+def friction_on(law: Law, pieces: Pieces) -> LawAlong:
+    """What `law` says along a motion."""
+    found = np.empty((6, *pieces.z.shape))
+    _respond_all(law, pieces.z, pieces.psi, found)
+    return LawAlong(*found)
+
+
+@njit
+def _respond_all(law: Law, z: Array, psi: Array, found: Array) -> None:
+    for k in range(z.shape[0]):
+        for j in range(z.shape[1]):
+            v, v_z, friction, by_z, by_psi, growth, _, _ = respond(law, z[k, j], psi[k, j])
+            found[0, k, j], found[1, k, j], found[2, k, j] = v, v_z, friction
+            found[3, k, j], found[4, k, j], found[5, k, j] = by_z, by_psi, growth
+
+
+def drive_on(scene: Scene, pieces: Pieces, nodes: Array, clock: float = 1.0, late: float = 0.0) -> Array:
+    """V of `scene` (its V*) at the nodes of pieces (k, s), `late` transits later, where it has `clock` transits in one of
+    theirs."""
+    found = np.empty_like(pieces.z)
+    times, lengths = clock * (pieces.time + late), clock * pieces.length
+    _drive_at(scene.drive.compiled, times, lengths, nodes, found)
+    return found
+
+
+@njit
+def _drive_at(drive: Constant | Ramps, times: Array, lengths: Array, nodes: Array, found: Array) -> None:
+    for k in range(times.size):
+        for j in range(nodes.size):
+            found[k, j] = velocity_at(drive, times[k] + nodes[j] * lengths[k], times[k] + 0.5 * lengths[k])
+
+
+def given_by(scene: Scene, beside: Sequence[Sides], pieces: Pieces, remembered: int) -> Given:
+    """What parameters change along `pieces` through the law and the clock; nothing yet through the slabs."""
+    (steps, stages), count = pieces.z.shape, len(beside)
+    stress, gain, rate, state = np.zeros((4, steps, count, stages))
+    for i, (scenes, clocks, step) in enumerate(beside):
+        ends = [friction_on(one.law, pieces) for one in scenes]
+        hours = [pieces.length[:, None] * clock * one.transit for one, clock in zip(scenes, clocks, strict=True)]
+        stress[:, i] = (ends[1].stress - ends[0].stress) / (2.0 * step)
+        gain[:, i] = (hours[0] * ends[0].growth - hours[1] * ends[1].growth) / (2.0 * step)
+    return Given(stress, gain, np.zeros((steps, count, remembered)), rate, state)
+
+
+def start_by(beside: Sequence[Sides], remembered: int) -> Changes:
+    """Changes of the start: of psi; what is remembered of steady sliding is nothing, for all parameters."""
+    psi = [(a.steady_psi + a.start.jump_size - b.steady_psi - b.start.jump_size) / (2.0 * step) for (a, b), _, step in beside]
+    return Changes(np.zeros((len(beside), remembered)), np.array(psi))
+
+
+def stress_by(law: Law, pieces: Pieces, given: Given, direct: Array) -> Array:
+    """d mu/dp at the nodes (k, m, s) from the answers, with F_p = `direct` (k, m, s)."""
+    here = friction_on(law, pieces)
+    slope, by_psi = (here.by_z / here.v_z)[:, None], here.by_psi[:, None]
+    return np.asarray(slope * given.rate + by_psi * given.state + direct)
+
+
+@njit
+def answer_given(nodes: Nodes, answer: Answer, k: int, given: Given, psi: Array) -> None:
+    """given.rate and given.state of step `k`, of known `answer`, from what is given there and the changes of `psi` at its start,
+    which become those at its end."""
+    s, rows, matrix = len(nodes), given.stress.shape[2], answer.matrix
+    for c in range(psi.size):
+        for j in range(rows):
+            rate, state = matrix[j, s] * psi[c], matrix[s + j, s] * psi[c]
+            for m in range(s):
+                rate += matrix[j, m] * given.stress[k, c, m] + matrix[j, s + 1 + m] * given.gain[k, c, m]
+                state += matrix[s + j, m] * given.stress[k, c, m] + matrix[s + j, s + 1 + m] * given.gain[k, c, m]
+            given.rate[k, c, j], given.state[k, c, j] = rate, state
+        psi[c] = given.state[k, c, s - 1]
+
+
+@allocating
+def _carry(
+    nodes: Nodes,
+    law: Law,
+    port: Port,
+    transit: float,
+    integral: Array,
+    plan: NDArray[np.int64],
+    motion: Motion,
+    given: Given,
+    changes: Changes,
+) -> None:
+    """Carry the `changes` along the `motion` in steps of the levels `plan`, one `transit` on the friction clock; `integral` is A
+    transposed. given.stress becomes all the stress that changes."""
+    s, n, memory = len(nodes), changes.memory.shape[1], changes.memory
+    row, width = np.empty((4, s)), 2 * s + 1
+    answer = Answer(np.empty((2 * s, width)), row[0], row[1], row[2], row[3], np.empty((s, width)))
+    for k in range(plan.size):
+        level = plan[k]
+        step_answer(nodes, law, Full(port.impedance[level]), port.length[level] * transit, integral, motion, k, answer)
+        given.stress[k] += np.dot(memory, port.free[level])
+        answer_given(nodes, answer, k, given, changes.psi)
+        memory += np.dot(memory, port.change[level, :n]) + np.dot(given.rate[k], port.change[level, n : n + s]) + given.memory[k]
+
+
+@njit
+def _remember(change: Array, plan: NDArray[np.int64], moved: Array, values: Array, found: Array) -> None:
+    """found (k, n) <- what is remembered at the start of each step; `values` (n,) go to the end. moved (k, n + 2 s): the rows of
+    `propagate`, of which the first n are scratch."""
+    for k in range(plan.size):
+        for i in range(values.size):
+            found[k, i] = moved[k, i] = values[i]
+        propagate(change, plan[k], moved.shape[1], moved[k], values)
+
+
+def _stretches(scene: Scene, pieces: Pieces) -> Iterator[slice]:
+    """The pieces between two knots of the drive, whose lengths are one over powers of two."""
+    cuts = np.searchsorted(pieces.time, np.array(scene.drive.knots) - SAME)
+    ends = np.unique(np.concatenate(([0], cuts, [pieces.time.size])))
+    for begin, end in pairwise(ends):
+        yield slice(int(begin), int(end))
+
+
+def port_sensitivity(slabs: Slabs, beside: Sequence[Sides], pieces: Pieces) -> Array:
+    """d mu/dp (k, m, s) at the nodes of all `pieces` of a march of `slabs` from the start of their scene, without a nudge."""
+    scene, (rule, compiled, shape) = slabs.scene, rule_of(slabs.stages)
+    remembered = slabs.port(1.0, 1).values.size
+    given, changes, values = given_by(scene, beside, pieces, remembered), start_by(beside, remembered), np.zeros(remembered)
+    direct = -given.stress
+    pairs = [tuple(slabs.of(one) for one in scenes) for scenes, _, _ in beside]
+    for part in _stretches(scene, pieces):
+        here, own = Pieces(*(array[part] for array in pieces)), Given(*(array[part] for array in given))
+        longest = float(here.length.max())
+        plan = np.rint(np.log2(longest / here.length)).astype(np.int64)
+        levels = int(plan.max()) + 1
+        port = _ready(slabs, longest, levels)
+        v, found = rates(scene.law, here.z), np.empty((plan.size, remembered))
+        moved = np.column_stack([found, v - scene.velocity, drive_on(scene, here, rule.nodes) - scene.velocity])
+        _remember(port.change, plan, moved, values, found)
+        for i, (pair, (_, clocks, step)) in enumerate(zip(pairs, beside, strict=True)):
+            for side, clock, sign in zip(pair, clocks, (1.0, -1.0), strict=True):
+                table, velocity = _ready(side, longest * clock, levels), side.scene.velocity
+                drive = drive_on(side.scene, here, rule.nodes, clock) - velocity
+                _add(table, plan, (found, v, v - velocity, drive), sign / (2.0 * step), (own.stress[:, i], own.memory[:, i]))
+        motion = Motion(here.z, here.psi, False)
+        _carry(shape, scene.law, port, scene.transit, compiled.integral, plan, motion, own, changes)
+    return stress_by(scene.law, pieces, given, direct)
+
+
+def _ready(slabs: Slabs, longest: float, levels: int) -> Port:
+    port = slabs.port(longest, levels)
+    for level in np.flatnonzero(~port.ready):
+        slabs.prepare(port, int(level))
+    return port
+
+
+def _add(port: Port, plan: NDArray[np.int64], motion: Sequence[Array], weight: float, sums: tuple[Array, Array]) -> None:
+    """Add to `sums`, stress (k, s) and memory (k, n), `weight` times what the tables of a port make of one `motion`: what was
+    remembered, v, u and c."""
+    (memory, v, u, c), (stress, kept) = motion, sums
+    rows = np.column_stack([memory, u, c])
+    for level in np.unique(plan):
+        here = plan == level
+        arrived = port.steady[level] + memory[here] @ port.free[level] + c[here] @ port.driven[level]
+        stress[here] += weight * (arrived - v[here] @ port.impedance[level].T)
+        kept[here] += weight * (rows[here] @ port.change[level])

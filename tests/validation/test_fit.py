@@ -1,0 +1,101 @@
+"""`slipwave.fit`: derivatives against differences, known parameters given back, and what the data do not say."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import slipwave as sw
+from slipwave.errors import NumericsError, SceneError
+from slipwave.input import read
+from validation.cli import main
+from validation.fit.forward import OfReduction
+from validation.fit.parameters import Variants, free_parameters, schedule_of
+
+KEYS = ["interface.a", "interface.b", "interface.memory_length"]
+TRUTH = dict(zip(KEYS, (0.01, 0.015, 10e-6), strict=True))
+THIN = ["slab.thickness='20 cm'"]
+ASIDE = ["interface.a=0.013", "interface.b=0.02", "interface.memory_length='20 um'"]
+NOISE = 1e-4
+
+
+def of_model(model: str, words: list[str], times: np.ndarray, tolerance: float = 1e-11) -> tuple[OfReduction, np.ndarray]:
+    scene = read("velocity-steps", THIN)
+    variants = Variants(scene, free_parameters(scene, words), schedule_of(scene))
+    return OfReduction(variants, times, model, tolerance), np.array([one.inner(one.start) for one in variants.free])
+
+
+@pytest.fixture(scope="module")
+def steps(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """10,000 samples of velocity steps of known parameters, with noise."""
+    times = np.linspace(0.0, 119.0, 10_000)
+    made, inner = of_model("quasidynamic", KEYS, times)
+    friction = made.friction(inner) + NOISE * np.random.default_rng(7).standard_normal(times.size)
+    path = tmp_path_factory.mktemp("fit") / "steps.csv"
+    np.savetxt(path, np.column_stack([times, friction]), delimiter=",", header="time [s],friction", comments="")
+    return path
+
+
+@pytest.mark.parametrize("model", ["quasidynamic", "block8"])
+def test_the_derivative_by_each_kind_of_parameter_is_that_of_differences(model: str) -> None:
+    words = [*KEYS, "interface.a_star", "interface.reference_velocity", "slab.thickness", "slab.shear_modulus"]
+    words = words if model == "quasidynamic" else words[:5]  # a block rings: its phase is no smooth function of stiffness
+    made, inner = of_model(model, words, np.linspace(0.1, 119.0, 400))
+    exact, step = made.slopes(inner), 1e-4
+    for k, shift in enumerate(step * np.eye(inner.size)):
+        difference = (made.friction(inner + shift) - made.friction(inner - shift)) / (2.0 * step)
+        assert np.abs(exact[:, k] - difference).max() < 1e-6 * np.abs(difference).max(), words[k]
+
+
+def test_known_parameters_lie_in_their_intervals(steps: Path) -> None:
+    found = sw.fit("velocity-steps", data=[str(steps)], free=KEYS, settings=[*THIN, *ASIDE])
+    for key, value in TRUTH.items():
+        row = found.summary["parameters"][key]
+        assert row["low"] < value < row["high"], key
+        assert row["high"] - row["low"] < 2e-3 * value
+    assert found.residual["rms"] == pytest.approx(NOISE, rel=0.02)
+    assert found.summary["correlation"][KEYS[0]][KEYS[1]] == pytest.approx(found.dataset["correlation"].values[0, 1])
+
+
+def test_a_level_and_its_drift_are_free_where_asked(steps: Path, tmp_path: Path) -> None:
+    times, friction = np.loadtxt(steps, delimiter=",", skiprows=1).T
+    drifting = tmp_path / "drifting.txt"
+    moved = np.interp(times, [0.0, 40.0, 60.0, 120.0], [0.0, 40.0, 240.0, 300.0])  # um
+    np.savetxt(drifting, np.column_stack([100.0 * (friction + 0.03 + 1e-4 * moved), times / 60.0]))
+    call = {"data": [str(drifting)], "columns": "friction,time", "units": "%,min", "settings": THIN}
+    found = sw.fit("velocity-steps", free=[*KEYS, "level", "drift"], **call)
+    rows = found.summary["parameters"]
+    assert all(rows[key]["low"] < value < rows[key]["high"] for key, value in TRUTH.items())
+    assert rows["drift"]["value"] == pytest.approx(1e-4 * 299.0, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("free", "line"),
+    [
+        ("interface.c", "interface.c"),
+        ("interface.a,interface.a", "--free interface.a: is given more than once"),
+        ("interface.law", "must be a number of the scene"),
+        ("slab.face.stiffness", "--free slab.face.stiffness: the scene gives no value to start from"),
+        ("", "--free: missing"),
+    ],
+)
+def test_a_wrong_key_is_named(free: str, line: str, steps: Path) -> None:
+    with pytest.raises(SceneError, match=line):
+        sw.fit("velocity-steps", data=[str(steps)], free=[free])
+
+
+def test_parameters_that_only_act_together_are_named(steps: Path) -> None:
+    free = [*KEYS, "interface.a_star", "level"]
+    with pytest.raises(NumericsError, match=r"do not determine interface\.a_star and level") as refused:
+        sw.fit("velocity-steps", data=[str(steps)], free=free, settings=THIN)
+    assert refused.value.result.summary["determined"] == {**dict.fromkeys(KEYS, True), "interface.a_star": False, "level": False}
+
+
+def test_the_command_line_writes_the_fit(steps: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, figure = tmp_path / "fit.nc", tmp_path / "fit.png"
+    words = ["fit", "velocity-steps", "--data", str(steps), "--free", ",".join(KEYS), "--set", *THIN]
+    assert main([*words, "--out", str(out), "--plot", str(figure)]) == 0
+    assert "interface.memory_length" in capsys.readouterr().out
+    assert figure.stat().st_size > 10_000
+    assert main(["show", str(out)]) == 0  # the scene with the best values
+    assert "memory_length = 1.00" in capsys.readouterr().out

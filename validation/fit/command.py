@@ -1,0 +1,283 @@
+"""`slipwave.fit`: parameters of a scene from measured friction, with their intervals."""
+
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from slipwave.errors import SceneError
+from slipwave.extras import require
+from slipwave.input import SceneSource, read
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from validation.data.series import read_series
+from validation.fit.forward import OfReduction
+from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise
+from validation.fit.parameters import free_parameters
+from validation.fit.problem import FrictionProblem, problem_of
+from validation.fit.records import record_of
+from validation.output import FIGURES, aligned, rounded
+from validation.results.command import command
+from validation.results.facts import finite
+from validation.results.header import header
+from validation.results.options import ModelOptions, option
+from validation.results.provenance import SCHEMA, provenance
+from validation.results.result import Dataset, Output, Result
+from validation.study.drawing import Drawing, canvas, line, styled
+
+_TOLERANCE = 1e-7
+_MOST_SAMPLES = 10_000_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitOptions(ModelOptions):
+    """Options of `slipwave.fit`."""
+
+    EXAMPLES: ClassVar = (
+        "slipwave fit granite.toml --data steps.csv --free interface.a,interface.b,interface.memory_length",
+        "slipwave fit granite.toml --data a.csv --data b.csv --free a,b,memory_length,level --model delay --out fit.nc",
+    )
+
+    data: Iterable[str] = option(
+        "a record, CSV or columns of text: time and friction (or shear stress), perhaps the load point's displacement; may be "
+        "repeated",
+        (),
+        metavar="FILE ...",
+        stored=True,
+    )
+    free: Iterable[str] = option(
+        "what is fitted: keys of the scene, with commas; level and drift: of the friction of each record",
+        (),
+        metavar="KEY,KEY",
+        stored=True,
+    )
+    columns: str | None = option(
+        "what the columns of the files are, in order; _ is not read", metavar="time,friction,_", stored=True
+    )
+    units: str | None = option("units of the columns, in order or by name", metavar="s,1", stored=True)
+    tol: float | None = option(f"relative error of the model's motion (default {_TOLERANCE:g})", stored=True)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class FitResult(Result):
+    """The best values of a `problem`, as far as they are known."""
+
+    OUTPUTS: ClassVar = (
+        Output("--out", (".nc",), "to_netcdf", "keep records, fitted friction and parameters: .nc"),
+        Output("--plot", FIGURES, "save_plot", "draw friction and residual: .png, .pdf or .svg"),
+    )
+
+    scene: Scene
+    model: str
+    problem: FrictionProblem
+    found: Solution
+    spread: Intervals
+    wall_s: float
+    failed: str = ""
+    stopped: bool = False
+    options: Mapping[str, Any] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """By key: value, the ends of the 95 % interval, unit, whether the data determine it, and where the fit began."""
+        found = {}
+        free = dict(enumerate(self.problem.free))
+        for k, name in enumerate(self.problem.names):
+            one = free.get(k)
+            numbers = [self.found.inner[k], self.spread.low[k], self.spread.high[k]]
+            with np.errstate(over="ignore"):
+                value, low, high = (float(np.exp(x) if one and one.is_positive else x) for x in numbers)
+            row = {"value": value, "low": low, "high": high, "unit": one.unit if one else ""}
+            found[name] = row | {"determined": bool(self.spread.determined[k]), "start": one.start if one else 0.0}
+        return found
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The JSON of `slipwave fit`."""
+        names = self.problem.names
+        correlation = {
+            a: {b: float(x) for b, x in zip(names, row, strict=True)}
+            for a, row in zip(names, self.spread.correlation, strict=True)
+        }
+        samples = self.found.residual.size
+        return dict(
+            finite(
+                {
+                    "schema": SCHEMA,
+                    "scene": self.scene.name,
+                    "model": self.model,
+                    "data": [{"file": one.name, "samples": one.times.size} for one in self.problem.records],
+                    "parameters": self.parameters,
+                    "determined": {name: row["determined"] for name, row in self.parameters.items()},
+                    "correlation": correlation,
+                    "residual": {
+                        "rms": float(np.sqrt(self.found.cost / samples)),
+                        "noise": self.spread.noise,
+                        "largest": float(np.abs(self.found.residual).max()),
+                        "together": self.spread.together,
+                        "samples": samples,
+                    },
+                    "evaluations": self.found.evaluations,
+                    "wall_s": self.wall_s,
+                    "notes": self.notes,
+                }
+                | ({"failed": self.failed} if self.failed else {})
+            )
+        )
+
+    @property
+    def notes(self) -> list[str]:
+        """Remarks on the numbers."""
+        notes = list(self.remarks)
+        for one in self.problem.records:
+            notes += [f"{one.name}: {line}" for line in one.notes]
+        notes += [f"not determined: {line}" for line in self.spread.singular]
+        together = self.spread.together
+        if together > 2.0:
+            wider = f"the intervals are {together**0.5:.1f} times as wide as those of white noise"
+            notes.append(f"{together:.0f} neighbouring residuals fluctuate together: {wider}")
+        return notes
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """The parameters with their intervals, and the residual."""
+        yield from header(self.scene)
+        residual = summary["residual"]
+        size = f"{residual['samples']} samples, residual {residual['rms']:.4g} (root mean square)"
+        yield f"model {self.model}: {size}, {self.wall_s:.3g} s"
+        yield ""
+        rows = [
+            [
+                key,
+                rounded(row["value"], 6),
+                rounded(row["low"], 6),
+                rounded(row["high"], 6),
+                row["unit"],
+                "" if row["determined"] else "no",
+            ]
+            for key, row in summary["parameters"].items()
+        ]
+        yield from aligned(["parameter", "value", "95 % from", "to", "unit", "determined"], rows)
+        for note in summary["notes"]:
+            yield f"note: {note}"
+
+    @cached_property
+    def _friction(self) -> list[Array]:
+        return self.problem.friction(self.found.inner)
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """Parameters with intervals and correlation, and every record with the fitted friction."""
+        require("files", "a dataset")
+        import xarray
+
+        names = list(self.problem.names)
+        rows = self.parameters
+        columns: dict[str, Any] = {
+            name: ("parameter", [rows[key][name] for key in names], {"long_name": words, "units": "1"})
+            for name, words in {
+                "value": "best value, in `unit`",
+                "low": "lower end of the 95 % interval",
+                "high": "upper end",
+            }.items()
+        }
+        columns["unit"] = ("parameter", np.array([rows[key]["unit"] for key in names], dtype=object), {"long_name": "unit"})
+        columns["correlation"] = (("parameter", "other"), self.spread.correlation, {"long_name": "correlation", "units": "1"})
+        whose = np.concatenate([np.full(one.times.size, k) for k, one in enumerate(self.problem.records)])
+        unit = "s" if self.scene.units else "1"
+        for name, values, words, own in (
+            ("record", whose, "number of the record", "1"),
+            (
+                "record_time",
+                np.concatenate([one.times for one in self.problem.records]),
+                "time since the start of the scene",
+                unit,
+            ),
+            ("measured", np.concatenate([one.friction for one in self.problem.records]), "measured friction", "1"),
+            ("fitted", np.concatenate(self._friction), "friction of the fitted model", "1"),
+        ):
+            columns[name] = ("sample", values, {"long_name": words, "units": own})
+        attributes = provenance("fit", self.scene, self.model, self.options)
+        return xarray.Dataset(columns, {"parameter": names, "other": names}, attributes)
+
+    def plot(self) -> Drawing:
+        """Friction and residual of each record against the load point's displacement."""
+        with styled():
+            count = len(self.problem.records)
+            figure = canvas(height=3.6 if count == 1 else 2.6 * count)
+            grid = figure.subplots(2, count, squeeze=False, sharex="col", height_ratios=(3, 1))
+            size, unit = (1e6, "$\\mu$m") if self.scene.units else (1.0, "$L$")
+            for k, (record, fitted) in enumerate(zip(self.problem.records, self._friction, strict=True)):
+                along, (upper, lower) = size * record.travel, grid[:, k]
+                upper.plot(along, record.friction, ".", color="#7fb0d6", markersize=1.5, label="measured", rasterized=True)
+                upper.plot(along, fitted, **line(self.model, color="#111111", linestyle="-"))
+                lower.plot(along, record.friction - fitted, ".", color="#7fb0d6", markersize=1.5, rasterized=True)
+                lower.axhline(0.0, color="#555555", linewidth=0.7)
+                lower.set_xlabel(f"displacement of the load point / {unit}")
+                upper.legend()
+            grid[0, 0].set_ylabel("friction")
+            grid[1, 0].set_ylabel("residual")
+            return figure
+
+
+@command
+def fit(source: SceneSource, options: FitOptions) -> FitResult:
+    """Parameters of a scene from measured friction, by least squares, with 95 % intervals and what the data do not determine.
+
+    Raises SceneError for wrong input; NumericsError, with the best values as its `result`, if there is no minimum, a parameter
+    ends at a bound, or the data do not determine one.
+    """
+    began = time.perf_counter()
+    scene, model = options.scene_of(source), "quasidynamic" if options.model == "auto" else options.model
+    words = [word.strip() for text in _listed(options.free) for word in text.split(",") if word.strip()]
+    files = _listed(options.data)
+    if not files:
+        raise SceneError("--data: missing; must be a file of measured friction")
+    if not words:
+        raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
+    free = free_parameters(scene, words)
+    series = [read_series(file, options.columns, options.units) for file in files]
+    records = [record_of(one, scene) for one in series]
+    problem = problem_of(
+        scene, free, words, records, lambda variants, times: OfReduction(variants, times, model, options.tol or _TOLERANCE)
+    )
+    best = Best(next(problem.starts()))
+    stopped = False
+    try:
+        found = minimise(problem, problem.starts(), best, problem.noise)
+    except KeyboardInterrupt:
+        if not np.isfinite(best.cost):
+            raise
+        stopped = True
+        found = Solution(best.inner, problem.residual(best.inner), problem.slopes(best.inner), best.evaluations, "interrupted")
+    spread = intervals(problem, found, problem.is_log)
+    fitted = read(scene, {one.key: one.setting(x) for one, x in zip(free, found.inner, strict=False)})
+    failed = "; ".join(filter(None, [found.failed, *_complaints(problem, found, spread)]))
+    return FitResult(
+        fitted,
+        model,
+        problem,
+        found,
+        spread,
+        time.perf_counter() - began,
+        f"fit: {failed}" if failed else "",
+        stopped,
+        options.stored,
+    )
+
+
+def _complaints(problem: FrictionProblem, found: Solution, spread: Intervals) -> Iterator[str]:
+    bounds = at_bounds(problem, found.inner)
+    if bounds:
+        yield f"{' and '.join(bounds)} ended at a bound"
+    wide = [name for name, known in zip(problem.names, spread.determined, strict=True) if not known and name not in bounds]
+    if wide:
+        yield f"the data do not determine {' and '.join(wide)}" + (f" ({'; '.join(spread.singular)})" if spread.singular else "")
+
+
+def _listed(given: Iterable[str]) -> list[str]:
+    return [given] if isinstance(given, str | Path) else [str(one) for one in given]

@@ -1,0 +1,174 @@
+"""Nonlinear least squares with what the data say on each parameter: its interval, and whether they determine it at all."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from scipy import optimize, stats
+
+from slipwave.errors import NumericsError
+from slipwave.observe.pieces import Array
+
+CONFIDENCE = 0.95
+_TOLERANCE = 1e-10
+_SINGULAR = 1e-9  # of the largest singular value of the scaled derivative
+_NAMED = 0.2  # share of a direction from which on a parameter is named in it
+_WIDE = 1.0  # half width of an interval, in logarithms or relative to the value, that determines nothing
+_EXPLORING = 6
+_FAR = 1.5  # times the noise: a residual from which on other starts are tried
+_INDEPENDENT = 20  # groups of samples that are taken as independent at least
+_AT_BOUND = 1e-6  # of the range
+
+
+class Problem(Protocol):
+    """Residuals over parameters."""
+
+    names: list[str]
+    low: Array
+    high: Array
+
+    def residual(self, inner: Array) -> Array:
+        """(n,); NumericsError where it cannot be computed."""
+
+    def slopes(self, inner: Array) -> Array:
+        """Its derivative (n, m)."""
+
+
+class Solution(NamedTuple):
+    """Best `inner` values with their `residual` (n,) and its derivative `slopes` (n, m); `evaluations`; `failed`: why this is no
+    minimum, or nothing."""
+
+    inner: Array
+    residual: Array
+    slopes: Array
+    evaluations: int
+    failed: str
+
+    @property
+    def cost(self) -> float:
+        """Sum of squares."""
+        return float(self.residual @ self.residual)
+
+
+@dataclass
+class Best:
+    """The best values so far, kept if the work is interrupted."""
+
+    inner: Array
+    cost: float = math.inf
+    evaluations: int = 0
+
+    def see(self, inner: Array, residual: Array) -> None:
+        """Keep these values if they are better."""
+        self.evaluations += 1
+        cost = float(residual @ residual)
+        if cost < self.cost:
+            self.inner, self.cost = inner.copy(), cost
+
+
+def minimise(problem: Problem, starts: Iterable[Array], best: Best, noise: float = 0.0, most: int = 60) -> Solution:
+    """The lowest minimum from several `starts`: from the first and, if its residual is far above the `noise`, a few steps from
+    the others and all from the best of these. Raises NumericsError if no start can be computed."""
+    tried: list[optimize.OptimizeResult] = []
+    reasons: list[str] = []
+    for start in starts:
+        try:
+            tried.append(_descend(problem, start, best, _EXPLORING if tried else most))
+        except NumericsError as error:
+            reasons.append(str(error))
+            continue
+        if np.sqrt(np.mean(tried[-1].fun ** 2)) < _FAR * noise:
+            break
+    if not tried:
+        raise NumericsError(f"fit: no start value can be computed: {reasons[0]}")
+    lowest = min(tried, key=lambda one: one.cost)
+    if lowest.status == 0 and lowest is not tried[0]:
+        lowest = _descend(problem, lowest.x, best, most)
+    failed = f"no minimum after {best.evaluations} evaluations" if lowest.status == 0 else ""
+    return Solution(lowest.x, lowest.fun, lowest.jac, best.evaluations, failed)
+
+
+def _descend(problem: Problem, start: Array, best: Best, most: int) -> optimize.OptimizeResult:
+    """From one start; NumericsError if it cannot be computed. Later steps that cannot are shortened."""
+    inside = np.clip(start, problem.low, problem.high)
+    samples = problem.residual(inside).size
+
+    def residual(inner: Array) -> Array:
+        try:
+            found = problem.residual(inner)
+        except NumericsError:
+            found = np.full(samples, np.nan)
+        best.see(inner, found)
+        return found
+
+    bounds = (problem.low, problem.high)
+    near: dict[str, Any] = {"ftol": _TOLERANCE, "xtol": _TOLERANCE, "gtol": None, "x_scale": "jac", "max_nfev": most}
+    return optimize.least_squares(residual, inside, problem.slopes, bounds, **near)
+
+
+class Intervals(NamedTuple):
+    """Per parameter: half width of the interval of `CONFIDENCE` in `inner` values, `low` and `high`, whether it is `determined`;
+    their `correlation`; the standard deviation of the `noise`, the number of samples that fluctuate together, and `singular`
+    directions in words."""
+
+    low: Array
+    high: Array
+    determined: "np.ndarray[tuple[int], np.dtype[np.bool_]]"
+    correlation: Array
+    noise: float
+    together: float
+    singular: tuple[str, ...]
+
+
+def intervals(problem: Problem, found: Solution, is_log: "Sequence[bool]") -> Intervals:
+    """From the derivative: t quantile times standard errors, which are wider where residuals fluctuate together."""
+    n, m = found.slopes.shape
+    degrees = max(n - m, 1)
+    noise = math.sqrt(found.cost / degrees)
+    together = correlated_samples(found.residual)
+    lengths = np.linalg.norm(found.slopes, axis=0)
+    scaled = found.slopes / np.where(lengths > 0.0, lengths, 1.0)
+    _, values, directions = np.linalg.svd(scaled, full_matrices=False)
+    weak = values <= _SINGULAR * values[0]
+    singular = [_direction(problem.names, row) for row in directions[weak]]
+    singular += [name for name, length in zip(problem.names, lengths, strict=True) if length == 0.0]
+    kept = directions[~weak]
+    covariance = (kept.T / values[~weak] ** 2) @ kept / np.outer(*[np.where(lengths > 0.0, lengths, 1.0)] * 2)
+    spread = np.sqrt(np.diag(covariance))
+    undecided = (np.abs(directions[weak]) > _NAMED).any(axis=0) | (lengths == 0.0)
+    error = noise * math.sqrt(together) * np.where(undecided, math.inf, spread)
+    half = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, max(degrees / together, 1.0))) * error
+    size = np.where(is_log, 1.0, np.maximum(np.abs(found.inner), 1e-300))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        correlation = covariance / np.outer(spread, spread)
+    return Intervals(found.inner - half, found.inner + half, half < _WIDE * size, correlation, noise, together, tuple(singular))
+
+
+def _direction(names: Sequence[str], row: Array) -> str:
+    """The parameters that can change together without any effect."""
+    return " with ".join(name for name, share in zip(names, row, strict=True) if abs(share) > _NAMED)
+
+
+def correlated_samples(residual: Array) -> float:
+    """How many neighbouring samples fluctuate together: 1 for white noise, 1 + 2 times the sum of the correlations that stand out
+    of those of white noise."""
+    n, square = residual.size, float(residual @ residual)
+    if n < 50 or square == 0.0:
+        return 1.0
+    total, limit = 1.0, 3.0 / math.sqrt(n)
+    for lag in range(1, n // _INDEPENDENT):
+        correlation = float(residual[lag:] @ residual[:-lag]) / square
+        if correlation < limit:
+            break
+        total += 2.0 * correlation
+    return min(total, n / _INDEPENDENT)
+
+
+def at_bounds(problem: Problem, inner: Array) -> list[str]:
+    """Names of the parameters that end at a bound."""
+    room = _AT_BOUND * (problem.high - problem.low)
+    ends = (inner - problem.low < room) | (problem.high - inner < room)
+    finite = np.isfinite(problem.low) & np.isfinite(problem.high)
+    return [name for name, end, known in zip(problem.names, ends, finite, strict=True) if end and known]

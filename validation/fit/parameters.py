@@ -1,0 +1,152 @@
+"""The keys of a scene that a fit may change, as numbers that least squares can move freely."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from slipwave.errors import SceneError
+from slipwave.input import read
+from slipwave.input.number import Numbers
+from slipwave.input.overrides import full_key
+from slipwave.input.quantity import Quantity
+from slipwave.input.tables import tables_of
+from slipwave.input.validate import allowed_in, validate
+from slipwave.input.wording import choices, key_text, nearest, shorten
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.scene.drive import Drive
+from slipwave.scene.start import Start, StartKind
+from slipwave.step.sensitivity import Sides
+
+NUISANCES = ("level", "drift")
+"""What may be free besides keys: a constant that is added to the friction of each record, and its slope over the record."""
+
+_STEP = 1e-5  # of differences of laws and tables
+_REACH = 1e4  # a positive parameter may become so much larger or smaller than at its start
+
+
+class Free(NamedTuple):
+    """A free parameter: its dotted `key`, the `start` value in `unit` (of SI, or a pure number), the least and the largest. Its
+    logarithm is fitted if it `is_positive`. A scene takes it with its unit if it `is_measured`."""
+
+    key: str
+    start: float
+    unit: str
+    low: float
+    high: float
+    is_positive: bool
+    is_measured: bool
+
+    def inner(self, value: float) -> float:
+        """As least squares moves it."""
+        return math.log(value) if self.is_positive else value
+
+    def value(self, inner: float) -> float:
+        """In its unit."""
+        return math.exp(inner) if self.is_positive else inner
+
+    def setting(self, inner: float) -> float | str:
+        """As a scene takes it."""
+        value = float(self.value(inner))
+        return f"{value!r} {self.unit}" if self.is_measured else value
+
+
+class Schedule(NamedTuple):
+    """The load point: `velocities` at `times`, both in SI for a scene with units, else in transits and V*."""
+
+    times: tuple[float, ...]
+    velocities: tuple[float, ...]
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether V never changes."""
+        return len(set(self.velocities)) == 1
+
+
+@dataclass(frozen=True)
+class Variants:
+    """The scenes that differ from `base` in the values of `free`, under one `schedule`."""
+
+    base: Scene
+    free: tuple[Free, ...]
+    schedule: Schedule
+
+    def scene(self, inner: Array) -> Scene:
+        """That of these values, with no nudge."""
+        found = read(self.base, {one.key: one.setting(x) for one, x in zip(self.free, inner, strict=True)})
+        clock, pace = sizes(found)
+        times, velocities = (
+            tuple(value / unit for value in part) for part, unit in zip(self.schedule, (clock, pace), strict=True)
+        )
+        start = found.start if found.start.kind is StartKind.JUMP else Start(size=0.0)
+        return replace(found, drive=Drive(times, velocities), start=start)
+
+    def beside(self, inner: Array) -> list[Sides]:
+        """The scenes on either side of each parameter."""
+        clock, found = sizes(self.scene(inner))[0], []
+        for shift in _STEP * np.eye(len(self.free)):
+            scenes = self.scene(inner + shift), self.scene(inner - shift)
+            found.append(Sides(scenes, (clock / sizes(scenes[0])[0], clock / sizes(scenes[1])[0]), _STEP))
+        return found
+
+
+def sizes(scene: Scene) -> tuple[float, float]:
+    """One transit in s and V* in m/s; 1 for a scene without units."""
+    if scene.units is None:
+        return 1.0, 1.0
+    return scene.transit * scene.units.time, scene.units.reference_velocity
+
+
+def schedule_of(scene: Scene) -> Schedule:
+    """The drive of a scene."""
+    clock, pace = sizes(scene)
+    return Schedule(tuple(t * clock for t in scene.drive.times), tuple(v * pace for v in scene.drive.velocities))
+
+
+def free_parameters(scene: Scene, words: Sequence[str]) -> tuple[Free, ...]:
+    """Those that `words` name, nuisances left out. Raises SceneError for a key that the scene does not have or that is no
+    number, and for one that is given twice."""
+    _, data = tables_of(scene)
+    known = validate(data)
+    keys = [full_key(word.split("."), "free", data) for word in words if word not in NUISANCES]
+    twice = next((key for key in keys if keys.count(key) > 1), None)
+    if twice:
+        raise SceneError(f"--free {key_text(twice)}: is given more than once")
+    return tuple(_free(key, known) for key in keys)
+
+
+def _free(key: Sequence[str], known: Any) -> Free:
+    name, table = key_text(key), known
+    for part in key[:-1]:
+        table = getattr(table, part, None)
+    value = getattr(table, key[-1], None)
+    if value is None:
+        fields = [] if table is None else [field for field, there in table if isinstance(there, int | float | Quantity)]
+        guess = nearest(key[-1], fields) if fields else ""
+        there = f"; did you mean {guess}?" if guess else f"; there {choices([*fields, *NUISANCES])} can be" if fields else ""
+        raise SceneError(f"--free {name}: the scene gives no value to start from{there}")
+    if isinstance(value, bool) or not isinstance(value, int | float | Quantity):
+        raise SceneError(f"--free {name} = {shorten(value)}: must be a number of the scene")
+    allowed = next(one for one in allowed_in(type(table).model_fields[key[-1]]) if isinstance(one, Numbers))
+    start, unit = (value.value, value.unit) if isinstance(value, Quantity) else (float(value), _unit(value, allowed))
+    is_positive = allowed.low >= 0.0
+    if is_positive and start <= 0.0:
+        raise SceneError(f"--free {name} = {start:g}: must start above 0")
+    low, high = (
+        (max(allowed.low, start / _REACH), min(allowed.high, start * _REACH)) if is_positive else (allowed.low, allowed.high)
+    )
+    if isinstance(value, Quantity):
+        low, high = (start / _REACH, start * _REACH) if is_positive else (-math.inf, math.inf)
+    return Free(name, start, unit, low, high, is_positive, isinstance(value, Quantity))
+
+
+def _unit(value: float, allowed: Numbers) -> str:
+    return allowed.units[0] if type(allowed) is not Numbers and allowed.units else ""
+
+
+def started(free: Sequence[Free], values: Mapping[str, float]) -> tuple[Free, ...]:
+    """The same parameters from other start values."""
+    return tuple(one._replace(start=values.get(one.key, one.start)) for one in free)

@@ -1,0 +1,103 @@
+"""The residuals of a model over all records, as least squares takes them."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from validation.fit.forward import OfReduction
+from validation.fit.parameters import NUISANCES, Free, Variants
+from validation.fit.records import Record
+
+_FACTORS = (
+    (),
+    ("memory_length", 0.1),
+    ("memory_length", 10.0),
+    ("memory_length", 0.3),
+    ("memory_length", 3.0),
+    ("ab", 0.4),
+    ("ab", 2.5),
+)
+
+
+@dataclass
+class FrictionProblem:
+    """Friction of `records` against a model's, over the `free` keys, then the `nuisances` of each record."""
+
+    free: tuple[Free, ...]
+    records: Sequence[Record]
+    models: Sequence[OfReduction]
+    nuisances: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        names = [one.key for one in self.free]
+        many = len(self.records) > 1
+        self.own = [(k, name) for k in range(len(self.records)) for name in self.nuisances]
+        self.names = [*names, *(f"{name}[{k + 1}]" if many else name for k, name in self.own)]
+        bounds = [(one.inner(one.low), one.inner(one.high)) for one in self.free]
+        low, high = zip(*bounds, *[(-np.inf, np.inf)] * len(self.own), strict=True)
+        self.low, self.high = np.array(low), np.array(high)
+        self.is_log = [*(one.is_positive for one in self.free), *[False] * len(self.own)]
+        self._shapes = [self._columns(k) for k in range(len(self.records))]
+
+    def _columns(self, k: int) -> Array:
+        """What 1 of each nuisance adds to record `k` (samples, nuisances)."""
+        travel = self.records[k].travel
+        along = (travel - travel.mean()) / max(float(np.ptp(travel)), 1e-300)
+        kinds = {"level": np.ones(travel.size), "drift": along}
+        return np.column_stack([kinds[name] * (own == k) for own, name in self.own] or [np.empty((travel.size, 0))])
+
+    def friction(self, inner: Array) -> list[Array]:
+        """Of the model, for each record."""
+        keys, own = inner[: len(self.free)], inner[len(self.free) :]
+        return [model.friction(keys) + shape @ own for model, shape in zip(self.models, self._shapes, strict=True)]
+
+    def residual(self, inner: Array) -> Array:
+        """Of the model minus what was measured."""
+        return np.concatenate([f - record.friction for f, record in zip(self.friction(inner), self.records, strict=True)])
+
+    def slopes(self, inner: Array) -> Array:
+        """As `Problem`."""
+        keys = inner[: len(self.free)]
+        return np.vstack([np.column_stack([m.slopes(keys), s]) for m, s in zip(self.models, self._shapes, strict=True)])
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of what differs from sample to sample, over all records."""
+        bends = np.concatenate([np.diff(record.friction, 2) for record in self.records])
+        return float(np.median(np.abs(bends)) / (0.6745 * 6.0**0.5))
+
+    def starts(self) -> Iterator[Array]:
+        """The scene's values, then others of the memory length, and of a and b."""
+        first = np.array([one.inner(one.start) for one in self.free])
+        groups = {"memory_length": ("memory_length",), "ab": ("a", "b")}
+        for factor in _FACTORS:
+            shift = np.zeros(first.size)
+            if factor:
+                words = groups[factor[0]]
+                shift = np.array(
+                    [np.log(factor[1]) if one.is_positive and one.key.rpartition(".")[2] in words else 0.0 for one in self.free]
+                )
+            if not factor or shift.any():
+                inside = np.clip(first + shift, self.low[: first.size], self.high[: first.size])
+                yield np.append(inside, self._levels(inside))
+
+    def _levels(self, inner: Array) -> Array:
+        """Nuisances of the start: means of what the scene's own steady friction leaves."""
+        scene = self.models[0].scene(inner)
+        return np.array(
+            [
+                float(self.records[k].friction[:20].mean()) - scene.steady_stress if name == "level" else 0.0
+                for k, name in self.own
+            ]
+        )
+
+
+def problem_of(
+    scene: Scene, free: tuple[Free, ...], words: Sequence[str], records: Sequence[Record], model: Callable[..., OfReduction]
+) -> FrictionProblem:
+    """The problem of fitting `records` by models that `model` makes of a family and times."""
+    models = [model(Variants(scene, free, record.schedule), record.times) for record in records]
+    return FrictionProblem(free, records, models, tuple(name for name in NUISANCES if name in words))
