@@ -43,8 +43,8 @@ class Given(NamedTuple):
     state: Array
 
 
-class Changes(NamedTuple):
-    """Changes by m parameters of what is remembered (m, n) and of psi (m,), at the present."""
+class Carried(NamedTuple):
+    """Carried by m parameters of what is remembered (m, n) and of psi (m,), at the present."""
 
     memory: Array
     psi: Array
@@ -105,10 +105,10 @@ def given_by(scene: Scene, beside: Sequence[Sides], pieces: Pieces, remembered: 
     return Given(stress, gain, np.zeros((steps, count, remembered)), rate, state)
 
 
-def start_by(beside: Sequence[Sides], remembered: int) -> Changes:
-    """Changes of the start: of psi; what is remembered of steady sliding is nothing, for all parameters."""
+def start_by(beside: Sequence[Sides], remembered: int) -> Carried:
+    """Carried of the start: of psi; what is remembered of steady sliding is nothing, for all parameters."""
     psi = [(a.steady_psi + a.start.jump_size - b.steady_psi - b.start.jump_size) / (2.0 * step) for (a, b), _, step in beside]
-    return Changes(np.zeros((len(beside), remembered)), np.array(psi))
+    return Carried(np.zeros((len(beside), remembered)), np.array(psi))
 
 
 def stress_by(law: Law, pieces: Pieces, given: Given, direct: Array) -> Array:
@@ -143,7 +143,7 @@ def _carry(
     plan: NDArray[np.int64],
     motion: Motion,
     given: Given,
-    changes: Changes,
+    changes: Carried,
 ) -> None:
     """Carry the `changes` along the `motion` in steps of the levels `plan`, one `transit` on the friction clock; `integral` is A
     transposed. given.stress becomes all the stress that changes."""

@@ -19,7 +19,7 @@ from validation.fit.forward import OfReduction
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise
 from validation.fit.parameters import free_parameters
 from validation.fit.problem import FrictionProblem, problem_of
-from validation.fit.records import record_of
+from validation.fit.records import experiment_of
 from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
 from validation.results.facts import finite
@@ -241,7 +241,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
     free = free_parameters(scene, words)
     series = [read_series(file, options.columns, options.units) for file in files]
-    records = [record_of(one, scene) for one in series]
+    records = [experiment_of(one, scene) for one in series]
     problem = problem_of(
         scene, free, words, records, lambda variants, times: OfReduction(variants, times, model, options.tol or _TOLERANCE)
     )

@@ -9,7 +9,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.fit.forward import OfReduction
 from validation.fit.parameters import NUISANCES, Free, Variants
-from validation.fit.records import Record
+from validation.fit.records import Experiment
 
 _FACTORS = (
     (),
@@ -27,7 +27,7 @@ class FrictionProblem:
     """Friction of `records` against a model's, over the `free` keys, then the `nuisances` of each record."""
 
     free: tuple[Free, ...]
-    records: Sequence[Record]
+    records: Sequence[Experiment]
     models: Sequence[OfReduction]
     nuisances: tuple[str, ...]
 
@@ -96,7 +96,7 @@ class FrictionProblem:
 
 
 def problem_of(
-    scene: Scene, free: tuple[Free, ...], words: Sequence[str], records: Sequence[Record], model: Callable[..., OfReduction]
+    scene: Scene, free: tuple[Free, ...], words: Sequence[str], records: Sequence[Experiment], model: Callable[..., OfReduction]
 ) -> FrictionProblem:
     """The problem of fitting `records` by models that `model` makes of a family and times."""
     models = [model(Variants(scene, free, record.schedule), record.times) for record in records]

@@ -17,7 +17,7 @@ _REST = 0.003  # of the largest velocity; a slower load point is at rest
 _MOST_KNOTS = 400
 
 
-class Record(NamedTuple):
+class Experiment(NamedTuple):
     """`friction` at `times` since the start of the scene (s, or transits in a scene without units), the `schedule` of the load
     point, its displacement `travel` at these times (m, or L), and `notes` on how they were found."""
 
@@ -29,7 +29,7 @@ class Record(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-def record_of(series: Series, scene: Scene) -> Record:
+def experiment_of(series: Series, scene: Scene) -> Experiment:
     """The record of a file, driven as in the scene or, where that has one velocity, as the file's load point moved.
 
     Raises SceneError for a file without friction, and without time or displacement of the load point."""
@@ -47,7 +47,7 @@ def record_of(series: Series, scene: Scene) -> Record:
             notes.append(f"the load point moves as in the file: {_told(known)}")
     if times[0] < 0.0:
         raise SceneError(f"{series.source!r}: time begins at {times[0]:g}: the scene starts at 0")
-    return Record(series.source, times, friction, travelled(known, times), known, tuple(notes))
+    return Experiment(series.source, times, friction, travelled(known, times), known, tuple(notes))
 
 
 def travelled(schedule: Schedule, times: Array) -> Array:
