@@ -61,7 +61,7 @@ class LawAlong(NamedTuple):
     growth: Array
 
 
-def friction_on(law: Law, pieces: Pieces) -> LawAlong:
+def law_along(law: Law, pieces: Pieces) -> LawAlong:
     """What `law` says along a motion."""
     found = np.empty((6, *pieces.z.shape))
     _respond_all(law, pieces.z, pieces.psi, found)
@@ -93,27 +93,27 @@ def _drive_at(drive: Constant | Ramps, times: Array, lengths: Array, nodes: Arra
             found[k, j] = velocity_at(drive, times[k] + nodes[j] * lengths[k], times[k] + 0.5 * lengths[k])
 
 
-def given_by(scene: Scene, beside: Sequence[Sides], pieces: Pieces, remembered: int) -> Given:
-    """What parameters change along `pieces` through the law and the clock; nothing yet through the slabs."""
-    (steps, stages), count = pieces.z.shape, len(beside)
-    stress, gain, rate, state = np.zeros((4, steps, count, stages))
-    for i, (scenes, clocks, step) in enumerate(beside):
-        ends = [friction_on(one.law, pieces) for one in scenes]
-        hours = [pieces.length[:, None] * clock * one.transit for one, clock in zip(scenes, clocks, strict=True)]
-        stress[:, i] = (ends[1].stress - ends[0].stress) / (2.0 * step)
-        gain[:, i] = (hours[0] * ends[0].growth - hours[1] * ends[1].growth) / (2.0 * step)
-    return Given(stress, gain, np.zeros((steps, count, remembered)), rate, state)
+def given_by(scene: Scene, sides: Sequence[Sides], pieces: Pieces, remembered: int) -> tuple[Given, LawAlong]:
+    """What parameters change along `pieces` through the law and the clock, nothing yet through the slabs; and the law there."""
+    (steps, stages), count, here = pieces.z.shape, len(sides), law_along(scene.law, pieces)
+    stress, gain = np.zeros((2, steps, count, stages))
+    for i, (scenes, clocks, step) in enumerate(sides):
+        for one, clock, sign in zip(scenes, clocks, (0.5, -0.5), strict=True):
+            own = here if one.law == scene.law else law_along(one.law, pieces)
+            stress[:, i] -= sign / step * own.stress
+            gain[:, i] += (sign / step * clock * one.transit * pieces.length)[:, None] * own.growth
+    rate, state = np.empty((2, steps, count, stages))
+    return Given(stress, gain, np.zeros((steps, count, remembered)), rate, state), here
 
 
-def start_by(beside: Sequence[Sides], remembered: int) -> Carried:
+def start_by(sides: Sequence[Sides], remembered: int) -> Carried:
     """Carried of the start: of psi; what is remembered of steady sliding is nothing, for all parameters."""
-    psi = [(a.steady_psi + a.start.jump_size - b.steady_psi - b.start.jump_size) / (2.0 * step) for (a, b), _, step in beside]
-    return Carried(np.zeros((len(beside), remembered)), np.array(psi))
+    psi = [(a.steady_psi + a.start.jump_size - b.steady_psi - b.start.jump_size) / (2.0 * step) for (a, b), _, step in sides]
+    return Carried(np.zeros((len(sides), remembered)), np.array(psi))
 
 
-def stress_by(law: Law, pieces: Pieces, given: Given, direct: Array) -> Array:
+def stress_by(here: LawAlong, given: Given, direct: Array) -> Array:
     """d mu/dp at the nodes (k, m, s) from the answers, with F_p = `direct` (k, m, s)."""
-    here = friction_on(law, pieces)
     slope, by_psi = (here.by_z / here.v_z)[:, None], here.by_psi[:, None]
     return np.asarray(slope * given.rate + by_psi * given.state + direct)
 
@@ -176,13 +176,14 @@ def _stretches(scene: Scene, pieces: Pieces) -> Iterator[slice]:
         yield slice(int(begin), int(end))
 
 
-def port_sensitivity(slabs: Slabs, beside: Sequence[Sides], pieces: Pieces) -> Array:
+def port_sensitivity(slabs: Slabs, sides: Sequence[Sides], pieces: Pieces) -> Array:
     """d mu/dp (k, m, s) at the nodes of all `pieces` of a march of `slabs` from the start of their scene, without a nudge."""
     scene, (rule, compiled, shape) = slabs.scene, rule_of(slabs.stages)
     remembered = slabs.port(1.0, 1).values.size
-    given, changes, values = given_by(scene, beside, pieces, remembered), start_by(beside, remembered), np.zeros(remembered)
+    (given, law), changes = given_by(scene, sides, pieces, remembered), start_by(sides, remembered)
+    values = np.zeros(remembered)
     direct = -given.stress
-    pairs = [tuple(slabs.of(one) for one in scenes) for scenes, _, _ in beside]
+    pairs = [tuple(slabs.of(one) for one in scenes) for scenes, _, _ in sides]
     for part in _stretches(scene, pieces):
         here, own = Pieces(*(array[part] for array in pieces)), Given(*(array[part] for array in given))
         longest = float(here.length.max())
@@ -192,14 +193,14 @@ def port_sensitivity(slabs: Slabs, beside: Sequence[Sides], pieces: Pieces) -> A
         v, found = rates(scene.law, here.z), np.empty((plan.size, remembered))
         moved = np.column_stack([found, v - scene.velocity, drive_on(scene, here, rule.nodes) - scene.velocity])
         _remember(port.change, plan, moved, values, found)
-        for i, (pair, (_, clocks, step)) in enumerate(zip(pairs, beside, strict=True)):
+        for i, (pair, (_, clocks, step)) in enumerate(zip(pairs, sides, strict=True)):
             for side, clock, sign in zip(pair, clocks, (1.0, -1.0), strict=True):
                 table, velocity = _ready(side, longest * clock, levels), side.scene.velocity
                 drive = drive_on(side.scene, here, rule.nodes, clock) - velocity
                 _add(table, plan, (found, v, v - velocity, drive), sign / (2.0 * step), (own.stress[:, i], own.memory[:, i]))
         motion = Motion(here.z, here.psi, False)
         _carry(shape, scene.law, port, scene.transit, compiled.integral, plan, motion, own, changes)
-    return stress_by(scene.law, pieces, given, direct)
+    return stress_by(law, given, direct)
 
 
 def _ready(slabs: Slabs, longest: float, levels: int) -> Port:

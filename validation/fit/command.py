@@ -1,5 +1,6 @@
 """`slipwave.fit`: parameters of a scene from measured friction, with their intervals."""
 
+import math
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -15,7 +16,6 @@ from slipwave.input import SceneSource, read
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.data.series import read_series
-from validation.fit.forward import OfReduction
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise
 from validation.fit.parameters import free_parameters
 from validation.fit.problem import FrictionProblem, problem_of
@@ -24,13 +24,13 @@ from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
 from validation.results.facts import finite
 from validation.results.header import header
-from validation.results.options import ModelOptions, option
+from validation.results.options import ModelOptions, log, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.result import Dataset, Output, Result
 from validation.study.drawing import Drawing, canvas, line, styled
 
 _TOLERANCE = 1e-7
-_MOST_SAMPLES = 10_000_000
+_CHEAP = "quasidynamic"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -232,7 +232,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     ends at a bound, or the data do not determine one.
     """
     began = time.perf_counter()
-    scene, model = options.scene_of(source), "quasidynamic" if options.model == "auto" else options.model
+    scene, model = options.scene_of(source), _CHEAP if options.model == "auto" else options.model
     words = [word.strip() for text in _listed(options.free) for word in text.split(",") if word.strip()]
     files = _listed(options.data)
     if not files:
@@ -242,13 +242,15 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     free = free_parameters(scene, words)
     series = [read_series(file, options.columns, options.units) for file in files]
     records = [experiment_of(one, scene) for one in series]
-    problem = problem_of(
-        scene, free, words, records, lambda variants, times: OfReduction(variants, times, model, options.tol or _TOLERANCE)
-    )
+    tolerance = options.tol or _TOLERANCE
+    problem = problem_of(scene, free, words, records, model, tolerance)
     best = Best(next(problem.starts()))
     stopped = False
     try:
-        found = minimise(problem, problem.starts(), best, problem.noise)
+        starts = problem.starts()
+        if not all(one.is_cheap for one in problem.models):
+            starts = _nearby(problem_of(scene, free, words, records, _CHEAP, tolerance))
+        found = minimise(problem, starts, best, problem.noise)
     except KeyboardInterrupt:
         if not np.isfinite(best.cost):
             raise
@@ -268,6 +270,13 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         stopped,
         options.stored,
     )
+
+
+def _nearby(cheap: FrictionProblem) -> Iterator[Array]:
+    """Where a model that is dear begins: the best values of a cheap one."""
+    found = minimise(cheap, cheap.starts(), Best(next(cheap.starts())), cheap.noise)
+    log.info("%s fits with a residual of %.4g: the start of the fit", _CHEAP, math.sqrt(found.cost / found.residual.size))
+    yield found.inner
 
 
 def _complaints(problem: FrictionProblem, found: Solution, spread: Intervals) -> Iterator[str]:

@@ -1,44 +1,68 @@
 """What a model says that a record would show, with its derivative by the free parameters."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Protocol
 
 import numpy as np
 
+from reduced.delay.sensitivity import delay_sensitivity
+from reduced.families import DELAY
 from reduced.impedance.reduce import reduction_of
 from reduced.ode.march import STAGES
 from reduced.ode.slabs import ReducedSlabs
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import SAME, Array, Pieces, lagrange_basis, values_at
 from slipwave.scene import Scene
-from slipwave.step.collocation import rule_of
+from slipwave.solve.solver import Leaping
+from slipwave.step.collocation import radau
 from slipwave.step.port_march import PortMarch
 from slipwave.step.sensitivity import port_sensitivity
 from validation.fit.parameters import Variants, sizes
+from validation.registry.build import build
 
 _FIRST = 0.125  # transits; length of the first step
 _MOST_STEPS = 400_000
+_SHIFT = 1e-4  # of differences of marches
 
 
-class OfReduction:
-    """Friction by an ODE reduction, in steps as long as its motion allows, whatever a transit is."""
+class Forward(Protocol):
+    """A model's friction over the free parameters."""
 
-    def __init__(self, variants: Variants, times: Array, model: str, tolerance: float) -> None:
-        self._variants, self._times, self._model, self._tolerance = variants, times, model, tolerance
-        self._basis = lagrange_basis(rule_of(STAGES)[0].nodes)
-        self._last: tuple[Array, ReducedSlabs, Pieces] | None = None
+    is_cheap: bool
+    """Whether many starts may be tried."""
 
     def scene(self, inner: Array) -> Scene:
         """That of these values."""
-        return self._variants.scene(inner)
 
     def friction(self, inner: Array) -> Array:
         """At the times of the record. Raises NumericsError where the motion cannot be computed."""
+
+    def slopes(self, inner: Array) -> Array:
+        """Its derivative (samples, parameters)."""
+
+
+class OfReduction:
+    """Friction by an ODE reduction, in steps as long as its motion allows, whatever a transit is. The derivative is exact for the
+    steps that the march took."""
+
+    is_cheap: bool = True
+
+    def __init__(self, variants: Variants, times: Array, model: str, tolerance: float) -> None:
+        self._variants, self._times, self._model, self._tolerance = variants, times, model, tolerance
+        self._last: tuple[Array, ReducedSlabs, Pieces] | None = None
+
+    def scene(self, inner: Array) -> Scene:
+        """As `Forward`."""
+        return self._variants.scene(inner)
+
+    def friction(self, inner: Array) -> Array:
+        """As `Forward`."""
         _, slabs, pieces = self._marched(inner)
         return self._at_times(slabs.scene, pieces, [pieces.mu])[0]
 
     def slopes(self, inner: Array) -> Array:
-        """Its derivative (samples, parameters), exact for the steps that the march took."""
+        """As `Forward`."""
         _, slabs, pieces = self._marched(inner)
         found = port_sensitivity(slabs, self._variants.beside(inner), pieces)
         return np.column_stack(self._at_times(slabs.scene, pieces, [*np.moveaxis(found, 1, 0)]))
@@ -53,15 +77,65 @@ class OfReduction:
     def _at_times(self, scene: Scene, pieces: Pieces, rows: Sequence[Array]) -> list[Array]:
         """Nodal values (k, s) at the times of the record."""
         times = np.clip(self._times / sizes(scene)[0], 0.0, pieces.time[-1] + pieces.length[-1])
-        return sampled(pieces, self._basis, times, rows)
+        return sampled(pieces, times, rows)
 
 
-def sampled(pieces: Pieces, basis: object, times: Array, rows: Sequence[Array]) -> list[Array]:
+class OfSolver:
+    """Friction by any other model. The derivative of alike plain slabs' delay system is exact for the steps that the march took;
+    that of others, and by a parameter that changes the transit, is a difference of marches."""
+
+    is_cheap: bool = False
+
+    def __init__(self, variants: Variants, times: Array, model: str, tolerance: float) -> None:
+        self._variants, self._times, self._model, self._tolerance = variants, times, model, tolerance
+        self._last: tuple[Array, Array] | None = None
+
+    def scene(self, inner: Array) -> Scene:
+        """As `Forward`."""
+        return self._variants.scene(inner)
+
+    def friction(self, inner: Array) -> Array:
+        """As `Forward`."""
+        if self._last is None or not np.array_equal(self._last[0], inner):
+            self._last = inner.copy(), self._along(inner, self._pieces(self.scene(inner)))[:, 0]
+        return self._last[1]
+
+    def slopes(self, inner: Array) -> Array:
+        """As `Forward`."""
+        scene = self.scene(inner)
+        if self._model == DELAY.name and scene.alike and scene.upper.is_plain:
+            sides = self._variants.beside(inner)
+            if all(abs(clock - 1.0) < SAME for _, clocks, _ in sides for clock in clocks):
+                parts = delay_sensitivity(scene, sides, self._times[-1] / sizes(scene)[0], self._tolerance)
+                return self._along(inner, ((pieces, [*np.moveaxis(found, 1, 0)]) for pieces, found in parts))
+        shifts = _SHIFT * np.eye(inner.size)
+        return np.column_stack([(self.friction(inner + s) - self.friction(inner - s)) / (2.0 * _SHIFT) for s in shifts])
+
+    def _pieces(self, scene: Scene) -> Iterator[tuple[Pieces, list[Array]]]:
+        solver = build(self._model, scene, tolerance=self._tolerance)
+        end = float(np.ceil(self._times[-1] / sizes(scene)[0]))
+        while solver.time < end - SAME:
+            pieces = solver.leap(end, end, False) if isinstance(solver, Leaping) else solver.advance(end)
+            yield pieces, [pieces.mu]
+
+    def _along(self, inner: Array, parts: Iterable[tuple[Pieces, list[Array]]]) -> Array:
+        """Nodal values of every part at the times of the record, (samples, rows)."""
+        times, found, done = self._times / sizes(self.scene(inner))[0], [], 0
+        for pieces, rows in parts:
+            last = int(np.searchsorted(times, pieces.time[-1] + pieces.length[-1], side="right"))
+            if last > done:
+                found.append(np.column_stack(sampled(pieces, times[done:last], rows)))
+                done = last
+        return np.concatenate(found)
+
+
+def sampled(pieces: Pieces, times: Array, rows: Sequence[Array]) -> list[Array]:
     """Each of some nodal values (k, s) at `times` (transits)."""
     found: list[Array] = []
+    basis = lagrange_basis(radau(pieces.z.shape[1]).nodes)
     for k in range(0, len(rows), 4):
         four = [*rows[k : k + 4], *[pieces.mu] * 3][:4]
-        found += values_at(Pieces(pieces.time, pieces.length, *four), basis, times)  # type: ignore[arg-type]
+        found += values_at(Pieces(pieces.time, pieces.length, *four), basis, times)
     return found[: len(rows)]
 
 

@@ -1,15 +1,17 @@
 """The residuals of a model over all records, as least squares takes them."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from reduced.families import REDUCTIONS
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.fit.forward import OfReduction
+from validation.fit.forward import Forward, OfReduction, OfSolver
 from validation.fit.parameters import NUISANCES, Free, Variants
 from validation.fit.records import Experiment
+from validation.registry.choice import requested
 
 _FACTORS = (
     (),
@@ -28,7 +30,7 @@ class FrictionProblem:
 
     free: tuple[Free, ...]
     records: Sequence[Experiment]
-    models: Sequence[OfReduction]
+    models: Sequence[Forward]
     nuisances: tuple[str, ...]
 
     def __post_init__(self) -> None:
@@ -96,8 +98,11 @@ class FrictionProblem:
 
 
 def problem_of(
-    scene: Scene, free: tuple[Free, ...], words: Sequence[str], records: Sequence[Experiment], model: Callable[..., OfReduction]
+    scene: Scene, free: tuple[Free, ...], words: Sequence[str], records: Sequence[Experiment], model: str, tolerance: float
 ) -> FrictionProblem:
-    """The problem of fitting `records` by models that `model` makes of a family and times."""
-    models = [model(Variants(scene, free, record.schedule), record.times) for record in records]
+    """The problem of fitting `records` by `model`. Raises SceneError for an unknown model and one that cannot do the scene."""
+    family, _, number, _ = requested(model, scene, tolerance=tolerance)
+    kind: type[OfReduction | OfSolver] = OfReduction if family in REDUCTIONS else OfSolver
+    name = family.called(family.default if number is None else number)
+    models: list[Forward] = [kind(Variants(scene, free, record.schedule), record.times, name, tolerance) for record in records]
     return FrictionProblem(free, records, models, tuple(name for name in NUISANCES if name in words))

@@ -1,0 +1,108 @@
+"""The derivative of a march of alike plain slabs' delay system by parameters of its scene (`slipwave.step.sensitivity`).
+
+With the wave S that arrives, S(t + 1) = S(t) - eps v(t) + eps V(t + 1/2), a change dS meets friction and returns one transit
+later: dS(t + 1) = dS(t) - eps dv(t) + what p changes by itself. Parameters that change the transit are left out: they move the
+arrival of each jump, which is no smooth function of time.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from reduced.delay.alike import Delay
+from reduced.delay.transit_mesh import TransitMesh
+from slipwave.compiled import allocating
+from slipwave.errors import SceneError
+from slipwave.friction import Law
+from slipwave.observe.pieces import SAME, Array, Pieces
+from slipwave.scene import Scene
+from slipwave.step.collocation import Nodes, rule_of
+from slipwave.step.impedance import Diagonal
+from slipwave.step.sensitivity import Carried, Given, Sides, answer_given, drive_on, given_by, start_by, stress_by
+from slipwave.step.tangent import Answer, Motion, step_answer
+
+
+class Waves(NamedTuple):
+    """Changes by m parameters of the `arriving` waves at the nodes of one transit's steps (steps, m, s), and what is `launched`
+    by the parameters themselves in k steps (k, m, s)."""
+
+    arriving: Array
+    launched: Array
+
+
+@allocating
+def _carry_waves(
+    nodes: Nodes,
+    law: Law,
+    impedance: float,
+    hours: Array,
+    integral: Array,
+    motion: Motion,
+    waves: Waves,
+    given: Given,
+    psi: Array,
+) -> None:
+    """Carry the changes along the `motion` in steps of the lengths `hours` (friction clock); `integral` is A transposed."""
+    s, count, width = len(nodes), waves.arriving.shape[0], 2 * len(nodes) + 1
+    row = np.empty((4, s))
+    answer = Answer(np.empty((2 * s, width)), row[0], row[1], row[2], row[3], np.empty((s, width)))
+    for k in range(hours.size):
+        arriving = waves.arriving[k % count]
+        for c in range(psi.size):
+            for j in range(s):
+                given.stress[k, c, j] += arriving[c, j]
+        step_answer(nodes, law, Diagonal(impedance), hours[k], integral, motion, k, answer)
+        answer_given(nodes, answer, k, given, psi)
+        for c in range(psi.size):
+            for j in range(s):
+                arriving[c, j] += waves.launched[k, c, j] - 2.0 * impedance * given.rate[k, c, j]
+
+
+def delay_sensitivity(scene: Scene, sides: Sequence[Sides], until: float, tolerance: float) -> Iterator[tuple[Pieces, Array]]:
+    """The motion up to `until` (transits), in whole transits, each part with d mu/dp (k, m, s) at its nodes.
+
+    Raises SceneError for a parameter that changes the transit, NumericsError where the march cannot go on."""
+    if any(abs(clock - 1.0) > SAME for _, clocks, _ in sides for clock in clocks):
+        raise SceneError("delay: the derivative by a parameter that changes the transit does not exist at every moment")
+    solver = Delay(scene, tolerance=tolerance)
+    carried, mesh = start_by(sides, 0), TransitMesh(1, np.ones(1), np.zeros(1))
+    arriving = np.zeros((1, len(sides), solver.nodes.size))
+    for i, ((plus, minus), _, step) in enumerate(sides):
+        arriving[:, i] = (_first_wave(plus) - _first_wave(minus)) / (2.0 * step)
+    end = np.ceil(until - SAME)
+    while solver.time < end - SAME:
+        pieces = solver.advance(end)
+        now = _mesh_of(pieces)
+        if now.steps != mesh.steps or not np.allclose(now.lengths, mesh.lengths):
+            arriving, mesh = np.moveaxis(mesh.resample(np.moveaxis(arriving, 0, 1), solver.nodes, now), 1, 0).copy(), now
+        yield pieces, _carried_along(scene, sides, pieces, arriving, carried)
+
+
+def _first_wave(scene: Scene) -> float:
+    return scene.steady_stress + 0.5 * scene.upper.epsilon * scene.velocity
+
+
+def _mesh_of(pieces: Pieces) -> TransitMesh:
+    """The steps of the first transit of `pieces`, which begin with one."""
+    count = int(np.searchsorted(pieces.time, pieces.time[0] + 1.0 - SAME))
+    return TransitMesh(count, pieces.length[:count].copy(), pieces.time[:count] - pieces.time[0])
+
+
+def _carried_along(scene: Scene, sides: Sequence[Sides], pieces: Pieces, arriving: Array, carried: Carried) -> Array:
+    """d mu/dp along `pieces`; `arriving` and `carried` go to their end."""
+    _, rule, shape = rule_of(pieces.z.shape[1])
+    nodes = np.array(shape)
+    given, here = given_by(scene, sides, pieces, 0)
+    direct = -given.stress
+    launched = np.zeros_like(given.stress)
+    for i, (scenes, _, step) in enumerate(sides):
+        for one, sign in zip(scenes, (0.5, -0.5), strict=True):
+            if one.upper.epsilon != scene.upper.epsilon or one.velocity != scene.velocity:
+                epsilon, drive = one.upper.epsilon, drive_on(one, pieces, nodes, 1.0, 0.5)
+                launched[:, i] += sign / step * epsilon * (drive - here.v)
+                given.stress[:, i] -= sign / step * 0.5 * epsilon * here.v
+    motion, hours = Motion(pieces.z, pieces.psi, False), pieces.length * scene.transit
+    waves = Waves(arriving, launched)
+    _carry_waves(shape, scene.law, 0.5 * scene.upper.epsilon, hours, rule.integral, motion, waves, given, carried.psi)
+    return stress_by(here, given, direct)
