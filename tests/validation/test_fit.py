@@ -9,8 +9,8 @@ import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from validation.cli import main
-from validation.fit.forward import OfReduction
-from validation.fit.parameters import Variants, free_parameters, schedule_of
+from validation.fit.forward import OfReduction, OfSolver
+from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
 
 KEYS = ["interface.a", "interface.b", "interface.memory_length"]
 TRUTH = dict(zip(KEYS, (0.01, 0.015, 10e-6), strict=True))
@@ -42,6 +42,18 @@ def test_the_derivative_by_each_kind_of_parameter_is_that_of_differences(model: 
     words = words if model == "quasidynamic" else words[:5]  # a block rings: its phase is no smooth function of stiffness
     made, inner = of_model(model, words, np.linspace(0.1, 119.0, 400))
     exact, step = made.slopes(inner), 1e-4
+    for k, shift in enumerate(step * np.eye(inner.size)):
+        difference = (made.friction(inner + shift) - made.friction(inner - shift)) / (2.0 * step)
+        assert np.abs(exact[:, k] - difference).max() < 1e-6 * np.abs(difference).max(), words[k]
+
+
+def test_the_derivative_of_the_delay_system_is_that_of_differences() -> None:
+    scene, words = read("velocity-steps"), [*KEYS, "interface.a_star"]
+    schedule = Schedule((0.0, 1.0, 1.0, 3.0, 3.0), (1e-6, 1e-6, 1e-5, 1e-5, 1e-6))
+    variants = Variants(scene, free_parameters(scene, words), schedule)
+    made = OfSolver(variants, np.linspace(0.01, 5.0, 300), "delay", 1e-10)
+    inner, step = np.array([one.inner(one.start) for one in variants.free]), 1e-4
+    exact = made.slopes(inner)
     for k, shift in enumerate(step * np.eye(inner.size)):
         difference = (made.friction(inner + shift) - made.friction(inner - shift)) / (2.0 * step)
         assert np.abs(exact[:, k] - difference).max() < 1e-6 * np.abs(difference).max(), words[k]
