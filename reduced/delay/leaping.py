@@ -27,6 +27,7 @@ _COVERED = 0.1  # change of ln v and psi over a leap, as a rule: 0.03 at a toler
 _SHORTEST, _LONGEST = 4, 4096
 _SHRINK, _SAFETY, _GROW = 0.2, 0.8, 2.0
 _EXTREMES = 6
+_WORTH = 512  # transits to the end of the run; of a shorter one the march alone takes less time than the tries
 _PAUSE, _LONGEST_PAUSE = 64, 2048  # transits marched before the next try to leap; doubled by a try that fails
 
 _Moment: TypeAlias = tuple[TransitMesh, Array, DelayMemory]
@@ -50,7 +51,7 @@ class LeapingDelay(Delay):
 
     def leap(self, until: float, end: float, gaps: bool) -> Pieces:
         """As `Leaping`; never with long pieces."""
-        while gaps and not self._waiting.time.size:
+        while gaps and end - self.time > _WORTH and not self._waiting.time.size:
             now = self._memory.now[TIME]
             if not (self._past.number.size and self._past.number[-1] == now - 1.0):
                 self._past = self._nothing()

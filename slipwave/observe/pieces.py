@@ -7,6 +7,7 @@ Where a piece begins later than the one before it ends, there is a gap: the moti
 observers that say so (`slipwave.solve.Spanning`) are given pieces with gaps.
 """
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -47,8 +48,13 @@ class Basis(NamedTuple):
 
 
 def lagrange_basis(nodes: Array) -> Basis:
-    """Barycentric weights and differentiation matrix of `nodes` (Berrut and Trefethen 2004)."""
-    nodes = np.asarray(nodes, dtype=float)
+    """Barycentric weights and differentiation matrix of `nodes` (Berrut and Trefethen 2004); computed once for the same nodes."""
+    return _basis(tuple(np.asarray(nodes, dtype=float).tolist()))
+
+
+@lru_cache(maxsize=64)
+def _basis(points: tuple[float, ...]) -> Basis:
+    nodes = np.array(points)
     gaps = nodes[:, None] - nodes[None, :]
     np.fill_diagonal(gaps, 1.0)
     weights = barycentric_weights(nodes)

@@ -23,6 +23,7 @@ MOST_HARMONICS = 12
 _CYCLES_PER_TERM = 4  # so that noise is not fitted: a term has an amplitude and a phase
 _GRID = 16  # trial frequencies in the width of a peak
 _NEAR = 1e-10
+_ROUGH = 1e-2  # of the width of a peak, where the search begins anew with more terms
 _TURNS = 1.0  # by which the phases of two terms must part over the cycles
 
 
@@ -65,14 +66,14 @@ def _follow(columns: Array, start: float) -> Rotation:
     count = len(columns)
     width, most = 1.0 / (_GRID * count), min(MOST_HARMONICS, count // _CYCLES_PER_TERM)
 
-    def best(near: float, terms: int) -> OptimizeResult:
+    def best(near: float, terms: int, within: float) -> OptimizeResult:
         bounds = (max(width, near - width), min(0.5, near + width))
         misfit = lambda rho: _misfit(columns, _basis(count, rho, terms))  # noqa: E731
-        return minimize_scalar(misfit, bounds=bounds, method="bounded", options={"xatol": _NEAR})
+        return minimize_scalar(misfit, bounds=bounds, method="bounded", options={"xatol": within})
 
-    first = float(best(start, 1).x)
+    first = float(best(start, 1, _ROUGH * width).x)
     resolved = _terms(first, count, most)
-    found = best(first, max(resolved, 1))
+    found = best(first, max(resolved, 1), _NEAR)
     changes = [_change(column, float(found.x), max(resolved, 1)) for column in columns.T]
     worst = max(changes, key=lambda one: abs(one[0]))
     return Rotation(float(found.x), float(found.fun), *worst, resolved, most)

@@ -35,7 +35,7 @@ def test_page_is_one_file_without_outer_addresses(fake, tmp_path):
     fake.add("second")  # whose tables have the same names
     page = make_report(tmp_path / "out", quick=True)
     html, tags = page.read_text(), Tags()
-    assert "http" not in re.sub(r"base64,[A-Za-z0-9+/=]+", "", html)
+    assert "http" not in html
     assert "One &lt;mode&gt; is 6\u202f·\u202f10<sup>−4</sup> off." in html
     assert "73.472145" in html
     tags.feed(html)
@@ -43,7 +43,7 @@ def test_page_is_one_file_without_outer_addresses(fake, tmp_path):
     assert len(tags.anchors) == len(set(tags.anchors)) > 4
     assert sorted(path.name for path in page.parent.iterdir()) == ["badge.svg", "data", "index.html", "junit.xml", "report.json"]
     beside = sorted(path.name for path in (page.parent / "data/first").iterdir())
-    assert beside == ["overlay.png", "overlay.svg", "result.json", "table-t.csv"]
+    assert beside == ["overlay.csv", "overlay.png", "overlay.svg", "result.json", "table-t.csv"]
 
 
 def test_matrix_shows_the_worst_outcome_of_each_kind_of_evidence(fake, tmp_path):
@@ -83,13 +83,13 @@ def test_stored_result_comes_back_as_it_was(fake, tmp_path):
     assert store.stored_result(tmp_path, module, "another key") is None
 
 
-@pytest.mark.parametrize("damage", ["overlay.svg", "overlay.png", "result.json"])
+@pytest.mark.parametrize("damage", ["overlay.svg", "overlay.png", "overlay.csv", "result.json"])
 def test_damaged_result_is_computed_again(fake, tmp_path, damage):
     fake.add("first")
     make_report(tmp_path)
     path = tmp_path / "data/first" / damage
     whole = path.read_bytes()
-    for times, damaged in enumerate((None, whole[:100], whole[:-40] + b"\0" + whole[-39:])):
+    for times, damaged in enumerate((None, whole[: len(whole) // 2], whole[:-20] + b"\0" + whole[-19:])):
         path.unlink() if damaged is None else path.write_bytes(damaged)
         make_report(tmp_path)
         assert fake.runs == ["first"] * (times + 2)

@@ -1,6 +1,5 @@
 """The page: stored results through one template into one self-contained HTML file."""
 
-import base64
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -8,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 from slipwave.files import whole_or_absent
 from validation.report import first_screen
+from validation.report.figures import with_figures
 from validation.report.questions import ask, verdicts_of
 from validation.report.record import Changes, Record, Word
-from validation.report.store import Picture, Stored
+from validation.report.store import Stored
 from validation.study import Evidence, Outcome, Verdict, text
 
 if TYPE_CHECKING:
@@ -70,11 +70,10 @@ def _templates(studies: Sequence[Stored]) -> "Environment":
         "cell": lambda value, spec: Markup(text.cell(value, spec)),
         "bare": text.bare,
         "sentences": text.first_sentence,
-        "inline": _inline,
     }
     environment.globals |= {function.__name__: function for function in first_screen.SHOWN}
     environment.globals |= {"tally_of": tally, "proofs": partial(first_screen.proofs, studies=studies)}
-    return environment
+    return with_figures(environment, studies)
 
 
 def matrix(studies: Sequence[Stored]) -> list[dict[str, Any]]:
@@ -110,8 +109,3 @@ def _said(changes: Changes) -> str:
     left = sum(changes.counts.get(word, 0) for word in (Word.BETTER, Word.MOVED, Word.WORSE, Word.GONE))
     kind = "numbers and verdicts" if any(change.kind == "verdict" for change in changes.listed) else "numbers"
     return f"{left} of {every} {kind} moved since {changes.since}{new}."
-
-
-def _inline(picture: Picture) -> str:
-    """The figure's SVG as a data address, so that the page is one file."""
-    return "data:image/svg+xml;base64," + base64.b64encode(picture.svg.read_bytes()).decode("ascii")

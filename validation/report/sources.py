@@ -11,11 +11,13 @@ from pathlib import Path
 import validation
 from slipwave.sources import ROOT, import_closure, imported_names, program
 from validation.registry import families
-from validation.study import Study
+from validation.study import Study, render
 
 _ROOM = Path(validation.__file__).parent
 _GALLERY = _ROOM.parent / "slipwave" / "gallery"
 _REGISTRY = Path(families.__file__)
+_DRAWN_BY = Path(render.__file__)
+"""What makes files of every study's figures."""
 _SOLVERS = [ROOT.joinpath(*family.module.split(".")).with_suffix(".py") for family in families.FAMILIES]
 """Files that the registry imports by name: only its facts mention them, no import statement does."""
 
@@ -40,7 +42,7 @@ def sources_of(study: Study) -> list[Path]:
     report's own entrance imports."""
     read = list(_read(getattr(study, "FILES", ())))
     own = Path(str(getattr(study, "__file__", __file__)))
-    starts = [own, *(path for path in read if path.suffix == ".py")]
+    starts = [own, _DRAWN_BY, *(path for path in read if path.suffix == ".py")]
     programs = import_closure(starts, packages=False)
     if _REGISTRY in programs:
         programs = import_closure([*starts, *_SOLVERS], packages=False)

@@ -16,8 +16,9 @@ from validation.report.sources import sources_digest
 from validation.study import Number, Omission, Study, StudyResult, Table, Verdict
 from validation.study.model_table import ModelTable
 from validation.study.names import with_names
+from validation.study.render import SUFFIXES, render
 
-_FORMAT = 2
+_FORMAT = 3
 _PARTS: dict[str, Any] = {
     "tables": tuple[Table, ...],
     "verdicts": tuple[Verdict, ...],
@@ -27,23 +28,32 @@ _PARTS: dict[str, Any] = {
     "model_tables": tuple[ModelTable, ...],
 }
 """The parts of a result that are kept, with their types."""
+_OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "zoom")
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A stored figure: its caption and its files."""
+    """A stored figure of a study: its caption, what it shows in words (`validation.study.told`), the labels, scales and limits of
+    its panels, and its files."""
 
+    study: str
     name: str
     caption: str
     lead: bool
     timed: bool
+    paper: str
+    zoom: bool
+    title: str
+    description: str
+    panels: list[dict[str, Any]]
     svg: Path
     png: Path
+    csv: Path
 
     @property
     def files(self) -> tuple[Path, ...]:
         """All that is stored of it."""
-        return self.svg, self.png
+        return self.svg, self.png, self.csv
 
 
 @dataclass(frozen=True)
@@ -86,13 +96,13 @@ def _digest(record: dict[str, Any], place: Path) -> str:
     return digest.hexdigest()
 
 
-def _files(place: Path, figure: str) -> tuple[Path, Path]:
-    return place / f"{figure}.svg", place / f"{figure}.png"
+def _files(place: Path, figure: str) -> list[Path]:
+    return [place / (figure + suffix) for suffix in SUFFIXES]
 
 
 def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds: float) -> Stored:
     """Write the result with its figures under folder/NAME; a reader sees all of it or none."""
-    from validation.study.drawing import render, styled
+    from validation.study.drawing import styled
 
     target = folder / study.NAME
     part = folder / f".{study.NAME}.{os.getpid()}"
@@ -101,10 +111,13 @@ def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall
             _remove(left)
     part.mkdir(parents=True)
     try:
+        figures = []
         for figure in result.figures:
             with styled():
-                render(figure.draw(), part / figure.name)
-        record = _record(study, key, result, wall_seconds)
+                words = render(figure.draw(), part / figure.name, f"{study.NAME}-{figure.name}")
+            told = {"title": words.title, "description": words.description, "panels": [panel.facts for panel in words.panels]}
+            figures.append({name: getattr(figure, name) for name in _OF_FIGURE} | told)
+        record = _record(study, key, result, wall_seconds) | {"figures": figures}
         whole = {"digest": _digest(record, part)} | record
         (part / "result.json").write_text(json.dumps(whole, indent=1, allow_nan=False) + "\n", encoding="utf-8")
         _remove(target)
@@ -125,9 +138,8 @@ def _remove(folder: Path) -> None:
 
 
 def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) -> dict[str, Any]:
-    figures = [{"name": f.name, "caption": f.caption, "lead": f.lead, "timed": f.timed} for f in result.figures]
     body = {name: getattr(result, name) for name in _PARTS} | {"verdicts": with_names(study.NAME, result.verdicts)}
-    record = {"study": study.NAME, "question": study.QUESTION, "key": key, "wall_seconds": wall_seconds, "figures": figures}
+    record = {"study": study.NAME, "question": study.QUESTION, "key": key, "wall_seconds": wall_seconds}
     return record | {"answer": result.conclusion} | {name: jsonable(value) for name, value in body.items()}
 
 
@@ -154,14 +166,16 @@ def _revived(value: Any) -> Any:
 
 def _stored(folder: Path, study: Study, record: dict[str, Any]) -> Stored:
     """Inverse of `_record`."""
-    figures = record["figures"]
-    pictures = tuple(
-        Picture(f["name"], f["caption"], f["lead"], f.get("timed", False), *_files(folder, f["name"])) for f in figures
-    )
+    pictures = tuple(_picture(folder, study.NAME, figure) for figure in record["figures"])
     known = [(name, kind) for name, kind in _PARTS.items() if name in record]
     parts = {name: TypeAdapter(kind).validate_python(_revived(record[name])) for name, kind in known}
     result = StudyResult(record["answer"], **parts)
     return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, result, pictures, key=record["key"])
+
+
+def _picture(folder: Path, study: str, figure: dict[str, Any]) -> Picture:
+    svg, png, csv = _files(folder, figure["name"])
+    return Picture(study, **figure, svg=svg, png=png, csv=csv)
 
 
 def numbers_of(record: dict[str, Any]) -> dict[str, Number]:

@@ -96,6 +96,7 @@ class _Marched:
         self.solver, self.watch, self.watched = solver, watch, watched
         self.until = 0.0
         self.final: Final | None = None
+        self._judged: JudgedHalf | None = None
         self.ended: Ended | None = None
 
     def march(self, length: Length, observers: Sequence[Observer], marks: Sequence[Mark], most: float) -> None:
@@ -106,14 +107,15 @@ class _Marched:
             if work.seconds(end) > length.most_seconds:
                 break
             require_time(self.solver, end, most)
-            self.until, self.final = end, None
+            self.until, self.final, self._judged = end, None, None
             work.until = end
             for mark in marks:
                 if isinstance(mark, Checkpoints):
                     mark.until = end
             with progress(f"{self.solver.scene.name}, {self.solver.model}", end) as report:
                 self.final = follow(self.solver, end, everyone, LongRunAdvice(self.solver, end, report), marks)
-            self.ended = length.ended(self.judged())
+            self._judged = self.judged()
+            self.ended = length.ended(self._judged)
             if self.ended:
                 return
         self.ended = "limit"
@@ -131,7 +133,7 @@ class _Marched:
 
     def run(self, wall_s: float, failed: str, stopped: bool) -> Run:
         """What is known of it."""
-        solver, watch, judged = self.solver, self.watch, self.judged()
+        solver, watch, judged = self.solver, self.watch, self._judged or self.judged()
         verdict, cycles = _of_protocol(judged.verdict, solver.scene.drive, self.until), watch.events(math.inf)
         if verdict and verdict.repeats:
             cycles = repeating(judged.cycles, verdict.multiplicity) if verdict.multiplicity else judged.cycles

@@ -108,14 +108,17 @@ def table(name: str, caption: str, heading: str, rows: Iterable[Iterable[Cell]],
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture drawn on demand by matplotlib, stored as SVG and PNG. A `lead` figure is shown at the top of the page; a `timed`
-    one shows run times."""
+    """A picture drawn on demand by matplotlib, stored as SVG, PNG and CSV. A `lead` figure is shown at the top of the page; a
+    `timed` one shows run times; `paper` names the figure of the paper that it draws again ("Fig 5"); a reader may `zoom` into
+    its curves."""
 
     name: str
     caption: str
     draw: "Callable[[], Drawing]"
     lead: bool = False
     timed: bool = False
+    paper: str = ""
+    zoom: bool = False
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,6 @@
 """One look for every figure: readable on paper; line style and marker distinguish the lines in grey, as colour does."""
 
 from collections.abc import Iterable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from slipwave.extras import require
@@ -43,7 +42,6 @@ STYLE: Any = {
     "savefig.pad_inches": 0.04,
     "path.simplify_threshold": 0.2,
 }
-PNG_DOTS_PER_INCH = 110
 WIDTH = 7.4
 """Width of a full-width figure, inches: the text width of the page on A4 paper."""
 
@@ -95,9 +93,3 @@ def styled() -> Any:
     import matplotlib as mpl
 
     return mpl.rc_context(STYLE)
-
-
-def render(figure: Drawing, stem: Path) -> None:
-    """Write stem.svg and stem.png; byte for byte the same for the same drawing."""
-    figure.savefig(stem.with_name(stem.name + ".svg"), metadata={"Date": None})
-    figure.savefig(stem.with_name(stem.name + ".png"), dpi=PNG_DOTS_PER_INCH, metadata={"Software": None})
