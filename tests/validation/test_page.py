@@ -89,9 +89,7 @@ def test_claims_of_the_paper_are_counted_and_findings_come_first(tmp_path):
     studies = [stored("claims", *(verdict(kind, Evidence.PAPER, f"P{n} holds") for n, kind in enumerate(kinds)), verdict())]
     html = page_of(tmp_path, *studies)
     assert "Of 3 checks against its printed numbers and claims 2 hold; 1 do not" in summary_of(html, "paper")
-    assert [row[1:] for row in rows_of(html, "verdicts that are findings")][1:] == [
-        ["P1 holds", "paper", "below 0.5", "0.1", "in words"]
-    ]
+    assert [row[1:] for row in rows_of(html, "verdicts that are findings")][1:] == [["P1 holds", "paper", "below 0.5", "0.1", ""]]
 
 
 def test_the_verdicts_rest_on_kinds_of_evidence(tmp_path):
@@ -105,6 +103,17 @@ def test_a_row_of_a_verdict_has_found_beside_limit_and_their_ratio(tmp_path):
     assert rows_of(html, "verdicts energy")[1][1:] == ["A holdsRefuted by a second root.", "exact", "below 0.5", "0.1", " 0.2"]
     assert '<tr id="energy.a-holds">' in html
     assert '<i style="width:20%">' in html
+
+
+def test_a_claim_of_several_verdicts_is_told_once(tmp_path):
+    told = [("B holds", "at 1"), ("A holds", "at 1"), ("B holds", "at 2")]
+    html = page_of(tmp_path, stored("energy", *(verdict(title=title, remark=remark) for title, remark in told)))
+    assert [row[1] if row[1:] else row[0] for row in rows_of(html, "verdicts energy")[1:]] == [
+        "B holds",
+        "at 1",
+        "at 2",
+        "A holdsat 1",
+    ]
 
 
 def test_every_address_within_the_page_leads_somewhere(tmp_path):
@@ -125,9 +134,9 @@ def test_the_table_of_models_joins_cells_of_a_wrong_regime(tmp_path):
     assert head[1:] == ["periodic", "torus", "cost, delay = 1", "advice"]
     assert titles == ["−2.7", "−2.6", "−2.5", "at −2.6"]
     assert delay == ["delay exact, T, transits", "70", "71", "72", "1", "use"]
-    assert short == ["quasidynamic", "slides steadily", "−40.0 ± 0.2 %", "0.05", "avoid other cycles"]
+    assert short == ["quasidynamic", "slides steadily", "−40.0 ± 0.2\u00a0%", "0.05", "avoid other cycles"]
     assert '<td class="n wrong first" colspan="2"><a href="#models.paper.quasidynamic.-2.7">slides steadily</a></td>' in html
-    assert rows_of(html, "error of the stress drop, paper")[3][2] == "+5.0 ± 0.2 %"
+    assert rows_of(html, "error of the stress drop, paper")[3][2] == "+5.0 ± 0.2\u00a0%"
     assert rows_of(html, "onset of stick-slip, paper")[1:] == [
         ["delay", "−2.690000", "exact", "use"],
         ["quasidynamic", "no onset", "avoid other cycles"],

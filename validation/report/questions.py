@@ -80,6 +80,11 @@ def verdicts_of(studies: Sequence[Stored]) -> list[Verdict]:
     return [verdict for study in studies if study.result for verdict in study.result.verdicts]
 
 
+def by_claim(verdicts: Sequence[Verdict]) -> list[tuple[str, list[Verdict]]]:
+    """Claims in order, each with its verdicts."""
+    return [(title, [v for v in verdicts if v.claim == title]) for title in dict.fromkeys(v.claim for v in verdicts)]
+
+
 def _of_paper(studies: Sequence[Stored]) -> str:
     """How many of the paper's claims hold, and which do not."""
     judged = [verdict for verdict in verdicts_of(studies) if verdict.evidence is Evidence.PAPER]

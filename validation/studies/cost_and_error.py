@@ -56,7 +56,7 @@ def run(budget: Budget) -> StudyResult:
     finest = {model: Estimate(_finest(points, model).period, 0.0) for model in ("delay", *_ODES)}
     return StudyResult(
         answer=_answer(points),
-        figures=(Figure("cost", _CAPTION, lambda: work_precision(points)),),
+        figures=(Figure("cost", _CAPTION, lambda: work_precision(points), lead=True),),
         tables=(_table(points), _final_states(), _race_table(ours, rivals)),
         verdicts=(
             _right(ours),
