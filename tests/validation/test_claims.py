@@ -80,8 +80,8 @@ FAST = FAST_PERIOD_KELVIN_VOIGT
 
 @pytest.mark.parametrize(
     ("delay", "ode", "expected"),
-    [(1.00028, 1.0, "pass finding"), (1.0, 0.99972, "pass finding"), (0.999, 1.0, "fail finding"), (1.0, 1.001, "fail finding"),
-     (1.0, 1.0 / 1.28 / FAST, "fail pass")],
+    [(1.00028, 1.0, "pass pass finding"), (1.0, 0.99972, "pass pass finding"), (0.999, 1.0, "fail pass finding"),
+     (1.0, 1.001, "fail pass finding"), (1.0, 1.0 / 1.28 / FAST, "fail fail pass")],
 )  # fmt: skip
 def test_p5_on_both_ripples(delay, ode, expected):
     assert [verdict.outcome for verdict in measured.ripple_claims(ripples(delay, ode))] == expected.split()
@@ -129,6 +129,26 @@ def test_p12(title, orbits, run, parts, outcome):
     assert judged(found, title).outcome == outcome
 
 
+@pytest.mark.parametrize(("second", "share"), [(0.0, 0.0), (0.5, 0.2), (1.0, 0.5)])
+def test_overtones_are_the_power_outside_the_sine(second, share):
+    """On a rising stress, in each of two cycles that are shown whole; the third is not."""
+    time = np.arange(0.0, 150.0, 0.005)
+    ripple = np.sin(2.0 * np.pi * time / 1.3) + second * np.cos(4.0 * np.pi * time / 1.3)
+    events = deep(cycles=3).events._replace(time=np.array([10.0, 70.0, 130.0]))
+    found = measured.overtones(Deep(events, time, 1e-3 * ripple + 0.003 * time), 1.3)
+    np.testing.assert_allclose(found, [share, share], atol=4e-3)
+
+
+@pytest.mark.parametrize(("delay", "ode", "outcome"), [(0.5, 0.0, "pass"), (0.0, 0.0, "finding"), (0.5, 0.5, "finding")])
+def test_p13_on_the_shape_of_ripples(delay, ode, outcome):
+    time = np.arange(0.0, 150.0, 0.005)
+    runs = {}
+    for model, second, period in (("delay", delay, 1.0), ("kelvin-voigt", ode, FAST)):
+        wave = np.sin(2.0 * np.pi * time / period) + second * np.sin(4.0 * np.pi * time / period)
+        runs[model] = deep()._replace(time=time, stress=wave)
+    assert judged(measured.irregular_claims(runs), "P13 At r = 10^{-2.3} the ODE’s ripples").outcome == outcome
+
+
 def test_the_parts_of_a_period_add_up():
     """v = 300 for 7 transits, 20 for 23, V = 100: y falls by eps (7 * 200), and rises by eps (23 * 80) less what does not fit."""
     scene = slipwave.read("paper")
@@ -169,7 +189,7 @@ def test_p13_an_ode_that_nearly_repeats_would_not_pass(name, beat, outcome):
 def test_p13_drops_are_nearly_constant_and_the_contrast_is_large(constant, ratios, outcomes):
     runs = {"delay": deep(spread=(0.02, constant, 0.02))}
     runs["kelvin-voigt"] = deep(spread=tuple(0.02 * ratio for ratio in ratios), seed=3)
-    assert [verdict.outcome for verdict in measured.irregular_claims(runs)][1:] == outcomes
+    assert [verdict.outcome for verdict in measured.irregular_claims(runs)][1:3] == outcomes
 
 
 def test_the_answer_counts_what_holds():

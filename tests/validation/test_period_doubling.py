@@ -47,19 +47,26 @@ def changes(found):
 @pytest.mark.parametrize(
     ("change", "outcomes"),
     [
-        ("none", "pass pass pass pass"),
-        ("period", "fail pass pass pass"),
-        ("digits", "fail pass finding pass"),
-        ("unstable", "pass pass finding pass"),
-        ("stable", "pass pass finding pass"),
-        ("run", "pass fail pass pass"),
-        ("short", "pass pass pass fail"),
-        ("open", "pass pass pass fail"),
+        ("none", "pass pass pass pass pass"),
+        ("period", "fail pass pass pass pass"),
+        ("digits", "fail pass finding pass pass"),
+        ("unstable", "pass pass finding pass pass"),
+        ("stable", "pass pass finding pass pass"),
+        ("run", "pass fail pass pass pass"),
+        ("short", "pass pass pass pass fail"),
+        ("open", "pass pass pass pass fail"),
     ],
 )
 def test_p10_the_run_and_the_bubble_from_both_sides(found, change, outcomes):
     """P10 needs an unstable orbit beside a stable one; each end of the bubble is at a doubling."""
     assert [verdict.outcome for verdict in verdicts.all_verdicts(changes(found)[change])] == outcomes.split()
+
+
+def test_the_doubled_orbit_has_two_peaks(found):
+    """Those of the cycles of a run; an orbit taken twice has no two different ones, half of it no second one."""
+    assert verdicts.peaks(found.double) == pytest.approx((6572.745068, 6472.864768), rel=1e-5)
+    half = verdicts.twice_but_not_the_same(found._replace(double=found.single))
+    assert (half.outcome, half.ours.endswith("in 1.000000 T")) == (Outcome.FINDING, True)
 
 
 def test_the_end_of_a_line():

@@ -88,6 +88,12 @@ def test_traced_boundaries_lie_on_the_closed_forms(parted, monkeypatch, changes,
     assert [v.outcome for v in verdicts.fig_3(traced(**changes), SLOPES, PAPER)] == outcomes.split()
 
 
+def test_thin_slabs_have_the_quasi_static_boundary(monkeypatch):
+    assert verdicts.thin_slabs(SLOPES).outcome == "pass"
+    monkeypatch.setitem(verdicts.TRACED, "delay", lambda slopes, r: 1.001 * verdicts.TRACED["kelvin-voigt"](slopes, r))
+    assert verdicts.thin_slabs(SLOPES).outcome == "fail"
+
+
 def test_a_branch_that_parts_nothing_is_told(monkeypatch):
     monkeypatch.setitem(verdicts.TRACED, "delay", verdicts.TRACED["kelvin-voigt"])
     monkeypatch.setattr(verdicts, "_beside", lambda *args: (2, 2))

@@ -28,7 +28,7 @@ _PARTS: dict[str, Any] = {
     "model_tables": tuple[ModelTable, ...],
 }
 """The parts of a result that are kept, with their types."""
-_OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "zoom")
+_OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "carries", "zoom")
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,7 @@ class Picture:
     lead: bool
     timed: bool
     paper: str
+    carries: tuple[str, ...]
     zoom: bool
     title: str
     description: str

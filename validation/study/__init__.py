@@ -109,8 +109,8 @@ def table(name: str, caption: str, heading: str, rows: Iterable[Iterable[Cell]],
 @dataclass(frozen=True)
 class Figure:
     """A picture drawn on demand by matplotlib, stored as SVG, PNG and CSV. A `lead` figure is shown at the top of the page; a
-    `timed` one shows run times; `paper` names the figure of the paper that it draws again ("Fig 5"); a reader may `zoom` into
-    its curves."""
+    `timed` one shows run times; `paper` names the figure of the paper that it draws again ("Fig 5"), and `carries` how the claims
+    begin that it shows; a reader may `zoom` into its curves."""
 
     name: str
     caption: str
@@ -118,6 +118,7 @@ class Figure:
     lead: bool = False
     timed: bool = False
     paper: str = ""
+    carries: tuple[str, ...] = ()
     zoom: bool = False
 
 

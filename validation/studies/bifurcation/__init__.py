@@ -43,7 +43,16 @@ def run(budget: Budget) -> StudyResult:
     waves = [measured.wave_orbit(branches["delay"], log10_r) for log10_r in _WAVES[budget.quick]]
     return StudyResult(
         answer=_answer(branches),
-        figures=(Figure("branches", _CAPTION, lambda: diagram(branches.values(), waves)),),
+        figures=(
+            Figure(
+                "branches",
+                _CAPTION,
+                lambda: diagram(branches.values(), waves),
+                paper="Fig 6",
+                carries=("P8", "P9", "P11", "P14"),
+                zoom=True,
+            ),
+        ),
         tables=_tables(branches, waves, budget.quick),
         verdicts=_verdicts(branches, waves, budget.quick),
         notes=(_HOW, *(() if budget.quick else (_FOLDS,))),

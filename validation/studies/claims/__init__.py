@@ -1,9 +1,11 @@
 """The paper's claims that runs and closed forms can settle; those about whole branches are judged by `bifurcation`."""
 
 import math
+from typing import Any
 
 import numpy as np
 
+import slipwave
 from validation.studies.claims import measured
 from validation.studies.claims.measured import LARGE_NUDGE, LONGEST, MODELS, SHOWN, Deep, Orbits, Ripples, recurrence, spread
 from validation.study import Budget, Cell, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict, table
@@ -37,7 +39,11 @@ def run(budget: Budget) -> StudyResult:
     verdicts = measured.all_verdicts(orbits, deep, ripples)
     return StudyResult(
         answer=_answer(verdicts),
-        figures=(Figure("irregular", _CAPTION, lambda: irregular(deep)), Figure("returns", _RETURNS, lambda: returns(deep))),
+        figures=(
+            Figure("irregular", _CAPTION, lambda: irregular(deep), paper="Fig 9", carries=("P13",), zoom=True),
+            Figure("planes", _PLANES, lambda: slip_planes(deep), paper="Fig 9", carries=("P13",)),
+            Figure("returns", _RETURNS, lambda: returns(deep), zoom=True),
+        ),
         tables=(_branch_table(orbits), _onset_table(), _deep_table(deep)),
         verdicts=verdicts,
         notes=(_NUMBERED, _two_orbits(orbits)),
@@ -125,6 +131,20 @@ def irregular(deep: dict[str, Deep]) -> Drawing:
     return figure
 
 
+def slip_planes(deep: dict[str, Deep]) -> Drawing:
+    """Stress over slip rate, one panel per model, with the stress of steady sliding at each rate."""
+    law: Any = slipwave.read("paper-2.3").law
+    shown = {model: run for model, run in deep.items() if model in ("delay", "kelvin-voigt")}
+    figure = canvas(WIDTH, 3.4)
+    for axes, (model, run) in zip(figure.subplots(1, len(shown), sharex=True, sharey=True), shown.items(), strict=True):
+        axes.semilogx(run.slip_rate, run.stress, color=pen(model).color, linewidth=0.5, label=pen(model).label)
+        rate = np.geomspace(run.slip_rate.min(), run.slip_rate.max(), 50)
+        axes.semilogx(rate, law.a_star + (law.a - law.b) * np.log(rate), color="#d55e00", linestyle="--", label="steady sliding")
+        axes.set(title=pen(model).label, xlabel="$v/V^*$", ylabel=r"$\mu$")
+    axes.legend()
+    return figure
+
+
 def returns(deep: dict[str, Deep]) -> Drawing:
     """Periods and stress drops, each over that of the cycle before."""
     figure = canvas(WIDTH, 3.6)
@@ -144,6 +164,7 @@ _RETURNS = (
     "Return maps at log_{10} r = −2.3: each cycle’s period and stress drop against those of the previous cycle. A periodic orbit "
     "would be a few points."
 )
+_PLANES = "The same cycles in the plane of stress and slip rate (the paper’s Fig 9); dashed: steady sliding."
 _CAPTION = (
     "Stress at log_{10} r = −2.3 over some cycles (the paper’s Fig 9): the stress drops of the delay system vary little, but "
     "its ripples are no longer sinusoidal and change shape from cycle to cycle; the paper’s ODE is irregular. μ in units of σ, "

@@ -40,7 +40,10 @@ def run(budget: Budget) -> StudyResult:
         answer=_answer(runs),
         figures=(
             Figure("overlay", _OVERLAY, lambda: overlay(cycles), lead=True),
-            Figure("panels", _PANELS_CAPTION, lambda: panels(cycles, errors)),
+            Figure(
+                "ode-orbit", _ODE_ORBIT, lambda: ode_orbit(cycles["kelvin-voigt"]), paper="Fig 4", carries=("P3", "P5"), zoom=True
+            ),
+            Figure("panels", _PANELS_CAPTION, lambda: panels(cycles, errors), paper="Fig 5", carries=("P4", "P5", "P6")),
             Figure("growth", _GROWTH, lambda: cycles_over_r(grown)),
         ),
         tables=(drops(runs), rates(runs), _reference_table(runs), over_r_table(grown)),
@@ -86,6 +89,10 @@ _OVERLAY = (
 )
 _DAMPED = f"It slides steadily at log_{{10}} r = {places([LOG10_R])} (see its verdict); the last table shows it beyond its onset."
 _PANELS_CAPTION = "Stress μ over the same cycle, model by model, each over the delay system (grey), with the error of its period."
+_ODE_ORBIT = (
+    f"The stable orbit of the paper’s ODE at log_{{10}} r = {places([LOG10_R])}: interface stress μ with the ripples that blocks "
+    "do not have, elastic stress y, slip rate v, and the orbit in the planes of stress and state over slip rate."
+)
 _GROWTH = (
     "Elastic stress, above its least, over a cycle as r grows from the onset to the paper’s largest, aligned at the slip event: "
     f"the stable orbit or, where a model has none, {IN_TURN} cycles of a run in turn. Its height is the elastic drop Δy."
@@ -182,13 +189,31 @@ def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> Drawing:
     grid = figure.subplots((len(_PANELS) + 1) // 2, 2, sharex=True, sharey=True)
     for axes, model in zip(grid.flat, _PANELS, strict=True):
         cycle, style = cycles[model], pen(model)
-        axes.plot(exact.time, exact.stress, color="#b5b5b0", linewidth=2.4)
-        axes.plot(cycle.time, cycle.stress, color=style.color, linewidth=1.0)
+        axes.plot(exact.time, exact.stress, color="#b5b5b0", linewidth=2.4, label=pen("delay").label)
+        axes.plot(cycle.time, cycle.stress, color=style.color, linewidth=1.0, label=style.label)
         axes.set_title(f"{style.label}: {_signed(errors[model])}", fontsize=11)
     for axes in grid[-1]:
         axes.set_xlabel("time since the slip event (transits)")
     for axes in grid[:, 0]:
         axes.set_ylabel(r"$\mu$")
+    return figure
+
+
+def ode_orbit(cycle: Cycle) -> Drawing:
+    """The paper's Fig 4: stress and elastic stress over one cycle of its ODE, slip rate below, and the orbit in two planes."""
+    figure = canvas(WIDTH, 5.6)
+    grid = figure.subplot_mosaic([["stress", "stress"], ["rate", "rate"], ["plane", "state"]], height_ratios=(1.0, 1.0, 1.2))
+    look = line("kelvin-voigt")
+    grid["stress"].plot(cycle.time, cycle.stress, **look | {"label": r"$\mu$"})
+    grid["stress"].plot(cycle.time, cycle.elastic_stress, color="#111111", linewidth=1.0, linestyle="--", label="$y$")
+    grid["rate"].semilogy(cycle.time, cycle.slip_rate, **look)
+    grid["plane"].semilogx(cycle.slip_rate, cycle.stress, **look)
+    grid["state"].semilogx(cycle.slip_rate, cycle.psi / math.log(10.0), **look)
+    grid["stress"].set(ylabel=r"$\mu$, $y$")
+    grid["stress"].legend(ncols=2)
+    grid["rate"].set(xlabel="time since the slip event (transits)", ylabel="$v/V^*$")
+    grid["plane"].set(xlabel="$v/V^*$", ylabel=r"$\mu$")
+    grid["state"].set(xlabel="$v/V^*$", ylabel=r"$\log_{10}\phi$")
     return figure
 
 

@@ -45,7 +45,15 @@ def run(budget: Budget) -> StudyResult:
     runs = {place: measured.settled_period(*place) for place in _RUN}
     return StudyResult(
         answer=_answer(listed),
-        figures=(Figure("over-r", _CAPTION, lambda: periods_over_r(branches, listed, ratios)),),
+        figures=(
+            Figure(
+                "over-r",
+                _CAPTION,
+                lambda: periods_over_r(branches, listed, ratios),
+                paper="Fig 8",
+                carries=("P7", "P12", "The paper’s periods"),
+            ),
+        ),
         tables=(period_table(listed), mean_table(listed)),
         verdicts=(order(listed), *known(listed), measured.settled(listed, runs), measured.at_onset(branches), thick(ratios)),
         notes=(_ENERGY,),

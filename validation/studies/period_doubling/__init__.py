@@ -40,7 +40,7 @@ def run(budget: Budget) -> StudyResult:
     others = [] if budget.quick else [bubble(*ends) for ends in _PAIRS]
     return StudyResult(
         answer=_answer(found),
-        figures=(Figure("planes", _CAPTION, lambda: planes(found, others)),),
+        figures=(Figure("planes", _CAPTION, lambda: planes(found, others), paper="Fig 7", carries=("P10",)),),
         tables=(orbit_table(found), *([bubble_table(others)] if others else [])),
         verdicts=(*all_verdicts(found), *map(ends_simple, others)),
         notes=(_HOW,),
@@ -64,7 +64,8 @@ def _answer(found: Doubled) -> str:
 
 _CAPTION = (
     f"The ODE’s orbits at log_{{10}} r = {AT:.6f}, the paper’s Fig 7: the unstable one of T = 79.09 transits (dotted) and the "
-    "stable one of twice the period. Below: periods of the single orbits over r and, between the two period doublings, half the "
+    "stable one of twice the period. Above: slip rate over time, each over its own period, as in the paper; middle: two planes; "
+    "below: periods of the single orbits over r and, between the two period doublings, half the "
     "periods of the doubled ones; in the full report those of the other two pairs too."
 ).replace("= -", "= −")
 _HOW = (
@@ -107,14 +108,16 @@ def _places(bubble: Bubble, kind: str) -> str:
 
 def planes(found: Doubled, others: Iterable[Bubble] = ()) -> Drawing:
     """The paper's Fig 7: both orbits in two planes; below, T and half the doubled period over r."""
-    figure = canvas(WIDTH, 6.6)
-    grid = figure.subplot_mosaic([["stress", "state"], ["branch", "branch"]], height_ratios=(1.2, 1.0))
+    figure = canvas(WIDTH, 8.4)
+    grid = figure.subplot_mosaic([["rate", "rate"], ["stress", "state"], ["branch", "branch"]], height_ratios=(0.8, 1.2, 1.0))
     single = line("kelvin-voigt", linestyle=_THIN, linewidth=1.2, label="T = 79.09, unstable")
     double = line("kelvin-voigt", color=_DOUBLE, linestyle="-", linewidth=0.9, label="doubled orbit, stable")
     for orbit, look in ((found.double, double), (found.single, single)):
-        rate, stress, state = _curves(orbit)
+        time, rate, stress, state = _curves(orbit)
+        grid["rate"].plot(time / time[-1], rate, **look)
         grid["stress"].plot(rate, stress, **look)
         grid["state"].plot(rate, state, **look)
+    grid["rate"].set(xlabel="time over the period of each orbit", ylabel=r"$\log_{10} v$")
     grid["stress"].set(xlabel=r"$\log_{10} v$", ylabel=r"$\mu$")
     grid["state"].set(xlabel=r"$\log_{10} v$", ylabel=r"$\log_{10}\phi$")
     axes = grid["branch"]
@@ -141,6 +144,8 @@ def _periods(points: list[OrbitPoint], share: float) -> tuple[Array, Array]:
 
 
 def _curves(orbit: PeriodicOrbit) -> list[Array]:
-    """log10 v, mu and log10 phi at some nodes of an orbit's steps."""
-    pieces = orbit.closed.cycle.pieces
-    return [values[:, _EVERY - 1 :: _EVERY].ravel() for values in (pieces.z / _TEN, pieces.mu, pieces.psi / _TEN)]
+    """Time from the event's fastest moment on, log10 v, mu and log10 phi at some nodes of an orbit's steps, over one period."""
+    pieces, nodes = orbit.closed.cycle.pieces, orbit.closed.flow.nodes
+    time = pieces.time[:, None] + pieces.length[:, None] * nodes
+    columns = [values[:, _EVERY - 1 :: _EVERY].ravel() for values in (time, pieces.z / _TEN, pieces.mu, pieces.psi / _TEN)]
+    return [columns[0] - columns[0][0], *columns[1:]]

@@ -14,6 +14,7 @@ from reduced.continuation.start import difference_of_halves, from_orbit, metric_
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.closing import close
 from reduced.orbit.multipliers import floquet
+from slipwave.observe.pieces import interpolation_matrix, lagrange_basis
 from validation.branches.branch import FollowedBranch
 from validation.branches.followed import StopAt, ends_of
 from validation.branches.parameter import over_range
@@ -41,6 +42,8 @@ _ROUGH = 1e-5  # of the other bubbles
 _PERIOD = 3e-5  # transits; the digits of r in the reference
 _RUN = 1e-10
 _PASSES = 0.03
+_CLOSE = 0.1  # of v_max
+_DENSE = 65  # points of a piece
 _ENDS = 3e-7  # of log10 r: the straight line's
 
 
@@ -142,12 +145,38 @@ def all_verdicts(found: Doubled) -> Iterator[Verdict]:
             f"multiplier {lead:.5f} of the primary orbit; the doubled one has T = {double:.6f}, half of it is {0.5 * double:.6f}"
         ),
     )
+    yield twice_but_not_the_same(found)
     doublings, ways = sorted(one.point.parameter for one in found.special if one.kind == "PD"), found.bubble
     ends = (end(ways[1], ways[0]), end(ways[-2], ways[-1]))
     off = max(abs(one - other) for one, other in zip(ends, doublings, strict=True)) if len(doublings) == 2 else float("nan")
     title = "P9 The doubled orbits connect the two period doublings of the pair: their branch is a closed bubble"
     remark = "log_{10} r; where the doubled orbits’ multiplier reaches 1, against where the single orbit’s passes −1"
     yield claim(title, EXACT, off, _ENDS, remark)
+
+
+def twice_but_not_the_same(found: Doubled) -> Verdict:
+    """The peaks of the slip rate on both orbits."""
+    single, (high, low) = float(found.single.orbit.v_max.value), peaks(found.double)
+    periods = found.double.orbit.period.value / found.single.orbit.period.value
+    off = max(abs(high / single - 1.0), abs(low / single - 1.0), abs(0.5 * periods - 1.0))
+    return of_paper(
+        "P10 The doubled orbit is close but not identical to two traces of the unstable one: two slightly different peaks of v",
+        f"two different peaks within {100 * _CLOSE:.0f} % of {single:.2f} V*, in 2 T",
+        f"{high:.2f} and {low:.2f} V*, in {periods:.6f} T",
+        low < high and off < _CLOSE,
+        f"v_{{max}} of both events; the unstable orbit’s is {'above both' if single > high else 'between them or below'}",
+    )
+
+
+def peaks(double: PeriodicOrbit) -> tuple[float, float]:
+    """The fastest rates of both events of a doubled orbit, the larger one first, from the dense polynomials."""
+    pieces, period = double.closed.cycle.pieces, double.closed.cycle.period
+    points = np.linspace(0.0, 1.0, _DENSE)
+    rate = np.exp(pieces.z @ interpolation_matrix(lagrange_basis(double.closed.flow.nodes), points).T).ravel()
+    time = (pieces.time[:, None] + pieces.length[:, None] * points).ravel()
+    first = int(np.argmax(rate))
+    apart = np.abs(np.mod(time - time[first] + 0.5 * period, period) - 0.5 * period)
+    return float(rate[first]), float(rate[apart > 0.25 * period].max())
 
 
 def ends_simple(bubble: Bubble) -> Verdict:

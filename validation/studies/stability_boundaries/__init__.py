@@ -50,8 +50,14 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answer=_answer(curves, onsets),
         figures=(
-            Figure("critical-r", _FIG_2, lambda: critical_curves(curves.velocity, curves.delay, curves.kelvin_voigt)),
-            Figure("planes", _FIG_3, lambda: planes(traced, slopes, paper)),
+            Figure(
+                "critical-r",
+                _FIG_2,
+                lambda: critical_curves(curves.velocity, curves.delay, curves.kelvin_voigt),
+                paper="Fig 2",
+                carries=("P1", "P2", "Fig 2"),
+            ),
+            Figure("planes", _FIG_3, lambda: planes(traced, slopes, paper), paper="Fig 3", carries=("Fig 3",)),
             Figure("impedance", _FIG_Z, lambda: impedances(paper)),
             Figure("spectrum", _FIG_S, lambda: spectra(spectrum, paper.transit)),
         ),
@@ -60,6 +66,7 @@ def run(budget: Budget) -> StudyResult:
             *measured.closed_form_verdicts(paper, curves),
             *measured.fig_2(curves),
             *measured.fig_3(traced, slopes, paper),
+            measured.thin_slabs(slopes),
             measured.crossed(paper, onsets, found),
             measured.taylor(paper),
         ),

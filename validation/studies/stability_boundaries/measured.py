@@ -26,7 +26,7 @@ from reduced.stability import (
 )
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.study import EXACT, WITNESS, Verdict, claim, holding, of_paper
+from validation.study import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, holding, of_paper
 from validation.study.known import error_of_27
 from validation.study.text import plain
 
@@ -63,6 +63,7 @@ def critical_over_velocity(paper: Scene, velocities: Array) -> Curves:
 
 _ROUNDING = 2e-14  # relative
 _STEP = 1e-6  # log10 r
+_THIN, _ON_LINE = 1e-5, 1e-6
 _TRACED = 4e-10  # Newton's method ends at steps of about this size squared
 _FIRST_TRACED = 2e-3  # at eps = 1e-6 the branch (28) lies 9e-4 beyond its asymptote, relative
 
@@ -126,6 +127,16 @@ def fig_3(traced: dict[str, list[Boundary]], slopes: FrictionSlopes, paper: Scen
         0.0 <= second / asymptote - 1.0 < _FIRST_TRACED and parted,
         "traced down to ε = 10^{-6}; the certified number of growing roots changes by 2 across every branch: "
         f"{'yes' if parted else 'no'}",
+    )
+
+
+def thin_slabs(slopes: FrictionSlopes) -> Verdict:
+    """The asymptote that the paper names below (28)."""
+    line = -slopes.healing * slopes.steady * _THIN
+    off = [abs(closed(slopes, _THIN) / line - 1.0) for closed in TRACED.values()]
+    title = "Fig 3: as r → 0 both boundaries approach the quasi-static line ε = −G_{φ} F_{ss}′ r"
+    return claim(
+        title, ASYMPTOTIC, max(off), _ON_LINE, f"relative distance of (28) and (40) from it at r = {plain(_THIN, '.0e')}"
     )
 
 
