@@ -13,9 +13,9 @@ from validation.study import Column, Evidence, Figure, Number, Omission, Outcome
 from validation.study.drawing import canvas
 
 
-def draw():
+def draw(height=1):
     figure = canvas(height=2.0)
-    figure.add_subplot().plot([0, 1], [0, 1])
+    figure.add_subplot().plot([0, 1], [0, height])
     return figure
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from xml.etree import ElementTree as xml
 
 import pytest
-from fake_studies import result
+from fake_studies import draw, result
 
 from validation.cli import main
 from validation.report import baseline
@@ -17,7 +17,9 @@ from validation.report.build import make_report
 from validation.report.files import csv_of
 from validation.report.record import ColumnRecord, report_schema
 from validation.report.recorded import read_report, text_of
-from validation.study import EXACT, Number, Outcome, StudyResult, Verdict, claim
+from validation.report.without_times import lasting_digest
+from validation.study import EXACT, Figure, Number, Outcome, StudyResult, Verdict, claim, holding, table
+from validation.study.text import run_time
 
 ROOT = Path(__file__).parents[2]
 
@@ -69,6 +71,7 @@ def test_report_json_says_all_and_comes_back(changing, capsys):
         "value": "NaN",
         "tolerance": 1e-6,
         "known": None,
+        "known_within": 0.0,
     }
     assert math.isnan(changing.record().numbers[1].value)
     assert [file for one in told["figures"] for file in one["files"] if not (changing.out / file).exists()] == []
@@ -208,3 +211,23 @@ def test_what_is_no_report_is_refused_before_anything_runs(fake, tmp_path, capsy
     assert said.count("\n") == 1
     assert fake.runs == []
     assert not (tmp_path / "out").exists()
+
+
+def test_two_reports_are_the_same_but_for_run_times(changing, tmp_path):
+    """Times in a column, in words and in a figure change; a value and a figure without times change too."""
+
+    def told(seconds, value):
+        columns, rows = "model | run [ms] .0f | T .9g", [("delay", seconds, value)]
+        verdicts = (holding("It is fast", EXACT, "1 s", run_time(f"{seconds} s"), seconds < 9.0),)
+        figures = (Figure("cost", "Costs.", lambda: draw(seconds), timed=True), Figure("cycle", "A cycle.", lambda: draw(value)))
+        answer = f"It takes {run_time(f'{seconds} s')}."
+        return StudyResult(answer, (table("costs", "Costs.", columns, rows),), figures, verdicts, numbers={"T": Number(value)})
+
+    digests = []
+    for seconds, value in ((1.0, 73.0), (2.0, 73.0), (3.0, 73.0), (2.0, 74.0)):
+        changing.report(now=told(seconds, value))
+        assert "time" in (changing.out / "index.html").read_text()
+        digests.append(lasting_digest(changing.out))
+        changing.out.rename(tmp_path / str(len(digests)))
+    assert len(set(digests[:3])) == 1
+    assert digests[3] != digests[0]

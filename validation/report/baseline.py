@@ -6,6 +6,7 @@ python -m validation.report.baseline reports        # take the numbers of report
 import difflib
 import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -31,16 +32,14 @@ class RedReport(NumericsError):
 
 
 def as_report(now: Record) -> Record:
-    """The baseline as a report to compare `now` with: numbers alone, at the tolerances that they have now."""
-    tolerances = {number.id: number.tolerance for number in now.numbers}
+    """The baseline as a report to compare `now` with: numbers alone."""
     numbers = [
-        NumberRecord(id=f"{study.name}.{name}", study=study.name, name=name, value=one.value, tolerance=one.tolerance, known=None)
+        NumberRecord(id=f"{study.name}.{name}", study=study.name, name=name, **asdict(one))
         for study in now.studies
         if (path := FOLDER / f"{study.name}.json").exists()
         for name, one in numbers_of(json.loads(path.read_text(encoding="utf-8"))).items()
     ]
-    kept = tuple(one.model_copy(update={"tolerance": tolerances.get(one.id, one.tolerance)}) for one in numbers)
-    return now.model_copy(update={"numbers": kept, "verdicts": ()})
+    return now.model_copy(update={"numbers": tuple(numbers), "verdicts": ()})
 
 
 def red_lines(report: Record, red: tuple[Word, ...]) -> list[str]:

@@ -62,11 +62,13 @@ def _paired(before: Sequence[One], now: Sequence[One], whole: set[str]) -> Itera
 
 
 def _number(before: NumberRecord, now: NumberRecord) -> Change:
-    tolerance = max(before.tolerance, now.tolerance)
+    tolerance = 0.5 * (before.tolerance + now.tolerance)  # of numbers that state their errors: the sum of both errors
     bar = tolerance * max(abs(before.value), abs(now.value))
     word = Word.MOVED if Number(now.value, tolerance).differs(before.value) else Word.SAME
     if word is Word.MOVED and now.known is not None:
-        word = Word.BETTER if abs(now.value - now.known) < abs(before.value - now.known) else Word.WORSE
+        nearer = abs(before.value - now.known) - abs(now.value - now.known)
+        if not abs(nearer) <= 2.0 * now.known_within:
+            word = Word.BETTER if nearer > 0.0 else Word.WORSE
     return _change(now, "number", now.name, (before.value, now.value), bar, word)
 
 

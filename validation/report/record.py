@@ -78,7 +78,9 @@ class NumberRecord(Part):
     tolerance: Real
     """Largest relative difference that is no change."""
     known: Real | None
-    """The true value, where one is known to more digits than `tolerance` asks for."""
+    """The true value, where one is known."""
+    known_within: Real
+    """Its error."""
 
 
 class ColumnRecord(Part):

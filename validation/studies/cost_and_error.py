@@ -14,7 +14,7 @@ from validation.registry.build import build
 from validation.study import WITNESS, Budget, Figure, Omission, StudyResult, Table, Verdict, claim, table
 from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
 from validation.study.known import as_known
-from validation.study.text import places, plain, power
+from validation.study.text import places, plain, power, run_time
 from validation.timing import Setting, TimedRun, cheapest, time_final, time_run
 
 NAME = "cost-and-error"
@@ -56,7 +56,7 @@ def run(budget: Budget) -> StudyResult:
     finest = {model: Estimate(_finest(points, model).period, 0.0) for model in ("delay", *_ODES)}
     return StudyResult(
         answer=_answer(points),
-        figures=(Figure("cost", _CAPTION, lambda: work_precision(points), lead=True),),
+        figures=(Figure("cost", _CAPTION, lambda: work_precision(points), lead=True, timed=True),),
         tables=(_table(points), _final_states(), _race_table(ours, rivals)),
         verdicts=(
             _right(ours),
@@ -91,7 +91,7 @@ def _settings(quick: bool) -> list[Setting]:
 def _answer(points: list[TimedRun]) -> str:
     def words(point: TimedRun) -> str:
         """Run time and error of one point in words."""
-        return f"{1e3 * point.seconds:.0f} ms ({plain(abs(point.period_error), '.0e')})"
+        return run_time(f"{1e3 * point.seconds:.0f} ms ({plain(abs(point.period_error), '.0e')})")
 
     of = {name: [p for p in points if p.setting.model == name] for name in ("delay", "fd", "kelvin-voigt", "block8")}
     of["dg"] = [p for p in points if p.setting.time == "exact"]
@@ -170,7 +170,7 @@ def _race_factor(ours: list[TimedRun], rivals: list[PlainRun]) -> str:
     best = cheapest(ours, _RACE_ERROR)
     if not able or not best:
         return "not reached by both"
-    return f"this package is {min(rival.seconds for rival in able) / best.seconds:.0f} times faster"
+    return f"this package is {run_time(f'{min(rival.seconds for rival in able) / best.seconds:.0f} times')} faster"
 
 
 def _agreement(rivals: list[PlainRun]) -> Verdict:

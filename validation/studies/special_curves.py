@@ -14,7 +14,7 @@ from validation.branches.parameter import over_range
 from validation.branches.points import CurvePoint
 from validation.references.onset import onset_of
 from validation.references.published import reference
-from validation.study import EXACT, WITNESS, Budget, Figure, Number, StudyResult, Table, Verdict, claim, of_paper, table
+from validation.study import EXACT, WITNESS, Budget, Figure, StudyResult, Table, Verdict, claim, of_paper, stated, table
 from validation.study.drawing import WIDTH, Drawing, canvas, pen
 from validation.study.over_r import scene_at
 
@@ -57,7 +57,11 @@ def run(budget: Budget) -> StudyResult:
         tables=(_table(found),),
         verdicts=tuple(verdicts(found, _fold_at(end))),
         notes=() if budget.quick else (_TURNS,),
-        numbers={f"{model} {kind} at V = 100": Number(_start(points).first, 3e-9) for (model, kind), points in found.items()},
+        numbers={
+            f"{model} {kind} at V = 100": stated(start.first, start.bracket)
+            for (model, kind), points in found.items()
+            for start in [_start(points)]
+        },
     )
 
 

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
 
 Item = TypeVar("Item")
 
+_ROUNDING = 1e-11
+"""Least tolerance of a number that states its error, relative: the rounding errors of an orbit, which another processor makes
+anew; 2e-12 occurs (`reduced.orbit.periodic`)."""
+
 
 class Outcome(StrEnum):
     """How a claim fared. A claim of the paper's that fails is a finding, and so is a promised speed that was not reached;
@@ -160,17 +164,25 @@ class Verdict:
 @dataclass(frozen=True)
 class Number:
     """A value that the committed baseline remembers; it has changed when it moves by more than `tolerance`, relative. `known` is
-    the true value, if it is known: a change is then for the better or for the worse (0 for an error of a computation)."""
+    the true value, if it is known, within `known_within`: a change is then for the better or for the worse (0 for an error of a
+    computation). Where the value states its own error, `stated` makes the tolerance of it."""
 
     value: float
     tolerance: float = 1e-6
     known: float | None = None
+    known_within: float = 0.0
 
     def differs(self, other: float) -> bool:
         """True if `other` is further away than the tolerance; two NaN are equal, and so are two equal infinities."""
         if math.isfinite(self.value) and math.isfinite(other):
             return abs(self.value - other) > self.tolerance * max(abs(self.value), abs(other))
         return self.value != other and not (math.isnan(self.value) and math.isnan(other))
+
+
+def stated(value: float, error: float, known: float | None = None, known_within: float = 0.0) -> Number:
+    """A number that states its own `error`: two results, each within its error of the truth, are at most two errors apart."""
+    own = 2.0 * error / abs(value) if value else math.inf
+    return Number(value, max(_ROUNDING, own), known, known_within)
 
 
 @dataclass(frozen=True)

@@ -66,6 +66,11 @@ def first_sentence(words: str) -> tuple[str, str]:
     return first, " ".join(rest)
 
 
+def run_time(words: str) -> str:
+    """Words that tell a run time, marked as such: no two reports have the same."""
+    return f"~{{{words}}}"
+
+
 def places(values: Iterable[float], spec: str = "g") -> str:
     """Several numbers in a sentence: −2.69, −2.68."""
     return ", ".join(format(value, spec).replace("-", "−") for value in values)

@@ -7,7 +7,7 @@ from reduced.continuation.special import Special
 from reduced.orbit.figures import figures_of
 from validation.studies.bifurcation import measured
 from validation.studies.bifurcation.measured import WAVE, WaveOrbit
-from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, Verdict, table
+from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, Verdict, stated, table
 from validation.study.branch_drawing import NAMES, color_of, draw_branch, draw_special, special_keys
 from validation.study.drawing import WIDTH, Drawing, canvas, line, ruled
 from validation.study.over_r import COMPARED, FAR, Branch, branch_of
@@ -99,7 +99,7 @@ def _numbers(branches: dict[str, Branch]) -> dict[str, Number]:
         numbers[f"{model} HB"] = Number(branch.onset.parameter, 1e-11)
         for kind in ("LP", "PD", "NS"):
             for count, one in enumerate(branch.of_kind(kind), 1):
-                numbers[f"{model} {kind} {count}"] = Number(one.point.parameter, 3e-9)
+                numbers[f"{model} {kind} {count}"] = stated(one.point.parameter, one.bracket)
                 numbers[f"{model} {kind} {count} T"] = Number(one.point.closed.cycle.period, 3e-6)
     return numbers
 

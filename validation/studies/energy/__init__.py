@@ -18,7 +18,7 @@ from validation.studies.energy.ledgers import (
     ledger_order,
     residual_of,
 )
-from validation.study import EXACT, Budget, Cell, Figure, Number, StudyResult, Table, Verdict, claim, holding, table
+from validation.study import EXACT, Budget, Cell, Figure, StudyResult, Table, Verdict, claim, holding, stated, table
 from validation.study.drawing import WIDTH, Drawing, canvas, grid_pens
 from validation.study.text import plain
 
@@ -51,7 +51,7 @@ def run(budget: Budget) -> StudyResult:
         figures=(Figure("entries", _ENTRIES, lambda: histories(shown)), Figure("closure", _CLOSURE, lambda: closure(residuals))),
         tables=(_shares_table(shown), _residual_table(residuals, orders), _high_table(high)),
         verdicts=(*ladder_verdicts(residuals["fd"], orders), _balances(shown), *high_verdicts(high)),
-        numbers={f"order of {model}": Number(found.order, 2e-2) for model, found in orders.items()},
+        numbers={f"order of {model}": stated(found.order, found.half_width) for model, found in orders.items()},
     )
 
 

@@ -46,9 +46,9 @@ from validation.studies.grid_convergence.orbits import (
     growth_verdicts,
     orbit_verdicts,
 )
-from validation.study import WITNESS, Budget, Cell, Figure, Number, StudyResult, Table, Verdict, holding, table
+from validation.study import WITNESS, Budget, Cell, Figure, StudyResult, Table, Verdict, holding, stated, table
 from validation.study.drawing import WIDTH, Drawing, canvas, grid_pens, ruled
-from validation.study.text import places, plain
+from validation.study.text import places, plain, run_time
 
 NAME = "grid-convergence"
 QUESTION = "Do four discretisations of the wave agree with the delay system, and at what cost?"
@@ -81,7 +81,7 @@ def run(budget: Budget) -> StudyResult:
     orbits, beside, marches = grid_orbits(families), as_r_grows(ORBITS_AT[quick], MEANS_AT[quick]), both_marches()
     return StudyResult(
         answer=_answer(climbs, orbits, curves),
-        figures=(Figure("families", _CAPTION, lambda: convergence_and_cost(curves)),),
+        figures=(Figure("families", _CAPTION, lambda: convergence_and_cost(curves), timed=True),),
         tables=(
             orders_table(climbs, [family for family in GRIDS if not family.ladder]),
             finest_table(climbs),
@@ -98,7 +98,10 @@ def run(budget: Budget) -> StudyResult:
         ),
         notes=(code_note(), TIME_NOTE, *_NOTES),
         numbers={
-            f"{climbed.ladder.model} order": Number(climbed.fit_together().order, 5e-2) for climbed in climbs if not climbed.lost
+            f"{climbed.ladder.model} order": stated(together.order, together.half_width)
+            for climbed in climbs
+            if not climbed.lost
+            for together in [climbed.fit_together()]
         },
     )
 
@@ -143,7 +146,7 @@ def _cost(curves: Curves) -> str:
     listed = ", ".join(
         f"{1e3 * times[model]:.0f} ms with `{model}`" for model in ("fd", *_NAMED) if np.isfinite(times.get(model, np.inf))
     )
-    return f"An error of the state below {plain(_ENOUGH, '.0e')} costs {listed}."
+    return f"An error of the state below {plain(_ENOUGH, '.0e')} costs {run_time(listed)}."
 
 
 _NAMED = {"sbp:6": "summation by parts", "fem:4": "finite elements", "dg:7": "discontinuous Galerkin"}

@@ -7,12 +7,13 @@ from itertools import chain
 import numpy as np
 
 from reduced.orbit.periodic import relative_error
+from slipwave.observe.statistics import Estimate
 from validation.measure.cycle import Cycle
 from validation.measure.settle import SYMBOLS, WINDOW
-from validation.references.published import reference, reference_orbit
+from validation.references.published import half_digit, reference, reference_orbit
 from validation.studies.one_cycle import measured
 from validation.studies.one_cycle.measured import COMPARED, IN_TURN, LOG10_R, AtR, CycleRun, error, verdicts
-from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, table
+from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, stated, table
 from validation.study.drawing import WIDTH, Drawing, canvas, line, pen
 from validation.study.text import minus, places, plain
 
@@ -74,10 +75,17 @@ def _answer(runs: dict[str, CycleRun]) -> str:
 
 def _numbers(runs: dict[str, CycleRun]) -> dict[str, Number]:
     return {
-        f"{model} {name}": Number(value, 1e-8 if model != "fd" else 1e-7)
+        f"{model} {name}": _number(model, name, getattr(own.orbit, name))
         for model, own in runs.items()
-        for name, value in own.orbit.values().items()
+        for name in own.orbit.values()
     }
+
+
+def _number(model: str, name: str, found: Estimate) -> Number:
+    """With what other programs know; the leapfrog's run states how far its cycles repeat, not its error."""
+    known = reference_orbit(model, LOG10_R).get(name)
+    digit = half_digit(known) if known else 0.0
+    return Number(found.value, 1e-7) if model == "fd" else stated(found.value, found.error, known, digit)
 
 
 _OVERLAY = (

@@ -19,7 +19,7 @@ from validation.studies.period_doubling.measured import (
     doubled,
     ends_simple,
 )
-from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, table
+from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, stated, table
 from validation.study.branch_drawing import MARKS
 from validation.study.drawing import WIDTH, Drawing, canvas, line, ruled
 from validation.study.text import places, plain, power
@@ -45,8 +45,8 @@ def run(budget: Budget) -> StudyResult:
         verdicts=(*all_verdicts(found), *map(ends_simple, others)),
         notes=(_HOW,),
         numbers={
-            "T": Number(found.single.orbit.period.value, 1e-9),
-            "doubled T": Number(found.double.orbit.period.value, 1e-9),
+            "T": stated(found.single.orbit.period.value, found.single.orbit.period.error),
+            "doubled T": stated(found.double.orbit.period.value, found.double.orbit.period.error),
             "multiplier": Number(float(found.single.multipliers.values[0].real), 1e-7),
             "doubled multiplier": Number(float(found.double.multipliers.values[0].real), 1e-6),
         },

@@ -26,7 +26,7 @@ from validation.study import (
     table,
 )
 from validation.study.drawing import WIDTH, Drawing, canvas
-from validation.study.text import plain, power
+from validation.study.text import plain, power, run_time
 from validation.timing import UNLIKE_R
 
 NAME = "unlike-slabs"
@@ -94,9 +94,13 @@ def _answer(runs: dict[str, list[PairRun]], timed: Costs) -> str:
         f"{'They do' if worst < _PROMISED else 'No'}: after {UNTIL:.0f} transits ψ of the delay network and of discontinuous "
         "Galerkin differ by "
         f"{plain(worst, '.0e')} at most. A transit of unlike slabs takes the delay system "
-        f"{delay['commensurate'] / delay['alike']:.1f} times "
-        f"as long as one of alike slabs, {delay['irrational'] / delay['alike']:.1f} times where echoes never coincide."
+        f"{_times(delay['commensurate'] / delay['alike'])} "
+        f"as long as one of alike slabs, {_times(delay['irrational'] / delay['alike'])} where echoes never coincide."
     )
+
+
+def _times(ratio: float) -> str:
+    return run_time(f"{ratio:.1f} times")
 
 
 def _table(runs: dict[str, list[PairRun]]) -> Table:
@@ -153,7 +157,7 @@ def cost_table(found: Costs) -> Table:
         alike = each["alike"]
         others = [cell for name in ("commensurate", "irrational") for cell in (each[name], each[name] / alike)]
         rows.append((model.partition(",")[0], _words(model), alike, *others))
-    heading = "model | setting | alike [μs] .1f | 2 : 1 [μs] .1f | ratio .2f | √2 : 1 [μs] .1f | ratio .2f"
+    heading = "model | setting | alike [μs] .1f | 2 : 1 [μs] .1f | ratio [of times] .2f | √2 : 1 [μs] .1f | ratio [of times] .2f"
     caption = (
         "Processor time of one transit of the upper slab, march and event detection, fastest of several alternating runs. r is "
         f"10^{{−2.68}} for the alike pair, {UNLIKE_R[0]:g} and {UNLIKE_R[1]:g} for the unlike ones, so that the slip events of "
@@ -179,7 +183,7 @@ def cost_verdicts(found: Costs) -> Iterator[Verdict]:
             why = "; two slabs are marched instead of one, and the longer one has twice the cells"
         title, ratio = f"Cost of unlike slabs over alike ones: {name}", found[model][pair] / found[model]["alike"]
         remark = f"`{model.partition(',')[0]}`, {_words(model)}, {pair} round trips{why}"
-        yield holding(title, SELF, expected, f"{ratio:.1f} times", ratio <= limit, remark, Outcome.FINDING)
+        yield holding(title, SELF, expected, _times(ratio), ratio <= limit, remark, Outcome.FINDING)
 
 
 _CAPTION = (

@@ -1,0 +1,51 @@
+"""What is left of a report when everything that depends on run times is taken out: two reports of one commit agree in it.
+
+python -m validation.report.without_times reports        # the digest of what is left of report.json, the page and the tables
+"""
+
+import hashlib
+import json
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+from validation.report.recorded import NAME
+
+_WORDS = re.compile(r"~\{(?:[^{}]|\{[^{}]*\})*\}")
+_MARKED = re.compile(r'<(\w+)[^>]*\bclass="(?:[^"]* )?time(?: [^"]*)?"[^>]*>.*?</\1>', re.DOTALL)
+
+
+def lasting_record(report: dict[str, Any]) -> dict[str, Any]:
+    """report.json without run times: `times`, cells of timed columns, timed figures, and words between ~{ and }."""
+    report = {name: value for name, value in report.items() if name != "times"}
+    report["figures"] = [figure for figure in report["figures"] if not figure["timed"]]
+    for table in report["tables"]:
+        kept = [not column["timed"] for column in table["columns"]]
+        table["rows"] = [[cell for cell, keep in zip(row, kept, strict=True) if keep] for row in table["rows"]]
+    lasting: dict[str, Any] = json.loads(_WORDS.sub("~{}", json.dumps(report, ensure_ascii=False)))
+    return lasting
+
+
+def lasting_page(html: str) -> str:
+    """The page without the elements of the class `time`."""
+    return _MARKED.sub(r"<\1 time>", html)
+
+
+def lasting_digest(out: Path) -> str:
+    """Digest of what is left of the report in the folder `out`."""
+    record = lasting_record(json.loads((out / NAME).read_text(encoding="utf-8")))
+    timed = {table["csv"] for table in record["tables"] if any(column["timed"] for column in table["columns"])}
+    digest = hashlib.sha256(json.dumps(record, sort_keys=True).encode())
+    digest.update(lasting_page((out / "index.html").read_text(encoding="utf-8")).encode())
+    for path in sorted(out.glob("data/*/*.csv")):
+        if path.relative_to(out).as_posix() not in timed:
+            digest.update(path.read_bytes())
+    for figure in record["figures"]:
+        for file in figure["files"]:
+            digest.update((out / file).read_bytes())
+    return digest.hexdigest()
+
+
+if __name__ == "__main__":
+    print(lasting_digest(Path(sys.argv[1])))
