@@ -19,6 +19,7 @@ from validation.report.record import ColumnRecord, report_schema
 from validation.report.recorded import read_report, text_of
 from validation.report.without_times import lasting_digest
 from validation.study import EXACT, Figure, Number, Outcome, StudyResult, Verdict, claim, holding, table
+from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.study.text import run_time
 
 ROOT = Path(__file__).parents[2]
@@ -211,6 +212,25 @@ def test_what_is_no_report_is_refused_before_anything_runs(fake, tmp_path, capsy
     assert said.count("\n") == 1
     assert fake.runs == []
     assert not (tmp_path / "out").exists()
+
+
+def test_a_table_of_models_is_a_line_for_each_number(changing):
+    cells = (ModelCell("periodic", True, 0, {"T": Compared(73.4721449, None, 1e-12)}), ModelCell("runs away", False))
+    columns = tuple(ModelColumn(f"−{x}", -x, 1.0, "periodic") for x in (2.69, 2.68))
+    row = ModelRow("delay", cells, None, (1.0,), "use", "exact")
+    models = ModelTable("paper", "Told.", "r", (ModelQuantity("T", "period", "transits"),), columns, ("−2.68",), "delay", (row,))
+    changing.report(now=StudyResult("", model_tables=(models,)))
+    (record,) = changing.record().model_tables
+    assert record.table == models
+    first, second = csv.DictReader(io.StringIO((changing.out / record.csv).read_text()))
+    assert (first["model"], first["log10_r"], first["value"], first["error"], first["cost"]) == (
+        "delay",
+        "-2.69",
+        "73.4721449",
+        "",
+        "",
+    )
+    assert (second["regime"], second["value"], second["cost"], second["advice"]) == ("runs away", "", "1.0", "use")
 
 
 def test_two_reports_are_the_same_but_for_run_times(changing, tmp_path):

@@ -14,6 +14,7 @@ from validation.report.baseline import line_of, reason
 from validation.report.record import Change, ColumnRecord, Record, Word
 from validation.report.recorded import NAME, text_of
 from validation.study import Cell, Outcome
+from validation.study.model_table import cell_records
 from validation.study.text import bare
 
 _CONTROL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -26,6 +27,7 @@ def write_files(out: Path, report: Record, red: tuple[Word, ...], patch: str) ->
     """Write every file beside out/index.html, each whole or not at all. `red` are the words of a change that makes a report red;
     without a `patch` for the baseline none is left."""
     texts = {table.csv: csv_of(table.columns, table.rows) for table in report.tables}
+    texts |= {one.csv: _text_of_rows(_lines(cell_records(one.table))) for one in report.model_tables}
     texts |= {"junit.xml": junit_of(report, red), "badge.svg": badge_of(report, red), NAME: text_of(report)}
     if patch:
         texts["baseline.patch"] = patch
@@ -41,10 +43,19 @@ def write_files(out: Path, report: Record, red: tuple[Word, ...], patch: str) ->
 def csv_of(columns: Iterable[ColumnRecord], rows: Iterable[Iterable[Cell]]) -> str:
     """A table as CSV: numbers with all their digits, words without markup, an empty cell where nothing is; no two columns have
     the same heading."""
+    return _text_of_rows([_headings(columns), *([bare(cell) if isinstance(cell, str) else cell for cell in row] for row in rows)])
+
+
+def _lines(records: Iterable[dict[str, Cell]]) -> Iterator[Iterable[Cell]]:
+    for number, record in enumerate(records):
+        if not number:
+            yield record
+        yield record.values()
+
+
+def _text_of_rows(rows: Iterable[Iterable[Cell]]) -> str:
     stream = io.StringIO()
-    table = csv.writer(stream, lineterminator="\n")
-    table.writerow(_headings(columns))
-    table.writerows([bare(cell) if isinstance(cell, str) else cell for cell in row] for row in rows)
+    csv.writer(stream, lineterminator="\n").writerows(rows)
     return stream.getvalue()
 
 

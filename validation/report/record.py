@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, WithJsonSchema
 from pydantic.json_schema import GenerateJsonSchema
 
 from validation.study import Evidence, Omission, Outcome
+from validation.study.model_table import ModelTable
 
 FORMAT: Literal[1] = 1
 
@@ -102,6 +103,16 @@ class TableRecord(Part):
     rows: tuple[tuple[Real | int | str | None, ...], ...]
     csv: str
     """Where the table is as CSV, from the folder of this file."""
+
+
+class ModelTableRecord(Part):
+    """A table of all models at several places; `costs` are run times."""
+
+    id: str
+    study: str
+    table: ModelTable
+    csv: str
+    """Where it is as CSV, one line for each number, from the folder of this file; its column `cost` holds run times."""
 
 
 class FigureRecord(Part):
@@ -200,6 +211,7 @@ class Record(Part):
     verdicts: tuple[VerdictRecord, ...]
     numbers: tuple[NumberRecord, ...]
     tables: tuple[TableRecord, ...]
+    model_tables: tuple[ModelTableRecord, ...]
     figures: tuple[FigureRecord, ...]
     changes: Changes
     times: Times

@@ -12,6 +12,7 @@ from validation.report.record import (
     Changes,
     ColumnRecord,
     FigureRecord,
+    ModelTableRecord,
     NumberRecord,
     Record,
     StudyRecord,
@@ -22,6 +23,7 @@ from validation.report.record import (
 from validation.report.store import Picture, Stored
 from validation.studies import study_called
 from validation.study import Outcome, Table, Verdict
+from validation.study.model_table import ModelTable
 
 NAME = "report.json"
 _DIGESTS = ("commit", "solver sources", "scene paper")
@@ -49,6 +51,7 @@ def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, wri
             for name, number in result.numbers.items()
         ),
         tables=tuple(_table(name, table) for name, result in done for table in result.tables),
+        model_tables=tuple(_models(name, table) for name, result in done for table in result.model_tables),
         figures=tuple(_figure(study.name, picture) for study in studies for picture in study.pictures),
         changes=Changes(since="", counts={}, listed=()),
         times=Times(written=written, seconds={one.name: one.wall_seconds for one in studies}, before={}, machine=machine),
@@ -88,6 +91,11 @@ def _table(study: str, table: Table) -> TableRecord:
 def table_file(study: str, name: str) -> str:
     """Where a table is as CSV, from the report's folder. A figure of the same name has its data beside it."""
     return f"data/{study}/table-{name}.csv"
+
+
+def _models(study: str, table: ModelTable) -> ModelTableRecord:
+    csv = f"data/{study}/models-{table.name}.csv"
+    return ModelTableRecord(id=f"models.{table.name}", study=study, table=table, csv=csv)
 
 
 def _figure(study: str, picture: Picture) -> FigureRecord:

@@ -17,12 +17,15 @@ _MARKED = re.compile(r'<(\w+)[^>]*\bclass="(?:[^"]* )?time(?: [^"]*)?"[^>]*>.*?<
 
 
 def lasting_record(report: dict[str, Any]) -> dict[str, Any]:
-    """report.json without run times: `times`, cells of timed columns, timed figures, and words between ~{ and }."""
+    """report.json without run times: `times`, cells of timed columns, costs of models, timed figures, words in ~{}."""
     report = {name: value for name, value in report.items() if name != "times"}
     report["figures"] = [figure for figure in report["figures"] if not figure["timed"]]
     for table in report["tables"]:
         kept = [not column["timed"] for column in table["columns"]]
         table["rows"] = [[cell for cell, keep in zip(row, kept, strict=True) if keep] for row in table["rows"]]
+    for models in report["model_tables"]:
+        for row in models["table"]["rows"]:
+            del row["costs"]
     lasting: dict[str, Any] = json.loads(_WORDS.sub("~{}", json.dumps(report, ensure_ascii=False)))
     return lasting
 
@@ -36,6 +39,7 @@ def lasting_digest(out: Path) -> str:
     """Digest of what is left of the report in the folder `out`."""
     record = lasting_record(json.loads((out / NAME).read_text(encoding="utf-8")))
     timed = {table["csv"] for table in record["tables"] if any(column["timed"] for column in table["columns"])}
+    timed |= {models["csv"] for models in record["model_tables"]}
     digest = hashlib.sha256(json.dumps(record, sort_keys=True).encode())
     digest.update(lasting_page((out / "index.html").read_text(encoding="utf-8")).encode())
     for path in sorted(out.glob("data/*/*.csv")):
