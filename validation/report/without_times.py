@@ -38,16 +38,11 @@ def lasting_page(html: str) -> str:
 def lasting_digest(out: Path) -> str:
     """Digest of what is left of the report in the folder `out`."""
     record = lasting_record(json.loads((out / NAME).read_text(encoding="utf-8")))
-    timed = {table["csv"] for table in record["tables"] if any(column["timed"] for column in table["columns"])}
-    timed |= {models["csv"] for models in record["model_tables"]}
+    tables = [table["csv"] for table in record["tables"] if not any(column["timed"] for column in table["columns"])]
     digest = hashlib.sha256(json.dumps(record, sort_keys=True).encode())
     digest.update(lasting_page((out / "index.html").read_text(encoding="utf-8")).encode())
-    for path in sorted(out.glob("data/*/*.csv")):
-        if path.relative_to(out).as_posix() not in timed:
-            digest.update(path.read_bytes())
-    for figure in record["figures"]:
-        for file in figure["files"]:
-            digest.update((out / file).read_bytes())
+    for file in (*tables, *(file for figure in record["figures"] for file in figure["files"])):
+        digest.update((out / file).read_bytes())
     return digest.hexdigest()
 
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from slipwave.observe.statistics import Estimate
 from validation.studies.which_model import measured
 from validation.studies.which_model.measured import DAMPED, MODELS, SHOWN, WAVE, Runs, error, onset_of_exact
-from validation.study import Budget, Figure, Number, Omission, StudyResult
+from validation.study import Budget, Figure, Number, Omission, StudyResult, stated
 from validation.study.compared import Sight, compared_table, relative_costs
 from validation.study.drawing import WIDTH, Axes, Drawing, canvas, line, pen, ruled
 from validation.study.memo import cycle_of, own_orbit
@@ -27,7 +28,6 @@ _BEYOND = {True: (-2.65, -2.5), False: (-2.65, -2.6, -2.55, -2.5, -2.4, -2.3)}
 _UNTIL = {True: 6000.0, False: 10000.0}
 _SETTLED = 4000.0  # transits of a run to a stable orbit
 _COSTED, _ROUNDS = (-2.68, -2.5), {True: 3, False: 7}
-_OWN = 3e-9  # relative error of a figure, at most
 _DRAWN = ("delay", "modal:1", "kelvin-voigt", "block12")
 _AROUND = 4.0  # transits before and after the cycle that is drawn
 
@@ -79,7 +79,7 @@ def _numbers(orbits: Runs, means: Runs, table: ModelTable) -> dict[str, Number]:
     """Errors of orbits and onsets; figures of the quasi-dynamic orbits. Means of irregular motions differ from machine to
     machine."""
     found = {
-        f"{model} error of {symbol} at {log10_r}": _number(error(orbits, model, log10_r, name).value)
+        f"{model} error of {symbol} at {log10_r}": _number(error(orbits, model, log10_r, name))
         for model in MODELS
         for log10_r in SHOWN
         for symbol, name in (("T", "period"), ("drop", "drop"), ("v_max", "v_max"))
@@ -89,9 +89,9 @@ def _numbers(orbits: Runs, means: Runs, table: ModelTable) -> dict[str, Number]:
     return found | {f"{model} error of onset": Number(off, max(1e-6, 1e-13 / abs(off))) for model, off in known.items()}
 
 
-def _number(error: float) -> Number:
-    """A model's error for the baseline: the smaller it is, the more of it is the computation's own."""
-    return Number(error, max(1e-5, _OWN / abs(error)))
+def _number(found: Estimate) -> Number:
+    """A model's error for the baseline, with that of its computation."""
+    return stated(found.value, found.error)
 
 
 _TABLE = (
