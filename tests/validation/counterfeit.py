@@ -231,6 +231,11 @@ PLACES: dict[str, tuple[Place, ...]] = {
         Place("regime_map:critical_round_trips", (displaced(0.06), displaced(-0.06))),
         Place("regime_map:model_regimes", (lambda found: np.roll(found, 4, axis=0),)),
     ),
+    "asymmetry-map": (
+        Place("asymmetry_map:swept_ratios"),
+        Place("asymmetry_map:growing_roots", (lambda counts: counts[::-1],)),
+        Place("asymmetry_map:model_regimes", (lambda found: np.roll(found, 2, axis=0),)),
+    ),
     "error-laws": (
         Place("error_laws:critical_round_trip", S, 1),
         Place("error_laws:measure_cycle"),

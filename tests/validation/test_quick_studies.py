@@ -53,6 +53,7 @@ STUDIES = {
     "period-doubling": Expected(4, (), {"T": (79.09, 1e-4)}),
     "claims": Expected(19, ("P11", "P12", "P5", "P6")),
     "regime-map": Expected(1, (), {"quasidynamic other regime": (82.6, 0.02), "block12 other regime": (34.5, 0.05)}),
+    "asymmetry-map": Expected(1),
     "slip-event": Expected(3, (), {"largest slip rate": (4412.3, 1e-3)}),
     "stability-boundaries": Expected(
         10, (), {"log10 r_c, quasistatic": (-2.698970004336, 1e-11), "error of (27) at V = 1e4": (-0.07672436, 1e-6)}
@@ -60,7 +61,7 @@ STUDIES = {
 }
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "regime-map")) for name in STUDIES])
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * name.endswith("-map")) for name in STUDIES])
 def test_a_quick_run_holds_within_near_limits(name: str) -> None:
     result, expected = quick(name), STUDIES[name]
     told = [(verdict.claim, verdict.outcome) for verdict in result.verdicts]

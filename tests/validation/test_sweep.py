@@ -3,6 +3,7 @@
 import itertools
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -17,9 +18,12 @@ import pytest
 import xarray
 
 import slipwave as sw
+from slipwave.errors import SceneError
 from validation.cli import main
 from validation.sweep.axes import axis_of
 from validation.sweep.engine import Engine
+from validation.sweep.map_figures import figure_of
+from validation.sweep.other_side import other_side
 from validation.sweep.plan import Plan, morton, order_of
 from validation.sweep.refine import fill, refine
 from validation.sweep.store import Store
@@ -262,6 +266,61 @@ def test_a_sweep_killed_again_and_again_ends(tmp_path: Path, first: int) -> None
     assert killed == 10
     assert (data["status"].values == 0).all()
     assert np.array_equal(data["sum"].values, np.add.outer(x, y))
+
+
+def test_a_full_disk_costs_no_finished_part(tmp_path: Path) -> None:
+    """Files of more than 6 kB cannot be written: the large parts at the end."""
+    what = plan((60, 60))
+    copy = os.fork()
+    if copy == 0:
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (6000, 6000))
+        try:
+            computed(what, tmp_path)
+        except SceneError as error:
+            os._exit(2 if "cannot be written" in str(error) else 3)
+        os._exit(0)
+    assert os.waitstatus_to_exitcode(os.waitpid(copy, 0)[1]) == 2
+    there = sorted((tmp_path / "parts").iterdir())
+    assert there
+    assert all(path.suffix == ".npz" and not path.name.startswith(".") for path in there)
+    data = computed(what, tmp_path)
+    assert (data["status"].values == 0).all()
+    assert set(there) <= set((tmp_path / "parts").iterdir())
+    assert same(data, computed(what, tmp_path / "whole"))
+
+
+def test_every_late_cycle_of_a_run_is_in_its_brush(tmp_path: Path) -> None:
+    scene = sw.read("paper-si", {"run.until": 1500.0})
+    what = plan_of(scene, [axis_of("log10_r", [-2.75, -2.6])], ["kelvin-voigt"], "cycles", tol=1e-8)
+    data = computed(what, tmp_path / "brush")
+    steady, brush = (data.isel(log10_r=k) for k in (0, 1))
+    events = sw.run(scene, "kelvin-voigt", tol=1e-8, log10_r=-2.6).done.events
+    late = events.period[events.time >= 750.0]
+    assert data["cycle_period"].dims == ("log10_r", "cycle")
+    assert 5 < late.size < 64
+    assert np.array_equal(brush["cycle_period"].values[: late.size], late)
+    assert np.isnan(brush["cycle_period"].values[late.size :]).all()
+    assert brush["cycle_period_s"].values[0] / late[0] == pytest.approx(brush["period_s"].item() / brush["period"].item())
+    assert not (steady["cycle_stress_drop"].values > 0.2).any()
+    drawn = figure_of(data).axes[0].lines[0].get_xydata()
+    assert (drawn[:, 1] == late[0]).any()
+
+
+def test_the_other_side_of_an_axis_has_the_other_units() -> None:
+    rock = sw.read("rock")
+    data = xarray.Dataset(attrs={"scene_toml": sw.show("rock")})
+    axis = lambda key, first, unit="1": xarray.DataArray([first], attrs={"long_name": key, "units": unit}, name="axis")  # noqa: E731
+    thick, fast = other_side(data, axis("slab.thickness", 42.0, "cm")), other_side(data, axis("V", 1e4))
+    assert thick is not None
+    assert fast is not None
+    assert 21.0 * thick.factor == pytest.approx(rock.transit, rel=1e-12)
+    assert (fast.label, 1e4 * fast.factor) == ("V [m/s]", pytest.approx(0.01, rel=1e-12))
+    power = other_side(data, axis("log10_r", -2.0))
+    assert power is not None
+    assert power.is_power
+    assert power.factor == pytest.approx(rock.units.time if rock.units else 0.0, rel=1e-12)
+    assert other_side(data, axis("a", 0.01)) is None
 
 
 def test_two_sweeps_into_one_folder_are_one(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ class Question(NamedTuple):
 
 
 QUESTIONS = (
-    Question("which", "Which model may I use?", ("which-model", "one-cycle", "error-laws", "regime-map")),
+    Question("which", "Which model may I use?", ("which-model", "one-cycle", "error-laws", "regime-map", "asymmetry-map")),
     Question("cost", "What does an answer cost?", ("cost-and-error",)),
     Question(
         "exact",

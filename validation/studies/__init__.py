@@ -26,6 +26,7 @@ STUDIES = {
     "special-curves": "special_curves",
     "period-doubling": "period_doubling",
     "regime-map": "regime_map",
+    "asymmetry-map": "asymmetry_map",
     "claims": "claims",
     "planted-faults": "planted_faults",
     "slow-verification": "slow_verification",

@@ -1,8 +1,5 @@
 """Where in the plane of round trip and velocity does each model slide steadily, periodically, or irregularly?"""
 
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,11 +9,10 @@ from validation.study import WITNESS, Budget, Figure, Number, StudyResult, Table
 from validation.study.drawing import Drawing
 from validation.sweep.axes import axis_of
 from validation.sweep.boundaries import onset_lines
-from validation.sweep.difference import difference, regimes
-from validation.sweep.gather import dataset_of
+from validation.sweep.difference import difference, model_regimes
+from validation.sweep.here import swept_here
 from validation.sweep.map_figures import Line, figure_of
-from validation.sweep.store import Store
-from validation.sweep.sweep import Where, perform_sweep, plan_of
+from validation.sweep.sweep import plan_of
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -62,9 +58,7 @@ def swept_plane(budget: Budget) -> Dataset:
     counts, levels = ((17, 9), 1) if budget.quick else ((25, 13), 2)
     axes = [axis_of("log10_r", (*_R, counts[0])), axis_of("V", f"{_V[0]:g}:{_V[1]:g}:{counts[1]}:log")]
     plan = plan_of(scene, axes, _MODELS, "verdict", tol=_TOLERANCE, refine=levels)
-    with TemporaryDirectory() as folder, ThreadPoolExecutor(1) as here:
-        swept = perform_sweep(plan, Store(Path(folder)), Where(workers=1, executor=here))
-        return dataset_of(plan, swept.store)
+    return swept_here(plan)
 
 
 def _best(differences: Dataset) -> str:
@@ -77,11 +71,6 @@ def critical_round_trips(model: str, lines: tuple[Line, ...], velocities: Any) -
     line = next(line for line in lines if line.model == model)
     order = np.argsort(line.up)
     return np.interp(velocities, np.asarray(line.up)[order], np.asarray(line.across)[order])
-
-
-def model_regimes(model: str, data: Dataset) -> Any:
-    """The regimes of a model in the plane (`validation.sweep.difference.regimes`)."""
-    return regimes(data["verdict"].sel(model=model).values)
 
 
 def _boundaries(data: Dataset, lines: tuple[Line, ...]) -> Verdict:

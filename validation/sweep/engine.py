@@ -13,7 +13,7 @@ import numpy as np
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
 from validation.results.quantities import twins_in_si
-from validation.sweep.measures import Figures, Measure, measure_of
+from validation.sweep.measures import MOST_CYCLES, Figures, Measure, measure_of
 from validation.sweep.plan import Indices, Plan
 from validation.sweep.store import Columns, Store
 
@@ -62,11 +62,11 @@ def _point(plan: Plan, measure: Measure, point: int) -> Figures:
 
 def _twins_in_si(found: Figures, measure: Measure, scene: Scene) -> Figures:
     """The figures of a scene with units in SI, under the names that they have everywhere (period_s)."""
-    twins: dict[str, float] = {}
+    twins: dict[str, Any] = {}
     for name, quantity in measure.columns.items() if scene.units else ():
         value = found.get(name)
         twins |= {
-            twin: float(size)
+            twin: size if np.ndim(size) else float(size)
             for twin, (size, _) in twins_in_si(name, math.nan if value is None else value, quantity, scene).items()
         }
     return twins
@@ -79,11 +79,19 @@ def columns_of(measure: Measure, rows: list[Figures]) -> Columns:
     found["reason"] = np.array([str(row.get("reason", "")) for row in rows])
     for name in names:
         values = [row.get(name) for row in rows]
-        if name in measure.words:
+        if name.startswith(measure.lists) and measure.lists:
+            found[name] = np.array([_padded(value) for value in values])
+        elif name in measure.words:
             found[name] = np.array([_word(measure.words[name], value) for value in values], dtype=np.int8)
         else:
             found[name] = np.array([math.nan if value is None else float(value) for value in values])
     return found
+
+
+def _padded(values: Any) -> Any:
+    row = np.full(MOST_CYCLES, math.nan)
+    row[: np.size(values)] = math.nan if values is None else values
+    return row
 
 
 def _word(words: tuple[str, ...], value: Any) -> int:

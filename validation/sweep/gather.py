@@ -31,7 +31,7 @@ def arrays_of(plan: Plan, store: Store) -> dict[str, Array]:
         for name, values in columns.items():
             if name not in found:
                 empty: Any = np.nan if values.dtype.kind == "f" else -1
-                found[name] = np.full(plan.size, empty, dtype=values.dtype)
+                found[name] = np.full((plan.size, *values.shape[1:]), empty, dtype=values.dtype)
             found[name][points] = values
     return found
 
@@ -45,11 +45,18 @@ def dataset_of(plan: Plan, store: Store) -> Dataset:
     measure, arrays = measure_of(plan.measure), arrays_of(plan, store)
     levels = int(plan.options.get("refine", 0))
     if levels:
-        shown = {name: values for name, values in arrays.items() if name not in ("status", "reason")}
+        shown = {name: values for name, values in arrays.items() if name not in ("status", "reason") and values.ndim == 1}
         fill(plan, levels, regime_numbers(measure, arrays), shown)
     names = ["scene"] if plan.rows else [axis.name for axis in plan.axes]
     dimensions = ("model", *names)
-    variables = {name: (dimensions, values.reshape(plan.shape), _notes(name, measure, plan)) for name, values in arrays.items()}
+    variables = {
+        name: (
+            (*dimensions, *["cycle"] * (values.ndim - 1)),
+            values.reshape(plan.shape + values.shape[1:]),
+            _notes(name, measure, plan),
+        )
+        for name, values in arrays.items()
+    }
     facts = provenance("sweep", plan.base, ", ".join(plan.models), {**plan.options, "measure": plan.measure})
     data = xarray.Dataset(variables, coords=_coordinates(plan), attrs=facts | {"manifest": json.dumps(plan.manifest)})
     return data if len(plan.models) > 1 else data.isel(model=0)

@@ -8,6 +8,7 @@ import numpy as np
 
 from slipwave.errors import SceneError
 from validation.study.drawing import Axes, Drawing, canvas, styled
+from validation.sweep.other_side import other_side
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
@@ -32,6 +33,7 @@ _OTHER, _ABSENT = "#999999", "#ffffff"
 _LINE: Any = {"color": "#111111", "linewidth": 1.3, "dashes": (4, 1.5)}
 _ABREAST = 3
 _PICTURES = ("period", "stress_drop")
+_BRUSH = ("cycle_period", "cycle_stress_drop")
 
 
 class Line(NamedTuple):
@@ -47,7 +49,7 @@ def figure_of(data: Dataset, shown: str | None = None, lines: Sequence[Line] = (
     """The figure of a gathered sweep with `lines` over its maps; `shown` is the column (default: regimes, period, stress drop).
 
     Raises SceneError for more than two axes, or a column that is not there."""
-    axes = [str(name) for name in next(iter(data.data_vars.values())).dims if name != "model"]
+    axes = [str(name) for name in data["status" if "status" in data else next(iter(data))].dims if name != "model"]
     if shown is not None and shown not in data:
         raise SceneError(f"--show = {shown!r}: must be one of {', '.join(map(str, data.data_vars))}")
     with styled():
@@ -92,7 +94,7 @@ def _image(axes: Axes, data: Dataset, names: Sequence[str], column: str) -> dict
     """Draw one column of a model; the colours of words by the words."""
     across, up = (data[name] for name in names)
     values = data[column].transpose(names[1], names[0])
-    _scales(axes, across, up)
+    _scales(axes, data, across, up)
     axes.set_title(f"{data['model'].item()}: {column.replace('_', ' ')}")
     if column == "other_regime":
         return _words(axes, across, up, values.fillna(-1), {"the same regime": "#dfe6ec", "another regime": "#c5523f"})
@@ -115,7 +117,7 @@ def _words(axes: Axes, across: DataArray, up: DataArray, values: DataArray, colo
     return {word: Patch(facecolor=colours[word], edgecolor="#888888", linewidth=0.4) for word in there}
 
 
-def _scales(axes: Axes, across: DataArray, up: DataArray) -> None:
+def _scales(axes: Axes, data: Dataset, across: DataArray, up: DataArray) -> None:
     for coordinate, scale, label in ((across, axes.set_xscale, axes.set_xlabel), (up, axes.set_yscale, axes.set_ylabel)):
         if is_logarithmic(coordinate.values):
             scale("log")
@@ -123,6 +125,9 @@ def _scales(axes: Axes, across: DataArray, up: DataArray) -> None:
             axis.set_minor_formatter("")
             axis.set_major_formatter("{x:g}")
         unit = coordinate.attrs.get("units", "1")
+        other = other_side(data, coordinate)
+        if other:
+            other.add(axes, coordinate is across)
         label(coordinate.attrs.get("long_name", coordinate.name) + ("" if unit == "1" else f" [{unit}]"))
 
 
@@ -135,17 +140,20 @@ def is_logarithmic(values: Any) -> bool:
 
 
 def _over_one(data: Dataset, name: str, shown: str | None) -> Drawing:
-    columns = [shown] if shown else [column for column in _PICTURES if column in data] or [str(next(iter(data.data_vars)))]
+    usual = _BRUSH if _BRUSH[0] in data else _PICTURES
+    columns = [shown] if shown else [name for name in usual if name in data] or [str(next(iter(data.data_vars)))]
     figure = canvas(7.4, 2.9 * len(columns))
     grid = figure.subplots(len(columns), 1, squeeze=False, sharex=True)[:, 0]
     for axes, column in zip(grid, columns, strict=True):
-        for model in _models(data):
-            values = model[column]
-            points = values.values if values.ndim == 2 else values.values[:, None]
-            for cycle in points.T:
-                axes.plot(model[name], cycle, ".", markersize=2.5, label=model["model"].item())
-        axes.set_ylabel(column.replace("_", " "))
+        for number, model in enumerate(_models(data)):
+            values = model[column].values.reshape(model.sizes[name], -1)
+            across = np.repeat(model[name].values, values.shape[1])
+            axes.plot(across, values.ravel(), ".", color=f"C{number}", markersize=2.5, label=model["model"].item())
+        unit = data[column].attrs.get("units", "1")
+        axes.set_ylabel(column.replace("_", " ") + (f" [{unit}]" if unit != "1" else ""))
     if is_logarithmic(data[name].values):
         grid[-1].set_xscale("log")
+    if "model" in data.dims:
+        grid[0].legend(loc="best", fontsize=9)
     grid[-1].set_xlabel(data[name].attrs.get("long_name", name))
     return figure

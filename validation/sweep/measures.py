@@ -5,6 +5,9 @@ from collections.abc import Callable, Iterator, Mapping
 from importlib import import_module
 from typing import Any, NamedTuple, cast, get_args
 
+import numpy as np
+from numpy.typing import NDArray
+
 import slipwave
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.verdict import Kind
@@ -23,17 +26,21 @@ TRANSITS = 4000.0
 """The longest run of a scene without `run.until`."""
 
 Options = Mapping[str, Any]
-Figures = Mapping[str, float | str | bool | None]
+Figures = Mapping[str, float | str | bool | NDArray[np.float64] | None]
+
+MOST_CYCLES = 64
+"""Cycles of a point that are kept one by one: the last."""
 
 
 class Measure(NamedTuple):
     """`of` computes the figures of a model on a scene with the options of the sweep; `columns` says what they are, `words` which
-    of them are words, and `regime` which of them tell one regime from another. The columns of a user's own function are what it
-    returns."""
+    of them are words, `lists` which have a number for each cycle, and `regime` which of them tell one regime from
+    another. The columns of a user's own function are what it returns."""
 
     of: Callable[[Scene, str, Options], Figures]
     columns: Mapping[str, Meaning] = {}
     words: Mapping[str, tuple[str, ...]] = {}
+    lists: tuple[str, ...] = ()
     regime: tuple[str, ...] = ()
 
 
@@ -87,6 +94,14 @@ def run_of(scene: Scene, model: str, options: Options) -> Figures:
     return _figures(run) | ({f"final_{name}": getattr(run.final, name) for name in ("ln_v", "psi", "mu")} if run.final else {})
 
 
+def cycles_of(scene: Scene, model: str, options: Options) -> Figures:
+    """As the verdict, of the whole run, and every cycle of its second half: what a brush diagram shows."""
+    run = march_point(scene, model, options, whole=True)
+    late = run.events.time >= 0.5 * run.until
+    figures = {"cycle_period": run.events.period[late], "cycle_stress_drop": run.events.stress_drop[late]}
+    return _figures(run) | {name: values[-MOST_CYCLES:] for name, values in figures.items()}
+
+
 def orbit_of(scene: Scene, model: str, options: Options) -> Figures:
     """The periodic orbit, stable or not."""
     given = {name: options[name] for name in ("tol", "cells") if options.get(name) is not None}
@@ -125,6 +140,10 @@ _VERDICT = {
     **_CYCLE,
     "until": Meaning("length of the run", "transit"),
 }
+_CYCLES = {
+    "cycle_period": Meaning("period of each cycle of the second half of the run", "transit"),
+    "cycle_stress_drop": Meaning("stress drop of each cycle of the second half of the run", "normal stress"),
+}
 _FINAL = {f"final_{name}": Meaning(f"{name} at the end of the run") for name in ("ln_v", "psi", "mu")}
 _EXPONENT = {"exponent": Meaning("largest Lyapunov exponent, per transit"), "exponent_error": Meaning("half its 95 % interval")}
 _STABILITY = {
@@ -141,11 +160,12 @@ _KINDS, _YES_NO = {"verdict": VERDICTS}, {"stable": ("no", "yes")}
 _REGIME = ("verdict", "multiplicity")
 
 MEASURES: Mapping[str, Measure] = {
-    "verdict": Measure(verdict_of, _VERDICT, _KINDS, _REGIME),
-    "run": Measure(run_of, {**_VERDICT, **_FINAL}, _KINDS, _REGIME),
-    "orbit": Measure(orbit_of, _ORBIT, _YES_NO, ("stable", "unstable_multipliers")),
-    "stability": Measure(stability_of, _STABILITY, _YES_NO, ("stable", "unstable_roots")),
-    "lyapunov": Measure(lyapunov_of, {**_VERDICT, **_EXPONENT}, _KINDS, _REGIME),
+    "verdict": Measure(verdict_of, _VERDICT, _KINDS, regime=_REGIME),
+    "run": Measure(run_of, {**_VERDICT, **_FINAL}, _KINDS, regime=_REGIME),
+    "cycles": Measure(cycles_of, {**_VERDICT, **_CYCLES}, _KINDS, tuple(_CYCLES), _REGIME),
+    "orbit": Measure(orbit_of, _ORBIT, _YES_NO, regime=("stable", "unstable_multipliers")),
+    "stability": Measure(stability_of, _STABILITY, _YES_NO, regime=("stable", "unstable_roots")),
+    "lyapunov": Measure(lyapunov_of, {**_VERDICT, **_EXPONENT}, _KINDS, regime=_REGIME),
 }
 
 

@@ -1,0 +1,115 @@
+"""Two slabs that differ in impedance and in thickness: where does each model slide steadily, and where is its regime wrong?"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import slipwave
+from reduced.stability.characteristic import characteristic
+from reduced.stability.spectrum import unstable_count
+from slipwave.scene import Scene
+from validation.registry.families import one_port_of
+from validation.study import WITNESS, Budget, Figure, Number, StudyResult, Table, Verdict, holding, table
+from validation.sweep.axes import axis_of, changed
+from validation.sweep.difference import difference, model_regimes
+from validation.sweep.here import swept_here
+from validation.sweep.map_figures import figure_of
+from validation.sweep.sweep import plan_of
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+else:
+    Dataset = Any
+
+NAME = "asymmetry-map"
+QUESTION = "What does asymmetry of the slabs do to the regime of each model?"
+SCENES = ("paper",)
+SECONDS = (4.0, 16.0)
+
+_REFERENCE = "delay"
+_MODELS = (_REFERENCE, "kelvin-voigt", "modal:2")
+_AXES = ("ratio_epsilon", "ratio_r")
+_RANGE = "0.7:1.4"
+_LOG10_R, _UNTIL, _TOLERANCE = -2.67, 3000.0, 1e-6
+
+
+def run(budget: Budget) -> StudyResult:
+    """Sweep the plane with every model, hold each decided point against the certified count of roots, compare the regimes."""
+    scene = slipwave.read("paper", {"run.until": _UNTIL, "slab.log10_r": _LOG10_R})
+    data = swept_ratios(scene, 5 if budget.quick else 9)
+    differences = difference(data, _REFERENCE)
+    rows = differences.attrs["differences"]
+    worst = max(rows, key=lambda row: row["other_regime_percent"])
+    return StudyResult(
+        answer=f"Of the plane that both decide, {worst['model']} has another regime than the delay system in "
+        f"{worst['other_regime_percent']:.0f} %; {_onset(data)}.",
+        figures=(
+            Figure("regimes", _REGIMES, lambda: figure_of(data, "verdict")),
+            Figure("differences", _DIFFERENCES, lambda: figure_of(differences, "other_regime")),
+        ),
+        tables=(_errors(rows),),
+        verdicts=(_as_counted(scene, data),),
+        numbers={f"{row['model']} other regime": Number(row["other_regime_percent"], 0.05) for row in rows},
+    )
+
+
+def swept_ratios(scene: Scene, count: int) -> Dataset:
+    """The plane as every model has it."""
+    axes = [axis_of(name, f"{_RANGE}:{count}:log") for name in _AXES]
+    return swept_here(plan_of(scene, axes, _MODELS, "verdict", tol=_TOLERANCE))
+
+
+def growing_roots(scene: Scene, model: str, data: Dataset) -> Any:
+    """The certified number of growing roots of steady sliding at each point of the plane."""
+    first, second = (data[name].values for name in _AXES)
+    counts = [
+        [unstable_count(characteristic(changed(scene, {_AXES[0]: x, _AXES[1]: y}), one_port_of(model))) for y in second]
+        for x in first
+    ]
+    return np.array(counts)
+
+
+def _as_counted(scene: Scene, data: Dataset) -> Verdict:
+    wrong, judged = 0, 0
+    for model in _MODELS:
+        found = model_regimes(model, data)
+        steady = growing_roots(scene, model, data) == 0
+        judged += int((found >= 0).sum())
+        wrong += int(((found >= 0) & ((found == 0) != steady)).sum())
+    return holding(
+        "Runs of unlike slabs leave steady sliding where certified counts of roots say so",
+        WITNESS,
+        "no decided point on the wrong side",
+        f"{wrong} of {judged}",
+        wrong == 0 and judged > 0,
+        "every model, every point with a verdict that lasts",
+    )
+
+
+def _onset(data: Dataset) -> str:
+    """What the plane shows of steady sliding, in words and numbers."""
+    across, up = np.meshgrid(*(np.log(data[name].values) for name in _AXES), indexing="ij")
+    found = model_regimes(_REFERENCE, data)
+    stiff = across > up
+    share = 100.0 * float(((found == 0) & stiff).sum()) / max(int((found == 0).sum()), 1)
+    return f"{share:.0f} % of the points that slide steadily have a stiffer lower slab: more impedance than travel time"
+
+
+def _errors(rows: Any) -> Table:
+    heading = "model | both decide [%] .3g | other regime [%] .2g | largest error of T .1e | of the stress drop .1e"
+    cells = [
+        [row[name] for name in ("model", "compared_percent", "other_regime_percent", "period", "stress_drop")] for row in rows
+    ]
+    return table("errors", _ERRORS, heading, [[None if value != value else value for value in row] for row in cells])
+
+
+_PLANE = (
+    f"ratio of the slabs’ impedances and of their round trips (lower over upper slab) from 0.7 to 1.4, log10 r = {_LOG10_R:g} of "
+    f"the upper slab, V = 100 V*, the paper’s law, runs of at most {_UNTIL:g} transits from a nudge of steady sliding"
+)
+_REGIMES = f"Verdicts on the motion of unlike slabs: {_PLANE}. “Too short”: too few cycles for a verdict."
+_DIFFERENCES = "Where a model of unlike slabs has another regime than the delay system; white: one of both has no verdict."
+_ERRORS = (
+    f"{_PLANE}. Per cent of the area in which both a model and the delay system have a verdict; of that, per cent with another "
+    "regime; and the largest relative errors where both motions are periodic."
+)
