@@ -9,8 +9,10 @@ import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from validation.cli import main
+from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.forward import OfReduction, OfSolver
 from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
+from validation.fit.records import followed, travelled
 
 KEYS = ["interface.a", "interface.b", "interface.memory_length"]
 TRUTH = dict(zip(KEYS, (0.01, 0.015, 10e-6), strict=True))
@@ -101,6 +103,76 @@ def test_parameters_that_only_act_together_are_named(steps: Path) -> None:
     with pytest.raises(NumericsError, match=r"do not determine interface\.a_star and level") as refused:
         sw.fit("velocity-steps", data=[str(steps)], free=free, settings=THIN)
     assert refused.value.result.summary["determined"] == {**dict.fromkeys(KEYS, True), "interface.a_star": False, "level": False}
+
+
+STICKING = {
+    "name": "sticking",
+    "interface": {"law": "ageing", "a_star": 0.6, "a": 0.01, "b": 0.015}
+    | {"normal_stress": "5 MPa", "memory_length": "10 um", "reference_velocity": "1 um/s"},
+    "slab": {"density": 2700, "shear_modulus": "30 GPa", "thickness": "5 cm"}
+    | {"face": {"kind": "grip", "stiffness": "2 GPa/m", "impedance": 0.0}},
+    "drive": {"velocity": "10 um/s"},
+}
+
+
+def sticking(model: str = "quasidynamic") -> tuple[CycleOfReduction, np.ndarray]:
+    scene = read(STICKING)
+    variants = Variants(scene, free_parameters(scene, [*KEYS, "slab.face.stiffness"]), schedule_of(scene))
+    made = CycleOfReduction(disturbed(variants), 36.0, model, 1e-10)
+    return made, np.array([one.inner(one.start) for one in variants.free])
+
+
+def test_the_derivative_of_a_cycle_is_that_of_differences() -> None:
+    made, inner = sticking()
+    exact, step = made.slopes(inner), 2e-5
+    for k, shift in enumerate(step * np.eye(inner.size)):
+        difference = (made.friction(inner + shift) - made.friction(inner - shift)) / (2.0 * step)
+        assert abs(exact[0, k] - difference[0]) < 1e-6 * abs(difference[0])
+        assert np.abs(exact[1:, k] - difference[1:]).max() < 1e-6 * np.abs(difference[1:]).max()
+
+
+def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path: Path) -> None:
+    made, inner = sticking()
+    times, friction = made.motion(inner, 0.02)
+    friction += 3e-4 * np.random.default_rng(2).standard_normal(times.size)
+    path = tmp_path / "sticking.csv"
+    np.savetxt(path, np.column_stack([friction, 1e6 * times]), delimiter=",", header="mu,time [us]", comments="")
+    start = ["interface.a=0.011", "interface.b=0.017", "slab.face.stiffness='3 GPa/m'"]
+    found = sw.fit(STICKING, data=[str(path)], free=[*KEYS, "slab.face.stiffness"], settings=start)
+    for key, value in (TRUTH | {"slab.face.stiffness": 2e9}).items():
+        row = found.summary["parameters"][key]
+        assert row["low"] < value < row["high"], key
+        assert row["high"] - row["low"] < 0.03 * value, key
+    assert found.summary["data"][0]["period"]["fitted"] == pytest.approx(35.7603, rel=1e-4)
+    np.savetxt(path, np.column_stack([0.6 + 0.0 * friction, times]), delimiter=",", header="mu,time [s]", comments="")
+    with pytest.raises(SceneError, match="no slip event"):
+        sw.fit(STICKING, data=[str(path)], free=KEYS)
+    with pytest.raises(SceneError, match="stick-slip is fitted by ODE reductions"):
+        sw.fit(STICKING, "delay", data=[str(path)], free=KEYS)
+
+
+def test_the_load_point_of_a_file_gives_steps_and_holds() -> None:
+    times = np.arange(0.0, 400.0, 0.05)
+    moved = np.interp(times, [0.0, 50.0, 150.0, 250.0, 260.0, 400.0], [0.0, 500.0, 500.0, 1500.0, 2500.0, 3900.0])
+    found = followed(times + 1000.0, 1e-6 * (moved + 0.1 * np.random.default_rng(3).standard_normal(times.size)))
+    assert np.array(found.times) == pytest.approx([1000, 1050, 1050, 1150, 1150, 1250, 1250, 1260, 1260, 1399.95], abs=0.01)
+    assert np.array(found.velocities) == pytest.approx(np.repeat([1e-5, 0.0, 1e-5, 1e-4, 1e-5], 2), rel=1e-3)
+
+
+def test_a_slide_hold_slide_in_columns_of_its_own_is_fitted_with_its_own_drive(tmp_path: Path) -> None:
+    times, holds = np.arange(0.0, 400.0, 0.1), Schedule((0.0, 50.0, 50.0, 150.0, 150.0), (1e-5, 1e-5, 0.0, 0.0, 1e-5))
+    scene = read(STICKING, ["slab.face.stiffness='20 GPa/m'"])
+    variants = Variants(scene, free_parameters(scene, KEYS), holds)
+    inner = np.array([one.inner(one.start) for one in variants.free])
+    rng = np.random.default_rng(4)
+    friction = OfReduction(variants, times, "quasidynamic", 1e-9).friction(inner) + NOISE * rng.standard_normal(times.size)
+    moved = 1e3 * travelled(holds, times) + 1e-5 * rng.standard_normal(times.size)
+    path = tmp_path / "hold.txt"
+    np.savetxt(path, np.column_stack([moved, 5.0 * friction, times + 77.0]))
+    call = {"columns": "load_point_displacement,shear_stress,time", "units": "mm,MPa,s", "settings": [*ASIDE]}
+    found = sw.fit(scene, data=[str(path)], free=KEYS, **call)
+    assert all(row["low"] < TRUTH[key] < row["high"] for key, row in found.summary["parameters"].items())
+    assert any("the load point moves as in the file: 3 velocities" in note for note in found.notes)
 
 
 def test_the_command_line_writes_the_fit(steps: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -13,13 +13,14 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.input import SceneSource, read
+from slipwave.input.stored import is_stored, read_stored
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.data.series import read_series
-from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise
+from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled
 from validation.fit.parameters import free_parameters
 from validation.fit.problem import FrictionProblem, problem_of
-from validation.fit.records import experiment_of
+from validation.fit.records import Experiment, experiment_of
 from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
 from validation.results.facts import finite
@@ -104,21 +105,21 @@ class FitResult(Result):
             a: {b: float(x) for b, x in zip(names, row, strict=True)}
             for a, row in zip(names, self.spread.correlation, strict=True)
         }
-        samples = self.found.residual.size
+        samples = self._residual.size
         return dict(
             finite(
                 {
                     "schema": SCHEMA,
                     "scene": self.scene.name,
                     "model": self.model,
-                    "data": [{"file": one.name, "samples": one.times.size} for one in self.problem.records],
+                    "data": [*map(_told, self.problem.records, self._friction)],
                     "parameters": self.parameters,
                     "determined": {name: row["determined"] for name, row in self.parameters.items()},
                     "correlation": correlation,
                     "residual": {
-                        "rms": float(np.sqrt(self.found.cost / samples)),
-                        "noise": self.spread.noise,
-                        "largest": float(np.abs(self.found.residual).max()),
+                        "rms": float(np.sqrt(np.mean(self._residual**2))),
+                        "largest": float(np.abs(self._residual).max()),
+                        "over_noise": self.spread.noise,
                         "together": self.spread.together,
                         "samples": samples,
                     },
@@ -137,6 +138,8 @@ class FitResult(Result):
         for one in self.problem.records:
             notes += [f"{one.name}: {line}" for line in one.notes]
         notes += [f"not determined: {line}" for line in self.spread.singular]
+        if self.spread.profiled:
+            notes.append(f"the interval of {' and '.join(self.spread.profiled)} is by profile: the derivative's is another")
         together = self.spread.together
         if together > 2.0:
             wider = f"the intervals are {together**0.5:.1f} times as wide as those of white noise"
@@ -165,9 +168,19 @@ class FitResult(Result):
         for note in summary["notes"]:
             yield f"note: {note}"
 
+    def to_go_on(self, options: Any) -> str:
+        """As `Result`."""
+        return "with --out FILE.nc, slipwave fit FILE.nc goes on from the best values"
+
     @cached_property
     def _friction(self) -> list[Array]:
         return self.problem.friction(self.found.inner)
+
+    @cached_property
+    def _residual(self) -> Array:
+        """Of the friction, measured minus fitted."""
+        pairs = zip(self.problem.records, self._friction, strict=True)
+        return np.concatenate([(one.friction - fitted)[one.shown] for one, fitted in pairs])
 
     @cached_property
     def dataset(self) -> Dataset:
@@ -187,20 +200,17 @@ class FitResult(Result):
         }
         columns["unit"] = ("parameter", np.array([rows[key]["unit"] for key in names], dtype=object), {"long_name": "unit"})
         columns["correlation"] = (("parameter", "other"), self.spread.correlation, {"long_name": "correlation", "units": "1"})
-        whose = np.concatenate([np.full(one.times.size, k) for k, one in enumerate(self.problem.records)])
+        records = self.problem.records
+        whose = [np.full(one.times[one.shown].size, k) for k, one in enumerate(records)]
+        fitted = [values[one.shown] for one, values in zip(records, self._friction, strict=True)]
         unit = "s" if self.scene.units else "1"
         for name, values, words, own in (
             ("record", whose, "number of the record", "1"),
-            (
-                "record_time",
-                np.concatenate([one.times for one in self.problem.records]),
-                "time since the start of the scene",
-                unit,
-            ),
-            ("measured", np.concatenate([one.friction for one in self.problem.records]), "measured friction", "1"),
-            ("fitted", np.concatenate(self._friction), "friction of the fitted model", "1"),
+            ("record_time", [one.times[one.shown] for one in records], "time since the start of the scene, or the event", unit),
+            ("measured", [one.friction[one.shown] for one in records], "measured friction", "1"),
+            ("fitted", fitted, "friction of the fitted model", "1"),
         ):
-            columns[name] = ("sample", values, {"long_name": words, "units": own})
+            columns[name] = ("sample", np.concatenate(values), {"long_name": words, "units": own})
         attributes = provenance("fit", self.scene, self.model, self.options)
         return xarray.Dataset(columns, {"parameter": names, "other": names}, attributes)
 
@@ -211,11 +221,12 @@ class FitResult(Result):
             figure = canvas(height=3.6 if count == 1 else 2.6 * count)
             grid = figure.subplots(2, count, squeeze=False, sharex="col", height_ratios=(3, 1))
             size, unit = (1e6, "$\\mu$m") if self.scene.units else (1.0, "$L$")
-            for k, (record, fitted) in enumerate(zip(self.problem.records, self._friction, strict=True)):
-                along, (upper, lower) = size * record.travel, grid[:, k]
-                upper.plot(along, record.friction, ".", color="#7fb0d6", markersize=1.5, label="measured", rasterized=True)
+            for k, (record, values) in enumerate(zip(self.problem.records, self._friction, strict=True)):
+                along, (upper, lower) = size * record.travel[record.shown], grid[:, k]
+                measured, fitted = record.friction[record.shown], values[record.shown]
+                upper.plot(along, measured, ".", color="#7fb0d6", markersize=1.5, label="measured", rasterized=True)
                 upper.plot(along, fitted, **line(self.model, color="#111111", linestyle="-"))
-                lower.plot(along, record.friction - fitted, ".", color="#7fb0d6", markersize=1.5, rasterized=True)
+                lower.plot(along, measured - fitted, ".", color="#7fb0d6", markersize=1.5, rasterized=True)
                 lower.axhline(0.0, color="#555555", linewidth=0.7)
                 lower.set_xlabel(f"displacement of the load point / {unit}")
                 upper.legend()
@@ -232,9 +243,13 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     ends at a bound, or the data do not determine one.
     """
     began = time.perf_counter()
-    scene, model = options.scene_of(source), _CHEAP if options.model == "auto" else options.model
-    words = [word.strip() for text in _listed(options.free) for word in text.split(",") if word.strip()]
-    files = _listed(options.data)
+    files, texts, model = _listed(options.data), _listed(options.free), options.model
+    if is_stored(source):
+        stored = read_stored(str(source))
+        model = stored.model if model == "auto" else model
+        files, texts = files or stored.options.get("data", []), texts or stored.options.get("free", [])
+    scene, model = options.scene_of(source), _CHEAP if model == "auto" else model
+    words = [word.strip() for text in texts for word in text.split(",") if word.strip()]
     if not files:
         raise SceneError("--data: missing; must be a file of measured friction")
     if not words:
@@ -257,6 +272,8 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         stopped = True
         found = Solution(best.inner, problem.residual(best.inner), problem.slopes(best.inner), best.evaluations, "interrupted")
     spread = intervals(problem, found, problem.is_log)
+    if not stopped and all(one.is_cheap for one in problem.models):
+        spread = profiled(problem, found, spread)
     fitted = read(scene, {one.key: one.setting(x) for one, x in zip(free, found.inner, strict=False)})
     failed = "; ".join(filter(None, [found.failed, *_complaints(problem, found, spread)]))
     return FitResult(
@@ -277,6 +294,15 @@ def _nearby(cheap: FrictionProblem) -> Iterator[Array]:
     found = minimise(cheap, cheap.starts(), Best(next(cheap.starts())), cheap.noise)
     log.info("%s fits with a residual of %.4g: the start of the fit", _CHEAP, math.sqrt(found.cost / found.residual.size))
     yield found.inner
+
+
+def _told(one: Experiment, fitted: Array) -> dict[str, Any]:
+    """A record in the JSON; of stick-slip the period, measured and fitted."""
+    facts: dict[str, Any] = {"file": one.name, "samples": one.times[one.shown].size}
+    if one.cycle is None:
+        return facts
+    period = {"measured": one.cycle.period, "error": one.cycle.period_error, "fitted": float(fitted[0])}
+    return facts | {"events": one.cycle.events, "drop": one.cycle.drop, "period": period}
 
 
 def _complaints(problem: FrictionProblem, found: Solution, spread: Intervals) -> Iterator[str]:

@@ -18,6 +18,8 @@ _NAMED = 0.2  # share of a direction from which on a parameter is named in it
 _WIDE = 1.0  # half width of an interval, in logarithms or relative to the value, that determines nothing
 _EXPLORING = 6
 _FAR = 1.5  # times the noise: a residual from which on other starts are tried
+_PROFILE = 5  # trials for the end of an interval
+_ALIKE = 0.1  # relative difference from the derivative's interval that is let stand
 _INDEPENDENT = 20  # groups of samples that are taken as independent at least
 _AT_BOUND = 1e-6  # of the range
 
@@ -108,10 +110,67 @@ def _descend(problem: Problem, start: Array, best: Best, most: int) -> optimize.
     return optimize.least_squares(residual, inside, problem.slopes, bounds, **near)
 
 
+def profiled(problem: Problem, found: Solution, spread: "Intervals") -> "Intervals":
+    """The same intervals, but where the sum of squares does not rise along one as its derivative says: there each end is where it
+    has risen as much with all other parameters at their best."""
+    low, high, notes = spread.low.copy(), spread.high.copy(), []
+    for k in np.flatnonzero(np.isfinite(spread.high) & spread.determined):
+        half = spread.high[k] - found.inner[k]
+        way = spread.covariance[k] / spread.covariance[k, k]
+        ends = [_crossing(problem, found, sign * half * way, int(k), spread.rise) for sign in (-1.0, 1.0)]
+        if any(end != 1.0 for end in ends):
+            low[k], high[k] = found.inner[k] - ends[0] * half, found.inner[k] + ends[1] * half
+            notes.append(problem.names[k])
+    return spread._replace(low=low, high=high, profiled=tuple(notes))
+
+
+def _crossing(problem: Problem, found: Solution, way: Array, k: int, rise: float) -> float:
+    """How much of `way` from the minimum lets the sum of squares rise by `rise`; 1 where that is as good as true."""
+    share, inner = 1.0, found.inner + way
+    for trial in range(_PROFILE):
+        if not ((inner > problem.low) & (inner < problem.high)).all():
+            return share
+        try:
+            inner = inner if trial == 0 else _others_best(problem, inner, k)
+            risen = float(np.sum(problem.residual(inner) ** 2)) - found.cost
+        except NumericsError:
+            return share
+        ratio = math.sqrt(max(risen, 1e-4 * rise) / rise)
+        if abs(ratio - 1.0) < (_ALIKE if trial == 0 else 0.2 * _ALIKE):
+            return share
+        share *= min(max(1.0 / ratio, 0.5), 2.0)
+        inner = inner.copy()
+        inner[k] = found.inner[k] + share * way[k]
+    return share
+
+
+def _others_best(problem: Problem, inner: Array, k: int) -> Array:
+    """The best values of all parameters but the k-th."""
+    free = np.arange(inner.size) != k
+    if not free.any():
+        return inner
+
+    def whole(part: Array) -> Array:
+        filled = inner.copy()
+        filled[free] = part
+        return filled
+
+    def slopes(part: Array) -> Array:
+        return problem.slopes(whole(part))[:, free]
+
+    def residual(part: Array) -> Array:
+        return problem.residual(whole(part))
+
+    bounds = (problem.low[free], problem.high[free])
+    best = optimize.least_squares(residual, inner[free], slopes, bounds, x_scale="jac", max_nfev=_EXPLORING)
+    return whole(best.x)
+
+
 class Intervals(NamedTuple):
     """Per parameter: half width of the interval of `CONFIDENCE` in `inner` values, `low` and `high`, whether it is `determined`;
     their `correlation`; the standard deviation of the `noise`, the number of samples that fluctuate together, and `singular`
-    directions in words."""
+    directions in words; `covariance` for a noise of 1, the `rise` of the sum of squares at the ends, and the parameters whose
+    ends are `profiled`."""
 
     low: Array
     high: Array
@@ -120,6 +179,9 @@ class Intervals(NamedTuple):
     noise: float
     together: float
     singular: tuple[str, ...]
+    covariance: Array
+    rise: float
+    profiled: tuple[str, ...] = ()
 
 
 def intervals(problem: Problem, found: Solution, is_log: "Sequence[bool]") -> Intervals:
@@ -139,11 +201,13 @@ def intervals(problem: Problem, found: Solution, is_log: "Sequence[bool]") -> In
     spread = np.sqrt(np.diag(covariance))
     undecided = (np.abs(directions[weak]) > _NAMED).any(axis=0) | (lengths == 0.0)
     error = noise * math.sqrt(together) * np.where(undecided, math.inf, spread)
-    half = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, max(degrees / together, 1.0))) * error
+    quantile = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, max(degrees / together, 1.0)))
+    half, rise = quantile * error, quantile**2 * noise**2 * together
     size = np.where(is_log, 1.0, np.maximum(np.abs(found.inner), 1e-300))
     with np.errstate(divide="ignore", invalid="ignore"):
         correlation = covariance / np.outer(spread, spread)
-    return Intervals(found.inner - half, found.inner + half, half < _WIDE * size, correlation, noise, together, tuple(singular))
+    known, low, high = half < _WIDE * size, found.inner - half, found.inner + half
+    return Intervals(low, high, known, correlation, noise, together, tuple(singular), covariance, rise)
 
 
 def _direction(names: Sequence[str], row: Array) -> str:

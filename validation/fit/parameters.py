@@ -68,11 +68,13 @@ class Schedule(NamedTuple):
 
 @dataclass(frozen=True)
 class Variants:
-    """The scenes that differ from `base` in the values of `free`, under one `schedule`."""
+    """The scenes that differ from `base` in the values of `free`, under one `schedule`, from a `start` of its own or, if there is
+    none, steady sliding (or the jump that the base starts with)."""
 
     base: Scene
     free: tuple[Free, ...]
     schedule: Schedule
+    start: Start | None = None
 
     def scene(self, inner: Array) -> Scene:
         """That of these values, with no nudge."""
@@ -81,8 +83,8 @@ class Variants:
         times, velocities = (
             tuple(value / unit for value in part) for part, unit in zip(self.schedule, (clock, pace), strict=True)
         )
-        start = found.start if found.start.kind is StartKind.JUMP else Start(size=0.0)
-        return replace(found, drive=Drive(times, velocities), start=start)
+        own = found.start if found.start.kind is StartKind.JUMP else Start(size=0.0)
+        return replace(found, drive=Drive(times, velocities), start=self.start or own)
 
     def beside(self, inner: Array) -> list[Sides]:
         """The scenes on either side of each parameter."""

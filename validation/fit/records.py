@@ -10,16 +10,20 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from validation.data.series import Series
+from validation.fit.cycles import MeanCycle, mean_cycle, phases
 from validation.fit.parameters import Schedule, schedule_of, sizes
 
 _ALONE = 3.0  # standard deviations by which a straight line may miss
 _REST = 0.003  # of the largest velocity; a slower load point is at rest
+_WORTH = 40.0  # times the square of the noise: what a bend must take off the sum of squares
 _MOST_KNOTS = 400
 
 
 class Experiment(NamedTuple):
     """`friction` at `times` since the start of the scene (s, or transits in a scene without units), the `schedule` of the load
-    point, its displacement `travel` at these times (m, or L), and `notes` on how they were found."""
+    point, its displacement `travel` at these times (m, or L), and `notes` on how they were found. Residuals count with `weight`.
+
+    With `cycle` it is the mean cycle of stick-slip: in place of the first sample its period, then friction in its bins."""
 
     name: str
     times: Array
@@ -27,6 +31,13 @@ class Experiment(NamedTuple):
     travel: Array
     schedule: Schedule
     notes: tuple[str, ...] = ()
+    weight: Array | float = 1.0
+    cycle: MeanCycle | None = None
+
+    @property
+    def shown(self) -> slice:
+        """The samples that are friction."""
+        return slice(1 if self.cycle else 0, None)
 
 
 def experiment_of(series: Series, scene: Scene) -> Experiment:
@@ -42,12 +53,25 @@ def experiment_of(series: Series, scene: Scene) -> Experiment:
     if known.is_constant and "load_point_displacement" in series:
         moved = series["load_point_displacement"] * (scene.units.memory_length if series.is_own and scene.units else 1.0)
         found = followed(times, moved)
-        if len(found.times) > 2:
-            times, known = times - times[0], found._replace(times=tuple(t - times[0] for t in found.times))
-            notes.append(f"the load point moves as in the file: {_told(known)}")
+        times, known = times - times[0], found._replace(times=tuple(t - times[0] for t in found.times))
+        notes.append(f"the load point moves as in the file: {_told(known)}")
     if times[0] < 0.0:
         raise SceneError(f"{series.source!r}: time begins at {times[0]:g}: the scene starts at 0")
-    return Experiment(series.source, times, friction, travelled(known, times), known, tuple(notes))
+    if known.is_constant:
+        return stick_slip(series.source, times, friction, known, notes)
+    bends = float(np.median(np.abs(np.diff(friction, 2)))) / (0.6745 * 6.0**0.5)
+    weight = 1.0 / bends if bends > 0.0 else 1.0
+    return Experiment(series.source, times, friction, travelled(known, times), known, tuple(notes), weight)
+
+
+def stick_slip(name: str, times: Array, friction: Array, schedule: Schedule, notes: list[str]) -> Experiment:
+    """The mean cycle of a record at one velocity. Raises SceneError if it has no slip events."""
+    cycle = mean_cycle(name, times, friction)
+    values, errors = (np.append(a, b) for a, b in ((cycle.period, cycle.friction), (cycle.period_error, cycle.friction_error)))
+    where = np.append(0.0, phases()) * cycle.period
+    told = f"{cycle.events} slip events: period {cycle.period:.6g}, fall of friction {cycle.drop:.4g}"
+    travel = where * schedule.velocities[0]
+    return Experiment(name, where, values, travel, schedule, (*notes, told), 1.0 / errors, cycle)
 
 
 def travelled(schedule: Schedule, times: Array) -> Array:
@@ -59,7 +83,7 @@ def followed(times: Array, moved: Array) -> Schedule:
     """The velocity of a load point that `moved`, in steps: straight lines as few as the noise allows, which meet."""
     jumps = moved[2:] - moved[1:-1] - (moved[1:-1] - moved[:-2]) * np.diff(times)[1:] / np.diff(times)[:-1]
     noise = max(float(np.median(np.abs(jumps))) / (0.6745 * 6.0**0.5), 1e-9 * float(np.ptp(moved)))
-    cuts = _cuts(times, moved, noise)
+    cuts = _merged(times, moved, _cuts(times, moved, noise), noise)
     lines = [np.polyfit(times[a : b + 1], moved[a : b + 1], 1) for a, b in pairwise(cuts)]
     fastest = max(abs(slope) for slope, _ in lines)
     knots, paces = [float(times[0])], [_pace(lines[0][0], fastest)]
@@ -91,6 +115,27 @@ def _cuts(times: Array, moved: Array, noise: float) -> list[int]:
             cuts.add(begin + worst)
             waiting += [(begin, begin + worst), (begin + worst, end)]
     return sorted(cuts)
+
+
+def _merged(times: Array, moved: Array, cuts: list[int], noise: float) -> list[int]:
+    """The cuts without those that make the sum of squares hardly smaller."""
+
+    def left(begin: int, end: int) -> float:
+        t, x = times[begin : end + 1], moved[begin : end + 1]
+        return float(np.sum((x - np.polyval(np.polyfit(t - t[0], x, 1), t - t[0])) ** 2)) if end - begin > 1 else 0.0
+
+    parts = [left(a, b) for a, b in pairwise(cuts)]
+    gains = [
+        left(a, c) - one - other for (a, c), (one, other) in zip(zip(cuts, cuts[2:], strict=False), pairwise(parts), strict=False)
+    ]
+    while gains and min(gains) < _WORTH * noise**2:
+        k = int(np.argmin(gains))
+        parts[k : k + 2] = [left(cuts[k], cuts[k + 2])]
+        del cuts[k + 1], gains[k]
+        for m in (k - 1, k):
+            if 0 <= m < len(gains):
+                gains[m] = left(cuts[m], cuts[m + 2]) - parts[m] - parts[m + 1]
+    return cuts
 
 
 def _told(schedule: Schedule) -> str:
