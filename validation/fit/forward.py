@@ -23,6 +23,7 @@ from validation.registry.build import build
 
 _FIRST = 0.125  # transits; length of the first step
 _MOST_STEPS = 400_000
+_SAME_TIME = 1e-6  # transits; a sample so far beyond the end of a piece is at its end
 _SHIFT = 1e-4  # of differences of marches
 
 
@@ -122,7 +123,7 @@ class OfSolver:
         """Nodal values of every part at the times of the record, (samples, rows)."""
         times, found, done = self._times / sizes(self.scene(inner))[0], [], 0
         for pieces, rows in parts:
-            last = int(np.searchsorted(times, pieces.time[-1] + pieces.length[-1], side="right"))
+            last = int(np.searchsorted(times, pieces.time[-1] + pieces.length[-1] + _SAME_TIME, side="right"))
             if last > done:
                 found.append(np.column_stack(sampled(pieces, times[done:last], rows)))
                 done = last
