@@ -7,7 +7,9 @@ import pytest
 from fake_studies import draw
 
 from validation.report import store
-from validation.study import Figure, StudyResult
+from validation.report.figures import of_paper_in
+from validation.report.store import Stored
+from validation.study import Evidence, Figure, Outcome, StudyResult, Verdict
 from validation.study.drawing import canvas, styled
 from validation.study.drawn import MOST, curves_csv, drawn, plain_label, read_curves, redraw, staying, thin_out
 from validation.study.render import render
@@ -146,3 +148,19 @@ def test_a_stored_figure_has_its_data_and_words(fake, tmp_path):
     assert (picture.paper, picture.study) == ("Fig 5", "first")
     (back,) = read_curves(picture.csv.read_text(), picture.panels)
     assert (back.curves[0].x.tolist(), back.curves[0].y.tolist()) == ([0.0, 1.0], [0.0, 1.0])
+
+
+def test_the_papers_figures_stand_in_its_order_with_what_they_carry(tmp_path):
+    """P1 is not P10; a figure takes verdicts of every study."""
+    rows = [Verdict(claim, Evidence.PAPER, "73.5", "73.47", Outcome.PASS) for claim in ("P1 a", "P10 b", "Fig 5: c", "other")]
+    one = Stored("one", "?", 1.0, True, StudyResult("", verdicts=tuple(rows[:2])), (picture_of(tmp_path, "Fig 7", "P10 "),))
+    two = Stored(
+        "two", "?", 1.0, True, StudyResult("", verdicts=tuple(rows[2:])), (picture_of(tmp_path, "Fig 5", "P1 ", "Fig 5"),)
+    )
+    found = [(one.picture.paper, [verdict.claim for verdict in one.verdicts]) for one in of_paper_in([one, two])]
+    assert found == [("Fig 5", ["P1 a", "Fig 5: c"]), ("Fig 7", ["P10 b"])]
+
+
+def picture_of(folder, paper, *carries):
+    files = [folder / f"a{end}" for end in (".svg", ".png", ".csv")]
+    return store.Picture("one", "a", "A.", False, False, paper, carries, False, "t", "d", [], *files)

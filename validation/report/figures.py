@@ -1,13 +1,31 @@
 """Figures in the page: inline SVG whose colours follow the reader's, and the data of those that can be enlarged."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from validation.report.store import Picture, Stored
+from validation.study import Verdict
 from validation.study.vector import inline, night_colors
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+
+
+class OfPaper(NamedTuple):
+    """A figure of the paper that is drawn again, and the verdicts that it carries, of any study."""
+
+    picture: Picture
+    verdicts: list[Verdict]
+
+
+def of_paper_in(studies: Sequence[Stored]) -> list[OfPaper]:
+    """The paper's figures in its order."""
+    every = [verdict for study in studies if study.result for verdict in study.result.verdicts]
+    pictures = [picture for study in studies for picture in study.pictures if picture.paper]
+    return [
+        OfPaper(picture, [verdict for verdict in every if verdict.claim.startswith(tuple(picture.carries))])
+        for picture in sorted(pictures, key=lambda one: one.paper)
+    ]
 
 
 def with_figures(environment: "Environment", studies: Sequence[Stored]) -> "Environment":
@@ -20,4 +38,5 @@ def with_figures(environment: "Environment", studies: Sequence[Stored]) -> "Envi
     pictures = [picture for study in studies for picture in study.pictures]
     environment.filters["inline"] = element
     environment.globals["night"] = Markup(night_colors(picture.svg.read_text(encoding="utf-8") for picture in pictures))
+    environment.globals["of_paper"] = of_paper_in(studies)
     return environment

@@ -49,7 +49,7 @@ def run(budget: Budget) -> StudyResult:
                 _CAPTION,
                 lambda: diagram(branches.values(), waves),
                 paper="Fig 6",
-                carries=("P8", "P9", "P11", "P14"),
+                carries=("P8 ", "P9 ", "P11 ", "P14 "),
                 zoom=True,
             ),
         ),

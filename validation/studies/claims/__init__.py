@@ -40,8 +40,8 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answer=_answer(verdicts),
         figures=(
-            Figure("irregular", _CAPTION, lambda: irregular(deep), paper="Fig 9", carries=("P13",), zoom=True),
-            Figure("planes", _PLANES, lambda: slip_planes(deep), paper="Fig 9", carries=("P13",)),
+            Figure("irregular", _CAPTION, lambda: irregular(deep), paper="Fig 9", carries=("P13 ",), zoom=True),
+            Figure("planes", _PLANES, lambda: slip_planes(deep), paper="Fig 9", carries=("P13 ",)),
             Figure("returns", _RETURNS, lambda: returns(deep), zoom=True),
         ),
         tables=(_branch_table(orbits), _onset_table(), _deep_table(deep)),

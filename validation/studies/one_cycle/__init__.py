@@ -42,9 +42,14 @@ def run(budget: Budget) -> StudyResult:
         figures=(
             Figure("overlay", _OVERLAY, lambda: overlay(cycles), lead=True),
             Figure(
-                "ode-orbit", _ODE_ORBIT, lambda: ode_orbit(cycles["kelvin-voigt"]), paper="Fig 4", carries=("P3", "P5"), zoom=True
+                "ode-orbit",
+                _ODE_ORBIT,
+                lambda: ode_orbit(cycles["kelvin-voigt"]),
+                paper="Fig 4",
+                carries=("P3 ", "P5 "),
+                zoom=True,
             ),
-            Figure("panels", _PANELS_CAPTION, lambda: panels(cycles, errors), paper="Fig 5", carries=("P4", "P5", "P6")),
+            Figure("panels", _PANELS_CAPTION, lambda: panels(cycles, errors), paper="Fig 5", carries=("P4 ", "P5 ", "P6 ")),
             Figure("growth", _GROWTH, lambda: cycles_over_r(grown)),
         ),
         tables=(drops(runs), rates(runs), _reference_table(runs), over_r_table(grown)),

@@ -51,7 +51,7 @@ def run(budget: Budget) -> StudyResult:
                 _CAPTION,
                 lambda: periods_over_r(branches, listed, ratios),
                 paper="Fig 8",
-                carries=("P7", "P12", "The paper’s periods"),
+                carries=("P7 ", "P12 ", "The paper’s periods"),
             ),
         ),
         tables=(period_table(listed), mean_table(listed)),

@@ -40,7 +40,7 @@ def run(budget: Budget) -> StudyResult:
     others = [] if budget.quick else [bubble(*ends) for ends in _PAIRS]
     return StudyResult(
         answer=_answer(found),
-        figures=(Figure("planes", _CAPTION, lambda: planes(found, others), paper="Fig 7", carries=("P10",)),),
+        figures=(Figure("planes", _CAPTION, lambda: planes(found, others), paper="Fig 7", carries=("P10 ",)),),
         tables=(orbit_table(found), *([bubble_table(others)] if others else [])),
         verdicts=(*all_verdicts(found), *map(ends_simple, others)),
         notes=(_HOW,),

@@ -55,7 +55,7 @@ def run(budget: Budget) -> StudyResult:
                 _FIG_2,
                 lambda: critical_curves(curves.velocity, curves.delay, curves.kelvin_voigt),
                 paper="Fig 2",
-                carries=("P1", "P2", "Fig 2"),
+                carries=("P1 ", "P2 ", "Fig 2"),
             ),
             Figure("planes", _FIG_3, lambda: planes(traced, slopes, paper), paper="Fig 3", carries=("Fig 3",)),
             Figure("impedance", _FIG_Z, lambda: impedances(paper)),
