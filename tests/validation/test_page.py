@@ -9,11 +9,11 @@ from fake_studies import result
 
 from validation.report.first_screen import SHOWN, cost_at, usual
 from validation.report.page import write_page
-from validation.report.questions import QUESTIONS, ask
+from validation.report.questions import QUESTIONS, ask, left_out
 from validation.report.recorded import record_of
 from validation.report.store import Stored
 from validation.studies import STUDIES
-from validation.study import Evidence, Outcome, StudyResult, Verdict
+from validation.study import Evidence, Omission, Outcome, StudyResult, Verdict
 from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.study.names import with_names
 from validation.study.text import first_sentence
@@ -156,6 +156,19 @@ def test_every_cell_has_its_numbers_its_verdicts_and_a_command(tmp_path):
     ]
     assert last[-1] == "1 slipwave run paper --model quasidynamic --set slab.log10_r=-2.5"
     assert 'href="#which-model.a-holds" title="which-model.a-holds">1</a>' in html
+
+
+def test_a_reason_with_numbers_is_checked_by_a_verdict_or_said_not_to_be(tmp_path):
+    named = [Omission("Gone.", "At 3.", ("A holds",)), Omission("Lost.", "At 4.", ("B holds",)), Omission("Else.", "No.")]
+    studies = [stored("energy", verdict(title="A holds so")), stored("claims", omissions=tuple(named))]
+    assert [([v.claim for v in proofs], bare) for _, _, proofs, bare in left_out(studies)] == [
+        (["A holds so"], False),
+        ([], True),
+        ([], False),
+    ]
+    html = page_of(tmp_path, *studies)
+    assert "3 reasons, 1 unchecked" in summary_of(html, "omissions")
+    assert 'At 3. <a href="#claims">claims</a> <a href="#energy.a-holds-so"' in html
 
 
 def test_on_a_phone_the_cost_is_that_of_the_nearest_place():

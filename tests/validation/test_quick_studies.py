@@ -1,6 +1,7 @@
 """Quick runs of the studies: which verdicts there are, that all but known findings pass within limits near what is measured, that
 a displaced model turns them red (`shown.quick`), and their most important numbers."""
 
+import re
 from typing import NamedTuple
 
 import pytest
@@ -69,6 +70,7 @@ def test_a_quick_run_holds_within_near_limits(name: str) -> None:
     assert sorted({title.split()[0] for title, outcome in told if outcome is Outcome.FINDING}) == sorted(expected.findings)
     assert len(told) == expected.verdicts
     assert too_roomy(result.verdicts) == []
+    assert [o.what for o in result.omissions if re.search(r"\d", o.what + o.why) and not o.claims] == []
     for number, (value, tolerance) in expected.numbers.items():
         assert result.numbers[number].value == pytest.approx(value, rel=tolerance), number
     assert all(number.value == number.value for number in result.numbers.values())

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from slipwave.files import whole_or_absent
 from validation.report import first_screen
 from validation.report.figures import with_figures
-from validation.report.questions import ask, by_claim, verdicts_of
+from validation.report.questions import ask, by_claim, left_out, verdicts_of
 from validation.report.record import Changes, Record, Word
 from validation.report.store import Stored
 from validation.study import Evidence, Outcome, Verdict, text
@@ -44,7 +44,7 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], repo
             matrix=matrix(studies),
             tally=tally(studies),
             leads=[(study, picture) for study in studies for picture in study.pictures if picture.lead],
-            omissions=[(study, o) for study in studies if study.result for o in study.result.omissions],
+            omissions=left_out(studies),
             changes=report.changes,
             said=said,
             studies=studies,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from validation.report.store import Stored
-from validation.study import Evidence, Outcome, Verdict
+from validation.study import Evidence, Omission, Outcome, Verdict
 
 
 class Question(NamedTuple):
@@ -83,6 +83,17 @@ def verdicts_of(studies: Sequence[Stored]) -> list[Verdict]:
 def by_claim(verdicts: Sequence[Verdict]) -> list[tuple[str, list[Verdict]]]:
     """Claims in order, each with its verdicts."""
     return [(title, [v for v in verdicts if v.claim == title]) for title in dict.fromkeys(v.claim for v in verdicts)]
+
+
+def left_out(studies: Sequence[Stored]) -> list[tuple[Stored, Omission, list[Verdict], bool]]:
+    """What is not in the report: the study that says so, the verdicts that check its reason, and whether it needs any and has
+    none, for it holds numbers."""
+    known, found = verdicts_of(studies), []
+    for study in studies:
+        for one in study.result.omissions if study.result else ():
+            proofs = [verdict for verdict in known if one.claims and verdict.claim.startswith(one.claims)]
+            found.append((study, one, proofs, not proofs and any(map(str.isdigit, one.what + one.why))))
+    return found
 
 
 def _of_paper(studies: Sequence[Stored]) -> str:

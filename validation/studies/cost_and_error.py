@@ -76,6 +76,7 @@ def run(budget: Budget) -> StudyResult:
                 f"At log_{{10}} r = {places([_LOG10_R])} the first runs away and the second slides steadily, as it does up to "
                 f"{places([damped], '.3f')}: there is no period to compare. The study `which-model` has its cost, "
                 "and its errors beyond.",
+                ("The quasi-static model runs away", "The quasi-dynamic model slides steadily up to its own onset"),
             ),
         ),
     )

@@ -187,10 +187,12 @@ def stated(value: float, error: float, known: float | None = None, known_within:
 
 @dataclass(frozen=True)
 class Omission:
-    """Something a reader might expect here and does not find, with the reason."""
+    """Something a reader might expect here and does not find, with the reason. `claims` begin the titles of the verdicts, of any
+    study, that check it; a reason with numbers has one."""
 
     what: str
     why: str
+    claims: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

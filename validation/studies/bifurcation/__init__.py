@@ -120,7 +120,11 @@ _FOLDS = (
     "points begin a ripple later; with two (`modal:2`) they begin where the delay system’s do; the paper’s ODE has other "
     "bifurcations altogether."
 )
-_P9 = Omission("P9, period doublings and torus of the ODE.", "The quick report ends its branch after two doublings.")
+_P9 = Omission(
+    "P9, period doublings and torus of the ODE.",
+    "The quick report ends its branch after two doublings.",
+    ("Special points of `kelvin-voigt`",),
+)
 
 
 _LABELS = {"period": "$T$ (transits)", "stress_drop": r"$\Delta\mu$", "elastic_stress_drop": r"$\Delta y$"}

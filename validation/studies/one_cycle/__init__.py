@@ -57,8 +57,12 @@ def run(budget: Budget) -> StudyResult:
         notes=(reference()["how"],),
         numbers=_numbers(runs),
         omissions=(
-            Omission("Quasi-static curve.", f"It has no limit cycle: {escape or 'the run did not end'}."),
-            Omission("Quasi-dynamic curve.", _DAMPED),
+            Omission(
+                "Quasi-static curve.",
+                f"It has no limit cycle: {escape or 'the run did not end'}.",
+                ("The quasi-static model runs away",),
+            ),
+            Omission("Quasi-dynamic curve.", _DAMPED, ("The quasi-dynamic model slides steadily",)),
         ),
     )
 

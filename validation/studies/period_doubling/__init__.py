@@ -73,7 +73,7 @@ _HOW = (
     "orbit and settles on the doubled one. The branch of doubled orbits is followed in both directions until their largest "
     f"multiplier exceeds {NEAR:g}; a straight line takes it to 1."
 )
-_OTHERS = Omission("The other two pairs of period doublings.", "The quick report does not follow their doubled orbits.")
+_OTHERS = Omission("The other two pairs of period doublings.", "The quick report does not follow their doubled orbits.", ("P9 ",))
 
 
 _DOUBLE = "#d55e00"
