@@ -133,7 +133,7 @@ def test_the_table_of_models_joins_cells_of_a_wrong_regime(tmp_path):
     head, titles, delay, short = rows_of(html, "error of the period, paper")
     assert head[1:] == ["periodic", "torus", "cost, delay = 1", "advice"]
     assert titles == ["−2.7", "−2.6", "−2.5", "at −2.6"]
-    assert delay == ["delay exact, T, transits", "70", "71", "72", "1", "use"]
+    assert delay == ["delay T, transits", "70", "71", "72", "1", "use"]
     assert short == ["quasidynamic", "slides steadily", "−40.0 ± 0.2\u00a0%", "0.05", "avoid other cycles"]
     assert '<td class="n wrong first" colspan="2"><a href="#models.paper.quasidynamic.-2.7">slides steadily</a></td>' in html
     assert rows_of(html, "error of the stress drop, paper")[3][2] == "+5.0 ± 0.2\u00a0%"

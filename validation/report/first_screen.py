@@ -51,8 +51,10 @@ def joined(table: ModelTable, row: ModelRow, symbol: str) -> Iterator[dict[str, 
 
 
 def shown(table: ModelTable, row: ModelRow, column: ModelColumn, cell: ModelCell, symbol: str) -> dict[str, Any]:
-    """What a cell says, its shade, and the anchor of what proves it."""
-    return {"words": words_of(cell, symbol), "shade": shade_of(cell, symbol), "anchor": anchor(table, row, column)}
+    """What a cell says, its shade, its regime beside numbers if that is wrong, and the anchor of what proves it."""
+    regime = cell.regime if symbol in cell.figures and not cell.right else ""
+    told = {"words": words_of(cell, symbol), "shade": shade_of(cell, symbol), "regime": regime}
+    return told | {"anchor": anchor(table, row, column)}
 
 
 def anchor(table: ModelTable, row: ModelRow, column: ModelColumn) -> str:
