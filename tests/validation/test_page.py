@@ -139,7 +139,7 @@ def test_the_table_of_models_joins_cells_of_a_wrong_regime(tmp_path):
     assert rows_of(html, "error of the stress drop, paper")[3][2] == "+5.0 ± 0.2\u00a0%"
     assert rows_of(html, "onset of stick-slip, paper")[1:] == [
         ["delay", "−2.690000", "exact", "use"],
-        ["quasidynamic", "no onset", "avoid other cycles"],
+        ["quasidynamic", "–", "–", "avoid other cycles"],
     ]
 
 
