@@ -198,8 +198,10 @@ def test_a_caption_folds_behind_its_first_sentence(words, first):
     assert " ".join(filter(None, first_sentence(words))) == words
 
 
-def test_a_whole_result_is_shown(tmp_path):
-    html = page_of(tmp_path, Stored("claims", "?", 1.0, True, result()))
+def test_a_whole_result_is_shown_with_its_data(tmp_path):
+    html = page_of(tmp_path, Stored("claims", "?", 1.0, True, result()), stored("which-model", model_tables=(models(),)))
+    assert html.count('href="data/claims/table-t.csv"') == 1
+    assert html.count('href="data/which-model/models-paper.csv"') == 2
     assert len(SHOWN) == len({function.__name__ for function in SHOWN})
     assert "Clock: transits." in html
     assert "<b>P8</b> needs continuation" in html
