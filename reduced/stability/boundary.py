@@ -19,6 +19,7 @@ Real = NDArray[np.float64]
 _LINES = 4  # per parameter, on which boundaries are searched
 _STEP = 0.02  # of the rectangle's side
 _ROUNDS = 12
+_FAST = 0.1  # of the change before, at most, with an old matrix
 _DIFFERENCE = 1e-6
 
 
@@ -74,18 +75,23 @@ class _Plane:
         return np.array([value.real, value.imag])
 
     def corrected(self, x: Real, tangent: Real) -> Real | None:
-        """Newton orthogonal to `tangent`; None if it does not converge."""
+        """Newton orthogonal to `tangent`; None if it does not converge. The matrix is computed anew only where the last change
+        was not much smaller than the one before: it costs six residuals."""
+        matrix, size = None, math.inf
         for _ in range(_ROUNDS):
-            matrix = np.vstack([_central_differences(self.residual, x), tangent])
+            if matrix is None:
+                matrix = np.vstack([_central_differences(self.residual, x), tangent])
             try:
                 change = np.linalg.solve(matrix, np.append(-self.residual(x), 0.0))
             except np.linalg.LinAlgError:
                 return None
-            if not np.all(np.isfinite(change)) or np.linalg.norm(change) > 1.0:
+            before, size = size, float(np.linalg.norm(change))
+            if not size <= 1.0:
                 return None
             x = x + change
-            if np.linalg.norm(change) < 1e-11:
+            if size < 1e-11:
                 return x
+            matrix = matrix if size < _FAST * before else None
         return None
 
 
