@@ -5,7 +5,7 @@ STAMP := .venv/installed
 # small matrices gain nothing from more threads, and lose a factor of 50 where processes share the machine
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: install test report wheel bench docs cf faults mutants
+.PHONY: install test report wheel bench docs cf page browser faults mutants
 
 install: $(STAMP)
 
@@ -45,6 +45,17 @@ docs: $(STAMP) requirements-docs.lock
 cf: $(STAMP) requirements-cf.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --requirement requirements-cf.lock
 	$(BIN)/python -m tests.conventions
+
+# the page of the last report in a browser: sizes, keys, print, dark mode, and an accessibility checker from outside
+page: $(STAMP) requirements-page.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --requirement requirements-page.lock
+	REPORT=$(or $(REPORT),reports) $(BIN)/pytest tests/page
+
+# a browser for it where there is none: Debian's for the superuser, otherwise one of playwright's
+browser: $(STAMP) requirements-page.lock
+	@command -v chromium || command -v chromium-browser || command -v google-chrome || \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get; then apt-get update -q && apt-get install -q -y chromium; \
+	else $(BIN)/python -m pip install --quiet --requirement requirements-page.lock && $(BIN)/playwright install chromium; fi
 
 # make faults PART=4 plants one in four of the faults; the commit decides which
 faults: $(STAMP)

@@ -18,7 +18,7 @@ from validation.report.files import csv_of
 from validation.report.record import ColumnRecord, report_schema
 from validation.report.recorded import read_report, text_of
 from validation.report.without_times import lasting_digest
-from validation.study import EXACT, Figure, Number, Outcome, StudyResult, Verdict, claim, holding, table
+from validation.study import EXACT, Figure, Number, Outcome, StudyResult, Verdict, claim, holding, stated, table
 from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.study.text import run_time
 
@@ -155,6 +155,7 @@ def test_the_patch_gives_the_baseline_that_take_would_write(changing, tmp_path):
 
 def test_a_study_without_a_baseline_gets_one_by_the_patch(changing, tmp_path):
     assert changing.report() == 0
+    assert (changing.out / "baseline.patch").exists()
     subprocess.run(["git", "apply", changing.out / "baseline.patch"], cwd=tmp_path, check=True)
     baseline.take(changing.out)
     assert (tmp_path / "reports/baseline/first.json").read_text() == (baseline.FOLDER / "first.json").read_text()
@@ -189,7 +190,7 @@ def test_against_an_earlier_report(changing, tmp_path, capsys, before, now, word
     assert changing.report("--against", str(tmp_path / "earlier")) == max(status, 3 * (now == found(2e-6)))
     said = capsys.readouterr().out.splitlines()
     changes = changing.record().changes
-    assert changes.counts[word] == 1
+    assert changes.counts.get(word) == 1
     assert [change.word for change in changes.listed][:1] == [word] * (word != "same")
     assert f"1 {word}" in said[1]
     shown = [line.removeprefix("first: ").split()[1:] for line in said[3:]]
@@ -251,3 +252,12 @@ def test_two_reports_are_the_same_but_for_run_times(changing, tmp_path):
         changing.out.rename(tmp_path / str(len(digests)))
     assert len(set(digests[:3])) == 1
     assert digests[3] != digests[0]
+
+
+def test_the_tolerance_of_a_number_is_two_of_its_error_bars():
+    """Two values on both sides of the truth, each as far as its bar allows, are the same; further apart they are not."""
+    truth, bar = -80.0, 4e-8
+    ours, theirs = stated(truth - bar, bar), stated(truth + 0.99 * bar, bar)
+    assert not ours.differs(theirs.value)
+    assert ours.differs(truth + 1.02 * bar)
+    assert stated(1.0, 0.0).tolerance == 1e-11
