@@ -1,12 +1,17 @@
 """Stored figures: drawn again from their CSV, told in the numbers that are drawn, in colours that can be told from the page."""
 
+import base64
+import gzip
+import json
 import re
+from html import unescape
 
 import numpy as np
 import pytest
 from fake_studies import draw
 
 from validation.report import store
+from validation.report.build import make_report
 from validation.report.figures import of_paper_in
 from validation.report.store import Stored
 from validation.study import Evidence, Figure, Outcome, StudyResult, Verdict
@@ -163,4 +168,21 @@ def test_the_papers_figures_stand_in_its_order_with_what_they_carry(tmp_path):
 
 def picture_of(folder, paper, *carries):
     files = [folder / f"a{end}" for end in (".svg", ".png", ".csv")]
-    return store.Picture("one", "a", "A.", False, False, paper, carries, False, "t", "d", [], *files)
+    return store.Picture("one", "a", "A.", False, False, paper, carries, False, "", "t", "d", [], *files)
+
+
+def test_a_figure_that_opens_has_its_file_in_the_page(fake, tmp_path):
+    """Packed, the same bytes; the script and its licence are there, and no address; without such a figure there is no script."""
+    shown = StudyResult("", figures=(Figure("line", "A line.", draw, zoom=True),))
+    fake.add("first", lambda budget: shown)
+    html = make_report(tmp_path).read_text()
+    packed, panels = re.search(r'id="first-line-curves" data-panels="(.*?)">(.*?)</script>', html).groups()[::-1]
+    assert gzip.decompress(base64.b64decode(packed)) == (tmp_path / "data/first/line.csv").read_bytes()
+    (facts,) = json.loads(unescape(panels))
+    assert (facts["scales"], facts["colors"]) == (["linear", "linear"], ["#1f77b4"])
+    assert 'data-packed="first-line-curves"' in html
+    assert "Leon Sorokin, MIT License" in html
+    assert "var uPlot=function" in html
+    assert "http" not in html
+    fake.add("first")
+    assert "uPlot" not in make_report(tmp_path / "other").read_text()

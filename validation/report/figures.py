@@ -1,6 +1,10 @@
 """Figures in the page: inline SVG whose colours follow the reader's, and the data of those that can be enlarged."""
 
+import base64
+import gzip
+import json
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from validation.report.store import Picture, Stored
@@ -9,6 +13,9 @@ from validation.study.vector import inline, night_colors
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+
+
+_HERE = Path(__file__).parent
 
 
 class OfPaper(NamedTuple):
@@ -39,4 +46,22 @@ def with_figures(environment: "Environment", studies: Sequence[Stored]) -> "Envi
     environment.filters["inline"] = element
     environment.globals["night"] = Markup(night_colors(picture.svg.read_text(encoding="utf-8") for picture in pictures))
     environment.globals["of_paper"] = of_paper_in(studies)
+    environment.filters |= {"packed": packed, "json": json.dumps}
+    environment.globals["plotting"] = Markup(_plotting()) if any(picture.zoom for picture in pictures) else ""
     return environment
+
+
+def packed(picture: Picture) -> str:
+    """The figure's CSV file as gzip in base64, the same bytes for the same file."""
+    return base64.b64encode(gzip.compress(picture.csv.read_bytes(), mtime=0)).decode("ascii")
+
+
+def _plotting() -> str:
+    """uPlot, whose first line is an address, and what opens it."""
+    library = (_HERE / "uplot" / "uPlot.iife.min.js").read_text(encoding="utf-8")
+    assert library.startswith("/*!")
+    return (
+        "/* uPlot 1.6.32, Copyright (c) 2022 Leon Sorokin, MIT License */"
+        + library[library.index("*/") + 2 :]
+        + (_HERE / "plot.js").read_text(encoding="utf-8")
+    )

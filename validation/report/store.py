@@ -28,7 +28,7 @@ _PARTS: dict[str, Any] = {
     "model_tables": tuple[ModelTable, ...],
 }
 """The parts of a result that are kept, with their types."""
-_OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "carries", "zoom")
+_OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "carries", "zoom", "beside")
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,7 @@ class Picture:
     paper: str
     carries: tuple[str, ...]
     zoom: bool
+    beside: str
     title: str
     description: str
     panels: list[dict[str, Any]]

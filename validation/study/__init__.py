@@ -114,7 +114,8 @@ def table(name: str, caption: str, heading: str, rows: Iterable[Iterable[Cell]],
 class Figure:
     """A picture drawn on demand by matplotlib, stored as SVG, PNG and CSV. A `lead` figure is shown at the top of the page; a
     `timed` one shows run times; `paper` names the figure of the paper that it draws again ("Fig 5"), and `carries` how the claims
-    begin that it shows; a reader may `zoom` into its curves."""
+    begin that it shows; a reader may `zoom` into its curves, and sees `beside` a point the nearest curve of that other figure,
+    whose curves are called "T = ..., log10 r = ..."."""
 
     name: str
     caption: str
@@ -124,6 +125,7 @@ class Figure:
     paper: str = ""
     carries: tuple[str, ...] = ()
     zoom: bool = False
+    beside: str = ""
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from slipwave.observe.pieces import Array
 from validation.study.drawing import Drawing, canvas
+from validation.study.vector import legible
 
 MOST = 2000
 """Points of one curve of a panel at most."""
@@ -57,6 +58,7 @@ class Panel:
     y_label: str
     scales: tuple[str, str]
     limits: tuple[tuple[float, float], tuple[float, float]]
+    colors: tuple[str, ...] = ()
     curves: tuple[Drawn, ...] = ()
 
     @property
@@ -151,7 +153,9 @@ def _panel(axes: Any, figure: Drawing, taken: dict[str, int]) -> Panel:
     legends = [axes.get_legend(), *figure.legends, *(other.get_legend() for other in figure.axes if other is not axes)]
     entries = [entry for legend in legends for entry in _entries(legend)]
     curves = _joined(one for one in (*_curves(axes, entries, title), *_areas(axes)) if one.x.size)
-    return Panel(name + (f" ({taken[name]})" if taken[name] > 1 else ""), x_label, y_label, scales, limits, tuple(curves))
+    every, name = tuple(curves), name + (f" ({taken[name]})" if taken[name] > 1 else "")
+    colors = tuple(legible(one.color) if one.color else "" for one in every)
+    return Panel(name, x_label, y_label, scales, limits, colors, every)
 
 
 def _shared(axes: Any, which: str) -> str:

@@ -50,7 +50,6 @@ def run(budget: Budget) -> StudyResult:
                 lambda: diagram(branches.values(), waves),
                 paper="Fig 6",
                 carries=("P8 ", "P9 ", "P11 ", "P14 "),
-                zoom=True,
             ),
         ),
         tables=_tables(branches, waves, budget.quick),

@@ -52,6 +52,7 @@ def run(budget: Budget) -> StudyResult:
                 lambda: periods_over_r(branches, listed, ratios),
                 paper="Fig 8",
                 carries=("P7 ", "P12 ", "The paper’s periods"),
+                zoom=True,
             ),
         ),
         tables=(period_table(listed), mean_table(listed)),

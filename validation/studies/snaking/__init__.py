@@ -14,9 +14,10 @@ from validation.studies.snaking import measured
 from validation.studies.snaking.measured import Attractor, Run, Side, Sides, coexisting, grows, settles, sides
 from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, memo, table
 from validation.study.branch_drawing import draw_branch, draw_special, special_keys
-from validation.study.drawing import WIDTH, Drawing, canvas, ruled
+from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
+from validation.study.drawn import staying
 from validation.study.over_r import COMPARED, Branch, Corner, branch_of, column, parts, scene_at
-from validation.study.text import plain
+from validation.study.text import minus, plain
 
 NAME = "snaking"
 QUESTION = "How many orbits does the exact system have at one r, and which of them are stable?"
@@ -57,7 +58,10 @@ def run(budget: Budget) -> StudyResult:
     beside = [branch.orbits_at(log10_r)[-1] for log10_r in (_BEFORE, _BEYOND)]
     return StudyResult(
         answer=_answer(branch, max(map(len, orbits.values()))),
-        figures=(Figure("snake", _CAPTION, lambda: snake(branch, runs)),),
+        figures=(
+            Figure("snake", _CAPTION, lambda: snake(branch, runs), zoom=True, beside="orbits"),
+            Figure("orbits", _ORBITS, lambda: orbits_along(branch), zoom=True),
+        ),
         tables=(
             _pair_table(branch),
             _window_table(branch.corners),
@@ -99,12 +103,17 @@ _CAPTION = (
     "unstable. Orange: periods of direct runs; one settles (circle), the other does not (bar from the least to the largest). "
     "Right: the number of multipliers outside the unit circle along the branch."
 )
+_ORBITS = (
+    "Stress over one period of orbits along the branch, from its low end (below) to its high one, each raised above the one "
+    "before. Solid: stable; dotted: unstable."
+)
 _WHY = (
     "Ripples of one transit decorate the cycle. As r grows, T grows, and a new ripple enters the cycle about once per transit of "
     "T; each time the branch turns to smaller r and back. Such snakes are known of other systems with long delays."
 )
 
 
+_ALONG, _POINTS, _RAISED = 24, 400, 0.15
 _LEAST = 74.0
 """Period (transits) from which the branch is shown."""
 
@@ -182,6 +191,23 @@ def _reappearance_table(closed: Closed, residuals: Mapping[int, float]) -> Table
         "largest difference of ψ in a march over the period there."
     )
     return table("reappearance", caption, "k .0f | log_{10} r .6f | T [transits] .8f | difference of ψ .0e", rows)
+
+
+def orbits_along(branch: Branch) -> Drawing:
+    """The stress of some orbits in order along the branch, each raised by `_RAISED`."""
+    points = [point for point in branch.points if point.closed.cycle.period > _LEAST]
+    figure = canvas(WIDTH, 6.0)
+    axes = figure.add_subplot()
+    for k, n in enumerate(np.linspace(0, len(points) - 1, _ALONG).astype(int)):
+        closed = points[n].closed
+        cycle = memo.cycle_of(closed, 0.0, 0.0)
+        chosen = staying(cycle.time, cycle.stress, _POINTS)
+        label = minus(f"T = {closed.cycle.period:.3f}, log10 r = {points[n].parameter:.5f}")
+        stable = count_unstable(closed) == 0
+        look: Any = {"linestyle": "-" if stable else (0, (1.5, 1.2)), "linewidth": 0.8, "label": label}
+        axes.plot(cycle.time[chosen], cycle.stress[chosen] + _RAISED * k, color=pen("delay").color, **look)
+    axes.set(xlabel="time since the slip event (transits)", ylabel=rf"$\mu$, each orbit {_RAISED:g} above the one before")
+    return figure
 
 
 def snake(branch: Branch, runs: Iterable[Run]) -> Drawing:
