@@ -225,6 +225,13 @@ PLACES: dict[str, tuple[Place, ...]] = {
         Place("which_model.measured:orbit_of", (lambda value: value and scaled(value),)),
         Place("which_model.measured:regime_at", (lambda value: scaled(value, 1e-2),)),
     ),
+    "beyond-one-scene": (
+        Place(
+            "beyond_one_scene:regime_of",
+            (lambda value: scaled(value, 3e-2),),
+            unjudged=("modal:2", "modal:1", "kelvin-voigt", "block8", "block12", "quasistatic"),
+        ),
+    ),
     "regime-map": (
         Place("regime_map:swept_plane"),
         Place("regime_map:onset_lines"),

@@ -65,7 +65,7 @@ def anchor(table: ModelTable, row: ModelRow, column: ModelColumn) -> str:
 def command_for(table: ModelTable, row: ModelRow, column: ModelColumn, cell: ModelCell) -> str:
     """The command that repeats a cell of a table over r."""
     name = "run" if cell.cycles else "orbit" if cell.figures else "stability"
-    return f"slipwave {name} {table.name} --model {row.model} --set slab.log10_r={column.log10_r:g}"
+    return f"slipwave {name} {table.name} --model {row.model} {column.settings or f'--set slab.log10_r={column.log10_r:g}'}"
 
 
 def proofs(model: str, studies: Sequence[Stored]) -> list[str]:

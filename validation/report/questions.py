@@ -18,7 +18,11 @@ class Question(NamedTuple):
 
 
 QUESTIONS = (
-    Question("which", "Which model may I use?", ("which-model", "one-cycle", "error-laws", "regime-map", "asymmetry-map")),
+    Question(
+        "which",
+        "Which model may I use?",
+        ("which-model", "beyond-one-scene", "one-cycle", "error-laws", "regime-map", "asymmetry-map"),
+    ),
     Question("cost", "What does an answer cost?", ("cost-and-error",)),
     Question(
         "exact",

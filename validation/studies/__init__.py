@@ -8,6 +8,7 @@ from validation.study import Study
 
 STUDIES = {
     "which-model": "which_model",
+    "beyond-one-scene": "beyond_one_scene",
     "scene-facts": "scene_facts",
     "one-cycle": "one_cycle",
     "leapfrog-convergence": "leapfrog_convergence",

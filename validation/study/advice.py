@@ -44,16 +44,16 @@ def _advice(row: ModelRow, table: ModelTable) -> tuple[str, str]:
         return "avoid", _trouble(row, table)
     if False in good:
         beyond = next(cell for cell, fine in zip(row.cells, good, strict=True) if not fine)
-        return f"use up to {table.columns[last].over_onset:.2f} r_{{c}}", f"beyond: {_fault(beyond)}"
+        return f"use up to {table.columns[last].over_onset:.2f} r_{{c}}", f"then {_fault(beyond)}"
     if family and family.exact is not Exact.NEVER:
         return "use as witness", "full wave"
-    return "use", f"where an ODE is needed: off by {plain(_largest(row), '.0e')} at most where orbits repeat"
+    return "use", f"as an ODE, off by {plain(_largest(row), '.0e')}"
 
 
 def _fault(cell: ModelCell) -> str:
     """What is not good in a cell, in words."""
     if not cell.right:
-        return f"{cell.regime} where the waves are not"
+        return cell.regime
     worst = max((symbol for symbol in JUDGED if symbol in cell.figures), key=lambda symbol: _size(cell, symbol))
     return f"{worst} {_span([cell.figures[worst].error])}"
 
@@ -68,8 +68,8 @@ def _trouble(row: ModelRow, table: ModelTable) -> str:
     errors = [cell.figures["T"].error for cell in row.cells if "T" in cell.figures]
     words = []
     if silent:
-        regime, last = silent[-1]
-        words.append(regime + (f" up to {last.over_onset:.2f} r_{{c}}" if errors else ""))
+        regimes = " or ".join(dict.fromkeys(regime for regime, _ in silent))
+        words.append(regimes + (f" up to {silent[-1][1].over_onset:.2f} r_{{c}}" if errors else ""))
     if errors:
         words.append(f"T {_span(errors)}")
     return ", then ".join(words)

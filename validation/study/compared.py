@@ -10,7 +10,7 @@ from reduced.stability import critical_round_trip
 from slipwave.errors import NumericsError
 from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
-from validation.registry.families import GRIDS, family_of
+from validation.registry.families import one_port_of
 from validation.study.advice import with_advice
 from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.study.regimes import Regime
@@ -33,11 +33,13 @@ _EXACTLY = 1e-12  # relative error of an onset
 
 
 class Sight(NamedTuple):
-    """A scene as a column of the table: its `title`, and r over the onset of the exact system."""
+    """A scene as a column of the table: its `title`, r over the onset of the exact system, and the options of the command line
+    that make it."""
 
     title: str
     scene: Scene
     over_onset: float
+    settings: str = ""
 
 
 def compared_table(
@@ -46,9 +48,10 @@ def compared_table(
     sights: Sequence[Sight],
     regimes: Mapping[str, Sequence[Regime]],
     costs: Mapping[str, Mapping[str, float]] | None = None,
+    parameter: str = "log_{10} r",
 ) -> ModelTable:
     """The table, with advice and sentences, of models whose `regimes` in the scenes are known, the exact system's among them;
-    `costs` by the title of a column. Values of a scene in SI are in SI."""
+    `costs` by the title of a column, which is the `parameter`. Values of a scene in SI are in SI."""
     units, exact = sights[0].scene.units, regimes[EXACT_MODEL]
     sizes = [[units.size(unit, one.scene.transit) if units else 1.0 for _, unit, _ in QUANTITIES.values()] for one in sights]
     quantities = (
@@ -62,7 +65,7 @@ def compared_table(
         rows.append(ModelRow(model, cells, _onset(model, sights[0].scene), spent, "", ""))
     groups = ("periodic" if regime.words.startswith("periodic") else "torus, irregular" for regime in exact)
     columns = (
-        ModelColumn(one.title, math.log10(one.scene.transit), one.over_onset, group)
+        ModelColumn(one.title, math.log10(one.scene.transit), one.over_onset, group, one.settings)
         for one, group in zip(sights, groups, strict=True)
     )
     table = ModelTable(
@@ -99,12 +102,11 @@ def critical_r(model: str, scene: Scene) -> float:
 
 
 def _onset(model: str, scene: Scene) -> Compared | None:
-    """None for a full wave: the onset of a grid is not computed."""
-    own = math.nan if family_of(model) in GRIDS else critical_r(model, scene)
+    """Of a full wave that of its equations, whatever its grid."""
+    own, exact = (critical_r(one_port_of(one), scene) for one in (model, EXACT_MODEL))
     if not own > 0.0:
         return None
-    error = None if model == EXACT_MODEL else own / critical_r(EXACT_MODEL, scene) - 1.0
-    return Compared(math.log10(own), error, _EXACTLY)
+    return Compared(math.log10(own), None if model == EXACT_MODEL else own / exact - 1.0, _EXACTLY)
 
 
 def relative_costs(models: Collection[str], cells: Mapping[str, int], scene: Scene, rounds: int) -> dict[str, float]:

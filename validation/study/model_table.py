@@ -45,13 +45,15 @@ class ModelCell:
 
 @dataclass(frozen=True)
 class ModelColumn:
-    """A place: its `title` (log10 r, or a name), log10 r, r over the onset of the reference, and the `group` of columns that it
-    stands in: the regime of the reference there, "periodic" or "torus, irregular"."""
+    """A place: its `title` (log10 r, or another name), log10 r, r over the onset of the reference, the `group` of columns that it
+    stands in, which is the regime of the reference there, "periodic" or "torus, irregular"; and `settings`, the options of the
+    command line that make this place of the table's scene."""
 
     title: str
     log10_r: float
     over_onset: float
     group: str
+    settings: str = ""
 
 
 @dataclass(frozen=True)

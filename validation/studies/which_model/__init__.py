@@ -11,7 +11,7 @@ from validation.study.drawing import WIDTH, Axes, Drawing, canvas, line, pen, ru
 from validation.study.memo import cycle_of, own_orbit
 from validation.study.model_table import ModelTable
 from validation.study.over_r import begun_at, scene_at
-from validation.study.text import places
+from validation.study.text import places, power
 from validation.timing import Setting, warm_up
 
 NAME = "which-model"
@@ -28,6 +28,9 @@ _BEYOND = {True: (-2.65, -2.5), False: (-2.65, -2.6, -2.55, -2.5, -2.4, -2.3)}
 _UNTIL = {True: 6000.0, False: 10000.0}
 _SETTLED = 4000.0  # transits of a run to a stable orbit
 _COSTED, _ROUNDS = (-2.68, -2.5), {True: 3, False: 7}
+_LEAST = 1e-13
+"""The smallest error that is drawn."""
+_WAVE_COLOUR = "#a6761d"  # its own pen is as black and round as the delay system's
 _DRAWN = ("delay", "modal:1", "kelvin-voigt", "block12")
 _AROUND = 4.0  # transits before and after the cycle that is drawn
 
@@ -61,8 +64,8 @@ def run(budget: Budget) -> StudyResult:
 
 def the_table(regimes: measured.ByModel, grid: tuple[float, ...], rounds: int) -> ModelTable:
     """The table of the first screen."""
-    sights = [Sight(places([x]), scene_at(x), 10.0 ** (x - onset_of_exact())) for x in grid]
-    costs = {places([x]): costs_at(x, rounds) for x in _COSTED}
+    sights = [Sight(places([x], ".2f"), scene_at(x), 10.0 ** (x - onset_of_exact()), f"--set slab.log10_r={x:g}") for x in grid]
+    costs = {places([x], ".2f"): costs_at(x, rounds) for x in _COSTED}
     return compared_table("paper", _TABLE, sights, regimes, costs)
 
 
@@ -85,7 +88,7 @@ def _numbers(orbits: Runs, means: Runs, table: ModelTable) -> dict[str, Number]:
         for symbol, name in (("T", "period"), ("drop", "drop"), ("v_max", "v_max"))
     }
     found |= {f"{DAMPED} T at {x}": Number(figures.period.value, 1e-8) for x, figures in means[DAMPED].items() if figures}
-    known = {row.model: row.onset.error for row in table.rows if row.onset and row.onset.error is not None}
+    known = {row.model: row.onset.error for row in table.rows if row.onset and row.onset.error}
     return found | {f"{model} error of onset": Number(off, max(1e-6, 1e-13 / abs(off))) for model, off in known.items()}
 
 
@@ -107,7 +110,8 @@ _CYCLE = (
 )
 _COST_ERROR = (
     f"Error of the period over cost at log_{{10}} r = {places(_COSTED)} (filled, open), both against the exact delay system: one "
-    "point for each model that has cycles there. Bars: two standard errors of means."
+    "point for each model that has cycles there. Bars: two standard errors of means, only upwards where the error may be zero. "
+    f"The delay system itself is drawn at {power(_LEAST)}."
 )
 _CAPTION = (
     "Relative error of period T (left) and stress drop Δμ (right) of each reduction’s orbit against the delay system’s, by "
@@ -121,7 +125,6 @@ _DEEP_CAPTION = (
 
 _QUANTITIES = {"period": "period $T$", "drop": r"stress drop $\Delta\mu$"}
 _SPREAD = 0.003  # log10 r: models beside each other at one r, so that their bars can be told apart
-_LEAST = 1e-13  # the smallest error that is drawn
 
 
 def omissions(orbits: Runs) -> tuple[Omission, ...]:
@@ -152,20 +155,20 @@ def cost_and_error(table: ModelTable) -> Drawing:
             found, cost = row.cells[titles.index(title)].figures.get("T"), row.costs[number]
             if found is None or cost is None:
                 continue
-            look, size = pen(row.model), abs(found.error or 0.0)
-            bar = [[max(0.0, min(2.0 * found.standard_error, size - _LEAST))], [2.0 * found.standard_error]]
-            face = "white" if number else look.color
+            look, size, bar = pen(row.model), abs(found.error or 0.0), 2.0 * found.standard_error
             axes.errorbar(
                 [cost],
                 [max(_LEAST, size)],
-                bar,
-                color=look.color,
+                None if found.error is None else [[bar if bar < size else 0.0], [bar]],
+                color=_WAVE_COLOUR if row.model == WAVE else look.color,
                 marker=look.marker,
-                markerfacecolor=face,
+                markerfacecolor="white" if number else None,
                 linestyle="none",
                 label=None if number else look.label,
             )
     axes.set(xscale="log", yscale="log", xlabel="cost, delay system = 1", ylabel="relative error of $T$")
+    axes.set_xticks([0.1, 0.3, 1.0, 3.0], ["0.1", "0.3", "1", "3"])
+    axes.minorticks_off()
     ruled(axes)
     figure.legend(loc="outside right center", fontsize=8)
     return figure
