@@ -108,12 +108,12 @@ def _thickness(scene: Scene) -> str:
 
 
 _TABLE = (
-    "Errors against the exact delay system at r over its onset r_{c}, both slabs scaled together, by runs from a nudge of 0.5: of "
-    "the last cycles where they repeat, of means elsewhere, with two standard errors. Advice by the rule of the first table."
+    "Errors against the exact delay system at r over its onset r_{c}, both slabs scaled together, by runs from a nudge of 0.5: "
+    "of the last cycles where they repeat, of means elsewhere, with two standard errors. Advice by the rule of the first table."
 )
 
 
-def errors_of(tables: Sequence[ModelTable], model: str, symbol: str, low: float, high: float) -> list[Compared]:
+def errors_over(tables: Sequence[ModelTable], model: str, symbol: str, low: float, high: float) -> list[Compared]:
     """Every known error of a quantity at r between these, over the onset."""
     rows = [(one, row) for one in tables for row in one.rows if row.model == model]
     cells = [
@@ -137,7 +137,7 @@ def bias_rows(tables: Sequence[ModelTable]) -> dict[str, list[float]]:
     rows = {}
     for model in dict.fromkeys(row.model for one in tables for row in one.rows if row.model != EXACT_MODEL):
         ranges = (("T", 0.0, _NEAR), ("Δμ", 0.0, _NEAR), ("T", _NEAR, math.inf))
-        numbers = [value for what in ranges for value in bias_and_scatter(errors_of(tables, model, *what))]
+        numbers = [value for what in ranges for value in bias_and_scatter(errors_over(tables, model, *what))]
         cells = [cell for one in tables for row in one.rows if row.model == model for cell in row.cells]
         rows[model] = [*numbers, sum(cell.right for cell in cells), len(cells)]
     return rows
@@ -157,8 +157,8 @@ def _bias_table(rows: dict[str, list[float]]) -> Table:
 
 def _answer(rows: dict[str, list[float]], tables: Sequence[ModelTable]) -> str:
     known = {model: numbers for model, numbers in rows.items() if math.isfinite(numbers[0])}
-    words = [f"`{model}` {in_words(numbers[0], numbers[1])}" for model, numbers in known.items() if model != _WAVE]
-    lost = [f"`{model}` {words}" for model in rows if (words := _silent(tables, model))]
+    words = [f"`{model}` {bias_in_words(numbers[0], numbers[1])}" for model, numbers in known.items() if model != _WAVE]
+    lost = [f"`{model}` {where}" for model in rows if (where := _silent(tables, model))]
     silent = f" Without cycles: {'; '.join(lost)}." if lost else ""
     return (
         f"Bias and scatter of T up to {_NEAR:g} r_{{c}} over {len(tables)} scenes ({', '.join(one.name for one in tables)}): "
@@ -166,7 +166,7 @@ def _answer(rows: dict[str, list[float]], tables: Sequence[ModelTable]) -> str:
     )
 
 
-def in_words(bias: float, scatter: float) -> str:
+def bias_in_words(bias: float, scatter: float) -> str:
     """Bias and scatter, in per cent."""
     return minus(f"{100 * bias:+.1f} %{f' ± {100 * scatter:.1f}' if math.isfinite(scatter) else ''}")
 
@@ -228,9 +228,9 @@ def _reductions(tables: Sequence[ModelTable]) -> Iterator[Verdict]:
     off = max(_worst(tables, _AS_WAVES, wanders=False), default=math.nan)
     title = "Four modes, eight modes and a rational fit have the exact cycles in every scene where they repeat"
     yield claim(title, WITNESS, off, _MODES, f"{', '.join(f'`{model}`' for model in _AS_WAVES)}; T and Δμ, relative")
-    good = [is_good(cell) for _, row in _pairs(tables, ("modal:8", "fitted:4")) for cell in row.cells]
+    good = [is_good(cell) for _, row in _pairs(tables, _AS_WAVES) for cell in row.cells]
     title, told = "The ODEs that the first table advises are good in every scene", f"of {len(good)} places"
-    where = "`modal:8`, or `fitted:4` where outer faces are not rigid; good by the rule of the first table"
+    where = "`modal:8` and `modal:4`, or `fitted:4` where outer faces are not rigid; good by the rule of the first table"
     yield holding(title, WITNESS, f"at {len(good)} {told}", f"at {good.count(True)} {told}", all(good), where)
 
 
