@@ -71,6 +71,10 @@ def ask(studies: Sequence[Stored], changed: str) -> list[Asked]:
     listed = {name for question in QUESTIONS for name in question.studies}
     known = {study.name: study for study in studies}
     said = {"paper": _of_paper(studies), "trust": _of_checks(studies), "changed": changed}
+    if any(study.result and study.result.model_tables for study in studies):
+        said["which"] = (
+            "The table above, every number of it with what proves it, other scenes, and where a model has the wrong regime."
+        )
     found = []
     for question in QUESTIONS:
         mine = [known[name] for name in question.studies if name in known]
