@@ -11,8 +11,10 @@ from slipwave.input import read
 from validation.cli import main
 from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.forward import OfReduction, OfSolver
+from validation.fit.least_squares import Best, intervals, minimise
 from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
-from validation.fit.records import followed, travelled
+from validation.fit.problem import problem_of
+from validation.fit.records import Experiment, followed, travelled
 
 KEYS = ["interface.a", "interface.b", "interface.memory_length"]
 TRUTH = dict(zip(KEYS, (0.01, 0.015, 10e-6), strict=True))
@@ -69,6 +71,25 @@ def test_known_parameters_lie_in_their_intervals(steps: Path) -> None:
         assert row["high"] - row["low"] < 2e-3 * value
     assert found.residual["rms"] == pytest.approx(NOISE, rel=0.02)
     assert found.summary["correlation"][KEYS[0]][KEYS[1]] == pytest.approx(found.dataset["correlation"].values[0, 1])
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
+    times, scene = np.linspace(30.0, 80.0, 120), read("velocity-steps", THIN)
+    experiment = Experiment(
+        "made", times, np.zeros(times.size), travelled(schedule_of(scene), times), schedule_of(scene), (), 1e4
+    )
+    made, inner = of_model("quasidynamic", KEYS, times, 1e-8)
+    friction, held = made.friction(inner), np.zeros(3)
+    for seed in range(30):
+        noise = NOISE * np.random.default_rng(seed).standard_normal(times.size)
+        problem = problem_of(
+            scene, free_parameters(scene, KEYS), [], [experiment._replace(friction=friction + noise)], "quasidynamic", 1e-8
+        )
+        found = minimise(problem, [inner], Best(inner), 1.0)
+        spread = intervals(problem, found, problem.is_log)
+        held += (spread.low < inner) & (inner < spread.high)
+    assert (held >= 25).all()  # of 30 at 95 %: fewer once in 2,000
+    assert held.sum() < 90
 
 
 def test_a_level_and_its_drift_are_free_where_asked(steps: Path, tmp_path: Path) -> None:

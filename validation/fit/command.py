@@ -292,7 +292,11 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
 def _nearby(cheap: FrictionProblem) -> Iterator[Array]:
     """Where a model that is dear begins: the best values of a cheap one."""
     found = minimise(cheap, cheap.starts(), Best(next(cheap.starts())), cheap.noise)
-    log.info("%s fits with a residual of %.4g: the start of the fit", _CHEAP, math.sqrt(found.cost / found.residual.size))
+    log.info(
+        "%s fits with a residual of %.3g times the noise: the start of the fit",
+        _CHEAP,
+        math.sqrt(found.cost / found.residual.size),
+    )
     yield found.inner
 
 

@@ -1,0 +1,56 @@
+"""Velocity steps of known parameters, made to a share of waves: what studies fit."""
+
+import numpy as np
+
+from slipwave.input import read
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from validation.fit.forward import Forward
+from validation.fit.parameters import Schedule, free_parameters
+from validation.fit.problem import FrictionProblem, problem_of
+from validation.fit.records import Experiment, travelled
+
+TRUTH = {"interface.a": 0.01, "interface.b": 0.015, "interface.memory_length": 1e-5}
+STIFFNESS = "slab.shear_modulus"
+NOISE = 1e-4
+
+_STRESS, _THICKNESS, _FAST = 5e6, 0.05, 1e-5  # Pa, m, m/s
+_STEP = Schedule((0.0, 0.5, 0.5), (1e-6, 1e-6, _FAST))
+_TIMES = (0.4, 5.0)  # s; slip of L at the faster velocity takes one second
+_SAMPLES = 200
+
+
+def stepped_scene(share: float, kappa: float) -> Scene:
+    """Slabs whose transit is `share` of the time of slip by L at the faster velocity, and whose stiffness is `kappa` times the
+    critical one of a quasi-static spring, (b - a) sigma/L. Only these two numbers count; the slabs' material is made to them."""
+    a, b, length = TRUTH.values()
+    modulus = 2.0 * _THICKNESS * kappa * (b - a) * _STRESS / length
+    density = modulus * (share * length / _FAST / (2.0 * _THICKNESS)) ** 2
+    return read(
+        {
+            "name": f"step-{share:.4g}-{kappa:.4g}",
+            "interface": {"law": "ageing", "a_star": 0.6, "a": a, "b": b}
+            | {"normal_stress": _STRESS, "memory_length": length, "reference_velocity": 1e-6},
+            "slab": {"density": density, "shear_modulus": modulus, "thickness": _THICKNESS},
+            "drive": {"velocity": 1.0},
+        }
+    )
+
+
+def stepped_problem(scene: Scene, model: str, friction: Array | None = None, stiffness: bool = False) -> FrictionProblem:
+    """The fit of a, b, L (and the slabs' modulus, for their stiffness) by `model` to a record of `friction`, or of zeros."""
+    times = np.linspace(*_TIMES, _SAMPLES)
+    record = Experiment("steps", times, np.zeros(_SAMPLES), travelled(_STEP, times), _STEP, (), 1.0 / NOISE)
+    free = free_parameters(scene, [*TRUTH, *([STIFFNESS] if stiffness else [])])
+    return problem_of(scene, free, [], [record if friction is None else record._replace(friction=friction)], model, 1e-8)
+
+
+def truth_of(problem: FrictionProblem) -> Array:
+    """The scene's own values, as least squares moves them."""
+    return np.array([one.inner(one.start) for one in problem.free])
+
+
+def true_friction(problem: FrictionProblem) -> Array:
+    """What the problem's own model shows at them."""
+    made: Forward = problem.models[0]
+    return made.friction(truth_of(problem))
