@@ -152,6 +152,9 @@ def green(study: Study, tapes: list[Tape]) -> Iterator[str]:
 
 
 S = (scaled,)
+UNCOUNTED = ("delay", "quasistatic", "block8", "block12", "kelvin-voigt", "modal:2")
+"""Models whose intervals the study reads from its record: those of one model are counted anew."""
+
 PLACES: dict[str, tuple[Place, ...]] = {
     "scene-facts": (Place("scene_facts:_onset"),),
     "one-cycle": (
@@ -275,6 +278,11 @@ PLACES: dict[str, tuple[Place, ...]] = {
         Place("claims.measured:run_deep"),
         Place("claims.measured:measure_ripples", S),
         Place("claims.measured:from_large_nudge"),
+    ),
+    "bias": (
+        Place("bias:all_biases", (displaced(0.02),)),
+        Place("bias:corner_errors", (displaced(0.03),)),
+        Place("bias:covered", (lambda rows: [[not held for held in row] for row in rows],), unjudged=UNCOUNTED),
     ),
     "planted-faults": (),
     "slow-verification": (),

@@ -20,6 +20,7 @@ from slipwave.step.port_march import PortMarch
 from slipwave.step.sensitivity import port_sensitivity
 from validation.fit.parameters import Variants, sizes
 from validation.registry.build import build
+from validation.registry.families import GRIDS
 
 _FIRST = 0.125  # transits; length of the first step
 _MOST_STEPS = 400_000
@@ -113,7 +114,8 @@ class OfSolver:
         return np.column_stack([(self.friction(inner + s) - self.friction(inner - s)) / (2.0 * _SHIFT) for s in shifts])
 
     def _pieces(self, scene: Scene) -> Iterator[tuple[Pieces, list[Array]]]:
-        solver = build(self._model, scene, tolerance=self._tolerance)
+        has_grid = self._model.partition(":")[0] in [one.name for one in GRIDS]
+        solver = build(self._model, scene) if has_grid else build(self._model, scene, tolerance=self._tolerance)
         end = float(np.ceil(self._times[-1] / sizes(scene)[0]))
         while solver.time < end - SAME:
             pieces = solver.leap(end, end, False) if isinstance(solver, Leaping) else solver.advance(end)

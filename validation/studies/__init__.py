@@ -28,6 +28,7 @@ STUDIES = {
     "period-doubling": "period_doubling",
     "regime-map": "regime_map",
     "asymmetry-map": "asymmetry_map",
+    "bias": "bias",
     "claims": "claims",
     "planted-faults": "planted_faults",
     "slow-verification": "slow_verification",
