@@ -60,7 +60,7 @@ class FitOptions(ModelOptions):
         "what the columns of the files are, in order; _ is not read", metavar="time,friction,_", stored=True
     )
     units: str | None = option("units of the columns, in order or by name", metavar="s,1", stored=True)
-    tol: float | None = option(f"relative error of the model's motion (default {_TOLERANCE:g})", stored=True)
+    tol: float | None = option("relative error of the model's motion", stored=True)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
