@@ -3,6 +3,7 @@ from slipwave.errors import SceneError as SceneError
 from slipwave.input import read as read
 from slipwave.input import read_scene as read_scene
 from validation.fit.command import fit as fit
+from validation.frozen.score import score as score
 from validation.results.bench import bench as bench
 from validation.results.branch import branch as branch
 from validation.results.compare import compare as compare
@@ -15,6 +16,7 @@ from validation.results.run import run as run
 from validation.results.stability import stability as stability
 from validation.sweep.command import sweep as sweep
 from validation.sweep.map_command import map as map
+from validation.verification.command import verify as verify
 
 __version__: str
 __all__: list[str]

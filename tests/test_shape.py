@@ -20,7 +20,7 @@ ROLES = {"run", "answer", "main"}
 TWICE = set(
     """
     Cycle Onset Quantity Run Side Verdict all_verdicts branch_claims column error essential_abscissa
-    facts_of mean_table orbit orbit_claims orbit_of planes rates scenes settled show spread
+    facts_of mean_table orbit orbit_claims orbit_of planes rates scenes score settled show spread
     steady_state verdicts
     """.split()  # noqa: SIM905
 )

@@ -42,6 +42,8 @@ COMMANDS = {
     "fit": "Parameters of a scene from measured friction, by least squares, with 95 % intervals.",
     "sweep": "One measure of many scenes over axes, on all cores or a cluster; resumed after any interruption.",
     "map": "Draw a sweep: regimes with the boundaries that theory gives, figures, differences between two models.",
+    "verify": "Judge a scheme, a law or a scene by the report's rows: orders, step limit, energy, noise, agreement.",
+    "score": "Compare somebody's numbers with the frozen benchmark, row by row.",
     "scenes": "List the gallery's scenes, one line each.",
     "schema": "Print the JSON Schema of scene files, for an editor that completes and checks them.",
     "show": "Print the resolved scene as TOML, for a file of your own: slipwave show paper > mine.toml",
@@ -79,7 +81,7 @@ def _parts(name: str) -> tuple[Callable[..., None], str, tuple[str, ...]]:
     """The function of a command, the details of its help, and examples."""
     from validation import other_commands
 
-    if name in ("report", "scenes", "schema"):
+    if name in ("report", "scenes", "schema", "score"):
         return getattr(other_commands, name), "", other_commands.EXAMPLES[name]
     from validation.command_line import command_line, on_a_scene
     from validation.results.options import SceneOptions

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import replace
-from inspect import Parameter, Signature
+from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 
@@ -15,7 +15,7 @@ from validation.results.options import Option, SceneOptions, options_of
 from validation.results.result import Output, Result
 
 Files: TypeAlias = Mapping[Output, Path | None]
-Act: TypeAlias = Callable[[str, Any, Files, bool], None]
+Act: TypeAlias = Callable[[Any, Any, Files, bool], None]
 
 
 class Parsed(NamedTuple):
@@ -54,28 +54,29 @@ def command_line(name: str) -> Parsed:
     compute = getattr(slipwave, name).__wrapped__
     made: type[Result] = compute.__annotations__["return"]
 
-    def act(source: str, options: SceneOptions, files: Files, json: bool) -> None:
+    def act(source: str | None, options: SceneOptions, files: Files, json: bool) -> None:
         """Compute, print, write."""
         needed = made.wanted_for({one.name: path for one, path in files.items()})
         options = replace(options, **needed)
         _finish(compute(source, options), options, files, json)
 
-    parsed = on_a_scene(compute.__annotations__["options"], act, made.OUTPUTS)
+    optional = signature(compute).parameters["source"].default is None
+    parsed = on_a_scene(compute.__annotations__["options"], act, made.OUTPUTS, optional)
     return parsed._replace(parameters=[*parsed.parameters, _parameter("json", Annotated[bool, _JSON], False)])
 
 
-def on_a_scene(kind: type[SceneOptions], act: Act, outputs: tuple[Output, ...] = ()) -> Parsed:
-    """A command that does `act` with a scene, its options and the files that it writes."""
+def on_a_scene(kind: type[SceneOptions], act: Act, outputs: tuple[Output, ...] = (), optional: bool = False) -> Parsed:
+    """A command that does `act` with a scene, which may be `optional`, its options and the files that it writes."""
     known = {one.name: one for one in options_of(kind).values() if one.is_in("command line")}
 
-    def call(source: str, json: bool = False, **words: Any) -> None:
+    def call(source: str | None = None, json: bool = False, **words: Any) -> None:
         """Take the words of the command line."""
         files = {one: _place_of(one, words.pop(one.name), json) for one in outputs}
         given = {name: _value(known[name], word) for name, word in words.items() if word is not None}
         act(source, kind(**given).load_own(), files, json)
 
     parameters = [
-        _parameter("source", Annotated[str, SCENE], Parameter.empty),
+        _parameter("source", *((Annotated[str | None, SCENE], None) if optional else (Annotated[str, SCENE], Parameter.empty))),
         *(_parameter(one.name, *_in_words(one)) for one in known.values()),
         *(_parameter(one.name, Annotated[Path | None, _file(one)], None) for one in outputs),
     ]

@@ -8,9 +8,9 @@ from typing import Annotated, Any
 import typer
 
 import slipwave
-from slipwave.errors import Interrupted
+from slipwave.errors import Interrupted, NumericsError
 from slipwave.extras import require
-from validation.output import printed, require_folder
+from validation.output import print_json, printed, require_folder
 
 EXAMPLES = {
     "report": (
@@ -20,6 +20,7 @@ EXAMPLES = {
         "slipwave report --json > report.json",
     ),
     "scenes": ("slipwave scenes",),
+    "score": ("slipwave score theirs.csv", "slipwave score theirs.csv --digits 9 --json"),
     "schema": ("slipwave schema > scene.schema.json", "slipwave schema --report > report.schema.json"),
     "show": ("slipwave show paper > mine.toml", "slipwave show run.nc"),
 }
@@ -42,6 +43,18 @@ def schema(report: Annotated[bool, typer.Option("--report", help="that of report
     else:
         from slipwave.input.schema import json_schema as made
     print(json.dumps(made(), indent=2))
+
+
+def score(
+    theirs: Annotated[Path, typer.Argument(metavar="THEIRS.csv", help="a CSV file with the columns id and value")],
+    digits: Annotated[int, typer.Option(help="digits that every row must agree to, where as many are certified")] = 6,
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON instead of a table")] = False,
+) -> None:
+    """Somebody's values against the frozen benchmark."""
+    found = slipwave.score(theirs, digits)
+    printed(lambda: print_json(found.summary) if as_json else print("\n".join(found.lines())))
+    if found.failed:
+        raise NumericsError(f"score: {len(found.failed)} rows do not agree: {', '.join(found.failed)}")
 
 
 def show(source: str, options: Any, files: Mapping[Any, Any], as_json: bool) -> None:

@@ -12,7 +12,12 @@ _STEP = 1e-5
 _WIDE = 0.5
 _TOLERANCE = 1e-6
 _PARAMETERS = (0.4, 0.02, 0.03)
+_SLOPES = ("v_z", "F_z", "F_psi", "G_z", "G_psi")
 _ANSWERS = ("v", "v_z", "F", "F_z", "F_psi", "G", "G_z", "G_psi")
+
+
+class LawError(SceneError):
+    """A law whose functions are wrong."""
 
 
 def check_law(name: str, law: Any, parameters: tuple[float, ...] = _PARAMETERS) -> None:
@@ -21,24 +26,24 @@ def check_law(name: str, law: Any, parameters: tuple[float, ...] = _PARAMETERS) 
     `law` is a `Registered`; it is checked with the parameter class's own defaults, else with `parameters` (a_star, a, b).
     Raises SceneError naming the law, the wrong function and both values, or the error that the law's code raised.
     """
-    sample = _sample(name, law, parameters)
+    sample = sample_of(name, law, parameters)
     try:
         for rate, offset in itertools.product(_RATES, _STATE_OFFSETS):
             _check_at(name, law, sample, rate, offset)
     except (ArithmeticError, TypeError, ValueError, AttributeError, NameError) as error:
         if isinstance(error, SceneError):
             raise
-        raise SceneError(f"friction law {name!r}: its code failed: {type(error).__name__}: {error}") from error
+        raise LawError(f"friction law {name!r}: its code failed: {type(error).__name__}: {error}") from error
 
 
-def _sample(name: str, law: Any, parameters: tuple[float, ...]) -> Any:
-    """An instance of the law's parameters for the check."""
+def sample_of(name: str, law: Any, parameters: tuple[float, ...] = _PARAMETERS) -> Any:
+    """An instance of the law's parameters for the check. Raises LawError if its class lacks defaults."""
     for values in ((), parameters):
         try:
             return law.parameters(*values)
         except TypeError:
             continue
-    raise SceneError(f"friction law {name!r}: give the fields of {law.parameters.__name__} defaults, so that it can be checked")
+    raise LawError(f"friction law {name!r}: give the fields of {law.parameters.__name__} defaults, so that it can be checked")
 
 
 def _check_at(name: str, law: Any, sample: Any, rate: float, offset: float) -> None:
@@ -49,22 +54,34 @@ def _check_at(name: str, law: Any, sample: Any, rate: float, offset: float) -> N
     steady = law.steady_state(sample, rate)
     answer = law.respond(sample, z, steady + offset)
     if len(answer) != len(_ANSWERS):
-        raise SceneError(f"friction law {name!r}: respond must return {', '.join(_ANSWERS)}, not {len(answer)} values")
+        raise LawError(f"friction law {name!r}: respond must return {', '.join(_ANSWERS)}, not {len(answer)} values")
     _require(name, "v of respond at z = unknown_of(v)", answer[0], rate)
     _require(name, "state rate G at psi = steady_state(v)", law.respond(sample, z, steady)[5], 0.0, scale=rate)
     _check_derivatives(name, law, sample, z, steady + offset)
 
 
+def derivative_error(law: Any, sample: Any, z: float, psi: float) -> float:
+    """The largest difference of a derivative at (z, psi) from that of central differences, relative to the largest value."""
+    answer = dict(zip(_ANSWERS, law.respond(sample, z, psi), strict=True))
+    slopes = {
+        "z": _difference(law, sample, (z + _STEP, psi), (z - _STEP, psi)),
+        "psi": _difference(law, sample, (z, psi + _STEP), (z, psi - _STEP)),
+    }
+    pairs = [(answer[label], slopes[variable][quantity], answer[quantity]) for label in _SLOPES
+             for quantity, variable in [label.split("_")]]  # fmt: skip
+    return max(float(abs(given - wanted) / max(abs(wanted), 1e-2 * abs(value), 1e-3)) for given, wanted, value in pairs)
+
+
 def _check_derivatives(name: str, law: Any, sample: Any, z: float, psi: float) -> None:
     answer = dict(zip(_ANSWERS, law.respond(sample, z, psi), strict=True))
     if not answer["F_z"] > 0.0:
-        raise SceneError(f"friction law {name!r}: F_z = {answer['F_z']:.6g} at z = {z:.6g}: must be > 0 (the direct effect)")
+        raise LawError(f"friction law {name!r}: F_z = {answer['F_z']:.6g} at z = {z:.6g}: must be > 0 (the direct effect)")
     slopes = {
         "z": _difference(law, sample, (z + _STEP, psi), (z - _STEP, psi)),
         "psi": _difference(law, sample, (z, psi + _STEP), (z, psi - _STEP)),
     }
     scale = max(1.0, *(abs(answer[quantity]) for quantity in ("v", "F", "G")))
-    for label in ("v_z", "F_z", "F_psi", "G_z", "G_psi"):
+    for label in _SLOPES:
         quantity, variable = label.split("_")
         where = f"{label} at z = {z:.6g}, psi = {psi:.6g}"
         _require(name, where, answer[label], slopes[variable][quantity], scale=1e-3 * scale)
@@ -78,4 +95,4 @@ def _difference(law: Any, sample: Any, ahead: tuple[float, float], behind: tuple
 def _require(name: str, what: str, given: float, wanted: float, scale: float = 0.0) -> None:
     allowed = _TOLERANCE * max(abs(wanted), 10.0 * scale, 1e-3)
     if not abs(given - wanted) <= allowed:
-        raise SceneError(f"friction law {name!r}: {what} = {given:.10g}, but must be {wanted:.10g} (finite differences)")
+        raise LawError(f"friction law {name!r}: {what} = {given:.10g}, but must be {wanted:.10g} (finite differences)")

@@ -10,8 +10,8 @@ from reduced.impedance import reduction_of
 from reduced.ode.march import ReducedModel
 from reduced.stability import characteristic, critical_round_trip, leading_roots, scaled
 from slipwave.solve import follow
-from tests.growth import measured_root, nudged
 from tests.one_port_by_hand import friction_impedance, leading_root, pair_impedance
+from validation.measure.growth import measured_root, nudged
 
 
 def kelvin_voigt(scene, s):

@@ -168,7 +168,7 @@ PLACES: dict[str, tuple[Place, ...]] = {
         Place("leapfrog_convergence:_psi", S),
     ),
     "grid-convergence": (
-        Place("grid_convergence:_climb", (part("errors", change=displaced(1e-3)),), few=True),
+        Place("grid_convergence:climb_of", (part("errors", change=displaced(1e-3)),), few=True),
         Place("grid_convergence:_curve"),
         Place("grid_convergence:code_table"),
         Place("grid_convergence:code_note"),

@@ -161,7 +161,7 @@ def test_a_scheme_short_of_its_order_is_red(exact, displaced, changes, red):
     """The reference displaced by 1e-6, as a friction clock that is off would: errors stop falling."""
     wrong = {name: values * (1 + displaced) for name, values in exact.items()}
     found = climb(replace(LADDERS["dg:2"], **changes), wrong, build)
-    assert reds([grid_convergence._order_verdict(found)]) == red
+    assert reds([grid_convergence.order_verdict(found)]) == red
     assert red or found.fit_together().order == pytest.approx(4.0, abs=0.02)
 
 
@@ -260,7 +260,7 @@ def test_a_ladder_without_an_order_is_named_and_the_others_keep_their_rows():
     none = replace(
         right, ladder=replace(right.ladder, model="fv"), errors=dict.fromkeys(QUANTITIES, np.full(right.cells.size, np.inf))
     )
-    verdict = grid_convergence._order_verdict(none)
+    verdict = grid_convergence.order_verdict(none)
     assert (verdict.outcome, verdict.ours, verdict.remark) == (Outcome.FAIL, lost, "`fv`")
     unjudged = replace(GALERKIN, pattern="volumes:P", ladder={})
     rows = grid_convergence.orders_table([none, right], [unjudged]).rows

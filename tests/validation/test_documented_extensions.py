@@ -103,7 +103,7 @@ load_families(Path("finite_volume.py"))
 assert "fv" in study.judged_models(quick=True)
 true = study.without_error_in_time
 study.without_error_in_time = lambda model, scene, cells, **o: true(model, scaled(scene, epsilon=float(sys.argv[1])), cells, **o)
-verdict = study._order_verdict(study._climb("fv"))
+verdict = study.order_verdict(study.climb_of("fv"))
 print(verdict.outcome, verdict.ours)
 """
 """The verdict on the volumes' order, in slabs whose impedance is off by a factor."""

@@ -23,6 +23,8 @@ PAGES = (
     "testing-machine.md",
     "troubleshooting.md",
     "unlike-slabs.md",
+    "verify.md",
+    "benchmark.md",
 )
 LONG = ("first-sample.md",)
 

@@ -21,8 +21,8 @@ from slipwave.scene.slab import Face, GripFace, MachineFace, ReflectingFace, Sla
 from slipwave.scene.start import Start, StartKind
 from slipwave.scene.termination import Termination
 from slipwave.solve import Final, follow
-from tests.growth import measured_root, nudged
 from tests.one_port_by_hand import leading_root
+from validation.measure.growth import measured_root, nudged
 from validation.registry.build import build
 
 PAPER = slipwave.read("paper")

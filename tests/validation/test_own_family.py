@@ -9,8 +9,9 @@ import pytest
 
 import slipwave as sw
 from slipwave.errors import SceneError
+from tests.own_families import removed
 from validation.cli import main
-from validation.registry.families import FAMILIES, GRIDS
+from validation.registry.families import FAMILIES
 from validation.registry.own import load_families, own_files
 
 ELEMENTS = """
@@ -36,16 +37,10 @@ def block10(scene, name):
 @pytest.fixture
 def file(tmp_path):
     """A file of families; what it adds is taken away."""
-    from reduced.families import REDUCTIONS
-    from validation.registry import own
-
-    before = [(known, list(known)) for known in (FAMILIES, GRIDS, REDUCTIONS)]
     path = tmp_path / "mine.py"
     path.write_text(ELEMENTS)
-    yield path
-    for known, old in before:
-        known[:] = old
-    own._OWN.clear()
+    with removed():
+        yield path
 
 
 def test_a_full_wave_and_a_reduction_of_ones_own(file, capsys):

@@ -10,8 +10,8 @@ import pytest
 
 import slipwave
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, StandardLinearViscosity
-from tests.growth import measured_root, nudged
 from tests.one_port_by_hand import leading_root
+from validation.measure.growth import measured_root, nudged
 from validation.registry.build import build
 
 SLAB = slipwave.read("paper").upper

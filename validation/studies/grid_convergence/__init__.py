@@ -75,7 +75,7 @@ Curves: TypeAlias = Mapping[str, tuple[Array, Array, Array]]
 
 def run(budget: Budget) -> StudyResult:
     """Climb every ladder, fit its orders; then the figure's grids, the grids' own orbits and the error in time."""
-    climbs = [_climb(model) for model in budget.each(judged_models(budget.quick), end=0.7)]
+    climbs = [climb_of(model) for model in budget.each(judged_models(budget.quick), end=0.7)]
     curves = {model: _curve(model, climbs) for model in (*_DRAWN, *_others(_DRAWN))}
     families, quick = FAMILIES[budget.quick], budget.quick
     orbits, beside, marches = grid_orbits(families), as_r_grows(ORBITS_AT[quick], MEANS_AT[quick]), both_marches()
@@ -91,7 +91,7 @@ def run(budget: Budget) -> StudyResult:
             code_table(),
         ),
         verdicts=(
-            *(_order_verdict(climbed) for climbed in climbs),
+            *(order_verdict(climbed) for climbed in climbs),
             *orbit_verdicts(orbits, families),
             *growth_verdicts(beside),
             *time_verdicts(marches),
@@ -117,7 +117,7 @@ def _others(models: Iterable[str]) -> list[str]:
     return [family.called(next(iter(family.ladder))) for family in GRIDS if family.ladder and family.name not in seen]
 
 
-def _climb(model: str) -> Climb:
+def climb_of(model: str) -> Climb:
     """Errors of the family without error in time, which the leapfrog has."""
     ladder = in_space(ladder_of(*grid_of(model)))
     return climb(ladder, delay_reference(ladder.course), without_error_in_time)
@@ -152,7 +152,8 @@ def _cost(curves: Curves) -> str:
 _NAMED = {"sbp:6": "summation by parts", "fem:4": "finite elements", "dg:7": "discontinuous Galerkin"}
 
 
-def _order_verdict(climbed: Climb) -> Verdict:
+def order_verdict(climbed: Climb) -> Verdict:
+    """Whether a family reaches its order in every output."""
     short, (low, high) = climbed.shortfall(), (0.0, 0.0) if climbed.lost else climbed.span
     symbols = {**OUTPUTS, "state": "the state", "together": "all together"}
     names = ", ".join(symbols[complaint.split(":")[0]] for complaint in short if not climbed.lost)

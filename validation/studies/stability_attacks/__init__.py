@@ -143,7 +143,7 @@ def medium_verdict(media: Media) -> Verdict:
         f"below {_CALM:g}, above {_GROWN:g}",
         f"at most {max(below):.1f}, {grown}",
         max(below) < _CALM and min(above) > _GROWN,
-        f"{len(media)} media by {len(CELLS)} families, over the noise put in",
+        f"{len(media)} media by {len(next(iter(media.values())))} families, over the noise put in",
     )
 
 

@@ -1,0 +1,64 @@
+"""action.yml and the workflow that uses it: they parse, name commands and options that exist, and hand a user's words over."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from slipwave.sources import ROOT
+from validation.cli import COMMANDS, command_called
+
+ACTION = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
+WORKFLOWS = {path.name: yaml.safe_load(path.read_text(encoding="utf-8")) for path in (ROOT / ".github/workflows").glob("*.yml")}
+STEPS = ACTION["runs"]["steps"]
+SCRIPTS = {step["name"]: step["run"] for step in STEPS if "run" in step}
+
+
+def test_the_action_names_commands_and_options_that_exist():
+    said = re.findall(r'bin/slipwave" (\w+)(.*)', "\n".join(SCRIPTS.values()))
+    assert [name for name, _ in said] == ["verify", "report"]
+    for name, words in said:
+        assert name in COMMANDS
+        known = {flag for one in command_called(name).params for flag in one.opts}
+        assert set(re.findall(r"--[\w-]+", words)) <= known
+    assert all(step.get("shell") == "bash" for step in STEPS if "run" in step)
+
+
+def test_every_input_is_used_and_every_one_that_is_used_is_declared():
+    used = set(re.findall(r"inputs\.([\w-]+)", (ROOT / "action.yml").read_text(encoding="utf-8")))
+    assert used == set(ACTION["inputs"])
+    assert all("default" in one and one["description"] for one in ACTION["inputs"].values())
+
+
+def users():
+    """Every step that uses the action: of our workflows, and of the page that shows one."""
+    page = (ROOT / "docs" / "verify.md").read_text(encoding="utf-8")
+    shown = yaml.safe_load(re.search(r"```yaml\n(.*?)```", page, re.S)[1])
+    jobs = [job for flow in (*WORKFLOWS.values(), shown) for job in flow["jobs"].values()]
+    return [step for job in jobs for step in job["steps"] if step.get("uses", "").startswith(("./", "OWNER/slipwave"))]
+
+
+def test_workflows_give_inputs_that_the_action_has():
+    assert len(users()) == 2
+    for step in users():
+        assert set(step["with"]) <= set(ACTION["inputs"])
+        for file in re.findall(r"examples/\S+", step["with"]["verify"]):
+            assert (ROOT / file).is_file()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the action's shell is bash")
+def test_the_step_hands_the_words_over_and_ends_with_the_commands_status(tmp_path: Path):
+    (tmp_path / "slipwave" / "bin").mkdir(parents=True)
+    program = tmp_path / "slipwave" / "bin" / "slipwave"
+    program.write_text(f'#!/bin/sh\nexec {sys.executable} -m slipwave "$@"\n')
+    program.chmod(0o755)
+    environment = os.environ | {"RUNNER_TEMP": str(tmp_path), "WORDS": "jump --model dg:3 --set start.size=0.01"}
+    run = ["bash", "-e", "-c", SCRIPTS["verify"]]
+    done = subprocess.run(run, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert (done.returncode, (tmp_path / "verify.xml").is_file()) == (0, True), done.stderr
+    environment["WORDS"] = "nowhere.toml"
+    assert subprocess.run(run, cwd=tmp_path, env=environment, capture_output=True).returncode == 2

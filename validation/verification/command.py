@@ -1,0 +1,190 @@
+"""`slipwave.verify`: does a scheme, a law or a scene keep what it promises? The report's own rows, with exit status 3."""
+
+import xml.etree.ElementTree as xml
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+import slipwave
+from slipwave.errors import SceneError
+from slipwave.files import whole_or_absent
+from slipwave.friction.check import LawError
+from slipwave.friction.own import load_laws
+from slipwave.input import SceneSource
+from validation.output import aligned
+from validation.registry.choice import parse, resolve
+from validation.registry.families import GRIDS, grid_of
+from validation.registry.own import load_families
+from validation.results.command import command
+from validation.results.options import ModelOptions
+from validation.results.provenance import SCHEMA
+from validation.results.result import Dataset, Output, Result
+from validation.run.progress import progress
+from validation.study import EXACT, Outcome, Verdict, holding
+from validation.study.drawing import Drawing
+from validation.study.names import with_names
+from validation.study.text import bare
+from validation.verification.of_family import rows_of_family, rows_on_scene, starts_smoothly
+from validation.verification.of_law import rows_of_law
+
+_USUAL, _SCENE = "dg:7", "paper"
+_JUMPS = "its start or its drive jumps: no order is promised, only the ledger is judged"
+_ROWS = 16  # about so many, for the bar
+
+
+@dataclass(frozen=True, kw_only=True)
+class VerifyOptions(ModelOptions):
+    """Options of `slipwave.verify`."""
+
+    EXAMPLES: ClassVar = (
+        "slipwave verify paper",
+        "slipwave verify --model sbp:6",
+        "slipwave verify --family scheme.py --junit verify.xml",
+        "slipwave verify --law law.py --json",
+    )
+    DETAILS: ClassVar = (
+        "With SCENE: a full wave (--model, default dg:7) against the delay system on it. With --family: each member that the "
+        "file declares, or --model. With --law: each law that the file registers, in SCENE (default paper). With --model alone: "
+        "that member. Exit status 3 if a row is missed."
+    )
+
+    def load_own(self) -> Self:
+        """Nothing yet: the user's files are loaded where they are judged."""
+        return self
+
+
+_UNCHANGED = VerifyOptions()
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class VerifyResult(Result):
+    """The `rows` of what was judged, `subject`."""
+
+    OUTPUTS: ClassVar = (Output("--junit", (".xml",), "save_junit", "write the rows as JUnit XML, for a CI"),)
+
+    subject: str
+    rows: tuple[Verdict, ...]
+    notes: tuple[str, ...] = ()
+    failed: str = ""
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The JSON of `slipwave verify`."""
+        rows = [
+            {"id": row.id, "claim": bare(row.claim), "evidence": row.evidence.value, "expected": bare(row.expected),
+             "found": bare(row.ours), "size": row.size, "limit": row.limit, "outcome": row.outcome.value,
+             "remark": bare(row.remark)}
+            for row in self.rows
+        ]  # fmt: skip
+        missed = sum(row.outcome is Outcome.FAIL for row in self.rows)
+        return {"schema": SCHEMA, "subject": self.subject, "rows": rows, "missed": missed, "notes": list(self.notes)}
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """A line for each row, then how many hold."""
+        rows = [[f"{row['outcome']}  {row['claim']}", row["expected"], row["found"]] for row in summary["rows"]]
+        for line, row in zip(aligned(["", "expected", "found"], rows), [None, *summary["rows"]], strict=True):
+            yield line
+            if row:
+                yield f"      {row['remark']}"
+        yield ""
+        yield from (f"note: {note}" for note in self.notes)
+        yield f"{self.subject}: {len(self.rows) - summary['missed']} of {len(self.rows)} rows hold"
+
+    def save_junit(self, path: str | Path) -> None:
+        """Write a test case for each row. Raises SceneError if the file cannot be written."""
+        failures = str(self.summary["missed"])
+        suite = xml.Element("testsuite", name=f"slipwave verify {self.subject}", tests=str(len(self.rows)), failures=failures)
+        for row in self.rows:
+            case = xml.SubElement(suite, "testcase", classname="slipwave.verify", name=row.id)
+            said = f"{bare(row.claim)}: expected {bare(row.expected)}, found {bare(row.ours)} ({bare(row.remark)})"
+            if row.outcome is Outcome.FAIL:
+                xml.SubElement(case, "failure", message=said)
+            xml.SubElement(case, "system-out").text = said
+        with whole_or_absent(Path(path)) as temporary:
+            xml.ElementTree(suite).write(temporary, encoding="utf-8", xml_declaration=True)
+
+    @property
+    def dataset(self) -> Dataset:
+        """There is none."""
+        raise SceneError("verify: its rows are in .rows and .summary; there is no dataset")
+
+    def plot(self) -> Drawing:
+        """There is none."""
+        raise SceneError("verify: its rows are in .rows and .summary; there is no figure")
+
+
+@command
+def verify(source: "SceneSource | None" = None, options: VerifyOptions = _UNCHANGED) -> VerifyResult:
+    """Judge a full wave, a friction law or a scene by the report's rows: orders with confidence intervals from a smooth start,
+    step limit, energy balance, noise, agreement with the delay system; derivatives, steady state and evolution of a law.
+
+    Raises SceneError for wrong input; NumericsError, with the rows as its `result`, if one is missed.
+    """
+    subject, rows, notes = _judged(source, options)
+    found = []
+    with progress(f"verify {subject}", _ROWS) as report:
+        for row in rows:
+            found.append(row)
+            report(min(len(found), _ROWS - 1))
+        report(_ROWS)
+    missed = [row for row in found if row.outcome is Outcome.FAIL]
+    failed = f"verify {subject}: {len(missed)} of {len(found)} rows are missed: {'; '.join(bare(one.claim) for one in missed)}"
+    return VerifyResult(subject, with_names("verify", found), notes, failed if missed else "")
+
+
+def _judged(source: "SceneSource | None", options: VerifyOptions) -> tuple[str, Iterable[Verdict], tuple[str, ...]]:
+    """What is judged, in words; its rows, to be computed; what they leave out."""
+    families = [] if options.family is None else load_families(options.family)
+    if options.law is not None:
+        return _of_laws(source or _SCENE, options, options.law)
+    if source is not None:
+        scene = options.scene_of(source)
+        model = _member(_USUAL if options.model == "auto" else options.model)
+        refusal = grid_of(model)[0].refusal(scene)
+        if refusal:
+            raise SceneError(f"model = {model!r}: cannot do {refusal} (scene {scene.name!r})")
+        left = (
+            () if starts_smoothly(scene) else ("its start or its drive jumps: only the ledger is judged, no order is promised",)
+        )
+        return f"scene {scene.name} with {model}", rows_on_scene(model, scene), left
+    if options.model != "auto":
+        models = [_member(options.model)]
+    elif families:
+        models = [model for family in families for model in _members(family)]
+        if not models:
+            raise SceneError(f"--family = {str(options.family)!r}: declares no full wave; compare and bench judge a reduction")
+    else:
+        raise SceneError("verify: give a SCENE, --family FILE.py, --law FILE.py or --model NAME")
+    return ", ".join(models), (row for model in models for row in rows_of_family(model)), ()
+
+
+def _of_laws(source: SceneSource, options: VerifyOptions, path: Path) -> tuple[str, Iterable[Verdict], tuple[str, ...]]:
+    """The same of the laws that a file registers; one that is refused is a row that is missed."""
+    try:
+        names = load_laws(path)
+    except LawError as error:
+        return f"law {path}", [holding("Its functions pass the check of registration", EXACT, "no error", str(error), False)], ()
+    scenes = {name: _with_law(source, name, options) for name in names}
+    rows = (row for name, scene in scenes.items() for row in rows_of_law(name, scene))
+    return f"law {', '.join(names)}", rows, ()
+
+
+def _with_law(source: SceneSource, name: str, options: VerifyOptions) -> Any:
+    """The scene with the law called `name`, whose further parameters keep their defaults."""
+    settings = [options.settings] if isinstance(options.settings, str) else [*options.settings]
+    return replace(options, settings=[*settings, f"interface.law={name}"]).scene_of(slipwave.read(source))
+
+
+def _member(model: str) -> str:
+    """The full name of a member on a grid. Raises SceneError for another model."""
+    family, number = parse(resolve(model, slipwave.read(_SCENE))[0])
+    if family not in GRIDS:
+        waves = ", ".join(one.pattern for one in GRIDS)
+        raise SceneError(f"model = {model!r}: has no grid, so no order and no step limit to verify; models that do: {waves}")
+    return family.called(family.default if number is None else number)
+
+
+def _members(family: Any) -> list[str]:
+    """The members of a family to judge: those with a ladder, else the usual one."""
+    return [family.called(number) for number in family.ladder or [family.usual]] if family in GRIDS else []
