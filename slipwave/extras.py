@@ -8,7 +8,7 @@ EXTRAS = {
     "files": ("xarray", "netCDF4", "meshio"),
     "plot": ("matplotlib",),
     "fem": ("skfem",),
-    "report": ("jinja2", "markupsafe"),
+    "report": ("jinja2", "markupsafe", "PIL"),
     "cluster": ("distributed",),
 }
 """Modules by the extra of the distribution that installs them."""
