@@ -273,6 +273,12 @@ PLACES: dict[str, tuple[Place, ...]] = {
         Place("special_curves:_fold_at", S),
     ),
     "period-doubling": (Place("period_doubling:doubled", (part("last_two"), part("single.orbit"), part("double.orbit"))),),
+    "laboratory": (
+        Place("laboratory:cycles_of_samples"),
+        Place("laboratory:cycle_without_tuning", (lambda one: one and scaled(one, 0.01), lambda one: None), few=True),
+        Place("laboratory:_waves", (lambda found: [*found[:2], (found[2][0], scaled(found[2][1], 0.05)), *found[3:]],)),
+        Place("laboratory:rise_of", (lambda one: one._replace(time=1.1 * one.time),)),
+    ),
     "claims": (
         Place("claims.measured:settled_at", (only("delay", scaled),), model=1),
         Place("claims.measured:run_deep"),

@@ -15,6 +15,7 @@ from validation.cli import main
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 FILE = re.compile(r"Write `([^`]+)`:\s*$")
 PAGES = (
+    "laboratory.md",
     "fit.md",
     "notebook.md",
     "output-files.md",

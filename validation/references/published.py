@@ -14,6 +14,13 @@ def reference() -> dict[str, Any]:
     return content
 
 
+@cache
+def laboratory() -> dict[str, Any]:
+    """Contents of laboratory.json: numbers that others measured, each block with its source."""
+    content: dict[str, Any] = json.loads(Path(__file__).with_name("laboratory.json").read_text(encoding="utf-8"))
+    return content
+
+
 def reference_orbit(model: str, log10_r: float) -> dict[str, float]:
     """Known values of a model's orbit in the paper's material at V = 100: any of period, stress_drop, elastic_stress_drop,
     v_max, v_min (empty if nothing is known); transit clock."""

@@ -21,7 +21,7 @@ QUESTIONS = (
     Question(
         "which",
         "Which model may I use?",
-        ("which-model", "beyond-one-scene", "one-cycle", "error-laws", "regime-map", "asymmetry-map", "bias"),
+        ("which-model", "beyond-one-scene", "one-cycle", "error-laws", "regime-map", "asymmetry-map", "laboratory", "bias"),
     ),
     Question("cost", "What does an answer cost?", ("cost-and-error",)),
     Question(

@@ -29,6 +29,7 @@ STUDIES = {
     "regime-map": "regime_map",
     "asymmetry-map": "asymmetry_map",
     "bias": "bias",
+    "laboratory": "laboratory",
     "claims": "claims",
     "planted-faults": "planted_faults",
     "slow-verification": "slow_verification",

@@ -1,0 +1,96 @@
+"""Others' experiments: samples, bands and rise times are what they say; verdicts turn when the numbers do."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from validation.studies.laboratory import against_measured, band_of, on_rises, on_waves, row_met
+from validation.studies.laboratory.measured import (
+    MeasuredCycle,
+    Rise,
+    cycle_without_tuning,
+    leeman_runs,
+    printed_fits,
+    rise_time,
+    samples,
+)
+from validation.studies.laboratory.shown import LAWS, NAMES, Band, Case, draw_cases, measured_figure
+from validation.study import Outcome, Verdict
+
+
+def outcomes(verdicts: list[Verdict]) -> list[str]:
+    return [verdict.outcome.value for verdict in verdicts]
+
+
+def test_the_plain_block_repeats_a_printed_period_and_slides_where_it_should() -> None:
+    """14 and 8 MPa: 9.70 s and 15.3 mm/s by the third fit; steady sliding by the second."""
+    found = cycle_without_tuning(leeman_runs()[6], printed_fits()[2][0], "ageing")
+    assert found
+    assert (found.period, found.peak) == (pytest.approx(9.70, rel=2e-3), pytest.approx(15.3, rel=0.03))
+    assert 0.035 < found.drop < 0.041
+    assert cycle_without_tuning(leeman_runs()[1], printed_fits()[1][0], "ageing") is None
+
+
+def test_samples_have_the_printed_means_and_deviations() -> None:
+    drawn = samples(3000)
+    for k, (mean, deviation) in enumerate(printed_fits()):
+        own = np.array([fit for fit, _ in drawn[k::3]])
+        np.testing.assert_allclose(own.mean(axis=0), mean, atol=0.15 * max(deviation), rtol=0.02)
+        np.testing.assert_allclose(own.std(axis=0), deviation, rtol=0.1)
+    assert np.std(np.log([factor for _, factor in drawn])) == pytest.approx(0.05, rel=0.1)
+    assert samples(5) == drawn[:5]
+
+
+def test_the_rise_time_of_free_swinging_is_half_its_period() -> None:
+    time = np.linspace(-1.0, 3.0, 4001)
+    fall = np.where(time < 0.0, 1.0 + 1e-3 * time, np.where(time > 2.0, -1.0, np.cos(0.5 * math.pi * time)))
+    assert rise_time(time, fall) == pytest.approx(2.0, rel=2e-3)
+
+
+def made(factor: dict[str, float], slips: float = 1.0, meets: int = 1) -> list[Case]:
+    """Cases whose bands lie `factor` times the measured values."""
+
+    def bands(row: Mapping[str, Any]) -> dict[str, Band]:
+        middle = {name: measured_figure(row, name) * factor.get(name, 1.0) for name in NAMES}
+        return {name: Band(0.9 * value, value, 1.1 * value) for name, value in middle.items()}
+
+    return [Case(row, law, slips, bands(row), meets) for law in LAWS for row in leeman_runs()]
+
+
+def test_verdicts_on_what_was_measured_turn_with_the_numbers() -> None:
+    assert outcomes(against_measured(made({}))) == ["pass"] * 5
+    for k, name in enumerate(NAMES, 1):
+        assert outcomes(against_measured(made({name: 1.5})))[k] == "finding"
+    assert outcomes(against_measured(made({}, slips=0.4)))[0] == "finding"
+    assert outcomes(against_measured(made({}, meets=0)))[4] == "finding"
+    assert row_met(made({}, meets=0)[:7] + made({})[7:]) == [True] * 7
+    assert all(verdict.refuted for verdict in against_measured(made({})))
+    assert math.isnan(band_of([1.0, 2.0]).median)
+    assert band_of([1.0, 2.0, 4.0]).median == 2.0
+
+
+def test_verdicts_on_waves_and_rise_times_turn_with_the_numbers() -> None:
+    block = MeasuredCycle(8.7, 0.0385, 8.5)
+    kept = [
+        ("measured", MeasuredCycle(8.5, 0.042, 1.4)),
+        ("", block),
+        ("", block._replace(peak=8.6)),
+        ("", block._replace(peak=2.0)),
+    ]
+    assert outcomes(on_waves(kept)) == ["pass", "pass"]
+    far = [*kept[:2], ("", block._replace(period=9.5)), ("", block._replace(peak=230.0))]
+    assert outcomes(on_waves(far)) == ["fail", "finding"]
+    assert outcomes(on_waves([*kept[:2], ("", block)])) == ["fail"]  # to the last bit: compared with itself
+    rises = [Rise(1.0, 0.005, 1.0, drop, 18.0 + 0.1 * drop) for drop in (0.1, 0.3)]
+    assert on_rises(rises).outcome is Outcome.PASS
+    assert on_rises([rises[0], rises[1]._replace(time=54.0)]).outcome is Outcome.FAIL
+
+
+def test_the_figure_shows_what_was_measured() -> None:
+    axes = draw_cases(made({"peak": 5.0})).axes
+    for panel, name in zip(axes, NAMES, strict=True):
+        np.testing.assert_allclose(panel.get_lines()[2].get_ydata(), [measured_figure(row, name) for row in leeman_runs()])
+    np.testing.assert_allclose(axes[2].get_lines()[0].get_ydata(), [5.0 * row["peak_mm_s"] for row in leeman_runs()])

@@ -1,0 +1,192 @@
+"""The runs of the study: a block under double direct shear, the same with blocks of steel and waves, a metre of gabbro."""
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from slipwave.input import read_scene
+from slipwave.observe import Events, HistoryObserver
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.solve import follow
+from validation.measure.cycle import cut, watch
+from validation.references.published import laboratory
+from validation.registry.build import build
+
+DENSITY, SHEAR_MODULUS, THICKNESS = 7850.0, 79e9, 0.05  # of the steel forcing blocks
+STIFFNESS_SPREAD = 0.05  # of k', for which no uncertainty is printed: our assumption
+_TOLERANCE = 1e-6
+_CYCLES = 12.0
+_START = 2.0
+
+
+class FrictionFit(NamedTuple):
+    """Parameters of friction: a, b and L in um."""
+
+    a: float
+    b: float
+    length: float
+
+
+class MeasuredCycle(NamedTuple):
+    """A cycle: period (s), drop of friction, peak slip rate (mm/s)."""
+
+    period: float
+    drop: float
+    peak: float
+
+
+def leeman_runs() -> list[Mapping[str, Any]]:
+    """The seven runs of Leeman et al. (2016)."""
+    return list(laboratory()["leeman-2016"]["rows"])
+
+
+def printed_fits() -> list[tuple[FrictionFit, FrictionFit]]:
+    """The printed fits of a, b and L: values and standard deviations."""
+    found = laboratory()["leeman-2016"]["rate_and_state"]["fits"]
+    return [
+        (FrictionFit(*(one[key][0] for key in ("a", "b", "Dc_um"))), FrictionFit(*(one[key][1] for key in ("a", "b", "Dc_um"))))
+        for one in found
+    ]
+
+
+def samples(count: int) -> list[tuple[FrictionFit, float]]:
+    """Parameters within the printed uncertainty, with a factor of k': the three fits in turn, a, b and L normal and independent
+    of each other (no correlation is printed)."""
+    random, fits = np.random.default_rng(20160331), printed_fits()
+    drawn = random.standard_normal((count, 4))
+    return [
+        (
+            FrictionFit(*(m + s * x for m, s, x in zip(*fits[n % len(fits)], row[:3], strict=True))),
+            math.exp(STIFFNESS_SPREAD * row[3]),
+        )
+        for n, row in enumerate(drawn)
+    ]
+
+
+def interface_of(row: Mapping[str, Any], fit: FrictionFit, law: str, **more: Any) -> dict[str, Any]:
+    """[interface] of a run."""
+    stress = row["sigma_MPa"] * 1e6
+    units = {"normal_stress": stress, "memory_length": fit.length * 1e-6, "reference_velocity": 1e-6}
+    return {"law": law, "a_star": 0.6, "a": fit.a, "b": fit.b, **units, **more}
+
+
+def plain_block(row: Mapping[str, Any], fit: FrictionFit, law: str, factor: float = 1.0, **more: Any) -> Scene:
+    """Spring k' and radiation damping rho c/2 of steel: alike slabs so thick that their own elasticity is the spring, for a
+    model without waves and inertia, which sees nothing else of them."""
+    stiffness = factor * row["k_per_um"] * row["sigma_MPa"] * 1e12  # Pa/m
+    slab = {"density": DENSITY, "shear_modulus": SHEAR_MODULUS, "thickness": SHEAR_MODULUS / (2.0 * stiffness)}
+    return _scene(interface_of(row, fit, law, **more), slab, _START)
+
+
+def steel_blocks(row: Mapping[str, Any], fit: FrictionFit, law: str, dashpot: float, mass: float = 0.0) -> Scene:
+    """Two blocks of steel, each behind a spring with a dashpot (of `dashpot` times rho c) and a mass (kg/m2)."""
+    stiffness = row["k_per_um"] * row["sigma_MPa"] * 1e12
+    spring = 1.0 / (1.0 / (2.0 * stiffness) - THICKNESS / SHEAR_MODULUS)
+    impedance = dashpot * math.sqrt(DENSITY * SHEAR_MODULUS)
+    face = {"kind": "machine", "stiffness": spring, "impedance": impedance, "mass": mass}
+    slab = {"density": DENSITY, "shear_modulus": SHEAR_MODULUS, "thickness": THICKNESS, "face": face}
+    return _scene(interface_of(row, fit, law), slab, _START)
+
+
+def _scene(interface: Mapping[str, Any], slab: Mapping[str, Any], size: float, velocity: float = 10.0) -> Scene:
+    """A scene of alike slabs, V in um/s."""
+    tables = {
+        "name": "laboratory",
+        "interface": interface,
+        "slab": slab,
+        "drive": {"velocity": velocity},
+        "start": {"size": size},
+    }
+    return read_scene(tables)
+
+
+def cycle_in_run(
+    scene: Scene, model: str, seconds: float, after: float = 0.5, tolerance: float = _TOLERANCE
+) -> MeasuredCycle | None:
+    """The last complete cycle of a run of so many seconds, of those that begin `after` this share of it; None if there is none or
+    if the slip rate stays below twice V in it: it slides steadily, or will."""
+    assert scene.units
+    transit = scene.units.size("transit", scene.transit)
+    until = seconds / transit
+    events = watch(build(model, scene, tolerance=tolerance), until).events(after * until)
+    slips = events.time.size > 0 and events.v_max[-1] > 2.0 * scene.velocity
+    return in_laboratory_units(scene, events) if slips else None
+
+
+def in_laboratory_units(scene: Scene, events: Events) -> MeasuredCycle:
+    """The last of the cycles."""
+    assert scene.units
+    period = float(events.period[-1]) * scene.units.size("transit", scene.transit)
+    return MeasuredCycle(period, float(events.stress_drop[-1]), 1e3 * float(events.v_max[-1]) * scene.units.reference_velocity)
+
+
+def cycles_of_samples(row: Mapping[str, Any], law: str, drawn: Iterable[tuple[FrictionFit, float]]) -> list[MeasuredCycle | None]:
+    """A cycle of the plain block for each of the samples; None where it slides steadily."""
+    return [
+        cycle_in_run(plain_block(row, fit, law, factor), "quasidynamic", _CYCLES * row["T_s"]) if fit.b > fit.a > 0.0 else None
+        for fit, factor in drawn
+    ]
+
+
+def cycle_without_tuning(row: Mapping[str, Any], fit: FrictionFit, law: str, **more: Any) -> MeasuredCycle | None:
+    """The plain block with a fit as it is printed."""
+    return cycle_in_run(plain_block(row, fit, law, **more), "quasidynamic", 2.0 * _CYCLES * row["T_s"], after=0.7)
+
+
+class Rise(NamedTuple):
+    """A slip event of the gabbro under a normal stress (MPa), with b - a, at V (mm/s): its drop (MPa) and rise time (ms)."""
+
+    normal_stress: float
+    weakening: float
+    velocity: float
+    drop: float
+    time: float
+
+
+def rise_of(normal_stress: float, weakening: float, velocity: float) -> Rise:
+    """The last slip event of a metre of gabbro on the machine of Togo et al. (2015), exact waves. `normal_stress` in MPa, b - a,
+    V in mm/s."""
+    togo = laboratory()["togo-2015"]
+    stiffness, mass = 153e6, float(togo["mass_kg_per_m2"])
+    slab = {"density": 2980.0, "shear_modulus": 3.9e10, "thickness": 0.2}
+    face = {"kind": "machine", "stiffness": stiffness, "impedance": 0.0, "mass": mass}
+    interface = {"law": "ageing", "a_star": 0.7, "a": 0.01, "b": 0.01 + weakening}
+    interface |= {"normal_stress": normal_stress * 1e6, "memory_length": 1e-6, "reference_velocity": 1e-6}
+    tables = {"interface": interface, "upper": slab | {"face": face}, "lower": slab, "drive": {"velocity": 1e3 * velocity}}
+    scene = read_scene({"name": "gabbro", "start": {"size": _START}, **tables})
+    assert scene.units
+    transit = scene.units.size("transit", scene.transit)
+    solver = build("delay", scene, tolerance=1e-6)
+    history = HistoryObserver(scene.law, solver.nodes)
+    expected = 20.0 * weakening * normal_stress * 1e6 / stiffness / (1e-3 * velocity)  # s: some periods
+    seen = _followed(solver, history, 6.0 * expected / transit)
+    near = 0.1 / transit
+    cycle = cut(scene.law, history.samples(), float(seen.time[-1]), near, before=near)
+    return Rise(
+        normal_stress,
+        weakening,
+        velocity,
+        float(seen.elastic_stress_drop[-1]) * normal_stress,
+        1e3 * transit * rise_time(cycle.time, cycle.elastic_stress),
+    )
+
+
+def _followed(solver: Any, history: HistoryObserver, until: float) -> Events:
+    from slipwave.observe import EventObserver
+
+    watching = EventObserver(solver.scene, solver.nodes)
+    follow(solver, until, [watching, history])
+    return watching.events()
+
+
+def rise_time(time: Array, elastic: Array) -> float:
+    """The time in which the elastic stress falls from 90 % to 10 % of its drop, over the share 0.590 that it has of half a period
+    of free swinging."""
+    top = int(np.argmax(elastic))
+    bottom = top + int(np.argmin(elastic[top:]))
+    share = (elastic[top:bottom] - elastic[bottom]) / (elastic[top] - elastic[bottom])
+    begin, end = (top + int(np.flatnonzero(share > level)[-1]) for level in (0.9, 0.1))
+    return float(time[end] - time[begin]) / ((math.acos(-0.8) - math.acos(0.8)) / math.pi)
