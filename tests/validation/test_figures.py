@@ -30,6 +30,7 @@ def two_panels():
     left, right = figure.subplots(1, 2)
     left.plot(X, np.sin(3.0 * X), color="#0072b2", label="wave")
     left.plot(X, 0.5 * X - 0.7, color="#e69f00", linestyle="--", label=r"ramp $\Delta\mu$")
+    left.step([0.0, 1.0, 4.0], [0.2, 0.1, 0.3], where="pre", label="count")
     left.axhline(0.0, color="#b5b5b0")
     left.set(xlabel="time", ylabel=r"stress $\mu$")
     left.legend()
@@ -58,6 +59,7 @@ def test_the_file_draws_the_figure_again(panels):
         assert (panel.x_label, panel.y_label, panel.scales) == (other.x_label, other.y_label, other.scales)
         assert panel.limits == other.limits
         kinds = {one.name: one for one in other.curves}
+        assert all("steps" not in one.look or kinds[one.name].look == one.look for one in panel.curves)
         for one in panel.curves:
             if one.look != "cells":
                 np.testing.assert_allclose(kinds[one.name].x, one.x, rtol=1e-7, atol=1e-9)
@@ -68,7 +70,8 @@ def test_the_file_draws_the_figure_again(panels):
 
 def test_the_file_holds_what_was_drawn(panels):
     left, right = panels
-    wave, ramp, zero = left.curves
+    wave, ramp, count, zero = left.curves
+    assert count.look == "solid steps-pre"
     assert (wave.name, ramp.name, wave.look, ramp.look) == ("wave", "ramp Δμ", "solid", "dashed")
     np.testing.assert_array_equal(ramp.y, 0.5 * X - 0.7)
     np.testing.assert_allclose([zero.x, zero.y], [(-0.2, 4.2), (0.0, 0.0)], atol=1e-12)
@@ -99,9 +102,9 @@ def test_thinning_keeps_every_extremum():
 def test_words_are_the_numbers_that_are_drawn(panels):
     title, words = title_of(panels), description_of(panels)
     assert title.startswith(
-        "stress μ over time: 5 curves in 2 panels; largest 1.3 at x = 4 (ramp Δμ); least −1 at x = 1.571 (wave)"
+        "stress μ over time: 6 curves in 2 panels; largest 1.3 at x = 4 (ramp Δμ); least −1 at x = 1.571 (wave)"
     )
-    wave, ramp, _ = panels[0].curves
+    wave, ramp, *_ = panels[0].curves
     places = meetings(wave, ramp)
     np.testing.assert_allclose(np.sin(3.0 * places), 0.5 * places - 0.7, atol=1e-6)
     assert f"wave and ramp Δμ cross {places.size} times, first at x = {places[0]:.4g}." in words

@@ -40,14 +40,18 @@
     ctx.lineWidth = 1.4 * devicePixelRatio;
     ctx.setLineDash((DASHES[curve.look.split(" ")[0]] || []).map((d) => d * devicePixelRatio));
     ctx.beginPath();
-    let pen = false;
+    let pen = false, before = 0;
     for (let k = 0; k < curve.x.length; k++) {
       if (curve.x[k] === null || curve.y[k] === null) { pen = false; continue; }
       const x = u.valToPos(curve.x[k], "x", true), y = u.valToPos(curve.y[k], "y", true);
       if (points) ctx.rect(x - r, y - r, 2 * r, 2 * r);
-      else if (pen) ctx.lineTo(x, y);
+      else if (pen) {
+        if (curve.look.includes("steps-pre")) ctx.lineTo(before, y);
+        ctx.lineTo(x, y);
+      }
       else ctx.moveTo(x, y);
       pen = true;
+      before = x;
     }
     if (points) ctx.fill();
     else ctx.stroke();

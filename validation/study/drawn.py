@@ -177,7 +177,7 @@ def look_of(line: Any) -> str:
     if style == "--":  # what matplotlib calls all patterns given by numbers; only the line itself knows them
         style = ":" if line._unscaled_dash_pattern[1][0] < _DOTTED else "--"
     words = {"-": "solid", "--": "dashed", ":": "dotted", "-.": "dash-dotted"}.get(style, "points")
-    steps = " steps" if line.get_drawstyle() != "default" else ""
+    steps = "" if line.get_drawstyle() == "default" else f" {line.get_drawstyle()}"
     return words + steps + ("" if marker in ("None", "none", "", " ") else f" {marker}")
 
 
@@ -339,13 +339,15 @@ def redraw(panels: Iterable[Panel]) -> Drawing:
     styles = {"dashed": "--", "dotted": ":", "dash-dotted": "-.", "points": "none"}
     for axes, panel in zip(figure.subplots(1, len(every), squeeze=False)[0], every, strict=True):
         for curve in panel.curves:
-            style, _, marker = curve.look.replace(" steps", "").partition(" ")
+            style, _, marker = re.sub(" steps[a-z-]*", "", curve.look).partition(" ")
             if style == "cells":
                 axes.scatter(curve.x, curve.y, c=curve.value, s=4.0, label=curve.name)
             elif style == "area":
                 axes.fill(curve.x, curve.y, alpha=0.2, label=curve.name)
             else:
                 look: Any = {"linestyle": styles.get(style, "-"), "marker": marker or ("." if style == "points" else "None")}
+                if steps := re.search("steps[a-z-]*", curve.look):
+                    look["drawstyle"] = steps[0]
                 axes.errorbar(curve.x, curve.y, curve.errors[1], curve.errors[0], label=curve.name, **look)
         axes.set(xscale=panel.scales[0], yscale=panel.scales[1], xlim=panel.limits[0], ylim=panel.limits[1])
         axes.set(xlabel=panel.x_label, ylabel=panel.y_label, title=panel.name)

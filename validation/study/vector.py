@@ -12,7 +12,7 @@ from itertools import groupby
 
 from validation.study.drawing import Drawing
 
-PAPER, DARK_PAPER = "#ffffff", "#161615"
+PAPER, DARK_PAPER = "#ffffff", "#171716"
 """What a figure lies on, by day and by night."""
 
 LEAST_CONTRAST = 3.0
