@@ -132,14 +132,17 @@ def resolution_for(tolerance: float) -> float:
     return _STEPS_SHARE * tolerance
 
 
-def judge_grid(cells: int, fine: FieldSolver, coarse: FieldSolver) -> Choice:
-    """The accuracy of a default grid of `cells`, from fresh solvers on it and on a grid with two thirds of its cells.
+def judge_grid(cells: int, judged: FieldSolver, other: FieldSolver) -> Choice:
+    """The accuracy of a default grid of `cells`, from fresh solvers on it and on an `other` grid, with two thirds of its cells,
+    or with half as many more where no coarser one is possible.
 
-    From order 2 on, the difference of their probes is larger than the error of the finer one. The estimate is infinite if the two
-    do not find the same cycles.
+    From order 2 on (from 3 on beside a finer one), the difference of their probes, with a margin for grids that do not follow
+    their order yet, and with the error of the steps that both share, is larger than the error. The estimate is infinite if the
+    two do not find the same cycles.
     """
-    before, now = probe(coarse), probe(fine)
-    return Choice(cells, fine.step, now.quantity if now else "final state", difference_of(before, now), (), _adapts(fine))
+    theirs, ours = probe(other), probe(judged)
+    estimate = _MARGIN * difference_of(theirs, ours) + _STEPS_ERROR * judged.settings.get("resolution", 0.0)
+    return Choice(cells, judged.step, ours.quantity if ours else "final state", estimate, (), _adapts(judged))
 
 
 def _adapts(solver: FieldSolver) -> bool:

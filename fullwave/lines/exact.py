@@ -11,7 +11,7 @@ import numpy as np
 
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, steps_at_once
 from fullwave.lines.grid_ledger import FRICTION, INPUT, RADIATED, VISCOUS
-from fullwave.lines.grid_slabs import DRIVE_TERMS, GridSlabs
+from fullwave.lines.grid_slabs import GridSlabs
 from fullwave.lines.propagator import halves
 from fullwave.lines.system import System
 from slipwave.friction import rate_of
@@ -147,10 +147,10 @@ class ExactMarch(PortMarch):
 
     def _parts(self, time: float, length: float, z: Array, depth: int) -> list[Array]:
         """Coefficients of slip rate and drive on the 2^depth equal parts of a step with z at its nodes."""
-        scene, to_legendre = self.slabs.scene, self.slabs.to_legendre
+        scene, to_legendre, terms = self.slabs.scene, self.slabs.to_legendre, self.slabs.drive_terms
         rates = np.array([rate_of(scene.law, float(one)) for one in z]) - scene.velocity
         drive = np.array([scene.drive.at(time + length * float(node)) for node in self.nodes])
-        parts = [np.r_[to_legendre @ rates, to_legendre[:DRIVE_TERMS] @ (0.5 * (drive - scene.velocity))]]
+        parts = [np.r_[to_legendre @ rates, to_legendre[:terms] @ (0.5 * (drive - scene.velocity))]]
         for _ in range(depth):
-            parts = [half @ part for part in parts for half in halves((STAGES, DRIVE_TERMS))]
+            parts = [half @ part for part in parts for half in halves((STAGES, terms))]
         return parts

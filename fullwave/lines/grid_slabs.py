@@ -20,9 +20,6 @@ from slipwave.step.collocation import radau
 from slipwave.step.port import LEVELS, Levels, Port, blank_port, line_aligned, padded
 from slipwave.threads import one_thread
 
-DRIVE_TERMS = 2
-"""The drive is linear in a step."""
-
 _MOST_KNOWN, _FEWEST_KNOWN = 64, 2
 _HELD = 80  # numbers held for one longest length, over the square of the unknowns (33 measured; with viscosity 74)
 
@@ -43,6 +40,7 @@ class GridSlabs:
         self, scene: Scene, grid: Callable[[Scene], System], model: str, stages: int, most_known: int = _MOST_KNOWN
     ) -> None:
         self.scene, self.model, self.stages, self._grid = scene, model, stages, grid
+        self.drive_terms = min(scene.drive.terms, stages)
         system = grid(scene)
         size, self.scale = state_size(system), scene.upper.epsilon
         with one_thread():
@@ -58,7 +56,7 @@ class GridSlabs:
             rates[:, size:],
             outputs[:, self.slots],
             outputs[:, size:],
-            (stages, DRIVE_TERMS),
+            (stages, self.drive_terms),
             (stages, 2, 1, *[stages] * damped.size),
         )
         self._dissipation = dissipation_of(system, motion, self.slots)
@@ -117,7 +115,7 @@ class GridSlabs:
     def _tabulate(self, port: Port, level: int, step: StepMap, heat: Array | None) -> None:
         s, n, begin, scale = self.stages, self.remembered, padded(self.remembered), self.scale
         # each face takes half of a change of the drive
-        inputs = scipy.linalg.block_diag(self.to_legendre, 0.5 * self.to_legendre[:DRIVE_TERMS])
+        inputs = scipy.linalg.block_diag(self.to_legendre, 0.5 * self.to_legendre[: self.drive_terms])
         free, stress, forced = at_nodes(step, s, inputs)
         port.impedance[level], port.driven[level] = -stress[:, :s], stress[:, s:].T
         port.steady[level] = self.scene.steady_stress + port.impedance[level].sum(axis=1) * self.scene.velocity

@@ -2,7 +2,7 @@
 
 Neighbouring cycles of a motion that never repeats depend on each other, so that std/sqrt(n) would be no error of the mean. The
 cycles are divided in order into batches. Means of batches longer than this dependence are independent, and their scatter gives
-the interval of their mean (Student's distribution).
+the interval of their mean (Student's distribution). The autocorrelations of the cycles give another; the wider one counts.
 """
 
 import math
@@ -15,6 +15,7 @@ from slipwave.observe.pieces import Array
 
 BATCHES = 8
 _CONFIDENCE = 0.95
+_FEWEST = 4.0  # independent values that a sequence counts for at least
 
 
 @dataclass(frozen=True)
@@ -88,11 +89,36 @@ def summarise(events: Events, repeat: bool = True) -> RunStatistics:
 
 
 def margin_of_mean(values: Array) -> float:
-    """Half the width of the 95 % interval of the mean of `values` (cycles, in order); NaN for fewer than BATCHES values."""
-    if values.size < BATCHES:
-        return math.nan
+    """Half the width of the 95 % interval of the mean of `values` (cycles, in order); NaN for fewer than BATCHES values.
+
+    Of two margins the wider: that of batches is too narrow where neighbours resemble each other over a batch, that of
+    autocorrelations where they alternate. Alone, each holds the mean of fewer than 95 of 100 runs."""
+    return max(_by_batches(values), _by_autocorrelations(values)) if values.size >= BATCHES else math.nan
+
+
+def _by_batches(values: Array) -> float:
+    means = np.array([batch.mean() for batch in np.array_split(values, BATCHES)])
+    return _quantile(BATCHES - 1.0) * float(means.std(ddof=1)) / math.sqrt(BATCHES)
+
+
+def _by_autocorrelations(values: Array) -> float:
+    """From the variance of the mean, 2 tau variance/n. The time tau = 1/2 + (sum of the autocorrelations) is summed in pairs of
+    lags as long as these are positive (Geyer, Statistical Science 7, 1992): later ones are noise. n/(2 tau) values are
+    independent."""
+    count = values.size
+    transformed = np.fft.rfft(values - values.mean(), 2 * count)
+    covariance = np.fft.irfft(np.abs(transformed) ** 2)[:count] / count
+    pairs = covariance[: 2 * (count // 2)].reshape(-1, 2).sum(axis=1)
+    kept = pairs[: int((pairs <= 0.0).argmax()) if (pairs <= 0.0).any() else None]
+    spread = 2.0 * float(kept.sum()) - float(covariance[0])
+    if spread <= 0.0:
+        return 0.0
+    independent = min(max(count * float(covariance[0]) / spread, _FEWEST), float(count))
+    return _quantile(independent - 1.0) * math.sqrt(spread / count * independent / (independent - 1.0))
+
+
+def _quantile(freedom: float) -> float:
+    """Student's, for both tails of the interval."""
     from scipy.special import stdtrit
 
-    means = np.array([batch.mean() for batch in np.array_split(values, BATCHES)])
-    quantile = float(stdtrit(BATCHES - 1, 0.5 * (1.0 + _CONFIDENCE)))
-    return quantile * float(means.std(ddof=1)) / math.sqrt(BATCHES)
+    return float(stdtrit(freedom, 0.5 * (1.0 + _CONFIDENCE)))

@@ -4,7 +4,7 @@ import math
 from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
@@ -72,6 +72,8 @@ class Drive:
 
     times: tuple[float, ...]
     velocities: tuple[float, ...]
+    terms: ClassVar[int] = 2
+    """Terms of a polynomial that is V between two knots."""
 
     @cached_property
     def is_constant(self) -> bool:

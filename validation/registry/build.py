@@ -1,5 +1,6 @@
 """Makes the solver of a model for a scene, by the model's name on the command line."""
 
+import math
 from typing import TYPE_CHECKING, Any, Unpack
 
 from slipwave.errors import SceneError
@@ -78,23 +79,29 @@ def _takes(family: Family, option: str, known: dict[str, Any]) -> bool:
 
 
 def judged_grid(solver: Solver, start: State, cfl: float | None = None, time: str | None = None) -> "Choice | None":
-    """The default grid of `solver` with its estimated error, from its own state at the `start` and a coarser grid; None for
+    """The default grid of `solver` with its estimated error, from its own state at the `start` and another grid; None for
     models without a grid and for a start on the orbit, which depends on a march of its own. `solver` is left as it is."""
     if not isinstance(solver, FieldSolver) or solver.scene.start.kind is StartKind.ORBIT:
         return None
     from fullwave.adapt import first_accepted, judge_grid
+    from fullwave.options import CellsRefused
 
     model, scene, cells = solver.model, solver.scene, solver.cells
     fewer = range(max(1, int(cells / _COARSER)), cells)  # two thirds, or the fewest more that the family accepts
+    more = range(math.ceil(_COARSER * cells), 2 * cells)
 
     def on_grid(number: int) -> FieldSolver:
-        """The solver with so many cells."""
-        return build_full_wave(model, scene, cells=number, cfl=cfl, time=time)
+        """The solver with so many cells, if that makes its grid another one: thin layers have the fewest cells already."""
+        other = build_full_wave(model, scene, cells=number, cfl=cfl, time=time)
+        if other.settings["cells"] == solver.settings["cells"]:
+            raise CellsRefused(f"cells = {number}: the same grid")
+        return other
 
     end = solver.state()
     try:
         solver.restore(start)
-        return judge_grid(cells, solver, first_accepted(on_grid, fewer) or on_grid(cells))
+        other = first_accepted(on_grid, (*fewer, *more))
+        return judge_grid(cells, solver, other) if other else None
     finally:
         solver.restore(end)
 

@@ -27,7 +27,15 @@ QUESTIONS = (
     Question(
         "exact",
         "Is the exact solution exact?",
-        ("grid-convergence", "leapfrog-convergence", "energy", "unlike-slabs", "partial-reflection", "slip-event"),
+        (
+            "grid-convergence",
+            "manufactured",
+            "leapfrog-convergence",
+            "energy",
+            "unlike-slabs",
+            "partial-reflection",
+            "slip-event",
+        ),
     ),
     Question(
         "onset",
@@ -35,7 +43,7 @@ QUESTIONS = (
         ("stability-boundaries", "bifurcation", "snaking", "special-curves", "period-doubling", "period-against-delay"),
     ),
     Question("paper", "What of the paper holds?", ("claims", "scene-facts")),
-    Question("trust", "Can I trust the checks?", ("planted-faults", "slow-verification", "stability-attacks")),
+    Question("trust", "Can I trust the checks?", ("planted-faults", "coverage", "slow-verification", "stability-attacks")),
     Question("changed", "What changed?", ()),
 )
 

@@ -13,6 +13,7 @@ STUDIES = {
     "one-cycle": "one_cycle",
     "leapfrog-convergence": "leapfrog_convergence",
     "grid-convergence": "grid_convergence",
+    "manufactured": "manufactured",
     "cost-and-error": "cost_and_error",
     "stability-boundaries": "stability_boundaries",
     "slip-event": "slip_event",

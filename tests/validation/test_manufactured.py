@@ -1,0 +1,57 @@
+"""The exact solution with friction and state: it solves the equations, and full waves make it at their orders."""
+
+import numpy as np
+import pytest
+
+from validation.measure.manufactured import RATIO, error_of_motion, exact_motion, given_scene
+from validation.registry.build import build
+from validation.studies.manufactured import CELLS, FINEST, climbed
+
+
+@pytest.mark.parametrize("unlike", [False, True])
+def test_the_given_motion_solves_wave_equation_friction_and_ageing(unlike: bool) -> None:
+    """The slabs' own velocities from the drive by MODEL.md section 3, marched by hand: S = [mu - eps w](t - k) + 2 eps V/2."""
+    scene, step = given_scene(unlike), 0.01
+    times = np.arange(-500, 1200) * step  # steady sliding until the pulse
+    motion = exact_motion(scene, times)
+    z, psi, mu = motion.T
+    own = []
+    for slab, trips in ((scene.upper, 1), (scene.lower, RATIO if unlike else 1)):
+        late, velocity = round(trips / step), np.full(times.size, 0.5)
+        for n in range(late, times.size):
+            launched = mu[n - late] - slab.epsilon * velocity[n - late]
+            velocity[n] = (launched - mu[n]) / slab.epsilon + scene.drive.at(times[n] - 0.5 * trips)
+        own.append(velocity)
+    assert own[0] + own[1] == pytest.approx(np.exp(z), abs=1e-11)
+    assert mu == pytest.approx(scene.law.a_star + scene.law.a * z + scene.law.b * psi, abs=1e-13)
+    change = np.gradient(psi, step, edge_order=2)[1:-1]
+    assert change == pytest.approx((scene.transit * (np.exp(-psi) - np.exp(z)))[1:-1], abs=2e-3)
+    assert np.ptp(z) > 3.0
+
+
+def test_the_drive_is_steady_before_the_motion() -> None:
+    for unlike in (False, True):
+        drive = given_scene(unlike).drive
+        assert drive.at(0.0) == pytest.approx(1.0, abs=1e-9)
+        assert (drive.is_constant, drive.knots, drive.terms) == (False, (), 8)
+
+
+@pytest.mark.parametrize(("model", "pair"), [("fd", "unlike"), ("sbp:4", "alike"), ("dg:2", "unlike")])
+def test_a_full_wave_makes_it_at_its_order(model: str, pair: str) -> None:
+    ladder = climbed(model, pair)
+    assert not ladder.shortfall
+    assert 0.2 * FINEST[model] < ladder.errors[-1] < FINEST[model]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", CELLS)
+@pytest.mark.parametrize("pair", ["alike", "unlike"])
+def test_every_full_wave_makes_it_at_its_order(model: str, pair: str) -> None:
+    ladder = climbed(model, pair)
+    assert not ladder.shortfall
+    assert ladder.errors[-1] < FINEST[model]
+
+
+def test_exact_steps_follow_a_drive_that_is_not_linear() -> None:
+    """With two terms of V in a step they would be wrong by 0.2."""
+    assert error_of_motion(build("dg:7", given_scene(False), cells=6, time="exact")) < 1e-7

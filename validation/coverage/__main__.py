@@ -1,0 +1,25 @@
+"""python -m validation.coverage orbits 20       # the first 20 computations of a kind, as a table
+python -m validation.coverage --record        # all kinds into reports/baseline/coverage.json; goes on where it was interrupted
+"""
+
+import sys
+
+from validation.coverage.kinds import computation
+from validation.coverage.record import covered, make_record
+from validation.output import print_table
+
+
+def main(words: list[str]) -> None:
+    """Do what the words ask for."""
+    if words == ["--record"]:
+        return make_record()
+    kind, count = words
+    found = covered(computation(kind, number) for number in range(int(count)))
+    rows = [
+        [one.figure, str(one.many), f"{one.share:.3f}", f"{one.low:.3f} .. {one.high:.3f}", f"{one.width:.1f}"] for one in found
+    ]
+    print_table([kind, "number", "held", "95 % interval", "bar / error"], rows)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,181 @@
+"""Every full wave against an exact solution with waves, friction and state, which it is driven to make."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from slipwave.observe.pieces import Array
+from validation.measure.manufactured import BEGIN, UNTIL, error_of_motion, exact_motion, given_scene
+from validation.measure.order_fit import Fit, fit_order, shortfall
+from validation.registry.build import build
+from validation.registry.families import family_of
+from validation.study import EXACT, Budget, Figure, Number, StudyResult, Table, Verdict, claim, holding, table
+from validation.study.drawing import WIDTH, Drawing, canvas, pen
+from validation.study.text import plain
+
+NAME = "manufactured"
+QUESTION = "Does every full wave converge to an exact solution with friction and state?"
+SCENES: tuple[str, ...] = ()
+SECONDS = (3.0, 8.0)
+
+_SECOND, _THIRD, _FOURTH = (32, 48, 64, 96, 128), (12, 16, 20, 24, 32), (10, 12, 14, 16, 18, 20)
+CELLS = {
+    "fd": _SECOND,
+    "sbp:2": _SECOND,
+    "sbp:4": (32, 40, 48, 64, 96),
+    "sbp:6": (28, 32, 36, 40, 44, 48),
+    "fem:1": _SECOND,
+    "fem:2": _THIRD,
+    "fem:3": _FOURTH,
+    "fem:4": (6, 8, 10, 12, 16),
+    "dg:1": (48, 64, 80, 96, 128),
+    "dg:2": _THIRD,
+    "dg:3": _FOURTH,
+    "dg:4": (6, 7, 8, 10, 12),
+}
+"""Cells per slab, by model."""
+
+FINEST = {
+    "fd": 7e-5,
+    "sbp:2": 4e-4,
+    "sbp:4": 4e-6,
+    "sbp:6": 6e-6,
+    "fem:1": 4e-4,
+    "fem:2": 1e-5,
+    "fem:3": 3e-6,
+    "fem:4": 8e-8,
+    "dg:1": 4e-4,
+    "dg:2": 2e-5,
+    "dg:3": 1.2e-6,
+    "dg:4": 7e-7,
+}
+"""Bounds of the errors on the finest grids: twice those measured of unlike slabs."""
+
+_MARCHES = {"alike": "exact", "unlike": "explicit"}
+"""How grids of each pair of slabs are marched in time, but for the leapfrog, which has one way."""
+
+_MARKERS = "xosD^vP"  # by the number of the family's member
+_CFL = 0.5  # of the leapfrog; at 1 it is the delay system
+
+
+class Ladder(NamedTuple):
+    """Errors of a model on its grids, for a pair of slabs, and their order."""
+
+    model: str
+    pair: str
+    errors: Array
+    order: Fit
+
+    @property
+    def declared(self) -> int:
+        """The order of the outputs at the interface (elements: at least)."""
+        family = family_of(self.model)
+        assert family is not None
+        declared: int = family.order_interface(int(self.model.partition(":")[2] or 0))  # type: ignore[attr-defined]
+        return declared
+
+    @property
+    def shortfall(self) -> str:
+        """What speaks against it. Schemes of order 2 must not be better either."""
+        return shortfall(self.order, float(self.declared), at_least=self.declared != 2)
+
+
+def run(budget: Budget) -> StudyResult:
+    """Climb every ladder; the quick report those of alike slabs."""
+    pairs = ["alike"] if budget.quick else list(_MARCHES)
+    ladders = [climbed(model, pair) for model, pair in budget.each([(model, pair) for model in CELLS for pair in pairs])]
+    finest = min(float(ladder.errors[-1]) for ladder in ladders)
+    return StudyResult(
+        answer=f"Yes: {len(CELLS)} of them reach it at their orders, with errors of down to "
+        f"{plain(finest, '.0e')} of the motion’s range.",
+        tables=(_table(ladders),),
+        figures=(
+            Figure("motion", _MOTION, draw_motion),
+            Figure("errors", "Errors over cells per slab; lines: fits of the order.", lambda: draw_errors(ladders)),
+        ),
+        verdicts=tuple(verdict for ladder in ladders for verdict in _verdicts(ladder)),
+        notes=(
+            "No equation has a source. The state is prescribed, ψ = ψ_{ss} − 1.2 e^{−x²}; the ageing law gives the slip rate, "
+            "friction the stress, and d’Alembert’s solution in the slabs the V(t) of the outer faces that sends the waves which "
+            "meet this motion at the interface. Friction, state and waves are those of every run.",
+        ),
+        numbers={f"error, {ladder.model}, {ladder.pair}": Number(float(ladder.errors[1]), 0.02) for ladder in ladders},
+    )
+
+
+def climbed(model: str, pair: str) -> Ladder:
+    """The errors on all grids."""
+    scene, cells = given_scene(pair == "unlike"), CELLS[model]
+    options = {"cfl": _CFL} if model == "fd" else {"time": _MARCHES[pair]}
+    errors = np.array([error_of_motion(build(model, scene, cells=count, **options)) for count in cells])
+    return Ladder(model, pair, errors, fit_order(np.array(cells), errors))
+
+
+def _verdicts(ladder: Ladder) -> Iterator[Verdict]:
+    where, declared = f"`{ladder.model}`, {ladder.pair} slabs", f"{ladder.declared}{' or more' * (ladder.declared != 2)}"
+    title = "Full waves converge at their orders to the exact solution with friction and state"
+    yield holding(title, EXACT, declared, ladder.order.rounded, not ladder.shortfall, where)
+    title = "On the finest grid the full wave makes the exact motion with friction and state"
+    yield claim(title, EXACT, float(ladder.errors[-1]), FINEST[ladder.model], f"{where}, {CELLS[ladder.model][-1]} cells")
+
+
+def _table(ladders: list[Ladder]) -> Table:
+    rows = (
+        (
+            ladder.model,
+            ladder.pair,
+            "leapfrog" if ladder.model == "fd" else _MARCHES[ladder.pair],
+            ", ".join(map(str, CELLS[ladder.model])),
+            ladder.declared,
+            ladder.order.rounded,
+            float(ladder.errors[0]),
+            float(ladder.errors[-1]),
+        )
+        for ladder in ladders
+    )
+    caption = (
+        f"Root-mean-square errors of ln v, ψ and μ from t = {BEGIN:g} to {UNTIL:g} transits, each relative to its range; order "
+        "by least squares with its 95 % interval. Round trips of unlike slabs are as 1 to 3, impedances as 2 to 3. Declared: the "
+        "order at the interface, of elements at least."
+    )
+    heading = "model | slabs | march in time | cells [per slab] | declared | order | error, coarsest .1e | error, finest .1e"
+    return table("orders", caption, heading, rows)
+
+
+_MOTION = "The given motion: slip rate v and stress μ at the interface, and the drive V(t) that causes it."
+
+
+def draw_motion() -> Drawing:
+    """The exact solution over time."""
+    figure, times = canvas(WIDTH, 3.2), np.linspace(BEGIN, UNTIL, 400)
+    panels = figure.subplots(1, 3)
+    for pair, style in (("alike", "-"), ("unlike", "--")):
+        scene = given_scene(pair == "unlike")
+        motion = exact_motion(scene, times)
+        curves = np.exp(motion[:, 0]), motion[:, 2], np.array([scene.drive.at(time) for time in times.tolist()])
+        for axes, values, name in zip(panels, curves, ("$v$", r"$\mu$", "$V$"), strict=True):
+            axes.plot(times, values, style, color="#0072b2" if pair == "alike" else "#d55e00", label=f"{pair} slabs")
+            axes.set_title(name)
+            axes.set_xlabel("time, transits")
+    panels[2].legend()
+    return figure
+
+
+def draw_errors(ladders: list[Ladder]) -> Drawing:
+    """A panel for each pair of slabs."""
+    figure = canvas(WIDTH, 3.6)
+    pairs = list(dict.fromkeys(ladder.pair for ladder in ladders))
+    panels = np.ravel(figure.subplots(1, len(pairs), sharey=True))
+    for ladder in ladders:
+        axes, own = panels[pairs.index(ladder.pair)], pen(ladder.model)
+        marker = _MARKERS[int(ladder.model.partition(":")[2] or 0)]
+        cells = np.array(CELLS[ladder.model], dtype=float)
+        axes.loglog(cells, ladder.errors, linestyle="none", marker=marker, color=own.color, label=ladder.model)
+        used = cells[ladder.order.used]
+        axes.loglog(used, ladder.order.constant * used**-ladder.order.order, color=own.color)
+        axes.set_title(f"{ladder.pair} slabs")
+        axes.set_xlabel("cells per slab")
+    panels[0].set_ylabel("error")
+    panels[-1].legend(ncols=2, fontsize=8)
+    return figure
