@@ -10,7 +10,7 @@ from validation.study import compared
 from validation.study.advice import is_good
 from validation.study.compared import Sight, compared_table
 from validation.study.model_table import Compared, ModelCell
-from validation.study.regimes import AWAY, STEADY, CycleFigures, Regime
+from validation.study.regimes import AWAY, STEADY, UNDECIDED, CycleFigures, Regime
 
 PAPER = slipwave.read("paper")
 SIGHTS = [Sight("near", PAPER, 1.05), Sight("far", PAPER, 1.6)]
@@ -49,6 +49,17 @@ def test_the_table_has_errors_against_the_exact_system():
     assert table.row("quasidynamic").cells[0] == ModelCell(STEADY, right=False)
     assert table.row("quasidynamic").onset.error == pytest.approx(0.1126, rel=1e-3)
     assert table.row("dg:7").onset.error == 0.0
+
+
+def test_where_the_exact_regime_is_undecided_nothing_is_recommended():
+    undecided = {
+        "delay": [Regime(UNDECIDED), EXACT[0]],
+        "quasistatic": [Regime(AWAY)] * 2,
+        "modal:8": [Regime(UNDECIDED), EXACT[0]],
+    }
+    table = compared_table("paper", "caption", SIGHTS, undecided, parameter="r/r_{c}")
+    assert (table.parameter, [column.group for column in table.columns]) == ("r/r_{c}", ["undecided", "periodic"])
+    assert [row.advice for row in table.rows] == ["use", "avoid", "use"]
 
 
 def test_advice_and_sentences_follow_the_table():

@@ -12,6 +12,7 @@ from dataclasses import replace
 from slipwave.family import Exact
 from validation.registry.families import family_of
 from validation.study.model_table import ModelCell, ModelRow, ModelTable
+from validation.study.regimes import UNDECIDED
 from validation.study.text import minus, plain
 
 GOOD = 1e-2
@@ -34,17 +35,18 @@ def with_advice(table: ModelTable) -> ModelTable:
 
 
 def _advice(row: ModelRow, table: ModelTable) -> tuple[str, str]:
-    """(advice, why)."""
+    """(advice, why), by the places where the reference's regime is decided."""
     if row.model == table.reference:
         return "use", "exact"
-    good = [is_good(cell) for cell in row.cells]
+    decided = [column for column, exact in enumerate(table.row(table.reference).cells) if exact.regime != UNDECIDED]
+    good = [is_good(row.cells[column]) for column in decided]
     last = (good.index(False) if False in good else len(good)) - 1
     family = family_of(row.model)
     if last < 0:
         return "avoid", _trouble(row, table)
     if False in good:
-        beyond = next(cell for cell, fine in zip(row.cells, good, strict=True) if not fine)
-        return f"use up to {table.columns[last].over_onset:.2f} r_{{c}}", f"then {_fault(beyond)}"
+        beyond = row.cells[decided[good.index(False)]]
+        return f"use up to {table.columns[decided[last]].over_onset:.2f} r_{{c}}", f"then {_fault(beyond)}"
     if family and family.exact is not Exact.NEVER:
         return "use as witness", "full wave"
     return "use", f"as an ODE, off by {plain(_largest(row), '.0e')}"

@@ -63,14 +63,14 @@ def compared_table(
         cells = tuple(_cell(one, None if model == EXACT_MODEL else other, size) for one, other, size in each)
         spent = tuple(known.get(model) for known in (costs or {}).values())
         rows.append(ModelRow(model, cells, _onset(model, sights[0].scene), spent, "", ""))
-    groups = ("periodic" if regime.words.startswith("periodic") else "torus, irregular" for regime in exact)
+    groups = (
+        "periodic" if one.words.startswith("periodic") else "torus, irregular" if one.figures else one.words for one in exact
+    )
     columns = (
         ModelColumn(one.title, math.log10(one.scene.transit), one.over_onset, group, one.settings)
         for one, group in zip(sights, groups, strict=True)
     )
-    table = ModelTable(
-        name, caption, "log_{10} r", tuple(quantities), tuple(columns), tuple(costs or ()), EXACT_MODEL, tuple(rows)
-    )
+    table = ModelTable(name, caption, parameter, tuple(quantities), tuple(columns), tuple(costs or ()), EXACT_MODEL, tuple(rows))
     return with_advice(table)
 
 
