@@ -138,6 +138,7 @@ def test_lines_are_clear_by_day_and_by_night(color):
     day = legible(color)
     assert contrast(day, PAPER) >= 3.0
     assert contrast(by_night(day), DARK_PAPER) >= 3.0
+    assert contrast(by_night("#000000"), by_night(PAPER)) >= 7.0
     assert (contrast("#000000", "#ffffff"), contrast("#777777", "#777777")) == pytest.approx((21.0, 1.0))
     assert f"--c{day[1:]}:{by_night(day)};" in night_colors([f"var(--c{day[1:]},{day})"])
 
