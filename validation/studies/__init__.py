@@ -32,6 +32,7 @@ STUDIES = {
     "bias": "bias",
     "laboratory": "laboratory",
     "claims": "claims",
+    "coverage": "coverage",
     "planted-faults": "planted_faults",
     "slow-verification": "slow_verification",
 }

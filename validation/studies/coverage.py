@@ -1,0 +1,145 @@
+"""How often the errors that this program states hold the truth."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from slipwave.sources import source_digest
+from validation.coverage.kinds import KINDS, Held, computation
+from validation.coverage.record import RECORD, Coverage, Record, covered, known_computations
+from validation.study import SELF, Budget, Cell, Figure, Number, Omission, StudyResult, Table, Verdict, holding, table
+from validation.study.drawing import WIDTH, Drawing, canvas
+
+NAME = "coverage"
+QUESTION = "How often do the stated errors hold the truth?"
+SCENES: tuple[str, ...] = ()
+FILES = (RECORD,)
+SECONDS = (2.0, 20.0)
+
+ENOUGH = 0.95
+_NEAR, _ROUNDING = 0.05, 3e-12  # how closely a computation is repeated: share of the larger bar, and what is left of rounding
+_FACTORS = {"bar": 1.8, "error": 3.0}  # between two medians over one long irregular run
+_LEAST, _MOST = 1e-5, 10.0  # error over bar, in the figure
+
+
+def run(budget: Budget) -> StudyResult:
+    """Show what `python -m validation.coverage --record` recorded, and repeat a part of it, chosen by the text of the solvers."""
+    record = known_computations()
+    if not record:
+        why = "No record by the present definition is here: python -m validation.coverage --record makes one."
+        return StudyResult("Not answered in this report.", omissions=(Omission("Coverage of stated errors.", why),))
+    found = {kind: covered(record[kind]) for kind in KINDS}
+    worst = {kind: min(some, key=lambda one: one.share) for kind, some in found.items()}
+    least = min(worst, key=lambda kind: worst[kind].share)
+    return StudyResult(
+        answer=f"In at least {100.0 * worst[least].share:.1f} of 100 computations of known truth, in each of {len(KINDS)} kinds "
+        f"(the least: {least}).",
+        tables=(_table(found),),
+        figures=(Figure("shares", _CAPTION, lambda: histograms(record)),),
+        verdicts=(*(_holds(kind, one) for kind, one in worst.items()), *_repeated(record, budget)),
+        notes=("`python -m validation.coverage --record` computes all of them again, in half an hour; it may be interrupted.",),
+        numbers={f"held, {kind}": Number(one.share, 0.02) for kind, one in worst.items()},
+    )
+
+
+def _table(found: dict[str, list[Coverage]]) -> Table:
+    rows: list[tuple[Cell, ...]] = [
+        (
+            kind,
+            KINDS[kind].bar,
+            KINDS[kind].truth,
+            one.figure,
+            one.many,
+            100.0 * one.share,
+            100.0 * one.low,
+            100.0 * one.high,
+            one.width,
+        )
+        for kind, some in found.items()
+        for one in some
+    ]
+    heading = (
+        "kind | stated error | truth | figure | number .0f | held [%] .1f | at least [%] .1f | at most [%] .1f "
+        "| bar/error [median] .3g"
+    )
+    caption = (
+        "How often an error that the program states is at least as large as the true one: computations of random scenes, alike, "
+        "unlike, layered, held by grips or machines, viscous. Share with its 95 % interval (Wilson). Last: how many times larger "
+        "than the error a bar is; a large number means a bar that tells little."
+    )
+    return table("coverage", caption, heading, rows)
+
+
+def _holds(kind: str, one: Coverage) -> Verdict:
+    """Of the figure that fares worst. A margin is a 95 % interval by its own words: 95 must be possible, by the share's interval."""
+    ours, margin = f"{100.0 * one.share:.1f} of 100", not KINDS[kind].exact
+    remark = f"{kind}: {one.figure}; {one.many} computations, 95 % interval {100.0 * one.low:.1f} to {100.0 * one.high:.1f}"
+    if margin:
+        title, expected = (
+            "95 % margins hold the truth in 95 of 100 computations, by chance more or less",
+            "95.0 of 100 in the interval",
+        )
+        return holding(title, KINDS[kind].evidence, expected, ours, one.high >= ENOUGH, remark)
+    title = "Stated errors hold the truth in at least 95 of 100 computations"
+    return holding(title, KINDS[kind].evidence, "95.0 of 100 or more", ours, one.share >= ENOUGH, remark)
+
+
+def chosen(record: Record, kind: str, quick: bool) -> list[int]:
+    """Numbers of the computations to be repeated: others when the text of the solvers changes."""
+    count = KINDS[kind].repeated // 4 if quick else KINDS[kind].repeated
+    able = [number for number, held in enumerate(record[kind]) if held]
+    random = np.random.default_rng(int(source_digest(), 16))
+    return sorted(random.choice(able, min(count, len(able)), replace=False).tolist())
+
+
+def _repeated(record: Record, budget: Budget) -> Iterator[Verdict]:
+    title = "Computations of the record, repeated, are what is recorded"
+    for kind in budget.each(list(KINDS)):
+        numbers = chosen(record, kind, budget.quick)
+        same = sum(agree(kind, computation(kind, number), record[kind][number]) for number in numbers)
+        if numbers:
+            remark = f"{kind}: number {', '.join(map(str, numbers))}"
+            yield holding(
+                title, SELF, f"{len(numbers)} of {len(numbers)}", f"{same} of {len(numbers)}", same == len(numbers), remark
+            )
+
+
+def agree(kind: str, ours: list[Held], known: list[Held]) -> bool:
+    """Whether a repeated computation is the recorded one: each bar and error, or, of motions that never repeat and that rounding
+    on another machine makes others, the medians of bars and of errors."""
+    if [one.figure for one in ours] != [one.figure for one in known]:
+        return False
+    if KINDS[kind].exact:
+        return all(_near(one, other) for one, other in zip(ours, known, strict=True))
+    return all(
+        1.0 / factor < np.median([getattr(one, name) for one in ours]) / np.median([getattr(one, name) for one in known]) < factor
+        for name, factor in _FACTORS.items()
+    )
+
+
+def _near(one: Held, other: Held) -> bool:
+    allowed = _NEAR * max(one.bar, other.bar) + _ROUNDING
+    return abs(one.bar - other.bar) < allowed and abs(one.error - other.error) < allowed
+
+
+_CAPTION = (
+    "True error over stated error, by kind of stated error, in decades; the line is 1, and what lies right of it is not held. "
+    f"Ratios below {_LEAST:g} are counted in the first bar."
+)
+
+
+def histograms(record: Record) -> Drawing:
+    """A panel for each kind."""
+    figure = canvas(WIDTH, 4.6)
+    panels = figure.subplots(2, 4, sharex=True)
+    edges = np.arange(np.log10(_LEAST), np.log10(_MOST) + 0.1, 0.25)
+    for axes, kind in zip(panels.flat, KINDS, strict=True):
+        held = [one for some in record[kind] for one in some]
+        ratios = np.clip([one.error / one.bar for one in held], _LEAST, _MOST)
+        axes.hist(np.log10(ratios), edges, color="#0072b2")
+        axes.axvline(0.0, color="#d55e00", linewidth=1.0)
+        axes.set_title(f"{kind}, {len(held)}", fontsize=10)
+        axes.set_xticks([-4, -2, 0], ["$10^{-4}$", "$10^{-2}$", "1"])
+    for axes in panels[1]:
+        axes.set_xlabel("error / bar")
+    return figure
