@@ -7,14 +7,14 @@ import pytest
 
 from validation.coverage import kinds, record
 from validation.coverage.kinds import KINDS, SLABS, Held, computation, random_scene
-from validation.coverage.record import covered, known_computations
+from validation.coverage.record import coverage_of, known_computations
 from validation.studies import coverage
 from validation.study import Budget, Outcome
 
 
 def test_coverage_by_hand() -> None:
     computations = [[Held("period", 2e-9, 1e-9), Held("drop", 1e-9, 4e-9)], [], [Held("period", 8e-9, 1e-9)]]
-    drop, period = covered(computations)
+    drop, period = coverage_of(computations)
     assert (drop.figure, drop.many, drop.share, drop.width) == ("drop", 1, 0.0, 0.25)
     assert period == ("period", 2, 1.0, pytest.approx(0.342, abs=1e-3), 1.0, pytest.approx(5.0))
 
@@ -33,8 +33,8 @@ def test_the_stored_record_is_of_the_present_definition_and_long_enough() -> Non
     assert list(stored) == list(KINDS)
     for kind, found in stored.items():
         assert len(found) == KINDS[kind].recorded
-        assert min(one.many for one in covered(found)) >= (40 if kind == "chosen grids" else 100)  # minutes each
-        assert min(one.share if KINDS[kind].exact else one.high for one in covered(found)) >= 0.95
+        assert min(one.many for one in coverage_of(found)) >= (40 if kind == "chosen grids" else 100)  # minutes each
+        assert min(one.share if KINDS[kind].exact else one.high for one in coverage_of(found)) >= 0.95
 
 
 @pytest.mark.parametrize("kind", ["orbits", "tolerances", "default grids", "extrapolation"])

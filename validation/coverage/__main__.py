@@ -5,7 +5,7 @@ python -m validation.coverage --record        # all kinds into reports/baseline/
 import sys
 
 from validation.coverage.kinds import computation
-from validation.coverage.record import covered, make_record
+from validation.coverage.record import coverage_of, make_record
 from validation.output import print_table
 
 
@@ -14,7 +14,7 @@ def main(words: list[str]) -> None:
     if words == ["--record"]:
         return make_record()
     kind, count = words
-    found = covered(computation(kind, number) for number in range(int(count)))
+    found = coverage_of(computation(kind, number) for number in range(int(count)))
     rows = [
         [one.figure, str(one.many), f"{one.share:.3f}", f"{one.low:.3f} .. {one.high:.3f}", f"{one.width:.1f}"] for one in found
     ]

@@ -32,7 +32,7 @@ class Coverage(NamedTuple):
     width: float
 
 
-def covered(computations: Iterable[list[Held]]) -> list[Coverage]:
+def coverage_of(computations: Iterable[list[Held]]) -> list[Coverage]:
     """The coverage of each figure."""
     found = sorted((held for one in computations for held in one), key=lambda held: held.figure)
     return [_covered(figure, list(members)) for figure, members in groupby(found, key=lambda held: held.figure)]

@@ -6,7 +6,7 @@ import numpy as np
 
 from slipwave.sources import source_digest
 from validation.coverage.kinds import KINDS, Held, computation
-from validation.coverage.record import RECORD, Coverage, Record, covered, known_computations
+from validation.coverage.record import RECORD, Coverage, Record, coverage_of, known_computations
 from validation.study import SELF, Budget, Cell, Figure, Number, Omission, StudyResult, Table, Verdict, holding, table
 from validation.study.drawing import WIDTH, Drawing, canvas
 
@@ -28,7 +28,7 @@ def run(budget: Budget) -> StudyResult:
     if not record:
         why = "No record by the present definition is here: python -m validation.coverage --record makes one."
         return StudyResult("Not answered in this report.", omissions=(Omission("Coverage of stated errors.", why),))
-    found = {kind: covered(record[kind]) for kind in KINDS}
+    found = {kind: coverage_of(record[kind]) for kind in KINDS}
     worst = {kind: min(some, key=lambda one: one.share) for kind, some in found.items()}
     least = min(worst, key=lambda kind: worst[kind].share)
     return StudyResult(
@@ -71,7 +71,7 @@ def _table(found: dict[str, list[Coverage]]) -> Table:
 
 
 def _holds(kind: str, one: Coverage) -> Verdict:
-    """Of the figure that fares worst. A margin is a 95 % interval by its own words: 95 must be possible, by the share's interval."""
+    """Of the figure that fares worst. A margin is a 95 % interval by its own words: 95 must be possible."""
     ours, margin = f"{100.0 * one.share:.1f} of 100", not KINDS[kind].exact
     remark = f"{kind}: {one.figure}; {one.many} computations, 95 % interval {100.0 * one.low:.1f} to {100.0 * one.high:.1f}"
     if margin:
