@@ -172,6 +172,20 @@ def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path: Path) ->
         sw.fit(STICKING, data=[str(path)], free=KEYS)
 
 
+def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free() -> None:
+    face = {"kind": "machine", "stiffness": "2 GPa/m", "impedance": "5 MPa s/m", "mass": "100000 kg/m2"}
+    scene = read(STICKING | {"slab": STICKING["slab"] | {"face": face}})
+    variants = disturbed(Variants(scene, free_parameters(scene, ["a", "slab.face.mass"]), schedule_of(scene)))
+    heavy, light = (CycleOfReduction(variants, 40.0, model, 1e-7) for model in ("fitted:1", "quasidynamic"))
+    inner = np.array([one.inner(one.start) for one in variants.free])
+    period, by = heavy.friction(inner)[0], heavy.slopes(inner)[0]
+    assert period == pytest.approx(58.36, abs=0.02)
+    assert light.friction(inner)[0] == pytest.approx(35.76, abs=0.02)
+    shift = np.array([0.0, 1e-3])
+    difference = (heavy.friction(inner + shift)[0] - heavy.friction(inner - shift)[0]) / 2e-3
+    assert by[1] == pytest.approx(difference, rel=1e-3)
+
+
 def test_the_load_point_of_a_file_gives_steps_and_holds() -> None:
     times = np.arange(0.0, 400.0, 0.05)
     moved = np.interp(times, [0.0, 50.0, 150.0, 250.0, 260.0, 400.0], [0.0, 500.0, 500.0, 1500.0, 2500.0, 3900.0])

@@ -23,6 +23,7 @@ from validation.registry.build import build
 from validation.registry.families import GRIDS
 
 _FIRST = 0.125  # transits; length of the first step
+_LONGEST = 2e4  # transits; the shortest step is 2^31 times as short
 _MOST_STEPS = 400_000
 _SAME_TIME = 1e-6  # transits; a sample so far beyond the end of a piece is at its end
 _SHIFT = 1e-4  # of differences of marches
@@ -144,7 +145,7 @@ def sampled(pieces: Pieces, times: Array, rows: Sequence[Array]) -> list[Array]:
 
 def marched(slabs: ReducedSlabs, until: float, tolerance: float) -> Pieces:
     """The pieces of a march from the start to `until` (transits). Raises NumericsError if it cannot be done."""
-    solver = PortMarch(slabs, tolerance, until, min(_FIRST, until), slabs.reduction.name)
+    solver = PortMarch(slabs, tolerance, min(until, _LONGEST), min(_FIRST, until), slabs.reduction.name)
     parts, steps = [solver.advance(until)], 0
     while solver.time < until - SAME * max(1.0, until):
         parts.append(solver.advance(until))
