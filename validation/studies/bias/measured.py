@@ -18,7 +18,7 @@ from slipwave.sources import ROOT
 from validation.fit.least_squares import Best, intervals, minimise, profiled
 from validation.fit.synthetic import NOISE, stepped_problem, stepped_scene, true_friction, truth_of
 
-RECORD = ROOT / "reports" / "baseline" / "bias.json"
+RECORD = ROOT / "reports" / "baseline" / "fits.json"
 MODELS = ("quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:2")
 QUANTITIES = ("a", "b", "b - a", "L", "k")
 SHARES = np.logspace(-2.5, 0.0, 14)
