@@ -18,7 +18,21 @@ from validation.studies.bias.measured import (
     grid_digest,
     recorded,
 )
-from validation.study import EXACT, SELF, WITNESS, Budget, Figure, Number, StudyResult, Table, Verdict, claim, holding, table
+from validation.study import (
+    EXACT,
+    SELF,
+    WITNESS,
+    Budget,
+    Figure,
+    Number,
+    Omission,
+    StudyResult,
+    Table,
+    Verdict,
+    claim,
+    holding,
+    table,
+)
 from validation.study.drawing import Drawing, canvas, pen, styled
 
 NAME = "bias"
@@ -37,6 +51,10 @@ _PART = {"quick": 3, "full": 8}  # fits of each model whose intervals are comput
 
 def run(budget: Budget) -> StudyResult:
     """Read the stored fits, compute a part of them anew, and judge the rule where it was not made."""
+    if not RECORD.is_file():
+        return StudyResult(
+            "Not answered in this report.", omissions=(Omission("The stored fits.", "No record of them is here."),)
+        )
     record = recorded()
     atlas = Atlas(record)
     rules = {model: atlas.rule(model) for model in MODELS}
