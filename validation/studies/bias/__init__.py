@@ -14,8 +14,8 @@ from validation.studies.bias.measured import (
     RECORD,
     all_biases,
     biases_of,
-    covered,
     grid_digest,
+    intervals_held,
     recorded,
 )
 from validation.study import (
@@ -158,7 +158,7 @@ def _covered(record: dict[str, Any], quick: bool) -> list[Verdict]:
     for model, rows in record["covered"].items():
         shares = np.mean(rows, axis=0)
         part = _PART["quick" if quick else "full"] if model == "quasidynamic" else 0
-        same = covered(model, range(part)) == rows[:part]
+        same = intervals_held(model, range(part)) == rows[:part]
         found.append(
             holding(
                 "95 % intervals hold the truth in 91 to 99.5 % of fits",

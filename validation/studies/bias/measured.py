@@ -64,7 +64,7 @@ def all_biases(scene: Scene) -> dict[str, float]:
     return {f"{model} {name}": value for model in MODELS for name, value in biases_of(scene, friction, model).items()}
 
 
-def covered(model: str, seeds: Sequence[int]) -> list[list[bool]]:
+def intervals_held(model: str, seeds: Sequence[int]) -> list[list[bool]]:
     """Whether the 95 % intervals of a, b and L hold the truth, for each of `seeds`: noisy data of a model fitted by itself."""
     scene = stepped_scene(*COVERED)
     exact = stepped_problem(scene, model)
@@ -105,7 +105,7 @@ if __name__ == "__main__":
         "points": every,
         "digest": grid_digest(),
         "rows": [all_biases(stepped_scene(*point)) for point in every],
-        "covered": {model: covered(model, range(count)) for model, count in FITS.items()},
+        "covered": {model: intervals_held(model, range(count)) for model, count in FITS.items()},
     }
     with whole_or_absent(RECORD) as path:
         path.write_text(json.dumps(record))
