@@ -15,7 +15,7 @@ from slipwave.sources import ROOT, digest_of
 from validation.coverage import kinds
 from validation.coverage.kinds import KINDS, Held, computation
 
-RECORD = ROOT / "reports" / "baseline" / "coverage.json"
+RECORD = ROOT / "reports" / "baseline" / "coverage-record.json"
 _AT_ONCE = 10  # computations between two writings
 _CHANCE = 1e-15  # rounding error of what is taken for the truth, relative
 

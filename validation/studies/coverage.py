@@ -37,7 +37,7 @@ def run(budget: Budget) -> StudyResult:
         tables=(_table(found),),
         figures=(Figure("shares", _CAPTION, lambda: histograms(record)),),
         verdicts=(*(_holds(kind, one) for kind, one in worst.items()), *_repeated(record, budget)),
-        notes=("`python -m validation.coverage --record` computes all of them again, in half an hour; it may be interrupted.",),
+        notes=("`python -m validation.coverage --record` computes all of them again, in an hour; it may be interrupted.",),
         numbers={f"held, {kind}": Number(one.share, 0.02) for kind, one in worst.items()},
     )
 
