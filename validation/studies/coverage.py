@@ -133,13 +133,15 @@ def histograms(record: Record) -> Drawing:
     figure = canvas(WIDTH, 4.6)
     panels = figure.subplots(2, 4, sharex=True)
     edges = np.arange(np.log10(_LEAST), np.log10(_MOST) + 0.1, 0.25)
-    for axes, kind in zip(panels.flat, KINDS, strict=True):
+    for axes, kind in zip(panels.flat, KINDS, strict=False):
         held = [one for some in record[kind] for one in some]
         ratios = np.clip([one.error / one.bar for one in held], _LEAST, _MOST)
         axes.hist(np.log10(ratios), edges, color="#0072b2")
         axes.axvline(0.0, color="#d55e00", linewidth=1.0)
         axes.set_title(f"{kind}, {len(held)}", fontsize=10)
         axes.set_xticks([-4, -2, 0], ["$10^{-4}$", "$10^{-2}$", "1"])
+    for axes in panels.flat[len(KINDS) :]:
+        axes.set_axis_off()
     for axes in panels[1]:
         axes.set_xlabel("error / bar")
     return figure
