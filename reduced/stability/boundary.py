@@ -89,9 +89,10 @@ class _Plane:
             if not size <= 1.0:
                 return None
             x = x + change
-            if size < 1e-11:
+            falls = size < _FAST * before
+            if size < 1e-11 and not (falls and size > 1e-15):  # as far as rounding lets it
                 return x
-            matrix = matrix if size < _FAST * before else None
+            matrix = matrix if falls else None
         return None
 
 

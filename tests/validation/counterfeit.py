@@ -273,6 +273,8 @@ PLACES: dict[str, tuple[Place, ...]] = {
         Place("special_curves:_fold_at", S),
     ),
     "period-doubling": (Place("period_doubling:doubled", (part("last_two"), part("single.orbit"), part("double.orbit"))),),
+    "coverage": (Place("coverage:computation"),),
+    "manufactured": (Place("manufactured:error_of_motion", (lambda error: 100.0 * error,), few=True),),
     "laboratory": (
         Place("laboratory:cycles_of_samples"),
         Place("laboratory:cycle_without_tuning", (lambda one: one and scaled(one, 0.01), lambda one: None), few=True),

@@ -9,7 +9,7 @@ from fullwave.families import GALERKIN
 from reduced.delay.alike import Delay
 from slipwave.observe.statistics import Estimate
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
-from validation.measure.order_fit import fit
+from validation.measure.order_fit import fit_order
 from validation.measure.orders import QUANTITIES, Climb, climb, errors, measure
 from validation.measure.settle import SYMBOLS
 from validation.registry.build import build
@@ -36,7 +36,7 @@ def leapfrog_errors(order=2.0, jump=1.0):
 
 
 def fits_of(errors):
-    return {name: {cfl: fit(CELLS, values) for cfl, values in some.items()} for name, some in errors.items()}
+    return {name: {cfl: fit_order(CELLS, values) for cfl, values in some.items()} for name, some in errors.items()}
 
 
 @pytest.mark.parametrize(
@@ -251,7 +251,7 @@ def test_the_grids_answer_follows_errors_and_orders():
     told = grid_convergence._answer([climbed()], fine, curves)
     assert told.startswith("They do: in period and stress drop of their own orbits summation by parts to 1 · 10^{−10};")
     assert "every family tried reaches its order" in told
-    assert told.endswith("An error of the state below 1 · 10^{−4} costs 3 ms with `fd`.")
+    assert told.endswith("An error of the state below 1 · 10^{−4} costs ~{3 ms with `fd`}.")
     assert "1 of 2 families miss their order" in grid_convergence._answer([climbed(), climbed(order=3.5)], fine, curves)
 
 

@@ -52,7 +52,7 @@ class Reader:
         self.changed.add(file)
         path = self.folder / file
         added = "".join(f"    {line}\n" for line in lines.splitlines())
-        end = r"\n\n" if table.startswith("class ") else r"[)}]\n"
+        end = r"\n\n" if table.startswith("class ") else r"[])}]\n"
         text, count = re.subn(
             rf"(^{table}\b.*?\n)({end})", lambda found: found[1] + added + found[2], path.read_text(), flags=re.M | re.S
         )

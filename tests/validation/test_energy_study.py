@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.measure.order_fit import fit
+from validation.measure.order_fit import fit_order
 from validation.studies import energy
 from validation.studies.energy.ledgers import LADDERS, ORDERS, EnergyRun, history_of, ledger_order, residual_of
 from validation.study import Outcome
@@ -30,7 +30,7 @@ def test_history_shows_the_losses_a_scene_has(name, lost):
     ("residual", "off", "red"), [(0.9e-13, 0.09, 0), (3e-13, -0.09, 1), (np.nan, 0.0, 1), (0.0, 0.3, 1), (0.0, -0.3, 1)]
 )
 def test_ledgers_are_judged_on_both_sides(residual, off, red):
-    orders = {"dg:2": fit(CELLS, 1e-6 * (CELLS / 8.0) ** -(5.0 + off), 1e-9)}
+    orders = {"dg:2": fit_order(CELLS, 1e-6 * (CELLS / 8.0) ** -(5.0 + off), 1e-9)}
     verdicts = [*energy.ladder_verdicts(np.array([1e-15, residual]), orders)]
     assert [verdict.outcome for verdict in verdicts].count(Outcome.FAIL) == red
 
@@ -46,7 +46,7 @@ def test_the_answer_and_the_figure_show_the_entries():
     parts = {"input": 9.0, "friction": 8.91, "stored": 0.0, "radiated": 0.072, "viscous": 0.0225}
     one = EnergyRun(73.0, np.array([0.0, 1.0, 2.0]), {name: value * np.array([0.0, 0.4, 1.0]) for name, value in parts.items()})
     shown = {"rigid faces": one, "grips": one, "viscous": one}
-    orders = {"dg:1": fit(CELLS, 1.0 * CELLS**-3.0), "dg:2": fit(CELLS, 1.0 * CELLS**-5.0)}
+    orders = {"dg:1": fit_order(CELLS, 1.0 * CELLS**-3.0), "dg:2": fit_order(CELLS, 1.0 * CELLS**-5.0)}
     told = energy.answer(shown, np.array([4e-15, 1e-15]), orders)
     assert told.startswith(
         "At least 99 % goes into friction: over two cycles grips absorb 1.1 % of the work and viscosity 1.1 %."

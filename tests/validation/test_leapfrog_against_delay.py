@@ -11,7 +11,7 @@ import slipwave
 from fullwave.finite_difference import Leapfrog
 from reduced.delay.alike import Delay
 from slipwave.solve import follow
-from validation.measure.order_fit import fit, shortfall
+from validation.measure.order_fit import fit_order, shortfall
 
 UNTIL = 200.0
 
@@ -29,7 +29,7 @@ def test_order_two(exact, cfl):
     finals = [follow(Leapfrog(chosen, int(n), cfl), UNTIL) for n in cells]
     for name in ("ln_v", "psi", "mu"):
         errors = np.array([abs(getattr(final, name) - getattr(limit, name)) for final in finals])
-        result = fit(cells, errors)
+        result = fit_order(cells, errors)
         assert not shortfall(result, 2), name
         assert errors[-1] < 1e-4
         print(f"cfl {cfl} {name}: {result}, finest error {errors[-1]:.1e}")

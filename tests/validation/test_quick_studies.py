@@ -52,20 +52,25 @@ STUDIES = {
     ),
     "period-against-delay": Expected(6),
     "special-curves": Expected(3, (), {"delay LP at V = 100": (-2.7002517033, 2e-9)}),
-    "period-doubling": Expected(4, (), {"T": (79.09, 1e-4)}),
+    "period-doubling": Expected(5, (), {"T": (79.09, 1e-4)}),
     "laboratory": Expected(10, ("Leeman",), {"ageing 14 MPa period": (9.4, 0.1), "rise time, drop 0.19 MPa": (18.89, 1e-3)}),
-    "claims": Expected(19, ("P11", "P12", "P5", "P6")),
+    "claims": Expected(21, ("P11", "P12", "P5", "P6")),
     "regime-map": Expected(1, (), {"quasidynamic other regime": (82.6, 0.02), "block12 other regime": (34.5, 0.05)}),
     "asymmetry-map": Expected(1),
+    "manufactured": Expected(24),
     "slip-event": Expected(3, (), {"largest slip rate": (4412.3, 1e-3)}),
     "stability-boundaries": Expected(
-        10, (), {"log10 r_c, quasistatic": (-2.698970004336, 1e-11), "error of (27) at V = 1e4": (-0.07672436, 1e-6)}
+        11, (), {"log10 r_c, quasistatic": (-2.698970004336, 1e-11), "error of (27) at V = 1e4": (-0.07672436, 1e-6)}
     ),
 }
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name.endswith("-map") or name == "laboratory")) for name in STUDIES]
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow] * (name.endswith("-map") or name in ("laboratory", "manufactured")))
+        for name in STUDIES
+    ],
 )
 def test_a_quick_run_holds_within_near_limits(name: str) -> None:
     result, expected = quick(name), STUDIES[name]

@@ -67,7 +67,7 @@ def test_the_answer_tells_difference_and_cost():
     assert told.startswith(
         "They do: after 600 transits ψ of the delay network and of discontinuous Galerkin differ by 3 · 10^{−12}"
     )
-    assert "2.0 times as long as one of alike slabs, 3.0 times where echoes never coincide" in told
+    assert "~{2.0 times} as long as one of alike slabs, ~{3.0 times} where echoes never coincide" in told
     assert STUDY._answer(two_pairs({"dg:7": 3e-9}), timed).startswith("No: after 600 transits")
 
 

@@ -106,7 +106,7 @@ def test_a_scene_is_judged_by_its_witness(capsys):
     status, red = missed(["verify", "unlike", "--set", "upper.epsilon=3e-5"], capsys)
     assert (status, red) == (0, [])
     assert main(["verify", "jump"]) == 0
-    assert "note: its start or its drive jumps: no order is promised" in capsys.readouterr().out
+    assert "note: its start or its drive jumps: only the ledger is judged, no order is promised" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("slope", "told"), [(1.01, "F_psi at z = "), (0.0, "F_psi at z = ")])

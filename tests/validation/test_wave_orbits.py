@@ -16,7 +16,7 @@ from reduced.orbit.figures import cycle_figures
 from slipwave import read
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
-from validation.measure.order_fit import fit, shortfall
+from validation.measure.order_fit import fit_order, shortfall
 from validation.registry.build import build
 from validation.registry.orbit_start import BEGIN, state_on
 from validation.study.memo import own_orbit
@@ -44,7 +44,7 @@ def test_the_period_converges(make, grids, order, finest):
     """At the declared order P of differences; of elements at the order of what passes their faces, 2 P and 2 P + 1."""
     periods = [closed_orbit(make(read("paper"), cells=cells, time="exact")).cycle.period for cells in grids]
     errors = np.abs(np.array(periods) - PERIOD)
-    assert shortfall(fit(np.array(grids), errors), order, tolerance=0.5, at_least=True) == ""
+    assert shortfall(fit_order(np.array(grids), errors), order, tolerance=0.5, at_least=True) == ""
     assert errors[-1] < 3.0 * finest
 
 

@@ -51,7 +51,7 @@ class CompareOptions(NumericalOptions, RunsOptions):
     columns: str | None = option(
         "the record's columns in their order, as in time,disp,friction,_ (_: not read)", metavar="NAME,..."
     )
-    units: str | None = option("the units of these columns, as in s,um,1,_ or time=s,disp=um", metavar="UNIT,...")
+    units: str | None = option("the units of these columns, as in s,um,MPa,_ or time=s,disp=um", metavar="UNIT,...")
     smooth: int | None = option(
         "samples of the record that a local parabola smooths (default: a quarter of a slip event)",
         metavar="N",
