@@ -129,7 +129,7 @@ def test_svg_is_text_with_ids_of_its_own_and_the_same_twice(tmp_path):
 
 def test_a_rounded_path_is_the_path():
     path = "M 10.123 20.456 \nL 11 20.456 \nL 12.001 20.4561 \nL 30 40 \nL 12 20.456 \nz\n"
-    assert rounded_path(path) == "M10.12 20.46l1.88 0 18 19.54-18-19.54z"
+    assert rounded_path(path) == "M10.1 20.5l1.9 0 18 19.5-18-19.5z"
     assert corners([(0, 0), (500, 1), (1000, 0), (400, 0)]) == [(0, 0), (1000, 0), (400, 0)]
 
 

@@ -20,15 +20,16 @@ LEAST_CONTRAST = 3.0
 
 FONTS = "'STIX Two Text','STIXGeneral','Times New Roman','Liberation Serif',Tinos,serif"
 _COLOR = re.compile(r"#[0-9a-f]{6}")
-_HUNDREDTHS = 100
+_TENTHS = 10
 _SHADES = 256
-_STRAIGHT = 6.0  # hundredths of a point
+_RASTER_DOTS = 72  # per inch, of maps within a drawing
+_STRAIGHT = 1.0  # tenths of a point
 
 
 def svg_of(figure: Drawing, name: str, title: str, description: str) -> str:
     """The drawing as one <svg> element, whose ids begin with `name`."""
     raw = io.StringIO()
-    figure.savefig(raw, format="svg", metadata={"Date": None})
+    figure.savefig(raw, format="svg", dpi=_RASTER_DOTS, metadata={"Date": None})
     text = raw.getvalue()
     head = re.search(r"<svg [^>]*?width=\"([\d.]+)pt\" height=\"([\d.]+)pt\"", text)
     assert head
@@ -52,11 +53,11 @@ def svg_of(figure: Drawing, name: str, title: str, description: str) -> str:
 
 
 def rounded_path(path: str) -> str:
-    """A path in hundredths of a point, each step from the point before, so that no error adds up; without points that lie on the
+    """A path in tenths of a point, each step from the point before, so that no error adds up; without points that lie on the
     straight line between others."""
     here, found = (0, 0), list[str]()
     for lines, command, numbers in re.findall(r"((?:L[^MLQCzZ]*)+)|([MQCzZ])([^MLQCzZ]*)", path):
-        values = [round(_HUNDREDTHS * float(number)) for number in (numbers or lines.replace("L", " ")).split()]
+        values = [round(_TENTHS * float(number)) for number in (numbers or lines.replace("L", " ")).split()]
         points = list(zip(values[::2], values[1::2], strict=True))
         if lines:
             points = corners([here, *points])[1:]
@@ -93,11 +94,11 @@ def _from_segment(point: tuple[int, int], begin: tuple[int, int], end: tuple[int
     return math.hypot(p - x - share * (u - x), q - y - share * (v - y))
 
 
-def _short(hundredths: int, spaced: bool) -> str:
-    """A number of hundredths in as few letters as can be; `spaced`: another number stands before it."""
-    text = f"{abs(hundredths) / _HUNDREDTHS:.2f}".rstrip("0").rstrip(".")
+def _short(tenths: int, spaced: bool) -> str:
+    """A number of tenths in as few letters as can be; `spaced`: another number stands before it."""
+    text = f"{abs(tenths) / _TENTHS:.1f}".rstrip("0").rstrip(".")
     text = text[1:] if text.startswith("0.") else text
-    return f"-{text}" if hundredths < 0 else f" {text}" if spaced else text
+    return f"-{text}" if tenths < 0 else f" {text}" if spaced else text
 
 
 def _fewer_colors(encoded: str) -> str:
