@@ -113,3 +113,8 @@ def test_costs_are_medians_of_ratios_to_the_exact_system(monkeypatch):
     ]
     monkeypatch.setattr(compared, "in_turn", lambda works, rounds: times[:rounds])
     assert compared.relative_costs(["delay", "block8"], {}, replace(PAPER), 3) == {"delay": 1.0, "block8": 0.6}
+
+
+def test_a_model_whose_own_motion_is_undecided_is_not_good():
+    assert not is_good(ModelCell(UNDECIDED, True, 0, {}))
+    assert is_good(ModelCell(STEADY, True, 0, {}))

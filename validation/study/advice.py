@@ -23,7 +23,9 @@ AS_CHEAP = 1.1
 
 def is_good(cell: ModelCell) -> bool:
     """Whether the model may be used there."""
-    found = (cell.figures[symbol] for symbol in JUDGED if symbol in cell.figures)
+    found = [cell.figures[symbol] for symbol in JUDGED if symbol in cell.figures]
+    if cell.regime == UNDECIDED and not found:
+        return False
     return cell.right and all(abs(one.error or 0.0) <= GOOD + 2.0 * one.standard_error for one in found)
 
 
