@@ -19,7 +19,7 @@ from validation.study.drawing import canvas, styled
 from validation.study.drawn import MOST, curves_csv, drawn, plain_label, read_curves, redraw, staying, thin_out
 from validation.study.render import render
 from validation.study.told import description_of, meetings, title_of
-from validation.study.vector import DARK_PAPER, PAPER, by_night, contrast, corners, legible, night_colors, rounded_path
+from validation.study.vector import DARK_PAPER, PAPER, by_night, colors_of, contrast, corners, legible, rounded_path
 
 X = np.linspace(0.0, 4.0, 9001)
 
@@ -140,7 +140,7 @@ def test_lines_are_clear_by_day_and_by_night(color):
     assert contrast(by_night(day), DARK_PAPER) >= 3.0
     assert contrast(by_night("#000000"), by_night(PAPER)) >= 7.0
     assert (contrast("#000000", "#ffffff"), contrast("#777777", "#777777")) == pytest.approx((21.0, 1.0))
-    assert f"--c{day[1:]}:{by_night(day)};" in night_colors([f"var(--c{day[1:]},{day})"])
+    assert colors_of([f"var(--c{day[1:]},{day})"]) == (f"--c{day[1:]}:{day};", f"--c{day[1:]}:{by_night(day)};")
 
 
 def test_labels_lose_their_markup():

@@ -13,8 +13,8 @@ from validation.study.text import cell, markup, number, places, plain, power
     [
         (73.47214494, ".9g", "73.4721449"),
         (-0.0373, ".1%", "−3.7%"),
-        (1.23e-9, ".2e", "1.23&#8239;·&#8239;10<sup>−9</sup>"),
-        (-2e10, ".0e", "−2&#8239;·&#8239;10<sup>10</sup>"),
+        (1.23e-9, ".2e", "1.23\u202f·\u202f10<sup>−9</sup>"),
+        (-2e10, ".0e", "−2\u202f·\u202f10<sup>10</sup>"),
         (math.nan, ".3g", "–"),
         (-math.inf, ".3g", "−∞"),
     ],

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from validation.report.store import Picture, Stored
 from validation.study import Verdict
-from validation.study.vector import inline, night_colors
+from validation.study.vector import colors_of, inline
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -44,7 +44,8 @@ def with_figures(environment: "Environment", studies: Sequence[Stored]) -> "Envi
 
     pictures = [picture for study in studies for picture in study.pictures]
     environment.filters["inline"] = element
-    environment.globals["night"] = Markup(night_colors(picture.svg.read_text(encoding="utf-8") for picture in pictures))
+    colors = colors_of(picture.svg.read_text(encoding="utf-8") for picture in pictures)
+    environment.globals["day"], environment.globals["night"] = map(Markup, colors)
     environment.globals["of_paper"] = of_paper_in(studies)
     environment.filters |= {"packed": packed, "json": json.dumps}
     environment.globals["plotting"] = Markup(_plotting()) if any(picture.zoom for picture in pictures) else ""

@@ -34,7 +34,7 @@ def number(value: float, spec: str = ".7g") -> str:
     if math.isinf(value):
         return "∞" if value > 0 else "−∞"
     mantissa, exponent = _split(value, spec)
-    return f"{mantissa}&#8239;·&#8239;10<sup>{exponent}</sup>" if exponent else mantissa
+    return f"{mantissa}\u202f·\u202f10<sup>{exponent}</sup>" if exponent else mantissa
 
 
 def _split(value: float, spec: str) -> tuple[str, str]:

@@ -21,6 +21,7 @@ LEAST_CONTRAST = 3.0
 FONTS = "'STIX Two Text','STIXGeneral','Times New Roman','Liberation Serif',Tinos,serif"
 _COLOR = re.compile(r"#[0-9a-f]{6}")
 _TENTHS = 10
+_MARKS = re.compile(r"(<g [^>]*>)(?:<use [^>]*/>)+</g>(?:\1(?:<use [^>]*/>)+</g>)+")
 _SHADES = 256
 _RASTER_DOTS = 72  # per inch, of maps within a drawing
 _STRAIGHT = 1.0  # tenths of a point
@@ -40,7 +41,7 @@ def svg_of(figure: Drawing, name: str, title: str, description: str) -> str:
     body = re.sub(r"base64,\s*([A-Za-z0-9+/=\s]+)", lambda found: "base64," + _fewer_colors(found[1]), body)
     body = _own_ids(_flowing(body), name)
     body = re.sub(r"font-family: [^;\"]*;? ?", "", body).replace("; ", ";").replace(": ", ":").replace(' style=""', "")
-    body = _once(re.sub(r">\s+<", "><", body).strip())
+    body = _unwrapped(_once(re.sub(r">\s+<", "><", body).strip()))
     if "<image" not in body:  # a picture keeps its colours, and so does what is drawn over it
         body = _COLOR.sub(lambda found: f"var({variable(found[0])},{found[0]})", body)
     width, height = (f"{float(size):.2f}" for size in head.groups())
@@ -140,6 +141,19 @@ def _once(body: str) -> str:
     return re.sub(r"<g((?: clip-path=\"[^\"]*\")?)>((?:<use [^>]*/>)+)</g>", hoisted, body)
 
 
+def _unwrapped(body: str) -> str:
+    """Without groups that say nothing; marks of one look that follow each other are one group."""
+    speaks, found = list[bool](), list[str]()
+    for part in re.split(r"(<g>|<g [^>]*>|</g>)", body):
+        if part == "</g>":
+            said = speaks.pop()
+        else:
+            said = part != "<g>"
+            speaks += [said] * part.startswith("<g")
+        found += [part] * said
+    return _MARKS.sub(lambda same: same[1] + same[0].replace(f"</g>{same[1]}", "").removeprefix(same[1]), "".join(found))
+
+
 def _own_ids(body: str, name: str) -> str:
     """Only ids that something refers to, each beginning with `name`."""
     used = dict.fromkeys(re.findall(r"(?:href=\"#|url\(#)([^\")]+)", body))
@@ -149,8 +163,8 @@ def _own_ids(body: str, name: str) -> str:
 
 
 def inline(svg: str) -> str:
-    """The element as part of a page, which knows its namespace."""
-    return svg.replace(' xmlns="http://www.w3.org/2000/svg"', "", 1)
+    """The element as part of a page, which knows its namespace and its colours."""
+    return re.sub(r"var\((--c[0-9a-f]{6}),#[0-9a-f]{6}\)", r"var(\1)", svg.replace(' xmlns="http://www.w3.org/2000/svg"', "", 1))
 
 
 def variable(color: str) -> str:
@@ -158,10 +172,11 @@ def variable(color: str) -> str:
     return f"--c{color[1:]}"
 
 
-def night_colors(svgs: Iterable[str]) -> str:
-    """Declarations of every variable in these drawings, for a dark page."""
+def colors_of(svgs: Iterable[str]) -> tuple[str, str]:
+    """Declarations of every variable in these drawings, for a light and for a dark page."""
     used = sorted({color for svg in svgs for color in re.findall(r"var\(--c[0-9a-f]{6},(#[0-9a-f]{6})\)", svg)})
-    return "".join(f"{variable(color)}:{by_night(color)};" for color in used)
+    day, night = ("".join(f"{variable(color)}:{shown(color)};" for color in used) for shown in (str, by_night))
+    return day, night
 
 
 def contrast(one: str, other: str) -> float:
