@@ -6,6 +6,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from slipwave.friction import LAWS
+from validation.registry.families import FAMILIES
 
 # no deadline: the first call may compile
 _COMMON = {"deadline": None, "print_blob": True, "suppress_health_check": [HealthCheck.too_slow]}
@@ -27,9 +28,11 @@ def no_progress(monkeypatch):
 
 
 @pytest.fixture(autouse=True)
-def no_law_left_behind():
-    """A friction law that a test registers is gone after it: no test may depend on what its process ran before."""
-    kept = dict(LAWS)
+def nothing_left_behind():
+    """A friction law or a family of models that a test registers is gone after it: no test may depend on what its process ran
+    before."""
+    laws, families = dict(LAWS), list(FAMILIES)
     yield
-    for name in set(LAWS) - set(kept):
+    for name in set(LAWS) - set(laws):
         del LAWS[name]
+    FAMILIES[:] = families

@@ -115,6 +115,6 @@ def test_costs_are_medians_of_ratios_to_the_exact_system(monkeypatch):
     assert compared.relative_costs(["delay", "block8"], {}, replace(PAPER), 3) == {"delay": 1.0, "block8": 0.6}
 
 
-def test_a_model_whose_own_motion_is_undecided_is_not_good():
-    assert not is_good(ModelCell(UNDECIDED, True, 0, {}))
-    assert is_good(ModelCell(STEADY, True, 0, {}))
+def test_a_place_where_a_model_is_undecided_speaks_neither_for_it_nor_against_it():
+    found = {"delay": EXACT[:2], "quasidynamic": [Regime(UNDECIDED), Regime(STEADY)], "modal:8": [Regime(UNDECIDED), EXACT[1]]}
+    assert [row.advice for row in compared_table("paper", "caption", SIGHTS, found).rows] == ["use", "avoid", "use"]

@@ -24,8 +24,6 @@ AS_CHEAP = 1.1
 def is_good(cell: ModelCell) -> bool:
     """Whether the model may be used there."""
     found = [cell.figures[symbol] for symbol in JUDGED if symbol in cell.figures]
-    if cell.regime == UNDECIDED and not found:
-        return False
     return cell.right and all(abs(one.error or 0.0) <= GOOD + 2.0 * one.standard_error for one in found)
 
 
@@ -37,10 +35,11 @@ def with_advice(table: ModelTable) -> ModelTable:
 
 
 def _advice(row: ModelRow, table: ModelTable) -> tuple[str, str]:
-    """(advice, why), by the places where the reference's regime is decided."""
+    """(advice, why), by the places where the reference's regime and its own are decided."""
     if row.model == table.reference:
         return "use", "exact"
-    decided = [column for column, exact in enumerate(table.row(table.reference).cells) if exact.regime != UNDECIDED]
+    pairs = zip(table.row(table.reference).cells, row.cells, strict=True)
+    decided = [column for column, both in enumerate(pairs) if UNDECIDED not in (both[0].regime, both[1].regime)]
     good = [is_good(row.cells[column]) for column in decided]
     last = (good.index(False) if False in good else len(good)) - 1
     family = family_of(row.model)
