@@ -40,7 +40,7 @@ def with_figures(environment: "Environment", studies: Sequence[Stored]) -> "Envi
     from markupsafe import Markup
 
     def element(picture: Picture) -> Any:
-        return Markup(inline(picture.svg.read_text(encoding="utf-8")))
+        return Markup(inline(picture.svg.read_text(encoding="utf-8"), f"f{pictures.index(picture)}"))
 
     pictures = [picture for study in studies for picture in study.pictures]
     environment.filters["inline"] = element

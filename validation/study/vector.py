@@ -162,9 +162,11 @@ def _own_ids(body: str, name: str) -> str:
     return re.sub(r"(href=\"#|url\(#)([^\")]+)", lambda found: found[1] + own[found[2]], body)
 
 
-def inline(svg: str) -> str:
-    """The element as part of a page, which knows its namespace and its colours."""
-    return re.sub(r"var\((--c[0-9a-f]{6}),#[0-9a-f]{6}\)", r"var(\1)", svg.replace(' xmlns="http://www.w3.org/2000/svg"', "", 1))
+def inline(svg: str, name: str) -> str:
+    """The element as part of a page, which knows its namespace and its colours; its ids begin with this short `name`."""
+    known = re.sub(r"var\((--c[0-9a-f]{6}),#[0-9a-f]{6}\)", r"var(\1)", svg.replace(' xmlns="http://www.w3.org/2000/svg"', "", 1))
+    own = re.search(r'aria-labelledby="(.*?)-title"', known)
+    return re.sub(rf'(["#]){re.escape(own[1])}-', rf"\g<1>{name}-", known) if own else known
 
 
 def variable(color: str) -> str:
