@@ -75,11 +75,14 @@ def passive_coefficients(matrix: Real, right: Real, constraints: Real, floors: R
     """x that minimises |matrix x - right| under constraints x >= floors.
 
     With matrix = Q R and z = R x - Q^T right this is the least distance problem min |z|, G z >= h. Its solution follows from the
-    residual of non-negative least squares (Lawson and Hanson, chapter 23). Raises ArithmeticError if no x satisfies them.
+    residual of non-negative least squares (Lawson and Hanson, chapter 23). Raises ArithmeticError if no x satisfies
+    them, and for rows that are not finite.
     """
     from scipy.linalg import solve_triangular
     from scipy.optimize import nnls
 
+    if not (np.isfinite(matrix).all() and np.isfinite(constraints).all()):
+        raise ArithmeticError("one is undamped, at a frequency that is fitted")
     scale = np.linalg.norm(matrix, axis=0)
     q, r = np.linalg.qr(matrix / scale)
     free = q.T @ right

@@ -84,6 +84,9 @@ def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch: pytest.MonkeyPat
         SceneError, match=r"model = 'fitted:0': a fit needs at least one oscillator; the model without one is quasidynamic"
     ):
         reduction_of(LOSSY["grip"], "fitted:0")
+    bare = {"kind": "machine", "stiffness": 1e3, "impedance": 0.0, "mass": 0.0}
+    with pytest.raises(SceneError, match=r"model = 'fitted:2': no passive fit .* undamped, at a frequency that is fitted"):
+        reduction_of(slipwave.read("paper", {"slab.face": bare}), "fitted:2")
     fit.fit_scene.cache_clear()
     monkeypatch.setattr(fit, "_ROUNDS", 1)
     with pytest.raises(

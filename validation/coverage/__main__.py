@@ -1,5 +1,5 @@
 """python -m validation.coverage orbits 20       # the first 20 computations of a kind, as a table
-python -m validation.coverage --record        # all kinds into reports/baseline/coverage.json; goes on where it was interrupted
+python -m validation.coverage --record        # all kinds into reports/baseline/coverage-record.json; resumes
 """
 
 import sys

@@ -87,13 +87,12 @@ def followed(times: Array, moved: Array) -> Schedule:
     lines = [np.polyfit(times[a : b + 1], moved[a : b + 1], 1) for a, b in pairwise(cuts)]
     fastest = max(abs(slope) for slope, _ in lines)
     knots, paces = [float(times[0])], [_pace(lines[0][0], fastest)]
-    for place, before, after in zip(cuts[1:-1], lines[:-1], lines[1:], strict=True):
+    for before, after in pairwise(lines):
         if abs(after[0] - before[0]) < _REST * fastest:
             continue
         meet = float((after[1] - before[1]) / (before[0] - after[0]))
         knots += [min(max(meet, knots[-1]), float(times[-1]))] * 2
         paces += [paces[-1], _pace(after[0], fastest)]
-        _ = place
     return Schedule((*knots, float(times[-1])), (*paces, paces[-1]))
 
 
