@@ -9,7 +9,8 @@ from reduced.stability.characteristic import characteristic
 from reduced.stability.spectrum import unstable_count
 from slipwave.scene import Scene
 from validation.registry.families import one_port_of
-from validation.study import WITNESS, Budget, Figure, Number, StudyResult, Table, Verdict, holding, table
+from validation.study import WITNESS, Budget, Figure, StudyResult, Table, Verdict, holding, table
+from validation.study.regimes import regime_areas
 from validation.sweep.axes import axis_of, changed
 from validation.sweep.difference import difference, model_regimes
 from validation.sweep.here import swept_here
@@ -49,7 +50,7 @@ def run(budget: Budget) -> StudyResult:
         ),
         tables=(_errors(rows),),
         verdicts=(_as_counted(scene, data),),
-        numbers={f"{row['model']} other regime": Number(row["other_regime_percent"], 0.05) for row in rows},
+        numbers=regime_areas(differences),
     )
 
 

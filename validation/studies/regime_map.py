@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import slipwave
-from validation.study import WITNESS, Budget, Figure, Number, StudyResult, Table, Verdict, holding, table
+from validation.study import WITNESS, Budget, Figure, StudyResult, Table, Verdict, holding, table
 from validation.study.drawing import Drawing
+from validation.study.regimes import regime_areas
 from validation.sweep.axes import axis_of
 from validation.sweep.boundaries import onset_lines
 from validation.sweep.difference import difference, model_regimes
@@ -46,9 +47,7 @@ def run(budget: Budget) -> StudyResult:
         ),
         tables=(_errors(data, differences, lines),),
         verdicts=(_boundaries(data, lines),),
-        numbers={
-            f"{row['model']} other regime": Number(row["other_regime_percent"], 0.05) for row in differences.attrs["differences"]
-        },
+        numbers=regime_areas(differences),
     )
 
 

@@ -1,6 +1,6 @@
 """What a model does in a scene in the end: its regime in words, and the figures of its cycles if it has any."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events
@@ -12,7 +12,11 @@ from validation.measure.settle import estimate
 from validation.registry.build import build
 from validation.registry.families import one_port_of
 from validation.run.simulate import reconsidered, simulate
+from validation.study import Number
 from validation.study.memo import LATE_TOLERANCE, TRANSIENT, kept, own_orbit
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 STEADY, AWAY, UNDECIDED = "slides steadily", "runs away", "undecided"
 _WORDS = {"steady": STEADY, "decaying": STEADY, "settling": UNDECIDED, "growing": UNDECIDED, "too short": UNDECIDED}
@@ -90,3 +94,13 @@ def _stable_orbit(model: str, scene: Scene, tolerance: float, cells: int | None)
         return None
     orbit = found.orbit
     return CycleFigures(orbit.period, orbit.stress_drop, orbit.v_max) if found.multipliers.stable else None
+
+
+def regime_areas(differences: "Dataset") -> dict[str, Number]:
+    """The share of a map's area in which a model has another regime, in per cent. The name says the lattice: shares on unlike
+    lattices are not compared."""
+    lattice = " x ".join(str(size) for name, size in differences.sizes.items() if name != "model")
+    return {
+        f"{row['model']} other regime, {lattice} points": Number(row["other_regime_percent"], 0.05)
+        for row in differences.attrs["differences"]
+    }

@@ -79,7 +79,7 @@ def run(budget: Budget) -> StudyResult:
         ),
         verdicts=(*_reproduced(untuned), *against_measured(cases), *on_waves(waves), on_rises(rises)),
         notes=_NOTES,
-        numbers=_numbers(cases, rises),
+        numbers=_numbers(cases, rises, untuned, len(drawn)),
     )
 
 
@@ -253,14 +253,26 @@ def on_rises(rises: Sequence[Rise]) -> Verdict:
     return replace(told, refuted=f"rise times that grow with the drop; proportional to it, by a factor of {factor:.2g}")
 
 
-def _numbers(cases: Iterable[Case], rises: Iterable[Rise]) -> dict[str, Number]:
+def _numbers(
+    cases: Iterable[Case],
+    rises: Iterable[Rise],
+    untuned: Mapping[tuple[float, int], MeasuredCycle | None],
+    count: int,
+) -> dict[str, Number]:
+    """A median's name says of how many samples it is: medians of unlike samples are not compared."""
     medians = {
-        f"{case.law} {case.row['sigma_MPa']} MPa {name}": Number(case.bands[name].median, 1e-3)
+        f"{case.law} {case.row['sigma_MPa']} MPa {name}, {count} samples": Number(case.bands[name].median, 1e-3)
         for case in cases
         for name in NAMES
         if math.isfinite(case.bands[name].median)
     }
-    return medians | {f"rise time, drop {one.drop:.2g} MPa": Number(one.time, 1e-3) for one in rises}
+    printed = {
+        f"fit {k} {stress} MPa {name}": Number(getattr(found, name), 1e-3)
+        for (stress, k), found in untuned.items()
+        if found
+        for name in NAMES
+    }
+    return medians | printed | {f"rise time, drop {one.drop:.2g} MPa": Number(one.time, 1e-3) for one in rises}
 
 
 _NOTES = (
