@@ -6,10 +6,13 @@ import pytest
 from roomy import too_roomy
 
 from slipwave.observe.statistics import Estimate
+from validation.measure.order_fit import Fit
 from validation.references.published import half_digit
-from validation.study import PAPER, Evidence, Outcome, StudyResult, Verdict, claim
-from validation.study.known import as_known
+from validation.study import PAPER, WITNESS, Evidence, Outcome, StudyResult, Verdict, at_least, claim, every, holding, in_range
+from validation.study.known import as_known, of_order
 from validation.study.names import with_names
+
+ORDER = Fit(3.91, 0.11, 1.0, 3.9, 1e-6, slice(0, 4), 0.99, 3.9, 0.1)
 
 
 @pytest.mark.parametrize(
@@ -42,6 +45,34 @@ def test_a_bound_tells_its_limit_and_its_room():
 def test_found_and_limit_are_the_same_quantity_with_enough_digits(near, ours, within, expected, found):
     verdict = claim("c", Evidence.EXACT, ours, within, "at r", "2.86", near=near, unit="s")
     assert (verdict.expected, verdict.ours, verdict.remark) == (expected, found, "at r; 2.86")
+
+
+@pytest.mark.parametrize(
+    ("verdict", "words", "outcome", "margin"),
+    [
+        (at_least("c", Evidence.EXACT, 8.88, 8.0), ("8 or more", "8.9"), "pass", 8.0 / 8.88),
+        (at_least("c", Evidence.EXACT, 7.9996, 8.0), ("8 or more", "7.9996"), "fail", 8.0 / 7.9996),
+        (at_least("c", PAPER, -1.0, 8.0), ("8 or more", "−1"), "finding", None),
+        (in_range("c", Evidence.EXACT, (0.9, 1.1), [0.95, 1.02]), ("0.9 to 1.1", "0.95 to 1.02"), "pass", 0.5),
+        (in_range("c", Evidence.EXACT, (0.9, 1.1), [1.0, 1.12]), ("0.9 to 1.1", "1 to 1.12"), "fail", 1.2),
+        (in_range("c", Evidence.EXACT, (0.9, 1.1), [1.0, math.nan]), ("0.9 to 1.1", "1"), "fail", None),
+        (every("c", Evidence.EXACT, 7, 7, what="runs"), ("7 of 7 runs", "7 of 7 runs"), "pass", 0.0),
+        (every("c", PAPER, 6, 7), ("7 of 7", "6 of 7"), "finding", 1.0),
+        (every("c", Evidence.EXACT, 0, 0), ("0 of 0", "0 of 0"), "fail", 0.0),
+        (of_order("c", WITNESS, ORDER, 4.0, above=True), ("3.89 or more", "3.91\xa0±\xa00.11"), "pass", 0.09 / 0.11),
+        (of_order("c", WITNESS, ORDER, 4.2, above=True), ("4.09 or more", "3.91\xa0±\xa00.11"), "fail", 0.29 / 0.11),
+        (of_order("c", WITNESS, ORDER, 3.85), ("3.85 ± 0.11", "3.91\xa0±\xa00.11"), "pass", 0.06 / 0.11),
+    ],
+)
+def test_found_and_limit_of_other_claims(verdict, words, outcome, margin):
+    assert (verdict.expected, verdict.ours, verdict.outcome) == (*words, outcome)
+    assert verdict.margin == (margin if margin is None else pytest.approx(margin))
+
+
+def test_no_verdict_passes_beyond_its_limit():
+    """Then what was found and what is allowed are not of one kind."""
+    with pytest.raises(ValueError, match="holds, though 2 is more than 1"):
+        holding("c", PAPER, "1", "2", True).with_margin(2.0, 1.0)
 
 
 def test_what_refutes_a_claim():

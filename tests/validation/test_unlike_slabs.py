@@ -21,7 +21,7 @@ def test_every_agreement_holds(result):
     agreements = [v for v in result.verdicts if not v.claim.startswith("Cost")]
     assert [v.claim for v in agreements if v.outcome is not Outcome.PASS] == []
     assert too_roomy(agreements) == []
-    assert len(agreements) == 6
+    assert len(agreements) == 5
 
 
 def test_states(result):

@@ -19,7 +19,8 @@ FEWEST = 4
 FEWEST_DENSE = 6
 _NEAR, _MOST, TREND = 0.5, 0.5, 0.1
 """How far the fit may lie below the order that its trend leads to; the least share of that closed; how well that is known."""
-_WIDEST = 0.5  # half-width beyond which a fit proves nothing
+WITHIN = 0.1  # of the declared order
+WIDEST = 0.5  # half-width beyond which a fit proves nothing
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,7 @@ def _regress(x: Array, y: Array, start: int) -> Fit:
     return Fit(-float(slope), half_width, *errors, used, r_squared, -float(limit), limit_half_width)
 
 
-def shortfall(result: Fit, declared: float, tolerance: float = 0.1, at_least: bool = False, widest: float = _WIDEST) -> str:
+def shortfall(result: Fit, declared: float, tolerance: float = WITHIN, at_least: bool = False, widest: float = WIDEST) -> str:
     """Why `result` does not support the `declared` order; empty if it does: the interval is no wider than `widest`, and the
     declared order lies in it or within `tolerance` of the fitted one. With `at_least` a higher order passes too, and so does an
     interval of any width that lies above the declared order (an interval narrower than `tolerance` counts as that wide)."""
@@ -144,6 +145,13 @@ def shortfall(result: Fit, declared: float, tolerance: float = 0.1, at_least: bo
     if result.order < declared - allowed or (not at_least and result.order > declared + allowed):
         return f"declared {declared:g} +- {allowed:.2g}, observed {result}"
     return ""
+
+
+def asked(order: float, declared: float, allowed: float, above: bool) -> tuple[str, float]:
+    """(what is asked of an order, in words; how far it lies from that); one `above` the declared is none."""
+    if above:
+        return f"{math.floor(100.0 * (declared - allowed)) / 100.0:.2f} or more", max(0.0, declared - order)
+    return f"{declared:g} ± {allowed:.2f}", abs(order - declared)
 
 
 def extrapolated(coarse: float, fine: float, order: float, ratio: float = 2.0) -> float:

@@ -23,7 +23,7 @@ from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.solve import Solver, follow
 from validation.measure.grid_ladders import Course, GridLadder
-from validation.measure.order_fit import Fit, fit_dense
+from validation.measure.order_fit import TREND, Fit, asked, fit_dense
 from validation.measure.settle import SYMBOLS
 from validation.run.timing import timed
 
@@ -132,6 +132,16 @@ class Climb:
         together = self.fit_together()
         complaints["together"] = self._misses(together, together.half_width, ALMOST) or self._unknown(together)
         return [f"{name}: {complaint}" for name, complaint in complaints.items() if complaint]
+
+    @property
+    def beside(self) -> tuple[str, float, float]:
+        """(what is asked of the order of all outputs together, how far that is missed, how much is allowed); of a scheme whose
+        local orders only rise to the promised one, the order to which they lead."""
+        found = self.fit_together()
+        order, allowed = found.order, max(found.half_width, ALMOST)
+        if order + allowed < self._promised and found.leads_to(self._promised):
+            order, allowed = found.limit, TREND
+        return *asked(order, self._promised, allowed, not self._exact), allowed
 
     def _misses(self, found: Fit, half_width: float, slack: float) -> str:
         """Whether the order within +- `half_width` misses the promised one by more than `slack`, or the errors are large."""

@@ -7,7 +7,7 @@ from typing import Literal, TypeVar
 
 from validation.output import aligned, rounded
 from validation.report.record import Change, Changes, NumberRecord, Record, VerdictRecord, Word
-from validation.study import Number, Outcome
+from validation.study import RUN_TIMES, Number, Outcome
 from validation.study.text import bare
 
 One = TypeVar("One", NumberRecord, VerdictRecord)
@@ -81,6 +81,10 @@ def _verdict(before: VerdictRecord, now: VerdictRecord) -> Change:
         same = before.ours == now.ours
         word, why = (Word.SAME, "") if same else (Word.NOT_COMPARABLE, "the claim is one in words; its outcome is the same")
         return _change(now, "verdict", now.claim, (before.ours, now.ours), 0.0, word, why)
+    if now.unit in RUN_TIMES:
+        return _change(
+            now, "verdict", now.claim, (before.ours, now.ours), 0.0, Word.NOT_COMPARABLE, "a run time; its outcome is the same"
+        )
     bar = _OF_LIMIT * max(before.limit, now.limit)
     values, word, why = (before.found, now.found), Word.SAME, ""
     if before.unit != now.unit:

@@ -11,14 +11,18 @@ from pathlib import Path
 from typing import Any
 
 from validation.report.recorded import NAME
+from validation.study import RUN_TIMES
 
 _WORDS = re.compile(r"~\{(?:[^{}]|\{[^{}]*\})*\}")
 _MARKED = re.compile(r'<(\w+)[^>]*\bclass="(?:[^"]* )?time(?: [^"]*)?"[^>]*>.*?</\1>', re.DOTALL)
 
 
 def lasting_record(report: dict[str, Any]) -> dict[str, Any]:
-    """report.json without run times: `times`, cells of timed columns, costs of models, timed figures, words in ~{}."""
+    """report.json without run times: `times`, what timed verdicts found, cells of timed columns, costs of models, timed figures,
+    words in ~{}."""
     report = {name: value for name, value in report.items() if name != "times"}
+    timed = {verdict["id"] for verdict in report["verdicts"] if verdict["unit"] in RUN_TIMES}
+    report["verdicts"] = [one | ({"found": None} if one["id"] in timed else {}) for one in report["verdicts"]]
     report["figures"] = [figure for figure in report["figures"] if not figure["timed"]]
     for table in report["tables"]:
         kept = [not column["timed"] for column in table["columns"]]

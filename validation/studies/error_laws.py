@@ -175,14 +175,16 @@ def _next_term(model: str, onset: OnsetErrors, index: int) -> float:
 def _cycle_verdict(cycles: list[CycleErrors]) -> Verdict:
     first, last = cycles[0], cycles[-1]
     shrink = abs(last.errors["kelvin-voigt"] / first.errors["kelvin-voigt"])
+    most = 0.5 * last.theta / first.theta
     return of_paper(
         "The paper’s ODE tends to the exact system as r → 0: in the period of the cycle",
-        f"error falls with θ from {first.theta:.3f} to {last.theta:.3f}",
-        f"{plain(first.errors['kelvin-voigt'], '.1e')} → {plain(last.errors['kelvin-voigt'], '.1e')}",
-        shrink < 0.5 * last.theta / first.theta,
+        f"error falls to {most:.3f} of itself, half as fast as θ",
+        f"{shrink:.3f}, {plain(first.errors['kelvin-voigt'], '.1e')} → {plain(last.errors['kelvin-voigt'], '.1e')}",
+        shrink < most,
+        f"θ from {first.theta:.3f} to {last.theta:.3f}; "
         f"v_{{max}} r stays near {last.swiftness:.1f}: during an event the expansion in r has no small parameter",
         evidence=ASYMPTOTIC,
-    )
+    ).with_margin(shrink, most)
 
 
 def _why(onsets: Onsets, cycles: list[CycleErrors]) -> str:

@@ -14,9 +14,11 @@ from validation.branches.parameter import over_range
 from validation.branches.points import CurvePoint
 from validation.references.onset import onset_of
 from validation.references.published import reference
-from validation.study import EXACT, WITNESS, Budget, Figure, StudyResult, Table, Verdict, claim, of_paper, stated, table
+from validation.study import EXACT, PAPER, WITNESS, Budget, Figure, StudyResult, Table, Verdict, claim, in_range, stated, table
 from validation.study.drawing import WIDTH, Drawing, canvas, pen
+from validation.study.known import JUST_BELOW
 from validation.study.over_r import scene_at
+from validation.study.text import plain
 
 NAME = "special-curves"
 QUESTION = "How do the points where orbits are born and change their stability depend on ε and V?"
@@ -107,13 +109,14 @@ def verdicts(found: dict[Key, list[CurvePoint]], again: float) -> Iterator[Verdi
     folds = [(model, point) for (model, kind), points in found.items() if kind == "LP" for point in points]
     depths, speeds = [_below(*fold) for fold in folds], sorted(10.0**point.second for _, point in folds)
     low, high = speeds[0], speeds[-1]
-    yield of_paper(
+    yield in_range(
         "P8 The Hopf point is very mildly subcritical, at other V (and so at other ε) too",
-        "a fold just below r_{c}",
-        f"{100 * min(depths):.2f} to {100 * max(depths):.2f} % below r_{{c}}",
-        min(depths) > 0.0 and max(depths) < 0.01,
-        f"{len(depths)} folds at V from {low:.0f} to {high:.0f}; at fixed V that is ε from {2.8e-7 * low:.2g} to "
-        f"{2.8e-7 * high:.2g}".replace("e-05", " · 10^{-5}"),
+        PAPER,
+        (0.0, JUST_BELOW),
+        depths,
+        f"of r_{{c}}, how far below lie {len(depths)} folds at V from {low:.0f} to {high:.0f}; at fixed V that is ε from "
+        f"{plain(2.8e-7 * low, '.2g')} to {plain(2.8e-7 * high, '.2g')}",
+        ".2%",
     )
 
 

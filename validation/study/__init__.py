@@ -13,14 +13,14 @@ Texts may hold the small markup of `validation.study.text`: x_{sub}, 10^{-9}, *e
 
 import math
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from validation.study.model_table import ModelTable
 from validation.study.text import Cell as Cell
-from validation.study.text import around
+from validation.study.text import around, minus
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
@@ -132,9 +132,11 @@ class Figure:
 class Verdict:
     """One claim and one kind of evidence: what was expected, what was found (the same quantity), and the outcome.
 
-    `size` and `limit`, in `unit` (none: a pure number): the distance that was measured and the one that is allowed, if the claim
-    says that a number lies near another (`claim`). `refuted` says what would refute the claim, where that is more than the
-    opposite of what was expected. `id` is the verdict's name on the page and in files (`validation.study.names`).
+    `size` and `limit`, in `unit` (none: a pure number), are one quantity as it was measured and as it is allowed: how far a
+    number lies from another (`claim`) or from the middle of a range (`in_range`), what is asked over what was found (`at_least`),
+    how many miss (`every`). Without them the claim is one of yes or no. `refuted` says what would refute the claim, where that is
+    more than the opposite of what was expected. `id` is the verdict's name on the page and in files (`validation.study.names`).
+    ValueError if it passes beyond its limit: then the two are not of one kind.
     """
 
     claim: str
@@ -149,10 +151,23 @@ class Verdict:
     refuted: str = ""
     id: str = ""
 
+    def __post_init__(self) -> None:
+        if self.outcome is Outcome.PASS and self.size is not None and self.limit is not None and not self.size <= self.limit:
+            raise ValueError(f"{self.claim}: holds, though {self.size:g} is more than {self.limit:g}")
+
     @property
     def margin(self) -> float | None:
-        """The share of what is allowed that was found; None for a claim in words."""
+        """The share of what is allowed that was found; None for a claim of yes or no."""
         return self.size / self.limit if self.size is not None and self.limit else None
+
+    def with_margin(self, size: float, limit: float, unit: str = "") -> "Verdict":
+        """The verdict with what was measured and what is allowed."""
+        return replace(self, size=size if math.isfinite(size) else None, limit=limit, unit=unit)
+
+    @property
+    def timed(self) -> bool:
+        """Whether a run time was judged (by its unit)."""
+        return self.unit in RUN_TIMES
 
     @property
     def refutation(self) -> str:
@@ -237,6 +252,10 @@ def judge(holds: bool, otherwise: Outcome = Outcome.FAIL) -> Outcome:
     return Outcome.PASS if holds else otherwise
 
 
+def _otherwise(evidence: Evidence) -> Outcome:
+    return Outcome.FINDING if evidence is PAPER else Outcome.FAIL
+
+
 def claim(
     title: str,
     evidence: Evidence,
@@ -252,10 +271,36 @@ def claim(
     finding, no failure of this program. `shown` says more than the distance; it ends the remark."""
     size = abs(ours - near)
     holds = size < within and not (evidence is WITNESS and size == 0.0)
-    outcome, known = judge(holds, Outcome.FINDING if evidence is PAPER else Outcome.FAIL), size if math.isfinite(size) else None
+    outcome, known = judge(holds, _otherwise(evidence)), size if math.isfinite(size) else None
     expected, found = (f"{words} {unit}".strip() for words in around(near, ours, within))
     remark = "; ".join(filter(None, (remark, shown)))
     return Verdict(title, evidence, expected, found, outcome, remark, known, within, unit)
+
+
+def at_least(title: str, evidence: Evidence, ours: float, least: float, remark: str = "", unit: str = "") -> Verdict:
+    """PASS if `ours` reaches `least`, which is positive. A claim of the paper's that does not hold is a finding."""
+    expected, found = around(0.0, ours, least)
+    asked, shown = f"{expected.removeprefix('below ')} {unit}".strip() + " or more", f"{'−' * (ours < 0.0)}{found} {unit}".strip()
+    share = least / ours if ours > 0.0 else math.inf
+    return holding(title, evidence, asked, shown, share <= 1.0, remark, _otherwise(evidence)).with_margin(share, 1.0)
+
+
+def in_range(
+    title: str, evidence: Evidence, ends: tuple[float, float], ours: Sequence[float], remark: str = "", form: str = ".3g"
+) -> Verdict:
+    """PASS if all of `ours` lie between the `ends`; shown are the ends, the least and the largest in this `form`. A claim of the
+    paper's that does not hold is a finding."""
+    found, (middle, half) = (min(ours), max(ours)), (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]))
+    expected, shown = (minus(" to ".join(dict.fromkeys(format(one, form) for one in pair))) for pair in (ends, found))
+    off = max((abs(one - middle) for one in ours), key=lambda one: (math.isnan(one), one))
+    return holding(title, evidence, expected, shown, off < half, remark, _otherwise(evidence)).with_margin(off, half)
+
+
+def every(title: str, evidence: Evidence, held: int, of: int, remark: str = "", what: str = "") -> Verdict:
+    """PASS if all of so many held, and there were any; `what` says what they are. A claim of the paper's that does not hold is
+    a finding."""
+    expected, ours = (f"{count} of {of} {what}".strip() for count in (of, held))
+    return holding(title, evidence, expected, ours, held == of > 0, remark, _otherwise(evidence)).with_margin(of - held, 1.0)
 
 
 def holding(

@@ -5,12 +5,16 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from slipwave.observe.statistics import Estimate
+from validation.measure.order_fit import WIDEST, WITHIN, Fit, asked, shortfall
 from validation.references.published import half_digit, reference_orbit
-from validation.study import PAPER, WITNESS, Outcome, Verdict, claim, holding, of_paper
+from validation.study import PAPER, WITNESS, Evidence, Outcome, Verdict, claim, every, holding, in_range
 from validation.study.text import minus, places
 
 ERRORS = 4.0
 """How many of its stated errors a figure may be off."""
+
+JUST_BELOW = 0.01
+"""A fold at most so far below the onset, relative, is "just below" it."""
 
 _VERY_SMALL, _ORDER_OF_TEN_PER_CENT = 1e-2, (0.1 / math.sqrt(10.0), 0.1 * math.sqrt(10.0))
 
@@ -33,8 +37,25 @@ def as_known(periods: Mapping[str, Estimate], log10_r: float, others: float = 0.
 
 def as_printed(title: str, printed: float, ours: float, remark: str = "", otherwise: Outcome = Outcome.FAIL) -> Verdict:
     """A number of the paper's: half of its last digit is allowed."""
-    holds = abs(ours - printed) <= half_digit(printed)
-    return holding(title, PAPER, f"{printed:g}", f"{ours:.5f}", holds, remark, otherwise)
+    off, half = abs(ours - printed), half_digit(printed)
+    return holding(title, PAPER, f"{printed:g} ± {half:g}", f"{ours:.5f}", off <= half, remark, otherwise).with_margin(off, half)
+
+
+def of_order(
+    title: str,
+    evidence: Evidence,
+    found: Fit,
+    declared: float,
+    remark: str = "",
+    within: float = WITHIN,
+    above: bool = False,
+    widest: float = WIDEST,
+) -> Verdict:
+    """An order of convergence, by `shortfall`: `within` so much of the declared one, or as much as its interval is wide; with
+    `above` it may exceed that."""
+    allowed, holds = max(within, found.half_width), not shortfall(found, declared, within, above, widest)
+    expected, off = asked(found.order, declared, allowed, above)
+    return holding(title, evidence, expected, found.rounded, holds, remark).with_margin(off, allowed)
 
 
 class PeriodRanges(NamedTuple):
@@ -58,18 +79,16 @@ def range_of_r(grid: Sequence[float]) -> str:
 
 def order_of_periods(listed: Sequence[PeriodRanges], remark: str) -> Verdict:
     """P7 at every r."""
-    held, every = sum(one.ordered for one in listed), len(listed)
+    held = sum(one.ordered for one in listed)
     title = f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} for {range_of_r([one.log10_r for one in listed])}"
-    return of_paper(title, f"at {every} of {every} r", f"at {held} of {every} r", held == every, remark)
+    return every(title, PAPER, held, len(listed), remark, "r")
 
 
 def error_of_27(prefix: str, slow: float, fast: float) -> tuple[Verdict, Verdict]:
     """The claim of Fig 2: the largest error up to V = 10^3, and that at V = 10^4."""
-    low, high = _ORDER_OF_TEN_PER_CENT
     small = "read as: below a tenth of the error that is claimed for V = 10^{4}"
     large = "read as: nearer to 10 % than to 1 % or 100 %, on a logarithmic scale"
-    expected, ours = f"{100 * low:.1f} to {100 * high:.1f} %", f"{100 * fast:.1f} %"
     return (
         claim(f"{prefix} the error of (27) is very small for V < 10^{{3}}", PAPER, slow, _VERY_SMALL, small),
-        of_paper(f"{prefix} it grows to the order of 10 % at V = 10^{{4}}", expected, ours, low < fast < high, large),
+        in_range(f"{prefix} it grows to the order of 10 % at V = 10^{{4}}", PAPER, _ORDER_OF_TEN_PER_CENT, [fast], large, ".1%"),
     )

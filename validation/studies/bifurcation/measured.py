@@ -9,8 +9,9 @@ from reduced.continuation.special import Special
 from reduced.orbit.figures import figures_of
 from validation.references.published import half_digit, reference
 from validation.study import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, holding, memo, of_paper
+from validation.study.known import JUST_BELOW
 from validation.study.over_r import COMPARED, Branch, scene_at, unaccounted
-from validation.study.text import minus
+from validation.study.text import minus, plain
 
 WAVE = "dg:7"
 
@@ -59,11 +60,11 @@ def index(branches: Iterable[Branch]) -> Verdict:
         "Along every branch the number of unstable multipliers changes at special points alone, by 1 at a fold or a period "
         "doubling and by 2 at a torus point",
         EXACT,
-        "no point unaccounted for",
+        "0 points unaccounted for",
         f"{missed} points",
         missed == 0,
         f"{events} special points. Pairs of folds that a step passes whole change no count: these are excluded by short steps",
-    )
+    ).with_margin(missed, 1.0)
 
 
 def same_orbits(waves: Sequence[WaveOrbit]) -> Verdict:
@@ -79,11 +80,11 @@ def mildly_subcritical(delay: Branch, ode: Branch) -> Verdict:
     turned = {one.model: 1.0 - 10.0 ** (first[one.model].point.parameter - one.onset.parameter) for one in (delay, ode)}
     return of_paper(
         "P8 The Hopf point is very mildly subcritical; the branch becomes stable at a saddle-node",
-        "a fold just below r_{c}",
+        f"a fold at most {100 * JUST_BELOW:g} % below r_{{c}}",
         ", ".join(f"{100 * share:.2f} % below r_{{c}} ({model})" for model, share in turned.items()),
-        min(turned.values()) > 0.0 and all(map(_is_stabilising_fold, first.values())),
+        min(turned.values()) > 0.0 and max(turned.values()) < JUST_BELOW and all(map(_is_stabilising_fold, first.values())),
         "unstable orbits lead from the Hopf point back to the fold, where one multiplier passes 1 inwards",
-    )
+    ).with_margin(max(turned.values()), JUST_BELOW)
 
 
 def _is_stabilising_fold(one: Special) -> bool:
@@ -100,25 +101,24 @@ def bubbles(ode: Branch) -> Iterator[Verdict]:
     larger = 100 * abs(10.0 ** (paper - torus) - 1.0)
     yield of_paper(
         "P9 The torus point of the ODE lies at r = 10^{-2.468}",
-        f"10^{{{paper}}}",
+        f"10^{{{paper} ± {half_digit(paper):g}}}",
         f"10^{{{torus:.6f}}}",
         abs(torus - paper) <= half_digit(paper),
         f"the paper’s r is {larger:.2f} % larger; AUTO-07p confirms ours",
-    )
+    ).with_margin(abs(torus - paper), half_digit(paper))
 
 
 def modes_converge(delay: Branch, modal: Sequence[Branch]) -> Verdict:
     """The first fold of the delay system by ever more modes; `modal` has the fewest first."""
     fold, *folds = (branch.of_kind("LP")[0].point.parameter for branch in (delay, *modal))
     off = [abs(one - fold) for one in folds]
-    return holding(
+    left, title = (
+        max(later / earlier for earlier, later in pairwise(off)),
         "The more exact modes a reduction keeps, the nearer its first fold is to the delay system’s",
-        ASYMPTOTIC,
-        "each distance below half the one before",
-        ", ".join(f"{one:.1e}" for one in off),
-        all(later < 0.5 * earlier for earlier, later in pairwise(off)),
-        f"in log_{{10}} r, {', '.join(f'`{branch.model}`' for branch in modal)}",
     )
+    where = f"in log_{{10}} r, {', '.join(f'`{branch.model}`' for branch in modal)}"
+    shown = ", ".join(plain(one, ".1e") for one in off)
+    return claim(title, ASYMPTOTIC, left, 0.5, where, shown, unit="of the distance before")
 
 
 def unlike(delay: Branch, ode: Branch) -> Verdict:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from slipwave.observe.pieces import Array
-from validation.measure.order_fit import Fit, shortfall
+from validation.measure.order_fit import Fit
 from validation.studies.energy.ledgers import (
     BOUNDARIES,
     ENTRIES,
@@ -18,8 +18,9 @@ from validation.studies.energy.ledgers import (
     ledger_order,
     residual_of,
 )
-from validation.study import EXACT, Budget, Cell, Figure, StudyResult, Table, Verdict, claim, holding, stated, table
+from validation.study import EXACT, Budget, Cell, Figure, StudyResult, Table, Verdict, claim, stated, table
 from validation.study.drawing import WIDTH, Drawing, canvas, grid_pens
+from validation.study.known import of_order
 from validation.study.text import plain
 
 NAME = "energy"
@@ -73,8 +74,7 @@ def ladder_verdicts(fd: Array, orders: Mapping[str, Fit]) -> Iterator[Verdict]:
     yield claim(conserves, EXACT, float(fd.max()), _CLOSED["rigid faces"])
     title = "Energy losses of the other families have the order of their squared jumps"
     for model, found in orders.items():
-        holds = not shortfall(found, ORDERS[model], _ALLOWANCE)
-        yield holding(title, EXACT, f"{ORDERS[model]:g}", _with_interval(found), holds, f"`{model}`")
+        yield of_order(title, EXACT, found, ORDERS[model], f"`{model}`", _ALLOWANCE)
 
 
 def _with_interval(found: Fit) -> str:

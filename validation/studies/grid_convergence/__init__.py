@@ -157,15 +157,12 @@ def order_verdict(climbed: Climb) -> Verdict:
     short, (low, high) = climbed.shortfall(), (0.0, 0.0) if climbed.lost else climbed.span
     symbols = {**OUTPUTS, "state": "the state", "together": "all together"}
     names = ", ".join(symbols[complaint.split(":")[0]] for complaint in short if not climbed.lost)
-    two = climbed.ladder.declared == 2.0
-    return holding(
-        "Every full-wave family reaches its order in space in every output, from the smooth start",
-        WITNESS,
-        f"{climbed.ladder.promised if not two else 2:g}" + ("" if two else " or more"),
-        f"no order: {climbed.lost}" if climbed.lost else f"{climbed.fit_together().rounded}, outputs {low:.2f} to {high:.2f}",
-        not short,
-        f"`{climbed.ladder.model}`" + (f": short in {names}" if names else _REMARKS.get(climbed.ladder.model, "")),
-    )
+    remark = f"`{climbed.ladder.model}`" + (f": short in {names}" if names else _REMARKS.get(climbed.ladder.model, ""))
+    title = "Every full-wave family reaches its order in space in every output, from the smooth start"
+    if climbed.lost:
+        return holding(title, WITNESS, f"order {climbed.ladder.promised:g}", f"no order: {climbed.lost}", False, remark)
+    (expected, off, allowed), ours = climbed.beside, f"{climbed.fit_together().rounded}, outputs {low:.2f} to {high:.2f}"
+    return holding(title, WITNESS, expected, ours, not short, remark).with_margin(off, allowed)
 
 
 _REMARKS = {"fem:1": ": the same numbers as `sbp:2`, not an independent witness"}

@@ -86,7 +86,7 @@ def known(listed: list[Periods]) -> Iterator[Verdict]:
         ", ".join(f"{ours:.4f}" for ours, _ in pairs.values()),
         all(abs(ours - printed) <= half_digit(printed) for ours, printed in pairs.values()),
         "half of the last printed digit is allowed",
-    )
+    ).with_margin(max(abs(ours - printed) / half_digit(printed) for ours, printed in pairs.values()), 1.0)
     off = [
         abs(one.orbits[model][0] / entry["period"] - 1.0)
         for model in (*WAVES, *MASSES)

@@ -138,13 +138,13 @@ def all_verdicts(found: Doubled) -> Iterator[Verdict]:
     holds = abs(period - known) <= half_digit(known) and found.single.multipliers.stable is False and lead < -1.0
     yield of_paper(
         "P10 At r = 10^{-2.59} the primary orbit with T = 79.09 is unstable, and a doubled orbit beside it is stable",
-        f"T = {known}",
+        f"T = {known} ± {half_digit(known):g}",
         f"T = {period:.6f}",
         holds and found.double.multipliers.stable is True,
         minus(
             f"multiplier {lead:.5f} of the primary orbit; the doubled one has T = {double:.6f}, half of it is {0.5 * double:.6f}"
         ),
-    )
+    ).with_margin(abs(period - known), half_digit(known))
     yield twice_but_not_the_same(found)
     doublings, ways = sorted(one.point.parameter for one in found.special if one.kind == "PD"), found.bubble
     ends = (end(ways[1], ways[0]), end(ways[-2], ways[-1]))
@@ -165,7 +165,7 @@ def twice_but_not_the_same(found: Doubled) -> Verdict:
         f"{high:.2f} and {low:.2f} V*, in {periods:.6f} T",
         low < high and off < _CLOSE,
         f"v_{{max}} of both events; the unstable orbit’s is {'above both' if single > high else 'between them or below'}",
-    )
+    ).with_margin(off, _CLOSE)
 
 
 def peaks(double: PeriodicOrbit) -> tuple[float, float]:

@@ -7,6 +7,7 @@ transits at r (1 + k T): r enters friction's clock as a delay alone, and the wav
 Perlikowski, Phys. Rev. E 79, 046221, 2009).
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
@@ -29,7 +30,7 @@ from validation.measure.correlated import mean_of
 from validation.references.published import reference
 from validation.registry.build import build
 from validation.registry.orbit_start import BEGIN, state_on
-from validation.study import ASYMPTOTIC, EXACT, SELF, WITNESS, Verdict, claim, holding, memo
+from validation.study import ASYMPTOTIC, EXACT, SELF, WITNESS, Verdict, claim, every, holding, memo
 from validation.study.over_r import Branch, scene_at
 from validation.study.text import minus
 
@@ -51,6 +52,7 @@ _REAPPEARS = 1e-10
 _ROTATION = 5e-4
 _PASSES = 1e-4
 _RANGE = 5e-3  # transits
+_WANDERS = 1e-3  # transits, on both sides of the unstable orbit's period
 
 
 class Run(NamedTuple):
@@ -243,7 +245,8 @@ def branch_claims(branch: Branch, finer: Branch) -> Iterator[Verdict]:
     last = finer.points[-1].closed.cycle.period
     beyond, found = sum(one.point.closed.cycle.period < last for one in branch.special), len(finer.special)
     title, up_to = "Steps of half the length find no other special points", f"up to T = {last:.1f} transits"
-    yield holding(title, SELF, f"{beyond} points", f"{found} points", kinds == others and beyond == found, up_to)
+    verdict = holding(title, SELF, f"{beyond} points", f"{found} points", kinds == others and beyond == found, up_to)
+    yield verdict.with_margin(abs(found - beyond), 1.0)
     growth = np.diff([turn.point.closed.cycle.period for turn, _ in fold_pairs(branch)]).tolist()
     yield claim(
         "Folds come in pairs, and T grows by one transit from pair to pair: each pair lets one more ripple into the cycle",
@@ -274,14 +277,15 @@ def settles(run: Run, orbit: Closed) -> Iterator[Verdict]:
 def wanders(run: Run, orbit: Closed) -> Verdict:
     """A run beyond the torus point."""
     low, high = float(run.last.min()), float(run.last.max())
+    apart = min(orbit.cycle.period - low, high - orbit.cycle.period)
     return holding(
         "Beyond the first torus point a direct run does not settle, and its periods lie on both sides of the unstable orbit’s",
         WITNESS,
         f"around {orbit.cycle.period:.4f}",
         f"{low:.3f} to {high:.3f}",
-        not run.settled and low < orbit.cycle.period < high and high - low > 1e-3,
-        minus(f"log_{{10}} r = {run.log10_r:g}, T in transits"),
-    )
+        not run.settled and apart > _WANDERS,
+        minus(f"log_{{10}} r = {run.log10_r:g}, T in transits; at least {_WANDERS:g} apart"),
+    ).with_margin(_WANDERS / apart if apart > 0.0 else math.inf, 1.0)
 
 
 def grows(both: Sides) -> Iterator[Verdict]:
@@ -293,7 +297,7 @@ def grows(both: Sides) -> Iterator[Verdict]:
     counted = sum(abs(less.seen) < 1.0 < abs(more.seen) for _, (less, more) in inner)
     title = "Runs begin to depart where the count of unstable multipliers grows, and to come back where it falls"
     remark = "signs of ln |m| before and beyond, as runs show it"
-    yield holding(title, WITNESS, f"{len(both)} points", f"{counted} points", counted == len(both), remark)
+    yield every(title, WITNESS, counted, len(both), remark, "points")
 
 
 def coexisting(attractors: list[Attractor]) -> Iterator[Verdict]:
@@ -305,8 +309,8 @@ def coexisting(attractors: list[Attractor]) -> Iterator[Verdict]:
     title = "Runs from a small and from a large nudge settle on orbits of the branch"
     yield claim(title, WITNESS, apart, _ATTRACTED, f"relative difference of T, {len(attractors)} runs at {len(ends)} r")
     listed = minus(", ".join(f"{len(found)} at {log10_r:g}" for log10_r, found in ends.items()))
-    two, title = all(len(found) == 2 for found in ends.values()), "Two stable orbits coexist at one r, and each attracts runs"
-    yield holding(title, WITNESS, "two at each r", listed, two, "the size of the nudge decides which")
+    two, title = sum(len(found) == 2 for found in ends.values()), "Two stable orbits coexist at one r, and each attracts runs"
+    yield every(title, WITNESS, two, len(ends), f"the size of the nudge decides which; {listed}", "r")
 
 
 def on_torus(found: Torus) -> Iterator[Verdict]:

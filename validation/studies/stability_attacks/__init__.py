@@ -29,7 +29,21 @@ from validation.studies.stability_attacks.runs import (
     attack,
     locked_noise,
 )
-from validation.study import EXACT, WITNESS, Budget, Cell, Number, StudyResult, Table, Verdict, claim, holding, table
+from validation.study import (
+    EXACT,
+    WITNESS,
+    Budget,
+    Cell,
+    Number,
+    StudyResult,
+    Table,
+    Verdict,
+    claim,
+    every,
+    holding,
+    in_range,
+    table,
+)
 from validation.study.text import places, plain
 
 NAME = "stability-attacks"
@@ -119,18 +133,14 @@ def answer(limits: Mapping[str, Mapping[int, float]], attacks: Outcomes, noise: 
 
 def limit_verdict(limits: Mapping[str, Mapping[int, float]]) -> Verdict:
     """Whether the limit stays where stiffness moves."""
-    every = [(value, decade) for shares in limits.values() for decade, value in shares.items()]
-    returning, decades = [value for value, decade in every if decade != 0], [decade for _, decade in every]
-    return holding(
-        "The step limit does not move with the stiffness of friction",
-        EXACT,
-        f"1, ± {100 * _SHARP:.0f} %",
-        f"{min(returning):.2f} to {max(returning):.2f}",
-        all(abs(value - 1.0) <= _SHARP for value in returning) and min(value for value, _ in every) >= 1.0 - _SHARP,
+    pairs = [(value, decade) for shares in limits.values() for decade, value in shares.items()]
+    returning, (values, decades) = [value for value, decade in pairs if decade != 0], zip(*pairs, strict=True)
+    where = (
         f"largest stable step over the declared one, {len(limits)} families, a/v from 10^{{{min(decades)}}} to "
-        f"10^{{{max(decades)}}} times Z; where friction absorbs the waves (a/v = Z) up to "
-        f"{max(value for value, _ in every):.2f}",
+        f"10^{{{max(decades)}}} times Z; where friction absorbs the waves (a/v = Z) up to {max(values):.2f}"
     )
+    ends, title = (1.0 - _SHARP, 1.0 + _SHARP), "The step limit does not move with the stiffness of friction"
+    return in_range(title, EXACT, ends, [*returning, min(values)], where, ".2f")
 
 
 def medium_verdict(media: Media) -> Verdict:
@@ -144,7 +154,7 @@ def medium_verdict(media: Media) -> Verdict:
         f"at most {max(below):.1f}, {grown}",
         max(below) < _CALM and min(above) > _GROWN,
         f"{len(media)} media by {len(next(iter(media.values())))} families, over the noise put in",
-    )
+    ).with_margin(max(max(below) / _CALM, _GROWN / min(above)), 1.0)
 
 
 def state_verdict(reach: Mapping[str, float]) -> Verdict:
@@ -160,7 +170,7 @@ def state_verdict(reach: Mapping[str, float]) -> Verdict:
         all(abs(ratio - 1.0) <= _REACHED for ratio in ratios) and unlimited,
         f"Δt r V over {_REACH[4]:g} (Runge-Kutta of order 4) or {_REACH[8]:g} (order 8); the leapfrog takes ψ "
         "implicitly and has no such limit",
-    )
+    ).with_margin(max(abs(ratio - 1.0) for ratio in ratios), _REACHED)
 
 
 def _reach_of(model: str) -> float:
@@ -172,8 +182,7 @@ def stop_verdict(stopped: Mapping[str, bool]) -> Verdict:
     """Whether steps that are too long end with a message."""
     silent, total = [model for model, stops in stopped.items() if not stops], len(stopped)
     remark = f"steps {BEYOND:g} times the limit, paper’s scene{'; silent: ' + ', '.join(silent) if silent else ''}"
-    title, ours = "A step past the limit ends the run with a message", f"{total - len(silent)} of {total}"
-    return holding(title, EXACT, f"{total} of {total}", ours, not silent, remark)
+    return every("A step past the limit ends the run with a message", EXACT, total - len(silent), total, remark)
 
 
 def attack_verdict(name: str, by_family: Mapping[str, AttackOutcome], beyond: bool) -> Verdict:
@@ -186,14 +195,13 @@ def attack_verdict(name: str, by_family: Mapping[str, AttackOutcome], beyond: bo
         """Errors of psi, and of the late motion if the run goes on."""
         return f"ψ to {plain(early, '.0e')}" + (f", late {plain(late, '.0e')}" if beyond else "")
 
-    return holding(
-        "Extreme scenes end right or with a message, never silently wrong",
-        WITNESS,
-        f"{words(*right)}, or a message",
-        words(max(one.error for one in through), max(one.late for one in through)) if through else "messages",
-        not silent,
-        f"{ATTACKS[name].title}, against the delay system" + (f"; silent: {', '.join(silent)}" if silent else ""),
-    )
+    title, expected = "Extreme scenes end right or with a message, never silently wrong", f"{words(*right)}, or a message"
+    remark = f"{ATTACKS[name].title}, against the delay system" + (f"; silent: {', '.join(silent)}" if silent else "")
+    if not through:
+        return every(title, WITNESS, len(by_family), len(by_family), remark, "end with a message")
+    worst = max(one.error for one in through), max(one.late for one in through)
+    share = max(found / allowed for found, allowed in zip(worst, right, strict=False))
+    return holding(title, WITNESS, expected, words(*worst), not silent, remark).with_margin(share, 1.0)
 
 
 def advice_verdict(advice: Mapping[str, Cure]) -> Verdict:
@@ -217,7 +225,7 @@ def noise_verdict(noise: Mapping[str, float], transits: float) -> Verdict:
         f"{noise['fd']:.6g}; {others[worst]:.3g}",
         abs(noise["fd"] - 1.0) < _SWINGS and all(ratio < 1.0 for ratio in others.values()),
         f"energy after {transits:,.0f} transits over that in the first ten: `fd`; largest of {len(others)} others: `{worst}`",
-    )
+    ).with_margin(max(abs(noise["fd"] - 1.0) / _SWINGS, others[worst]), 1.0)
 
 
 def _limit_table(limits: Mapping[str, Mapping[int, float]], reach: Mapping[str, float]) -> Table:

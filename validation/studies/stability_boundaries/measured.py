@@ -26,7 +26,7 @@ from reduced.stability import (
 )
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.study import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, holding, of_paper
+from validation.study import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, every, holding, of_paper
 from validation.study.known import error_of_27
 from validation.study.text import plain
 
@@ -127,7 +127,7 @@ def fig_3(traced: dict[str, list[Boundary]], slopes: FrictionSlopes, paper: Scen
         0.0 <= second / asymptote - 1.0 < _FIRST_TRACED and parted,
         "traced down to ε = 10^{-6}; the certified number of growing roots changes by 2 across every branch: "
         f"{'yes' if parted else 'no'}",
-    )
+    ).with_margin(abs(second / asymptote - 1.0), _FIRST_TRACED)
 
 
 def thin_slabs(slopes: FrictionSlopes) -> Verdict:
@@ -159,7 +159,7 @@ def crossed(paper: Scene, onsets: Mapping[str, tuple[float, float]], found: Mapp
     wrong = [name for name, (below, beyond) in counts.items() if beyond - below != 2]
     title, beside = "Beyond every onset a pair of roots grows that decays below it", f"certified count {plain(_STEP, '.0e')} in"
     remark = f"{beside} log_{{10}} r on both sides" + (f"; not so: {', '.join(wrong)}" if wrong else "")
-    return holding(title, WITNESS, f"{len(counts)} onsets", f"{len(counts) - len(wrong)} onsets", not wrong, remark)
+    return every(title, WITNESS, len(counts) - len(wrong), len(counts), remark, "onsets")
 
 
 def taylor(paper: Scene) -> Verdict:
@@ -177,4 +177,4 @@ def taylor(paper: Scene) -> Verdict:
         abs(pole / known - 1.0) < _ROUNDING and pole.real > 0.0 and growing == 2 and not passive,
         f"its slab is {'' if passive else 'not '}passive: at r = 10^{{-3.5}}, where sliding is stable, it has {growing} growing "
         "roots of its own",
-    )
+    ).with_margin(abs(pole / known - 1.0), _ROUNDING)
