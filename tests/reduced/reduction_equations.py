@@ -45,12 +45,15 @@ class Equations:
         free = (stress - law.a_star - law.b * psi) / law.a
         return free - float(np.real(wrightomega(free + math.log(resistance / law.a)))) if resistance else free
 
+    def load(self, x: Array) -> float:
+        """y and all tau."""
+        y, rest = x[1 + self.massive], x[2 + self.massive :]
+        return y + sum(rest[: 2 * len(self.modes) : 2]) + sum(rest[2 * len(self.modes) :])
+
     def rates(self, time: float, x: Array) -> list[float]:
         law, r, reduction = self.what.law, self.what.transit, self.reduction
-        psi, rest = x[0], x[1 + self.massive :]
-        y, modes = rest[0], rest[1 : 1 + 2 * len(self.modes)]
-        relaxing = rest[1 + 2 * len(self.modes) :]
-        load = y + sum(modes[::2]) + sum(relaxing)
+        psi, rest, load = x[0], x[2 + self.massive :], self.load(x)
+        modes, relaxing = rest[: 2 * len(self.modes)], rest[2 * len(self.modes) :]
         ln_v = x[1] if self.massive else self.ln_v(time, psi, load)
         v = math.exp(ln_v)
         u = v - self.what.drive.at(time)
@@ -64,15 +67,14 @@ class Equations:
         found += [-strength * u - rate * tau for (strength, rate), tau in zip(reduction.relaxations, relaxing, strict=True)]
         return found
 
-    def psi_at(self, ends: tuple[float, ...], tolerance: float = 1e-12) -> list[float]:
-        """psi at each of `ends` (transits), rising."""
-        x, time, found = self.start(), 0.0, []
+    def motion_at(self, ends: tuple[float, ...], tolerance: float = 1e-11, method: str = "LSODA") -> Array:
+        """Rows psi, ln v, mu at each of `ends` (transits), rising."""
+        x, time, found, law = self.start(), 0.0, [], self.what.law
         for stop in sorted({*ends, *(knot for knot in self.what.drive.times if 0.0 < knot < ends[-1])}):
-            method = "LSODA" if self.massive else "DOP853"
-            x = solve_ivp(self.rates, (time, stop), x, method=method, rtol=tolerance, atol=0.01 * tolerance, max_step=1.0).y[
-                :, -1
-            ]
+            span, limits = (time, stop), {"rtol": tolerance, "atol": tolerance, "max_step": 1.0}
+            x = solve_ivp(self.rates, span, x, method=method, **limits).y[:, -1]
             time = stop
             if stop in ends:
-                found.append(float(x[0]))
-        return found
+                ln_v = x[1] if self.massive else self.ln_v(time, x[0], self.load(x))
+                found.append([x[0], ln_v, law.a_star + law.a * ln_v + law.b * x[0]])
+        return np.array(found)

@@ -6,11 +6,8 @@ import pytest
 from reduced.delay.alike import Delay
 from slipwave import read
 from slipwave.errors import NumericsError, SceneError
-from slipwave.friction import rate_of, respond, unknown_of
-from slipwave.friction.interface import solve_interface
 from slipwave.observe import EventObserver, summarise
 from slipwave.solve import follow
-from slipwave.step.collocation import radau
 
 JUMP = {"start.kind": "jump", "start.size": 0.05}
 
@@ -71,40 +68,6 @@ def test_orbit_figures_of_the_independent_programs(log10_r, period, stress_drop,
     assert found.v_min == pytest.approx(v_min, rel=2e-7)
 
 
-def plain_delay(scene, stages, steps, transits):
-    """The same collocation written as the equations read: frozen-Jacobian-free fixed point on psi, one scalar solve a node."""
-    rule, law, epsilon = radau(stages), scene.law, scene.upper.epsilon
-    incoming = np.full((transits + 1, steps, stages), scene.steady_stress + epsilon * scene.velocity / 2)
-    psi, z = scene.steady_psi + scene.start.jump_size, unknown_of(law, scene.velocity)
-    for transit in range(transits):
-        for step in range(steps):
-            time = transit + (step + rule.nodes) / steps
-            nudge = scene.start.nudge_size * np.exp(-((time - 6.0) ** 2))
-            nodal = np.full(stages, psi)
-            for _ in range(200):
-                roots = [
-                    solve_interface(law, epsilon / 2, s, p, z)[0] for s, p in zip(incoming[transit, step], nodal, strict=True)
-                ]
-                rates = [scene.transit * respond(law, root, p)[5] for root, p in zip(roots, nodal, strict=True)]
-                nodal, previous = psi + rule.integral @ (np.array(rates) + nudge) / steps, nodal
-                if np.abs(nodal - previous).max() < 1e-15:
-                    break
-            velocity = np.array([rate_of(law, root) for root in roots])
-            incoming[transit + 1, step] = incoming[transit, step] + epsilon * (scene.velocity - velocity)
-            psi = nodal[-1]
-    return psi
-
-
-@pytest.mark.parametrize("start", [{}, JUMP])
-@pytest.mark.parametrize("law", ["ageing", "slip-regularised"])
-def test_compiled_march_equals_the_plain_one(start, law):
-    scene = paper(-2.6, **{"interface.law": law}, **start)
-    solver = Delay(scene, nodes=8, steps=6)
-    psi = follow(solver, 12).psi
-    assert solver.steps == 6
-    assert psi == pytest.approx(plain_delay(scene, 8, 6, 12), abs=2e-13)
-
-
 def test_coarse_step_is_refined_not_nan():
     solver = Delay(paper(-2.3, **JUMP), nodes=5, steps=1, tolerance=1e-6)
     assert np.isfinite(follow(solver, 400).psi)
@@ -133,12 +96,6 @@ def test_an_end_that_rounding_just_misses_is_reached():
     follow(solver, 20.0)
     solver.advance(20.0 + 1e-9)
     assert solver.time > 20.0
-
-
-def test_ramped_drive_ends_at_the_new_steady_state():
-    scene = read("paper", ["slab.log10_r=-2.75", "drive.velocity=[[0, 100.0], [40, 130.0]]", "start.size=0.0"])
-    final = follow(Delay(scene), 6000)
-    assert np.exp(final.ln_v) == pytest.approx(130.0, rel=1e-6)
 
 
 def test_unlike_slabs_are_refused_by_name():

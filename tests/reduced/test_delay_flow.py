@@ -113,18 +113,6 @@ def test_multipliers_at_fixed_psi_are_means_of_what_friction_returns():
     np.testing.assert_allclose(multipliers, np.sort(np.r_[0.0, np.repeat(means, 8)]), rtol=0.0, atol=3e-15)
 
 
-def test_the_essential_radius_of_alike_slabs_has_a_closed_form():
-    """exp(integral over the period of ln|rho|), here of no whole number of steps: the interpolation at the end of the period
-    enlarges the radius a little (by 1.2 % on this mesh)."""
-    _, flow, start = settled("alike", per_transit=16.0, until=1600.0)
-    cycle = flow.march(start, 73.47)
-    logarithms = np.log(np.abs(returned(flow, cycle)))
-    whole = flow.length * logarithms[:-1].mean(axis=1).sum()
-    part = (73.47 / flow.length - len(logarithms) + 1) * flow.length * logarithms[-1].mean()
-    radius = np.abs(np.linalg.eigvals(flow.frozen_tangent(cycle))).max()
-    assert radius == pytest.approx(np.exp(whole + part), rel=0.03)
-
-
 @every_scene
 def test_steady_sliding_is_a_fixed_point(kind):
     flow = DelayFlow(read(*SCENES[kind]), 6.0)

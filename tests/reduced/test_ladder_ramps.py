@@ -2,45 +2,60 @@
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from reduction_equations import Equations
 
 import slipwave
 from reduced.impedance import reduction_of
+from reduced.impedance.reduction import Reduction
 from reduced.ode.march import LONGEST, ReducedModel
+from slipwave.scene import Scene
 from slipwave.solve import follow
 
-KNOTS = (20.1234567, 21.3456789, 70.77777, 70.87777, 141.42135)
+KNOTS = (20.1234567, 21.3456789, 30.77777, 30.87777, 41.42135)
 RAMP = "drive.velocity=" + str([[0.0, 100.0], *map(list, zip(KNOTS, (100.0, 300.0, 60.0, 200.0, 100.0), strict=True))])
-ENDS = (60.0, 100.0)
+ENDS = (15.0, 30.0, 45.0)
 
 
-def error(name: str, model: str, tolerance: float) -> float:
-    """Largest relative error of psi at ENDS."""
-    scene = slipwave.read(name, ["slab.log10_r=-2.62", RAMP, "run.until=400"])
-    reduction = reduction_of(scene, model)
-    solver = ReducedModel(scene, reduction, tolerance)
-    ours = [follow(solver, end).psi for end in ENDS]
-    exact = Equations(scene, reduction).psi_at(ENDS)
-    return float(np.abs(np.divide(ours, exact) - 1.0).max())
-
-
-@pytest.mark.parametrize(
-    ("name", "model"),
-    [
-        ("paper", "quasidynamic"),
-        ("paper", "block8"),
-        ("paper", "block12"),
-        ("paper", "kelvin-voigt"),
-        pytest.param("paper", "modal:2", marks=pytest.mark.slow),
-        pytest.param("paper", "modal:6", marks=pytest.mark.slow),
-        ("grip", "fitted:1"),
-        pytest.param("grip", "fitted:6", marks=pytest.mark.slow),
-    ],
+EVERY_TERM = Reduction(
+    "made up",
+    mass=0.02,
+    damping=0.1,
+    frequencies=(6.2, 12.3),
+    residues=(2.1, 1.9),
+    decays=(0.5, 0.9),
+    offsets=(1.2, -0.4),
+    relaxations=((0.4, 1.3), (-0.1, 9.0)),
+    spring=0.7,
 )
-def test_a_ramp_keeps_the_tolerance(name: str, model: str) -> None:
-    """Relative error of psi, 0.8e-11 to 3e-11 without mass; with mass LSODA's own, 1.1e-9 at its tightest (0.9e-9 by Radau)."""
-    massive = name == "paper" and model not in ("quasidynamic", "kelvin-voigt")
-    assert error(name, model, 1e-9) < (3e-9 if massive else 3e-10)
+
+
+def errors(scene: Scene, reduction: Reduction, tolerance: float) -> NDArray[np.float64]:
+    """Largest errors of psi, ln v and mu at ENDS."""
+    solver = ReducedModel(scene, reduction, tolerance)
+    ours = [(end.psi, end.ln_v, end.mu) for end in (follow(solver, time) for time in ENDS)]
+    return np.abs(np.array(ours) - Equations(scene, reduction).motion_at(ENDS)).max(axis=0)
+
+
+UNLIKE = ("lower.epsilon=8.4e-5", "lower.r=0.00388")
+CASES = [
+    ("quasidynamic", ()),
+    ("block8", ()),
+    ("kelvin-voigt", ()),
+    ("every term", ()),
+    *((model, UNLIKE) for model in ("quasidynamic", "block8", "block12", "kelvin-voigt")),
+    ("kelvin-voigt", ("upper.r=0.00011", "lower.r=0.0024")),
+    pytest.param("fitted:6", ("slab.face={kind='grip', stiffness=10.0, impedance=19.0}",), marks=pytest.mark.slow),
+    pytest.param("modal:6", UNLIKE, marks=pytest.mark.slow),
+]
+
+
+@pytest.mark.parametrize(("model", "settings"), CASES)
+def test_the_march_obeys_the_equations(model: str, settings: tuple[str, ...]) -> None:
+    """Before, between and after the knots. Measured: 1.5e-9 at most without mass; with mass LSODA's own, 1.8e-8."""
+    scene = slipwave.read("paper", ["slab.log10_r=-2.62", *settings, RAMP, "run.until=400"])
+    reduction = EVERY_TERM if model == "every term" else reduction_of(scene, model)
+    assert (errors(scene, reduction, 1e-9) < (5e-8 if reduction.mass else 5e-9)).all()
 
 
 @pytest.mark.parametrize("distance", [0.01, 1.9, 2.1, 17.0, 300.0])
@@ -57,8 +72,8 @@ def test_the_longest_step_divides_the_way_to_the_next_knot_by_a_power_of_two(dis
 def test_steps_end_on_every_knot_and_are_no_shorter_than_they_need_be() -> None:
     scene = slipwave.read("paper", [RAMP, "run.until=400"])
     solver, ends = ReducedModel(scene, reduction_of(scene, "kelvin-voigt")), []
-    while solver.time < 150.0:
-        pieces = solver.advance(150.0)
+    while solver.time < 50.0:
+        pieces = solver.advance(50.0)
         ends += (pieces.time + pieces.length).tolist()
     assert np.abs(np.subtract.outer(KNOTS, ends)).min(axis=1).max() < 1e-11
     uncut = slipwave.read("paper", ["run.until=400"])

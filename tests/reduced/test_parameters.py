@@ -4,6 +4,7 @@ import pytest
 
 import slipwave
 from reduced.parameters import PARAMETERS, with_parameter
+from slipwave.errors import SceneError
 
 MACHINE = {"kind": "machine", "stiffness": 1.5, "impedance": 0.5, "mass": 0.3}
 SCENES = {
@@ -46,3 +47,8 @@ def test_it_takes_the_value_and_all_others_keep_theirs(kind: str, name: str) -> 
     for other, read in (OF_EVERY_SCENE | OF_A_FACE[kind]).items():
         wanted = (0.125 if name == plain else 10.0**-0.5) if other == plain else read(scene)
         assert read(changed) == pytest.approx(wanted, rel=1e-14), other
+
+
+def test_a_name_that_is_no_parameter_is_refused() -> None:
+    with pytest.raises(SceneError, match="did you mean 'log10_r'"):
+        with_parameter(SCENES["machine"], "log_r", -3.0)

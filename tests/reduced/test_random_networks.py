@@ -4,12 +4,14 @@ steps end. The whole study: `python -m tests.reduced.random_networks 500`."""
 import numpy as np
 import pytest
 
+from reduced.delay.alike import Delay
 from reduced.delay.network import DelayNetwork
 from reduced.delay.system import delay_system
+from slipwave import read
 from slipwave.observe.pieces import SAME
 from slipwave.solve import follow
 from slipwave.step.nodal import NOT_SMOOTH
-from tests.reduced.plain_network import break_points
+from tests.reduced.plain_network import break_points, plain_network
 from tests.reduced.random_networks import ALLOWED, judge, random_network
 
 LIGHT_MASS = 52
@@ -22,6 +24,14 @@ def test_march_agrees_with_the_plain_transcription(seed):
     found = judge(seed, until=16.0)
     assert not found.refused
     assert found.ratio <= ALLOWED
+
+
+@pytest.mark.parametrize("law", ["ageing", "slip"])
+@pytest.mark.parametrize("start", [{"size": 0.5}, {"kind": "jump", "size": 0.05}], ids=["nudge", "jump"])
+def test_the_march_of_alike_slabs_agrees_with_the_plain_transcription(law, start):
+    scene = read("paper", {"slab.log10_r": -2.6, "interface.law": law, "start": start})
+    final = follow(Delay(scene, tolerance=1e-10), 12.0)
+    assert [final.ln_v, final.psi, final.mu] == pytest.approx(plain_network(scene, 12.0)[0], abs=1e-9)
 
 
 @pytest.mark.slow

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from one_port_scenes import EPSILON, EVERY, PAPER, paper, scene_of, slab
+from one_port_scenes import EPSILON, EVERY, PAPER, paper
 
 from reduced import closed_forms
 from reduced.stability import (
@@ -15,7 +15,6 @@ from reduced.stability import (
     with_parameter,
 )
 from slipwave.errors import SceneError
-from slipwave.scene.slab import Slab
 
 SLOPES = friction_slopes(PAPER, 100.0)
 
@@ -42,18 +41,6 @@ def test_boundary_of_gripped_slabs_parts_stable_from_unstable():
         at = with_parameter(scene, "log10_grip_impedance", curve.first[i])
         counts = [unstable_count(characteristic(with_parameter(at, "log10_r", curve.second[i] + d))) for d in (-1e-3, 1e-3)]
         assert sorted(counts) == [0, 2]
-
-
-def test_parameters_change_what_they_say():
-    pair = scene_of(slab(), Slab(2.0 * EPSILON, 0.01))
-    moved = with_parameter(pair, "log10_r", -3.0)
-    assert moved.transit == pytest.approx(1e-3)
-    assert moved.lower.round_trip / moved.transit == pytest.approx(pair.lower.round_trip / pair.transit)
-    assert with_parameter(pair, "V", 7.0).velocity == 7.0
-    assert with_parameter(pair, "ratio_epsilon", 5.0).lower.epsilon == pytest.approx(5.0 * EPSILON)
-    assert with_parameter(pair, "a", 0.02).law.a == 0.02
-    with pytest.raises(SceneError, match="did you mean 'log10_r'"):
-        with_parameter(pair, "log_r", -3.0)
 
 
 MODELS = ["quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:1", "modal:3"]
