@@ -4,7 +4,7 @@
 
 numba does not compile such a short inner loop to vector instructions (measured: with plain loops, marches take 2 to 4 times
 longer). Therefore the loop is written here in LLVM instructions, with vectors of eight doubles that LLVM adapts to the machine.
-All arrays are one-dimensional, contiguous float64; indices are not checked. `tests/fullwave/test_panels.py` has the plain loops.
+All arrays are one-dimensional, contiguous float64; indices are not checked.
 """
 
 from typing import Any

@@ -9,7 +9,7 @@ J. Comput. Phys. 110 (1994); Carpenter, Nordstrom and Gottlieb, J. Comput. Phys.
 
 The conditions depend on each other (rank 18 of 20, 39 of 42), so they are solved by least squares. The true singular values lie
 above 3e-4 of the largest; the others are rounding. H is positive definite; rounding changes its entries by some 1e-11 at order 6,
-but Q stays skew and the conditions hold to rounding (tests/fullwave/test_closure.py, against rational arithmetic).
+but Q stays skew and the conditions hold to rounding (tests/fullwave/test_operators.py).
 """
 
 from functools import cache

@@ -1,5 +1,6 @@
 """What a checkpoint must not be misread as: another setting of any family, another version, a damaged or inconsistent file."""
 
+import dataclasses
 import json
 import random
 
@@ -52,6 +53,17 @@ def test_mass_and_sources_are_told_apart(tmp_path, monkeypatch):
     monkeypatch.setattr(checkpoint, "source_digest", lambda: "0123")
     with pytest.raises(SceneError, match="another version of the solvers"):
         load_checkpoint(tmp_path / "run.npz", FiniteElement(FAST))
+
+
+def test_a_checkpoint_belongs_to_the_physics_of_one_scene(tmp_path):
+    """Its digest is; the length of the run, its name and what it records may differ."""
+    path = tmp_path / "run.npz"
+    save_checkpoint(path, Leapfrog(PAPER, 16, 0.9))
+    longer = dataclasses.replace(PAPER, until=9999.0, name="again", record=frozenset({"fields"}))
+    load_checkpoint(path, Leapfrog(longer, 16, 0.9))
+    other = dataclasses.replace(PAPER, law=PAPER.law._replace(b=0.05))
+    with pytest.raises(SceneError, match=r"npz': scene is '[0-9a-f]{12}'; this run needs '[0-9a-f]{12}'"):
+        load_checkpoint(path, Leapfrog(other, 16, 0.9))
 
 
 def prepared(tmp_path, kind, chosen=PAPER):

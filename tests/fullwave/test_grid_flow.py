@@ -8,9 +8,8 @@ import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
-from slipwave.observe import EventObserver
 from slipwave.solve import follow
-from tests.closing import closed, difference, largest
+from tests.closing import difference, largest
 
 STRONG = ["slab.epsilon=2e-3"]
 """Settings with which the motion of slabs acts on friction within a few transits."""
@@ -72,29 +71,3 @@ def test_another_scene_has_the_same_mesh_and_states():
     direct = DiscontinuousGalerkin(other, number=7, cells=2, time="exact").flow(4.0, 1e-11)[0]
     direct, _ = direct.remeshed(direct.march(direct.steady, 4.0)._replace(start=state), 1.0)
     assert largest(flow.of(other).march(state, 4.0).end - direct.march(state, 4.0).end) < 1e-9
-
-
-@pytest.fixture(scope="module")
-def orbit():
-    """The full wave's own orbit of the paper's scene, on two meshes, and the multipliers of the first."""
-    scene = slipwave.read("paper")
-    solver = DiscontinuousGalerkin(scene, number=7, cells=4, time="exact")
-    observer = EventObserver(scene, solver.nodes)
-    follow(solver, 2000.0, [observer])
-    flow, state = solver.flow(float(observer.events(1000.0).period[-1]), 1e-9)
-    cycle, monodromy = closed(flow, state, float(observer.events(1000.0).period[-1]))
-    fine, state = flow.remeshed(cycle, 1.5)
-    return cycle, closed(fine, state, cycle.period)[0], np.linalg.eigvals(monodromy)
-
-
-def test_the_orbit_is_that_of_the_delay_system(orbit):
-    """Measured: 1e-11 in the period, of which 4e-12 is friction's steps."""
-    assert [cycle.period for cycle in orbit[:2]] == pytest.approx([73.47214494428] * 2, abs=1e-10)
-    assert np.ptp(orbit[0].pieces.mu) == pytest.approx(0.1739634131, rel=1e-3)  # extremes at nodes only
-
-
-def test_its_multipliers_are_those_of_the_delay_system(orbit):
-    """The trivial one and the leading pair of the reference, to its digits."""
-    values = orbit[2][np.argsort(-np.abs(orbit[2]))][:3]
-    assert values[0] == pytest.approx(1.0, abs=1e-8)
-    assert sorted(values[1:], key=np.imag) == pytest.approx([0.254520 - 0.347982j, 0.254520 + 0.347982j], abs=1e-6)

@@ -8,10 +8,12 @@ import dataclasses
 import numpy as np
 import pytest
 from leapfrog_scenes import SCENES
+from march_scenes import FAMILIES, PAIRS
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
+from fullwave.lines.matrix import motion_matrix
 from fullwave.options import AnyShare
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import NumericsError, SceneError
@@ -93,3 +95,12 @@ def test_ledger_residual_falls_at_the_order_of_the_scheme():
         follow(solver, 60.0)
         residuals.append(abs(solver.energy().residual))
     assert np.log(residuals[0] / residuals[2]) / np.log(2.0) > 6.0  # measured: 7.06
+
+
+@pytest.mark.parametrize(("family", "name"), PAIRS)
+def test_no_scene_lets_the_frictionless_motion_grow(family, name):
+    """Spectrum of the plain matrix: nothing to the right of the imaginary axis, locked or free."""
+    system = FAMILIES[family](SCENES[name]).system
+    for locked in (True, False):
+        spectrum = np.linalg.eigvals(motion_matrix(system, locked))
+        assert spectrum.real.max() < 1e-9 * np.abs(spectrum).max()

@@ -5,7 +5,7 @@ import pytest
 import skfem
 
 from fullwave.finite_element import assemble_layer
-from fullwave.operators.closure import closure_rows
+from fullwave.operators.closure import boundary_closure, closure_rows
 from fullwave.operators.gll_element import ElementLineGLL
 from fullwave.operators.lobatto import gauss_lobatto
 from fullwave.summation_by_parts import difference_matrix
@@ -46,6 +46,12 @@ def test_norm_integrates_to_the_order_of_the_ends(order):
     x = np.linspace(0.0, 1.0, 31)
     for k in range(order - 1):
         assert np.ones(31) @ (norm @ x**k) == pytest.approx(1.0 / (k + 1), rel=1e-11)
+
+
+@pytest.mark.parametrize(("order", "first"), [(4, 2839 / 13230), (6, 1581317 / 11215260)])
+def test_free_entries_of_the_norm_are_those_of_least_residual(order, first):
+    """The first one, as rational arithmetic gives it."""
+    assert boundary_closure(order)[0][0, 0] == pytest.approx(first, abs=1e-10)
 
 
 @pytest.mark.parametrize("mass", ["lumped", "consistent"])

@@ -42,13 +42,6 @@ def test_stability_polynomial_is_the_exponential_to_the_order(method):
     assert abs(following * math.factorial(method.order + 1) - 1.0) > 1e-3
 
 
-@METHODS
-def test_weights_integrate_polynomials(method):
-    final = method.weight.reshape(-1, method.stages)[-1]
-    for k in range(method.order):
-        assert final @ method.abscissae**k == pytest.approx(1.0 / (k + 1), abs=3e-15)
-
-
 def test_stability_limits_as_documented():
     imaginary, real = np.array([1.0j]), -1.0
     assert longest_step(imaginary, CLASSICAL) == pytest.approx(2.0 * math.sqrt(2.0), rel=1e-5)

@@ -5,7 +5,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from reduced.delay.alike import Delay
 from reduced.delay.flow import DelayFlow
 from reduced.delay.network import DelayNetwork
 from slipwave import read
@@ -103,16 +102,6 @@ def test_every_wave_between_alike_slabs_is_multiplied_by_what_friction_returns()
     assert np.ptp(np.log(np.abs(expected[:-1]))) > 0.1
 
 
-def test_multipliers_at_fixed_psi_are_means_of_what_friction_returns():
-    """587 eighths of a transit: a node's wave meets every step of the period in eight periods, so its eight multipliers have the
-    size exp(integral over the period of ln|rho|), by the rectangle rule at this node. No wave is interpolated."""
-    _, flow, start = settled("alike", until=1600.0)
-    cycle = flow.march(start, 587 / 8)
-    means = np.exp(flow.length * np.log(np.abs(returned(flow, cycle))).sum(axis=0))
-    multipliers = np.sort(np.abs(np.linalg.eigvals(flow.frozen_tangent(cycle))))
-    np.testing.assert_allclose(multipliers, np.sort(np.r_[0.0, np.repeat(means, 8)]), rtol=0.0, atol=3e-15)
-
-
 @every_scene
 def test_steady_sliding_is_a_fixed_point(kind):
     flow = DelayFlow(read(*SCENES[kind]), 6.0)
@@ -147,23 +136,6 @@ def test_two_marches_in_turn_are_one():
     np.testing.assert_allclose(flow.march(halfway, 4.0).end, flow.march(start, 7.37).end, rtol=0.0, atol=1e-14)
 
 
-def test_stick_slip_goes_on_as_the_alike_march_does():
-    """From waves made of the motion of another march: 2 mu - S of the last half transit outwards, of the half before inwards."""
-    scene = read("paper")
-    solver, flow = Delay(scene, tolerance=1e-11), DelayFlow(scene, 8.0)
-    history = HistoryObserver(scene.law, solver.nodes, start=1590.0)
-    follow(solver, 1700.0, [history])
-    ages = (np.arange(8)[:, None] - 8 + flow.nodes).ravel() / 8.0
-    _, z, _, mu, _ = history.at(1600.0 + ages)
-    launched = mu - scene.steady_stress - 0.5 * scene.upper.epsilon * (np.exp(z) - scene.velocity)
-    inward, outward = np.split(launched, 2)
-    start = np.r_[outward, inward, history.at(np.array([1600.0]))[2]]
-    times = np.linspace(0.1, 80.0, 200)
-    motion, wanted = sampled(flow, flow.march(start, 80.0), times), history.at(1600.0 + times)
-    np.testing.assert_allclose(motion[1], wanted[2], rtol=0.0, atol=5e-9)
-    assert np.ptp(motion[0]) > 5.0
-
-
 @every_scene
 def test_another_mesh_keeps_the_motion(kind):
     _, flow, start = settled(kind)
@@ -183,13 +155,3 @@ def test_a_mesh_that_was_stored_is_the_same_to_the_bit(kind, per_transit):
     assert (again.length, again.kept, again.size) == (flow.length, flow.kept, flow.size)
     start = flow.steady + 1e-5 * np.cos(np.arange(flow.size))
     assert np.array_equal(again.march(start, 1.7).end, flow.march(start, 1.7).end)
-
-
-def test_roughness_says_how_short_steps_must_be():
-    """It is above 1 where a mesh cannot show the motion, and falls with the mesh."""
-    found = []
-    for per_transit in (4.0, 8.0, 16.0):
-        _, flow, start = settled("alike", per_transit, until=1600.0)
-        found.append(flow.roughness(flow.march(start, 73.47), 1e-10))
-    assert found[0] > 1.0 > found[2]
-    assert found[0] > 10.0 * found[1] > 100.0 * found[2]

@@ -40,19 +40,6 @@ def test_granite_by_hand() -> None:
     assert found.frequency == pytest.approx(math.sqrt(0.29) / (2.0 * math.pi * 10.0), rel=1e-5)
 
 
-def test_a_stable_sample_would_slip_beyond_six_metres_or_150_megapascal() -> None:
-    scene = slipwave.read(GRANITE, ["slab.thickness=0.2"])
-    found = stability_in_si(scene, analyse(scene))
-    assert found is not None
-    assert (found.critical_thickness, found.critical_normal_stress) == (
-        pytest.approx(6.0, rel=1e-6),
-        pytest.approx(150e6, rel=1e-6),
-    )
-    assert math.isnan(found.growth_time)
-    assert found.decay_time == pytest.approx(10.0 * 0.02 / (0.145 - math.sqrt(0.145**2 - 0.006)), rel=1e-5)
-    assert found.frequency == 0.0
-
-
 @pytest.mark.parametrize("tables", [GRANITE, MACHINE, UNLIKE, VISCOUS], ids=["granite", "machine", "unlike", "viscous"])
 def test_the_scene_read_again_at_its_critical_values_is_neutral(tables: dict) -> None:
     scene = slipwave.read(tables)

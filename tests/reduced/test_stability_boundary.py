@@ -1,10 +1,8 @@
 import math
 
-import numpy as np
 import pytest
 from one_port_scenes import EPSILON, EVERY, PAPER, paper
 
-from reduced import closed_forms
 from reduced.stability import (
     boundary,
     characteristic,
@@ -17,21 +15,6 @@ from reduced.stability import (
 from slipwave.errors import SceneError
 
 SLOPES = friction_slopes(PAPER, 100.0)
-
-
-@pytest.mark.parametrize(
-    ("model", "closed"), [("delay", closed_forms.delay_epsilon), ("kelvin-voigt", closed_forms.kelvin_voigt_epsilon)]
-)
-def test_both_branches_in_the_plane_of_r_and_epsilon(model, closed):
-    """(28) and (40), with the second branch, traced without knowing them."""
-    curves = boundary(paper(), model, ("log10_r", "log10_epsilon"), ((-3.2, -0.75), (-6.0, -1.0)))
-    assert len(curves) == 2
-    for curve in curves:
-        wanted = np.array([closed(SLOPES, 10**x) for x in curve.first])
-        assert 10**curve.second == pytest.approx(wanted, rel=1e-8)
-        assert curve.omega == pytest.approx(SLOPES.omega_c, rel=1e-9)
-    ends = sorted(10 ** curve.first.min() * SLOPES.omega_c for curve in curves)
-    assert ends[1] > (math.sqrt(24.0) if model == "kelvin-voigt" else 2.0 * math.pi)
 
 
 def test_boundary_of_gripped_slabs_parts_stable_from_unstable():

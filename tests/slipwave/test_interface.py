@@ -71,15 +71,6 @@ def test_random_starts_end_at_a_root(name: str, impedance: float, incoming: floa
     assert abs(residual) <= slack
 
 
-def test_wright_omega_form_of_the_ageing_law() -> None:
-    from scipy.special import wrightomega
-
-    law, impedance, incoming, psi = law_called("ageing"), 1.4e-5, 0.41, -3.0
-    excess = (incoming - 0.369 - 0.0489 * psi) / 0.0349
-    exact = excess - float(np.real(wrightomega(excess + math.log(impedance / 0.0349))))
-    assert solve_interface(law, impedance, incoming, psi, 0.0)[0] == pytest.approx(exact, rel=1e-14)
-
-
 @pytest.mark.parametrize("name", LAW_NAMES)
 @pytest.mark.parametrize("impedance", [1.4e-5, 1.0])
 @pytest.mark.parametrize("start", [390.0, 900.0, -390.0])

@@ -44,15 +44,6 @@ def test_a_step_right_after_a_ramp_is_a_step() -> None:
     ]
 
 
-@pytest.mark.filterwarnings("error::RuntimeWarning")
-def test_a_stage_shorter_than_a_step_has_no_figures_and_the_others_keep_theirs() -> None:
-    drive = [[0, 100], [1.001, 100], [1.001, 0], [1.002, 0], [1.002, 100]]
-    start, hold, slide = slipwave.run("paper", "fd", until=20, cells=16, **{"drive.velocity": drive}).stages
-    assert start.steady_stress == pytest.approx(slipwave.read("paper").steady_stress, abs=1e-12)
-    assert (hold.kind, hold.start, hold.end, hold.relaxation) == ("hold", 1.001, 1.002, None)
-    assert (slide.kind, slide.healing) == ("slide", None)
-
-
 def ringing(rate: float, period: float) -> ProtocolObserver:
     """What is seen of a step after which ln v oscillates about ln V with an amplitude of 2 exp(-rate t)."""
     scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 220})

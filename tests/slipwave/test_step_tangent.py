@@ -83,25 +83,3 @@ def test_with_psi_held_the_rate_answers_to_stress_alone(law, rate, impedance):
     np.testing.assert_allclose(stiffness @ answer[:S, :S], np.eye(S), atol=1e-13)
     assert not answer[S:].any()
     assert not answer[:S, S:].any()
-
-
-@pytest.mark.parametrize("impedance", ["diagonal", "full"])
-@pytest.mark.parametrize("law", ["ageing", "slip"])
-def test_a_parameter_of_friction_enters_through_its_stress(law, impedance):
-    """F_a = z: dS = -z da."""
-    step = Step(law, 100.0, impedance)
-    answer, z, _ = step.answer()
-    by_a = difference(lambda d: step.solve(np.zeros(2 * S + 1), law=step.law._replace(a=step.law.a + d))[0], 1e-5)
-    np.testing.assert_allclose(answer[:, :S] @ -z, by_a, rtol=0.0, atol=1e-10 * np.abs(by_a).max())
-
-
-@steps
-def test_the_clock_enters_through_the_rates_of_psi(law, rate, impedance):
-    """d(h G)/d ln h = h G."""
-    step = Step(law, rate, impedance)
-    answer, z, psi = step.answer()
-    gain = [step.h * respond(step.law, *node)[5] for node in zip(z, psi, strict=True)]
-    by_clock = difference(lambda d: step.solve(np.zeros(2 * S + 1), h=step.h * np.exp(d))[0], 1e-3)
-    assembled = answer[:, S + 1 :] @ gain
-    scale = np.r_[np.full(S, 1.0 / rate), np.ones(S)]
-    np.testing.assert_allclose(assembled * scale, by_clock * scale, rtol=0.0, atol=1e-10)

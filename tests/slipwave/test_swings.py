@@ -31,11 +31,11 @@ def _threshold(turns: list[float], since: int) -> float:
     """10 % of the largest fall from the turning point `since` on in which nothing rises by 10 % of it."""
     largest = 0.0
     for i in range(since, len(turns)):
-        for j in range(i + 1, len(turns)):
-            part = turns[i : j + 1]
-            rise = max(y - low for y, low in zip(part, np.minimum.accumulate(part), strict=True))
-            if turns[i] - turns[j] > largest and rise < 0.1 * (turns[i] - turns[j]):
-                largest = turns[i] - turns[j]
+        low, rise = turns[i], 0.0
+        for y in turns[i + 1 :]:
+            low, rise = min(low, y), max(rise, y - low)
+            if turns[i] - y > largest and rise < 0.1 * (turns[i] - y):
+                largest = turns[i] - y
     return 0.1 * largest
 
 

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from roomy import too_roomy
+from shown import too_roomy
 
 from slipwave.observe.statistics import Estimate
 from validation.measure.order_fit import Fit

@@ -2,7 +2,7 @@
 
 import json
 import signal
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from itertools import islice
 
 import netCDF4
@@ -280,27 +280,6 @@ def test_every_fact_of_another_branch_is_refused(whole, monkeypatch, fact, chang
     with pytest.raises(slipwave.SceneError, match=rf"x\.nc': {fact} is "):
         read_followed(whole[1], other)
     assert other.points == []
-
-
-@pytest.mark.parametrize("source", ["paper", "grip", "viscous", "layered", "machine"])
-@pytest.mark.parametrize(
-    ("name", "key", "present"),
-    [("log10_r", "slab.log10_r", -2.68), ("epsilon", "slab.epsilon", 2.8e-5), ("V", "drive.velocity", 100.0)],
-)
-def test_a_parameter_that_is_set_gives_the_scene_that_is_read(source, name, key, present):
-    """Also in all that is relative to it: the face's stiffness and mass, the time of viscosity."""
-    value = present * 1.1
-    over = over_range(f"{name}={present}:{value * 1.05}", source)
-    known, found = (_numbers(scene) for scene in (slipwave.read(source, {key: value}), over.scene_at(value)))
-    assert found == pytest.approx(known, rel=1e-13)
-
-
-def _numbers(part):
-    """All numbers in a scene, in order."""
-    if isinstance(part, (int, float)):
-        return [part]
-    inner = part if isinstance(part, tuple) else [getattr(part, one.name) for one in fields(part)] if is_dataclass(part) else ()
-    return [number for one in inner for number in _numbers(one)]
 
 
 @pytest.mark.parametrize("name", ["mesh_levels", "monodromy", "metric"])

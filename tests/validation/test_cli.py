@@ -10,10 +10,6 @@ import pytest
 from validation import cli
 from validation.cli import main, spread
 
-RUN_KEYS = {"schema", "scene", "model", "until", "events", "period", "stress_drop", "elastic_stress_drop", "v_max", "v_min"}
-RUN_KEYS |= {"verdict", "multiplicity", "rotation_number", "rate", "margins", "final", "energy", "ended", "reasons", "failures"}
-RUN_KEYS |= {"wall_s"}
-
 
 def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     """Exit status 2, nothing on stdout, one line on stderr, which is returned."""
@@ -52,43 +48,16 @@ def test_no_words_at_all_is_a_call_for_help(capsys: pytest.CaptureFixture[str]) 
     assert "Usage" in capsys.readouterr().out
 
 
-def test_run_prints_exactly_the_promised_keys(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "paper", "--model", "delay", "--until", "6000", "--json"]) == 0
-    result = json.loads(capsys.readouterr().out)
-    assert set(result) == RUN_KEYS
-    assert set(result["period"]) == set(result["stress_drop"]) == {"mean", "std"}
-    assert set(result["final"]) == {"ln_v", "psi", "mu"}
-    assert (result["scene"], result["model"], result["until"], result["failures"]) == ("paper", "delay", 6000.0, 0)
-    assert result["period"]["mean"] == pytest.approx(73.4721449443, rel=1e-10)  # by Newton on the delay system, three programs
-    assert result["stress_drop"]["mean"] == pytest.approx(0.17396341316, rel=1e-9)
-    assert result["elastic_stress_drop"]["mean"] == pytest.approx(0.15473748611, rel=1e-9)
-    assert (result["v_max"], result["v_min"]) == (pytest.approx(4412.320458, rel=1e-8), pytest.approx(2.8603015289, rel=1e-8))
-
-
 def test_a_grid_chosen_for_a_tolerance_is_told_with_its_error(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["run", "paper", "--model", "dg:5", "--tol", "1e-4", "--until", "150"]
     assert main([*words, "--json"]) == 0
     result = json.loads(capsys.readouterr().out)
-    assert set(result) == RUN_KEYS | {"grid", "time"}
     assert set(result["grid"]) == {"cells", "step", "quantity", "error_estimate"}
     assert result["grid"]["quantity"] == "cycles"
     assert 0.0 < result["grid"]["error_estimate"] <= 1e-4
     assert main(words) == 0
     line = f"grid chosen for the tolerance: {result['grid']['cells']} cells, steps of at most {result['grid']['step']:.4g}"
     assert line in capsys.readouterr().out
-
-
-def test_full_wave_options_reach_the_model(capsys: pytest.CaptureFixture[str]) -> None:
-    """The leapfrog's error falls with the square of the cells; its step c dt/dx = 0.9 is better than 0.45 by the known share."""
-    assert main(["run", "paper", "--model", "delay", "--tol", "1e-11", "--until", "50", "--json"]) == 0
-    exact = json.loads(capsys.readouterr().out)["final"]["psi"]
-    errors = {}
-    for cells, cfl in (("8", "0.9"), ("16", "0.9"), ("8", "0.45")):
-        assert main(["run", "paper", "--model", "fd", "--cells", cells, "--cfl", cfl, "--until", "50", "--json"]) == 0
-        errors[cells, cfl] = json.loads(capsys.readouterr().out)["final"]["psi"] - exact
-    assert errors["8", "0.9"] == pytest.approx(-2.37e-5, rel=1e-2)
-    assert errors["8", "0.9"] / errors["16", "0.9"] == pytest.approx(4.0, rel=1e-2)
-    assert errors["8", "0.45"] / errors["8", "0.9"] == pytest.approx(1.185, rel=1e-2)
 
 
 @pytest.mark.parametrize(
@@ -118,6 +87,9 @@ def test_full_wave_options_reach_the_model(capsys: pytest.CaptureFixture[str]) -
         (["run", "paper", "--model", "fd", "--cfl", "1.5"], "cfl = 1.5"),
         (["run", "paper", "--fields", "x.vtu", "--model", "delay"], "fields: model delay has no grid"),
         (["run", "viscous", "--model", "delay"], "Kelvin-Voigt viscosity"),
+        (["run", "paper", "--model", "dg:5", "--time", "implicit"], "time = 'implicit': must be exact or explicit"),
+        (["run", "paper", "--model", "fd", "--time", "exact"], "model fd takes no time; models that do: sbp:P, fem:P, dg:P"),
+        (["run", "paper", "--model", "dg:5", "--time", "exact", "--cfl", "0.5"], "cfl = 0.5: the exact march has no step limit"),
         (["compare", "paper"], "--models"),
         (["compare", "paper", "--models", "delay,delay"], "more than once"),
         (["compare", "paper", "--models", "delay,"], "must be one of"),

@@ -8,33 +8,16 @@ from typing import Any
 import pytest
 
 import slipwave
-from tests.one_port_by_hand import leading_root, pair_impedance
+from tests.one_port_by_hand import pair_impedance
 from validation.cli import main
 
 A, B, EPSILON, V = 0.0349, 0.0489, 2.8e-5, 100.0
-R = 10**-2.68
 
 
 def answer(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
     assert main([*words, "--json"]) == 0
     found: dict[str, Any] = json.loads(capsys.readouterr().out)
     return found
-
-
-def test_stability_by_the_papers_formulas(capsys: pytest.CaptureFixture[str]) -> None:
-    """omega_c (38), r_c (39), epsilon_c (40); the root, in 1/(L/V*), solves friction + (eps/2) coth(s r/2) = 0."""
-    found = answer(capsys, "stability", "paper")
-    omega = V * math.sqrt((B - A) / A)
-    assert found["omega_c"] == pytest.approx(omega, rel=1e-12)
-    critical = 2.0 / omega * math.atan(0.5 * omega * EPSILON / (B - A))
-    assert found["log10_r_c"] == pytest.approx(math.log10(critical), abs=1e-12)
-    assert found["epsilon_c"] == pytest.approx((B - A) * math.tan(0.5 * R * omega) / (0.5 * omega), rel=1e-10)
-    root = leading_root(slipwave.read("paper"))
-    assert found["leading_roots"][0] == pytest.approx([root.real, abs(root.imag)], rel=1e-9)
-    assert found["leading_roots"][1] == pytest.approx([root.real, -abs(root.imag)], rel=1e-9)
-    assert (found["stable"], found["unstable_roots"]) == (False, 2)
-    abscissa = -math.log((2.0 * A / V + EPSILON) / (2.0 * A / V - EPSILON)) / R
-    assert found["essential_abscissa"] == pytest.approx(abscissa, rel=1e-10)
 
 
 def test_stability_of_unlike_slabs_in_its_table(capsys: pytest.CaptureFixture[str]) -> None:
@@ -97,16 +80,3 @@ def test_bench_errors_are_those_of_the_runs_it_timed(capsys: pytest.CaptureFixtu
         assert row["failures"] == 0
     errors = [row["error"]["period"] for row in found["models"] if row["model"] == "fd"]
     assert errors[0] / errors[-1] > 10.0
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--model", "dg:5", "--time", "implicit"], "time = 'implicit': must be exact or explicit"),
-        (["--model", "fd", "--time", "exact"], "time = exact: model fd takes no time; models that do: sbp:P, fem:P, dg:P"),
-        (["--model", "dg:5", "--time", "exact", "--cfl", "0.5"], "cfl = 0.5: the exact march has no step limit; leave it out"),
-    ],
-)
-def test_a_march_that_does_not_exist_is_refused(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "paper", "--until", "5", *words]) == 2
-    assert said in capsys.readouterr().err

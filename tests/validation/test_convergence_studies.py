@@ -18,7 +18,7 @@ from validation.studies import grid_convergence, leapfrog_convergence
 from validation.studies.grid_convergence import in_time, orbits
 from validation.studies.grid_convergence.code import code_note, code_table, shared
 from validation.studies.grid_convergence.in_time import COURANT, REQUESTS, Marches, delay_reference, without_error_in_time
-from validation.study import Budget, Evidence, Outcome
+from validation.study import Evidence, Outcome
 
 CELLS = np.array([48, 96, 192, 384])
 NAMES = (*SYMBOLS, leapfrog_convergence._SMOOTH, leapfrog_convergence._JUMP)
@@ -55,19 +55,6 @@ def test_what_extrapolation_leaves(cfl, cells, share, outcome):
     fine = 1e-7
     left = share * (cells / 384.0) ** 2 * fine
     assert leapfrog_convergence._extrapolated(np.array([4.0 * fine - 3.0 * left, fine]), 384, cfl).outcome == outcome
-
-
-def test_the_leapfrogs_study_shows_every_error_it_measured(monkeypatch):
-    monkeypatch.setattr(leapfrog_convergence, "_measure", lambda cells, budget: leapfrog_errors())
-    result = leapfrog_convergence.run(Budget(quick=True))
-    drawn = [axes.get_lines()[1].get_ydata() for axes in result.figures[0].draw().axes if axes.get_lines()]
-    assert np.array_equal(drawn, [errors[0.5] for errors in leapfrog_errors().values()])
-    assert [len(table.rows) for table in result.tables] == [len(NAMES), len(CELLS)]
-    assert len(result.verdicts) == 9
-    remembered = {name: number.value for name, number in result.numbers.items()}
-    assert remembered == {f"T error, CFL {cfl}, 96 cells": 0.00025 for cfl in (0.5, 0.9, 1.0)}
-    assert result.answer.startswith("Yes: from the smooth start at orders 2.00 to 2.00")
-    assert leapfrog_convergence._answer(fits_of(leapfrog_errors(0.1, 1.0))).startswith("No: from the smooth start at orders 0.10")
 
 
 GRIDS = [orbits.GridOrbit("sbp:6", cells, 1e-3 * cells**-6.0, 1e-3 * cells**-6.0) for cells in (24, 32)]
@@ -230,29 +217,10 @@ def test_marches_are_judged_on_both_sides(changes, red):
     assert (len(verdicts), reds(verdicts)) == (3, red)
 
 
-def test_the_table_of_marches_shows_the_worst_quantity():
-    one = synthetic()
-    one.explicit[2, 3] = 1e-3
-    rows = in_time.time_table([one]).rows
-    assert len(rows) == len(COURANT) + len(REQUESTS)
-    assert rows[2] == ("explicit", COURANT[2], 1e-3)
-    assert rows[-1] == ("exact", REQUESTS[-1], pytest.approx(0.5 * REQUESTS[-1] + 1e-13))
-
-
 def climbed(model="sbp:4", order=4.0):
     ladder = replace(LADDERS[model], finest=1.0)
     cells = np.array(ladder.levels(), dtype=float)
     return Climb(ladder, cells, np.ones(cells.size), dict.fromkeys(QUANTITIES, (4 * cells / cells[0]) ** (-order)))
-
-
-def test_the_grids_answer_follows_errors_and_orders():
-    fine = [one._replace(stress_drop=1e-10) for one in GRIDS]
-    curves = {"fd": (CELLS, np.array([1e-3, 2e-3, 3e-3, 4e-3]), np.array([1e-2, 1e-3, 9e-5, 1e-5]))}
-    told = grid_convergence._answer([climbed()], fine, curves)
-    assert told.startswith("They do: in period and stress drop of their own orbits summation by parts to 1 · 10^{−10};")
-    assert "every family tried reaches its order" in told
-    assert told.endswith("An error of the state below 1 · 10^{−4} costs ~{3 ms with `fd`}.")
-    assert "1 of 2 families miss their order" in grid_convergence._answer([climbed(), climbed(order=3.5)], fine, curves)
 
 
 def test_a_ladder_without_an_order_is_named_and_the_others_keep_their_rows():
@@ -286,10 +254,3 @@ def test_which_code_is_common_is_read_from_the_imports():
     assert shared("delay", "fem") == ()
     assert len(code_table().rows) == 10
     assert "no solver modules in common with any of them" in code_note()
-
-
-def test_the_figure_of_the_families_shows_error_over_points_and_time():
-    times = np.array([1e-3, 2e-3, 3e-3, 4e-3])
-    left, right = grid_convergence.convergence_and_cost({"fd": (CELLS, times, 1e-3 * np.ones(4))}).axes
-    assert np.allclose(right.get_lines()[0].get_xdata(), [1.0, 2.0, 3.0, 4.0])
-    assert np.array_equal(left.get_lines()[0].get_ydata(), 1e-3 * np.ones(4))

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+import slipwave
+from slipwave.input.source import parse_toml
 from slipwave.sources import ROOT
 from validation.cli import main
 
@@ -70,3 +72,9 @@ def test_a_page_does_what_it_says(page: str, tmp_path: Path, monkeypatch: pytest
 def test_every_page_with_commands_is_followed() -> None:
     pages = {path.name for path in (ROOT / "docs").glob("*.md") if "```sh\nslipwave" in path.read_text(encoding="utf-8")}
     assert pages - {"extending.md", "reading-the-report.md"} <= {*PAGES, *LONG}
+
+
+def test_the_machine_of_a_data_sheet_is_that_of_the_gallery() -> None:
+    (table,) = [content for kind, content, _ in steps("testing-machine.md") if kind == "toml"]
+    given = parse_toml(table)["upper"]["face"]
+    assert slipwave.read("steel-on-pmma", {"upper.face": given}).upper == slipwave.read("steel-on-pmma").upper

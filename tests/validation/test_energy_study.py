@@ -5,7 +5,7 @@ import pytest
 
 from validation.measure.order_fit import fit_order
 from validation.studies import energy
-from validation.studies.energy.ledgers import LADDERS, ORDERS, EnergyRun, history_of, ledger_order, residual_of
+from validation.studies.energy.ledgers import LADDERS, ORDERS, history_of, ledger_order, residual_of
 from validation.study import Outcome
 
 CELLS = np.array([8, 12, 16, 24, 32, 48])
@@ -40,18 +40,3 @@ def test_high_degrees_must_close(share, red):
     sizes = {"rigid faces": share * 1e-13, "grips": share * 1e-13, "viscous": share * 2e-12}
     verdicts = [*energy.high_verdicts({"dg:4": dict.fromkeys(sizes, 0.0), "dg:7": sizes})]
     assert [verdict.outcome for verdict in verdicts].count(Outcome.FAIL) == red
-
-
-def test_the_answer_and_the_figure_show_the_entries():
-    parts = {"input": 9.0, "friction": 8.91, "stored": 0.0, "radiated": 0.072, "viscous": 0.0225}
-    one = EnergyRun(73.0, np.array([0.0, 1.0, 2.0]), {name: value * np.array([0.0, 0.4, 1.0]) for name, value in parts.items()})
-    shown = {"rigid faces": one, "grips": one, "viscous": one}
-    orders = {"dg:1": fit_order(CELLS, 1.0 * CELLS**-3.0), "dg:2": fit_order(CELLS, 1.0 * CELLS**-5.0)}
-    told = energy.answer(shown, np.array([4e-15, 1e-15]), orders)
-    assert told.startswith(
-        "At least 99 % goes into friction: over two cycles grips absorb 1.1 % of the work and viscosity 1.1 %."
-    )
-    assert "closes to 4 · 10^{−15}; the residuals of the other families fall at orders 3.0 to 5.0" in told
-    above, _, _, below, *_ = energy.histories(shown).axes
-    assert [line.get_ydata()[-1] for line in above.get_lines()] == pytest.approx([9.0, 8.91, 0.0])
-    assert [line.get_ydata()[-1] for line in below.get_lines()] == pytest.approx([0.072, 0.0225])

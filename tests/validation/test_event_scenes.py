@@ -8,7 +8,6 @@ import pytest
 
 import slipwave
 from slipwave.observe import EventObserver
-from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.cli import main
@@ -79,30 +78,6 @@ def test_ringing_of_granite_is_no_event(capsys: pytest.CaptureFixture[str]) -> N
     assert run["elastic_stress_drop"]["mean"] == pytest.approx(0.0783, rel=0.05)
 
 
-class _Reread:
-    """The pieces of a run at r as those of the same motion at r (1 + T): time and elastic stress divided by 1 + T."""
-
-    def __init__(self, observer: EventObserver, factor: float) -> None:
-        self.observer, self._factor = observer, factor
-
-    def scan(self, pieces: Pieces) -> None:
-        shrunk = {name: getattr(pieces, name) / self._factor for name in ("time", "length", "y")}
-        self.observer.scan(pieces._replace(**shrunk))
-
-
-def test_the_same_motion_at_r_times_1_plus_period_has_the_same_events() -> None:
-    paper, period = slipwave.read("paper"), 73.4721449443
-    solver = build("delay", paper)
-    thick = slipwave.read("paper", [f"slab.r={paper.transit * (1.0 + period)!r}"])
-    ours, theirs = EventObserver(paper, solver.nodes), _Reread(EventObserver(thick, solver.nodes), 1.0 + period)
-    follow(solver, 4000.0, [ours, theirs])
-    cycles, again = ours.events(), theirs.observer.events()
-    assert theirs.observer.count == ours.count == 56
-    assert again.period == pytest.approx(cycles.period / (1.0 + period), rel=1e-9)
-    assert again.stress_drop == pytest.approx(cycles.stress_drop, rel=1e-12)
-    assert again.elastic_stress_drop == pytest.approx(cycles.elastic_stress_drop / (1.0 + period), rel=1e-12)
-
-
 def test_a_hold_and_a_reload() -> None:
     """Stick-slip, V = 0 for 500 transits, stick-slip again: the hold has no event, and the first one after it is larger."""
     held = slipwave.read("paper", ["drive.velocity=[[0,100],[2000,100],[2001,0],[2500,0],[2501,100]]"])
@@ -111,34 +86,6 @@ def test_a_hold_and_a_reload() -> None:
     before, after = dates[dates < 2001.0], dates[dates > 2500.0]
     assert before.size == watch(slipwave.read("paper"), 2001.0).count
     assert np.diff(after)[-3:] == pytest.approx(np.full(3, 73.4721449443), rel=1e-4)
-
-
-class _Steepest:
-    """Time of the largest dv/dt within `half` a window of given times, on a fine grid of every piece's polynomial."""
-
-    def __init__(self, nodes: Array) -> None:
-        self._points = np.linspace(0.0, 1.0, 33)[1:]
-        self._vandermonde = np.vander(nodes)
-        self.rows: list[Array] = []
-
-    def scan(self, pieces: Pieces) -> None:
-        coefficients = np.linalg.solve(self._vandermonde, pieces.z.T)
-        rate = np.exp(np.vander(self._points, len(coefficients)) @ coefficients).T
-        slope = np.gradient(rate, axis=1) / pieces.length[:, None]
-        self.rows.append(np.array([pieces.time[:, None] + pieces.length[:, None] * self._points, slope]).reshape(2, -1))
-
-
-@pytest.mark.parametrize("name", ["paper", "paper-2.6", "unlike", "slip-law"])
-def test_an_event_is_dated_next_to_its_steepest_rise(name: str) -> None:
-    chosen = slipwave.read(name)
-    solver = build("delay", chosen)
-    observer, steepest = EventObserver(chosen, solver.nodes), _Steepest(solver.nodes)
-    follow(solver, 1200.0, [observer, steepest])
-    time, slope = np.concatenate(steepest.rows, axis=1)
-    dates = observer.dates(600.0)
-    near = np.abs(time[:, None] - dates[None, :]) < 10.0
-    for k in range(dates.size - 1):
-        assert abs(time[near[:, k]][np.argmax(slope[near[:, k]])] - dates[k]) < 1.0
 
 
 WANDERS = [

@@ -11,6 +11,7 @@ import slipwave
 from slipwave.errors import SceneError
 from slipwave.observe import HistoryObserver, Pieces
 from slipwave.solve import follow
+from tests.granite import GRANITE
 from validation.cli import main
 from validation.registry.build import build
 from validation.results.quantities import stored_name
@@ -123,12 +124,8 @@ def test_thinned_samples_go_on_where_they_stopped(tmp_path: Path, every: int, wi
 
 def test_full_detail_inside_a_window_and_leaps_outside() -> None:
     """Of granite: no leap begins, ends or lies in the window."""
-    interface = {"law": "ageing", "a_star": 0.6, "a": 0.01, "b": 0.015}
-    units = {"normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6}
-    slab = {"thickness": 10.0, "density": 2700.0, "shear_modulus": 30e9}
-    table = {"interface": interface | units, "slab": slab, "drive": {"velocity": 1.0}}
-    found = slipwave.run(table, until=30_000, window=(20_000.25, 20_060.5), tol=1e-6)
-    plain = slipwave.run(table, until=30_000, tol=1e-6)
+    found = slipwave.run(GRANITE, until=30_000, window=(20_000.25, 20_060.5), tol=1e-6)
+    plain = slipwave.run(GRANITE, until=30_000, tol=1e-6)
     time = found.dataset["time"].values
     assert (time[0], time[-1]) == (pytest.approx(20_000.25, abs=0.1), pytest.approx(20_060.5, abs=0.1))
     assert np.diff(time).max() < 0.1

@@ -5,20 +5,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 import slipwave
 from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.runge_kutta import stability_polynomial
-from reduced.delay.break_points import DelayBreaks
-from reduced.delay.network import DelayNetwork
-from reduced.impedance import impedance
 from reduced.stability import analyse, leading_roots
 from reduced.stability.characteristic import characteristic
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
 from slipwave.scene.slab import Face, GripFace, MachineFace, ReflectingFace, Slab
-from slipwave.scene.start import Start, StartKind
 from slipwave.scene.termination import Termination
 from slipwave.solve import Final, follow
 from tests.one_port_by_hand import leading_root
@@ -106,58 +101,6 @@ def test_a_quasi_static_reduction_needs_a_spring() -> None:
         build("quasidynamic", of(MachineFace(0.0, 1.0, 0.4)))
 
 
-def by_a_plain_program(scene: Scene, steps: int, until: float) -> tuple[float, float, float]:
-    """(ln v, psi, mu) of alike slabs on machines: waves shifted along a grid of `steps` a transit, trapezoids for psi, the face's
-    velocity w and its spring's load y; friction by bisection. Of the paper's ageing law alone."""
-    law, epsilon, r = scene.law, scene.upper.epsilon, scene.transit
-    face = scene.upper.face
-    assert isinstance(face, MachineFace)
-    stiffness, dashpot, mass = (number * epsilon for number in (face.stiffness, face.impedance, face.mass))  # clock: transits
-    h, way = 1.0 / steps, steps // 2
-    outward, inward = [0.0] * way, [0.0] * way  # deviations from steady sliding, latest last
-    w = y = 0.0
-    v = scene.velocity
-    psi = -math.log(v)
-    growth, pushed, arrived = 0.0, 0.0, 0.0
-    for n in range(1, round(until * steps) + 1):
-        incoming, arriving = inward[-way], outward[-way]
-        known = psi + 0.5 * h * (growth + pushed)
-        push = 0.5 * math.exp(-((n * h - 6.0) ** 2))
-
-        def state(z: float, known: float = known, push: float = push) -> float:
-            """psi by the trapezoid, for the rate e^z."""
-            v = math.exp(z)
-            return float(
-                brentq(lambda p: p - known - 0.5 * h * (r * (math.exp(-p) - v) + push), known - 3.0, known + 3.0, xtol=1e-15)
-            )
-
-        def excess(z: float, incoming: float = incoming) -> float:
-            """Friction less what the slabs bring at the rate e^z."""
-            load = scene.steady_stress + incoming - 0.5 * epsilon * (math.exp(z) - scene.velocity)
-            return law.a_star + law.a * z + law.b * state(z) - load
-
-        z = float(brentq(excess, math.log(v) - 2.0, math.log(v) + 2.0, xtol=1e-14))
-        v, psi = math.exp(z), state(z)
-        growth, pushed = r * (math.exp(-psi) - v), push
-        stress = incoming - 0.5 * epsilon * (v - scene.velocity)
-        outward.append(2.0 * stress - incoming)
-        force = y - (dashpot + epsilon) * w - arrived  # = m w', and y' = -K w
-        matrix = np.array([[mass / h + 0.5 * (dashpot + epsilon), -0.5], [0.5 * stiffness, 1.0 / h]])
-        w, y = np.linalg.solve(matrix, [mass / h * w + 0.5 * force + 0.5 * -arriving, y / h - 0.5 * stiffness * w])
-        arrived = arriving
-        inward.append(arriving + 2.0 * epsilon * w)
-    return math.log(v), psi, scene.steady_stress + stress
-
-
-def test_the_delay_system_of_a_machine_against_a_plain_program() -> None:
-    """Of second order: half the step leaves a quarter of the error; measured 2e-7."""
-    scene = of(MACHINE)
-    exact = np.array(values(follow(build("delay", scene, tolerance=1e-12), 12.0)))
-    errors = [np.abs(np.array(by_a_plain_program(scene, steps, 12.0)) - exact) for steps in (40, 80)]
-    assert errors[0] / errors[1] == pytest.approx([4.0] * 3, rel=0.1)
-    assert errors[1].max() < 3e-6
-
-
 @pytest.mark.parametrize(("model", "cells"), [("delay", None), ("fd", 64), ("dg:5", 3)])
 @pytest.mark.parametrize("face", [MACHINE, MachineFace(0.5, 3.0, 3.0)])
 def test_a_nudge_grows_as_the_root_by_hand_says(model: str, cells: int | None, face: MachineFace) -> None:
@@ -165,26 +108,6 @@ def test_a_nudge_grows_as_the_root_by_hand_says(model: str, cells: int | None, f
     wanted = leading_root(scene) * scene.transit
     assert measured_root(build(model, scene, cells=cells)) == pytest.approx(wanted, rel=5e-4)
     assert leading_roots(characteristic(scene))[0] * scene.transit == pytest.approx(wanted, rel=1e-10)
-
-
-def test_modes_of_slabs_that_hang_on_masses_by_a_closed_form() -> None:
-    """A bar of mass m held at one end, a mass M at the other: (M/m) x tan x = 1, x = omega r/2; the impedance has poles there."""
-    mu = 0.7  # relative to twice the slab's own
-    for low, high in ((1e-6, 1.5), (math.pi + 1e-6, math.pi + 1.5)):
-        x = float(brentq(lambda x: 2.0 * mu * x * math.tan(x) - 1.0, low, high, xtol=1e-15))
-        s = np.array([2j * x / SLAB.round_trip]) * np.array([1.0 - 1e-9, 1.0 + 1e-9])
-        below, above = impedance(of(MachineFace(0.0, 0.0, mu)), s) / SLAB.epsilon
-        assert abs(below) > 1e7
-        assert (below / above).real == pytest.approx(-1.0, rel=1e-5)
-
-
-@pytest.mark.parametrize("march", [DelayNetwork, DelayBreaks])
-def test_a_jump_keeps_its_accuracy_behind_a_machine(march: type[DelayNetwork]) -> None:
-    jump = Start(StartKind.JUMP, 0.05)
-    lower = replace(SLAB, face=MachineFace(2.0, 1.5, 0.05), round_trip=1.5 * SLAB.round_trip)
-    scene = of(MACHINE, lower, start=jump)
-    loose, tight = follow(march(scene, tolerance=1e-7), 12.0).psi, follow(DelayNetwork(scene, tolerance=1e-12), 12.0).psi
-    assert loose == pytest.approx(tight, abs=1e-7)
 
 
 @pytest.mark.parametrize("model", ["sbp:4", "fem:2", "dg:3"])

@@ -1,14 +1,9 @@
 import math
 
-import numpy as np
 import pytest
 
-from validation.studies import study_called
-from validation.studies.partial_reflection import bare_and_grip, over_grip
 from validation.studies.partial_reflection.measured import Pair, Point, agreement, dies, keeps, locking_leak, locks
 from validation.study import Outcome
-
-STUDY = study_called("partial-reflection")
 
 
 def test_where_the_interface_locks():
@@ -52,25 +47,3 @@ def test_where_stick_slip_may_die(leaks, outcome):
 def test_stick_slip_that_never_or_always_dies_is_red():
     assert dies((0.01, 0.02), ["stick-slip"] * 2, 77.0).outcome is Outcome.FAIL
     assert dies((0.01, 0.02), ["steady"] * 2, 77.0).outcome is Outcome.FAIL
-
-
-def test_the_answer_counts_what_is_kept():
-    held = [Point(77.0, 0.2, 5000.0)] * 3
-    told = STUDY._answer((1e-5, 0.006, 0.02), ENDS, held)
-    assert told.startswith("Grips keep the cycle at 3 of 3 reflections tried, down to R = 0.98")
-    assert told.endswith("end it between 1 − R = 6 · 10^{−3} and 2 · 10^{−2}.")
-    assert "at 2 of 3" in STUDY._answer((1e-5, 0.006, 0.02), ENDS, [*held[:2], Point()])
-
-
-def test_figures_show_every_point():
-    grid, point = np.array([0.1, 1.0, 10.0]), Point(77.0, 0.2, 5000.0)
-    pairs = [Pair(stiff, 1.0, point, Point(78.0, 0.21, 5001.0)) for stiff in (1.0, 10.0)]
-    period, drop = over_grip(grid, {1.0: [point] * 3, 10.0: [point] * 3}, pairs).axes
-    assert [axes.get_ylabel() for axes in (period, drop)] == ["period $T$ (transits)", r"stress drop $\Delta\mu$"]
-    assert {axes.get_xlabel() for axes in (period, drop)} == {r"$Z_g/\epsilon$"}
-    assert [list(line.get_ydata()) for line in period.get_lines()[:3]] == [[77.0] * 3, [77.0], [78.0]]
-    assert list(drop.get_lines()[2].get_ydata()) == [0.21]
-    panels = bare_and_grip(grid, [point] * 3, [Point(1.0, 2.0, 3.0)] * 3, 0.5).axes
-    assert [axes.get_title() for axes in panels] == ["period $T$ (transits)", r"stress drop $\Delta\mu$", r"$v_{max}/V^*$"]
-    assert [axes.get_lines()[1].get_ydata()[0] for axes in panels] == [1.0, 2.0, 3.0]
-    assert [axes.get_lines()[2].get_xdata()[0] for axes in panels] == [0.5] * 3

@@ -8,7 +8,7 @@ import pytest
 from slipwave.observe.statistics import Estimate
 from validation.studies.period_doubling import bubble_table
 from validation.studies.period_doubling import measured as verdicts
-from validation.studies.period_doubling.measured import Bubble, bubble, doubled, end
+from validation.studies.period_doubling.measured import Bubble, doubled, end
 from validation.study import Outcome
 
 
@@ -72,16 +72,6 @@ def test_the_doubled_orbit_has_two_peaks(found):
 def test_the_end_of_a_line():
     near, nearest = (SimpleNamespace(parameter=r, multipliers=[complex(m)]) for r, m in ((-2.5, 0.9), (-2.4, 0.95)))
     assert end(near, nearest) == pytest.approx(-2.3)
-
-
-def test_a_bubble_ends_where_its_halves_become_the_same():
-    """The first pair, which ends at log10 r = -2.579381814: a line takes the square of the halves' difference to zero."""
-    found = bubble(-2.6, -2.57)
-    assert found.born == pytest.approx(-2.595727667, abs=1e-8)
-    assert found.ends == pytest.approx(-2.579381814, abs=3e-5)
-    assert found.multiplier == pytest.approx(-1.0, abs=0.03)
-    assert found.special == []
-    assert verdicts.ends_simple(found).outcome is Outcome.PASS
 
 
 @pytest.mark.parametrize(("multiplier", "outcome"), [(-1.02, "pass"), (-0.98, "pass"), (-1.05, "fail"), (0.3, "fail")])

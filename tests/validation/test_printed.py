@@ -1,14 +1,17 @@
 """All that the commands print, held line by line against the record `printed.txt`: columns, digits, units, errors, remarks.
 
-Words must be equal and numbers close (`records`). Every reading of the clock is 0.25 s after the last one.
+Words must be equal and numbers close: BLAS and processor move errors of 1e-12. Every reading of the clock is 0.25 s after the
+last one.
 """
 
 import itertools
+import math
+import re
 from collections.abc import Iterator
+from difflib import SequenceMatcher
 from pathlib import Path
 
 import pytest
-from records import differences
 
 from validation.cli import main
 
@@ -35,6 +38,36 @@ COMMANDS = (
 )
 
 
+RELATIVE, ABSOLUTE = 1e-5, 1e-9
+_NUMBER = re.compile(r"([-−]?\b\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?|\bnan\b|[-−]?\binf\b)")
+
+
+def differences(expected: list[str], got: list[str]) -> list[str]:
+    """Where the lines differ: words must be equal, numbers close."""
+    old, new = ([_NUMBER.sub("#", line) for line in lines] for lines in (expected, got))
+    found = []
+    for kind, first, end, new_first, new_end in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
+        pairs = itertools.zip_longest(expected[first:end], got[new_first:new_end], fillvalue="nothing")
+        found += [
+            f"line {count}: expected {one.strip()}\n  got {other.strip()}"
+            for count, (one, other) in enumerate(pairs, first + 1)
+            if kind != "equal" or not _close(one, other)
+        ]
+    return found
+
+
+def _close(one: str, other: str) -> bool:
+    """Whether all numbers of two lines of the same words are close."""
+    return all(
+        math.isclose(a, b, rel_tol=RELATIVE, abs_tol=ABSOLUTE) or (math.isnan(a) and math.isnan(b))
+        for a, b in zip(_numbers(one), _numbers(other), strict=True)
+    )
+
+
+def _numbers(line: str) -> list[float]:
+    return [float(text.replace("−", "-").replace(",", "")) for text in _NUMBER.findall(line)]
+
+
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> None:
     readings = itertools.count()
@@ -59,3 +92,12 @@ def test_commands_print_what_is_on_record(
         RECORD.write_text("\n".join([*lines, ""]), encoding="utf-8")
     differ = differences(RECORD.read_text(encoding="utf-8").splitlines(), lines)
     assert not differ, "\n".join([*differ, "meant? pytest --record-shown"])
+
+
+def test_what_counts_as_a_difference() -> None:
+    """A word, a sign, a digit, a line more or less; rounding does not."""
+    for old, new in (("T | 73.47", "T | 73.48"), ("600 transits", "600 cycles"), ("at −2.68", "at 2.68"), ("y nan", "y 1")):
+        assert differences(["first", old], ["first", new]) == [f"line 2: expected {old}\n  got {new}"]
+    assert differences(["T 73.47214", "size: 3e-12", "nan"], ["T 73.47221", "size: -8e-13", "nan"]) == []
+    assert differences(["a", "b 1", "c"], ["a", "c"]) == ["line 2: expected b 1\n  got nothing"]
+    assert differences(["a", "c"], ["a", "b 1", "c"]) == ["line 2: expected nothing\n  got b 1"]

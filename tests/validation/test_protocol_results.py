@@ -166,23 +166,6 @@ def test_a_stage_shorter_than_a_step_leaves_the_others(capsys: pytest.CaptureFix
     assert " ".join(rows[4]) == "no relaxation of the hold from 1.001 transits on: no time step of the model lies within it"
 
 
-@pytest.mark.parametrize("every", ["8", "14"])
-def test_a_protocol_resumed_at_a_knot_or_in_a_hold_is_the_same_text(
-    every: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The second command goes on from the last checkpoint: at t = 8, a knot, and at t = 14 inside a hold."""
-    drive = "drive.velocity=[[0, 100], [8, 100], [8, 0], [15.5, 0], [15.5, 100]]"
-    words = ["run", "paper", "--set", drive, "--until", "15.7", "--json", "--model", "quasidynamic"]
-    words += ["--checkpoint", str(tmp_path / "c.npz"), "--checkpoint-every", every]
-    texts = []
-    for _ in range(2):
-        assert main(words) == 0
-        found = json.loads(capsys.readouterr().out)
-        texts.append(json.dumps({name: value for name, value in found.items() if name != "wall_s"}))
-        assert (tmp_path / "c.npz").exists()
-    assert texts[0] == texts[1]
-
-
 def test_a_protocol_is_not_prolonged_past_a_knot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     words = ["run", "paper", "--set", "drive.velocity=[[0, 100], [8, 100], [8, 120]]", "--model", "block8"]
     words += ["--checkpoint", str(tmp_path / "c.npz"), "--checkpoint-every", "3"]

@@ -8,7 +8,6 @@ import pytest
 import slipwave
 from validation.references.lsoda import PlainRun, plain_kelvin_voigt, right_hand_side, steady_state
 from validation.studies import cost_and_error
-from validation.studies.cost_and_error import work_precision
 from validation.study import Outcome
 from validation.timing import Setting, TimedRun
 
@@ -52,22 +51,6 @@ def test_both_runs_of_the_race_are_judged_at_their_least_tolerance():
     assert cost_and_error._right([ours(-3.0 * cost_and_error._OUR_ERROR), ours(0.0, 1e-3)]).outcome is Outcome.FAIL
 
 
-def test_the_race_is_told_and_not_judged():
-    assert cost_and_error._race_factor([ours(1e-9)], [rival(1e-9)]) == "this package is ~{150 times} faster"
-    assert cost_and_error._race_factor([ours(1e-3)], [rival(1e-9)]) == "not reached by both"
-
-
-def points():
-    return [
-        TimedRun(Setting(model, tolerance=10.0**-k), 1e-3 * k, 73.0, -(10.0**-k), 0.0)
-        for model in ("delay", "kelvin-voigt", "block8")
-        for k in (3, 6, 15)
-    ] + [
-        TimedRun(Setting("fd", cells=16, cfl=0.5), 9e-3, 73.0, 2e-5, 0.0),
-        TimedRun(Setting("dg:7", cells=2, time="exact"), 8e-3, 73.0, 2e-10, 0.0),
-    ]
-
-
 @pytest.mark.parametrize(("quick", "grids", "elements"), [(True, 4, 2), (False, 5, 4)])
 def test_every_model_runs_at_every_setting_once(quick, grids, elements):
     settings = [(setting.model, setting.words) for setting in cost_and_error._settings(quick)]
@@ -75,16 +58,3 @@ def test_every_model_runs_at_every_setting_once(quick, grids, elements):
     assert ("fd", "64 cells, CFL 0.5") in settings
     assert ("delay", "tolerance 10^{-11}") in settings
     assert ("modal:8", "tolerance 10^{-3}") in settings
-
-
-def test_the_answer_and_the_figure_show_every_run():
-    told = cost_and_error._answer(points())
-    assert "delay system takes ~{3 ms (1 · 10^{−3})} to ~{15 ms (1 · 10^{−15})}" in told
-    assert "the full wave ~{9 ms (2 · 10^{−5})} to ~{9 ms" in told
-    assert "and ~{8 ms (2 · 10^{−10})} to ~{8 ms (2 · 10^{−10})} by elements" in told
-    assert told.endswith("take ~{3 ms (1 · 10^{−3})} with the paper’s ODE and ~{3 ms (1 · 10^{−3})} with a block.")
-    (axes,) = work_precision(points()).axes
-    assert len(axes.get_lines()) == 5
-    delay = axes.get_lines()[0]
-    assert np.allclose(delay.get_xdata(), [3.0, 6.0, 15.0])
-    assert np.allclose(delay.get_ydata(), [1e-3, 1e-6, 1e-13])

@@ -5,13 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from slipwave.observe.statistics import Estimate
 from validation.studies.snaking import measured as verdicts
 from validation.studies.snaking.measured import (
     Attractor,
     Run,
-    Side,
-    Torus,
     attractor,
     in_thicker_slabs,
     multiplier_of,
@@ -83,18 +80,6 @@ def test_a_run_beside_a_special_point_shows_the_multiplier_that_passes():
     assert beyond.seen == pytest.approx(beyond.orbit, abs=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("seen", "outcomes"),
-    [((0.90001, 1.1), ["pass", "pass"]), ((0.9003, 1.1), ["fail", "pass"]), ((0.9, 0.99), ["fail", "fail"])],
-)
-def test_runs_on_both_sides_of_a_special_point(seen, outcomes):
-    point = SimpleNamespace(kind="LP", unstable_before=0, unstable_after=1)
-    before, beyond = (Side(-2.6, orbit, one) for orbit, one in zip((0.9, 1.1), seen, strict=True))
-    back = SimpleNamespace(kind="LP", unstable_before=1, unstable_after=0)
-    both = [(point, before, beyond), (back, beyond, before)]
-    assert [verdict.outcome for verdict in verdicts.grows(both)] == outcomes
-
-
 def special(kind, log10_r, period):
     closed = SimpleNamespace(cycle=SimpleNamespace(period=period), flow=SimpleNamespace(size=49))
     return SimpleNamespace(kind=kind, point=SimpleNamespace(parameter=log10_r, closed=closed))
@@ -145,11 +130,6 @@ def test_an_orbit_is_one_of_much_thicker_slabs_too(exact, turns):
     assert wrong == pytest.approx([5.304e-6 * turns, 5.304e-5 * turns], rel=0.01, abs=1e-10)
 
 
-@pytest.mark.parametrize(("residual", "outcome"), [(0.9e-10, "pass"), (3e-10, "fail")])
-def test_an_orbit_that_does_not_reappear_fails(residual, outcome):
-    assert verdicts.reappears({0: 1e-12, 1: residual}).outcome == outcome
-
-
 def attracted(last, period, settled=True, log10_r=-2.66):
     return Attractor(0.5, run([last * (1.0 + 1e-12)] * 8, settled)._replace(log10_r=log10_r), period)
 
@@ -183,20 +163,3 @@ def test_passages_of_a_level():
     assert (np.diff(np.sign(pulses + ripples - 1.0)) > 0).sum() > 4
     assert found == pytest.approx(40.0 - np.sqrt(20.0 * np.log(2.0)) + 80.0 * np.arange(4), abs=1.5)
     assert np.diff(found) == pytest.approx([80.0] * 3, abs=1e-6)
-
-
-TORUS = Torus(Estimate(79.323, 0.01), 79.1222, 79.5449, 0.26327)
-
-
-@pytest.mark.parametrize(
-    ("changes", "outcomes"),
-    [
-        ({}, ["pass", "pass"]),
-        ({"rotation": 0.2638}, ["fail", "pass"]),
-        ({"mean": Estimate(79.36, 0.01)}, ["pass", "fail"]),
-        ({"shortest": 79.025}, ["pass", "fail"]),
-        ({"longest": 79.65}, ["pass", "fail"]),
-    ],
-)
-def test_a_torus_off_the_known_one_fails(changes, outcomes):
-    assert [verdict.outcome for verdict in verdicts.on_torus(TORUS._replace(**changes))] == outcomes

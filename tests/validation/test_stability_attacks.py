@@ -119,15 +119,3 @@ def test_every_measurement_is_judged_on_both_sides(verdict):
 )
 def test_noise_gains_nothing_and_the_leapfrog_loses_nothing(leapfrog, elements, light):
     assert stability_attacks.noise_verdict({"fd": leapfrog, "dg:4": elements}, 1e3).outcome == light
-
-
-@pytest.mark.parametrize(
-    ("error", "counted"), [(1e-3, "1 end right, 1 with a message, 0"), (1.0, "0 end right, 1 with a message, 1")]
-)
-def test_the_answer_counts(error, counted):
-    limits = {"fd": {-4: 1.0, 0: 1.2, 8: 1.02}, "dg:4": {-4: 1.01, 0: 1.0, 8: 0.99}}
-    told = stability_attacks.answer(
-        limits, {"V 3": {"fd": AttackOutcome(error, 1e-3), "dg:4": STOPPED}}, {"fd": 1.0, "dg:4": 0.5}
-    )
-    assert told.startswith("The step limit lies at 0.99 to 1.02 of the declared one")
-    assert f"of 2 attacks {counted} silently wrong; at most 1 of the energy" in told

@@ -12,38 +12,6 @@ def answer(capsys: pytest.CaptureFixture[str], *words: str) -> dict:
     return json.loads(capsys.readouterr().out)
 
 
-TABLES = """\
-                                               critical           here
-critical frequency omega_c [V*/L]         63.3360980646
-critical round trip log10 r_c            -2.69954971585    scene -2.68
-critical epsilon                      2.92929031601e-05  scene 2.8e-05
-limit of the fast roots, Re s [V*/L]       -38.42073953
-
-leading roots s [V*/L], conjugates left out  cycles per transit
-0.88277908 +61.91753 i                                0.0205889
--38.373924 +3009.1113 i                                  1.0006
--38.409014 +6015.5388 i                                  2.0003
-"""
-
-
-def test_tables_of_the_paper_scene(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["stability", "paper"]) == 0
-    head, _, tables = capsys.readouterr().out.partition("\n\n")
-    verdict, reason = head.splitlines()[-2:]
-    assert verdict == "model delay: steady sliding is unstable: 2 growing roots (certified count) at V = 100"
-    assert reason == (
-        "steady sliding is unstable; a disturbance grows by a factor e in 542 transits; it would slide steadily with r under "
-        "0.002 (here 0.00209) or epsilon over 2.93e-05 (here 2.8e-05)"
-    )
-    assert "\n".join(line.rstrip() for line in tables.splitlines()) == TABLES.rstrip("\n")
-
-
-def test_taylor_is_shown_to_be_unusable(capsys: pytest.CaptureFixture[str]) -> None:
-    found = answer(capsys, "paper", "--model", "taylor", "--set", "slab.log10_r=-3.5")
-    assert found["stable"] is False
-    assert found["unstable_roots"] == 2
-
-
 @cache
 def critical(scene: str, model: str) -> float:
     """r at which steady sliding is neutral."""

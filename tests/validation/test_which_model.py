@@ -2,13 +2,13 @@ import dataclasses
 import math
 
 import pytest
-from shown import quick
+from test_quick_studies import held
 
 from reduced.impedance import reduction_of
 from slipwave.observe.statistics import Estimate
 from validation.studies import study_called
 from validation.studies.one_cycle.measured import at_r
-from validation.studies.which_model import cost_and_error, errors_of_means, errors_over_r, measured, omissions
+from validation.studies.which_model import measured, omissions
 from validation.studies.which_model.measured import error
 from validation.study import Outcome
 from validation.study.model_table import words_of
@@ -19,7 +19,7 @@ STUDY = study_called("which-model")
 
 @pytest.fixture(scope="module")
 def result():
-    return quick("which-model")
+    return held("which-model")
 
 
 def figures(period, drop, period_error=0.0, drop_error=0.0):
@@ -111,36 +111,6 @@ def test_means_may_differ_by_four_standard_errors(off, outcome):
     assert next(measured.mean_claims(means, {"modal:4": figures(100.0, 0.3)})).outcome == outcome
 
 
-def runs_with(**errors):
-    """Periods 73 of the delay system at two r, of the others off by `errors` (drops by the same)."""
-    models = {name.replace("_", ":").replace("kelvin:voigt", "kelvin-voigt"): off for name, off in errors.items()}
-    grid = (-2.69, -2.68)
-    return {"delay": {r: figures(73.0, 0.17) for r in grid}} | {
-        model: {r: figures(73.0 * (1.0 + off), 0.17 * (1.0 + off)) for r in grid} for model, off in models.items()
-    }
-
-
-FALLING = {"modal_1": 9e-4, "modal_2": 9e-6, "modal_4": 2e-6, "modal_8": 3e-7, "block12": 0.0, "block8": 0.0}
-
-
-@pytest.mark.parametrize(
-    ("changes", "failed"),
-    [
-        ({}, ()),
-        ({"modal_1": -3e-3}, (0,)),
-        ({"modal_2": 1.1e-5}, (1,)),
-        ({"kelvin_voigt": -0.0384}, ()),
-        ({"kelvin_voigt": -0.0354}, (2,)),
-        ({"kelvin_voigt": -0.0400}, (2,)),
-        ({"modal_4": 2e-5}, (3,)),
-    ],
-)
-def test_what_orbits_must_show(changes, failed):
-    """Two promises, the paper's period to half of the last digits (0.0377 within 7.5e-4), and that more modes err less."""
-    found = measured.orbit_claims(runs_with(**FALLING | {"kelvin_voigt": -0.0370} | changes))
-    assert [n for n, verdict in enumerate(found) if verdict.outcome is Outcome.FAIL] == list(failed)
-
-
 @pytest.mark.parametrize(
     ("field", "off", "outcome"),
     [("frequencies", 1e-13, "pass"), ("frequencies", 1e-12, "fail"), ("residues", 4e-12, "pass"), ("residues", -2e-11, "fail")],
@@ -158,35 +128,3 @@ def test_no_mode_is_the_block(monkeypatch):
     assert measured.no_modes().outcome is Outcome.PASS
     monkeypatch.setattr(measured, "reduction_of", lambda *_: next(blocks))
     assert measured.no_modes().outcome is Outcome.FAIL
-
-
-def every_model(errors=0.0, **off):
-    grid = (-2.69, -2.68, -2.66)
-    return {
-        model: {r: figures(73.0 * (1.0 + off.get(model, 0.01)), 0.17, 73.0 * errors) for r in grid}
-        for model in ("delay", *measured.MODELS, "quasidynamic")
-    } | {"delay": {r: figures(73.0, 0.17) for r in grid}}
-
-
-def test_the_figure_shows_errors_of_period_and_drop():
-    period, drop = errors_over_r(every_model(block8=0.03)).axes
-    assert [axes.get_title() for axes in (period, drop)] == ["period $T$", r"stress drop $\Delta\mu$"]
-    assert period.get_ylabel() == "relative error"
-    assert {axes.get_xlabel() for axes in (period, drop)} == {r"$\log_{10} r$"}
-    assert period.get_lines()[1].get_ydata() == pytest.approx([0.03] * 3)
-    assert drop.get_lines()[1].get_ydata() == pytest.approx([0.0] * 3)
-
-
-def test_the_figure_of_means_shows_signed_differences_with_two_standard_errors():
-    period, _ = errors_of_means(every_model(errors=0.002, block8=-0.03)).axes
-    line, caps, _ = period.containers[1]
-    assert line.get_ydata() == pytest.approx([-3.0] * 3)
-    assert caps[0].get_ydata() == pytest.approx([-3.4] * 3)
-    assert period.get_ylabel() == "difference of the means (%)"
-
-
-def test_the_figure_of_costs_has_one_point_for_each_model_and_r(result):
-    """Nine models have cycles at -2.68, one more at -2.5; the exact one is drawn too."""
-    axes = cost_and_error(result.model_tables[0]).axes[0]
-    filled = [one for one in axes.containers if one[0].get_markerfacecolor() != "white"]
-    assert (len(filled), len(axes.containers)) == (9, 19)

@@ -38,16 +38,6 @@ def rate_scene(direct, upper=None, lower=None, **changes):
     )
 
 
-def pulse(x, centre=0.25, width=0.035):
-    """A smooth bump, below rounding at the slab's ends."""
-    return np.exp(-(((x - centre) / width) ** 2))
-
-
-def send(solver, shape, direction, slab=0, impedance=EPSILON):
-    """Start a pulse of velocity `shape` on its way to the interface (-1) or to the outer face (+1)."""
-    solver.impose(slab, lambda x: 0.5 + shape(x), lambda x: -direction * impedance * shape(x))
-
-
 def tiling(make, scene, time):
     """The solver that `make` builds for `scene`, with steps shortened so that whole pieces tile `time`."""
     usual = make(scene)
@@ -76,26 +66,6 @@ def fields(solver, slab=0):
 def squared(norm, *errors):
     """Sum of e.H e, twice the energy of the fields `errors` over the impedance."""
     return float(sum(error @ (norm @ error) for error in errors))
-
-
-def reflected_at_interface(arriving, direct):
-    """Outgoing s - w at the interface of alike slabs when s + w = `arriving` comes in: F(1 + 2 w) = eps s, by Newton."""
-    w = np.zeros_like(arriving)
-    for _ in range(60):
-        residual = direct * np.log1p(2.0 * w) - EPSILON * (arriving - w)
-        w = w - residual / (2.0 * direct / (1.0 + 2.0 * w) + EPSILON)
-    return arriving - 2.0 * w
-
-
-def reflection_error(make, direct, height, time=0.5):
-    """L2 error of both fields after a pulse of `height` has met the interface and come back."""
-    solver = tiling(make, rate_scene(direct), time)
-    send(solver, lambda x: height * pulse(x), -1)
-    step_to(solver, time)
-    x, w, s, norm = fields(solver)
-    outgoing = reflected_at_interface(2.0 * height * pulse(time - x), direct)
-    exact = np.where(x < time, outgoing, 0.0)  # s - w; nothing arrives any more
-    return np.sqrt(squared(norm, w + 0.5 * exact, s - 0.5 * exact))
 
 
 def standing_error(make, waves=3, time=1.3):

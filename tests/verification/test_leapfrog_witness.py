@@ -10,7 +10,7 @@ import pytest
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_difference import Leapfrog
-from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, StandardLinearViscosity
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, ReflectingFace, StandardLinearViscosity
 from slipwave.solve import follow
 from validation.measure.order_fit import extrapolated
 
@@ -33,6 +33,7 @@ SLABS = {
         {"face": MachineFace(2.0, 0.5, 0.4), "viscosity": KelvinVoigtViscosity(0.02 * ROUND_TRIP)},
     ],
     "standard-linear": [{"viscosity": StandardLinearViscosity(3 * ROUND_TRIP, 0.5)}],
+    "reflection": [{"face": ReflectingFace(0.5)}, {}],
 }
 
 

@@ -72,6 +72,7 @@ SCENES = {
     "four layers below": changed(
         {}, {"layers": tuple(Layer(0.25, z) for z in (1.0, 3.0, 0.5, 2.0)), "epsilon": 2 * SLAB.epsilon}
     ),
+    **{law: slipwave.read(law, ["start.kind=nudge", "start.size=0.5"]) for law in ("slip-law", "regularised")},
     "grip on layers": changed({"layers": (Layer(0.4, 1.0), Layer(0.6, 2.0)), "face": GripFace(2.0, 1.5)}),
 }
 

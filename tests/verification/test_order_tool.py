@@ -7,7 +7,7 @@ import pytest
 from order import assert_order
 
 from validation.measure.grid_ladders import LADDERS
-from validation.measure.order_fit import fit_dense, fit_order
+from validation.measure.order_fit import fit_dense, fit_order, shortfall
 from validation.measure.orders import QUANTITIES, Climb
 
 STEPS = 0.1 * 0.5 ** np.arange(6)
@@ -135,3 +135,35 @@ def test_a_single_output_of_order_6_is_no_order_8(name):
     assert found.order == pytest.approx(6.0, abs=0.1)
     assert found.order + 1.5 * found.half_width > 8.0
     assert name in [complaint.split(":")[0] for complaint in one.shortfall()]
+
+
+DOUBLED = np.array([16, 32, 64, 128, 256])
+
+
+@pytest.mark.parametrize("order", [1.0, 2.0, 4.8])
+def test_exact_power(order):
+    result = fit_order(DOUBLED, 3.0 * DOUBLED**-order)
+    assert result.order == pytest.approx(order, abs=1e-9)
+    assert result.constant == pytest.approx(3.0, rel=1e-9)
+    assert result.half_width < 1e-9
+    assert result.finest == pytest.approx(order)
+    assert not shortfall(result, order)
+    assert shortfall(result, order + 0.2)
+
+
+def test_coarse_levels_that_do_not_follow_yet_are_left_out():
+    errors = DOUBLED**-2.0
+    errors[0] *= 0.3
+    result = fit_order(DOUBLED, errors)
+    assert result.used == slice(1, 5)
+    assert result.order == pytest.approx(2.0)
+
+
+def test_levels_at_rounding_are_left_out():
+    """Below 100 machine epsilons, 2.2e-14, and not before."""
+    errors = np.array([1e-10, 1e-11, 1e-12, 1e-13, 3e-15])
+    assert fit_order(10.0 ** np.arange(1, 6), errors).used == slice(0, 4)
+    assert fit_order(10.0 ** np.arange(1, 6), np.maximum(errors, 3e-14)).used.stop == 5
+    assert fit_order(10.0 ** np.arange(1, 6), 1e3 * errors, scale=1e3).used == slice(0, 4)
+    with pytest.raises(ValueError, match="2 usable levels"):
+        fit_order(DOUBLED, np.array([1e-3, 1e-4, 0.0, 1e-9, 1e-9]))

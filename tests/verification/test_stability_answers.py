@@ -45,9 +45,9 @@ def test_critical_values_of_the_gallery_are_the_first_zeros_of_the_impedance_by_
 
 def test_answers_on_random_scenes_agree():
     """The first few; all are as `tests.verification.stability_answers` makes them."""
-    assert main(6, runs=False) == 0
+    assert main(6) == 0
 
 
 @pytest.mark.slow
-def test_answers_on_more_random_scenes_agree_with_runs():
+def test_answers_on_more_random_scenes_agree():
     assert main(24, 300) == 0

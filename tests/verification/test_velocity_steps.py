@@ -26,25 +26,6 @@ def final(model: str, until: float, changes: dict[str, Any], **options: Any) -> 
 
 
 @pytest.mark.parametrize("until", LATE)
-def test_the_delay_systems_agree(until: float) -> None:
-    """One delay, a network, and a network whose steps follow the echoes (its faces have a rigid spring: 1e-9 of the stress)."""
-    one = final("delay", until, {}, tolerance=1e-12)
-    network = final("delay", until, {"lower.r": 10**-3.2 * (1 + 1e-13)})
-    machine = {"kind": "machine", "stiffness": 1e9, "impedance": 1e9, "mass": 0}
-    echoes = final("delay", until, {"slab.face": machine})
-    assert (network.ln_v, network.mu) == pytest.approx((one.ln_v, one.mu), abs=3e-12)  # 1e-13 measured
-    assert (echoes.ln_v, echoes.mu) == pytest.approx((one.ln_v, one.mu), abs=1e-7)  # 5e-9 measured
-
-
-@pytest.mark.parametrize("until", LATE)
-def test_equal_steps_end_at_a_jump_at_a_whole_transit(until: float) -> None:
-    """Then the network marches in equal steps."""
-    whole = {"drive.velocity": [[round(time), rate] for time, rate in STEPS]}
-    one, network = (final("delay", until, whole | change) for change in ({}, {"lower.r": 10**-3.2 * (1 + 1e-13)}))
-    assert (network.ln_v, network.mu) == pytest.approx((one.ln_v, one.mu), abs=3e-13)  # 4e-15 measured
-
-
-@pytest.mark.parametrize("until", LATE)
 def test_the_leapfrog_tends_to_the_delay_system(until: float) -> None:
     """It places a step to within one of its own steps, so that halving them halves the error: extrapolated, it is 1000 times
     nearer."""
