@@ -37,7 +37,7 @@ class HistoryObserver:
 
     def samples(self, per_piece: int | None = None) -> Array:
         """The window at the nodes of its pieces, or at `per_piece` equally spaced points of each piece's polynomial."""
-        pieces = self._pieces()
+        pieces = self.pieces()
         points = self._basis.nodes if per_piece is None else (np.arange(per_piece) + 0.5) / per_piece
         rows = interpolation_matrix(self._basis, points)
         time = pieces.time[:, None] + pieces.length[:, None] * points
@@ -46,13 +46,14 @@ class HistoryObserver:
 
     def at(self, times: Array) -> Array:
         """Samples at `times` (transits) within the window, from the pieces' polynomials."""
-        return np.stack([times, *values_at(self._pieces(), self._basis, times)])
+        return np.stack([times, *values_at(self.pieces(), self._basis, times)])
 
     def columns(self) -> dict[str, Array]:
         """time (transits), slip_rate (V*), psi, stress, elastic_stress at the nodes: arrays of equal length."""
         return named_columns(self._law, self.samples())
 
-    def _pieces(self) -> Pieces:
+    def pieces(self) -> Pieces:
+        """All that is kept."""
         if len(self._kept) != 1:
             parts = self._kept or [empty_pieces(0, self._basis.nodes.size)]
             self._kept = [Pieces(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))]
@@ -60,7 +61,7 @@ class HistoryObserver:
 
     def state(self) -> dict[str, Array]:
         """The pieces, a row each, for a checkpoint."""
-        return {"pieces": np.column_stack(self._pieces())}
+        return {"pieces": np.column_stack(self.pieces())}
 
     def restore(self, state: dict[str, Array]) -> None:
         """Continue from what `state` returned."""

@@ -195,21 +195,21 @@ PLACES: dict[str, tuple[Place, ...]] = {
     ),
     "slip-event": (Place("slip_event:_record", (part("field.upper.velocity"),)),),
     "stability-attacks": (
-        Place("stability_attacks:limit_at", (lambda value: 0.9 * value,)),
-        Place("stability_attacks:around_the_limit", (lambda value: (value[0] + 100.0, value[1]),)),
-        Place("stability_attacks:state_reach", (lambda value: 1.05 * value if np.isfinite(value) else 1.0,)),
-        Place("stability_attacks:stops_beyond", S),
+        Place("stability_attacks.limits:limit_at", (lambda value: 0.9 * value,)),
+        Place("stability_attacks.limits:around_the_limit", (lambda value: (value[0] + 100.0, value[1]),)),
+        Place("stability_attacks.limits:state_reach", (lambda value: 1.05 * value if np.isfinite(value) else 1.0,)),
+        Place("stability_attacks.limits:stops_beyond", S),
         Place(
-            "stability_attacks:attack",
+            "stability_attacks.runs:attack",
             (each(part("error", change=displaced(1.0))),),
         ),
-        Place("stability_attacks:advised", (part("error", change=displaced(0.1)),)),
-        Place("stability_attacks:locked_noise", (displaced(1.0),)),
+        Place("stability_attacks.runs:advised", (part("error", change=displaced(0.1)),)),
+        Place("stability_attacks.runs:locked_noise", (displaced(1.0),)),
     ),
     "energy": (
-        Place("energy:residual_of", (displaced(1e-3),)),
+        Place("energy.ledgers:residual_of", (displaced(1e-3),)),
         Place(
-            "energy:history_of",
+            "energy.ledgers:history_of",
             (part("entries", change=only("friction", scaled)),),
         ),
     ),
@@ -272,7 +272,9 @@ PLACES: dict[str, tuple[Place, ...]] = {
         Place("special_curves:_curve", (each(part("first", change=displaced(1e-6))),)),
         Place("special_curves:_fold_at", S),
     ),
-    "period-doubling": (Place("period_doubling:doubled", (part("last_two"), part("single.orbit"), part("double.orbit"))),),
+    "period-doubling": (
+        Place("period_doubling.measured:doubled", (part("last_two"), part("single.orbit"), part("double.orbit"))),
+    ),
     "coverage": (Place("coverage:computation"),),
     "manufactured": (Place("manufactured:error_of_motion", (lambda error: 100.0 * error,), few=True),),
     "laboratory": (

@@ -5,10 +5,11 @@ from types import SimpleNamespace
 
 import pytest
 
+from validation.branches.points import BranchPoint
 from validation.studies.bifurcation import measured as verdicts
 from validation.studies.bifurcation import structure_table
 from validation.study import Outcome
-from validation.study.over_r import Corner, branch_of, parts, unaccounted
+from validation.study.over_r import branch_of, parts, unaccounted
 
 
 def special(kind, log10_r, before=0, after=1):
@@ -77,8 +78,8 @@ def test_p14_compares_what_takes_stability_first():
 
 
 def test_parts_share_their_ends():
-    corners = [Corner(float(n), {}, unstable) for n, unstable in enumerate((1, 1, 0, 0, 2, 1))]
-    assert [(stable, [corner.log10_r for corner in part]) for stable, part in parts(corners)] == [
+    corners = [BranchPoint(float(n), *[0.0] * 5, unstable, None) for n, unstable in enumerate((1, 1, 0, 0, 2, 1))]
+    assert [(stable, [corner.value for corner in part]) for stable, part in parts(corners)] == [
         (False, [0.0, 1.0, 2.0]),
         (True, [2.0, 3.0, 4.0]),
         (False, [4.0, 5.0]),

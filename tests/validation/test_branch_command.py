@@ -15,11 +15,11 @@ import slipwave
 from slipwave.errors import NumericsError
 from validation.branches import followed
 from validation.branches.branch import FollowedBranch
-from validation.branches.drawing import figure_of_branch
 from validation.branches.followed import StopAt, ends_of, read_followed
 from validation.branches.parameter import over_range
 from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
 from validation.references.published import reference_orbit
+from validation.study.branch_figures import figure_of_branch
 
 RANGE = "log10_r=-2.72:-2.68"
 COARSE = ("paper", "--model", "kelvin-voigt", "--over", RANGE, "--tol", "1e-4")

@@ -137,7 +137,9 @@ def read_followed(path: Path, found: Followed) -> End:
     try:
         with Dataset(path) as file:
             facts = json.loads(file.getncattr("facts"))
-            _require_same(path, found.what, facts, json.loads(json.dumps(found.facts)))
+            for name, value in json.loads(json.dumps(found.facts)).items():
+                if facts.get(name) != value:
+                    raise SceneError(f"--resume {str(path)!r}: {name} is {facts.get(name)!r}; this {found.what} has {value!r}")
             if file.getncattr("contents") != _digest(file):
                 raise ValueError("its contents have changed since it was written")
             for kind, (record, rows) in found.tables.items():
@@ -165,12 +167,6 @@ def _digest(file: "Dataset") -> str:
             content = str(values.tolist()).encode() if values.dtype == object else values.tobytes()
             digest.update(f"{group.path} {name} {values.shape}".encode() + content)
     return digest.hexdigest()
-
-
-def _require_same(path: Path, what: str, facts: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
-    for name, value in wanted.items():
-        if facts.get(name) != value:
-            raise SceneError(f"--resume {str(path)!r}: {name} is {facts.get(name)!r}; this {what} has {value!r}")
 
 
 def _write_table(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[Any], parameter: str) -> None:

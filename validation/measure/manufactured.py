@@ -22,6 +22,7 @@ import numpy as np
 
 import slipwave
 from slipwave.compiled import inlined
+from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, velocity_at
@@ -128,24 +129,12 @@ def exact_motion(scene: Scene, times: Array) -> Array:
     return np.array(found)
 
 
-class _Watch:
-    """Keeps the pieces of a run."""
-
-    def __init__(self) -> None:
-        self.pieces: list[Pieces] = []
-
-    def scan(self, pieces: Pieces) -> None:
-        """As `Observer`."""
-        self.pieces.append(Pieces(*(array.copy() for array in pieces)))
-
-
 def error_of_motion(solver: Solver) -> float:
     """Root mean square, over the time from `BEGIN`, of the differences of z, psi and mu from the exact ones, each relative to its
     range; at the nodes of the pieces, where a solver gives values, so that no polynomial between them counts."""
-    watch = _Watch()
-    follow(solver, UNTIL, [watch], leaps=False)
-    pieces = Pieces(*(np.concatenate(arrays) for arrays in zip(*watch.pieces, strict=True)))
-    pieces = Pieces(*(array[pieces.time > BEGIN] for array in pieces))
+    history = HistoryObserver(solver.scene.law, solver.nodes, BEGIN)
+    follow(solver, UNTIL, [history], leaps=False)
+    pieces = Pieces(*(array[history.pieces().time > BEGIN] for array in history.pieces()))
     times = (pieces.time[:, None] + pieces.length[:, None] * solver.nodes).ravel()
     truth = exact_motion(solver.scene, times)
     ours = np.stack([pieces.z.ravel(), pieces.psi.ravel(), pieces.mu.ravel()], axis=1)

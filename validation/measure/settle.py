@@ -81,14 +81,10 @@ def _march_until_settled(
         follow(solver, min(most, solver.time + WINDOW * period), [observer, foresight], progress)
         events = observer.events(0.5 * solver.time)  # judged by the present falls: those of the start may have been larger
         if events.time.size >= WINDOW:
-            _require_motion(solver, events)
+            if events.v_max[-1] < (1.0 + _STEADY) * events.v_min[-1]:
+                raise NoCycle(f"{solver.model}: back to steady sliding after {solver.time:.0f} transits")
             history.append(unrest(events))
     return events, history
-
-
-def _require_motion(solver: Solver, events: Events) -> None:
-    if events.v_max[-1] < (1.0 + _STEADY) * events.v_min[-1]:
-        raise NoCycle(f"{solver.model}: back to steady sliding after {solver.time:.0f} transits")
 
 
 def _finished(history: list[float], tolerance: float) -> bool:

@@ -17,7 +17,6 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.branches import SPECIAL_KINDS
 from validation.branches.branch import FollowedBranch
-from validation.branches.drawing import figure_of_branch
 from validation.branches.followed import End, Followed, StopAt, pursue, write_followed
 from validation.branches.parameter import Values, over_range, range_text, scene_along
 from validation.branches.points import BranchPoint, SpecialPoint
@@ -30,6 +29,7 @@ from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import EVENTS, variables
 from validation.results.result import Dataset, Output, Result
+from validation.study.branch_figures import figure_of_branch
 from validation.study.drawing import Drawing, styled
 
 BRANCH_TOLERANCE, BRANCH_POINTS = 1e-6, 2000

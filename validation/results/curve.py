@@ -9,7 +9,6 @@ from slipwave.errors import SceneError
 from slipwave.input import SceneSource
 from validation.branches import SPECIAL_KINDS
 from validation.branches.curve import Curve, require_curve
-from validation.branches.drawing import figure_of_curve
 from validation.branches.followed import StopAt, pursue
 from validation.branches.parameter import Values, over_range, range_text
 from validation.branches.points import CurvePoint
@@ -20,6 +19,7 @@ from validation.results.command import command
 from validation.results.options import announced, option
 from validation.results.quantities import table_of
 from validation.results.result import Dataset
+from validation.study.branch_figures import figure_of_curve
 from validation.study.drawing import Drawing, styled
 
 CURVE_POINTS = 100

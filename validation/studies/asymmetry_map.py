@@ -1,6 +1,6 @@
 """Two slabs that differ in impedance and in thickness: where does each model slide steadily, and where is its regime wrong?"""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,14 +13,9 @@ from validation.study import WITNESS, Budget, Figure, StudyResult, Table, Verdic
 from validation.study.regimes import regime_areas
 from validation.sweep.axes import axis_of, changed
 from validation.sweep.difference import difference, model_regimes
-from validation.sweep.here import swept_here
+from validation.sweep.here import Dataset, swept_here
 from validation.sweep.map_figures import figure_of
 from validation.sweep.sweep import plan_of
-
-if TYPE_CHECKING:
-    from xarray import Dataset
-else:
-    Dataset = Any
 
 NAME = "asymmetry-map"
 QUESTION = "What does asymmetry of the slabs do to the regime of each model?"
@@ -63,11 +58,8 @@ def swept_ratios(scene: Scene, count: int) -> Dataset:
 def growing_roots(scene: Scene, model: str, data: Dataset) -> Any:
     """The certified number of growing roots of steady sliding at each point of the plane."""
     first, second = (data[name].values for name in _AXES)
-    counts = [
-        [unstable_count(characteristic(changed(scene, {_AXES[0]: x, _AXES[1]: y}), one_port_of(model))) for y in second]
-        for x in first
-    ]
-    return np.array(counts)
+    scenes = ([changed(scene, dict(zip(_AXES, (x, y), strict=True))) for y in second] for x in first)
+    return np.array([[unstable_count(characteristic(one, one_port_of(model))) for one in row] for row in scenes])
 
 
 def _as_counted(scene: Scene, data: Dataset) -> Verdict:
@@ -92,10 +84,8 @@ def _onset(data: Dataset) -> str:
 
 def _errors(rows: Any) -> Table:
     heading = "model | both decide [%] .3g | other regime [%] .2g | largest error of T .1e | of the stress drop .1e"
-    cells = [
-        [row[name] for name in ("model", "compared_percent", "other_regime_percent", "period", "stress_drop")] for row in rows
-    ]
-    return table("errors", _ERRORS, heading, [[None if value != value else value for value in row] for row in cells])
+    names = ("model", "compared_percent", "other_regime_percent", "period", "stress_drop")
+    return table("errors", _ERRORS, heading, ([None if row[name] != row[name] else row[name] for name in names] for row in rows))
 
 
 _PLANE = (

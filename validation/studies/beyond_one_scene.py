@@ -85,7 +85,8 @@ def sight(name: str, over_onset: float) -> Sight:
     factor = over_onset * critical_r(EXACT_MODEL, own) / own.transit
     scene = scaled(replace(own, start=replace(own.start, size=_NUDGE)), round_trip=factor)
     settings = f"{_settings(own, factor)} --set start.size={_NUDGE:g}"
-    return Sight(f"{over_onset:.2f}{_thickness(scene)}", scene, over_onset, settings)
+    thickness = f" ({1e3 * _metres(scene):.0f} mm)" if scene.units and scene.upper.material else ""
+    return Sight(f"{over_onset:.2f}{thickness}", scene, over_onset, settings)
 
 
 def _settings(own: Scene, factor: float) -> str:
@@ -101,10 +102,6 @@ def _metres(scene: Scene) -> float:
     assert scene.units
     assert scene.upper.material
     return 0.5 * scene.transit * scene.units.time * scene.upper.material.wave_speed
-
-
-def _thickness(scene: Scene) -> str:
-    return f" ({1e3 * _metres(scene):.0f} mm)" if scene.units and scene.upper.material else ""
 
 
 _TABLE = (

@@ -1,6 +1,7 @@
 """What each answer costs: run time against error of every model, and two races against plain programs."""
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from validation.references.onset import onset_of
 from validation.references.published import reference, reference_orbit
 from validation.registry.build import build
 from validation.study import WITNESS, Budget, Figure, Omission, StudyResult, Table, Verdict, claim, table
-from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
+from validation.study.drawing import Drawing, pen, ruled, subplots
 from validation.study.known import as_known
 from validation.study.text import places, plain, power, run_time
 from validation.timing import Setting, TimedRun, cheapest, time_final, time_run
@@ -61,8 +62,7 @@ def run(budget: Budget) -> StudyResult:
         verdicts=(
             _right(ours),
             _agreement(rivals),
-            _marches_agree(points),
-            _grids(points),
+            *_waves(points),
             as_known(finest, _LOG10_R, _TRANSIENT),
         ),
         notes=(
@@ -182,22 +182,18 @@ def _agreement(rivals: list[PlainRun]) -> Verdict:
     return claim(title, WITNESS, _error(best.period), _RIVAL_ERROR, remark, shown)
 
 
-def _marches_agree(points: list[TimedRun]) -> Verdict:
-    """The two marches of one grid share neither step nor friction solve."""
+def _waves(points: list[TimedRun]) -> Iterator[Verdict]:
+    """The two marches of one grid, which share neither step nor friction solve, and the finest grid of each full wave."""
     period = {(p.setting.cells, p.setting.time): p.period for p in points if p.setting.model == _ELEMENTS}
     apart = max(abs(period[cells, "exact"] / found - 1.0) for (cells, march), found in period.items() if march == "explicit")
     title = "The exact and the explicit march of one grid find the same period"
     remark = f"largest relative difference of the periods, {_ELEMENTS} on {len(period) // 2} grids"
-    return claim(title, WITNESS, apart, _SAME_PERIOD, remark)
-
-
-def _grids(points: list[TimedRun]) -> Verdict:
-    """The finest grid of each full wave."""
+    yield claim(title, WITNESS, apart, _SAME_PERIOD, remark)
     allowed = {"fd": _LEAPFROG / max(point.setting.cells or 1 for point in points) ** 2, _ELEMENTS: _FINE}
     off = {model: abs(_finest(points, model).period_error) for model in allowed}
     worst = max(off, key=lambda model: off[model] / allowed[model])
     title = "The finest grid of each full wave has the delay system’s period"
-    return claim(title, WITNESS, off[worst], allowed[worst], f"{', '.join(off)}; shown: `{worst}`")
+    yield claim(title, WITNESS, off[worst], allowed[worst], f"{', '.join(off)}; shown: `{worst}`")
 
 
 def _finest(points: list[TimedRun], model: str) -> TimedRun:
@@ -210,8 +206,7 @@ def _right(ours: list[TimedRun]) -> Verdict:
     """Our own run at the smallest tolerance, in the race's setting."""
     best = min(ours, key=lambda point: point.setting.tolerance or 1.0)
     title = "The Kelvin–Voigt run of the race has the period of other programs"
-    remark = f"at {best.setting.words}"
-    return claim(title, WITNESS, abs(best.period_error), _OUR_ERROR, remark)
+    return claim(title, WITNESS, abs(best.period_error), _OUR_ERROR, f"at {best.setting.words}")
 
 
 _CELLS_FROM = " and ".join(f"{cells[True][0]} cells upwards with `{model}`" for model, cells in _CELLS.items())
@@ -224,8 +219,7 @@ _CAPTION = (
 
 def work_precision(points: list[TimedRun]) -> Drawing:
     """Work-precision diagram, one line per model: error of the period over run time, both logarithmic."""
-    figure = canvas(WIDTH, 4.6)
-    axes = figure.add_subplot()
+    figure, axes = subplots(4.6, 1, 1, "run time (ms)", "relative error of the period")
     lines: dict[tuple[str, float | None, str | None], list[TimedRun]] = {}
     for point in points:
         lines.setdefault((point.setting.model, point.setting.cfl, point.setting.time), []).append(point)
@@ -245,6 +239,5 @@ def work_precision(points: list[TimedRun]) -> Drawing:
             label=style.label + (f", CFL {cfl:g}" if cfl else "") + (f", {time} in time" if time else ""),
         )
     ruled(axes)
-    axes.set(xlabel="run time (ms)", ylabel="relative error of the period")
     figure.legend(loc="outside right center")
     return figure

@@ -13,7 +13,7 @@ from slipwave.scene import Scene
 from validation.measure.settle import settle
 from validation.registry.build import build
 from validation.study import ASYMPTOTIC, Budget, Figure, Number, Outcome, StudyResult, Table, Verdict, claim, of_paper, table
-from validation.study.drawing import WIDTH, Drawing, canvas, pen
+from validation.study.drawing import Drawing, pen, subplots
 from validation.study.text import plain
 
 NAME = "error-laws"
@@ -24,6 +24,10 @@ SECONDS = (5.0, 12.0)
 MODELS = ("quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:1", "modal:2", "modal:8")
 _CYCLING = ("block8", "block12", "kelvin-voigt", "modal:1", "modal:2")
 _SCALES = 4.0 ** np.arange(2.5, -3.0, -0.5)
+_HERE = int(np.argmin(np.abs(_SCALES - 1.0)))
+_FINER = _HERE + 2
+"""Indices of the paper's own epsilon and of a quarter of it."""
+
 _QUICK, _FULL = (2.0, 0.5), (2.0, 1.0, 0.5, 0.25, 0.125)
 _BEYOND = 1.02
 _PERCENT = f"{100.0 * (_BEYOND - 1.0):.0f} %"
@@ -65,7 +69,9 @@ def run(budget: Budget) -> StudyResult:
     """Measure the errors of the onset and of the period while epsilon, and with it r, falls."""
     paper = slipwave.read("paper")
     onsets = measure_onsets(paper)
-    cycles = [measure_cycle(paper, scale) for scale in budget.each(_QUICK if budget.quick else _FULL)]
+    scales = _QUICK if budget.quick else _FULL
+    cycles = [measure_cycle(paper, scale) for scale in budget.each(scales)]
+    here, half = {model: float(onset.error[_HERE]) for model, onset in onsets.items()}, cycles[scales.index(0.5)].errors
     cycle_verdict = _cycle_verdict(cycles)
     return StudyResult(
         answer=_answer(onsets, cycles, cycle_verdict.outcome is Outcome.PASS),
@@ -73,34 +79,21 @@ def run(budget: Budget) -> StudyResult:
         tables=(_onset_table(onsets), _cycle_table(cycles)),
         verdicts=(*_onset_verdicts(onsets), cycle_verdict),
         notes=(_why(onsets, cycles),),
-        numbers={f"error of r_c, {model}": _remembered(float(onset.error[_paper()])) for model, onset in onsets.items()}
-        | {f"error of T at ε/2, {model}": Number(_half(cycles)[model], 1e-3) for model in ("kelvin-voigt", "block12", "block8")},
+        # the rounding of the ratio of two critical r moves a relative error of r_c
+        numbers={f"error of r_c, {model}": Number(error, 1e-6 + _ROUNDING / abs(error)) for model, error in here.items()}
+        | {f"error of T at ε/2, {model}": Number(half[model], 1e-3) for model in ("kelvin-voigt", "block12", "block8")},
     )
 
 
 def _answer(onsets: Onsets, cycles: list[CycleErrors], falls: bool) -> str:
     """`falls`: whether the error of the cycle falls with r, as that of the onset does."""
-    off = max(abs(onset.ratio(_paper() + 2) - 1.0) for model, onset in onsets.items() if model != "quasidynamic")
+    off = max(abs(onset.ratio(_FINER) - 1.0) for model, onset in onsets.items() if model != "quasidynamic")
     errors = [100.0 * abs(cycle.errors["kelvin-voigt"]) for cycle in cycles]
     return (
         "For the onset of stick-slip, yes: the first term that a reduction’s impedance lacks predicts the error of r_{c}, to "
         f"{plain(off, '.0e')} of that error at a quarter of the paper’s ε. For the cycle, {'yes' if falls else 'no'}: the period "
         f"of the paper’s ODE is {min(errors):.1f} to {max(errors):.1f} % off at the r tried, down to θ = {cycles[-1].theta:.3f}."
     )
-
-
-def _paper() -> int:
-    """Index of the paper's own epsilon."""
-    return int(np.argmin(np.abs(_SCALES - 1.0)))
-
-
-def _remembered(error: float) -> Number:
-    """A relative error of r_c, which the rounding of the ratio of two critical r moves."""
-    return Number(error, 1e-6 + _ROUNDING / abs(error))
-
-
-def _half(cycles: list[CycleErrors]) -> dict[str, float]:
-    return cycles[-1 if len(cycles) == len(_QUICK) else _FULL.index(0.5)].errors
 
 
 def measure_onsets(paper: Scene) -> Onsets:
@@ -133,16 +126,15 @@ def measure_cycle(paper: Scene, scale: float) -> CycleErrors:
 
 
 def _onset_table(onsets: Onsets) -> Table:
-    here, finer = _paper(), _paper() + 2
     theta = next(iter(onsets.values())).theta
     law = {model: _TEXT.get(model, "θ^{4} Σ_{k>N} 2/(2πk)^{4}") for model in onsets}
     rows = (
-        (f"`{model}`", law[model], float(onset.error[here]), onset.ratio(here), onset.ratio(finer))
+        (f"`{model}`", law[model], float(onset.error[_HERE]), onset.ratio(_HERE), onset.ratio(_FINER))
         for model, onset in onsets.items()
     )
     caption = (
-        f"Relative error of the critical r, at the paper’s ε (θ = r_{{c}} ω_{{c}} = {theta[here]:.4f} radians per transit), the "
-        f"law that the impedance predicts, and measured over predicted there and at a quarter of ε (θ = {theta[finer]:.4f})."
+        f"Relative error of the critical r, at the paper’s ε (θ = r_{{c}} ω_{{c}} = {theta[_HERE]:.4f} radians per transit), the "
+        f"law that the impedance predicts, and measured over predicted there and at a quarter of ε (θ = {theta[_FINER]:.4f})."
     )
     return table("onset", caption, "model | law | measured .4e | ratio [at ε] .6f | ratio [at ε/4] .6f", rows)
 
@@ -158,17 +150,16 @@ def _cycle_table(cycles: list[CycleErrors]) -> Table:
 
 
 def _onset_verdicts(onsets: Onsets) -> Iterator[Verdict]:
-    finer = _paper() + 2
     for model, onset in onsets.items():
-        title, ratio = f"{model}: error of r_{{c}} follows {_TEXT.get(model, 'its θ^{4} law')}", onset.ratio(finer)
-        remark = f"shown: measured over law at θ = {onset.theta[finer]:.3f}; its distance from 1 is the next term"
-        yield claim(title, ASYMPTOTIC, ratio, _next_term(model, onset, finer), remark, f"{ratio:.5f}", near=1.0)
+        title, ratio = f"{model}: error of r_{{c}} follows {_TEXT.get(model, 'its θ^{4} law')}", onset.ratio(_FINER)
+        remark = f"shown: measured over law at θ = {onset.theta[_FINER]:.3f}; its distance from 1 is the next term"
+        yield claim(title, ASYMPTOTIC, ratio, _next_term(model, onset), remark, f"{ratio:.5f}", near=1.0)
 
 
-def _next_term(model: str, onset: OnsetErrors, index: int) -> float:
+def _next_term(model: str, onset: OnsetErrors) -> float:
     """Allowed for the next term: 3e-5 to 2e-4 was measured at theta^2 = 1e-3, and 0.03 for the one law that is odd in theta; and
     for the rounding of the ratio of two critical r, beside an error of 7e-13 with eight modes."""
-    theta = float(onset.theta[index])
+    theta = float(onset.theta[_FINER])
     return (2.0 * theta if model == "quasidynamic" else 0.5 * theta**2) + _ROUNDING / abs(onset.law.at(theta))
 
 
@@ -207,8 +198,7 @@ _CAPTION = (
 
 def fall(onsets: Onsets, cycles: list[CycleErrors]) -> Drawing:
     """Log-log errors: onset, left, and period of the cycle, right, over theta = r omega_c."""
-    figure = canvas(WIDTH, 3.9)
-    left, right = figure.subplots(1, 2, sharey=True)
+    figure, (left, right) = subplots(3.9, 1, 2, r"$\theta=r\,\omega_c$ (radians per transit)", "relative error", sharey=True)
     for model, onset in onsets.items():
         style = pen(model)
         line = np.abs([onset.law.at(float(theta)) for theta in onset.theta])
@@ -221,8 +211,5 @@ def fall(onsets: Onsets, cycles: list[CycleErrors]) -> Drawing:
         right.loglog(theta, errors, style.marker, color=style.color, linestyle=style.dashes, linewidth=1.0, markersize=5)
     left.set(ylim=(1e-12, 2.0), title="onset: critical $r$")
     right.set(title="cycle: period", xlim=left.get_xlim())
-    left.set_ylabel("relative error")
-    for axes in (left, right):
-        axes.set_xlabel(r"$\theta=r\,\omega_c$ (radians per transit)")
     figure.legend(*left.get_legend_handles_labels(), loc="outside upper left", ncols=4, handletextpad=0.4)
     return figure

@@ -13,7 +13,7 @@ from validation.measure.order_fit import Fit, extrapolated, fit_order, shortfall
 from validation.measure.settle import SYMBOLS, settle
 from validation.registry.build import build
 from validation.study import SELF, WITNESS, Budget, Evidence, Figure, Number, StudyResult, Table, Verdict, claim, table
-from validation.study.drawing import WIDTH, Axes, Drawing, canvas
+from validation.study.drawing import Axes, Drawing, subplots
 from validation.study.known import of_order
 from validation.study.text import plain
 
@@ -96,9 +96,8 @@ def _orders(fits: Fits) -> Table:
     heading = " | ".join(["error in", *(f"order [CFL {cfl}] | finest two .3f" for cfl in CFLS)])
     caption = (
         "Fitted order with its 95 % confidence interval, and the order of the two finest grids alone. T, Δμ, Δy, v_{max}, "
-        f"v_{{min}}: the settled orbit at log_{{10}} r = −2.68; ψ({_FINAL:g}): the friction state ln φ after "
-        f"{_FINAL:g} transits. "
-        "Coarse grids that do not follow the power law yet are left out by rule."
+        f"v_{{min}}: the settled orbit at log_{{10}} r = −2.68; ψ({_FINAL:g}): the friction state ln φ after {_FINAL:g} "
+        "transits. Coarse grids that do not follow the power law yet are left out by rule."
     )
     return table("orders", caption, heading, rows)
 
@@ -136,10 +135,9 @@ def _extrapolated(errors: Array, cells: int, cfl: float) -> Verdict:
 
 
 _CAPTION = (
-    "Errors of the leapfrog against the delay system, by cells per slab, at three Courant numbers. First five: relative error "
-    f"of quantities of the settled orbit; last two: error of the state ψ = ln φ after {_FINAL:g} "
-    "transits. Thin lines: fits. Triangles: "
-    "slope 2, slope 1 for the jump."
+    "Errors of the leapfrog against the delay system, by cells per slab, at three Courant numbers. First five: relative error of "
+    f"quantities of the settled orbit; last two: error of the state ψ = ln φ after {_FINAL:g} transits. Thin lines: fits. "
+    "Triangles: slope 2, slope 1 for the jump."
 )
 
 
@@ -157,17 +155,13 @@ _LOOKS = {0.5: ("#d55e00", "s", "white"), 0.9: ("#0072b2", "D", "#0072b2"), 1.0:
 
 def ladders(cells: Array, errors: Mapping[str, Mapping[float, Array]], fits: Fits) -> Drawing:
     """Log-log panels of error over cells per slab: one per figure of merit, a line per Courant number, the fits and a slope."""
-    figure = canvas(WIDTH, 4.6)
-    grid = figure.subplots(2, 4, sharex=True)
+    figure, grid = subplots(4.6, 2, 4, "cells per slab", "error", sharex=True)
     for axes, name in zip(grid.flat, _TITLES, strict=False):
         _panel(axes, cells, errors[name], fits[name])
         axes.set_title(_TITLES[name], fontsize=11)
         _triangle(axes, 1.0 if "jump" in name else 2.0)
-    for axes in grid[1, :3]:
-        axes.set_xlabel("cells per slab")
     grid[0, 3].tick_params(labelbottom=True)
     grid[0, 0].set_ylabel("relative error")
-    grid[1, 0].set_ylabel("error")
     lines = grid[0, 0].get_lines()[1::2]
     grid[1, 3].set_axis_off()
     grid[1, 3].legend(lines, [f"CFL {cfl}" for cfl in errors["period"]], loc="center")

@@ -9,9 +9,9 @@ from slipwave.observe.pieces import Array
 from validation.measure.manufactured import BEGIN, UNTIL, error_of_motion, exact_motion, given_scene
 from validation.measure.order_fit import Fit, fit_order, shortfall
 from validation.registry.build import build
-from validation.registry.families import family_of
+from validation.registry.families import grid_of
 from validation.study import EXACT, Budget, Figure, Number, StudyResult, Table, Verdict, claim, table
-from validation.study.drawing import WIDTH, Drawing, canvas, pen
+from validation.study.drawing import Drawing, pen, subplots
 from validation.study.known import of_order
 from validation.study.text import plain
 
@@ -71,10 +71,8 @@ class Ladder(NamedTuple):
     @property
     def declared(self) -> int:
         """The order of the outputs at the interface (elements: at least)."""
-        family = family_of(self.model)
-        assert family is not None
-        declared: int = family.order_interface(int(self.model.partition(":")[2] or 0))  # type: ignore[attr-defined]
-        return declared
+        family, number = grid_of(self.model)
+        return family.order_interface(number)
 
     @property
     def shortfall(self) -> str:
@@ -151,8 +149,8 @@ _MOTION = "The given motion: slip rate v and stress μ at the interface, and the
 
 def draw_motion() -> Drawing:
     """The exact solution over time."""
-    figure, times = canvas(WIDTH, 3.2), np.linspace(BEGIN, UNTIL, 400)
-    panels = figure.subplots(1, 3)
+    figure, panels = subplots(3.2, 1, 3, "time, transits")
+    times = np.linspace(BEGIN, UNTIL, 400)
     for pair, style in (("alike", "-"), ("unlike", "--")):
         scene = given_scene(pair == "unlike")
         motion = exact_motion(scene, times)
@@ -160,16 +158,15 @@ def draw_motion() -> Drawing:
         for axes, values, name in zip(panels, curves, ("$v$", r"$\mu$", "$V$"), strict=True):
             axes.plot(times, values, style, color="#0072b2" if pair == "alike" else "#d55e00", label=f"{pair} slabs")
             axes.set_title(name)
-            axes.set_xlabel("time, transits")
     panels[2].legend()
     return figure
 
 
 def draw_errors(ladders: list[Ladder]) -> Drawing:
     """A panel for each pair of slabs."""
-    figure = canvas(WIDTH, 3.6)
     pairs = list(dict.fromkeys(ladder.pair for ladder in ladders))
-    panels = np.ravel(figure.subplots(1, len(pairs), sharey=True))
+    figure, panels = subplots(3.6, 1, len(pairs), "cells per slab", "error", sharey=True)
+    panels = np.ravel(panels)
     for ladder in ladders:
         axes, own = panels[pairs.index(ladder.pair)], pen(ladder.model)
         marker = _MARKERS[int(ladder.model.partition(":")[2] or 0)]
@@ -178,7 +175,5 @@ def draw_errors(ladders: list[Ladder]) -> Drawing:
         used = cells[ladder.order.used]
         axes.loglog(used, ladder.order.constant * used**-ladder.order.order, color=own.color)
         axes.set_title(f"{ladder.pair} slabs")
-        axes.set_xlabel("cells per slab")
-    panels[0].set_ylabel("error")
     panels[-1].legend(ncols=2, fontsize=8)
     return figure

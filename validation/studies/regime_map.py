@@ -1,24 +1,18 @@
 """Where in the plane of round trip and velocity does each model slide steadily, periodically, or irregularly?"""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 import slipwave
 from validation.study import WITNESS, Budget, Figure, StudyResult, Table, Verdict, every, table
-from validation.study.drawing import Drawing
 from validation.study.regimes import regime_areas
 from validation.sweep.axes import axis_of
 from validation.sweep.boundaries import onset_lines
 from validation.sweep.difference import difference, model_regimes
-from validation.sweep.here import swept_here
+from validation.sweep.here import Dataset, swept_here
 from validation.sweep.map_figures import Line, figure_of
 from validation.sweep.sweep import plan_of
-
-if TYPE_CHECKING:
-    from xarray import Dataset
-else:
-    Dataset = Any
 
 NAME = "regime-map"
 QUESTION = "Where does each model have the wrong regime?"
@@ -37,13 +31,14 @@ def run(budget: Budget) -> StudyResult:
     data = swept_plane(budget)
     lines = onset_lines(data)
     differences = difference(data, _REFERENCE)
-    worst = max(differences.attrs["differences"], key=lambda row: row["other_regime_percent"])
+    best, *_, worst = sorted(differences.attrs["differences"], key=lambda row: row["other_regime_percent"])
     return StudyResult(
         answer=f"Of the plane shown, {worst['model']} has another regime than the delay system in "
-        f"{worst['other_regime_percent']:.0f} % of the area that both decide; {_best(differences)}.",
+        f"{worst['other_regime_percent']:.0f} % of the area that both decide; "
+        f"{best['model']} in {best['other_regime_percent']:.1f} %.",
         figures=(
             Figure("regimes", _REGIMES, lambda: figure_of(data, "verdict", lines)),
-            Figure("differences", _DIFFERENCES, lambda: _draw(differences)),
+            Figure("differences", _DIFFERENCES, lambda: figure_of(differences, "other_regime")),
         ),
         tables=(_errors(data, differences, lines),),
         verdicts=(_boundaries(data, lines),),
@@ -58,11 +53,6 @@ def swept_plane(budget: Budget) -> Dataset:
     axes = [axis_of("log10_r", (*_R, counts[0])), axis_of("V", f"{_V[0]:g}:{_V[1]:g}:{counts[1]}:log")]
     plan = plan_of(scene, axes, _MODELS, "verdict", tol=_TOLERANCE, refine=levels)
     return swept_here(plan)
-
-
-def _best(differences: Dataset) -> str:
-    best = min(differences.attrs["differences"], key=lambda row: row["other_regime_percent"])
-    return f"{best['model']} in {best['other_regime_percent']:.1f} %"
 
 
 def critical_round_trips(model: str, lines: tuple[Line, ...], velocities: Any) -> Any:
@@ -108,10 +98,6 @@ def _errors(data: Dataset, differences: Dataset, lines: tuple[Line, ...]) -> Tab
         ["model", "other regime [%] .2g", *(f"{what}, {band} [%] .2g" for band in bands for what in ("T", "drop"))]
     )
     return table("errors", _ERRORS, heading, rows)
-
-
-def _draw(differences: Dataset) -> Drawing:
-    return figure_of(differences, "other_regime")
 
 
 _PLANE = (

@@ -61,11 +61,11 @@ class Budget:
     quick: bool = False
     report: Callable[[float], None] = field(default=lambda share: None, compare=False)
 
-    def each(self, items: Collection[Item], end: float = 1.0) -> Iterator[Item]:
-        """The items of the study's first part, which ends at the share `end`; reports after each how far it is."""
+    def each(self, items: Collection[Item], end: float = 1.0, begin: float = 0.0) -> Iterator[Item]:
+        """The items of the study's part from the share `begin` to `end`; reports after each how far it is."""
         for count, item in enumerate(items, 1):
             yield item
-            self.report(end * count / len(items))
+            self.report(begin + (end - begin) * count / len(items))
 
 
 RUN_TIMES = ("s", "ms", "μs", "of times")

@@ -103,7 +103,8 @@ def _sentences(table: ModelTable) -> Iterator[str]:
     """What to use, with the news on costs; what to avoid."""
     good, also = _good_reductions(table), list[str]()
     if good:
-        also.append(f"{' or '.join(f'`{row.model}`' for row in good)} ({_as_good(good)})")
+        off = plain(min(map(_largest, good)), ".0e")
+        also.append(f"{' or '.join(f'`{row.model}`' for row in good)} (off by {off} at most where orbits repeat)")
     also += [f"`{row.model}` {row.advice.removeprefix('use ')}" for row in table.rows if row.advice.startswith("use up to")]
     yield f"Use `{table.reference}`: it is exact{_news(table)}{'; where an ODE is needed, ' if also else ''}{', '.join(also)}."
     avoid = [f"`{row.model}` ({row.why})" for row in table.rows if row.advice == "avoid"]
@@ -120,8 +121,3 @@ def _news(table: ModelTable) -> str:
     if min(costs) * AS_CHEAP >= 1.0:
         return f" and costs as little as any ODE that is right to {100 * GOOD:g} % (they take {times})"
     return f"; ODEs that are right to {100 * GOOD:g} % take {times}"
-
-
-def _as_good(rows: Sequence[ModelRow]) -> str:
-    """How closely the best of them follows the reference where orbits are compared."""
-    return f"off by {plain(min(map(_largest, rows)), '.0e')} at most where orbits repeat"

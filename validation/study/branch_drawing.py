@@ -7,8 +7,9 @@ import numpy as np
 
 from reduced.orbit.figures import figures_of
 from slipwave.observe.pieces import Array
-from validation.study.drawing import Axes, pen
-from validation.study.over_r import Branch, Corner, column, parts
+from validation.branches.points import BranchPoint
+from validation.study.drawing import Axes, key, pen
+from validation.study.over_r import Branch, parts
 
 NAMES = {"HB": "Hopf point", "LP": "fold", "PD": "period doubling", "NS": "torus point"}
 MARKS = {"HB": "s", "LP": ".", "PD": "D", "NS": "*"}
@@ -21,12 +22,12 @@ OVERLAID = {"modal:2": "#e69f00", "modal:4": "#009e73", "modal:8": "#56b4e9"}
 """Colours of branches that lie on the delay system's, drawn below it."""
 
 
-def draw_branch(axes: Axes, model: str, corners: list[Corner], name: str) -> None:
+def draw_branch(axes: Axes, model: str, corners: list[BranchPoint], name: str) -> None:
     """A figure of all orbits over log10 r: stable ones solid, unstable ones thin and dotted."""
     look, color = pen(model), color_of(model)
     for stable, part in parts(corners):
         dashes, width = ("-", look.width) if stable else ((0, (1.5, 1.2)), _THIN)
-        x, y = column(part, lambda one: one.log10_r), column(part, lambda one: one.figures[name])
+        x, y = (np.array(values) for values in ([one.value for one in part], [getattr(one, name) for one in part]))
         order = _BELOW if model in OVERLAID else None
         axes.plot(*_smooth(x, y), color=color, linestyle=dashes, linewidth=width, zorder=order)
 
@@ -66,8 +67,6 @@ def _mark(kind: str, color: str) -> dict[str, Any]:
 
 def special_keys(kinds: Iterable[str]) -> Iterator[Any]:
     """Lines for the legend: unstable orbits, and these kinds of points."""
-    from matplotlib.lines import Line2D
-
-    yield Line2D([], [], color="#555555", linewidth=_THIN, linestyle=(0, (1.5, 1.2)), label="unstable")
+    yield key(color="#555555", linewidth=_THIN, linestyle=(0, (1.5, 1.2)), label="unstable")
     for kind in kinds:
-        yield Line2D([], [], marker=MARKS[kind], label=NAMES[kind], **_mark(kind, "#555555"))
+        yield key(marker=MARKS[kind], label=NAMES[kind], **_mark(kind, "#555555"))

@@ -80,6 +80,26 @@ def canvas(width: float = WIDTH, height: float = 4.0) -> Drawing:
     return Figure(figsize=(width, height), layout="constrained")
 
 
+def subplots(
+    height: float, rows: int = 1, columns: int = 1, x: str = "", y: str = "", width: float = WIDTH, **more: Any
+) -> tuple[Drawing, Any]:
+    """An empty figure and its axes as `subplots` gives them, with the label `x` under the lowest and `y` beside the left ones."""
+    figure = canvas(width, height)
+    grid = figure.subplots(rows, columns, squeeze=False, **more)
+    for axes in grid[-1]:
+        axes.set_xlabel(x)
+    for axes in grid[:, 0]:
+        axes.set_ylabel(y)
+    return figure, grid.squeeze()[()]
+
+
+def key(**look: Any) -> Any:
+    """A line for a legend."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], **look)
+
+
 def ruled(*every: Axes) -> None:
     """Draw a grid behind what the axes show."""
     for axes in every:

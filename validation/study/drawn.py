@@ -276,15 +276,10 @@ def _joined(curves: Iterable[Drawn]) -> Iterator[Drawn]:
         first = parts[0]
         seen[first.name] = seen.get(first.name, 0) + 1
         name = first.name + (f" ({seen[first.name]})" if seen[first.name] > 1 else "")
-        apart = look_joins(first.look)
+        apart = not first.look.startswith(("points", "cells"))  # only points that are joined need a gap between parts
         x, y = (_chained([getattr(part, axis) for part in parts], apart) for axis in ("x", "y"))
         widths = [None if first.errors[k] is None else _chained([part.errors[k] for part in parts], apart) for k in range(2)]
         yield replace(first, name=name, x=x, y=y, errors=(widths[0], widths[1]))
-
-
-def look_joins(look: str) -> bool:
-    """Whether points of this look are joined, so that parts need a gap between them."""
-    return not look.startswith(("points", "cells"))
 
 
 def _chained(parts: Iterable[Any], apart: bool) -> Array:

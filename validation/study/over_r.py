@@ -1,10 +1,8 @@
 """Branches of periodic orbits in log10 r, from the Hopf point on; the paper's material at V = 100."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
-
-import numpy as np
 
 import slipwave
 from reduced.continuation.branch import Control, follow_branch
@@ -14,10 +12,9 @@ from reduced.continuation.special import Special
 from reduced.continuation.start import from_hopf, metric_for, orbits_at
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import Closed
-from reduced.orbit.figures import figures_of
 from reduced.parameters import with_parameter
-from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from validation.branches.points import BranchPoint, point_of
 from validation.registry.orbits import moving
 
 RANGE = (-2.72, -2.3)
@@ -37,16 +34,6 @@ STEPS = Control(longest=0.02)
 
 
 @dataclass(frozen=True)
-class Corner:
-    """An orbit of a branch in numbers: log10 r, its `figures` (`reduced.orbit.figures`), and the number of unstable multipliers
-    from here to the next corner."""
-
-    log10_r: float
-    figures: dict[str, float]
-    unstable: int
-
-
-@dataclass(frozen=True)
 class Branch:
     """A model's branch: its Hopf point; its points, with the special points at their places among them; the special points."""
 
@@ -56,10 +43,10 @@ class Branch:
     special: tuple[Special, ...]
 
     @property
-    def corners(self) -> list[Corner]:
-        """All points in numbers."""
+    def corners(self) -> list[BranchPoint]:
+        """All points in numbers; `unstable` is counted from there to the next one."""
         after = {id(special.point): special.unstable_after for special in self.special}
-        return [Corner(point.parameter, figures_of(point.closed), after.get(id(point), point.unstable)) for point in self.points]
+        return [point_of(point)._replace(unstable=after.get(id(point), point.unstable)) for point in self.points]
 
     def of_kind(self, *kinds: str) -> list[Special]:
         """Its special points of these kinds, in order."""
@@ -122,15 +109,10 @@ def unaccounted(branch: Branch) -> int:
     return wrong
 
 
-def parts(corners: list[Corner]) -> Iterator[tuple[bool, list[Corner]]]:
+def parts(corners: list[BranchPoint]) -> Iterator[tuple[bool, list[BranchPoint]]]:
     """The branch cut where its stability changes: (stable, corners), each part with both ends."""
     begin = 0
     for n in range(1, len(corners)):
         if n == len(corners) - 1 or (corners[n].unstable == 0) != (corners[begin].unstable == 0):
             yield corners[begin].unstable == 0, corners[begin : n + 1]
             begin = n
-
-
-def column(corners: list[Corner], value: Callable[[Corner], float]) -> Array:
-    """A number of each corner."""
-    return np.array([value(corner) for corner in corners])

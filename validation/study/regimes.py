@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events
 from slipwave.observe.pieces import Array
-from slipwave.observe.statistics import Estimate, margin_of_mean
+from slipwave.observe.statistics import Estimate, Orbit, margin_of_mean
 from slipwave.scene import Scene
 from validation.measure.correlated import mean_of
 from validation.measure.settle import estimate
@@ -31,6 +31,11 @@ class CycleFigures(NamedTuple):
     period: Estimate
     drop: Estimate
     v_max: Estimate
+
+    @classmethod
+    def of(cls, orbit: Orbit) -> "CycleFigures":
+        """Those of an orbit."""
+        return cls(orbit.period, orbit.stress_drop, orbit.v_max)
 
 
 class Regime(NamedTuple):
@@ -80,8 +85,7 @@ def _repeating(cycles: Events, events: int) -> CycleFigures:
     """Figures of the last cycles: of one, or means over the last period of several `events` with what they changed by since the
     period before."""
     if events == 1:
-        last = estimate(cycles)
-        return CycleFigures(last.period, last.stress_drop, last.v_max)
+        return CycleFigures.of(estimate(cycles))
     columns = (cycles.period, cycles.stress_drop, cycles.v_max)
     means = [(float(one[-events:].mean()), float(one[-2 * events : -events].mean())) for one in columns]
     return CycleFigures(*(Estimate(last, abs(last - before)) for last, before in means))
@@ -92,8 +96,7 @@ def _stable_orbit(model: str, scene: Scene, tolerance: float, cells: int | None)
         found = own_orbit(model, scene, tolerance, cells)
     except NumericsError:
         return None
-    orbit = found.orbit
-    return CycleFigures(orbit.period, orbit.stress_drop, orbit.v_max) if found.multipliers.stable else None
+    return CycleFigures.of(found.orbit) if found.multipliers.stable else None
 
 
 def regime_areas(differences: "Dataset") -> dict[str, Number]:

@@ -11,7 +11,7 @@ from validation.sweep.store import Store
 from validation.sweep.sweep import Where, perform_sweep
 
 if TYPE_CHECKING:
-    from xarray import Dataset
+    from xarray import Dataset as Dataset
 else:
     Dataset = Any
 

@@ -9,7 +9,7 @@ from validation.studies.bifurcation import measured
 from validation.studies.bifurcation.measured import WAVE, WaveOrbit
 from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, Verdict, stated, table
 from validation.study.branch_drawing import NAMES, color_of, draw_branch, draw_special, special_keys
-from validation.study.drawing import WIDTH, Drawing, canvas, line, ruled
+from validation.study.drawing import Drawing, key, line, ruled, subplots
 from validation.study.over_r import COMPARED, FAR, Branch, branch_of
 from validation.study.text import plain
 
@@ -198,8 +198,7 @@ def _wave_table(orbits: Iterable[WaveOrbit]) -> Table:
 
 def diagram(branches: Iterable[Branch], waves: Iterable[WaveOrbit]) -> Drawing:
     """The paper's Fig 6: period and drops over log10 r; left from the onset to log10 r = -2.62, right to the end."""
-    figure = canvas(WIDTH, 8.2)
-    panels = figure.subplots(3, 2, sharex="col", sharey="row", width_ratios=(1.25, 1.0))
+    figure, panels = subplots(8.2, 3, 2, r"$\log_{10} r$", sharex="col", sharey="row", width_ratios=(1.25, 1.0))
     cornered = {branch.model: (branch, branch.corners) for branch in branches}
     for (near, far), name in zip(panels, COMPARED, strict=True):
         for model, (branch, corners) in cornered.items():
@@ -209,8 +208,6 @@ def diagram(branches: Iterable[Branch], waves: Iterable[WaveOrbit]) -> Drawing:
         near.plot([one.log10_r for one in waves], [one.wave[name] for one in waves], "o", linestyle="none", **_WAVE)
         near.set(ylabel=_LABELS[name], xlim=(_LEFT, _ZOOM))
         ruled(near, far)
-    for axes in panels[-1]:
-        axes.set_xlabel(r"$\log_{10} r$")
     figure.legend(handles=[*_keys(cornered, waves)], loc="outside upper left", ncols=4, handlelength=2.4)
     return figure
 
@@ -220,10 +217,8 @@ _WAVE: dict[str, Any] = {"color": "#d55e00", "markerfacecolor": "none", "markers
 
 def _keys(models: Iterable[str], waves: Iterable[WaveOrbit]) -> Iterator[Any]:
     """Lines for the legend: models, kinds of points, the full wave."""
-    from matplotlib.lines import Line2D
-
     for model in models:
-        yield Line2D([], [], **line(model, color=color_of(model), linestyle="-"))
+        yield key(**line(model, color=color_of(model), linestyle="-"))
     yield from special_keys(NAMES)
     if waves:
-        yield Line2D([], [], marker="o", linestyle="none", label=f"full wave, {WAVE}", **_WAVE)
+        yield key(marker="o", linestyle="none", label=f"full wave, {WAVE}", **_WAVE)

@@ -5,7 +5,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from reduced.continuation.special import Special
 from reduced.orbit.figures import figures_of
 from validation.references.published import half_digit, reference
 from validation.study import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, holding, memo, of_paper
@@ -78,17 +77,14 @@ def mildly_subcritical(delay: Branch, ode: Branch) -> Verdict:
     """P8."""
     first = {branch.model: branch.special[0] for branch in (delay, ode)}
     turned = {one.model: 1.0 - 10.0 ** (first[one.model].point.parameter - one.onset.parameter) for one in (delay, ode)}
+    kinds = {(one.kind, one.unstable_before, one.unstable_after) for one in first.values()}
     return of_paper(
         "P8 The Hopf point is very mildly subcritical; the branch becomes stable at a saddle-node",
         f"a fold at most {100 * JUST_BELOW:g} % below r_{{c}}",
         ", ".join(f"{100 * share:.2f} % below r_{{c}} ({model})" for model, share in turned.items()),
-        min(turned.values()) > 0.0 and max(turned.values()) < JUST_BELOW and all(map(_is_stabilising_fold, first.values())),
+        min(turned.values()) > 0.0 and max(turned.values()) < JUST_BELOW and kinds == {("LP", 1, 0)},
         "unstable orbits lead from the Hopf point back to the fold, where one multiplier passes 1 inwards",
     ).with_margin(max(turned.values()), JUST_BELOW)
-
-
-def _is_stabilising_fold(one: Special) -> bool:
-    return (one.kind, one.unstable_before, one.unstable_after) == ("LP", 1, 0)
 
 
 def bubbles(ode: Branch) -> Iterator[Verdict]:

@@ -9,7 +9,7 @@ import slipwave
 from validation.studies.claims import measured
 from validation.studies.claims.measured import LARGE_NUDGE, LONGEST, MODELS, SHOWN, Deep, Orbits, Ripples, recurrence, spread
 from validation.study import Budget, Cell, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict, table
-from validation.study.drawing import WIDTH, Drawing, canvas, pen
+from validation.study.drawing import Drawing, pen, subplots
 from validation.study.text import minus
 
 NAME = "claims"
@@ -121,13 +121,11 @@ def _deep_table(deep: dict[str, Deep]) -> Table:
 
 def irregular(deep: dict[str, Deep]) -> Drawing:
     """Stress over time, one panel per model."""
-    figure = canvas(WIDTH, 3.6)
-    grid = figure.subplots(len(deep), 1, sharex=True, sharey=True)
+    figure, grid = subplots(3.6, len(deep), 1, "time (transits)", r"$\mu$", sharex=True, sharey=True)
     for axes, (model, run) in zip(grid, deep.items(), strict=True):
         axes.plot(run.time, run.stress, color=pen(model).color, linewidth=0.7)
         axes.set_title(pen(model).label, fontsize=11)
-        axes.set(ylabel=r"$\mu$", xlim=(run.time[0], run.time[-1]))
-    grid[-1].set_xlabel("time (transits)")
+        axes.set_xlim(run.time[0], run.time[-1])
     return figure
 
 
@@ -135,20 +133,19 @@ def slip_planes(deep: dict[str, Deep]) -> Drawing:
     """Stress over slip rate, one panel per model, with the stress of steady sliding at each rate."""
     law: Any = slipwave.read("paper-2.3").law
     shown = {model: run for model, run in deep.items() if model in ("delay", "kelvin-voigt")}
-    figure = canvas(WIDTH, 3.4)
-    for axes, (model, run) in zip(figure.subplots(1, len(shown), sharex=True, sharey=True), shown.items(), strict=True):
+    figure, panels = subplots(3.4, 1, len(shown), "$v/V^*$", sharex=True, sharey=True)
+    for axes, (model, run) in zip(panels, shown.items(), strict=True):
         axes.semilogx(run.slip_rate, run.stress, color=pen(model).color, linewidth=0.5, label=pen(model).label)
         rate = np.geomspace(run.slip_rate.min(), run.slip_rate.max(), 50)
         axes.semilogx(rate, law.a_star + (law.a - law.b) * np.log(rate), color="#d55e00", linestyle="--", label="steady sliding")
-        axes.set(title=pen(model).label, xlabel="$v/V^*$", ylabel=r"$\mu$")
+        axes.set(title=pen(model).label, ylabel=r"$\mu$")
     axes.legend()
     return figure
 
 
 def returns(deep: dict[str, Deep]) -> Drawing:
     """Periods and stress drops, each over that of the cycle before."""
-    figure = canvas(WIDTH, 3.6)
-    panels = figure.subplots(1, 2)
+    figure, panels = subplots(3.6, 1, 2)
     for axes, name, symbol in zip(panels, ("period", "stress_drop"), ("$T$ (transits)", r"$\Delta\mu$"), strict=True):
         for model, run in deep.items():
             values, look = getattr(run.events, name), pen(model)

@@ -206,7 +206,7 @@ def branch_claims(orbits: Orbits) -> Iterator[Verdict]:
         "P6 The ρh/8 block lies closer to the exact orbit than ρh/12", "perhaps", told, all(closer.values()), "at r = 10^{-2.68}"
     )
     yield order_of_periods(
-        [_ranges(r, [found[model]["period"] for model in MODELS]) for r, found in figures.items()],
+        [_ranges(r, *(found[model]["period"] for model in MODELS)) for r, found in figures.items()],
         "where runs of all four models settle: from just beyond the onset to where the exact orbit loses stability. The paper "
         "claims it for the whole primary branch",
     )
@@ -227,8 +227,7 @@ def branch_claims(orbits: Orbits) -> Iterator[Verdict]:
     )
 
 
-def _ranges(log10_r: float, periods: list[float]) -> PeriodRanges:
-    delay, ode, *blocks = periods
+def _ranges(log10_r: float, delay: float, ode: float, *blocks: float) -> PeriodRanges:
     return PeriodRanges(log10_r, (ode, ode), (delay, delay), (min(blocks), max(blocks)))
 
 

@@ -6,20 +6,10 @@ import numpy as np
 
 from slipwave.observe.pieces import Array
 from validation.measure.order_fit import Fit
-from validation.studies.energy.ledgers import (
-    BOUNDARIES,
-    ENTRIES,
-    HIGH,
-    LADDERS,
-    ORDERS,
-    UNTIL,
-    EnergyRun,
-    history_of,
-    ledger_order,
-    residual_of,
-)
+from validation.studies.energy import ledgers
+from validation.studies.energy.ledgers import BOUNDARIES, ENTRIES, HIGH, LADDERS, ORDERS, UNTIL, EnergyRun
 from validation.study import EXACT, Budget, Cell, Figure, StudyResult, Table, Verdict, claim, stated, table
-from validation.study.drawing import WIDTH, Drawing, canvas, grid_pens
+from validation.study.drawing import Drawing, grid_pens, subplots
 from validation.study.known import of_order
 from validation.study.text import plain
 
@@ -43,10 +33,12 @@ _FLOOR = 1e-16
 
 def run(budget: Budget) -> StudyResult:
     """Measure the residual of every family's ledger, then follow the entries over two cycles."""
-    residuals = {model: np.array([residual_of(model, n) for n in LADDERS[model]]) for model in budget.each(LADDERS, end=0.5)}
-    high = {model: {name: residual_of(model, cells, name) for name in BOUNDARIES} for model, cells in HIGH.items()}
-    shown = {name: history_of(name, 4 if budget.quick else 8) for name in BOUNDARIES}
-    orders = {model: ledger_order(model, residuals[model]) for model in ORDERS}
+    residuals = {
+        model: np.array([ledgers.residual_of(model, n) for n in LADDERS[model]]) for model in budget.each(LADDERS, end=0.5)
+    }
+    high = {model: {name: ledgers.residual_of(model, cells, name) for name in BOUNDARIES} for model, cells in HIGH.items()}
+    shown = {name: ledgers.history_of(name, 4 if budget.quick else 8) for name in BOUNDARIES}
+    orders = {model: ledgers.ledger_order(model, residuals[model]) for model in ORDERS}
     return StudyResult(
         answer=answer(shown, residuals["fd"], orders),
         figures=(Figure("entries", _ENTRIES, lambda: histories(shown)), Figure("closure", _CLOSURE, lambda: closure(residuals))),
@@ -152,17 +144,14 @@ _CLOSURE = (
 
 def histories(shown: Mapping[str, EnergyRun]) -> Drawing:
     """A column per scene: large entries above, small ones below."""
-    figure = canvas(WIDTH, 4.8)
-    grid = figure.subplots(2, len(shown), sharex="col", sharey="row", gridspec_kw={"height_ratios": (2.0, 1.0)})
+    x, y = "time (transits)", r"energy $/\sigma L$"
+    figure, grid = subplots(4.8, 2, len(shown), x, y, sharex="col", sharey="row", height_ratios=(2.0, 1.0))
     for column, (name, history) in zip(grid.T, shown.items(), strict=True):
         for axes, entries in zip(column, (ENTRIES[:3], ENTRIES[3:]), strict=True):
             for entry in entries:
                 color, dashes = _PENS[entry]
                 axes.plot(history.time, history.entries[entry], color=color, linestyle=dashes, label=entry)
         column[0].set_title(name)
-        column[1].set_xlabel("time (transits)")
-    for axes in grid[:, 0]:
-        axes.set_ylabel(r"energy $/\sigma L$")
     handles = [*grid[0, 0].get_lines(), *grid[1, 0].get_lines()]
     figure.legend(handles, ENTRIES, loc="outside upper left", ncols=5, handlelength=3.0)
     return figure
@@ -170,12 +159,10 @@ def histories(shown: Mapping[str, EnergyRun]) -> Drawing:
 
 def closure(residuals: Mapping[str, Array]) -> Drawing:
     """Residuals over cells per slab, a line for each family."""
-    figure = canvas(WIDTH, 3.6)
-    axes = figure.subplots()
+    figure, axes = subplots(3.6, 1, 1, "cells per slab", "residual")
     for model, look in grid_pens(residuals).items():
         shown = np.maximum(residuals[model], _FLOOR)
         axes.loglog(LADDERS[model], shown, color=look.color, marker=look.marker, linestyle=look.dashes, label=model)
-    axes.set(xlabel="cells per slab", ylabel="residual")
     axes.grid(True)
     figure.legend(loc="outside right center")
     return figure

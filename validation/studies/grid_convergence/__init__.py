@@ -9,45 +9,16 @@ import numpy as np
 
 from fullwave.families import FullWave
 from slipwave.observe.pieces import Array
-from validation.measure.grid_ladders import (
-    FLOOR_IN_SPACE,
-    GENTLE,
-    LADDERS,
-    ROUGH,
-    ROUGH_FROM,
-    STEEP,
-    STEEP_FROM,
-    Course,
-    in_space,
-    ladder_of,
-)
+from validation.measure import grid_ladders
+from validation.measure.grid_ladders import FLOOR_IN_SPACE, GENTLE, LADDERS, ROUGH, ROUGH_FROM, STEEP, STEEP_FROM, Course
 from validation.measure.order_fit import FEWEST_DENSE, TREND
 from validation.measure.orders import ALMOST, KNOWN, OUTPUTS, QUANTITIES, RESOLVED, Climb, climb
 from validation.registry.families import GRIDS, grid_of
+from validation.studies.grid_convergence import in_time, orbits
 from validation.studies.grid_convergence.code import code_note, code_table
-from validation.studies.grid_convergence.in_time import (
-    TIME_NOTE,
-    both_marches,
-    delay_reference,
-    time_table,
-    time_verdicts,
-    without_error_in_time,
-)
-from validation.studies.grid_convergence.orbits import (
-    FAMILIES,
-    MEANS_AT,
-    ORBITS_AT,
-    GridOrbit,
-    as_r_grows,
-    finest,
-    grid_orbit_table,
-    grid_orbits,
-    growth_table,
-    growth_verdicts,
-    orbit_verdicts,
-)
+from validation.studies.grid_convergence.in_time import without_error_in_time
 from validation.study import WITNESS, Budget, Cell, Figure, StudyResult, Table, Verdict, holding, stated, table
-from validation.study.drawing import WIDTH, Drawing, canvas, grid_pens, ruled
+from validation.study.drawing import Drawing, grid_pens, ruled, subplots
 from validation.study.text import places, plain, run_time
 
 NAME = "grid-convergence"
@@ -77,26 +48,27 @@ def run(budget: Budget) -> StudyResult:
     """Climb every ladder, fit its orders; then the figure's grids, the grids' own orbits and the error in time."""
     climbs = [climb_of(model) for model in budget.each(judged_models(budget.quick), end=0.7)]
     curves = {model: _curve(model, climbs) for model in (*_DRAWN, *_others(_DRAWN))}
-    families, quick = FAMILIES[budget.quick], budget.quick
-    orbits, beside, marches = grid_orbits(families), as_r_grows(ORBITS_AT[quick], MEANS_AT[quick]), both_marches()
+    families, marches = orbits.FAMILIES[budget.quick], [in_time.marches_of(model) for model in in_time.GRIDS]
+    own = orbits.grid_orbits(families)
+    beside = orbits.as_r_grows(orbits.ORBITS_AT[budget.quick], orbits.MEANS_AT[budget.quick])
     return StudyResult(
-        answer=_answer(climbs, orbits, curves),
+        answer=_answer(climbs, own, curves),
         figures=(Figure("families", _CAPTION, lambda: convergence_and_cost(curves), timed=True),),
         tables=(
             orders_table(climbs, [family for family in GRIDS if not family.ladder]),
             finest_table(climbs),
-            grid_orbit_table(orbits),
-            *([growth_table(beside)] if beside else []),
-            time_table(marches),
+            orbits.grid_orbit_table(own),
+            *([orbits.growth_table(beside)] if beside else []),
+            in_time.time_table(marches),
             code_table(),
         ),
         verdicts=(
             *(order_verdict(climbed) for climbed in climbs),
-            *orbit_verdicts(orbits, families),
-            *growth_verdicts(beside),
-            *time_verdicts(marches),
+            *orbits.orbit_verdicts(own, families),
+            *orbits.growth_verdicts(beside),
+            *in_time.time_verdicts(marches),
         ),
-        notes=(code_note(), TIME_NOTE, *_NOTES),
+        notes=(code_note(), in_time.TIME_NOTE, *_NOTES),
         numbers={
             f"{climbed.ladder.model} order": stated(together.order, together.half_width)
             for climbed in climbs
@@ -119,22 +91,22 @@ def _others(models: Iterable[str]) -> list[str]:
 
 def climb_of(model: str) -> Climb:
     """Errors of the family without error in time, which the leapfrog has."""
-    ladder = in_space(ladder_of(*grid_of(model)))
-    return climb(ladder, delay_reference(ladder.course), without_error_in_time)
+    ladder = grid_ladders.in_space(grid_ladders.ladder_of(*grid_of(model)))
+    return climb(ladder, in_time.delay_reference(ladder.course), without_error_in_time)
 
 
 def _curve(model: str, climbs: list[Climb]) -> tuple[Array, Array, Array]:
     """(points per slab, seconds, error of the state) on the figure's grids; those of its climb, if that was on their scene."""
     course = replace(GENTLE, density=GENTLE.density // _THINNED)
     found = next((one for one in climbs if one.ladder.model == model and one.ladder.course.scene is GENTLE.scene), None)
-    climbed = found or climb(replace(LADDERS[model], course=course), delay_reference(GENTLE), without_error_in_time)
+    climbed = found or climb(replace(LADDERS[model], course=course), in_time.delay_reference(GENTLE), without_error_in_time)
     family, number = grid_of(model)
     shown = slice(None, None, _THINNED if found else 1)
     return climbed.cells[shown] * family.points(number), climbed.seconds[shown], climbed.errors["state"][shown]
 
 
-def _answer(climbs: list[Climb], orbits: list[GridOrbit], curves: Curves) -> str:
-    off = ", ".join(f"{_NAMED[model]} to {plain(error, '.0e')}" for model, error in finest(orbits).items())
+def _answer(climbs: list[Climb], own: list[orbits.GridOrbit], curves: Curves) -> str:
+    off = ", ".join(f"{_NAMED[model]} to {plain(error, '.0e')}" for model, error in orbits.finest(own).items())
     short = sum(bool(climbed.shortfall()) for climbed in climbs)
     orders = "every family tried reaches its order" if not short else f"{short} of {len(climbs)} families miss their order"
     return f"They do: in period and stress drop of their own orbits {off}; {orders}. {_cost(curves)}"
@@ -191,10 +163,9 @@ _NOTES = (
 
 _CAPTION = (
     f"Error of the state (ψ, ln v, μ over the last {GENTLE.window:g} of {GENTLE.until:g} transits, relative to their range) at V "
-    f"= {GENTLE.scene.velocity:g}, log_{{10}} r = {places([GENTLE.log10_r])}, smooth start, against the "
-    "delay system: left over points per slab, "
-    "right over run time; from order 3 on marched exactly in time. Numbers after a family’s name are its order (summation by "
-    "parts) or polynomial degree (finite elements, discontinuous Galerkin)."
+    f"= {GENTLE.scene.velocity:g}, log_{{10}} r = {places([GENTLE.log10_r])}, smooth start, against the delay system: left over "
+    "points per slab, right over run time; from order 3 on marched exactly in time. Numbers after a family’s name are its order "
+    "(summation by parts) or polynomial degree (finite elements, discontinuous Galerkin)."
 )
 
 
@@ -214,12 +185,11 @@ def orders_table(climbs: list[Climb], unjudged: Iterable[FullWave] = ()) -> Tabl
     orders_in = [f"order in {symbol}" if name != "state" else "in the state" for name, symbol in QUANTITIES.items()]
     heading = " | ".join(["family | scene | cells | declared", *orders_in, "all together"])
     caption = (
-        "Fitted orders with their 95 % confidence intervals, rounded up. T, Δμ, Δy, v_{max}: period, stress drop, elastic "
-        "drop and largest rate, errors as root mean squares over all complete cycles; state: ψ, ln v and μ over the last "
-        "transits; all together: geometric mean of the five errors. Cells: grids on which the waves are resolved. Smooth "
-        f"start, V = {GENTLE.scene.velocity:g}; scene s: log_{{10}} r = {_course(GENTLE)}; scene r (rougher, "
-        f"for orders from {ROUGH_FROM:g} on): "
-        f"{_course(ROUGH)}; scene t (steeper still, for orders from {STEEP_FROM:g} on): {_course(STEEP)}."
+        "Fitted orders with their 95 % confidence intervals, rounded up. T, Δμ, Δy, v_{max}: period, stress drop, elastic drop "
+        "and largest rate, errors as root mean squares over all complete cycles; state: ψ, ln v and μ over the last transits; "
+        "all together: geometric mean of the five errors. Cells: grids on which the waves are resolved. Smooth start, V = "
+        f"{GENTLE.scene.velocity:g}; scene s: log_{{10}} r = {_course(GENTLE)}; scene r (rougher, for orders from {ROUGH_FROM:g} "
+        f"on): {_course(ROUGH)}; scene t (steeper still, for orders from {STEEP_FROM:g} on): {_course(STEEP)}."
     )
     return table("orders", caption, heading, rows)
 
@@ -249,17 +219,14 @@ def _scene(climb: Climb) -> str:
 
 def convergence_and_cost(curves: Curves) -> Drawing:
     """Error of the state over points per slab, left, and over run time, right."""
-    figure = canvas(WIDTH, 4.3)
-    left, right = figure.subplots(1, 2, sharey=True)
+    figure, (left, right) = subplots(4.3, 1, 2, "points per slab", "error of the state", sharey=True)
     for model, own in grid_pens(curves).items():
         points, seconds, error = curves[model]
         look = {"color": own.color, "marker": own.marker, "linestyle": own.dashes, "linewidth": 1.1, "markersize": 4}
         shown = np.maximum(error, _FLOOR)
         left.loglog(points, shown, label=own.label, **look)
         right.loglog(1e3 * seconds, shown, **look)
-    left.set_xlabel("points per slab")
     right.set_xlabel("run time (ms)")
-    left.set_ylabel("error of the state")
     ruled(left, right)
     figure.legend(loc="outside upper left", ncols=4, handlelength=3.0)
     return figure

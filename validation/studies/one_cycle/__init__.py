@@ -14,7 +14,7 @@ from validation.references.published import half_digit, reference, reference_orb
 from validation.studies.one_cycle import measured
 from validation.studies.one_cycle.measured import COMPARED, IN_TURN, LOG10_R, AtR, CycleRun, error, verdicts
 from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, stated, table
-from validation.study.drawing import WIDTH, Drawing, canvas, line, pen
+from validation.study.drawing import WIDTH, Drawing, canvas, key, line, pen, subplots
 from validation.study.text import minus, places, plain
 
 NAME = "one-cycle"
@@ -98,11 +98,10 @@ def _number(model: str, name: str, found: Estimate) -> Number:
 
 
 _OVERLAY = (
-    "One stick-slip cycle of the paper’s scene, every model on its own orbit and aligned at its slip event (v has risen "
-    "to half its largest value). Left: the whole cycle; right: a piece of the slow phase, where the echo of the slip event runs "
-    "to and fro, so that stress and rate ripple with a period of one transit "
-    f"({math.pi / math.sqrt(6.0):.2f} in the Kelvin–Voigt ODE, none in the blocks). "
-    "μ: interface stress in units of σ; v: slip rate in units of V*; time in transits of the wave."
+    "One stick-slip cycle of the paper’s scene, every model on its own orbit and aligned at its slip event (v has risen to half "
+    "its largest value). Left: the whole cycle; right: a piece of the slow phase, where the echo of the slip event runs to and "
+    f"fro, so that stress and rate ripple with a period of one transit ({math.pi / math.sqrt(6.0):.2f} in the Kelvin–Voigt ODE, "
+    "none in the blocks). μ: interface stress in units of σ; v: slip rate in units of V*; time in transits of the wave."
 )
 _DAMPED = f"It slides steadily at log_{{10}} r = {places([LOG10_R])} (see its verdict); the last table shows it beyond its onset."
 _PANELS_CAPTION = "Stress μ over the same cycle, model by model, each over the delay system (grey), with the error of its period."
@@ -119,6 +118,7 @@ _GROWTH = (
 _SHOWN = ("delay", "fd", "modal:1", "kelvin-voigt", "block12")
 _PANELS = ("fd", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
 _ZOOM = (46.0, 53.0)
+_SINCE = "time since the slip event (transits)"
 
 
 def _row(runs: dict[str, CycleRun], model: str, quantities: tuple[str, ...]) -> list[Cell]:
@@ -133,9 +133,8 @@ def drops(runs: dict[str, CycleRun]) -> Table:
     heading = f"model | T [transits] .9g | {off} | Δμ [σ] .7f | {off} | Δy [σ] .7f | {off}"
     caption = (
         f"The orbit at log_{{10}} r = {places([LOG10_R])}, by Newton’s method but for the leapfrog’s. T: time from one slip "
-        "event to the next on the transit clock; Δμ: "
-        "largest minus smallest stress; Δy: the same for the elastic stress, y′ = ε (V − v). Errors are relative, against the "
-        "delay system."
+        "event to the next on the transit clock; Δμ: largest minus smallest stress; Δy: the same for the elastic stress, y′ = ε "
+        "(V − v). Errors are relative, against the delay system."
     )
     return table("drops", caption, heading, (_row(runs, model, names) for model in runs), (0,))
 
@@ -165,15 +164,14 @@ def _reference_table(runs: dict[str, CycleRun]) -> Table:
 
 def overlay(cycles: Mapping[str, Cycle]) -> Drawing:
     """Stress and slip rate over the cycle, left, and in the slow phase, right."""
-    figure = canvas(WIDTH, 5.2)
-    grid = figure.subplots(2, 2, sharex="col", gridspec_kw={"width_ratios": (1.9, 1.0)})
+    figure, grid = subplots(5.2, 2, 2, _SINCE, sharex="col", width_ratios=(1.9, 1.0))
     for model in _SHOWN:
         cycle, style = cycles[model], pen(model)
         for row, values in zip(grid, (cycle.stress, cycle.slip_rate), strict=True):
             for axes, share in zip(row, (0.6, 1.0), strict=True):
                 axes.plot(cycle.time, values, **line(model, linewidth=share * style.width))
     for axes in grid[1]:
-        axes.set(yscale="log", xlabel="time since the slip event (transits)")
+        axes.set_yscale("log")
     grid[0, 0].set_ylabel(r"stress $\mu$")
     grid[1, 0].set_ylabel(r"slip rate $v/V^*$")
     for axes in grid[:, 0]:
@@ -202,17 +200,12 @@ def _zoom(column: np.ndarray, exact: Cycle) -> None:
 def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> Drawing:
     """One panel per model, its stress over the delay system's; `errors` of the period, relative, beside its name."""
     exact = cycles["delay"]
-    figure = canvas(WIDTH, 5.2)
-    grid = figure.subplots((len(_PANELS) + 1) // 2, 2, sharex=True, sharey=True)
+    figure, grid = subplots(5.2, (len(_PANELS) + 1) // 2, 2, _SINCE, r"$\mu$", sharex=True, sharey=True)
     for axes, model in zip(grid.flat, _PANELS, strict=True):
         cycle, style = cycles[model], pen(model)
         axes.plot(exact.time, exact.stress, color="#b5b5b0", linewidth=2.4, label=pen("delay").label)
         axes.plot(cycle.time, cycle.stress, color=style.color, linewidth=1.0, label=style.label)
         axes.set_title(f"{style.label}: {_signed(errors[model])}", fontsize=11)
-    for axes in grid[-1]:
-        axes.set_xlabel("time since the slip event (transits)")
-    for axes in grid[:, 0]:
-        axes.set_ylabel(r"$\mu$")
     return figure
 
 
@@ -228,7 +221,7 @@ def ode_orbit(cycle: Cycle) -> Drawing:
     grid["state"].semilogx(cycle.slip_rate, cycle.psi / math.log(10.0), **look)
     grid["stress"].set(ylabel=r"$\mu$, $y$")
     grid["stress"].legend(ncols=2)
-    grid["rate"].set(xlabel="time since the slip event (transits)", ylabel="$v/V^*$")
+    grid["rate"].set(xlabel=_SINCE, ylabel="$v/V^*$")
     grid["plane"].set(xlabel="$v/V^*$", ylabel=r"$\mu$")
     grid["state"].set(xlabel="$v/V^*$", ylabel=r"$\log_{10}\phi$")
     return figure
@@ -258,8 +251,8 @@ def over_r_table(places: Mapping[float, Mapping[str, AtR]]) -> Table:
 
 def cycles_over_r(places: Mapping[float, Mapping[str, AtR]]) -> Drawing:
     """One panel for each r: the elastic stress of the models over a cycle."""
-    figure = canvas(WIDTH, 2.4 * ((len(places) + 1) // 2) + 0.6)
-    grid = figure.subplots((len(places) + 1) // 2, 2, sharex=True, sharey=True, squeeze=False)
+    rows = (len(places) + 1) // 2
+    figure, grid = subplots(2.4 * rows + 0.6, rows, 2, _SINCE, r"$y$ above its least", sharex=True, sharey=True)
     for axes, (log10_r, models) in zip(grid.flat, places.items(), strict=True):
         for model, one in models.items():
             style, share = pen(model), 1.0 if one.cycles == 0 else 0.5
@@ -267,10 +260,6 @@ def cycles_over_r(places: Mapping[float, Mapping[str, AtR]]) -> Drawing:
                 height = cycle.elastic_stress - cycle.elastic_stress.min()
                 axes.plot(cycle.time, height, **line(model, linewidth=share * style.width))
         axes.set_title(rf"$\log_{{10}} r = {log10_r:g}$")
-    for axes in grid[-1]:
-        axes.set_xlabel("time since the slip event (transits)")
-    for axes in grid[:, 0]:
-        axes.set_ylabel(r"$y$ above its least")
-    handles = [grid[0, 0].plot([], [], **line(model))[0] for model in COMPARED]
+    handles = [key(**line(model)) for model in COMPARED]
     figure.legend(handles=handles, loc="outside upper left", ncols=3, handlelength=3.2)
     return figure

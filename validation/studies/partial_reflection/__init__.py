@@ -10,7 +10,7 @@ from slipwave.observe.pieces import Array
 from validation.studies.partial_reflection import measured
 from validation.studies.partial_reflection.measured import HELD, LOG10_R, LOG10_R_BARE, RESTLESS, UNTIL, Pair, Point, locks
 from validation.study import Budget, Figure, Number, StudyResult, Table, table
-from validation.study.drawing import WIDTH, Drawing, canvas
+from validation.study.drawing import Drawing, subplots
 from validation.study.text import plain
 
 NAME = "partial-reflection"
@@ -19,6 +19,11 @@ SCENES = ("paper",)
 SECONDS = (5.0, 12.0)
 
 STIFFNESSES = (1.0, 10.0)
+_LEAKS = {
+    True: (1e-5, 1e-3, 3e-3, 6e-3, 0.02, 0.1, 0.5),
+    False: (1e-5, 1e-4, 3e-4, *(1e-3 * n for n in range(1, 9)), 0.01, 0.02, 0.05, 0.1, 0.15, 0.25, 0.5, 1.0),
+}
+"""By quick or full report: values of 1 - R."""
 _SLOW_LEAKS = (0.05, 0.1, 0.15, 0.25, 0.5)  # 1 - R on both sides of locking
 
 
@@ -30,7 +35,7 @@ def run(budget: Budget) -> StudyResult:
     few = (0.1, 1.0, 10.0) if budget.quick else tuple(grid[::4])
     pairs = [measured.pair_of(k, z, budget.quick) for k in STIFFNESSES for z in few]
     budget.report(0.6)
-    leaks = _leaks(budget.quick)
+    leaks = _LEAKS[budget.quick]
     bare = [measured.orbit_of(measured.bare_scene(leak)) for leak in leaks]
     held = [measured.orbit_of(measured.grip_scene(HELD, 2.0 / leak - 1.0, LOG10_R_BARE)) for leak in leaks]
     ends = [
@@ -61,13 +66,6 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _leaks(quick: bool) -> tuple[float, ...]:
-    """Values of 1 - R."""
-    if quick:
-        return 1e-5, 1e-3, 3e-3, 6e-3, 0.02, 0.1, 0.5
-    return 1e-5, 1e-4, 3e-4, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3, 7e-3, 8e-3, 0.01, 0.02, 0.05, 0.1, 0.15, 0.25, 0.5, 1.0
-
-
 def _answer(leaks: tuple[float, ...], ends: list[str], held: list[Point]) -> str:
     alive, dead = measured.last_alive(leaks, ends)
     kept = sum(not math.isnan(point.period) for point in held)
@@ -79,9 +77,8 @@ def _answer(leaks: tuple[float, ...], ends: list[str], held: list[Point]) -> str
 
 _GRIP = (
     "Period and stress drop over the impedance of grips of two stiffnesses K (in ε a transit), log_{10} r = −2.6. Z_{g} = ε "
-    "absorbs every wave. Lines: delay system, settled (a gap: no cycle). Circles: full wave (discontinuous "
-    f"Galerkin), crosses: delay system, both in the last complete cycle before {UNTIL:.0f} transits, which is not settled "
-    "where cycles are long."
+    "absorbs every wave. Lines: delay system, settled (a gap: no cycle). Circles: full wave (discontinuous Galerkin), crosses: "
+    f"delay system, both in the last complete cycle before {UNTIL:.0f} transits, which is not settled where cycles are long."
 )
 _BARE = (
     "Period, stress drop and largest rate over 1 − R, log_{10} r = −2.66: bare coefficients, which leak the load, and grips of "
@@ -118,8 +115,7 @@ def bare_table(leaks: tuple[float, ...], bare: list[Point], held: list[Point], e
 
 def over_grip(grid: Array, orbits: Mapping[float, Sequence[Any]], pairs: Sequence[Any]) -> Drawing:
     """`orbits`: stiffness -> points (period, drop, v_max) over `grid`; `pairs` hold the full wave's points."""
-    figure = canvas(WIDTH, 3.8)
-    panels = figure.subplots(1, 2)
+    figure, panels = subplots(3.8, 1, 2, r"$Z_g/\epsilon$")
     for (stiffness, points), (color, dashes) in zip(orbits.items(), _LOOKS, strict=True):
         for axes, which in zip(panels, (0, 1), strict=True):
             label = f"delay system, $K = {stiffness:g}$"
@@ -131,7 +127,7 @@ def over_grip(grid: Array, orbits: Mapping[float, Sequence[Any]], pairs: Sequenc
     panels[1].lines[-1].set_label("full wave")
     for axes, name in zip(panels, ("period $T$ (transits)", r"stress drop $\Delta\mu$"), strict=True):
         axes.set_ylim(bottom=0.0)
-        axes.set(ylabel=name, xlabel=r"$Z_g/\epsilon$")
+        axes.set_ylabel(name)
         axes.grid(True)
     lines = [panels[1].lines[0], panels[1].lines[3], panels[1].lines[-1]]
     figure.legend(handles=lines, loc="outside upper left", ncols=3, handlelength=3.0)
@@ -140,10 +136,9 @@ def over_grip(grid: Array, orbits: Mapping[float, Sequence[Any]], pairs: Sequenc
 
 def bare_and_grip(leaks: Array, bare: Sequence[Any], held: Sequence[Any], edge: float) -> Drawing:
     """Points (period, drop, v_max) over `leaks` = 1 - R; the interface locks beyond `edge`."""
-    figure = canvas(WIDTH, 3.4)
-    panels = figure.subplots(1, 3)
-    for which, name in enumerate(("period $T$ (transits)", r"stress drop $\Delta\mu$", r"$v_{max}/V^*$")):
-        axes = panels[which]
+    figure, panels = subplots(3.4, 1, 3, "$1 - R$")
+    names = ("period $T$ (transits)", r"stress drop $\Delta\mu$", r"$v_{max}/V^*$")
+    for which, (axes, name) in enumerate(zip(panels, names, strict=True)):
         for points, (color, dashes), marker, label in zip(
             (bare, held), _LOOKS, ("o", "^"), ("bare coefficient $R$", "grip of the same reflection"), strict=True
         ):
@@ -151,7 +146,7 @@ def bare_and_grip(leaks: Array, bare: Sequence[Any], held: Sequence[Any], edge: 
             axes.semilogx(leaks, values, color=color, linestyle=dashes, marker=marker, markersize=4, label=label)
         axes.axvline(edge, color="#6b6b66", linewidth=0.8, linestyle=(0, (1, 2)))
         axes.set_ylim(bottom=0.0)
-        axes.set(title=name, xlabel="$1 - R$")
+        axes.set_title(name)
         axes.grid(True)
     figure.legend(handles=panels[0].lines[:2], loc="outside upper left", ncols=2, handlelength=3.0)
     return figure

@@ -8,7 +8,7 @@ from validation.studies.period_against_delay.law import MASSES, period_of
 from validation.studies.period_against_delay.measured import WAVES, Periods, known, orbit, order, thick
 from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, table
 from validation.study.branch_drawing import draw_branch, special_keys
-from validation.study.drawing import WIDTH, Drawing, canvas, line, pen, ruled
+from validation.study.drawing import Drawing, key, line, pen, ruled, subplots
 from validation.study.over_r import FAR, Branch, branch_of, scene_at
 
 NAME = "period-against-delay"
@@ -138,8 +138,7 @@ def mean_table(listed: list[Periods]) -> Table:
 
 def periods_over_r(branches: dict[str, Branch], listed: list[Periods], ratios: dict[str, dict[float, float]]) -> Drawing:
     """Left: periods over r. Right: the blocks' over their law, as slabs become thicker."""
-    figure = canvas(WIDTH, 4.6)
-    left, right = figure.subplots(1, 2, width_ratios=(1.7, 1.0))
+    figure, (left, right) = subplots(4.6, 1, 2, r"$\log_{10} r$", "$T$ (transits)", width_ratios=(1.7, 1.0))
     for model, branch in branches.items():
         draw_branch(left, model, branch.corners, "period")
     for model in MASSES:
@@ -155,20 +154,18 @@ def periods_over_r(branches: dict[str, Branch], listed: list[Periods], ratios: d
         left.errorbar(at, values, bars, color=pen(model).color, **_MEAN)
     paper = reference()["paper"]
     left.plot([-2.68, -2.68], [paper["T_ode"], paper["T_dde"]], **_PAPER)
-    left.set(xlabel=r"$\log_{10} r$", ylabel="$T$ (transits)", yscale="log", ylim=(_LOWEST, _HIGHEST))
+    left.set(yscale="log", ylim=(_LOWEST, _HIGHEST))
     left.set_yticks(_TICKS, [str(tick) for tick in _TICKS], minor=False)
     left.minorticks_off()
     right.axhline(1.0, **_LAW)
-    right.set(xlabel=r"$\log_{10} r$", title="$T$ of the blocks over the law")
+    right.set_title("$T$ of the blocks over the law")
     ruled(left, right)
     figure.legend(handles=_keys(), loc="outside upper left", ncols=4, handlelength=2.4)
     return figure
 
 
 def _keys() -> list[Any]:
-    from matplotlib.lines import Line2D
-
-    lines = [Line2D([], [], **line(model)) for model in (*WAVES, *MASSES)]
-    mean = Line2D([], [], marker="o", color="#555555", markerfacecolor="white", linestyle="none", label="mean of a run")
-    law = Line2D([], [], label="law for thick slabs", **_LAW)
-    return [*lines, *special_keys(()), mean, law, Line2D([], [], label="the paper’s values", **_PAPER)]
+    lines = [key(**line(model)) for model in (*WAVES, *MASSES)]
+    mean = key(marker="o", color="#555555", markerfacecolor="white", linestyle="none", label="mean of a run")
+    law = key(label="law for thick slabs", **_LAW)
+    return [*lines, *special_keys(()), mean, law, key(label="the paper’s values", **_PAPER)]

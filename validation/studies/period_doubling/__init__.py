@@ -8,18 +8,9 @@ import numpy as np
 from reduced.continuation.point import OrbitPoint
 from reduced.orbit import PeriodicOrbit
 from slipwave.observe.pieces import Array
-from validation.studies.period_doubling.measured import (
-    AT,
-    NEAR,
-    TOLERANCE,
-    Bubble,
-    Doubled,
-    all_verdicts,
-    bubble,
-    doubled,
-    ends_simple,
-)
-from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, stated, table
+from validation.studies.period_doubling import measured
+from validation.studies.period_doubling.measured import AT, NEAR, TOLERANCE, Bubble, Doubled
+from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, stated, table
 from validation.study.branch_drawing import MARKS
 from validation.study.drawing import WIDTH, Drawing, canvas, line, ruled
 from validation.study.text import places, plain, power
@@ -35,14 +26,14 @@ _PAIRS = ((-2.571, -2.535), (-2.5375, -2.47))
 
 def run(budget: Budget) -> StudyResult:
     """Find both orbits, and follow both branches to the period doublings; then the other pairs."""
-    found = doubled()
+    found = measured.doubled()
     budget.report(0.3)
-    others = [] if budget.quick else [bubble(*ends) for ends in _PAIRS]
+    others = [] if budget.quick else [measured.bubble(*ends) for ends in _PAIRS]
     return StudyResult(
         answer=_answer(found),
         figures=(Figure("planes", _CAPTION, lambda: planes(found, others), paper="Fig 7", carries=("P10 ",)),),
         tables=(orbit_table(found), *([bubble_table(others)] if others else [])),
-        verdicts=(*all_verdicts(found), *map(ends_simple, others)),
+        verdicts=(*measured.all_verdicts(found), *map(measured.ends_simple, others)),
         notes=(_HOW,),
         numbers={
             "T": stated(found.single.orbit.period.value, found.single.orbit.period.error),
@@ -84,15 +75,13 @@ _EVERY = 4  # nodes of a step, of which one is drawn
 
 def orbit_table(found: Doubled) -> Table:
     """Figures and leading multipliers of both orbits."""
-    rows = [_row(name, orbit) for name, orbit in (("single", found.single), ("doubled", found.double))]
+    rows: list[tuple[Cell, ...]] = [
+        (name, *orbit.orbit.values().values(), ", ".join(plain(float(one.real), ".5f") for one in orbit.multipliers.values[:2]))
+        for name, orbit in (("single", found.single), ("doubled", found.double))
+    ]
     heading = "orbit | T [transits] .9f | Δμ [σ] .10f | Δy [σ] .10f | v_{max} [V*] .4f | v_{min} [V*] .8f | multipliers"
     caption = f"Both orbits of the ODE at log_{{10}} r = {places([AT], '.6f')}; relative errors are below {power(TOLERANCE)}."
     return table("orbits", caption, heading, rows)
-
-
-def _row(name: str, orbit: PeriodicOrbit) -> tuple[str | float, ...]:
-    multipliers = ", ".join(plain(float(value.real), ".5f") for value in orbit.multipliers.values[:2])
-    return (name, *orbit.orbit.values().values(), multipliers)
 
 
 def bubble_table(bubbles: Iterable[Bubble]) -> Table:

@@ -10,13 +10,14 @@ from reduced.continuation.branch import Control
 from reduced.orbit.closing import Closed
 from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import count_unstable, floquet
+from validation.branches.points import BranchPoint
 from validation.studies.snaking import measured
 from validation.studies.snaking.measured import Attractor, Run, Side, Sides, coexisting, grows, settles, sides
 from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, memo, table
 from validation.study.branch_drawing import draw_branch, draw_special, special_keys
-from validation.study.drawing import WIDTH, Drawing, canvas, pen, ruled
+from validation.study.drawing import Drawing, pen, ruled, subplots
 from validation.study.drawn import staying
-from validation.study.over_r import COMPARED, Branch, Corner, branch_of, column, parts, scene_at
+from validation.study.over_r import COMPARED, Branch, branch_of, parts, scene_at
 from validation.study.text import minus, plain
 
 NAME = "snaking"
@@ -131,12 +132,12 @@ def _pair_table(branch: Branch) -> Table:
     return table("pairs", "Pairs of folds along the branch; the last column is the growth of T from pair to pair.", heading, rows)
 
 
-def _window_table(corners: list[Corner]) -> Table:
+def _window_table(corners: list[BranchPoint]) -> Table:
     rows = []
     for stable, part in parts(corners):
-        if stable and part[-1].figures["period"] > _LEAST:
-            low, high = sorted([part[0].log10_r, part[-1].log10_r])
-            rows.append((part[0].figures["period"], part[-1].figures["period"], low, high, high - low))
+        if stable and part[-1].period > _LEAST:
+            low, high = sorted([part[0].value, part[-1].value])
+            rows.append((part[0].period, part[-1].period, low, high, high - low))
     heading = "T from [transits] .4f | to [transits] .4f | log_{10} r from .7f | to .7f | width [log_{10} r] .2e"
     return table("windows", "Parts of the branch with stable orbits, in order along the branch.", heading, rows)
 
@@ -196,8 +197,8 @@ def _reappearance_table(closed: Closed, residuals: Mapping[int, float]) -> Table
 def orbits_along(branch: Branch) -> Drawing:
     """The stress of some orbits in order along the branch, each raised by `_RAISED`."""
     points = [point for point in branch.points if point.closed.cycle.period > _LEAST]
-    figure = canvas(WIDTH, 6.0)
-    axes = figure.add_subplot()
+    raised = rf"$\mu$, each orbit {_RAISED:g} above the one before"
+    figure, axes = subplots(6.0, 1, 1, "time since the slip event (transits)", raised)
     for k, n in enumerate(np.linspace(0, len(points) - 1, _ALONG).astype(int)):
         closed = points[n].closed
         cycle = memo.cycle_of(closed, 0.0, 0.0)
@@ -206,24 +207,21 @@ def orbits_along(branch: Branch) -> Drawing:
         stable = count_unstable(closed) == 0
         look: Any = {"linestyle": "-" if stable else (0, (1.5, 1.2)), "linewidth": 0.8, "label": label}
         axes.plot(cycle.time[chosen], cycle.stress[chosen] + _RAISED * k, color=pen("delay").color, **look)
-    axes.set(xlabel="time since the slip event (transits)", ylabel=rf"$\mu$, each orbit {_RAISED:g} above the one before")
     return figure
 
 
 def snake(branch: Branch, runs: Iterable[Run]) -> Drawing:
     """T over log10 r, with the periods of direct runs; beside it the number of unstable multipliers."""
-    corners = [corner for corner in branch.corners if corner.figures["period"] > _LEAST]
-    figure = canvas(WIDTH, 6.4)
-    left, right = figure.subplots(1, 2, sharey=True, width_ratios=(4.0, 1.0))
+    corners = [corner for corner in branch.corners if corner.period > _LEAST]
+    figure, (left, right) = subplots(6.4, 1, 2, r"$\log_{10} r$", "$T$ (transits)", sharey=True, width_ratios=(4.0, 1.0))
     draw_branch(left, branch.model, corners, "period")
     draw_special(left, branch, "period")
     for run in runs:
         middle = 0.5 * (run.last.min() + run.last.max())
         left.errorbar([run.log10_r], [middle], [0.5 * np.ptp(run.last)], marker="o" if run.settled else "", **_RUNS)
-    period, r = column(corners, lambda one: one.figures["period"]), column(corners, lambda one: one.log10_r)
-    left.set(xlabel=r"$\log_{10} r$", ylabel="$T$ (transits)", ylim=(_LEAST, period.max()))
-    left.set_xlim(r.min() - 0.002, r.max() + 0.002)
-    right.step(column(corners, lambda one: float(one.unstable)), period, color="#111111", linewidth=1.0, where="pre")
+    period, r = [one.period for one in corners], [one.value for one in corners]
+    left.set(ylim=(_LEAST, max(period)), xlim=(min(r) - 0.002, max(r) + 0.002))
+    right.step([one.unstable for one in corners], period, color="#111111", linewidth=1.0, where="pre")
     right.set(xlabel="count outside", xticks=(0, 1, 2))
     ruled(left, right)
     handles = [*special_keys(("LP", "NS")), *left.containers[:1]]

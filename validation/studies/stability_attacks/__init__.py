@@ -1,34 +1,12 @@
 """Attacks on the full wave: steps past the limit, stiff friction, extreme scenes, noise at the grid scale."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import count
+from collections.abc import Mapping
 
 from validation.registry.families import grid_of
-from validation.studies.stability_attacks.limits import (
-    AROUND,
-    BEYOND,
-    MEDIA,
-    SOFT_AND_STIFF,
-    STEPS,
-    around_the_limit,
-    limit_at,
-    state_reach,
-    step_per_cell,
-    stops_beyond,
-)
-from validation.studies.stability_attacks.limits import CELLS as COARSE
-from validation.studies.stability_attacks.runs import (
-    ADVISED,
-    ATTACKS,
-    CELLS,
-    MOMENTS,
-    AttackOutcome,
-    Cure,
-    advised,
-    attack,
-    locked_noise,
-)
+from validation.studies.stability_attacks import limits, runs
+from validation.studies.stability_attacks.limits import AROUND, BEYOND, MEDIA, SOFT_AND_STIFF, STEPS
+from validation.studies.stability_attacks.runs import ADVISED, ATTACKS, CELLS, MOMENTS, AttackOutcome, Cure
 from validation.study import (
     EXACT,
     WITNESS,
@@ -76,25 +54,17 @@ def run(budget: Budget) -> StudyResult:
     """Step limits over eight decades of stiffness and over media, extreme scenes, and noise in a locked slab."""
     decades, few = (_QUICK_DECADES if budget.quick else _FULL_DECADES), (_QUICK_MEDIA if budget.quick else MEDIA)
     transits, late = 1e3 if budget.quick else 2e4, not budget.quick
-    done, total = count(1), 4 * len(CELLS) + len(ATTACKS)
-
-    def each(names: Iterable[str]) -> Iterator[str]:
-        """The names; the share of all parts that are done is reported after each."""
-        for name in names:
-            yield name
-            budget.report(next(done) / total)
-
-    limits = {model: {decade: limit_at(model, decade) for decade in decades} for model in each(CELLS)}
-    media = {medium: {model: around_the_limit(model, medium) for model in CELLS} for medium in few}
-    reach = {model: state_reach(model) for model in each(CELLS)}
-    stopped = {model: stops_beyond(model, BEYOND) for model in each(CELLS)}
-    attacks = {name: attack(name, late) for name in each(ATTACKS)}
-    advice = {model: advised(model) for model in (_ADVISED if budget.quick else CELLS)}
-    noise = {model: locked_noise(model, transits) for model in each(CELLS)}
+    steps = {model: {decade: limits.limit_at(model, decade) for decade in decades} for model in budget.each(CELLS, 0.2)}
+    media = {medium: {model: limits.around_the_limit(model, medium) for model in CELLS} for medium in few}
+    reach = {model: limits.state_reach(model) for model in budget.each(CELLS, 0.4, 0.2)}
+    stopped = {model: limits.stops_beyond(model, BEYOND) for model in budget.each(CELLS, 0.6, 0.4)}
+    attacks = {name: runs.attack(name, late) for name in budget.each(ATTACKS, 0.8, 0.6)}
+    advice = {model: runs.advised(model) for model in (_ADVISED if budget.quick else CELLS)}
+    noise = {model: runs.locked_noise(model, transits) for model in budget.each(CELLS, 1.0, 0.8)}
     return StudyResult(
-        answer=answer(limits, attacks, noise),
+        answer=answer(steps, attacks, noise),
         tables=(
-            _limit_table(limits, reach),
+            _limit_table(steps, reach),
             _medium_table(media),
             _attack_table(attacks, late),
             *_message_table(attacks),
@@ -102,7 +72,7 @@ def run(budget: Budget) -> StudyResult:
             _noise_table(noise, transits),
         ),
         verdicts=(
-            limit_verdict(limits),
+            limit_verdict(steps),
             medium_verdict(media),
             state_verdict(reach),
             stop_verdict(stopped),
@@ -114,13 +84,13 @@ def run(budget: Budget) -> StudyResult:
             "Users cannot pass the limit: cfl beyond 1 is refused before a run begins. The runs of the first two tables "
             "set their steps inside the solvers.",
         ),
-        numbers={f"limit of {model}": Number(shares[decades[-1]], _SHARP) for model, shares in limits.items()},
+        numbers={f"limit of {model}": Number(shares[decades[-1]], _SHARP) for model, shares in steps.items()},
     )
 
 
-def answer(limits: Mapping[str, Mapping[int, float]], attacks: Outcomes, noise: Mapping[str, float]) -> str:
+def answer(shares_of: Mapping[str, Mapping[int, float]], attacks: Outcomes, noise: Mapping[str, float]) -> str:
     """One sentence with the figures that matter."""
-    stiff = [value for shares in limits.values() for decade, value in shares.items() if decade > 0]
+    stiff = [value for shares in shares_of.values() for decade, value in shares.items() if decade > 0]
     outcomes = [(name, outcome) for name, by_family in attacks.items() for outcome in by_family.values()]
     silent = sum(outcome.silently_wrong(*ATTACKS[name].right) for name, outcome in outcomes)
     stopped = sum(bool(outcome.message) for _, outcome in outcomes)
@@ -131,12 +101,12 @@ def answer(limits: Mapping[str, Mapping[int, float]], attacks: Outcomes, noise: 
     )
 
 
-def limit_verdict(limits: Mapping[str, Mapping[int, float]]) -> Verdict:
+def limit_verdict(shares_of: Mapping[str, Mapping[int, float]]) -> Verdict:
     """Whether the limit stays where stiffness moves."""
-    pairs = [(value, decade) for shares in limits.values() for decade, value in shares.items()]
+    pairs = [(value, decade) for shares in shares_of.values() for decade, value in shares.items()]
     returning, (values, decades) = [value for value, decade in pairs if decade != 0], zip(*pairs, strict=True)
     where = (
-        f"largest stable step over the declared one, {len(limits)} families, a/v from 10^{{{min(decades)}}} to "
+        f"largest stable step over the declared one, {len(shares_of)} families, a/v from 10^{{{min(decades)}}} to "
         f"10^{{{max(decades)}}} times Z; where friction absorbs the waves (a/v = Z) up to {max(values):.2f}"
     )
     ends, title = (1.0 - _SHARP, 1.0 + _SHARP), "The step limit does not move with the stiffness of friction"
@@ -228,18 +198,23 @@ def noise_verdict(noise: Mapping[str, float], transits: float) -> Verdict:
     ).with_margin(max(abs(noise["fd"] - 1.0) / _SWINGS, others[worst]), 1.0)
 
 
-def _limit_table(limits: Mapping[str, Mapping[int, float]], reach: Mapping[str, float]) -> Table:
+def _limit_table(shares_of: Mapping[str, Mapping[int, float]], reach: Mapping[str, float]) -> Table:
     rows = (
-        (model, COARSE[model], step_per_cell(model), *shares.values(), reach[model] if math.isfinite(reach[model]) else "none")
-        for model, shares in limits.items()
+        (
+            model,
+            limits.CELLS[model],
+            limits.step_per_cell(model),
+            *shares.values(),
+            reach[model] if math.isfinite(reach[model]) else "none",
+        )
+        for model, shares in shares_of.items()
     )
-    stiffness = [f"10^{{{decade}}} .2f" for decade in next(iter(limits.values()))]
+    stiffness = [f"10^{{{decade}}} .2f" for decade in next(iter(shares_of.values()))]
     heading = " | ".join(["family | cells [a slab] .0f | c Δt / cell [at cfl 1] .4f", *stiffness, "Δt r V [state] .2f"])
     caption = (
         "Largest stable step over the declared one (cfl 1), by bisection to 1 per cent, against a/v in units of Z, the impedance "
-        "of the interface. With a stable step, noise at the grid scale does not grow a hundredfold in "
-        f"{STEPS} steps. Friction is "
-        "F = a ln v and sliding is steady, so that all growth comes from the scheme; at 10^{0} the interface absorbs waves, "
+        f"of the interface. With a stable step, noise at the grid scale does not grow a hundredfold in {STEPS} steps. Friction "
+        "is F = a ln v and sliding is steady, so that all growth comes from the scheme; at 10^{0} the interface absorbs waves, "
         "which allows discontinuous elements longer steps. The last column is a limit that does not depend on waves or "
         "stiffness: ψ relaxes r V times in a transit, and all but the leapfrog step it explicitly; shown is the longest stable "
         "step times that rate, to 1 per cent. Solvers respect it in steady sliding and end with a message where an event exceeds "
@@ -283,10 +258,9 @@ def _attack_table(attacks: Outcomes, late: bool) -> Table:
     )
     cells = ", ".join(f"{model} {size}" for model, size in CELLS.items())
     caption = (
-        f"Largest difference of ψ from the delay system’s at {places(MOMENTS)} transits of the upper slab"
-        f"{ending}. Smooth start of the paper’s scene unless stated otherwise. *message*: the run was refused or ended with the "
-        "words in a table below. Cells of the faster slab: "
-        f"{cells}."
+        f"Largest difference of ψ from the delay system’s at {places(MOMENTS)} transits of the upper slab{ending}. Smooth start "
+        "of the paper’s scene unless stated otherwise. *message*: the run was refused or ended with the words in a table below. "
+        f"Cells of the faster slab: {cells}."
     )
     return table("attacks", caption, " | ".join(["attack", "until [t] .0f", *CELLS]), rows)
 
@@ -322,5 +296,5 @@ def _noise_table(noise: Mapping[str, float], transits: float) -> Table:
         "transits over its mean in the first ten. Leapfrog conserves it; the others dissipate what their grids cannot resolve. "
         "The test suite’s slow part goes on to 10^{6} transits."
     )
-    rows = ((model, COARSE[model], ratio) for model, ratio in noise.items())
+    rows = ((model, limits.CELLS[model], ratio) for model, ratio in noise.items())
     return table("noise", caption, "family | cells [a slab] .0f | energy left .6g", rows)

@@ -7,22 +7,14 @@ import numpy as np
 
 import slipwave
 from reduced.impedance import impedance
-from reduced.stability import (
-    Boundary,
-    FrictionSlopes,
-    Stability,
-    analyse,
-    boundary,
-    critical_round_trip,
-    friction_slopes,
-    with_parameter,
-)
+from reduced.parameters import with_parameter
+from reduced.stability import Boundary, FrictionSlopes, Stability, analyse, boundary, critical_round_trip, friction_slopes
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.studies.stability_boundaries import measured
 from validation.studies.stability_boundaries.measured import TRACED, Curves
 from validation.study import Budget, Figure, Number, StudyResult, Table, table
-from validation.study.drawing import WIDTH, Drawing, canvas, line, pen
+from validation.study.drawing import WIDTH, Drawing, canvas, line, pen, subplots
 from validation.study.text import plain
 
 NAME = "stability-boundaries"
@@ -80,9 +72,8 @@ def _answer(curves: Curves, onsets: dict[str, tuple[float, float]]) -> str:
     below = float(np.abs(curves.error[curves.velocity <= 1e3]).max())
     return (
         "Stick-slip begins where the impedance of the slabs cancels that of friction. This can be computed for every model "
-        "without running it. The paper’s ODE misses the exact r_{c} by "
-        f"{plain(abs(here), '.0e')} at V = 100, by {plain(below, '.1e')} at V = "
-        f"10^{{3}} and by {100 * abs(float(curves.error[-1])):.0f} % at V = 10^{{4}}."
+        f"without running it. The paper’s ODE misses the exact r_{{c}} by {plain(abs(here), '.0e')} at V = 100, by "
+        f"{plain(below, '.1e')} at V = 10^{{3}} and by {100 * abs(float(curves.error[-1])):.0f} % at V = 10^{{4}}."
     )
 
 
@@ -177,14 +168,12 @@ def scene_table(found: dict[str, Stability]) -> Table:
 
 def critical_curves(velocity: Array, delay: Array, kelvin_voigt: Array) -> Drawing:
     """The paper's Fig 2: r_c over V, and the relative error of the Kelvin-Voigt system's."""
-    figure = canvas(WIDTH, 3.1)
-    left, right = figure.subplots(1, 2)
+    figure, (left, right) = subplots(3.1, 1, 2, "$V/V^*$", "$r_c$")
     for model, values in (("delay", delay), ("kelvin-voigt", kelvin_voigt)):
         left.loglog(velocity, values, **line(model, linestyle="-" if model == "delay" else (0, (5, 2))))
-    left.set(xlabel="$V/V^*$", ylabel="$r_c$")
     left.legend()
     right.loglog(velocity, np.abs(kelvin_voigt / delay - 1.0), color=pen("kelvin-voigt").color)
-    right.set(xlabel="$V/V^*$", ylabel="relative error of $r_c$")
+    right.set_ylabel("relative error of $r_c$")
     right.axhline(0.1, color="#b5b5b0", linewidth=0.8, linestyle=(0, (2, 2)))
     right.text(1.3, 0.12, "10 %", color="#6b6b66")
     return figure
@@ -192,8 +181,7 @@ def critical_curves(velocity: Array, delay: Array, kelvin_voigt: Array) -> Drawi
 
 def planes(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: Scene) -> Drawing:
     """The paper's Fig 3: both systems' boundaries, traced (marks) and in closed form (lines)."""
-    figure = canvas(WIDTH, 4.0)
-    axes = figure.add_subplot()
+    figure, axes = subplots(4.0, 1, 1, "$r$", r"$\epsilon$")
     r = np.geomspace(10**-3.2, 10**-0.75, 4000)
     for model, function in TRACED.items():
         style = pen(model)
@@ -209,7 +197,7 @@ def planes(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, pap
         axes.text(np.sqrt(square) / slopes.omega_c, 1.6e-6, name, ha="right", rotation=90, va="bottom", color="#6b6b66")
     axes.text(1.0e-3, 2e-3, "steady sliding stable")
     axes.text(6e-3, 4e-6, "unstable")
-    axes.set(xlim=(r[0], r[-1]), ylim=(1e-6, 0.1), xlabel="$r$", ylabel=r"$\epsilon$")
+    axes.set(xlim=(r[0], r[-1]), ylim=(1e-6, 0.1))
     axes.legend(loc="upper left")
     return figure
 
@@ -239,8 +227,7 @@ def impedances(paper: Scene) -> Drawing:
 
 def spectra(found: Mapping[str, Stability], transit: float) -> Drawing:
     """Leading roots of several models in the upper half of the complex plane, per transit."""
-    figure = canvas(WIDTH, 3.2)
-    axes = figure.add_subplot()
+    figure, axes = subplots(3.2, 1, 1, "Re $s$ (per transit)", "Im $s$ (per transit)")
     for size, (model, stability) in zip((7.0, 7.0, 10.0, 9.0, 12.0), found.items(), strict=True):
         style = pen(model)
         roots = np.array([root for root in stability.leading_roots if root.imag > 0.0]) * transit
@@ -252,6 +239,5 @@ def spectra(found: Mapping[str, Stability], transit: float) -> Drawing:
     axes.axvline(0.0, color="#b5b5b0", linewidth=0.8)
     axes.set_ylim(-0.7, 14.0)
     axes.set_yticks([0.0, 2 * np.pi, 4 * np.pi], ["0", r"$2\pi$", r"$4\pi$"])
-    axes.set(xlabel="Re $s$ (per transit)", ylabel="Im $s$ (per transit)")
     axes.legend(loc="center")
     return figure

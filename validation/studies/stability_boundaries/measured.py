@@ -11,19 +11,10 @@ import numpy as np
 import slipwave
 from reduced import closed_forms
 from reduced.impedance import check_passivity, taylor_poles
-from reduced.stability import (
-    Boundary,
-    FrictionSlopes,
-    Stability,
-    analyse,
-    characteristic,
-    critical_round_trip,
-    follow_root,
-    friction_slopes,
-    scaled,
-    unstable_count,
-    with_parameter,
-)
+from reduced.parameters import scaled, with_parameter
+from reduced.stability import Boundary, FrictionSlopes, Stability, analyse, critical_round_trip, friction_slopes
+from reduced.stability.characteristic import characteristic
+from reduced.stability.spectrum import follow_root, unstable_count
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.study import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, every, holding, of_paper
@@ -50,15 +41,12 @@ class Curves(NamedTuple):
 
 def critical_over_velocity(paper: Scene, velocities: Array) -> Curves:
     """r_c(V) of the delay and the Kelvin-Voigt system from their impedance, compared with (39) and (27)."""
-    computed: dict[str, list[float]] = {"delay": [], "kelvin-voigt": []}
-    gap = 0.0
-    for velocity in velocities:
-        driven, slopes = scaled(paper, velocity=float(velocity)), friction_slopes(paper.law, float(velocity))
-        for model, closed in (("delay", closed_forms.delay_r), ("kelvin-voigt", closed_forms.kelvin_voigt_r)):
-            r_c, _ = critical_round_trip(driven, model)
-            gap = max(gap, abs(r_c / closed(slopes, paper.upper.epsilon) - 1.0))
-            computed[model].append(r_c)
-    return Curves(velocities, np.array(computed["delay"]), np.array(computed["kelvin-voigt"]), gap)
+    forms = {"delay": closed_forms.delay_r, "kelvin-voigt": closed_forms.kelvin_voigt_r}
+    every, epsilon = velocities.tolist(), paper.upper.epsilon
+    found = [[critical_round_trip(scaled(paper, velocity=v), model)[0] for v in every] for model in forms]
+    known = [[closed(friction_slopes(paper.law, v), epsilon) for v in every] for closed in forms.values()]
+    delay, kelvin_voigt = np.array(found)
+    return Curves(velocities, delay, kelvin_voigt, float(np.abs(np.array(found) / known - 1.0).max()))
 
 
 _ROUNDING = 2e-14  # relative
@@ -140,22 +128,24 @@ def thin_slabs(slopes: FrictionSlopes) -> Verdict:
     )
 
 
-def _beside(paper: Scene, model: str, curve: Boundary) -> tuple[int, int]:
-    """Growing roots just above and below the middle of a boundary."""
+def _around(scene: Scene, model: str, name: str, value: float, step: float) -> list[int]:
+    """The certified count of growing roots a step below and beyond a value of a parameter."""
+    scenes = (with_parameter(scene, name, value + shift) for shift in (-step, step))
+    return [unstable_count(characteristic(one, model)) for one in scenes]
+
+
+def _beside(paper: Scene, model: str, curve: Boundary) -> list[int]:
+    """The counts around the middle of a boundary."""
     middle = len(curve.first) // 2
     at = with_parameter(paper, "log10_r", float(curve.first[middle]))
-    above, below = (with_parameter(at, "log10_epsilon", float(curve.second[middle]) + shift) for shift in (1e-3, -1e-3))
-    return unstable_count(characteristic(above, model)), unstable_count(characteristic(below, model))
+    return _around(at, model, "log10_epsilon", float(curve.second[middle]), 1e-3)
 
 
 def crossed(paper: Scene, onsets: Mapping[str, tuple[float, float]], found: Mapping[str, Stability]) -> Verdict:
     """The certified count of growing roots just below and beyond every onset, which the onset was found without."""
     places = {f"`{model}`": (paper, model, math.log10(r)) for model, (r, _) in onsets.items()}
     places |= {name: (slipwave.read(name), "delay", one.log10_r_c) for name, one in found.items() if math.isfinite(one.log10_r_c)}
-    counts = {
-        name: [unstable_count(characteristic(with_parameter(scene, "log10_r", at + step), model)) for step in (-_STEP, _STEP)]
-        for name, (scene, model, at) in places.items()
-    }
+    counts = {name: _around(scene, model, "log10_r", at, _STEP) for name, (scene, model, at) in places.items()}
     wrong = [name for name, (below, beyond) in counts.items() if beyond - below != 2]
     title, beside = "Beyond every onset a pair of roots grows that decays below it", f"certified count {plain(_STEP, '.0e')} in"
     remark = f"{beside} log_{{10}} r on both sides" + (f"; not so: {', '.join(wrong)}" if wrong else "")

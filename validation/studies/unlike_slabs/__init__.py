@@ -26,7 +26,7 @@ from validation.study import (
     in_range,
     table,
 )
-from validation.study.drawing import WIDTH, Drawing, canvas
+from validation.study.drawing import Drawing, subplots
 from validation.study.text import plain, power, run_time
 from validation.timing import UNLIKE_R
 
@@ -51,17 +51,21 @@ _LIMITS = {
     **{(model, "commensurate"): 1.1 * _CELLS_RATIO for model in ("dg:7", "dg:7, finer", "fd")},
 }
 _TITLES = {"unlike": "round trips 2 : 1", "unlike-irrational": r"round trips $\sqrt{2}$ : 1"}
+_GRIDS = {
+    True: (("dg:7", 4, None), ("sbp:6", 48, None), ("fem:4", 8, None), ("fd", 96, 0.5), ("fd", 192, 0.5)),
+    False: (("dg:7", 6, None), ("sbp:6", 96, None), ("fem:4", 12, None), ("fd", 192, 0.5), ("fd", 384, 0.5)),
+}
+"""By quick or full report: models, cells a slab and Courant numbers."""
 _HIGH = ("dg:7", "sbp:6", "fem:4")
 
 
 def run(budget: Budget) -> StudyResult:
     """March both scenes with every family, then time alike against unlike slabs."""
-    grids = _grids(budget.quick)
     runs: dict[str, list[PairRun]] = {}
     for name in budget.each(_PAIRS, end=0.9):
         scene = slipwave.read(name)
         runs[name] = [march_pair(scene, "delay")]
-        for model, cells, cfl in grids:
+        for model, cells, cfl in _GRIDS[budget.quick]:
             runs[name].append(march_pair(scene, model, cells, cfl))
     timed = costs(repeats=5 if budget.quick else 9)
     shown = {name: (pair_runs[0].cycle, pair_runs[1].cycle) for name, pair_runs in runs.items()}
@@ -71,9 +75,8 @@ def run(budget: Budget) -> StudyResult:
         tables=(_table(runs), cost_table(timed)),
         verdicts=(*_agreements(runs), *_families(runs), *_leapfrog(runs), *cost_verdicts(timed)),
         notes=(
-            f"Neither scene has settled at {UNTIL:.0f} transits. The last complete cycle is compared as it is, at "
-            "the same time of every "
-            "model’s run.",
+            f"Neither scene has settled at {UNTIL:.0f} transits. The last complete cycle is compared as it is, at the same time "
+            "of every model’s run.",
             "The full wave marches two slabs where the alike pair needs one, and the longer slab of the commensurate pair has "
             "twice the cells: three times the work. Run times on a busy machine prove nothing, so a ratio that is not reached is "
             "a finding.",
@@ -83,20 +86,13 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _grids(quick: bool) -> tuple[tuple[str, int, float | None], ...]:
-    if quick:
-        return ("dg:7", 4, None), ("sbp:6", 48, None), ("fem:4", 8, None), ("fd", 96, 0.5), ("fd", 192, 0.5)
-    return ("dg:7", 6, None), ("sbp:6", 96, None), ("fem:4", 12, None), ("fd", 192, 0.5), ("fd", 384, 0.5)
-
-
 def _answer(runs: dict[str, list[PairRun]], timed: Costs) -> str:
     worst, delay = max(abs(pair_runs[1].differs(pair_runs[0])["psi"]) for pair_runs in runs.values()), timed["delay"]
     return (
         f"{'They do' if worst < _PROMISED else 'No'}: after {UNTIL:.0f} transits ψ of the delay network and of discontinuous "
-        "Galerkin differ by "
-        f"{plain(worst, '.0e')} at most. A transit of unlike slabs takes the delay system "
-        f"{_times(delay['commensurate'] / delay['alike'])} "
-        f"as long as one of alike slabs, {_times(delay['irrational'] / delay['alike'])} where echoes never coincide."
+        f"Galerkin differ by {plain(worst, '.0e')} at most. A transit of unlike slabs takes the delay system "
+        f"{_times(delay['commensurate'] / delay['alike'])} as long as one of alike slabs, "
+        f"{_times(delay['irrational'] / delay['alike'])} where echoes never coincide."
     )
 
 
@@ -115,10 +111,9 @@ def _table(runs: dict[str, list[PairRun]]) -> Table:
     differences_in = [f"difference in {symbol} [{unit}] .0e" for symbol, unit in symbols.items()]
     heading = " | ".join([f"ratio | model | cells [a slab] .0f | ψ({UNTIL:.0f}) .12g", *differences_in])
     caption = (
-        f"Friction state ψ = ln φ after {UNTIL:.0f} transits of the upper slab from the smooth start, and differences from "
-        f"the delay system (tolerance {power(TOLERANCE)}) in ψ and in period T, stress drop Δμ and largest "
-        "rate v_{max} of the last "
-        "complete cycle. Lower slab: round trip 2 or √2 times the upper one’s, impedance 3 times."
+        f"Friction state ψ = ln φ after {UNTIL:.0f} transits of the upper slab from the smooth start, and differences from the "
+        f"delay system (tolerance {power(TOLERANCE)}) in ψ and in period T, stress drop Δμ and largest rate v_{{max}} of the "
+        "last complete cycle. Lower slab: round trip 2 or √2 times the upper one’s, impedance 3 times."
     )
     return table("differences", caption, heading, rows, (i for i, row in enumerate(rows) if row[1] == "delay"))
 
@@ -193,18 +188,16 @@ def cost_verdicts(found: Costs) -> Iterator[Verdict]:
 
 
 _CAPTION = (
-    f"The last complete cycle before {UNTIL:.0f} transits of two unlike pairs: stress μ, slip rate v in units of V*. "
-    "Line: delay system; circles: discontinuous Galerkin, degree 7, at the same moments of its own run; "
-    "t = 0 where v has risen to "
-    "half its largest value. The lower slab has three times the upper "
-    "one’s impedance and twice (left) or √2 times (right) its round trip; time in transits of the upper slab."
+    f"The last complete cycle before {UNTIL:.0f} transits of two unlike pairs: stress μ, slip rate v in units of V*. Line: delay "
+    "system; circles: discontinuous Galerkin, degree 7, at the same moments of its own run; t = 0 where v has risen to half its "
+    "largest value. The lower slab has three times the upper one’s impedance and twice (left) or √2 times (right) its round "
+    "trip; time in transits of the upper slab."
 )
 
 
 def last_cycles(shown: Mapping[str, tuple[Cycle, Cycle]]) -> Drawing:
     """Columns: scenes; rows: stress and rate. Each entry holds (delay, full wave)."""
-    figure = canvas(WIDTH, 4.8)
-    grid = figure.subplots(2, len(shown), sharex="col", sharey="row", squeeze=False)
+    figure, grid = subplots(4.8, 2, len(shown), "time since the slip event (transits)", sharex="col", sharey="row")
     for column, (pair, (exact, wave)) in zip(grid.T, shown.items(), strict=True):
         places = _spread(wave.time, wave.slip_rate)
         look = {"color": "#d55e00", "markersize": 3.6, "markerfacecolor": "none", "label": "full wave"}
@@ -212,7 +205,7 @@ def last_cycles(shown: Mapping[str, tuple[Cycle, Cycle]]) -> Drawing:
             axes.plot(exact.time, getattr(exact, name), color="#111111", linewidth=1.2, label="delay system")
             axes.plot(wave.time[places], getattr(wave, name)[places], "o", **look)
         column[0].set_title(_TITLES[pair])
-        column[1].set(yscale="log", xlabel="time since the slip event (transits)")
+        column[1].set_yscale("log")
     grid[0, 0].set_ylabel(r"stress $\mu$")
     grid[1, 0].set_ylabel(r"slip rate $v/V^*$")
     figure.legend(handles=grid[0, 0].get_lines(), loc="outside upper left", ncols=2)

@@ -1,13 +1,14 @@
 """Every model from the onset to where the motion is irregular: errors, regimes, costs; what to use and what to avoid."""
 
+from typing import Any
+
 import numpy as np
 
-from slipwave.observe.statistics import Estimate
 from validation.studies.which_model import measured
-from validation.studies.which_model.measured import DAMPED, MODELS, SHOWN, WAVE, Runs, error, onset_of_exact
+from validation.studies.which_model.measured import DAMPED, MODELS, SHOWN, WAVE, Runs, error, log10_onsets
 from validation.study import Budget, Figure, Number, Omission, StudyResult, stated
 from validation.study.compared import Sight, compared_table, relative_costs
-from validation.study.drawing import WIDTH, Axes, Drawing, canvas, line, pen, ruled
+from validation.study.drawing import WIDTH, Drawing, line, pen, ruled, subplots
 from validation.study.memo import cycle_of, own_orbit
 from validation.study.model_table import ModelTable
 from validation.study.over_r import begun_at, scene_at
@@ -64,7 +65,8 @@ def run(budget: Budget) -> StudyResult:
 
 def the_table(regimes: measured.ByModel, grid: tuple[float, ...], rounds: int) -> ModelTable:
     """The table of the first screen."""
-    sights = [Sight(places([x], ".2f"), scene_at(x), 10.0 ** (x - onset_of_exact()), f"--set slab.log10_r={x:g}") for x in grid]
+    exact, _ = log10_onsets()
+    sights = [Sight(places([x], ".2f"), scene_at(x), 10.0 ** (x - exact), f"--set slab.log10_r={x:g}") for x in grid]
     costs = {places([x], ".2f"): costs_at(x, rounds) for x in _COSTED}
     return compared_table("paper", _TABLE, sights, regimes, costs)
 
@@ -82,19 +84,15 @@ def _numbers(orbits: Runs, means: Runs, table: ModelTable) -> dict[str, Number]:
     """Errors of orbits and onsets; figures of the quasi-dynamic orbits. Means of irregular motions differ from machine to
     machine."""
     found = {
-        f"{model} error of {symbol} at {log10_r}": _number(error(orbits, model, log10_r, name))
+        f"{model} error of {symbol} at {log10_r}": stated(off.value, off.error)
         for model in MODELS
         for log10_r in SHOWN
         for symbol, name in (("T", "period"), ("drop", "drop"), ("v_max", "v_max"))
+        for off in [error(orbits, model, log10_r, name)]
     }
     found |= {f"{DAMPED} T at {x}": Number(figures.period.value, 1e-8) for x, figures in means[DAMPED].items() if figures}
     known = {row.model: row.onset.error for row in table.rows if row.onset and row.onset.error}
     return found | {f"{model} error of onset": Number(off, max(1e-6, 1e-13 / abs(off))) for model, off in known.items()}
-
-
-def _number(found: Estimate) -> Number:
-    """A model's error for the baseline, with that of its computation."""
-    return stated(found.value, found.error)
 
 
 _TABLE = (
@@ -135,20 +133,17 @@ def omissions(orbits: Runs) -> tuple[Omission, ...]:
 
 def one_period() -> Drawing:
     """Stress over one cycle of some models."""
-    figure = canvas(0.75 * WIDTH, 2.9)
-    axes = figure.add_subplot()
+    figure, axes = subplots(2.9, 1, 1, "time since the slip event (transits)", r"stress $\mu$ ($\sigma$)", 0.75 * WIDTH)
     for model in _DRAWN:
         cycle = cycle_of(own_orbit(model, begun_at(SHOWN[1]), measured.TOLERANCE).closed, _AROUND, _AROUND)
         axes.plot(cycle.time, cycle.stress, **line(model))
-    axes.set(xlabel="time since the slip event (transits)", ylabel=r"stress $\mu$ ($\sigma$)")
     figure.legend(loc="outside upper left", ncols=2, handlelength=3.0)
     return figure
 
 
 def cost_and_error(table: ModelTable) -> Drawing:
     """One point for each model and each of the two r."""
-    figure = canvas(0.75 * WIDTH, 2.9)
-    axes = figure.add_subplot()
+    figure, axes = subplots(2.9, 1, 1, "cost, delay system = 1", "relative error of $T$", 0.75 * WIDTH)
     titles = [column.title for column in table.columns]
     for row in table.rows:
         for number, title in enumerate(table.costed):
@@ -166,7 +161,7 @@ def cost_and_error(table: ModelTable) -> Drawing:
                 linestyle="none",
                 label=None if number else look.label,
             )
-    axes.set(xscale="log", yscale="log", xlabel="cost, delay system = 1", ylabel="relative error of $T$")
+    axes.set(xscale="log", yscale="log")
     axes.set_xticks([0.1, 0.3, 1.0, 3.0], ["0.1", "0.3", "1", "3"])
     axes.minorticks_off()
     ruled(axes)
@@ -176,19 +171,18 @@ def cost_and_error(table: ModelTable) -> Drawing:
 
 def errors_over_r(orbits: Runs) -> Drawing:
     """Absolute errors of the orbits' periods and drops; a missing orbit leaves a gap."""
-    figure, panels = _panels()
+    figure, panels = _panels("relative error")
     for axes, quantity in zip(panels, _QUANTITIES, strict=True):
         for model in MODELS:
             look = line(model, marker=pen(model).marker, linewidth=1.1)
             axes.semilogy(list(orbits["delay"]), measured.column(orbits, model, quantity), **look)
-    panels[0].set_ylabel("relative error")
     figure.legend(handles=panels[0].get_lines(), loc="outside upper left", ncols=4, handlelength=3.0)
     return figure
 
 
 def errors_of_means(means: Runs) -> Drawing:
     """Signed differences of the means, in per cent, with two standard errors."""
-    figure, panels = _panels()
+    figure, panels = _panels("difference of the means (%)")
     grid = np.array(list(means["delay"]))
     for axes, quantity in zip(panels, _QUANTITIES, strict=True):
         for place, model in enumerate((*MODELS, DAMPED)):
@@ -198,16 +192,14 @@ def errors_of_means(means: Runs) -> Drawing:
             look = line(model, linestyle="none", linewidth=1.0, marker=pen(model).marker)
             axes.errorbar(at, values, bars, capsize=2.0, **look)
         axes.axhline(0.0, color="#111111", linewidth=0.8)
-    panels[0].set_ylabel("difference of the means (%)")
     figure.legend(handles=panels[0].containers, loc="outside upper left", ncols=4, handlelength=3.0)
     return figure
 
 
-def _panels() -> tuple[Drawing, list[Axes]]:
-    """Two panels side by side, period and drop over r."""
-    figure = canvas(WIDTH, 4.4)
-    panels = list(figure.subplots(1, 2, sharey=True))
+def _panels(shown: str) -> tuple[Drawing, Any]:
+    """Two panels side by side, what is `shown` of period and drop over r."""
+    figure, panels = subplots(4.4, 1, 2, r"$\log_{10} r$", shown, sharey=True)
     for axes, title in zip(panels, _QUANTITIES.values(), strict=True):
-        axes.set(title=title, xlabel=r"$\log_{10} r$")
+        axes.set_title(title)
         ruled(axes)
     return figure, panels

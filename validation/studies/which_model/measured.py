@@ -74,10 +74,9 @@ def parted(regimes: ByModel, grid: Sequence[float]) -> tuple[Runs, Runs]:
 def orbit_of(model: str, log10_r: float) -> CycleFigures | None:
     """The model's own orbit by Newton's method; None if it has none."""
     try:
-        orbit = memo.own_orbit(model, begun_at(log10_r), TOLERANCE).orbit
+        return CycleFigures.of(memo.own_orbit(model, begun_at(log10_r), TOLERANCE).orbit)
     except NumericsError:
         return None
-    return CycleFigures(orbit.period, orbit.stress_drop, orbit.v_max)
 
 
 def mean_at(model: str, log10_r: float) -> CycleFigures:
@@ -88,26 +87,15 @@ def mean_at(model: str, log10_r: float) -> CycleFigures:
 
 def run_of_damped() -> CycleFigures:
     """Where a direct run of the quasi-dynamic model settles."""
-    orbit = memo.settled(DAMPED, scene_at(RUN_AT), TOLERANCE, 1e-9).orbit
-    return CycleFigures(orbit.period, orbit.stress_drop, orbit.v_max)
+    return CycleFigures.of(memo.settled(DAMPED, scene_at(RUN_AT), TOLERANCE, 1e-9).orbit)
 
 
 @cache
-def _onsets() -> tuple[float, float]:
-    """log10 r of the onsets of the exact system and of the quasi-dynamic model, by their closed forms."""
+def log10_onsets() -> tuple[float, float]:
+    """log10 r from which on the exact system and the quasi-dynamic model stick and slip, by their closed forms."""
     scene = scene_at(SHOWN[0])
     found = onset_of(scene.law, scene.upper.epsilon, scene.velocity)
     return math.log10(found.r_delay), math.log10(found.r_quasidynamic)
-
-
-def onset_of_exact() -> float:
-    """log10 r from which on the exact system sticks and slips."""
-    return _onsets()[0]
-
-
-def onset_of_damped() -> float:
-    """log10 r from which on the quasi-dynamic model sticks and slips."""
-    return _onsets()[1]
 
 
 def error(runs: Runs, model: str, log10_r: float, quantity: str) -> Estimate:
@@ -171,7 +159,7 @@ def mean_claims(means: Runs, ran: dict[str, CycleFigures]) -> Iterator[Verdict]:
 
 def damped_claims(orbits: Runs, means: Runs, run: CycleFigures) -> Iterator[Verdict]:
     """Where the quasi-dynamic model slides steadily, how short its period is beyond, and that a direct run has it too."""
-    onset, known = onset_of_damped(), orbits[DAMPED] | means[DAMPED]
+    (_, onset), known = log10_onsets(), orbits[DAMPED] | means[DAMPED]
     right = sum((found is not None) == (log10_r > onset) for log10_r, found in known.items())
     short = [-error(means, DAMPED, log10_r, "period").value for log10_r in means["delay"]]
     where = f"onset, by the closed form, at log_{{10}} r = {places([onset], '.3f')}; orbits at {places(known)}"

@@ -6,14 +6,15 @@ from typing import Any
 from validation.branches import SPECIAL_KINDS
 from validation.branches.branch import FollowedBranch
 from validation.branches.curve import Curve
-from validation.study.drawing import Axes, Drawing, canvas
+from validation.study.branch_drawing import NAMES
+from validation.study.drawing import Axes, Drawing, subplots
 
 _QUANTITIES = {"period": "period $T$ / transits", "stress_drop": "stress drop", "elastic_stress_drop": "elastic stress drop"}
 _MARKS: dict[str, Any] = {
-    "HB": {"marker": "o", "markerfacecolor": "white", "label": "Hopf point"},
-    "LP": {"marker": "s", "color": "#0072b2", "label": "fold"},
-    "PD": {"marker": "^", "color": "#d55e00", "label": "period doubling"},
-    "NS": {"marker": "D", "color": "#009e73", "label": "torus point"},
+    "HB": {"marker": "o", "markerfacecolor": "white"},
+    "LP": {"marker": "s", "color": "#0072b2"},
+    "PD": {"marker": "^", "color": "#d55e00"},
+    "NS": {"marker": "D", "color": "#009e73"},
 }
 _PENS: dict[bool | None, Any] = {
     True: {"linewidth": 1.9, "color": "#111111", "label": "stable"},
@@ -24,13 +25,11 @@ _PENS: dict[bool | None, Any] = {
 
 def figure_of_branch(branch: FollowedBranch) -> Drawing:
     """One panel for each quantity. Call it inside `styled()`."""
-    figure = canvas(height=8.5)
-    panels = figure.subplots(len(_QUANTITIES), 1, sharex=True)
+    figure, panels = subplots(8.5, len(_QUANTITIES), 1, branch.over.name, sharex=True)
     for axes, (name, label) in zip(panels, _QUANTITIES.items(), strict=True):
         _draw_pieces(axes, branch, name)
         _draw_special(axes, branch, name)
         axes.set_ylabel(label)
-    panels[-1].set_xlabel(branch.over.name)
     panels[0].set_title(f"{branch.over.base.name}, {branch.model}: periodic orbits")
     panels[0].legend(loc="best")
     return figure
@@ -54,13 +53,14 @@ def _draw_special(axes: Axes, branch: FollowedBranch, name: str) -> None:
         found = [special for special in branch.shown_special if special.kind == kind]
         if found:
             places = [special.value for special in found], [getattr(special, name) for special in found]
-            axes.plot(*places, **({"color": "#111111", "linestyle": "none", "markersize": 4.0, "zorder": 3} | look))
+            axes.plot(
+                *places, label=NAMES[kind], **({"color": "#111111", "linestyle": "none", "markersize": 4.0, "zorder": 3} | look)
+            )
 
 
 def figure_of_curve(curve: Curve) -> Drawing:
     """Left: the second parameter over the first. Right: the second over the period. Call it inside `styled()`."""
-    figure = canvas(height=4.0)
-    panels = figure.subplots(1, 2, sharey=True)
+    figure, panels = subplots(4.0, 1, 2, sharey=True)
     for axes, name, label in zip(panels, ("first", "period"), (curve.over.name, "period $T$ / transits"), strict=True):
         places = [getattr(point, name) for point in curve.points], [point.second for point in curve.points]
         axes.plot(*places, color="#111111", marker=".")
