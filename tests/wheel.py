@@ -5,6 +5,7 @@
 Nothing is downloaded: the packages that slipwave needs are those of the environment that runs this.
 """
 
+import json
 import os
 import subprocess
 import sys
@@ -69,7 +70,9 @@ def main(words: list[str]) -> None:
         for command in (*COMMANDS, *(["report --quick"] if "--quick-report" in words else [])):
             print(f"slipwave {command}", flush=True)
             use(programs, place, "slipwave", *command.split())
-        assert (place / "reports" / "index.html").stat().st_size > 1e5
+        report = json.loads((place / "reports" / "report.json").read_text(encoding="utf-8"))
+        assert {study["name"] for study in report["studies"]} >= {"scene-facts", "error-laws"}
+        assert not [study["error"] for study in report["studies"] if study["error"]]
         print("the wheel does what the checkout does")
 
 
