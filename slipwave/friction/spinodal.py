@@ -2,8 +2,10 @@
 
     mu = a asinh( (v/2) e^((a_* + b ln(phi + 1/v_c))/a) ),   phi' = 1 - s phi,   s = sqrt(v^2 + v_s^2),   v = 2 RATE_FLOOR sinh z.
 
-After Putelat, Dawes and Champneys (2017, Proc. R. Soc. A 473, 20160606), who drive a plate by a law of this kind. This form is
-the regularised ageing law with two rates of its own; it has the properties of theirs, not their formula and constants. The direct
+After Putelat, Dawes and Champneys (2017, Proc. R. Soc. A 473, 20160606), who drive a plate by a law of this kind. The text of
+their paper was not at hand, only its abstract: this is NOT their formula with their constants. It is the regularised ageing law
+with two rates of its own, and is called spinodal because its steady friction has what the word says, a maximum and a minimum
+over ln v with weakening between them. The direct
 effect is that of `regularised`, odd in v, and the state effect that of `cutoff`. At rest contacts age to L/v_s and no further,
 instead of for ever. Where the direct effect is logarithmic,
 

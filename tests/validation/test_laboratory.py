@@ -7,17 +7,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation.studies.laboratory import against_measured, band_of, on_rises, on_waves, row_met
+from validation.studies.laboratory import against_measured, band_of, on_damping, on_rises, on_waves, row_met
 from validation.studies.laboratory.measured import (
     MeasuredCycle,
     Rise,
     cycle_without_tuning,
     leeman_runs,
+    plain_block,
     printed_fits,
     rise_time,
     samples,
 )
-from validation.studies.laboratory.shown import LAWS, NAMES, Band, Case, draw_cases, measured_figure
+from validation.studies.laboratory.shown import LAWS, NAMES, Band, Case, Variant, draw_cases, measured_figure
 from validation.study import Outcome, Verdict
 
 
@@ -94,3 +95,13 @@ def test_the_figure_shows_what_was_measured() -> None:
     for panel, name in zip(axes, NAMES, strict=True):
         np.testing.assert_allclose(panel.get_lines()[2].get_ydata(), [measured_figure(row, name) for row in leeman_runs()])
     np.testing.assert_allclose(axes[2].get_lines()[0].get_ydata(), [5.0 * row["peak_mm_s"] for row in leeman_runs()])
+
+
+def test_damping_of_a_block_is_that_of_the_steel_times_a_factor() -> None:
+    row, fit = leeman_runs()[2], printed_fits()[2][0]
+    plain, damped = (plain_block(row, fit, "ageing", damping=factor) for factor in (1.0, 20.0))
+    assert damped.impedance == pytest.approx(20.0 * plain.impedance)
+    assert damped.stiffness / damped.transit == pytest.approx(plain.stiffness / plain.transit)
+    peaks = [MeasuredCycle(1.0, 0.02, share * measured_figure(row, "peak")) for share in (1.2, 0.1)]
+    found = [on_damping([Variant(row, "damping 20 ρc/2", one)]).outcome for one in peaks]
+    assert found == [Outcome.PASS, Outcome.FINDING]

@@ -154,7 +154,7 @@ def _draw_cycles(panels: Sequence[Axes], label: str, data: Averaged, sizes: tupl
     for axes, middle in zip(panels, (data.friction, 0.0 * data.friction), strict=False):
         axes.fill_between(time, middle - data.scatter, middle + data.scatter, color="#cccccc", linewidth=0.0)
     panels[0].plot(time, data.friction, color="#111111", label=label)
-    panels[2].plot(time, np.where(data.slip_rate > 0.0, sizes[1] * data.slip_rate, math.nan), color="#111111")
+    panels[2].plot(time, np.where(data.slip_rate > 0.0, sizes[1] * data.slip_rate, math.nan), color="#111111", linewidth=0.8)
 
 
 def _draw_model(panels: Sequence[Axes], model: str, cycle: Cycle | None, data: Averaged, sizes: tuple[float, float]) -> None:
@@ -163,8 +163,11 @@ def _draw_model(panels: Sequence[Axes], model: str, cycle: Cycle | None, data: A
         panels[0].plot([], [], label=f"{model}: no cycles")
         return
     time, ours = sizes[0] * data.time, centred(cycle, data.time, cycle.stress)
-    (line,) = panels[0].plot(time, ours.friction, label=f"{model}, raised by {data.level - ours.level:.3g}", linewidth=1.2)
+    label = f"{model}, friction shifted by {data.level - ours.level:+.3g}"
+    (line,) = panels[0].plot(time, ours.friction, label=label, linewidth=1.2)
     look: Any = {"color": line.get_color(), "linewidth": 1.0}
-    panels[0].plot(time, centred(cycle, data.time, cycle.elastic_stress).friction, linestyle=(0, (4, 2)), **look)
+    elastic, dashes = centred(cycle, data.time, cycle.elastic_stress).friction, (0, (4, 2))
+    panels[0].plot(time, elastic, linestyle=dashes, label=f"{model}, elastic stress", **look)
     panels[1].plot(time, data.friction - ours.friction, **look)
+    panels[1].plot(time, data.friction - elastic, linestyle=dashes, **look)
     panels[2].plot(time, sizes[1] * ours.slip_rate, **look)

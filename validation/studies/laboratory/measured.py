@@ -73,11 +73,13 @@ def interface_of(row: Mapping[str, Any], fit: FrictionFit, law: str, **more: Any
     return {"law": law, "a_star": 0.6, "a": fit.a, "b": fit.b, **units, **more}
 
 
-def plain_block(row: Mapping[str, Any], fit: FrictionFit, law: str, factor: float = 1.0, **more: Any) -> Scene:
-    """Spring k' and radiation damping rho c/2 of steel: alike slabs so thick that their own elasticity is the spring, for a
-    model without waves and inertia, which sees nothing else of them."""
+def plain_block(
+    row: Mapping[str, Any], fit: FrictionFit, law: str, factor: float = 1.0, damping: float = 1.0, **more: Any
+) -> Scene:
+    """Spring, `factor` times k', and radiation damping, `damping` times rho c/2 of steel: alike slabs so thick that their own
+    elasticity is the spring, for a model without waves and inertia, which sees nothing else of them."""
     stiffness = factor * row["k_per_um"] * row["sigma_MPa"] * 1e12  # Pa/m
-    slab = {"density": DENSITY, "shear_modulus": SHEAR_MODULUS, "thickness": SHEAR_MODULUS / (2.0 * stiffness)}
+    slab = {"density": damping**2 * DENSITY, "shear_modulus": SHEAR_MODULUS, "thickness": SHEAR_MODULUS / (2.0 * stiffness)}
     return _scene(interface_of(row, fit, law, **more), slab, _START)
 
 
