@@ -6,8 +6,10 @@ echoes return every transit for ever. A polynomial across a kink is only first-o
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipwave.observe.pieces import SAME, Array, interpolation_matrix, lagrange_basis
 from slipwave.scene.drive import Drive
@@ -16,9 +18,10 @@ _SAME = 1e-7
 """Transits; cuts closer than this are one. Ignoring a kink this close to a step's end causes a relative error of that size."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TransitMesh:
-    """`lengths` (steps,) and `starts` (steps,) of the steps of one transit; `count` is the requested number of equal steps."""
+    """`lengths` (steps,) and `starts` (steps,) of the steps of one transit; `count` is the requested number of equal steps. Many
+    solvers share one: its arrays are never written to."""
 
     count: int
     lengths: Array
@@ -31,11 +34,18 @@ class TransitMesh:
 
     def resample(self, values: Array, nodes: Array, finer: "TransitMesh") -> Array:
         """Values (..., finer.steps, s) at the nodes of `finer` of piecewise polynomials with nodal `values` (..., steps, s)."""
-        at = finer.starts[:, None] + nodes * finer.lengths[:, None]
-        step = np.clip(np.searchsorted(self.starts, at - SAME, side="left") - 1, 0, self.steps - 1)
-        local = np.clip((at - self.starts[step]) / self.lengths[step], 0.0, 1.0)
-        weights = interpolation_matrix(lagrange_basis(nodes), local.ravel()).reshape(*at.shape, nodes.size)
+        step, weights = _read_at(self, tuple(nodes.tolist()), finer)
         return np.asarray(np.einsum("isk,...isk->...is", weights, np.ascontiguousarray(values[..., step, :])))
+
+
+@lru_cache(maxsize=32)
+def _read_at(coarse: TransitMesh, nodes: tuple[float, ...], finer: TransitMesh) -> tuple[NDArray[np.intp], Array]:
+    """In which step of `coarse` the nodes of `finer` lie, (finer.steps, s), and the rows that read its polynomials there."""
+    at = finer.starts[:, None] + np.array(nodes) * finer.lengths[:, None]
+    step = np.clip(np.searchsorted(coarse.starts, at - SAME, side="left") - 1, 0, coarse.steps - 1)
+    local = np.clip((at - coarse.starts[step]) / coarse.lengths[step], 0.0, 1.0)
+    basis = lagrange_basis(np.array(nodes))
+    return step, interpolation_matrix(basis, local.ravel()).reshape(*at.shape, len(nodes))
 
 
 def cuts_of(drive: Drive) -> Array:
@@ -48,6 +58,11 @@ def cuts_of(drive: Drive) -> Array:
 
 def transit_mesh(count: int, cuts: Array) -> TransitMesh:
     """Steps no longer than 1/`count`, equal between neighbouring `cuts` (sorted, the first 0)."""
+    return _mesh_of(count, tuple(cuts.tolist()))
+
+
+@lru_cache(maxsize=256)
+def _mesh_of(count: int, cuts: tuple[float, ...]) -> TransitMesh:
     gaps = np.diff(np.append(cuts, 1.0))
     shares = [math.ceil(count * gap - 1e-6) or 1 for gap in gaps]
     lengths = np.concatenate([np.full(share, gap / share) for share, gap in zip(shares, gaps, strict=True)])

@@ -5,6 +5,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from slipwave.compiled import njit
 from slipwave.friction import rates
 from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.scene import Scene
@@ -12,6 +13,7 @@ from slipwave.scene import Scene
 COUNT = 4096
 """Intervals, at most; a figure is a thousand pixels wide."""
 
+_UNREAD = 1 << 16  # samples
 _FIRST = 2.0**-10  # length of an interval at first, in transits or in L of slip
 _ROWS = _TIME, _SLIP, _Z, _MU = range(4)
 _EMPTY = np.stack([np.full((len(_ROWS), COUNT), np.inf), np.full((len(_ROWS), COUNT), -np.inf)])
@@ -43,6 +45,7 @@ class Envelope:
         self._begin, self._end = begin, end
         self._bins = _Bins(), _Bins()
         self._reached, self._origin = 0.0, math.nan
+        self._unread: list[tuple[float, Pieces]] = []
 
     @property
     def whole_from(self) -> float:
@@ -50,29 +53,44 @@ class Envelope:
         return self._begin if self._end - self._begin <= 2.0 * COUNT and self._reached <= self._end else math.inf
 
     def scan(self, pieces: Pieces) -> None:
-        """Take the next pieces of the run. Behind a gap, and in intervals of whole transits, all samples of a transit go to one
-        interval, where the next ones may be empty: a part of a transit has another range."""
+        """Take the next pieces of the run. They are read when they are many or when what they show is asked for: most short runs
+        are never drawn."""
+        self._unread.append((self._reached, pieces))
+        self._reached = float(pieces.time[-1] + pieces.length[-1]) if pieces.time.size else self._reached
+        if sum(part.z.size for _, part in self._unread) > _UNREAD:
+            self._read()
+
+    def _read(self) -> None:
+        for reached, pieces in self._unread:
+            self._take(reached, pieces)
+        self._unread.clear()
+
+    def _take(self, reached: float, pieces: Pieces) -> None:
+        """Read pieces; those before ended at `reached`. Behind a gap, and in intervals of whole transits, all samples of a
+        transit go to one interval, where the next ones may be empty: a part of a transit has another range."""
         time = pieces.time[:, None] + pieces.length[:, None] * self._nodes
         inside = (time >= self._begin) & (time <= self._end)
-        ends = pieces.time + pieces.length
-        if inside.any():
-            transit = np.broadcast_to(np.floor(pieces.time + SAME)[:, None], time.shape)[inside]
-            time, z, mu, y = (values[inside] for values in (time, pieces.z, pieces.mu, pieces.y))
-            slip = self._scene.transit * (self._scene.drive.travel(time) - y / self._scene.stiffness)
-            self._origin = float(slip[0]) if math.isnan(self._origin) else self._origin
-            samples = np.stack([time, slip - self._origin, z, mu])
-            by_time, by_slip = self._bins
-            by_time.add(np.maximum(transit - self._begin, 0.0) if by_time.width >= 1.0 else time - self._begin, samples)
-            gaps = (pieces.time > np.concatenate(([self._reached], ends[:-1])) + 0.5).any()
-            by_slip.add(samples[_SLIP][np.searchsorted(transit, transit)] if gaps else samples[_SLIP], samples)
-        self._reached = float(ends[-1]) if ends.size else self._reached
+        if not inside.any():
+            return
+        pick = np.ravel if inside.all() else lambda values: values[inside]
+        transit = pick(np.broadcast_to(np.floor(pieces.time + SAME)[:, None], time.shape))
+        time, z, mu, y = (pick(values) for values in (time, pieces.z, pieces.mu, pieces.y))
+        slip = self._scene.transit * (self._scene.drive.travel(time) - y / self._scene.stiffness)
+        self._origin = float(slip[0]) if math.isnan(self._origin) else self._origin
+        samples = time, slip - self._origin, z, mu
+        by_time, by_slip = self._bins
+        by_time.add(np.maximum(transit - self._begin, 0.0) if by_time.width >= 1.0 else time - self._begin, samples)
+        gaps = (pieces.time > np.append(reached, pieces.time[:-1] + pieces.length[:-1]) + 0.5).any()
+        by_slip.add(samples[_SLIP][np.searchsorted(transit, transit)] if gaps else samples[_SLIP], samples)
 
     def by_time(self) -> Shown:
         """The motion so far over equal intervals of time."""
+        self._read()
         return self._shown(self._bins[0])
 
     def by_slip(self) -> Shown:
         """The motion so far over equal intervals of slip."""
+        self._read()
         return self._shown(self._bins[1])
 
     def _shown(self, bins: "_Bins") -> Shown:
@@ -82,12 +100,14 @@ class Envelope:
 
     def state(self) -> dict[str, Array]:
         """All that was seen, for a checkpoint."""
+        self._read()
         tables = {f"ranges{n}": np.concatenate([*bins.ranges]) for n, bins in enumerate(self._bins)}
         widths = [bins.width for bins in self._bins]
         return {"numbers": np.array([self._begin, self._end, self._reached, self._origin, *widths]), **tables}
 
     def restore(self, state: dict[str, Array]) -> None:
         """Continue from what `state` returned. Raises ValueError if it is of another window."""
+        self._unread.clear()
         begin, end, self._reached, self._origin, *widths = state["numbers"].tolist()
         if (begin, end) != (self._begin, self._end):
             raise ValueError(f"the window is {begin:g}:{end:g}; this run asks for {self._begin:g}:{self._end:g}")
@@ -101,14 +121,20 @@ class _Bins:
     def __init__(self, width: float = _FIRST, ranges: Array = _EMPTY) -> None:
         self.width, self.ranges = width, ranges.copy()
 
-    def add(self, places: Array, samples: Array) -> None:
-        """Take samples (rows, n) at `places` (n,) from 0 on, as a rule rising."""
+    def add(self, places: Array, samples: tuple[Array, ...]) -> None:
+        """Take the samples of all rows, (n,) each, at `places` (n,) from 0 on, as a rule rising."""
         while places.max() >= COUNT * self.width:
-            pairs = self.ranges.reshape(2, len(_ROWS), -1, 2)
-            halves = np.stack([pairs[0].min(axis=2), pairs[1].max(axis=2)])
+            left, right = self.ranges[:, :, ::2], self.ranges[:, :, 1::2]
+            halves = np.stack([np.minimum(left[0], right[0]), np.maximum(left[1], right[1])])
             self.ranges, self.width = np.concatenate([halves, _EMPTY[:, :, COUNT // 2 :]], axis=2), 2.0 * self.width
-        intervals = np.maximum(places / self.width, 0.0).astype(int)
-        first = np.flatnonzero(np.diff(intervals, prepend=-1))
-        for mine, extreme in zip(self.ranges, (np.minimum, np.maximum), strict=True):
-            for row, values in zip(mine, extreme.reduceat(samples, first, axis=1), strict=True):
-                extreme.at(row, intervals[first], values)
+        for lowest, highest, values in zip(*self.ranges, samples, strict=True):
+            _widen(lowest, highest, places, self.width, values)
+
+
+@njit
+def _widen(lowest: Array, highest: Array, places: Array, width: float, values: Array) -> None:
+    """Take `values` (n,) at `places` into the ranges of intervals `width` long."""
+    for i in range(places.size):
+        k = int(max(places[i] / width, 0.0))
+        lowest[k] = min(lowest[k], values[i])
+        highest[k] = max(highest[k], values[i])

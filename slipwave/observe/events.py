@@ -53,11 +53,13 @@ class EventObserver:
         by_rate = abs(respond(scene.law, unknown_of(scene.law, scene.velocity), scene.steady_psi)[3])
         floor = max(floor, _QUIET_RATE * by_rate + _QUIET_STRESS * abs(scene.steady_stress))
         self._found = new_detector(scene.law, lagrange_basis(nodes), floor, _FIRST_ROOM + nodes.size)
+        self._judged: dict[float, JudgedSwings] = {}
         self.scan(empty_pieces(0, nodes.size))  # loads the detector outside timed runs
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
         self._make_room(pieces.time.size)
+        self._judged.clear()
         done = scan(pieces, 0, self._found)
         while done < pieces.time.size:
             swings = self._found.swings
@@ -81,10 +83,14 @@ class EventObserver:
         return self.dates().size
 
     def judge(self, after: float = -np.inf) -> JudgedSwings:
-        """The falls that are slip events of the window from `after` (transits) to now, with their prominence."""
-        found = self._found
-        running = np.empty((0, COLUMNS)) if np.isnan(found.last[0]) else found.running[None, :]
-        return judge_swings(np.concatenate((found.swings[: int(found.filled[0])], running)), found.floor, after)
+        """The falls that are slip events of the window from `after` (transits) to now, with their prominence; computed once until
+        the next pieces."""
+        if after not in self._judged:
+            found = self._found
+            running = np.empty((0, COLUMNS)) if math.isnan(found.last[0]) else found.running[None, :]
+            swings = np.concatenate((found.swings[: int(found.filled[0])], running))
+            self._judged[after] = judge_swings(swings, found.floor, after)
+        return self._judged[after]
 
     def events(self, after: float = -np.inf) -> Events:
         """Complete cycles that begin at or after `after` (transits), in the window from there to now."""
@@ -110,6 +116,7 @@ class EventObserver:
     def restore(self, state: dict[str, Array]) -> None:
         """Continue from what `state` returned."""
         found, swings = self._found, state["swings"]
+        self._judged.clear()
         n, at = found.basis.nodes.size, found.running.size
         found.running[:], found.rise[:], found.last[:] = np.split(state["memory"], [at, at + found.rise.size])
         found.filled[0] = len(swings)

@@ -80,7 +80,7 @@ def values_at(pieces: Pieces, basis: Basis, times: Array) -> list[Array]:
         raise ValueError(f"no piece contains t = {times[outside][0]:.9g} transits")
     points = np.minimum(1.0, (times - pieces.time[which]) / pieces.length[which])
     rows = interpolation_matrix(basis, points)
-    return [(rows * values[which]).sum(axis=1) for values in pieces[2:]]
+    return [np.add.reduce(rows * values[which], axis=1) for values in pieces[2:]]
 
 
 def interpolation_matrix(basis: Basis, points: Array) -> Array:

@@ -95,7 +95,8 @@ def _basis(count: int, rho: float, terms: int) -> Array:
 
 def _misfit(columns: Array, basis: Array) -> float:
     """What the best sums of the columns of `basis` leave of a figure, relative; of the worst one."""
-    left = columns - basis @ np.linalg.lstsq(basis, columns, rcond=None)[0]
+    orthonormal, _ = np.linalg.qr(basis)
+    left = columns - orthonormal @ (orthonormal.T @ columns)
     return float(np.max(np.sqrt(np.mean(left**2, axis=0)) / np.std(columns, axis=0)))
 
 

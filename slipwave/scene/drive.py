@@ -113,6 +113,8 @@ class Drive:
 
     def travel(self, times: Array) -> Array:
         """The integral of V (in V*) from its first knot to `times` (transits)."""
+        if self.is_constant:
+            return self.initial * (times - self.times[0])
         knots, paces, lasts, rise, passed = self._travelled
         here = np.maximum(np.searchsorted(knots, times, side="right") - 1, 0)
         since = times - knots[here]

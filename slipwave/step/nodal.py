@@ -1,6 +1,7 @@
 """What one collocation step of friction works with: values at its nodes, its limits, and the parts of it besides Newton's method
 (`slipwave.step.newton`): the first guess, the nudge, the verdict, and the piece of the interface's motion."""
 
+from functools import cache
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -77,10 +78,14 @@ class Limits(NamedTuple):
 
 def nodal_of(stages: int) -> Nodal:
     """Values of a step of `stages` nodes, zero."""
-    shapes = {"state": (stages, 2 * stages + 1), "rate": (stages, stages + 1)}
-    kind = np.dtype([(name, np.float64, shapes.get(name, (stages,))) for name in Nodal.__annotations__], align=True)
-    record: Nodal = np.zeros(1, dtype=kind).view(np.recarray)[0]
+    record: Nodal = np.zeros(1, dtype=_kind_of(stages)).view(np.recarray)[0]
     return record
+
+
+@cache
+def _kind_of(stages: int) -> np.dtype[np.void]:
+    shapes = {"state": (stages, 2 * stages + 1), "rate": (stages, stages + 1)}
+    return np.dtype([(name, np.float64, shapes.get(name, (stages,))) for name in Nodal.__annotations__], align=True)
 
 
 def constant_guess(psi: float, z: float, stages: int) -> Interface:

@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +19,11 @@ import pytest
 import xarray
 
 import slipwave as sw
+from reduced.delay import transit_mesh
 from slipwave.errors import SceneError
 from validation.cli import main
-from validation.sweep.axes import axis_of
-from validation.sweep.engine import Engine
+from validation.sweep.axes import axis_of, changed
+from validation.sweep.engine import Engine, compute
 from validation.sweep.map_figures import figure_of
 from validation.sweep.other_side import other_side
 from validation.sweep.plan import Plan, morton, order_of
@@ -73,6 +75,38 @@ def test_morton_order_keeps_patches_together() -> None:
         assert np.ptp(rows) == 3
         assert np.ptp(columns) == 3
     assert sorted(morton((5, 1, 7))) == list(range(35))
+
+
+@pytest.mark.parametrize(
+    ("scene", "axes"),
+    [
+        ("paper", {"slab.log10_r": "-2.7:-2.2:3", "V": "1:900:3:log", "interface.a": "0.005,0.012"}),
+        ("rock", {"slab.thickness": "0.5m:20m:3:log", "slab.shear_modulus": "20GPa,30GPa", "drive.velocity": "1um/s,10um/s"}),
+        ("unlike", {"ratio_r": "0.5:2:3", "log10_r": "-2.7,-2.3", "V": "10,100"}),
+        ("machine", {"face.stiffness": "0.5,1", "ratio_epsilon": "1,3", "V": "10,100"}),
+    ],
+)
+def test_the_scene_of_a_point_is_the_scene_with_its_changes(scene: str, axes: dict[str, str]) -> None:
+    """Put together from scenes with one changed key each, in any order, or read whole where two keys change one slab."""
+    what = plan_of(sw.read_scene(scene), [axis_of(key, values) for key, values in axes.items()], ["delay"], DISC)
+    for point in np.random.default_rng(4).permutation(what.size):
+        found, wanted = what.scene(int(point)), changed(what.base, what.changes(int(point)))
+        assert (found, found.digest, found.tables) == (wanted, wanted.digest, wanted.tables)
+
+
+def test_a_point_does_not_depend_on_the_points_before_it() -> None:
+    """Tables that are made once for many runs: random points in random order, and each alone with all tables made anew."""
+    axes = [axis_of("log10_r", "-2.75:-2.2:9"), axis_of("V", "1:1000:7:log")]
+    what = plan_of(sw.read_scene("paper", **{"run.until": 100}), axes, ["delay"], "run", tol=1e-6)
+    points = np.random.default_rng(7).permutation(what.size)[:12]
+    together = compute(what, np.concatenate((points, points[::-1]))).columns
+    for place, point in enumerate(points):
+        transit_mesh._mesh_of.cache_clear()
+        transit_mesh._read_at.cache_clear()
+        alone = compute(replace(what), np.array([point])).columns
+        for name, value in alone.items():
+            for row in (place, 2 * points.size - 1 - place):
+                assert np.array_equal(together[name][row : row + 1], value, equal_nan=value.dtype.kind == "f"), name
 
 
 def test_arrays_do_not_depend_on_who_computes_them(tmp_path: Path) -> None:

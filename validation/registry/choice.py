@@ -5,6 +5,7 @@ A family whose module is not part of this installation is not listed.
 
 import string
 from collections.abc import Collection
+from functools import cache
 from importlib.util import find_spec
 from typing import Unpack
 
@@ -15,9 +16,14 @@ from slipwave.scene import Scene
 from validation.registry.families import DELAY, FAMILIES, OPTIONS, Options, family_of, given
 
 
+@cache
+def _is_part(module: str) -> bool:
+    return find_spec(module) is not None
+
+
 def families() -> list[Family]:
     """The families of this installation, cheapest first."""
-    return [family for family in FAMILIES if find_spec(family.module) is not None]
+    return [family for family in FAMILIES if _is_part(family.module)]
 
 
 def honouring(scene: Scene) -> list[Family]:

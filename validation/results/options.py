@@ -9,6 +9,7 @@ import math
 import numbers
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
+from functools import cache
 from inspect import get_annotations
 from pathlib import Path
 from types import NoneType
@@ -220,9 +221,15 @@ class NumericalOptions(SceneOptions):
         return Options(cells=self.cells, cfl=self.cfl, tolerance=self.tol, time=self.time)
 
 
-def options_of(kind: type[SceneOptions]) -> dict[str, Option]:
+def options_of(kind: type[SceneOptions]) -> Mapping[str, Option]:
     """The options that a class declares, by name: those that are positional in Python first, then its own, then inherited
     ones."""
+    declared: Any = kind
+    return _options_of(declared)
+
+
+@cache
+def _options_of(kind: Any) -> Mapping[str, Option]:
     hints, known = get_type_hints(kind), {one.name: one for one in fields(kind)}
     names = [name for base in kind.__mro__ for name in get_annotations(base) if name in known and known[name].metadata]
     found = [Option(name, hints[name], known[name].default, **known[name].metadata) for name in dict.fromkeys(names)]

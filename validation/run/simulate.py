@@ -123,13 +123,14 @@ class _Marched:
     def judged(self) -> JudgedHalf:
         """The second half of what was run so far, and the verdict on it."""
         half = second_half(self.solver, self.until)
-        return JudgedHalf(2.0 * half, self._verdict(half) if self.watched else None, self.watch.events(half))
+        cycles = self.watch.events(half)
+        return JudgedHalf(2.0 * half, self._verdict(half, cycles) if self.watched else None, cycles)
 
-    def _verdict(self, half: float) -> Verdict:
-        """On the second half of what was run, which begins at `half` (transits)."""
+    def _verdict(self, half: float, cycles: Events) -> Verdict:
+        """On the second half of what was run, which begins at `half` (transits) and has these `cycles`."""
         drive, end = self.solver.scene.drive, 2.0 * half
         slides = self.final is not None and slides_at(math.exp(self.final.ln_v), drive.at(end))
-        return judge_motion(self.watch.events(half), self.watch.judge(half).complete, drive.rests_from(half), slides, end)
+        return judge_motion(cycles, self.watch.judge(half).complete, drive.rests_from(half), slides, end)
 
     def run(self, wall_s: float, failed: str, stopped: bool) -> Run:
         """What is known of it."""

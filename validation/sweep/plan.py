@@ -2,14 +2,16 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from slipwave.errors import SceneError
+from slipwave.input.overrides import apply_overrides
+from slipwave.input.tables import tables_of
 from slipwave.scene import Scene
 from validation.sweep.axes import Axis, changed
 
@@ -30,6 +32,7 @@ class Plan:
     measure: str
     options: Mapping[str, Any] = field(default_factory=dict)
     rows: tuple[Mapping[str, float | str], ...] = ()
+    _known: dict[tuple[str, float | str], "_Alone"] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def lattice(self) -> tuple[int, ...]:
@@ -58,8 +61,25 @@ class Plan:
         return {axis.key: axis.written(int(number)) for axis, number in zip(self.axes, place, strict=True)}
 
     def scene(self, point: int) -> Scene:
-        """The scene of a point. Raises SceneError if its values are out of range."""
-        return changed(self.base, self.changes(point))
+        """The scene of a point. Raises SceneError if its values are out of range.
+
+        Where no two keys change the same field of a scene, scenes with one changed key are put together field by field: each is
+        read and checked once, not once a point."""
+        changes = self.changes(point)
+        alone = [] if self.rows else [self._alone(key, value) for key, value in changes.items()]
+        merged = {name: value for part in alone for name, value in part.fields.items()}
+        if not alone or len(merged) < sum(len(part.fields) for part in alone):
+            return changed(self.base, changes)
+        written = apply_overrides(tables_of(self.base)[1], changes) if all(part.is_read for part in alone) else None
+        return replace(self.base, **merged, written=written)
+
+    def _alone(self, key: str, value: float | str) -> "_Alone":
+        if (key, value) not in self._known:
+            scene = changed(self.base, {key: value})
+            now, before = vars(scene), vars(self.base)
+            differ = {one.name: now[one.name] for one in fields(Scene) if one.init and now[one.name] != before[one.name]}
+            self._known[key, value] = _Alone(differ, scene.tables is not None)
+        return self._known[key, value]
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
@@ -73,6 +93,13 @@ class Plan:
             "measure": self.measure,
             "options": dict(self.options),
         }
+
+
+class _Alone(NamedTuple):
+    """The fields of a scene that one changed key changes, and whether that scene was read."""
+
+    fields: dict[str, Any]
+    is_read: bool
 
 
 def require_plan(plan: Plan) -> None:
