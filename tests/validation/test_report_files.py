@@ -176,6 +176,7 @@ def test_a_study_without_a_baseline_gets_one_by_the_patch(changing, tmp_path):
         (Number(72.5, 1e-9, known=72.0), Number(71.4, 1e-9, known=72.0), "worse", 3),
         (Number(72.5, 1e-9, known=72.0), Number(math.nan, 1e-9, known=72.0), "worse", 3),
         (in_words("yes"), in_words("so"), "not comparable", 0),
+        (in_words("2").with_margin(2.0, 9.0, "of times"), in_words("8").with_margin(8.0, 9.0, "of times"), "not comparable", 0),
         (in_words("yes"), in_words("yes"), "same", 0),
     ],
 )
