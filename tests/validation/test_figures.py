@@ -2,6 +2,7 @@
 
 import base64
 import gzip
+import io
 import json
 import re
 from html import unescape
@@ -9,6 +10,8 @@ from html import unescape
 import numpy as np
 import pytest
 from fake_studies import draw
+from matplotlib.colors import ListedColormap
+from PIL import Image
 
 from validation.report import store
 from validation.report.build import make_report
@@ -110,6 +113,30 @@ def test_words_are_the_numbers_that_are_drawn(panels):
     assert f"wave and ramp Δμ cross {places.size} times, first at x = {places[0]:.4g}." in words
     assert "At x = 4 ramp Δμ is highest (1.3), wave lowest (−0.5366)." in words
     assert "log10 r" in words
+
+
+def test_pictures_within_a_figure_follow_a_dark_page(tmp_path):
+    """One of few colours has a second one in those of the key; the shades of one of many are turned by the page."""
+    with styled():
+        figure = canvas(height=2.0)
+        few, many = figure.subplots(1, 2)
+        few.pcolormesh([[0.0, 1.0], [1.0, 0.0]], cmap=ListedColormap(["#ffffff", "#c44e52"]), rasterized=True)
+        few.fill([0.2, 0.4, 0.4], [0.2, 0.2, 0.4], color="#c44e52", label="a key: red")
+        few.set_title("few: two")
+        many.pcolormesh(np.arange(400.0).reshape(20, 20), rasterized=True)
+        render(figure, tmp_path / "a", "a")
+    svg = (tmp_path / "a.svg").read_text()
+    assert ">few: two<" in svg
+    assert re.findall(r'<image [^>]*class="(\w+)"', svg) == ["day", "night", "shades"]
+    day, night = (colors_in(packed) for packed in re.findall(r"base64,([^\"]*)", svg)[:2])
+    assert day >= {"#ffffff", "#c44e52"}
+    assert night >= {DARK_PAPER, by_night("#c44e52")}
+    assert "var(--cc44e52," in svg
+
+
+def colors_in(packed):
+    with Image.open(io.BytesIO(base64.b64decode(packed))) as image:
+        return {f"#{bytes(color).hex()}" for _, color in image.convert("RGB").getcolors(9999)}
 
 
 def test_svg_is_text_with_ids_of_its_own_and_the_same_twice(tmp_path):

@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable, Iterator
 from html import escape
 from itertools import groupby
+from typing import Any
 
 from validation.study.drawing import Drawing
 
@@ -22,7 +23,7 @@ FONTS = "'STIX Two Text','STIXGeneral','Times New Roman','Liberation Serif',Tino
 _COLOR = re.compile(r"#[0-9a-f]{6}")
 _TENTHS = 10
 _MARKS = re.compile(r"(<g [^>]*>)(?:<use [^>]*/>)+</g>(?:\1(?:<use [^>]*/>)+</g>)+")
-_SHADES = 256
+_SHADES, _KEYS = 256, 16  # colours of a picture; of one whose colours a key explains
 _RASTER_DOTS = 72  # per inch, of maps within a drawing
 _STRAIGHT = 1.0  # tenths of a point
 
@@ -38,12 +39,12 @@ def svg_of(figure: Drawing, name: str, title: str, description: str) -> str:
     body = re.sub(r"<!--.*?-->", "", body, flags=re.DOTALL).replace("xlink:href", "href")
     body = re.sub(r"(?<=\sd=\")[^\"]*", lambda found: rounded_path(found[0]), body)
     body = re.sub(r"(?<=[\s(\"])-?\d+\.\d+(?=[\s)\"])", lambda found: f"{float(found[0]):.2f}".rstrip("0").rstrip("."), body)
-    body = re.sub(r"base64,\s*([A-Za-z0-9+/=\s]+)", lambda found: "base64," + _fewer_colors(found[1]), body)
+    body = re.sub(r"(<image [^>]*base64,)\s*([A-Za-z0-9+/=\s]+)([^>]*>)", _day_and_night, body)
     body = _own_ids(_flowing(body), name)
-    body = re.sub(r"font-family: [^;\"]*;? ?", "", body).replace("; ", ";").replace(": ", ":").replace(' style=""', "")
+    body = re.sub(r"font-family: [^;\"]*;? ?", "", body)
+    body = re.sub(r'(?<= style=")[^"]*', lambda found: re.sub(r"([;:]) ", r"\1", found[0]), body).replace(' style=""', "")
     body = _unwrapped(_once(re.sub(r">\s+<", "><", body).strip()))
-    if "<image" not in body:  # a picture keeps its colours, and so does what is drawn over it
-        body = _COLOR.sub(lambda found: f"var({variable(found[0])},{found[0]})", body)
+    body = _COLOR.sub(lambda found: f"var({variable(found[0])},{found[0]})", body)
     width, height = (f"{float(size):.2f}" for size in head.groups())
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-labelledby="{name}-title" aria-describedby="{name}-desc" '
@@ -102,16 +103,26 @@ def _short(tenths: int, spaced: bool) -> str:
     return f"-{text}" if tenths < 0 else f" {text}" if spaced else text
 
 
-def _fewer_colors(encoded: str) -> str:
-    """A picture within the drawing, with a palette."""
+def _day_and_night(found: re.Match[str]) -> str:
+    """A picture within the drawing, with a palette. On dark paper a page turns its shades; one of few colours, which a key
+    explains, has a second picture in the colours that the key has there."""
     from PIL import Image
 
-    packed = io.BytesIO()
-    with Image.open(io.BytesIO(base64.b64decode(encoded))) as image:
+    def as_address(image: Any) -> str:
+        file = io.BytesIO()
+        image.save(file, format="png", optimize=True)
+        return base64.b64encode(file.getvalue()).decode("ascii")
+
+    with Image.open(io.BytesIO(base64.b64decode(found[2]))) as image:
         seen = image.convert("RGBA")
-        white = Image.new("RGBA", seen.size, PAPER)
-        Image.alpha_composite(white, seen).convert("RGB").quantize(_SHADES).save(packed, format="png", optimize=True)
-    return base64.b64encode(packed.getvalue()).decode("ascii")
+    day = Image.alpha_composite(Image.new("RGBA", seen.size, PAPER), seen).convert("RGB").quantize(_SHADES)
+    element = found[1].replace("<image ", '<image class="{}" ') + "{}" + found[3]
+    if len(day.getcolors() or []) > _KEYS:
+        return element.format("shades", as_address(day))
+    night, palette = day.copy(), bytes(day.getpalette() or [])
+    night.putpalette(b"".join(bytes.fromhex(by_night(f"#{palette[k : k + 3].hex()}")[1:]) for k in range(0, len(palette), 3)))
+    hidden = re.sub(r' id="[^"]*"', "", element).replace("<image ", '<image style="display:none" ')
+    return element.format("day", as_address(day)) + hidden.format("night", as_address(night))
 
 
 def _flowing(body: str) -> str:
