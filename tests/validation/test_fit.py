@@ -86,7 +86,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
             scene, free_parameters(scene, KEYS), [], [experiment._replace(friction=friction + noise)], "quasidynamic", 1e-8
         )
         found = minimise(problem, [inner], Best(inner), 1.0)
-        spread = intervals(problem, found, problem.is_log)
+        spread = intervals(problem, found)
         held += (spread.low < inner) & (inner < spread.high)
     assert (held >= 25).all()  # of 30 at 95 %: fewer once in 2,000
     assert held.sum() < 90

@@ -20,6 +20,7 @@ class Measured(NamedTuple):
     usual: str = ""
 
 
+_RATES = "m/s, mm/s, um/s, nm/s, V*"
 _LENGTHS, _STRESSES = "m, mm, um, nm, L", "Pa, kPa, MPa, GPa, bar, psi, normal stress"
 
 MEASURED = {
@@ -42,8 +43,17 @@ MEASURED = {
         ),
         _LENGTHS,
     ),
+    "load_point_velocity": Measured(
+        "m/s",
+        "V*",
+        (
+            *("load_velocity", "loading_velocity", "load_rate", "loading_rate", "drive_velocity", "driving_velocity"),
+            *("v_lp", "vlp", "v_load", "load_point_rate"),
+        ),
+        _RATES,
+    ),
     "slip": Measured("m", "L", ("delta", "slip_2", "fault_slip", "slip_displacement", "onboard_disp", "obdisp"), _LENGTHS),
-    "slip_rate": Measured("m/s", "V*", ("v", "sliprate", "slip_rate_2", "slip_velocity"), "m/s, mm/s, um/s, nm/s, V*"),
+    "slip_rate": Measured("m/s", "V*", ("v", "sliprate", "slip_rate_2", "slip_velocity"), _RATES),
     "shear_stress": Measured("Pa", "normal stress", ("tau", "stress", "shear", "shear_stress_2"), _STRESSES),
     "friction": Measured("", "", ("mu", "friction_coefficient", "coefficient_of_friction", "coeff_friction", "cof")),
     "normal_stress": Measured("Pa", "normal stress", ("sigma", "sigma_n", "normal", "sn"), _STRESSES),

@@ -60,6 +60,11 @@ class FitOptions(ModelOptions):
         "what the columns of the files are, in order; _ is not read", metavar="time,friction,_", stored=True
     )
     units: str | None = option("units of the columns, in order or by name", metavar="s,1", stored=True)
+    window: str | None = option(
+        "only the samples from BEGIN to END of the files' own time count; the load before moves the model all the same",
+        metavar="BEGIN:END",
+        stored=True,
+    )
     tol: float | None = option("relative error of the model's motion", stored=True)
 
 
@@ -256,7 +261,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
     free = free_parameters(scene, words)
     series = [read_series(file, options.columns, options.units) for file in files]
-    records = [experiment_of(one, scene) for one in series]
+    records = [experiment_of(one, scene, options.window) for one in series]
     tolerance = options.tol or _TOLERANCE
     problem = problem_of(scene, free, words, records, model, tolerance)
     best = Best(next(problem.starts()))
@@ -271,7 +276,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
             raise
         stopped = True
         found = Solution(best.inner, problem.residual(best.inner), problem.slopes(best.inner), best.evaluations, "interrupted")
-    spread = intervals(problem, found, problem.is_log)
+    spread = intervals(problem, found)
     if not stopped and all(one.is_cheap for one in problem.models):
         spread = profiled(problem, found, spread)
     fitted = read(scene, {one.key: one.setting(x) for one, x in zip(free, found.inner, strict=False)})

@@ -8,14 +8,13 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from scipy import optimize, stats
 
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array
 
 CONFIDENCE = 0.95
 _TOLERANCE = 1e-10
 _SINGULAR = 1e-9  # of the largest singular value of the scaled derivative
 _NAMED = 0.2  # share of a direction from which on a parameter is named in it
-_WIDE = 1.0  # half width of an interval, in logarithms or relative to the value, that determines nothing
 _EXPLORING = 6
 _FAR = 1.5  # times the noise: a residual from which on other starts are tried
 _PROFILE = 5  # trials for the end of an interval
@@ -30,6 +29,8 @@ class Problem(Protocol):
     names: list[str]
     low: Array
     high: Array
+    large: Array
+    """Half width of an interval that says nothing of a parameter; NaN: as large as its value."""
 
     def residual(self, inner: Array) -> Array:
         """(n,); NumericsError where it cannot be computed."""
@@ -78,7 +79,7 @@ def minimise(problem: Problem, starts: Iterable[Array], best: Best, noise: float
     for start in starts:
         try:
             tried.append(_descend(problem, start, best, _EXPLORING if tried else most))
-        except NumericsError as error:
+        except (NumericsError, SceneError) as error:
             reasons.append(str(error))
             continue
         if np.sqrt(np.mean(tried[-1].fun ** 2)) < _FAR * noise:
@@ -100,7 +101,7 @@ def _descend(problem: Problem, start: Array, best: Best, most: int) -> optimize.
     def residual(inner: Array) -> Array:
         try:
             found = problem.residual(inner)
-        except NumericsError:
+        except (NumericsError, SceneError):
             found = np.full(samples, np.nan)
         best.see(inner, found)
         return found
@@ -133,7 +134,7 @@ def _crossing(problem: Problem, found: Solution, way: Array, k: int, rise: float
         try:
             inner = inner if trial == 0 else _others_best(problem, inner, k)
             risen = float(np.sum(problem.residual(inner) ** 2)) - found.cost
-        except NumericsError:
+        except (NumericsError, SceneError):
             return share
         ratio = math.sqrt(max(risen, 1e-4 * rise) / rise)
         if abs(ratio - 1.0) < (_ALIKE if trial == 0 else 0.2 * _ALIKE):
@@ -184,7 +185,7 @@ class Intervals(NamedTuple):
     profiled: tuple[str, ...] = ()
 
 
-def intervals(problem: Problem, found: Solution, is_log: "Sequence[bool]") -> Intervals:
+def intervals(problem: Problem, found: Solution) -> Intervals:
     """From the derivative: t quantile times standard errors, which are wider where residuals fluctuate together."""
     n, m = found.slopes.shape
     degrees = max(n - m, 1)
@@ -203,10 +204,10 @@ def intervals(problem: Problem, found: Solution, is_log: "Sequence[bool]") -> In
     error = noise * math.sqrt(together) * np.where(undecided, math.inf, spread)
     quantile = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, max(degrees / together, 1.0)))
     half, rise = quantile * error, quantile**2 * noise**2 * together
-    size = np.where(is_log, 1.0, np.maximum(np.abs(found.inner), 1e-300))
+    size = np.where(np.isnan(problem.large), np.maximum(np.abs(found.inner), 1e-300), problem.large)
     with np.errstate(divide="ignore", invalid="ignore"):
         correlation = covariance / np.outer(spread, spread)
-    known, low, high = half < _WIDE * size, found.inner - half, found.inner + half
+    known, low, high = half < size, found.inner - half, found.inner + half
     return Intervals(low, high, known, correlation, noise, together, tuple(singular), covariance, rise)
 
 

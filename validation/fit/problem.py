@@ -43,7 +43,8 @@ class FrictionProblem:
         bounds = [(one.inner(one.low), one.inner(one.high)) for one in self.free]
         low, high = zip(*bounds, *[(-np.inf, np.inf)] * len(self.own), strict=True)
         self.low, self.high = np.array(low), np.array(high)
-        self.is_log = [*(one.is_positive for one in self.free), *[False] * len(self.own)]
+        own = [float(np.ptp(self.records[k].friction[self.records[k].shown])) for k, _ in self.own]
+        self.large = np.array([*(1.0 if one.is_positive else np.nan for one in self.free), *own])
         self._shapes = [self._columns(k) for k in range(len(self.records))]
 
     def _columns(self, k: int) -> Array:

@@ -1,14 +1,19 @@
 """Measured records as a fit takes them: friction at times, and how the load point moved."""
 
+import math
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from slipwave.errors import SceneError
+from slipwave.input.quantity import looks_measured, quantity
+from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
+from validation.data.events import noise_of
 from validation.data.series import Series
 from validation.fit.cycles import MeanCycle, mean_cycle, phases
 from validation.fit.parameters import Schedule, schedule_of, sizes
@@ -17,6 +22,8 @@ _ALONE = 3.0  # standard deviations by which a straight line may miss
 _REST = 0.003  # of the largest velocity; a slower load point is at rest
 _WORTH = 40.0  # times the square of the noise: what a bend must take off the sum of squares
 _MOST_KNOTS = 400
+_LEAST = 8  # samples
+_FINEST = 1e-4  # of the range of friction: the least noise that a record is taken to have
 
 
 class Experiment(NamedTuple):
@@ -40,28 +47,67 @@ class Experiment(NamedTuple):
         return slice(1 if self.cycle else 0, None)
 
 
-def experiment_of(series: Series, scene: Scene) -> Experiment:
-    """The record of a file, driven as in the scene or, where that has one velocity, as the file's load point moved.
+def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Experiment:
+    """The record of a file, driven as in the scene or, where that has one velocity, as the file's load point moved; of samples,
+    those in the `window` "BEGIN:END" of the file's clock.
 
     Raises SceneError for a file without friction, and without time or displacement of the load point."""
     if series.is_own is False and scene.units is None:
         series.of(scene)  # refuses
     friction = series.friction(scene.units.normal_stress if scene.units else 1.0)
+    inside = _inside(series, window)
     known = schedule_of(scene)
     times = series["time"] if not series.is_own or scene.units is None else series["time"] * sizes(scene)[0]
     notes = list(series.notes)
-    if known.is_constant and "load_point_displacement" in series:
-        moved = series["load_point_displacement"] * (scene.units.memory_length if series.is_own and scene.units else 1.0)
+    moved = _moved(series, scene, times) if known.is_constant else None
+    if moved is not None:
+        if moved[-1] < moved[0]:
+            moved = -moved
+            notes.append("the load point moves backwards: its sign was changed")
         found = followed(times, moved)
+        if found.velocities[0] <= 0.0 or min(found.velocities) < 0.0:
+            told = "begins at rest" if found.velocities[0] == 0.0 else "turns back"
+            raise SceneError(f"{series.source!r}: the load point {told}; a fit begins in steady sliding: --window cannot mend it")
         times, known = times - times[0], found._replace(times=tuple(t - times[0] for t in found.times))
         notes.append(f"the load point moves as in the file: {_told(known)}")
     if times[0] < 0.0:
         raise SceneError(f"{series.source!r}: time begins at {times[0]:g}: the scene starts at 0")
+    times, friction = times[inside], friction[inside]
     if known.is_constant:
         return stick_slip(series.source, times, friction, known, notes)
-    bends = float(np.median(np.abs(np.diff(friction, 2)))) / (0.6745 * 6.0**0.5)
-    weight = 1.0 / bends if bends > 0.0 else 1.0
-    return Experiment(series.source, times, friction, travelled(known, times), known, tuple(notes), weight)
+    noise = max(noise_of(times, friction), _rounding(friction), _FINEST * float(np.ptp(friction)), 1e-15)
+    return Experiment(series.source, times, friction, travelled(known, times), known, tuple(notes), 1.0 / noise)
+
+
+def _moved(series: Series, scene: Scene, times: Array) -> Array | None:
+    """Displacement of the load point (m, or V* transits), by its own column or by that of its velocity; None without both."""
+    length, pace = (scene.units.memory_length, scene.units.reference_velocity) if series.is_own and scene.units else (1.0, 1.0)
+    if "load_point_displacement" in series:
+        return series["load_point_displacement"] * length / (1.0 if scene.units else scene.transit)
+    if "load_point_velocity" in series:
+        from scipy.integrate import cumulative_trapezoid
+
+        return np.asarray(cumulative_trapezoid(series["load_point_velocity"] * pace, times, initial=0.0))
+    return None
+
+
+def _inside(series: Series, window: str | None) -> slice:
+    """The samples of a `window` of the file's clock (s, or transits). Raises SceneError for one that holds too few."""
+    times, unit = series["time"], "s"
+    if window is None:
+        return slice(None)
+    try:
+        ends = [float(quantity(text, unit).value if looks_measured(text) else text or "nan") for text in window.split(":")]
+        begin, end = (default if math.isnan(one) else one for one, default in zip(ends, (-math.inf, math.inf), strict=True))
+    except ValueError:
+        raise SceneError(f"--window = {shorten(window)}: must be BEGIN:END of the file's time, as in 40:180 or 40s:3min") from None
+    first, last = np.searchsorted(times, (begin, np.nextafter(end, math.inf)))
+    if last - first < _LEAST:
+        raise SceneError(
+            f"--window = {shorten(window)}: holds {max(last - first, 0)} samples of {series.source!r} (time from {times[0]:.6g} "
+            f"to {times[-1]:.6g}): a fit needs {_LEAST}"
+        )
+    return slice(first, last)
 
 
 def stick_slip(name: str, times: Array, friction: Array, schedule: Schedule, notes: list[str]) -> Experiment:
@@ -82,9 +128,11 @@ def travelled(schedule: Schedule, times: Array) -> Array:
 def followed(times: Array, moved: Array) -> Schedule:
     """The velocity of a load point that `moved`, in steps: straight lines as few as the noise allows, which meet."""
     jumps = moved[2:] - moved[1:-1] - (moved[1:-1] - moved[:-2]) * np.diff(times)[1:] / np.diff(times)[:-1]
-    noise = max(float(np.median(np.abs(jumps))) / (0.6745 * 6.0**0.5), 1e-9 * float(np.ptp(moved)))
+    noise = max(float(np.median(np.abs(jumps))) / (0.6745 * 6.0**0.5), 1e-9 * float(np.ptp(moved)), _rounding(moved))
     cuts = _merged(times, moved, _cuts(times, moved, noise), noise)
-    lines = [np.polyfit(times[a : b + 1], moved[a : b + 1], 1) for a, b in pairwise(cuts)]
+    parts = [(a, b, np.polyfit(times[a : b + 1], moved[a : b + 1], 1)) for a, b in pairwise(cuts)]
+    corners = {k for k in range(1, len(parts) - 1) if _is_corner(times, parts[k - 1 : k + 2])}
+    lines = [line for k, (_, _, line) in enumerate(parts) if k not in corners]
     fastest = max(abs(slope) for slope, _ in lines)
     knots, paces = [float(times[0])], [_pace(lines[0][0], fastest)]
     for before, after in pairwise(lines):
@@ -94,6 +142,22 @@ def followed(times: Array, moved: Array) -> Schedule:
         knots += [min(max(meet, knots[-1]), float(times[-1]))] * 2
         paces += [paces[-1], _pace(after[0], fastest)]
     return Schedule((*knots, float(times[-1])), (*paces, paces[-1]))
+
+
+def _rounding(moved: Array) -> float:
+    """Standard deviation of the error of a record that is written in whole steps; 0 for one that is not."""
+    steps = np.diff(np.unique(moved))
+    least = float(steps[steps > 1e-9 * np.ptp(moved)].min(initial=np.inf))
+    away = (moved - moved[0]) / least
+    return least / 12.0**0.5 if np.abs(away - np.rint(away)).max() < 1e-3 else 0.0
+
+
+def _is_corner(times: Array, three: Sequence[tuple[int, int, Array]]) -> bool:
+    """Whether the middle one of three parts is between two samples, where the lines beside it meet: a step, seen by samples."""
+    (_, _, before), (begin, end, _), (_, _, after) = three
+    if end - begin > 1 or before[0] == after[0]:
+        return False
+    return bool(times[begin] <= (after[1] - before[1]) / (before[0] - after[0]) <= times[end])
 
 
 def _pace(slope: float, fastest: float) -> float:

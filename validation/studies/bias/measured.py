@@ -43,7 +43,7 @@ def biases_of(scene: Scene, friction: Array, model: str) -> dict[str, float]:
         return {f"{kind} {name}": float("nan") for kind in ("error", "half") for name in QUANTITIES}
     noise = np.random.default_rng(1).standard_normal(friction.size)  # the record has none of its own
     noisy = found._replace(residual=found.residual + noise)
-    spread = intervals(problem, noisy, problem.is_log)
+    spread = intervals(problem, noisy)
     half = (spread.high - spread.low) / 2.0
     moved = found.inner - truth
     a, b = np.exp(found.inner[:2])
@@ -74,7 +74,7 @@ def intervals_held(model: str, seeds: Sequence[int]) -> list[list[bool]]:
         noise = np.random.default_rng([len(model), seed])
         problem = stepped_problem(scene, model, friction + NOISE * noise.standard_normal(friction.size))
         best = minimise(problem, [truth + _ASIDE * noise.standard_normal(truth.size)], Best(truth), 1.0)
-        spread = intervals(problem, best, problem.is_log)
+        spread = intervals(problem, best)
         if problem.models[0].is_cheap:
             spread = profiled(problem, best, spread)
         found.append([bool(low < x < high) for low, x, high in zip(spread.low, truth, spread.high, strict=True)])
