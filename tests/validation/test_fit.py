@@ -165,7 +165,7 @@ def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path: Path) ->
         assert row["low"] < value < row["high"], key
         assert row["high"] - row["low"] < 0.03 * value, key
     assert found.summary["data"][0]["period"]["fitted"] == pytest.approx(35.7603, rel=1e-4)
-    with pytest.raises(SceneError, match="stick-slip is fitted by ODE reductions"):
+    with pytest.raises(SceneError, match=r"period is 1\.19e\+06 transits: a fit with every wave takes 100000"):
         sw.fit(STICKING, "delay", data=[str(path)], free=KEYS)
     np.savetxt(path, np.column_stack([0.6 + 0.0 * friction, times]), delimiter=",", header="mu,time [s]", comments="")
     with pytest.raises(SceneError, match="no slip event"):

@@ -5,18 +5,20 @@ import time
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
-from slipwave.errors import SceneError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.extras import require
 from slipwave.input import SceneSource, read
 from slipwave.input.stored import is_stored, read_stored
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.data.series import read_series
+from validation.fit.kept import facts_of, recalled_best
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled
 from validation.fit.parameters import free_parameters
 from validation.fit.problem import FrictionProblem, problem_of
@@ -64,6 +66,9 @@ class FitOptions(ModelOptions):
         "only the samples from BEGIN to END of the files' own time count; the load before moves the model all the same",
         metavar="BEGIN:END",
         stored=True,
+    )
+    checkpoint: Path | None = option(
+        "keep the best values here during the fit, and go on from them if FILE exists", metavar="FILE.json"
     )
     tol: float | None = option("relative error of the model's motion", stored=True)
 
@@ -175,7 +180,7 @@ class FitResult(Result):
 
     def to_go_on(self, options: Any) -> str:
         """As `Result`."""
-        return "with --out FILE.nc, slipwave fit FILE.nc goes on from the best values"
+        return "with --checkpoint FILE.json the same command goes on; with --out FILE.nc, slipwave fit FILE.nc does"
 
     @cached_property
     def _friction(self) -> list[Array]:
@@ -264,12 +269,16 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     records = [experiment_of(one, scene, options.window) for one in series]
     tolerance = options.tol or _TOLERANCE
     problem = problem_of(scene, free, words, records, model, tolerance)
-    best = Best(next(problem.starts()))
+    settings = options.stored | {"free": words, "model": model}
+    best = recalled_best(options.checkpoint, next(problem.starts()), facts_of(scene.digest, files, settings))
     stopped = False
     try:
-        starts = problem.starts()
-        if not all(one.is_cheap for one in problem.models):
-            starts = _nearby(problem_of(scene, free, words, records, _CHEAP, tolerance))
+        starts, is_cheap = problem.starts(), all(one.is_cheap for one in problem.models)
+        if best.evaluations:
+            log.info("goes on from %s after %d evaluations", options.checkpoint, best.evaluations)
+            starts = chain([best.inner], starts if is_cheap else [])
+        elif not is_cheap:
+            starts = _nearby(problem_of(scene, free, words, records, _CHEAP, tolerance), starts)
         found = minimise(problem, starts, best, problem.noise)
     except KeyboardInterrupt:
         if not np.isfinite(best.cost):
@@ -277,7 +286,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         stopped = True
         found = Solution(best.inner, problem.residual(best.inner), problem.slopes(best.inner), best.evaluations, "interrupted")
     spread = intervals(problem, found)
-    if not stopped and all(one.is_cheap for one in problem.models):
+    if not stopped and is_cheap:
         spread = profiled(problem, found, spread)
     fitted = read(scene, {one.key: one.setting(x) for one, x in zip(free, found.inner, strict=False)})
     failed = "; ".join(filter(None, [found.failed, *_complaints(problem, found, spread)]))
@@ -294,9 +303,14 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     )
 
 
-def _nearby(cheap: FrictionProblem) -> Iterator[Array]:
-    """Where a model that is dear begins: the best values of a cheap one."""
-    found = minimise(cheap, cheap.starts(), Best(next(cheap.starts())), cheap.noise)
+def _nearby(cheap: FrictionProblem, others: Iterator[Array]) -> Iterator[Array]:
+    """Where a model that is dear begins: the best values of a cheap one, or its own starts where there are none."""
+    try:
+        found = minimise(cheap, cheap.starts(), Best(next(cheap.starts())), cheap.noise)
+    except NumericsError as error:
+        log.info("%s: %s", _CHEAP, error)
+        yield from others
+        return
     log.info(
         "%s fits with a residual of %.3g times the noise: the start of the fit",
         _CHEAP,

@@ -5,6 +5,8 @@ through the middle between its maximum and its minimum. Phases close to events a
 recording than of friction.
 """
 
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
@@ -20,7 +22,8 @@ from slipwave.scene import Scene
 from slipwave.scene.start import Start, StartKind
 from slipwave.step.collocation import radau
 from slipwave.step.sensitivity import port_sensitivity
-from validation.fit.forward import marched, sampled
+from validation.data.events import noise_of
+from validation.fit.forward import join_pieces, marched, sampled, solved
 from validation.fit.parameters import Variants, sizes
 
 BINS = 48
@@ -30,9 +33,14 @@ MARGIN = 0.02
 _POINTS = 3  # of a bin at which a model is asked
 _FALL = 0.4  # of the range of friction: a smaller fall is no event
 _ABOVE = 8.0  # times the noise: the smallest fall that can be told from it
+_BLOCKS = (4000, 1000, 250)  # means, among which falls are sought if noise, or waves, hide them in the samples
 _SETTLED = 7  # events; the last cycle of so many is taken
-_LONGER = (1.0, 2.5, 6.0)  # times the expected length of a march
+_LONGER = (1.0, 2.5, 6.0, 15.0)  # times the expected length of a march
 _BISECTIONS = 60
+_COARSE = 1e-5  # tolerance that is enough for a period that follows parameters in steps
+_MOST_STEPS = 1_500_000
+_MOST_TRANSITS = 1e5  # of a period
+_SHIFT = 1e-2  # of differences of cycles
 DISTURBED = 1.0
 """Of psi, at the start of a march that is to stick and slip."""
 
@@ -72,9 +80,13 @@ def falls(values: Array, least: float) -> list[tuple[int, int]]:
 
 def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
     """Of a record. Raises SceneError if there are no three slip events in it."""
-    noise = float(np.median(np.abs(np.diff(friction, 2)))) / (0.6745 * 6.0**0.5)
-    size = float(np.ptp(friction))
-    events = falls(friction, _FALL * size) if _FALL * size > _ABOVE * noise else []
+    noise, size, events = noise_of(times, friction), float(np.ptp(friction)), []
+    for together in sorted({max(1, times.size // blocks) for blocks in (times.size, *_BLOCKS)}):
+        means = friction[: times.size // together * together].reshape(-1, together).mean(axis=1)
+        least = _FALL * float(np.ptp(means))
+        if least > _ABOVE * noise_of(np.arange(means.size), means):
+            events = [(together * a, min(together * b + together - 1, times.size - 1)) for a, b in falls(means, least)]
+            break
     dates = np.array([_date(times, friction, *one) for one in events])
     if dates.size < 3:
         found = f"{dates.size} slip events" if dates.size else "no slip event"
@@ -124,14 +136,16 @@ def _date(times: Array, friction: Array, top: int, bottom: int) -> float:
     return float(times[above] + share * (times[above + 1] - times[above]))
 
 
-class CycleOfReduction:
-    """The last of some cycles of an ODE reduction that a disturbance has set going: period, then friction in the bins."""
+class CycleOfModel(ABC):
+    """The last of some cycles of a model that a disturbance has set going: period, then friction in the bins."""
 
-    is_cheap: bool = True
+    is_cheap: bool
+    alike: float
+    """Relative difference of two periods in a row with which the motion has settled."""
 
     def __init__(self, variants: Variants, period: float, model: str, tolerance: float) -> None:
         self._variants, self._period, self._model, self._tolerance = variants, period, model, tolerance
-        self._last: tuple[Array, ReducedSlabs, Pieces] | None = None
+        self._last: tuple[Array, Scene, Pieces] | None = None
         edges = np.linspace(MARGIN, 1.0 - MARGIN, BINS + 1)
         share = (np.arange(_POINTS) + 0.5) / _POINTS
         self._phases = (edges[:-1, None] + share * np.diff(edges)[:, None]).ravel()
@@ -142,34 +156,44 @@ class CycleOfReduction:
 
     def friction(self, inner: Array) -> Array:
         """As `Forward`, after the period. Raises NumericsError where the model does not stick and slip."""
-        _, slabs, pieces = self._marched(inner)
-        return self._cycle(slabs.scene, pieces, [])[0]
+        _, scene, pieces = self._marched(inner)
+        return self._cycle(scene, pieces, [])[0]
 
+    @abstractmethod
     def slopes(self, inner: Array) -> Array:
         """As `Forward`."""
-        _, slabs, pieces = self._marched(inner)
-        found = port_sensitivity(slabs, self._variants.beside(inner), pieces)
-        return np.column_stack(self._cycle(slabs.scene, pieces, [*np.moveaxis(found, 1, 0)])[1:])
+
+    @abstractmethod
+    def _march(self, scene: Scene, until: float) -> Pieces:
+        """The motion up to `until` (transits). Raises NumericsError where it cannot be computed."""
 
     def motion(self, inner: Array, every: float) -> tuple[Array, Array]:
         """Times (s, or transits in a scene without units), `every` so long, and friction of the later half of the march."""
-        _, slabs, pieces = self._marched(inner)
-        clock = sizes(slabs.scene)[0]
+        _, scene, pieces = self._marched(inner)
+        clock = sizes(scene)[0]
         times = np.arange(0.4 * pieces.time[-1] * clock, pieces.time[-1] * clock, every)
         return times, sampled(pieces, times / clock, [pieces.mu])[0]
 
-    def _marched(self, inner: Array) -> tuple[Array, ReducedSlabs, Pieces]:
+    def _marched(self, inner: Array) -> tuple[Array, Scene, Pieces]:
         if self._last is None or not np.array_equal(self._last[0], inner):
-            slabs = ReducedSlabs(self.scene(inner), lambda one: reduction_of(one, self._model), STAGES)
+            scene = self.scene(inner)
             for longer in _LONGER:
-                until = longer * (_SETTLED + 1.5) * self._period / sizes(slabs.scene)[0]
-                pieces = marched(slabs, until, self._tolerance)
-                if len(self._falls(pieces)) >= _SETTLED:
+                until = float(np.ceil(longer * (_SETTLED + 1.5) * self._period / sizes(scene)[0]))
+                pieces = self._march(scene, until)
+                events = self._falls(pieces)
+                is_whole = pieces.time[-1] + pieces.length[-1] > until - 1.0
+                if not is_whole or (len(events) >= _SETTLED and self._is_settled(pieces, events[-3:])):
                     break
-            else:
-                raise NumericsError(f"{self._model}: no {_SETTLED} slip events in {until:.4g} transits")
-            self._last = inner.copy(), slabs, pieces
+            if len(events) < _SETTLED:
+                raise NumericsError(f"{self._model}: no {_SETTLED} slip events in {pieces.time[-1]:.4g} transits")
+            self._last = inner.copy(), scene, pieces
         return self._last
+
+    def _is_settled(self, pieces: Pieces, three: Sequence[tuple[int, int]]) -> bool:
+        """Whether the last two periods are the same."""
+        slope = _slope(pieces)
+        dates = [_model_date(pieces, one, [slope])[0] for one in three]
+        return abs(dates[2] - 2.0 * dates[1] + dates[0]) < self.alike * (dates[2] - dates[1])
 
     def _falls(self, pieces: Pieces) -> list[tuple[int, int]]:
         """Events of the later half of a march, and those before that are as large."""
@@ -178,7 +202,7 @@ class CycleOfReduction:
 
     def _cycle(self, scene: Scene, pieces: Pieces, by: list[Array]) -> list[Array]:
         """Period and friction of the last whole cycle, and their derivatives, where `by` (k, s) are those of mu."""
-        slope = pieces.mu @ _basis(pieces.z.shape[1]).derivative.T / pieces.length[:, None]
+        slope = _slope(pieces)
         events = self._falls(pieces)[-2:]
         (begin, at_begin), (end, at_end) = (_model_date(pieces, one, [slope, *by]) for one in events)
         period = end - begin
@@ -188,6 +212,62 @@ class CycleOfReduction:
         for one, first, last in zip(rows[2:], at_begin, at_end, strict=True):
             found.append(np.append((last - first) * clock, _binned(one + rows[1] * (first + self._phases * (last - first)))))
         return found
+
+
+class CycleOfReduction(CycleOfModel):
+    """By an ODE reduction; the derivative is exact for the steps that the march took."""
+
+    is_cheap: bool = True
+    alike: float = 1e-5
+
+    def slopes(self, inner: Array) -> Array:
+        """As `Forward`."""
+        _, scene, pieces = self._marched(inner)
+        found = port_sensitivity(self._slabs(scene), self._variants.beside(inner), pieces)
+        return np.column_stack(self._cycle(scene, pieces, [*np.moveaxis(found, 1, 0)])[1:])
+
+    def _march(self, scene: Scene, until: float) -> Pieces:
+        return marched(self._slabs(scene), until, self._tolerance)
+
+    def _slabs(self, scene: Scene) -> ReducedSlabs:
+        return ReducedSlabs(scene, lambda one: reduction_of(one, self._model), STAGES)
+
+
+class CycleOfSolver(CycleOfModel):
+    """By any other model. Waves lock the period to their round trips: it follows a parameter in steps of a tenth of a percent.
+    Its derivative at one place says nothing of the way ahead; so it is the difference of two marches, one percent to either
+    side."""
+
+    is_cheap: bool = False
+    alike: float = 1e-3
+
+    def __init__(self, variants: Variants, period: float, model: str, tolerance: float) -> None:
+        super().__init__(variants, period, model, max(tolerance, _COARSE))
+        transits = period / sizes(variants.base)[0]
+        if transits > _MOST_TRANSITS:
+            raise SceneError(
+                f"model = {model!r}: the measured period is {transits:.3g} transits: a fit with every wave takes "
+                f"{_MOST_TRANSITS:g} at most; quasidynamic fits such a record"
+            )
+
+    def slopes(self, inner: Array) -> Array:
+        """As `Forward`."""
+        shifts = _SHIFT * np.eye(inner.size)
+        return np.column_stack([(self.friction(inner + s) - self.friction(inner - s)) / (2.0 * _SHIFT) for s in shifts])
+
+    def _march(self, scene: Scene, until: float) -> Pieces:
+        parts, steps = [], 0
+        for pieces in solved(self._model, scene, until, self._tolerance):
+            parts.append(pieces)
+            steps += pieces.time.size
+            if steps > _MOST_STEPS:
+                break
+        return join_pieces(parts)
+
+
+def _slope(pieces: Pieces) -> Array:
+    """d mu/dt at the nodes (k, s)."""
+    return np.asarray(pieces.mu @ _basis(pieces.z.shape[1]).derivative.T / pieces.length[:, None])
 
 
 def _binned(values: Array) -> Array:
@@ -208,8 +288,9 @@ def _model_date(pieces: Pieces, event: tuple[int, int], rows: list[Array]) -> tu
 
 def _extreme(slope: Array, piece: int) -> tuple[int, float]:
     """The piece, `piece` or one beside it, and the place in it where the slope passes zero."""
-    there = next(k for k in (piece, piece + 1, piece - 1) if _value(slope[k], 0.0) * slope[k, -1] <= 0.0)
-    return _root(slope, there)
+    beside = [k for k in (piece, piece + 1, piece - 1) if 0 <= k < len(slope)]
+    there = next((k for k in beside if _value(slope[k], 0.0) * slope[k, -1] <= 0.0), None)
+    return (piece, 1.0) if there is None else _root(slope, there)  # a wave's front makes a corner between two pieces
 
 
 def _root(rows: Array, piece: int) -> tuple[int, float]:
@@ -229,6 +310,13 @@ def _basis(stages: int) -> Basis:
 def _value(row: Array, share: float) -> float:
     """Of the polynomial of a piece."""
     return float((interpolation_matrix(_basis(row.size), np.array([share])) @ row)[0])
+
+
+def blurred(cycle: MeanCycle, transit: float) -> Array:
+    """Errors of a cycle for a model with waves (period, bins), in which the details that waves leave say nothing: the period's
+    by a quarter of a `transit`, friction's by what differs from bin to bin."""
+    details = noise_of(phases(), cycle.friction)
+    return np.append(np.hypot(cycle.period_error, 0.25 * transit), np.hypot(cycle.friction_error, details))
 
 
 def disturbed(variants: Variants) -> Variants:

@@ -115,11 +115,7 @@ class OfSolver:
         return np.column_stack([(self.friction(inner + s) - self.friction(inner - s)) / (2.0 * _SHIFT) for s in shifts])
 
     def _pieces(self, scene: Scene) -> Iterator[tuple[Pieces, list[Array]]]:
-        has_grid = self._model.partition(":")[0] in [one.name for one in GRIDS]
-        solver = build(self._model, scene) if has_grid else build(self._model, scene, tolerance=self._tolerance)
-        end = float(np.ceil(self._times[-1] / sizes(scene)[0]))
-        while solver.time < end - SAME:
-            pieces = solver.leap(end, end, False) if isinstance(solver, Leaping) else solver.advance(end)
+        for pieces in solved(self._model, scene, self._times[-1] / sizes(scene)[0], self._tolerance):
             yield pieces, [pieces.mu]
 
     def _along(self, inner: Array, parts: Iterable[tuple[Pieces, list[Array]]]) -> Array:
@@ -131,6 +127,20 @@ class OfSolver:
                 found.append(np.column_stack(sampled(pieces, times[done:last], rows)))
                 done = last
         return np.concatenate(found)
+
+
+def solved(model: str, scene: Scene, until: float, tolerance: float) -> Iterator[Pieces]:
+    """The motion of any model up to `until` (transits)."""
+    has_grid = model.partition(":")[0] in [one.name for one in GRIDS]
+    solver = build(model, scene) if has_grid else build(model, scene, tolerance=tolerance)
+    end = float(np.ceil(until))
+    while solver.time < end - SAME:
+        yield solver.leap(end, end, False) if isinstance(solver, Leaping) else solver.advance(end)
+
+
+def join_pieces(parts: Sequence[Pieces]) -> Pieces:
+    """One after the other."""
+    return Pieces(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
 def sampled(pieces: Pieces, times: Array, rows: Sequence[Array]) -> list[Array]:
@@ -152,4 +162,4 @@ def marched(slabs: ReducedSlabs, until: float, tolerance: float) -> Pieces:
         steps += parts[-1].time.size
         if steps > _MOST_STEPS or not math.isfinite(float(parts[-1].z[-1, -1])):
             raise NumericsError(f"{slabs.model}: more than {_MOST_STEPS} steps at t = {solver.time:.6g} transits")
-    return Pieces(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+    return join_pieces(parts)

@@ -12,7 +12,6 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array
 
 CONFIDENCE = 0.95
-_TOLERANCE = 1e-10
 _SINGULAR = 1e-9  # of the largest singular value of the scaled derivative
 _NAMED = 0.2  # share of a direction from which on a parameter is named in it
 _EXPLORING = 6
@@ -31,6 +30,9 @@ class Problem(Protocol):
     high: Array
     large: Array
     """Half width of an interval that says nothing of a parameter; NaN: as large as its value."""
+
+    fineness: float
+    """Relative change of the sum of squares, and of the parameters, below which a descent ends."""
 
     def residual(self, inner: Array) -> Array:
         """(n,); NumericsError where it cannot be computed."""
@@ -107,7 +109,7 @@ def _descend(problem: Problem, start: Array, best: Best, most: int) -> optimize.
         return found
 
     bounds = (problem.low, problem.high)
-    near: dict[str, Any] = {"ftol": _TOLERANCE, "xtol": _TOLERANCE, "gtol": None, "x_scale": "jac", "max_nfev": most}
+    near: dict[str, Any] = {"ftol": problem.fineness, "xtol": problem.fineness, "gtol": None, "x_scale": "jac", "max_nfev": most}
     return optimize.least_squares(residual, inside, problem.slopes, bounds, **near)
 
 

@@ -84,7 +84,7 @@ class Variants:
             tuple(value / unit for value in part) for part, unit in zip(self.schedule, (clock, pace), strict=True)
         )
         own = found.start if found.start.kind is StartKind.JUMP else Start(size=0.0)
-        return replace(found, drive=Drive(times, velocities), start=self.start or own)
+        return replace(found, drive=Drive(times, velocities), start=self.start or own, record=frozenset({"events"}))
 
     def beside(self, inner: Array) -> list[Sides]:
         """The scenes on either side of each parameter."""

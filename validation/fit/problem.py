@@ -2,28 +2,19 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
 from reduced.families import REDUCTIONS
-from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.fit.cycles import CycleOfReduction, disturbed
+from validation.fit.cycles import CycleOfReduction, CycleOfSolver, blurred, disturbed
 from validation.fit.forward import Forward, OfReduction, OfSolver
-from validation.fit.parameters import NUISANCES, Free, Variants
+from validation.fit.parameters import NUISANCES, Free, Variants, sizes
 from validation.fit.records import Experiment
+from validation.fit.starts import other_starts, sticking_starts
 from validation.registry.choice import requested
-
-_FACTORS = (
-    (),
-    ("memory_length", 0.1),
-    ("memory_length", 10.0),
-    ("memory_length", 0.3),
-    ("memory_length", 3.0),
-    ("ab", 0.4),
-    ("ab", 2.5),
-)
 
 
 @dataclass
@@ -45,6 +36,8 @@ class FrictionProblem:
         self.low, self.high = np.array(low), np.array(high)
         own = [float(np.ptp(self.records[k].friction[self.records[k].shown])) for k, _ in self.own]
         self.large = np.array([*(1.0 if one.is_positive else np.nan for one in self.free), *own])
+        self.first = np.array([one.inner(one.start) for one in self.free])
+        self.fineness = 1e-3 if any(isinstance(one, CycleOfSolver) for one in self.models) else 1e-10
         self._shapes = [self._columns(k) for k in range(len(self.records))]
 
     def _columns(self, k: int) -> Array:
@@ -78,19 +71,13 @@ class FrictionProblem:
         return float(any(np.ndim(one.weight) or one.weight != 1.0 for one in self.records))
 
     def starts(self) -> Iterator[Array]:
-        """The scene's values, then others of the memory length, and of a and b."""
-        first = np.array([one.inner(one.start) for one in self.free])
-        groups = {"memory_length": ("memory_length",), "ab": ("a", "b")}
-        for factor in _FACTORS:
-            shift = np.zeros(first.size)
-            if factor:
-                words = groups[factor[0]]
-                shift = np.array(
-                    [np.log(factor[1]) if one.is_positive and one.key.rpartition(".")[2] in words else 0.0 for one in self.free]
-                )
-            if not factor or shift.any():
-                inside = np.clip(first + shift, self.low[: first.size], self.high[: first.size])
-                yield np.append(inside, self._levels(inside))
+        """The scene's values, then others."""
+        first, low, high = (part[: len(self.free)] for part in (self.first, self.low, self.high))
+        cycle = next((one.cycle for one in self.records if one.cycle), None)
+        others = sticking_starts(self.free, first, cycle, self.models[0].scene) if cycle else other_starts(self.free, first)
+        for start in chain([first], others):
+            inside = np.clip(start, low, high)
+            yield np.append(inside, self._levels(inside))
 
     def _levels(self, inner: Array) -> Array:
         """Nuisances of the start: means of what the scene's own steady friction leaves."""
@@ -110,13 +97,15 @@ def problem_of(
     family, _, number, _ = requested(model, scene, tolerance=tolerance)
     kind: type[OfReduction | OfSolver] = OfReduction if family in REDUCTIONS else OfSolver
     name = family.called(family.default if number is None else number)
-    if kind is OfSolver and any(one.cycle for one in records):
-        raise SceneError(f"model = {name!r}: stick-slip is fitted by ODE reductions only: quasidynamic, block8, modal:N, ...")
     models: list[Forward] = []
     for one in records:
         variants = Variants(scene, free, one.schedule)
         if one.cycle is None:
             models.append(kind(variants, one.times, name, tolerance))
         else:
-            models.append(CycleOfReduction(disturbed(variants), one.cycle.period, name, tolerance))
+            cycle = CycleOfReduction if kind is OfReduction else CycleOfSolver
+            models.append(cycle(disturbed(variants), one.cycle.period, name, tolerance))
+    if kind is OfSolver:
+        transit = sizes(scene)[0]
+        records = [one._replace(weight=1.0 / blurred(one.cycle, transit)) if one.cycle else one for one in records]
     return FrictionProblem(free, records, models, tuple(name for name in NUISANCES if name in words))

@@ -87,7 +87,7 @@ def _moved(series: Series, scene: Scene, times: Array) -> Array | None:
     if "load_point_velocity" in series:
         from scipy.integrate import cumulative_trapezoid
 
-        return np.asarray(cumulative_trapezoid(series["load_point_velocity"] * pace, times, initial=0.0))
+        return np.asarray(cumulative_trapezoid(series["load_point_velocity"] * pace, times, initial=0))
     return None
 
 
@@ -100,7 +100,9 @@ def _inside(series: Series, window: str | None) -> slice:
         ends = [float(quantity(text, unit).value if looks_measured(text) else text or "nan") for text in window.split(":")]
         begin, end = (default if math.isnan(one) else one for one, default in zip(ends, (-math.inf, math.inf), strict=True))
     except ValueError:
-        raise SceneError(f"--window = {shorten(window)}: must be BEGIN:END of the file's time, as in 40:180 or 40s:3min") from None
+        raise SceneError(
+            f"--window = {shorten(window)}: must be BEGIN:END of the file's time, as in 40:180 or 40s:3min"
+        ) from None
     first, last = np.searchsorted(times, (begin, np.nextafter(end, math.inf)))
     if last - first < _LEAST:
         raise SceneError(

@@ -1,0 +1,168 @@
+"""Records as strangers write them, made by an integrator of its own, and fits that are killed and go on."""
+
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import slipwave as sw
+from slipwave.errors import SceneError
+from slipwave.input.tables import to_toml
+from validation.cli import main
+from validation.fit.command import FitResult
+
+TRUTH = {"interface.a": 0.01, "interface.b": 0.015, "interface.memory_length": 1e-5}
+FREE = ["a", "b", "memory_length"]
+SAMPLE = {
+    "name": "sample",
+    "interface": {"law": "ageing", "a_star": 0.6, "a": 0.006, "b": 0.009}
+    | {"normal_stress": "5 MPa", "memory_length": "50 um", "reference_velocity": "1 um/s"},
+    "slab": {"density": 2700, "shear_modulus": "30 GPa", "thickness": "5 cm"}
+    | {"face": {"kind": "grip", "stiffness": "42.857142857 GPa/m", "impedance": 0.0}},
+    "drive": {"velocity": "1 um/s"},
+}
+SPRING = 2e10  # Pa/m, of that sample
+
+
+def slider(times: np.ndarray, steps: list[tuple[float, float]], spring: float = SPRING, off: float = 0.0) -> np.ndarray:
+    """Friction of a spring-slider with radiation damping under the ageing law, by LSODA: velocity (m/s) from each time on; at the
+    start, psi is `off` its steady value."""
+    (a, b, length), stress, damping = TRUTH.values(), 5e6, 4.5e6
+    y, found = np.array([np.log(steps[0][1] / 1e-6), off - np.log(steps[0][1] / 1e-6)]), np.empty(times.size)
+    ends = [*(begin for begin, _ in steps[1:]), times[-1]]
+    for (begin, pace), end in zip(steps, ends, strict=True):
+
+        def rates(_: float, y: np.ndarray, pace: float = pace) -> list[float]:
+            rate = 1e-6 * np.exp(y[0])
+            ageing = (1e-6 * np.exp(-y[1]) - rate) / length
+            return [(spring * (pace - rate) - stress * b * ageing) / (stress * a + damping * rate), ageing]
+
+        here = (times >= begin) & (times <= end)
+        moments = np.unique(np.append(times[here], end))
+        made = solve_ivp(rates, (begin, end), y, "LSODA", moments, rtol=1e-9, atol=1e-10)
+        found[here], y = (0.6 + a * made.y[0] + b * made.y[1])[: here.sum()], made.y[:, -1]
+    return found
+
+
+def travelled(times: np.ndarray, steps: list[tuple[float, float]]) -> np.ndarray:
+    begins, paces = np.array(steps).T
+    ends = np.append(begins[1:], np.inf)
+    return np.sum([v * (np.clip(times, a, b) - a) for a, b, v in zip(begins, ends, paces, strict=True)], axis=0)
+
+
+def written(path: Path, heading: str, *columns: np.ndarray) -> str:
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=heading, comments="", fmt="%.9g")
+    return str(path)
+
+
+def holds(found: FitResult, truth: dict[str, float] = TRUTH, wide: float = 0.1) -> None:
+    """The intervals hold the truth, and say something."""
+    rows = found.summary["parameters"]
+    for key, value in truth.items():
+        assert rows[key]["low"] < value < rows[key]["high"] < (1.0 + wide) * value, key
+
+
+STEPS = [(0.0, 1e-6), (20.0, 1e-5), (45.0, 1e-6)]
+
+
+def test_sixty_samples_say_where_the_load_point_turned_between_two_of_them(tmp_path: Path) -> None:
+    times = np.linspace(0.0, 80.0, 60)
+    noise = 2e-4 * np.random.default_rng(5).standard_normal(60)
+    path = written(
+        tmp_path / "few.csv", "seconds,cof,load_point_um", times, slider(times, STEPS) + noise, 1e6 * travelled(times, STEPS)
+    )
+    found = sw.fit(SAMPLE, data=[path], free=FREE)
+    holds(found)
+    assert any("3 velocities, 1e-06, 1e-05, 1e-06" in note for note in found.notes)
+
+
+def test_a_load_point_in_whole_steps_of_its_gauge_and_its_velocity_give_the_same_drive(tmp_path: Path) -> None:
+    times, rng = np.arange(0.05, 100.0, 0.1), np.random.default_rng(6)
+    friction = np.round(slider(times, STEPS) + 2e-4 * rng.standard_normal(times.size), 4)
+    gauge = written(
+        tmp_path / "gauge.csv", "time_s,friction,displacement_um", times, friction, np.round(1e6 * travelled(times, STEPS), 1)
+    )
+    pace = np.select([times < 20.0, times < 45.0], [1.0, 10.0], 1.0)
+    rate = written(tmp_path / "rate.csv", "t [s],mu,Load velocity (um/s)", times, friction, pace)
+    for path in (gauge, rate):
+        found = sw.fit(SAMPLE, data=[path], free=FREE)
+        holds(found)
+        assert any("3 velocities" in note for note in found.notes)
+
+
+def test_a_window_leaves_out_what_the_model_does_not_say(tmp_path: Path) -> None:
+    steps = [(0.0, 1e-6), (80.0, 1e-5), (140.0, 1e-6)]
+    times = np.arange(0.0, 200.0, 0.1)
+    friction = np.minimum(slider(times, steps), 0.02 * times**1.2) + 3e-4 * np.random.default_rng(7).standard_normal(times.size)
+    path = written(
+        tmp_path / "run-in.csv", "time_s,friction,displacement_um", times + 500.0, friction, 1e6 * travelled(times, steps)
+    )
+    found = sw.fit(SAMPLE, data=[path], free=[*FREE, "level"], window="560s:12min")
+    holds(found, {**TRUTH})
+    assert found.summary["determined"]["level"]  # to 1e-5, though it is 0
+    assert found.summary["data"][0]["samples"] == 1400
+    for window, told in (("1:2:3", "must be BEGIN:END"), ("900:", "holds 0 samples")):
+        with pytest.raises(SceneError, match=told):
+            sw.fit(SAMPLE, data=[path], free=FREE, window=window)
+
+
+@pytest.mark.parametrize("far", [{"memory_length": "300 um"}, {"a": 0.02, "b": 0.01}, {"slab.face.stiffness": "20 GPa/m"}])
+def test_stick_slip_is_fitted_from_values_that_slide_steadily(far: dict[str, object], tmp_path: Path) -> None:
+    times = np.arange(0.0, 400.0, 0.1)
+    friction = slider(times, [(0.0, 1e-5)], 1.2e9, 0.5)[500:] + 1e-3 * np.random.default_rng(8).standard_normal(3500)
+    path = written(tmp_path / "stick.csv", "time [s],friction", times[500:], friction)
+    start = {"slab.face.stiffness": "2.4096 GPa/m", "drive.velocity": "10 um/s", **far}
+    free = [*FREE, "stiffness"] if "slab.face.stiffness" in far else FREE
+    holds(sw.fit(SAMPLE, data=[path], free=free, settings=[f"{key}={value!r}" for key, value in start.items()]))
+
+
+_KILLED = """
+import os, signal, sys
+from validation.fit.kept import KeptBest
+see, left = KeptBest.see, int(sys.argv[1])
+
+def seen(self, inner, residual):
+    global left
+    see(self, inner, residual)
+    left -= 1
+    if left == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+
+KeptBest.see = seen
+from validation.cli import main
+from validation.fit.command import FitResult
+sys.exit(main(sys.argv[2:]))
+"""
+
+
+def test_a_fit_that_is_killed_goes_on_and_refuses_other_data(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    times = np.linspace(0.0, 80.0, 300)
+    friction = slider(times, STEPS) + 2e-4 * np.random.default_rng(9).standard_normal(300)
+    path = written(tmp_path / "steps.csv", "seconds,cof,load_point_um", times, friction, 1e6 * travelled(times, STEPS))
+    scene, kept = tmp_path / "sample.toml", tmp_path / "kept.json"
+    scene.write_text(to_toml(sw.read_scene(SAMPLE)), encoding="utf-8")
+    whole = sw.fit(SAMPLE, data=[path], free=FREE)
+    at = int(np.random.default_rng(10).integers(3, whole.summary["evaluations"]))
+    words = ["fit", str(scene), "--data", path, "--free", ",".join(FREE), "--checkpoint", str(kept)]
+    killed = subprocess.run([sys.executable, "-c", _KILLED, str(at), *words], capture_output=True)
+    assert killed.returncode == -signal.SIGKILL
+    done = json.loads(kept.read_text())
+    assert 1 <= done["evaluations"] <= at
+    assert main([*words, "--json"]) == 0
+    after = json.loads(capsys.readouterr().out)
+    assert done["evaluations"] < after["evaluations"]
+    for key, row in whole.summary["parameters"].items():
+        assert after["parameters"][key]["value"] == pytest.approx(row["value"], rel=1e-6)
+    assert main([*words, "--window", "0:70"]) == 2
+    assert "belongs to another fit (window: None, now '0:70')" in capsys.readouterr().err
+    written(Path(path), "seconds,cof,load_point_um", times, friction + 1e-3, 1e6 * travelled(times, STEPS))
+    assert main(words) == 2
+    assert "belongs to another fit (contents of" in capsys.readouterr().err
+    kept.write_text("{", encoding="utf-8")
+    assert main(words) == 2
+    assert "is no checkpoint of a fit" in capsys.readouterr().err

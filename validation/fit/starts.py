@@ -1,0 +1,79 @@
+"""Where a fit begins: the scene's values, and others for a scene whose values are far away."""
+
+from collections.abc import Callable, Iterator, Sequence
+from itertools import product
+
+import numpy as np
+from scipy.optimize import brentq
+
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from validation.fit.cycles import MeanCycle
+from validation.fit.parameters import Free, sizes
+
+_FACTORS = (
+    ("memory_length", 0.1),
+    ("memory_length", 10.0),
+    ("memory_length", 0.3),
+    ("memory_length", 3.0),
+    ("ab", 0.4),
+    ("ab", 2.5),
+)
+_GROUPS = {"memory_length": ("memory_length",), "ab": ("a", "b")}
+_SPRINGS = ("stiffness", "shear_modulus", "thickness")
+_LOGARITHM = 15.0  # of the slip rate in an event over that between two: friction falls by so many times b - a
+_KAPPAS = (0.1, 0.3, 0.03, 0.6)  # of the critical stiffness
+_RATIOS = (None, 0.6, 0.8)  # a/b; None: the scene's, if it can stick and slip
+
+
+def other_starts(free: Sequence[Free], first: Array) -> Iterator[Array]:
+    """With another memory length; with other a and b."""
+    for group, factor in _FACTORS:
+        moves = [one.is_positive and _word(one) in _GROUPS[group] for one in free]
+        if any(moves):
+            yield first + np.log(factor) * np.array(moves, dtype=float)
+
+
+def sticking_starts(free: Sequence[Free], first: Array, cycle: MeanCycle, scene_of: Callable[[Array], Scene]) -> Iterator[Array]:
+    """Values of those that are free with which steady sliding is unstable, friction falls by about as much as in the mean cycle
+    and, if the spring is free, friction rises before an event as the load point pulls."""
+    place = {_word(one): k for k, one in enumerate(free) if one.is_positive}
+    steep = float(np.polyfit(np.arange(cycle.friction.size // 3) * cycle.period / cycle.friction.size, *_middle(cycle))[0])
+    for kappa, ratio in product(_KAPPAS, _RATIOS):
+        inner = first.copy()
+        for word in _SPRINGS:
+            if word in place and steep > 0.0:
+                inner[place[word]] = _as_stiff(free, inner, place[word], steep, scene_of)
+                break
+        law = scene_of(inner).law
+        a, b = getattr(law, "a", 0.0), getattr(law, "b", 0.0)
+        share, weaker = ratio or (a / b if 0.0 < a < 0.9 * b else 0.7), cycle.drop / _LOGARITHM
+        if "a" in place:
+            inner[place["a"]] = np.log(weaker * share / (1.0 - share) if "b" in place else max(b - weaker, 0.1 * b))
+        if "b" in place:
+            inner[place["b"]] = np.log(weaker / (1.0 - share) if "a" in place else a + weaker)
+        scene = scene_of(inner)
+        weaker = getattr(scene.law, "b", 0.0) - getattr(scene.law, "a", 0.0)
+        if "memory_length" in place and weaker > 0.0:
+            inner[place["memory_length"]] += np.log(kappa * weaker * scene.transit / scene.stiffness)
+        yield inner
+
+
+def _middle(cycle: MeanCycle) -> tuple[Array, int]:
+    third = cycle.friction.size // 3
+    return cycle.friction[third : 2 * third], 1
+
+
+def _as_stiff(free: Sequence[Free], inner: Array, k: int, steep: float, scene_of: Callable[[Array], Scene]) -> float:
+    """The k-th, with which a locked interface loads at `steep`; as it is where none does."""
+
+    def short(x: float) -> float:
+        scene = scene_of(np.where(np.arange(inner.size) == k, x, inner))
+        return float(np.log(scene.stiffness * scene.velocity / sizes(scene)[0] / steep))
+
+    low, high = free[k].inner(free[k].low), free[k].inner(free[k].high)
+    return float(brentq(short, low, high, xtol=1e-3)) if short(low) * short(high) < 0.0 else float(inner[k])
+
+
+def _word(one: Free) -> str:
+    return one.key.rpartition(".")[2]
