@@ -1,7 +1,11 @@
-"""Fixtures of the report's tests."""
+"""Fixtures: synthetic studies for the report's tests, and what the commands of `slipwave` say."""
+
+import json
 
 import pytest
 from fake_studies import Fake
+
+from validation.cli import INPUT_WRONG, main
 
 
 @pytest.fixture
@@ -9,3 +13,39 @@ def fake(monkeypatch, tmp_path):
     """Synthetic studies instead of the report's, run in this process unless a test asks for several."""
     monkeypatch.setattr("validation.report.build.cores", lambda: 1)
     return Fake(monkeypatch, tmp_path)
+
+
+@pytest.fixture
+def printed(capsys):
+    """What a command prints, which must succeed."""
+
+    def printed(*words):
+        capsys.readouterr()
+        assert main([*words]) == 0
+        return capsys.readouterr().out
+
+    return printed
+
+
+@pytest.fixture
+def answer(printed):
+    """The JSON of a command."""
+    return lambda *words: json.loads(printed(*words, "--json"))
+
+
+@pytest.fixture
+def refused(capsys):
+    """The line that a command says on stderr, which must end with that status and print nothing; if its input is wrong, it says
+    no more than which model it chose."""
+
+    def refused(*words, status=INPUT_WRONG):
+        capsys.readouterr()
+        assert main([*words]) == status
+        out, err = capsys.readouterr()
+        assert out == ""
+        *before, line = err.splitlines()
+        assert status != INPUT_WRONG or all(one.startswith("model auto: ") for one in before)
+        assert line.startswith("slipwave: ")
+        return line
+
+    return refused

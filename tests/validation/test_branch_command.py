@@ -17,18 +17,13 @@ from validation.branches import followed
 from validation.branches.branch import FollowedBranch
 from validation.branches.followed import StopAt, ends_of, read_followed
 from validation.branches.parameter import over_range
-from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
+from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED
 from validation.references.published import reference_orbit
 from validation.study.branch_figures import figure_of_branch
 
 RANGE = "log10_r=-2.72:-2.68"
 COARSE = ("paper", "--model", "kelvin-voigt", "--over", RANGE, "--tol", "1e-4")
 SHORT = (*COARSE, "--most-points", "24")
-
-
-def branch(capsys, *words):
-    assert main(["branch", *words, "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
 
 
 @pytest.mark.parametrize(
@@ -38,9 +33,9 @@ def branch(capsys, *words):
         ("delay", -2.6995497159, 49.66818383, -2.700251703, 59.107433),
     ],
 )
-def test_a_branch_is_born_and_turns_where_other_programs_say(capsys, model, hopf, born, fold, turn):
+def test_a_branch_is_born_and_turns_where_other_programs_say(answer, model, hopf, born, fold, turn):
     """Measured: folds 4e-9 off on this mesh; at a fold the period hardly matters, 1.3e-6."""
-    found = branch(capsys, "paper", "--model", model, "--over", RANGE, "--tol", "1e-4", "--stop-at", "LP")
+    found = answer("branch", "paper", "--model", model, "--over", RANGE, "--tol", "1e-4", "--stop-at", "LP")
     birth, first_fold = found["special"]
     assert [birth["type"], first_fold["type"]] == ["HB", "LP"]
     assert (birth["log10_r"], birth["period"]) == (pytest.approx(hopf, abs=1e-10), pytest.approx(born, abs=1e-7))
@@ -85,7 +80,7 @@ def test_pieces_of_one_stability_meet_at_special_points(whole):
 
 
 @pytest.mark.parametrize(("by", "kept"), [(signal.SIGINT, True), (signal.SIGKILL, True), (signal.SIGINT, False)])
-def test_a_branch_that_was_stopped_goes_on_to_the_same_points(by, kept, tmp_path, capsys, monkeypatch):
+def test_a_branch_that_was_stopped_goes_on_to_the_same_points(by, kept, tmp_path, answer, monkeypatch):
     done = interrupted(["branch", *SHORT, "--json", *(["--out", "x.nc"] if kept else [])], 12.0, tmp_path, by)
     if by is signal.SIGINT:
         way = "--resume x.nc goes on from there" if kept else "no file was kept: --out FILE.nc keeps one to go on from"
@@ -96,13 +91,13 @@ def test_a_branch_that_was_stopped_goes_on_to_the_same_points(by, kept, tmp_path
     monkeypatch.chdir(tmp_path)
     with xarray.open_dataset("x.nc") as data:
         assert (data.attrs["complete"], data.sizes["point"]) == (0, 12)
-    resumed, at_once = branch(capsys, *SHORT, "--resume", "x.nc"), branch(capsys, *SHORT)
+    resumed, at_once = answer("branch", *SHORT, "--resume", "x.nc"), answer("branch", *SHORT)
     assert len(resumed["points"]) == 24
     assert [resumed[name] for name in ("points", "special")] == [at_once[name] for name in ("points", "special")]
 
 
-def test_without_a_hopf_point_it_begins_with_an_orbit(capsys):
-    found = branch(capsys, "paper", "--model", "kelvin-voigt", "--over", "log10_r=-2.68:-2.69", "--tol", "1e-4")
+def test_without_a_hopf_point_it_begins_with_an_orbit(answer):
+    found = answer("branch", "paper", "--model", "kelvin-voigt", "--over", "log10_r=-2.68:-2.69", "--tol", "1e-4")
     values = [point["log10_r"] for point in found["points"]]
     assert (found["special"], values[0]) == ([], -2.68)
     assert found["points"][0]["period"] == pytest.approx(reference_orbit("kelvin-voigt", -2.68)["period"], rel=1e-6)
@@ -111,20 +106,20 @@ def test_without_a_hopf_point_it_begins_with_an_orbit(capsys):
     assert found["notes"] == ["the branch leaves the range at log10_r = -2.69"]
 
 
-def test_undecided_stability_is_null_with_its_reason(capsys, tmp_path):
+def test_undecided_stability_is_null_with_its_reason(answer, tmp_path):
     """Unlike slabs of irrational ratio have motions that friction never damps. A file keeps what is not counted."""
     words, file = ["unlike-irrational", "--over", "log10_r=-2.6:-2.5", "--tol", "1e-3", "--most-points"], str(tmp_path / "u.nc")
-    branch(capsys, *words, "2", "--out", file)
-    found = branch(capsys, *words, "3", "--resume", file)
+    answer("branch", *words, "2", "--out", file)
+    found = answer("branch", *words, "3", "--resume", file)
     assert [(point["stable"], point["unstable"]) for point in found["points"]] == [(None, None)] * 3
     assert found["notes"][0].startswith("stability is not decided where the essential radius is 1")
     assert found["notes"][0].endswith("so of the special points only HB and LP are found")
 
 
-def test_another_parameter_stands_under_its_own_name(capsys):
+def test_another_parameter_stands_under_its_own_name(answer):
     """The Hopf point in epsilon is that of `stability`."""
     words = ["paper", "--model", "block8", "--over", "slab.epsilon=2.5e-5:3.5e-5", "--tol", "1e-3", "--stop-at", "HB"]
-    found = branch(capsys, *words)
+    found = answer("branch", *words)
     birth = found["special"][0]
     assert birth["epsilon"] == birth["value"] == pytest.approx(slipwave.stability("paper", "block8").epsilon_c, rel=1e-9)
     assert birth["parameter"] == found["parameter"] == "epsilon"
@@ -150,7 +145,7 @@ def test_an_onset_at_the_edge_of_the_range_begins_a_branch(beyond):
     assert (found.special[0].kind, found.special[0].value) == ("HB", pytest.approx(onset, abs=1e-10))
 
 
-def test_a_range_may_have_units(capsys):
+def test_a_range_may_have_units(printed):
     """As the key itself; a bare velocity is in V*. Listed values that differ are printed so, and periods in seconds beside."""
     over = over_range("slab.thickness=31 mm:34 mm", "paper-si")
     assert (over.first, over.last, over.written(0.032)) == (0.031, 0.034, "0.032 m")
@@ -159,8 +154,7 @@ def test_a_range_may_have_units(capsys):
     assert (fast.name, fast.first, fast.last) == ("V", pytest.approx(100.0), pytest.approx(200.0))
     assert fast.scene_at(150.0).velocity == 150.0
     words = ["paper-si", "--model", "kelvin-voigt", "--tol", "1e-4", "--most-points", "2"]
-    assert main(["branch", *words, "--over", "slab.thickness=31 mm:34 mm"]) == 0
-    printed = capsys.readouterr().out.splitlines()
+    printed = printed("branch", *words, "--over", "slab.thickness=31 mm:34 mm").splitlines()
     special, first, second = (line.split() for line in (printed[-7], printed[-4], printed[-3]))
     assert special[:2] == ["HB", "Hopf"]
     assert float(special[2]) == pytest.approx(0.03357797353158276 * 10 ** (2.68 - 2.69954994745), rel=1e-9)
@@ -196,15 +190,17 @@ def test_a_failed_branch_goes_on_to_the_file_of_one_that_did_not_fail(tmp_path, 
         xarray.testing.assert_equal(part[group].dataset, whole[group].dataset)
 
 
-def test_limits_are_kept_and_told(capsys):
-    few = branch(capsys, *SHORT[:-1], "7")
+def test_limits_are_kept_and_told(answer):
+    few = answer("branch", *SHORT[:-1], "7")
     assert (len(few["points"]), few["notes"]) == (7, ["stopped after 7 points: --most-points goes further"])
-    short = branch(capsys, *COARSE, "--longest-period", "51")
+    short = answer("branch", *COARSE, "--longest-period", "51")
     assert short["points"][-2]["period"] < 51.0 < short["points"][-1]["period"]
 
 
-def test_switched_it_follows_the_doubled_orbits_from_doubling_to_doubling(capsys):
-    found = branch(capsys, "paper", "--model", "kelvin-voigt", "--over", "log10_r=-2.6:-2.57", "--tol", "1e-5", "--switch", "PD")
+def test_switched_it_follows_the_doubled_orbits_from_doubling_to_doubling(answer):
+    found = answer(
+        "branch", "paper", "--model", "kelvin-voigt", "--over", "log10_r=-2.6:-2.57", "--tol", "1e-5", "--switch", "PD"
+    )
     born = [(special["type"], special["log10_r"], special["period"]) for special in found["special"]]
     assert born == [("PD", pytest.approx(-2.595727667, abs=1e-8), pytest.approx(2.0 * 78.994716174, abs=1e-6))]
     values, periods = np.array([[point["log10_r"], point["period"]] for point in found["points"]]).T
@@ -239,18 +235,16 @@ def test_switched_it_follows_the_doubled_orbits_from_doubling_to_doubling(capsys
         (["--over", "log10_r=-2.6:-2.5", "--set", "start.size=0"], "made 0 cycles"),
     ],
 )
-def test_what_cannot_be_followed_is_told_in_one_line(capsys, words, said):
-    assert main(["branch", "paper", *words, "--json"]) == (NUMERICS_FAILED if said == "made 0 cycles" else INPUT_WRONG)
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert said in err.splitlines()[-1]
+def test_what_cannot_be_followed_is_told_in_one_line(refused, words, said):
+    status = NUMERICS_FAILED if said == "made 0 cycles" else INPUT_WRONG
+    assert said in refused("branch", "paper", *words, "--json", status=status)
 
 
-def test_a_branch_goes_on_with_another_tolerance(capsys, tmp_path):
+def test_a_branch_goes_on_with_another_tolerance(answer, tmp_path):
     """The points that it has stay; the next ones lie on a finer mesh, and it passes through the known fold all the same."""
     path = str(tmp_path / "x.nc")
-    few = branch(capsys, *SHORT[:-1], "5", "--out", path)
-    found = branch(capsys, *COARSE[:-1], "1e-7", "--stop-at", "LP", "--resume", path)
+    few = answer("branch", *SHORT[:-1], "5", "--out", path)
+    found = answer("branch", *COARSE[:-1], "1e-7", "--stop-at", "LP", "--resume", path)
     assert found["points"][:5] == few["points"]
     told = (
         f"points up to log10_r = {few['points'][-1]['log10_r']:.10g}, 5 in all, were computed with tol = 0.0001, those after it "
@@ -283,12 +277,11 @@ def test_every_fact_of_another_branch_is_refused(whole, monkeypatch, fact, chang
 
 
 @pytest.mark.parametrize("name", ["mesh_levels", "monodromy", "metric"])
-def test_a_damaged_file_is_not_gone_on_from(whole, tmp_path, capsys, name):
+def test_a_damaged_file_is_not_gone_on_from(whole, tmp_path, refused, name):
     path = tmp_path / "x.nc"
     path.write_bytes(whole[1].read_bytes())
     with netCDF4.Dataset(path, "a") as file:
         file["resume"][name][:] = np.nan
-    assert main(["branch", *COARSE, "--resume", str(path)]) == INPUT_WRONG
-    out, err = capsys.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert "x.nc': is no file of a branch, or damaged: its contents have changed since it was written" in err
+    assert "x.nc': is no file of a branch, or damaged: its contents have changed since it was written" in refused(
+        "branch", *COARSE, "--resume", str(path)
+    )

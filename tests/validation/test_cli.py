@@ -1,24 +1,12 @@
 """The command line as its users meet it: output, exit statuses."""
 
-import json
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from validation import cli
-from validation.cli import main, spread
-
-
-def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:
-    """Exit status 2, nothing on stdout, one line on stderr, which is returned."""
-    assert main(list(words)) == cli.INPUT_WRONG
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err.startswith("slipwave: ")
-    assert len(err.splitlines()) == 1
-    return err
+from validation.cli import spread
 
 
 def test_help_answers_at_once() -> None:
@@ -43,21 +31,18 @@ def test_help_answers_at_once() -> None:
         assert f"  {name} " in done.stdout
 
 
-def test_no_words_at_all_is_a_call_for_help(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main([]) == 0
-    assert "Usage" in capsys.readouterr().out
+def test_no_words_at_all_is_a_call_for_help(printed) -> None:
+    assert "Usage" in printed()
 
 
-def test_a_grid_chosen_for_a_tolerance_is_told_with_its_error(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_grid_chosen_for_a_tolerance_is_told_with_its_error(answer, printed) -> None:
     words = ["run", "paper", "--model", "dg:5", "--tol", "1e-4", "--until", "150"]
-    assert main([*words, "--json"]) == 0
-    result = json.loads(capsys.readouterr().out)
+    result = answer(*words)
     assert set(result["grid"]) == {"cells", "step", "quantity", "error_estimate"}
     assert result["grid"]["quantity"] == "cycles"
     assert 0.0 < result["grid"]["error_estimate"] <= 1e-4
-    assert main(words) == 0
     line = f"grid chosen for the tolerance: {result['grid']['cells']} cells, steps of at most {result['grid']['step']:.4g}"
-    assert line in capsys.readouterr().out
+    assert line in printed(*words)
 
 
 @pytest.mark.parametrize(
@@ -101,12 +86,12 @@ def test_a_grid_chosen_for_a_tolerance_is_told_with_its_error(capsys: pytest.Cap
     ],
     ids=lambda value: "_".join(value) if isinstance(value, list) else "",
 )
-def test_wrong_input_is_one_line_and_status_2(capsys: pytest.CaptureFixture[str], words: list[str], told: str) -> None:
-    assert told in refused(capsys, *words)
+def test_wrong_input_is_one_line_and_status_2(refused, words: list[str], told: str) -> None:
+    assert told in refused(*words)
 
 
 def test_wrong_output_places_are_refused_before_anything_is_computed(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr("validation.results.run.simulate", lambda *_: pytest.fail("computed"))
     (tmp_path / "file").write_text("")
@@ -116,9 +101,9 @@ def test_wrong_output_places_are_refused_before_anything_is_computed(
         ("file/x.nc", "does not exist"),
         ("x\0.nc", "--out"),
     ):
-        assert told in refused(capsys, "run", "paper", "--out", str(tmp_path / place))
+        assert told in refused("run", "paper", "--out", str(tmp_path / place))
     (tmp_path / "folder.nc").mkdir()
-    assert "is a folder" in refused(capsys, "run", "paper", "--out", str(tmp_path / "folder.nc"))
+    assert "is a folder" in refused("run", "paper", "--out", str(tmp_path / "folder.nc"))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.nc"]
 
 
@@ -131,10 +116,10 @@ def test_a_bug_is_a_traceback_and_status_1(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".nc"])
-def test_fields_of_the_last_transits_are_written_whole(tmp_path: Path, capsys: pytest.CaptureFixture[str], suffix: str) -> None:
+def test_fields_of_the_last_transits_are_written_whole(tmp_path: Path, answer, printed, suffix: str) -> None:
     out = tmp_path / f"field{suffix}"
-    assert main(["run", "paper", "--model", "fd", "--cells", "8", "--until", "120", "--json", "--fields", str(out)]) == 0
-    plain = json.loads(capsys.readouterr().out)
+    words = ["run", "paper", "--model", "fd", "--cells", "8", "--until", "120"]
+    plain = answer(*words, "--fields", str(out))
     assert [path.name for path in tmp_path.iterdir()] == [out.name]
     if suffix == ".nc":
         import xarray
@@ -142,22 +127,20 @@ def test_fields_of_the_last_transits_are_written_whole(tmp_path: Path, capsys: p
         with xarray.open_dataset(out) as data:
             assert float(data["time"][0]) == pytest.approx(20.0, abs=0.5)
             assert float(data["time"][-1]) == pytest.approx(120.0, abs=0.5)
-    assert main(["run", "paper", "--model", "fd", "--cells", "8", "--until", "120", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["final"] == pytest.approx(plain["final"], rel=1e-12)
+    assert answer(*words)["final"] == pytest.approx(plain["final"], rel=1e-12)
 
 
-def test_fields_that_a_scene_records_go_into_the_run_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_fields_that_a_scene_records_go_into_the_run_file(tmp_path: Path, printed, refused) -> None:
     import xarray
 
     out = tmp_path / "run.nc"
     asked = ["run", "unlike", "--until", "20", "--set", 'run.record=["events", "fields"]', "--out", str(out)]
-    assert main([*asked, "--model", "sbp:6", "--cells", "16"]) == 0
-    capsys.readouterr()
+    printed(*asked, "--model", "sbp:6", "--cells", "16")
     with xarray.open_dataset(out, group="fields") as data:
         assert {"upper_velocity", "lower_stress"} <= set(data)
         assert float(data["time"].diff("time").max()) < 0.2  # steps, not pieces of eight
     before = out.read_bytes()
-    assert "run.record" in refused(capsys, *asked, "--model", "delay")
+    assert "run.record" in refused(*asked, "--model", "delay")
     assert out.read_bytes() == before
 
 

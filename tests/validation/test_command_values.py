@@ -1,35 +1,25 @@
 """What stability, compare and bench say, number by number: closed forms and the runs of the models themselves."""
 
-import json
 import math
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 import slipwave
 from tests.one_port_by_hand import pair_impedance
-from validation.cli import main
 
 A, B, EPSILON, V = 0.0349, 0.0489, 2.8e-5, 100.0
 
 
-def answer(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
-    assert main([*words, "--json"]) == 0
-    found: dict[str, Any] = json.loads(capsys.readouterr().out)
-    return found
-
-
-def test_stability_of_unlike_slabs_in_its_table(capsys: pytest.CaptureFixture[str]) -> None:
+def test_stability_of_unlike_slabs_in_its_table(answer, printed) -> None:
     """The table's roots are the JSON's, in cycles per round trip of the upper slab beside them."""
-    found = answer(capsys, "stability", "unlike")
+    found = answer("stability", "unlike")
     chosen = slipwave.read("unlike")
     for re, im in found["leading_roots"]:
         s = complex(re, im)
         friction = (A / V * s + (A - B)) / (s + V)
         assert abs(friction + pair_impedance(chosen, s)) < 1e-8 * abs(friction)
-    assert main(["stability", "unlike"]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    lines = printed("stability", "unlike").splitlines()
     rows = [line.split() for line in lines[lines.index(next(line for line in lines if "leading roots" in line)) + 1 :]]
     upper_half = [root for root in found["leading_roots"] if root[1] >= 0.0]
     assert len(rows) == len(upper_half)
@@ -43,16 +33,14 @@ def test_stability_of_unlike_slabs_in_its_table(capsys: pytest.CaptureFixture[st
 COMPARE = ["--until", "4000", "--cells", "24"]
 
 
-def test_compare_gives_every_models_own_run_and_its_signed_errors(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_compare_gives_every_models_own_run_and_its_signed_errors(answer, tmp_path: Path) -> None:
     """Errors are (ours - reference)/reference."""
-    found = answer(
-        capsys, "compare", "paper", "--models", "fd,delay,kelvin-voigt", *COMPARE, "--out", str(tmp_path / "three.png")
-    )
+    found = answer("compare", "paper", "--models", "fd,delay,kelvin-voigt", *COMPARE, "--out", str(tmp_path / "three.png"))
     rows = {row["model"]: row for row in found["models"]}
     assert (found["reference"], found["until"], list(rows)) == ("delay", 4000.0, ["fd", "delay", "kelvin-voigt"])
-    reference = answer(capsys, "run", "paper", "--model", "delay", "--until", "4000")
+    reference = answer("run", "paper", "--model", "delay", "--until", "4000")
     for model, row in rows.items():
-        alone = answer(capsys, "run", "paper", "--model", model, "--until", "4000", *(["--cells", "24"] if model == "fd" else []))
+        alone = answer("run", "paper", "--model", model, "--until", "4000", *(["--cells", "24"] if model == "fd" else []))
         for key in ("events", "period", "stress_drop", "elastic_stress_drop", "v_max", "v_min", "failures"):
             assert row[key] == alone[key], (model, key)
         for key in ("period", "stress_drop"):
@@ -61,19 +49,19 @@ def test_compare_gives_every_models_own_run_and_its_signed_errors(capsys: pytest
     assert rows["kelvin-voigt"]["error"]["period"] == pytest.approx(70.7323 / 73.4721 - 1.0, abs=2e-5)
 
 
-def test_bench_errors_are_those_of_the_runs_it_timed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bench_errors_are_those_of_the_runs_it_timed(answer, monkeypatch: pytest.MonkeyPatch) -> None:
     """|T/T_reference - 1| of each setting, of one cheap family and the delay system; runs made again here."""
     from validation.registry.choice import families
 
     chosen = [family for family in families() if family.name in ("delay", "fd")]
     monkeypatch.setattr("validation.results.bench.honouring", lambda _: chosen)
-    found = answer(capsys, "bench", "paper", "--until", "2000")
-    tight = answer(capsys, "run", "paper", "--until", "2000", "--model", "delay", "--tol", "1e-11")
+    found = answer("bench", "paper", "--until", "2000")
+    tight = answer("run", "paper", "--until", "2000", "--model", "delay", "--tol", "1e-11")
     assert found["reference"] == "delay"
     options = {"cells": "--cells", "tolerance": "--tol"}
     for row in found["models"]:
         setting = [word for name, value in row["setting"].items() for word in (options[name], str(value))]
-        alone = answer(capsys, "run", "paper", "--until", "2000", "--model", row["model"], *setting)
+        alone = answer("run", "paper", "--until", "2000", "--model", row["model"], *setting)
         for key in ("period", "stress_drop"):
             wanted = abs(alone[key]["mean"] - tight[key]["mean"]) / tight[key]["mean"]
             assert row["error"][key] == pytest.approx(wanted, rel=1e-6, abs=1e-14)

@@ -11,7 +11,7 @@ from validation.branches import followed
 from validation.branches.curve import Curve
 from validation.branches.followed import Ended, read_followed
 from validation.branches.parameter import over_range
-from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
+from validation.cli import NUMERICS_FAILED
 from validation.references.onset import onset_of
 
 KEYS = {"schema", "scene", "model", "clock", "type", "parameters", "points", "wall_s", "notes"}
@@ -97,16 +97,13 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
         *(({name: None}, f"--{name}: missing; must be given, as in --{name} {GIVEN[name]}") for name in GIVEN),
     ],
 )
-def test_what_is_refused(capsys, changes, line):
-    assert main(words(**changes)) == INPUT_WRONG
-    told = capsys.readouterr()
-    assert told.err.strip().startswith(f"slipwave: {line}")
-    assert not told.out
+def test_what_is_refused(refused, changes, line):
+    assert refused(*words(**changes)).startswith(f"slipwave: {line}")
 
 
-def test_a_curve_needs_a_beginning(capsys):
-    assert main([*words(of="PD", over="log10_r=-2.72:-2.695"), "--tol", "1e-4"]) == NUMERICS_FAILED
-    assert "no period doubling was found on the branch over log10_r from -2.72 to -2.695" in capsys.readouterr().err
+def test_a_curve_needs_a_beginning(refused):
+    told = refused(*words(of="PD", over="log10_r=-2.72:-2.695"), "--tol", "1e-4", status=NUMERICS_FAILED)
+    assert "no period doubling was found on the branch over log10_r from -2.72 to -2.695" in told
 
 
 def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):

@@ -5,10 +5,7 @@ import re
 from pathlib import Path
 from typing import get_args
 
-import pytest
-
 from slipwave.observe.verdict import REPEATING, Kind
-from validation.cli import main
 
 PAGE = (Path(__file__).parents[2] / "docs" / "what-a-run-says.md").read_text(encoding="utf-8")
 
@@ -25,9 +22,8 @@ def test_every_verdict_has_a_row_that_says_whether_it_has_means() -> None:
     assert {kind for kind, means in found.items() if means != "none"} == set(REPEATING)
 
 
-def test_every_key_has_a_row(capsys: pytest.CaptureFixture[str]) -> None:
+def test_every_key_has_a_row(printed) -> None:
     """Of a run on a default grid that rounding has a share in, so that `grid` and `notes` are there."""
-    assert main(["run", "paper", "--model", "dg:7", "--until", "10", "--json", "--set", "slab.r=0.1"]) == 0
-    printed = set(json.loads(capsys.readouterr().out))
+    printed = set(json.loads(printed("run", "paper", "--model", "dg:7", "--until", "10", "--json", "--set", "slab.r=0.1")))
     documented = {key for row in rows("The JSON of `run --json`") for key in re.findall("`(\\w+)`", row[0])}
     assert documented == printed | {"failed", "si", "left_out", "lyapunov", "protocol"}

@@ -13,19 +13,11 @@ import pytest
 
 import slipwave as sw
 from slipwave.input import SceneSource
-from validation.cli import main
 from validation.results.branch import BranchResult
 from validation.results.result import Result
 
 FAST: dict[str, Any] = {"drive.velocity": 2000}
 """Cycles of four transits, which repeat after 100."""
-
-
-def shell(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
-    """The JSON of a command."""
-    assert main([*words, "--json"]) == 0
-    found: dict[str, Any] = json.loads(capsys.readouterr().out)
-    return found
 
 
 TIMED = ("wall_s", "figure", "conclusion")
@@ -55,10 +47,10 @@ PAIRS: list[tuple[Callable[[], Result], str]] = [
 
 @pytest.mark.parametrize(("work", "words"), PAIRS, ids=lambda value: value if isinstance(value, str) else "")
 def test_every_function_gives_the_json_of_its_command(
-    work: Callable[[], Result], words: str, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    work: Callable[[], Result], words: str, answer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)  # compare draws a figure
-    assert same(work().summary, shell(capsys, *words.split(), "--set", "drive.velocity=2000"))
+    assert same(work().summary, answer(*words.split(), "--set", "drive.velocity=2000"))
 
 
 @pytest.mark.parametrize(

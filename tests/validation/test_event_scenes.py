@@ -1,6 +1,5 @@
 """Slip events and verdicts of scenes that a detector by V, by round trips or by the history of events gets wrong."""
 
-import json
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,6 @@ import slipwave
 from slipwave.observe import EventObserver
 from slipwave.scene import Scene
 from slipwave.solve import follow
-from validation.cli import main
 from validation.registry.build import build
 
 LAYERS = [
@@ -29,12 +27,6 @@ def watch(chosen: Scene, until: float, model: str = "delay", **options: Any) -> 
     observer = EventObserver(solver.scene, solver.nodes)
     follow(solver, until, [observer])
     return observer
-
-
-def told(words: list[str], capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
-    capsys.readouterr()
-    assert main(["run", *words, "--json"]) == 0
-    return dict(json.loads(capsys.readouterr().out))
 
 
 def test_a_drive_that_came_up_from_one_hundredth_has_the_events_of_the_same_drive_without() -> None:
@@ -69,8 +61,8 @@ GRANITE = [
 again. Counted by these crossings, 110 events in 9000 transits have periods of 69 +- 162 transits."""
 
 
-def test_ringing_of_granite_is_no_event(capsys: pytest.CaptureFixture[str]) -> None:
-    run = told(["rock", "--model", "kelvin-voigt", "--set", *GRANITE, "--until", "17000"], capsys)
+def test_ringing_of_granite_is_no_event(answer) -> None:
+    run = answer("run", "rock", "--model", "kelvin-voigt", "--set", *GRANITE, "--until", "17000")
     assert run["events"] == pytest.approx(36, abs=2)  # 35 to 37 with nodes that differ by rounding
     assert run["verdict"] == "irregular"
     assert run["period"]["mean"] == pytest.approx(478.8, rel=0.05)  # 20 cycles of a run of 20000 transits, 5.2 apart
@@ -111,8 +103,8 @@ REAL = [
 
 
 @pytest.mark.parametrize(("words", "verdict", "multiplicity"), REAL, ids=[" ".join(words) for words, _, _ in REAL])
-def test_verdicts_of_runs(words: list[str], verdict: str, multiplicity: int | None, capsys: pytest.CaptureFixture[str]) -> None:
-    run = told(words, capsys)
+def test_verdicts_of_runs(words: list[str], verdict: str, multiplicity: int | None, answer) -> None:
+    run = answer("run", *words)
     assert (run["verdict"], run["multiplicity"]) == (verdict, multiplicity)
     figures = [run[name][part] for name in ("period", "stress_drop", "elastic_stress_drop") for part in ("mean", "std")]
     figures += [run["v_max"], run["v_min"]]

@@ -72,11 +72,10 @@ def test_a_bar_is_three_times_the_distance_and_no_less_than_rounding():
 THEIRS = "id,value,remark\norbit.period,73.4721,ours\norbit.v_max,4413,\nfold.1.log10_r,-2.7002517033056,\n"
 
 
-def test_score_says_how_many_digits_agree_and_what_is_missing_or_unknown(tmp_path, capsys):
+def test_score_says_how_many_digits_agree_and_what_is_missing_or_unknown(tmp_path, capsys, printed):
     path = tmp_path / "theirs.csv"
     path.write_text(THEIRS)
-    assert main(["score", str(path), "--digits", "3"]) == 0
-    out = capsys.readouterr().out
+    out = printed("score", str(path), "--digits", "3")
     assert "3 of 3 rows agree to 3 digits or all that are certified; 1 within the bar" in out
     assert "missing, not judged: orbit.stress_drop, orbit.v_min" in out
     path.write_text(THEIRS + "fold.1.perod,59.1\n")

@@ -2,10 +2,8 @@
 
 import dataclasses
 import itertools
-import json
 import math
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +12,6 @@ import slipwave
 from slipwave.observe import EventObserver, Events, judge_motion
 from slipwave.observe.pieces import Pieces
 from slipwave.solve.checkpoint import Checkpoints
-from validation.cli import main
 from validation.registry.build import build
 from validation.run.length import JudgedHalf, Until, UntilCycles, UntilSettled, halves_agree, length_of
 from validation.run.outlook import Outlook, outlook
@@ -207,11 +204,6 @@ velocity = 2000.0
 """Without `run.until`; one transit is 2 thickness/c."""
 
 
-def answer(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
-    assert main([*words, "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
-
-
 @pytest.fixture
 def own(tmp_path: Path) -> str:
     (tmp_path / "own.toml").write_text(SCENE)
@@ -219,18 +211,17 @@ def own(tmp_path: Path) -> str:
 
 
 @pytest.mark.parametrize(("text", "seconds"), [("2s", 2.0), ("1500 ms", 1.5), ("0.05 min", 3.0), ("0.001h", 3.6)])
-def test_a_length_in_units_of_time_is_that_time(capsys: pytest.CaptureFixture[str], own: str, text: str, seconds: float) -> None:
+def test_a_length_in_units_of_time_is_that_time(answer, own: str, text: str, seconds: float) -> None:
     transit = 2.0 * 0.033 / math.sqrt(1e6 / 784.0)
-    found = answer(capsys, "run", own, "--tol", "1e-5", "--until", text)
+    found = answer("run", own, "--tol", "1e-5", "--until", text)
     assert found["until"] == pytest.approx(seconds / transit, rel=1e-12)
     assert found["ended"] == "until"
 
 
-def test_without_a_length_the_motion_settles_in_the_shell_and_in_python(capsys: pytest.CaptureFixture[str], own: str) -> None:
-    found = answer(capsys, "run", own, "--tol", "1e-6")
+def test_without_a_length_the_motion_settles_in_the_shell_and_in_python(answer, printed, own: str) -> None:
+    found = answer("run", own, "--tol", "1e-6")
     assert (found["ended"], found["verdict"]) == ("settled", "periodic")
-    longer = answer(capsys, "run", own, "--tol", "1e-6", "--until", f"{4.0 * found['until']}")
+    longer = answer("run", own, "--tol", "1e-6", "--until", f"{4.0 * found['until']}")
     assert found["period"]["mean"] == pytest.approx(longer["period"]["mean"], rel=1e-3)
     assert slipwave.run(own, tol=1e-6).summary["period"] == found["period"]
-    assert main(["run", own, "--tol", "1e-6"]) == 0
-    assert "the run ended here because its motion is settled" in capsys.readouterr().out
+    assert "the run ended here because its motion is settled" in printed("run", own, "--tol", "1e-6")

@@ -1,6 +1,5 @@
 """`slipwave orbit`: figures of orbits, stable and unstable, against programs that share nothing with this one; its refusals."""
 
-import json
 import math
 import re
 from types import SimpleNamespace
@@ -16,7 +15,7 @@ from tests.granite import GRANITE
 from tests.orbit_by_hand import SUBCRITICAL, FlowByHand
 from validation.branches import at_scene
 from validation.branches.at_scene import Primary
-from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
+from validation.cli import INPUT_WRONG, NUMERICS_FAILED
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.orbits import OrbitFound, most_transits
 
@@ -31,10 +30,9 @@ ODE = ("--model", "kelvin-voigt")
         ("kelvin-voigt", -2.68, True, None),
     ],
 )
-def test_figures_are_those_of_other_programs(capsys, model, log10_r, stable, leading):
+def test_figures_are_those_of_other_programs(answer, model, log10_r, stable, leading):
     """The multipliers are those of DDE-BIFTOOL; figures agree within 5e-10 or in every digit that is published."""
-    assert main(["orbit", "paper", "--model", model, "--set", f"slab.log10_r={log10_r}", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = answer("orbit", "paper", "--model", model, "--set", f"slab.log10_r={log10_r}")
     for name, value in reference_orbit(model, log10_r).items():
         assert found[name] == pytest.approx(value, rel=2e-9, abs=1.01 * half_digit(value)), name
     assert found["stable"] is stable
@@ -193,11 +191,8 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_b
         (["paper", "--model", "quasistatic"], NUMERICS_FAILED, "it runs away"),
     ],
 )
-def test_what_has_no_orbit_is_told_in_one_line(capsys, words, status, said):
-    assert main(["orbit", *words, "--json"]) == status
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert said in err.splitlines()[-1]
+def test_what_has_no_orbit_is_told_in_one_line(refused, words, status, said):
+    assert said in refused("orbit", *words, "--json", status=status)
 
 
 @pytest.mark.parametrize(("expected", "most"), [(100.0, 6000.0), (1e3, 25e3), (2e4, 5e5), (1e5, 6000.0), (math.inf, 6000.0)])

@@ -1,6 +1,5 @@
 """A family of models of the user's own, from a file or an installed package: every command takes it."""
 
-import json
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +9,6 @@ import pytest
 import slipwave as sw
 from slipwave.errors import SceneError
 from tests.own_families import removed
-from validation.cli import main
 from validation.registry.families import FAMILIES
 from validation.registry.own import load_families, own_files
 
@@ -43,13 +41,12 @@ def file(tmp_path):
         yield path
 
 
-def test_a_full_wave_and_a_reduction_of_ones_own(file, capsys):
+def test_a_full_wave_and_a_reduction_of_ones_own(file, answer):
     """The elements are ours under another name, so that every digit is the same."""
     ours = sw.run("paper", "dg:3", until=20, cells=4, time="explicit").final
     mine = sw.run("paper", "mine:3", until=20, cells=4, time="explicit", family=file).final
     assert mine == ours
-    assert main(["stability", "paper", "--model", "block10", "--family", str(file), "--json"]) == 0
-    critical = json.loads(capsys.readouterr().out)["log10_r_c"]
+    critical = answer("stability", "paper", "--model", "block10", "--family", str(file))["log10_r_c"]
     lighter, heavier = (sw.stability("paper", model).log10_r_c for model in ("block12", "block8"))
     assert critical != lighter
     assert min(lighter, heavier) < critical < max(lighter, heavier)
@@ -78,14 +75,12 @@ def test_a_file_that_is_loaded_again_replaces_its_own(file):
         ("from reduced", "from nowhere", "cannot be run: ModuleNotFoundError: No module named 'nowhere'"),
     ],
 )
-def test_what_is_wrong_with_a_file_is_told_in_one_line(file, capsys, old, new, told):
+def test_what_is_wrong_with_a_file_is_told_in_one_line(file, refused, old, new, told):
     before = list(FAMILIES)
     file.write_text(ELEMENTS.replace(old, new, 1))
-    assert main(["run", "paper", "--family", str(file), "--model", "mine"]) == 2
-    error = capsys.readouterr().err
+    error = refused("run", "paper", "--family", str(file), "--model", "mine")
     assert error.startswith(f"slipwave: --family = {str(file)!r}")
     assert told in error
-    assert error.count("\n") == 1
     assert before == FAMILIES
 
 

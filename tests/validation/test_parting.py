@@ -41,7 +41,7 @@ def test_a_changing_drive_is_refused() -> None:
         slipwave.run("ramp", lyapunov=True)
 
 
-def test_the_return_map_shows_each_period_over_the_one_before(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_return_map_shows_each_period_over_the_one_before(tmp_path: Path, printed) -> None:
     found = slipwave.run("paper", **FAST)
     dots = found.plot_return_map().axes[0].get_lines()[0]
     late = found.done.events.period[found.done.events.time >= 100.0]
@@ -49,7 +49,6 @@ def test_the_return_map_shows_each_period_over_the_one_before(tmp_path: Path, ca
     np.testing.assert_array_equal(dots.get_ydata(), late[1:])
     file = tmp_path / "map.svg"
     words = ["run", "paper", "--model", "kelvin-voigt", "--until", "200", "--set", "drive.velocity=2000", "--json"]
-    assert main([*words, "--return-map", str(file)]) == 0
-    assert json.loads(capsys.readouterr().out)["verdict"] == "periodic"
+    assert json.loads(printed(*words, "--return-map", str(file)))["verdict"] == "periodic"
     assert file.read_text(encoding="utf-8").count("<use") >= late.size - 1
     assert main([*words[:-1], "--until", "5", "--return-map", str(file)]) == INPUT_WRONG

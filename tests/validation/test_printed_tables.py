@@ -11,7 +11,6 @@ from validation.branches import SPECIAL_KINDS
 from validation.branches.curve import Curve
 from validation.branches.parameter import Over
 from validation.branches.points import CurvePoint
-from validation.cli import main
 from validation.results.bench import BenchResult
 from validation.results.curve import CurveOptions, CurveResult
 
@@ -60,11 +59,10 @@ def test_run_time_against_error() -> None:
     assert lines[-1] == "a conclusion"
 
 
-def test_stability_in_si(capsys: pytest.CaptureFixture[str]) -> None:
+def test_stability_in_si(printed) -> None:
     found = sw.stability("paper-si")
     si = found.summary["si"]
-    assert main(["stability", "paper-si"]) == 0
-    rows = [re.split(r"\s{2,}", line.strip()) for line in capsys.readouterr().out.splitlines()]
+    rows = [re.split(r"\s{2,}", line.strip()) for line in printed("stability", "paper-si").splitlines()]
     told = {
         row[0]: [float(text.removeprefix("scene ")) for text in row[1:]]
         for row in rows

@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import math
 from contextlib import closing
 from pathlib import Path
@@ -136,39 +135,37 @@ def test_every_column_of_the_table_has_the_figure_that_its_heading_names(name: s
     )
 
 
-def test_a_figure_that_is_missing_has_a_reason(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_figure_that_is_missing_has_a_reason(printed) -> None:
     """V changes to 90 at t = 10 and the sample is not steady when a hold begins at t = 30."""
     drive = "drive.velocity=[[0, 100], [10, 100], [10, 90], [30, 90], [30, 0], [40, 0], [40, 100]]"
-    assert main(["run", "paper", "--set", drive, "--until", "60"]) == 0
-    assert capsys.readouterr().out.split("\n\n")[1].splitlines()[-2:] == [
+    assert printed("run", "paper", "--set", drive, "--until", "60").split("\n\n")[1].splitlines()[-2:] == [
         "no relaxation of the hold from 30 transits on: the step before it is not settled, so there is no steady stress to "
         "compare with",
         "no healing of the slide from 40 transits on: its hold has no relaxation",
     ]
 
 
-def test_a_stage_shorter_than_a_step_leaves_the_others(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_stage_shorter_than_a_step_leaves_the_others(answer, printed) -> None:
     """Steps of the grid are longer than the hold from 1.001 to 1.002."""
     drive = "drive.velocity=[[0, 100], [1.001, 100], [1.001, 0], [1.002, 0], [1.002, 100]]"
     words = ["run", "paper", "--set", drive, "--until", "6", "--model", "fd", "--cells", "16"]
-    assert main([*words, "--json"]) == 0
-    start, hold, slide = json.loads(capsys.readouterr().out)["protocol"]
+    start, hold, slide = answer(*words)["protocol"]
     assert [stage["kind"] for stage in (start, hold, slide)] == ["start", "hold", "slide"]
     assert (hold["start"], hold["end"], hold["velocity"]) == (1.001, 1.002, 0.0)
     figures = ("steady_stress", "direct_effect", "evolution", "slip_to_recovery", "relaxation", "healing")
     assert {hold[name] for name in figures} == {None}
     assert start["steady_stress"] == pytest.approx(slipwave.read("paper").steady_stress, abs=1e-6)
     assert (slide["start"], slide["end"], slide["healing"]) == (1.002, 6.0, None)
-    assert main(words) == 0
-    rows = [line.split() for line in capsys.readouterr().out.split("\n\n")[1].splitlines()]
+    rows = [line.split() for line in printed(*words).split("\n\n")[1].splitlines()]
     assert rows[2] == ["hold", "1.001", "0", *"------"]
     assert rows[3][:3] == ["slide", "1.002", "100"]
     assert " ".join(rows[4]) == "no relaxation of the hold from 1.001 transits on: no time step of the model lies within it"
 
 
-def test_a_protocol_is_not_prolonged_past_a_knot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_protocol_is_not_prolonged_past_a_knot(tmp_path: Path, refused) -> None:
     words = ["run", "paper", "--set", "drive.velocity=[[0, 100], [8, 100], [8, 120]]", "--model", "block8"]
     words += ["--checkpoint", str(tmp_path / "c.npz"), "--checkpoint-every", "3"]
     assert main([*words, "--until", "7"]) == 0
-    assert main([*words, "--until", "12"]) == 2
-    assert "a run with 1 stages of the drive, this one has 2: a protocol is not prolonged past a knot" in capsys.readouterr().err
+    assert "a run with 1 stages of the drive, this one has 2: a protocol is not prolonged past a knot" in refused(
+        *words, "--until", "12"
+    )

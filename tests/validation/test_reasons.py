@@ -8,7 +8,6 @@ import pytest
 
 import slipwave
 from tests.granite import THIN as GRANITE
-from validation.cli import main
 from validation.results.reasons import engineering
 from validation.run.outlook import outlook
 
@@ -51,11 +50,10 @@ def test_three_figures_and_a_prefix(value: float, unit: str, text: str) -> None:
     assert engineering(value, unit) == text
 
 
-def test_figures_of_a_run_in_si(capsys: pytest.CaptureFixture[str]) -> None:
+def test_figures_of_a_run_in_si(answer, printed) -> None:
     """paper-si: one transit is 2 thickness/c, L/V* = 0.9 s, sigma = 1000 Pa, V* = 1e-6 m/s."""
     words = ["run", "paper-si", "--set", "drive.velocity=2000", "--until", "200", "--json"]
-    assert main(words) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = json.loads(printed(*words))
     transit = 2.0 * 0.03357797353158276 / math.sqrt(1e6 / 784.0)
     assert found["si"] == pytest.approx(
         {
@@ -72,8 +70,7 @@ def test_figures_of_a_run_in_si(capsys: pytest.CaptureFixture[str]) -> None:
         },
         rel=1e-12,
     )
-    assert main([*words[:-3], "--until", "2", "--json"]) == 0
-    short = json.loads(capsys.readouterr().out)["si"]
+    short = answer(*words[:-3], "--until", "2")["si"]
     assert (short["period_s"], short["transit_s"]) == (None, pytest.approx(transit, rel=1e-12))
 
 

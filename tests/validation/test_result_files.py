@@ -16,7 +16,6 @@ from slipwave.friction.law import LAWS
 from slipwave.input.source import gallery_names
 from slipwave.observe.statistics import Margins
 from tests.conventions import quick_results
-from validation.cli import INPUT_WRONG, main
 from validation.results.provenance import provenance
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -25,10 +24,10 @@ SHORT: dict[str, Any] = {"drive.velocity": 2000, "slab.thickness": 0.0335}
 WORDS = ("--set", "drive.velocity=2000", "slab.thickness=0.0335")
 
 
-def command(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
-    assert main([*words, "--json"]) == 0
-    found: dict[str, Any] = json.loads(capsys.readouterr().out)
-    return {key: value for key, value in found.items() if key != "wall_s"}
+@pytest.fixture
+def again(answer):
+    """The JSON of a command but for its run time."""
+    return lambda *words: {key: value for key, value in answer(*words).items() if key != "wall_s"}
 
 
 def test_a_run_as_a_dataset_has_its_cycles_in_both_units(tmp_path: Path) -> None:
@@ -54,13 +53,13 @@ def test_a_run_as_a_dataset_has_its_cycles_in_both_units(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("options", [(), ("--every", "7", "--window", "50:120.5")])
 def test_a_file_is_run_again_with_the_same_numbers(
-    options: tuple[str, ...], capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    options: tuple[str, ...], again, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     words = ("paper-si", "--model", "dg:3", "--cells", "4", "--time", "exact", "--until", "150", *WORDS)
-    first = command(capsys, "run", *words, *options, "--out", "first.nc")
-    assert command(capsys, "run", "first.nc") == first
-    command(capsys, "run", "first.nc", "--out", "second.nc")
+    first = again("run", *words, *options, "--out", "first.nc")
+    assert again("run", "first.nc") == first
+    again("run", "first.nc", "--out", "second.nc")
     with xarray.open_dataset("first.nc") as one, xarray.open_dataset("second.nc") as other:
         assert one.equals(other)
         assert ("interface_psi" in one) == bool(options)
@@ -68,7 +67,7 @@ def test_a_file_is_run_again_with_the_same_numbers(
         assert {name: one.attrs[name] for name in same} == {name: other.attrs[name] for name in same}
         assert json.loads(one.attrs["options"])["cells"] == 4
         assert (one.attrs["V"], one.attrs["model"], one.attrs["schema"]) == (2000.0, "dg:3", 1)
-    changed = command(capsys, "run", "first.nc", "--cells", "3")
+    changed = again("run", "first.nc", "--cells", "3")
     assert changed["final"]["psi"] != first["final"]["psi"] == pytest.approx(changed["final"]["psi"], rel=1e-2)
     assert sw.read("first.nc").digest == sw.read("paper-si", {**SHORT, "run.until": 150.0}).digest
 
@@ -104,25 +103,23 @@ def test_a_run_that_goes_on_keeps_the_same_samples(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", gallery_names())
-def test_show_prints_a_scene_that_is_read_as_the_same(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["show", name]) == 0
-    text = capsys.readouterr().out
+def test_show_prints_a_scene_that_is_read_as_the_same(name: str, tmp_path: Path, printed) -> None:
+    text = printed("show", name)
     assert set(tomllib.loads(text)) >= {"name", "interface", "drive", "start", "run"}
     (tmp_path / "mine.toml").write_text(text)
     mine, own = sw.read(tmp_path / "mine.toml"), sw.read(name)
     assert (mine, mine.digest, mine.name) == (own, own.digest, name)
 
 
-def test_show_prints_what_a_file_holds_as_comments(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_show_prints_what_a_file_holds_as_comments(tmp_path: Path, printed) -> None:
     sw.run("paper", "block8", until=20, **{"slab.log10_r": -2.6}).to_netcdf(tmp_path / "run.nc")
-    assert main(["show", str(tmp_path / "run.nc")]) == 0
-    text = capsys.readouterr().out
+    text = printed("show", str(tmp_path / "run.nc"))
     assert "# model = block8\n" in text
     tables = tomllib.loads(text)
     assert (tables["slab"]["log10_r"], tables["run"]["until"]) == (-2.6, 20)
 
 
-def test_an_orbit_is_one_period_with_its_multipliers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_orbit_is_one_period_with_its_multipliers(tmp_path: Path, again, refused) -> None:
     result = sw.orbit("paper", "kelvin-voigt", tol=1e-6, **{"drive.velocity": 2000})
     data, facts = result.dataset, result.summary
     time, stress = data["time"].values, data["interface_stress"].values
@@ -134,10 +131,8 @@ def test_an_orbit_is_one_period_with_its_multipliers(tmp_path: Path, capsys: pyt
     assert pairs.tolist() == facts["multipliers"]
     assert float(data["period_error"]) == facts["error_estimate"]["period"]
     result.to_netcdf(tmp_path / "orbit.nc")
-    again = command(capsys, "orbit", str(tmp_path / "orbit.nc"))
-    assert again == {key: value for key, value in facts.items() if key != "wall_s"}
-    assert main(["run", str(tmp_path / "orbit.nc")]) == INPUT_WRONG
-    assert "is a result of slipwave orbit, not of slipwave run" in capsys.readouterr().err
+    assert again("orbit", str(tmp_path / "orbit.nc")) == {key: value for key, value in facts.items() if key != "wall_s"}
+    assert "is a result of slipwave orbit, not of slipwave run" in refused("run", str(tmp_path / "orbit.nc"))
 
 
 def test_a_file_has_the_numbers_of_every_slab() -> None:
@@ -210,35 +205,29 @@ def test_files_follow_the_cf_conventions(scene: str, tmp_path: Path) -> None:
 LAW = ROOT / "examples" / "own_law.py"
 
 
-def test_a_law_by_file_is_recorded_and_asked_for(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_law_by_file_is_recorded_and_asked_for(tmp_path: Path, again, refused, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     words = ("--model", "block8", "--set", "interface.law=cutoff", "interface.cutoff=1e-4", "--until", "20")
     monkeypatch.delitem(LAWS, "cutoff", raising=False)
-    assert main(["run", "paper", *words]) == INPUT_WRONG
-    capsys.readouterr()
-    first = command(capsys, "run", "paper", *words, "--law", str(LAW), "--out", "run.nc")
-    assert command(capsys, "run", "run.nc", "--law", str(LAW)) == first
-    assert command(capsys, "run", "paper", "--model", "block8", "--until", "20")["final"] != first["final"]
+    refused("run", "paper", *words)
+    first = again("run", "paper", *words, "--law", str(LAW), "--out", "run.nc")
+    assert again("run", "run.nc", "--law", str(LAW)) == first
+    assert again("run", "paper", "--model", "block8", "--until", "20")["final"] != first["final"]
     Path("other.py").write_text(LAW.read_text().replace("cutoff: float = 1e-3", "cutoff: float = 2e-3"))
-    assert main(["run", "run.nc", "--law", "other.py"]) == INPUT_WRONG
-    assert "was computed with another friction law 'cutoff': digest" in capsys.readouterr().err
+    assert "was computed with another friction law 'cutoff': digest" in refused("run", "run.nc", "--law", "other.py")
     monkeypatch.delitem(LAWS, "cutoff")
-    assert main(["run", "run.nc"]) == INPUT_WRONG
-    assert "needs the friction law 'cutoff' of the file own_law.py" in capsys.readouterr().err
+    assert "needs the friction law 'cutoff' of the file own_law.py" in refused("run", "run.nc")
 
 
 @pytest.mark.parametrize(
     ("text", "told"),
     [("x = 1\n", "registers no friction law"), ("1 / 0\n", "ZeroDivisionError"), (None, "no such file")],
 )
-def test_a_file_without_a_law_is_refused(text: str | None, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_without_a_law_is_refused(text: str | None, told: str, tmp_path: Path, refused) -> None:
     path = tmp_path / "law.py"
     if text is not None:
         path.write_text(text)
-    assert main(["run", "paper", "--law", str(path)]) == INPUT_WRONG
-    assert told in capsys.readouterr().err
+    assert told in refused("run", "paper", "--law", str(path))
 
 
 @pytest.mark.parametrize("content", [b"", b"no netCDF"])
@@ -251,9 +240,7 @@ def test_a_file_that_holds_no_scene_is_refused(content: bytes, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("value", [None, 3, "", "garbage", "3"])
-def test_a_file_with_a_damaged_attribute_is_refused_in_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], value: int | str | None
-) -> None:
+def test_a_file_with_a_damaged_attribute_is_refused_in_one_line(tmp_path: Path, refused, value: int | str | None) -> None:
     """A model is a word, so that only its absence can be told; any word is a model's or a command's name that is unknown."""
     import netCDF4
 
@@ -264,9 +251,7 @@ def test_a_file_with_a_damaged_attribute_is_refused_in_one_line(
         damaged.write_bytes(path.read_bytes())
         with netCDF4.Dataset(damaged, "a") as file:
             file.delncattr(name) if value is None else file.setncattr(name, value)
-        assert main(["run", str(damaged), "--until", "2"]) == 2
-        out, err = capsys.readouterr()
-        assert (out, err.count("\n")) == ("", 1), err
+        err = refused("run", str(damaged), "--until", "2")
         if value in (None, 3):
             assert (
                 f"holds no scene that can be computed again: its attribute {name} is {'no text' if value else 'missing'}" in err

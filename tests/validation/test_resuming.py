@@ -70,15 +70,11 @@ def test_killed_run_goes_on_to_the_same_bits(tmp_path, uninterrupted, at, count)
     assert outcome(saving) == uninterrupted
 
 
-def test_prolonged_run_equals_one_that_never_stopped(tmp_path, capsys):
+def test_prolonged_run_equals_one_that_never_stopped(tmp_path, answer):
     file = str(tmp_path / "run.npz")
-    whole = ["run", "paper", "--model", "fd", "--json", "--until", "500"]
-    assert main([*whole[:-1], "300", "--checkpoint", file, "--checkpoint-every", "90"]) == 0
-    capsys.readouterr()
-    assert main([*whole, "--checkpoint", file]) == 0
-    resumed = json.loads(capsys.readouterr().out)
-    assert main(whole) == 0
-    direct = json.loads(capsys.readouterr().out)
+    whole = ["run", "paper", "--model", "fd", "--until", "500"]
+    answer(*whole[:-1], "300", "--checkpoint", file, "--checkpoint-every", "90")
+    resumed, direct = answer(*whole, "--checkpoint", file), answer(*whole)
     assert {**resumed, "wall_s": 0} == {**direct, "wall_s": 0}
 
 
@@ -97,16 +93,11 @@ def test_prolonged_run_equals_one_that_never_stopped(tmp_path, capsys):
         (["--fields", "fields.nc"], "observers is ['envelope', 'events']; this run needs ['envelope', 'events', 'fields']"),
     ],
 )
-def test_what_does_not_belong_is_refused(tmp_path, capsys, monkeypatch, words, hint):
+def test_what_does_not_belong_is_refused(tmp_path, printed, refused, monkeypatch, words, hint):
     monkeypatch.chdir(tmp_path)
-    assert main([*BASE, "--until", "200", "--checkpoint", "run.npz", "--checkpoint-every", "90"]) == 0
-    capsys.readouterr()
+    printed(*BASE, "--until", "200", "--checkpoint", "run.npz", "--checkpoint-every", "90")
     options = {"--model": "dg:7", "--until": "200", "--checkpoint": "run.npz"} | dict([words])
-    assert main(["run", "paper", "--json", *itertools.chain(*options.items())]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.count("\n") == 1
-    assert hint in said.err
+    assert hint in refused("run", "paper", "--json", *itertools.chain(*options.items()))
 
 
 def test_the_interval_may_have_a_unit(tmp_path):
@@ -136,14 +127,11 @@ def test_the_fields_of_a_resumed_run_are_those_of_one_that_never_stopped(tmp_pat
 
 
 @pytest.mark.parametrize("model", ["fd", "delay", "block8"])
-def test_a_start_on_the_orbit_goes_on_without_looking_for_it_again(tmp_path, capsys, monkeypatch, model):
-    words = ["run", "paper", "--model", model, "--set", "start.kind=orbit", "--until", "300", "--json"]
+def test_a_start_on_the_orbit_goes_on_without_looking_for_it_again(tmp_path, answer, monkeypatch, model):
+    words = ["run", "paper", "--model", model, "--set", "start.kind=orbit", "--until", "300"]
     words += ["--cells", "24"] if model == "fd" else []
     saving = [*words, "--checkpoint", str(tmp_path / "run.npz"), "--checkpoint-every", "70"]
-    assert main(words) == 0
-    direct = json.loads(capsys.readouterr().out)
-    assert main(saving) == 0
-    capsys.readouterr()
+    direct = answer(*words)
+    answer(*saving)
     monkeypatch.setattr("validation.registry.orbit_start.settle", None)
-    assert main(saving) == 0
-    assert json.loads(capsys.readouterr().out) | {"wall_s": 0} == direct | {"wall_s": 0}
+    assert answer(*saving) | {"wall_s": 0} == direct | {"wall_s": 0}

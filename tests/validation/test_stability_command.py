@@ -1,15 +1,8 @@
-import json
 from functools import cache
 
 import pytest
 
 import slipwave
-from validation.cli import main
-
-
-def answer(capsys: pytest.CaptureFixture[str], *words: str) -> dict:
-    assert main(["stability", *words, "--json"]) == 0
-    return json.loads(capsys.readouterr().out)
 
 
 @cache
@@ -21,9 +14,7 @@ def critical(scene: str, model: str) -> float:
 @pytest.mark.parametrize("share", [1e-9, -1e-9, 0.0])
 @pytest.mark.parametrize("scene", ["paper", "unlike", "grip", "viscous", "slip-law", "layered"])
 @pytest.mark.parametrize("model", ["delay", "quasidynamic", "fitted:3"])
-def test_a_root_on_the_axis_is_neutral_and_no_verdict(
-    capsys: pytest.CaptureFixture[str], scene: str, model: str, share: float
-) -> None:
+def test_a_root_on_the_axis_is_neutral_and_no_verdict(answer, scene: str, model: str, share: float) -> None:
     r_c = critical(scene, model)
     table = "upper" if scene.startswith("unlike") else "slab"
     ratio = 2.0 if table == "upper" else 1.0
@@ -31,7 +22,7 @@ def test_a_root_on_the_axis_is_neutral_and_no_verdict(
         [f"lower.r={ratio * r_c * (1.0 + share):.17g}"] if ratio > 1.0 else []
     )
     words = [scene, "--model", model, *(word for setting in settings for word in ("--set", setting))]
-    found = answer(capsys, *words)
+    found = answer("stability", *words)
     assert abs(found["leading_roots"][0][0]) < 1e-9 * 1e3 * found["omega_c"]
     assert found["stable"] is None
     assert found["unstable_roots"] == 0
@@ -39,27 +30,26 @@ def test_a_root_on_the_axis_is_neutral_and_no_verdict(
 
 
 @pytest.mark.parametrize(("share", "stable"), [(1e-5, False), (-1e-5, True)])
-def test_off_the_axis_there_is_a_verdict(capsys: pytest.CaptureFixture[str], share: float, stable: bool) -> None:
-    r_c = 10.0 ** answer(capsys, "paper")["log10_r_c"]
-    found = answer(capsys, "paper", "--set", f"slab.r={r_c * (1.0 + share):.17g}")
+def test_off_the_axis_there_is_a_verdict(answer, share: float, stable: bool) -> None:
+    r_c = 10.0 ** answer("stability", "paper")["log10_r_c"]
+    found = answer("stability", "paper", "--set", f"slab.r={r_c * (1.0 + share):.17g}")
     assert found["stable"] is stable
     assert found["unstable_roots"] == (0 if stable else 2)
     assert found["notes"] == []
 
 
-def test_a_ramp_says_which_velocity_is_analysed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_ramp_says_which_velocity_is_analysed(answer, printed) -> None:
     ramp = "drive.velocity=[[0, 1000], [5, 1000], [10, 100]]"
-    found = answer(capsys, "paper", "--set", ramp)
-    same = answer(capsys, "paper", "--set", "drive.velocity=1000")
+    found = answer("stability", "paper", "--set", ramp)
+    same = answer("stability", "paper", "--set", "drive.velocity=1000")
     assert found["velocity"] == same["velocity"] == 1000.0
     assert found["leading_roots"] == same["leading_roots"]
     assert ["V = 1000, the one at t = 0" in note for note in found["notes"]] == [True]
     assert same["notes"] == []
-    assert main(["stability", "paper", "--set", ramp]) == 0
-    assert "note: the drive changes: this is steady sliding at V = 1000" in capsys.readouterr().out
+    assert "note: the drive changes: this is steady sliding at V = 1000" in printed("stability", "paper", "--set", ramp)
 
 
-def test_figures_that_do_not_exist_have_a_reason(capsys: pytest.CaptureFixture[str]) -> None:
+def test_figures_that_do_not_exist_have_a_reason(answer) -> None:
     """Quasi-dynamic slabs on a machine whose onset lies beyond every thickness, and friction that strengthens."""
     rock = {"density": 2700.0, "shear_modulus": "30 GPa", "thickness": 1.0}
     face = {"kind": "machine", "stiffness": 1e11, "impedance": 1e6, "mass": 400.0}
@@ -74,7 +64,7 @@ def test_figures_that_do_not_exist_have_a_reason(capsys: pytest.CaptureFixture[s
         f"no critical r: steady sliding loses its stability at no r {reach}",
         f"no critical thickness: steady sliding loses its stability at none {reach}",
     ]
-    found = answer(capsys, "paper", "--set", "interface.b=0.01")
+    found = answer("stability", "paper", "--set", "interface.b=0.01")
     assert (found["log10_r_c"], found["epsilon_c"]) == (None, None)
     assert found["notes"] == [
         "no critical values: friction does not weaken with the slip rate, so that steady sliding is always stable"
