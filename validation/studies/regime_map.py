@@ -62,13 +62,16 @@ def critical_round_trips(model: str, lines: tuple[Line, ...], velocities: Any) -
     return np.interp(velocities, np.asarray(line.up)[order], np.asarray(line.across)[order])
 
 
+def _beyond_onset(model: str, data: Dataset, lines: tuple[Line, ...]) -> Any:
+    """How far each point of the plane lies beyond the model's critical r, in log10 r."""
+    return data["log10_r"].values[:, None] - critical_round_trips(model, lines, data["drive_velocity"].values)
+
+
 def _boundaries(data: Dataset, lines: tuple[Line, ...]) -> Verdict:
     """The verdicts of runs against the certified counts of roots, which know no run."""
-    log10_r, wrong, judged = data["log10_r"].values, 0, 0
-    cell = float(log10_r[1] - log10_r[0])
+    wrong, judged, cell = 0, 0, float(np.diff(data["log10_r"].values[:2])[0])
     for model in _MODELS:
-        found = model_regimes(model, data)
-        beyond = log10_r[:, None] - critical_round_trips(model, lines, data["drive_velocity"].values)[None, :]
+        found, beyond = model_regimes(model, data), _beyond_onset(model, data, lines)
         clear = (np.abs(beyond) > cell) & (found >= 0)
         wrong, judged = wrong + int((clear & ((found == 0) != (beyond < 0.0))).sum()), judged + int(clear.sum())
     title = "Runs leave steady sliding where certified counts of roots say so"
@@ -80,10 +83,7 @@ def _boundaries(data: Dataset, lines: tuple[Line, ...]) -> Verdict:
 
 def _errors(data: Dataset, differences: Dataset, lines: tuple[Line, ...]) -> Table:
     """Area of the wrong regime, and the largest errors by the distance from the onset."""
-    ratio = 10.0 ** (
-        data["log10_r"].values[:, None] - critical_round_trips(_REFERENCE, lines, data["drive_velocity"].values)[None, :]
-    )
-    rows = []
+    rows, ratio = [], 10.0 ** _beyond_onset(_REFERENCE, data, lines)
     for row in differences.attrs["differences"]:
         ours = differences.sel(model=row["model"])
         cells: list[str | float | None] = [row["model"], row["other_regime_percent"]]

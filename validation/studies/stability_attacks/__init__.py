@@ -199,14 +199,9 @@ def noise_verdict(noise: Mapping[str, float], transits: float) -> Verdict:
 
 
 def _limit_table(shares_of: Mapping[str, Mapping[int, float]], reach: Mapping[str, float]) -> Table:
+    longest = {model: value if math.isfinite(value) else "none" for model, value in reach.items()}
     rows = (
-        (
-            model,
-            limits.CELLS[model],
-            limits.step_per_cell(model),
-            *shares.values(),
-            reach[model] if math.isfinite(reach[model]) else "none",
-        )
+        (model, limits.CELLS[model], limits.step_per_cell(model), *shares.values(), longest[model])
         for model, shares in shares_of.items()
     )
     stiffness = [f"10^{{{decade}}} .2f" for decade in next(iter(shares_of.values()))]

@@ -71,11 +71,10 @@ def _gaps(paper: Scene, slopes: FrictionSlopes, epsilon: float, velocity: float)
     quartic, s = closed_forms.kelvin_voigt_quartic(slopes, epsilon, r), 1j * slopes.omega_c
     at_39 = replace(paper.upper, round_trip=closed_forms.delay_r(slopes, epsilon))
     driven = replace(scaled(paper, velocity=velocity), upper=at_39, lower=at_39)
+    off = [float(abs(np.polyval(one, at) / (np.polyval(np.polyder(one), at) * at))) for one, at in ((cubic, x), (quartic, s))]
     return {
-        "(27) is the middle root of the cubic (21)": float(abs(np.polyval(cubic, x) / (np.polyval(np.polyder(cubic), x) * x))),
-        "(27) makes the quartic (18) vanish at i ω_{c}": float(
-            abs(np.polyval(quartic, s) / (np.polyval(np.polyder(quartic), s) * s))
-        ),
+        "(27) is the middle root of the cubic (21)": off[0],
+        "(27) makes the quartic (18) vanish at i ω_{c}": off[1],
         "at r of (39) the delay system’s own equation has the root i ω_{c}": abs(
             follow_root(characteristic(driven), s * (1.0 + 1e-3j)) / s - 1.0
         ),
