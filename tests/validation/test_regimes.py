@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from validation.measure.correlated import mean_of
 from validation.study.over_r import begun_at, scene_at
-from validation.study.regimes import AWAY, STEADY, UNDECIDED, Regime, _mean, regime_of
+from validation.study.regimes import AWAY, STEADY, UNDECIDED, Regime, regime_of
 
 
 @pytest.mark.parametrize(
@@ -38,6 +39,6 @@ def test_what_is_undecided_agrees_with_everything():
 def test_cycles_that_alternate_have_an_error_all_the_same():
     """Autocorrelations of -1, 1, ... leave none of it, but the level wanders by a hundredth."""
     level = np.repeat(np.random.default_rng(1).normal(size=8), 10)
-    found = _mean(np.tile([1.0, 3.0], 40) + 0.01 * level)
+    found = mean_of(np.tile([1.0, 3.0], 40) + 0.01 * level)
     assert found.error > 0.001
     assert found.value == pytest.approx(2.0, abs=4.0 * found.error)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from slipwave.observe.statistics import Estimate
 from validation.measure.order_fit import WIDEST, WITHIN, Fit, asked, shortfall
 from validation.references.published import half_digit, reference_orbit
-from validation.study import PAPER, WITNESS, Evidence, Outcome, Verdict, claim, every, holding, in_range
+from validation.study import PAPER, WITNESS, Evidence, Verdict, claim, every, holding, in_range
 from validation.study.text import minus, places
 
 ERRORS = 4.0
@@ -35,10 +35,10 @@ def as_known(periods: Mapping[str, Estimate], log10_r: float, others: float = 0.
     return claim("Periods are those of other programs", WITNESS, off[worst], allowed[worst], where)
 
 
-def as_printed(title: str, printed: float, ours: float, remark: str = "", otherwise: Outcome = Outcome.FAIL) -> Verdict:
+def as_printed(title: str, printed: float, ours: float) -> Verdict:
     """A number of the paper's: half of its last digit is allowed."""
     off, half = abs(ours - printed), half_digit(printed)
-    return holding(title, PAPER, f"{printed:g} ± {half:g}", f"{ours:.5f}", off <= half, remark, otherwise).with_margin(off, half)
+    return holding(title, PAPER, f"{printed:g} ± {half:g}", f"{ours:.5f}", off <= half).with_margin(off, half)
 
 
 def of_order(

@@ -85,9 +85,9 @@ def late_cycles(model: str, scene: Scene, until: float, cells: int | None = None
     return watch(solver, until).events(TRANSIENT)
 
 
-def means(model: str, scene: Scene, until: float, cells: int | None = None) -> Means:
+def means(model: str, scene: Scene, until: float) -> Means:
     """Means over the same cycles."""
-    found = late_cycles(model, scene, until, cells)
+    found = late_cycles(model, scene, until)
     return Means(mean_of(found.period), mean_of(found.stress_drop), found.period.size)
 
 

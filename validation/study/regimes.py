@@ -4,8 +4,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events
-from slipwave.observe.pieces import Array
-from slipwave.observe.statistics import Estimate, Orbit, margin_of_mean
+from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
 from validation.measure.correlated import mean_of
 from validation.measure.settle import estimate
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
 STEADY, AWAY, UNDECIDED = "slides steadily", "runs away", "undecided"
 _WORDS = {"steady": STEADY, "decaying": STEADY, "settling": UNDECIDED, "growing": UNDECIDED, "too short": UNDECIDED}
 """What some verdicts on a run are called in tables of models; the others keep their name."""
-_LITTLE = 0.1  # of a margin of 95 %, which is about twice the standard error
 
 
 class CycleFigures(NamedTuple):
@@ -70,15 +68,8 @@ def regime_of(model: str, scene: Scene, until: float, cells: int | None = None, 
         return Regime("periodic" if events == 1 else f"periodic, {events} events", _repeating(watch.events(0.5 * until), events))
     if kind in ("torus", "irregular"):
         late = watch.events(TRANSIENT)
-        return Regime(kind, CycleFigures(*map(_mean, (late.period, late.stress_drop, late.v_max))), late.period.size)
+        return Regime(kind, CycleFigures(*map(mean_of, (late.period, late.stress_drop, late.v_max))), late.period.size)
     return Regime(_WORDS.get(kind, kind))
-
-
-def _mean(values: Array) -> Estimate:
-    """Mean over cycles that wander, with its standard error. Where they alternate so much that their autocorrelations leave none
-    (`mean_of`), it is half the margin that runs state, from batches."""
-    found, margin = mean_of(values), margin_of_mean(values)
-    return Estimate(found.value, 0.5 * margin) if found.error < _LITTLE * margin else found
 
 
 def _repeating(cycles: Events, events: int) -> CycleFigures:

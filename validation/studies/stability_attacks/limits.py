@@ -57,6 +57,7 @@ BEYOND = 1.25
 """Share of the limit at which a run has to stop."""
 
 _GROWN = 100.0
+_LONG = 120.0  # transits
 _LOW, _HIGH = 0.8, 1.5
 _SHARPNESS = 1.01
 
@@ -154,6 +155,6 @@ def around_the_limit(model: str, medium: str) -> tuple[float, float]:
     return below, above
 
 
-def stops_beyond(model: str, share: float, until: float = 120.0) -> bool:
+def stops_beyond(model: str, share: float) -> bool:
     """Whether a run of the paper's scene at `share` of the declared step ends with a message."""
-    return not _goes_through(with_step(model, slipwave.read("paper"), share), until)
+    return not _goes_through(with_step(model, slipwave.read("paper"), share), _LONG)

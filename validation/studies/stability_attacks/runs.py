@@ -60,6 +60,7 @@ ADVISED = 400.0
 """Transits of a run that takes the cells it asks for."""
 
 _FEWEST_CYCLES = 2
+_FINEST = 16  # times the usual cells, at most
 
 
 @dataclass(frozen=True)
@@ -137,13 +138,13 @@ class Cure(NamedTuple):
     error: float
 
 
-def advised(model: str, until: float = ADVISED, most: int = 16) -> Cure:
-    """V = 1e5 from `model`'s usual cells, doubled (up to `most` times as many) for as long as the run ends with a message."""
+def advised(model: str) -> Cure:
+    """V = 1e5 from `model`'s usual cells, doubled for as long as the run ends with a message."""
     scene = _scene("V 5")
-    exact = _course(build("delay", scene, tolerance=1e-10), until)
+    exact = _course(build("delay", scene, tolerance=1e-10), ADVISED)
     stopped, message, cells = 0, "", CELLS[model]
-    while cells <= most * CELLS[model]:
-        outcome = _outcome(model, cells, scene, exact, until)
+    while cells <= _FINEST * CELLS[model]:
+        outcome = _outcome(model, cells, scene, exact, ADVISED)
         if not outcome.message:
             return Cure(stopped, message, cells, max(outcome.error, abs(outcome.late)))
         stopped, message = cells, outcome.message
