@@ -126,13 +126,22 @@ class Delay(DelayMarch):
         return saved | {"counts": counts, "incoming": incoming, "guess": np.stack([psi[0], z[0]]), "now": now, "waiting": waiting}
 
     def _march(self, transits: int, pieces: Pieces) -> tuple[int, int]:
-        """March `transits` transits; returns (transits kept, verdict)."""
-        clock = self._clock._replace(origin=float(self._memory.now[TIME]), times=transits)
-        march = (self._physics, self._lines, self._memory, self._nodal, clock, self._limits)
-        first = pieces.time.size - self.steps * transits  # room for all steps or for those of the last transit
-        kept, iterations, verdict = march_delay(self._shape, *march, first, pieces)
+        """March `transits` transits; returns (transits kept, verdict). From a step that is rejected it goes back to the
+        beginning, and marches to the last whole transit once more."""
+        incoming, (guess, now) = self._lines.incoming.copy(), self._memory
+        memory = DelayMemory(Interface(guess.psi.copy(), guess.z.copy()), now.copy())
+        done, iterations, verdict = self._march_whole(transits, pieces)
         self.iterations += iterations
-        return kept // self.steps, verdict
+        kept = done // self.steps
+        if verdict != DONE:
+            self._take(self._mesh, incoming, memory)
+            self._march_whole(kept, pieces)
+        return kept, verdict
+
+    def _march_whole(self, transits: int, pieces: Pieces) -> tuple[int, int, int]:
+        clock = self._clock._replace(origin=float(self._memory.now[TIME]), times=transits)
+        first = min(0, pieces.time.size - self.steps * transits)  # room for all steps or for those of the last transit
+        return march_delay(self._shape, self._physics, self._lines, self._memory, self._nodal, clock, self._limits, first, pieces)
 
     def _refine(self, verdict: int) -> None:
         """Take more steps per transit; the polynomials of the incoming waves (now or at the beginning) give the new nodes."""
@@ -150,8 +159,7 @@ class Delay(DelayMarch):
     def _take(self, mesh: TransitMesh, incoming: Array, memory: DelayMemory) -> None:
         """Go on from this memory in the steps of `mesh`."""
         self._mesh, self._clock, self._memory = mesh, Clock(0.0, np.append(mesh.starts, 1.0), mesh.lengths), memory
-        before = DelayMemory(Interface(*np.empty((2, self._stages))), np.empty(3))
-        self._lines = Alike(0.5 * self.scene.upper.epsilon, incoming, np.empty_like(incoming), before)
+        self._lines = Alike(0.5 * self.scene.upper.epsilon, incoming)
 
 
 def refuse_unless_plain(scene: Scene) -> None:

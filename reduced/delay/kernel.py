@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from slipwave.compiled import njit, overwrite
+from slipwave.compiled import njit
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene.drive import velocity_at
@@ -60,23 +60,10 @@ def clock_of(origin: float, done: int, count: int, length: float) -> Clock:
 
 
 class Alike(NamedTuple):
-    """Waves of alike plain slabs of `impedance` eps/2: S at the nodes of the steps of the next transit, `incoming` (steps, s).
-    What was remembered at its start: `first` (steps, s) and `before`."""
+    """Waves of alike plain slabs of `impedance` eps/2: S at the nodes of the steps of the next transit, `incoming` (steps, s)."""
 
     impedance: float
     incoming: Array
-    first: Array
-    before: DelayMemory
-
-
-@by_class(inline=True)
-def keep(lines: Any, memory: DelayMemory) -> None:
-    """Keep what is remembered at the start of the steps of a `Clock`, if a march goes back there from a step that it rejects."""
-
-
-@by_class(inline=True)
-def go_back(lines: Any, memory: DelayMemory) -> None:
-    """Return to what `keep` has kept, if anything."""
 
 
 @by_class(inline=True)
@@ -95,24 +82,6 @@ def roughness(lines: Any, nodes: Nodes, tail: Array, nodal: Nodal) -> float:
 def leave(lines: Any, nodes: Nodes, physics: Physics, n: int, start: float, length: float, nodal: Nodal) -> None:
     """Remember the waves of the solved step `n`."""
     raise NotImplementedError(type(lines))
-
-
-@njit
-def _copy(incoming: Array, memory: DelayMemory, target: Array, into: DelayMemory) -> None:
-    overwrite(target, incoming)
-    overwrite(into.guess.psi, memory.guess.psi)
-    overwrite(into.guess.z, memory.guess.z)
-    overwrite(into.now, memory.now)
-
-
-@keep.register(Alike)
-def _keep_transit(lines, memory):  # type: ignore[no-untyped-def]
-    _copy(lines.incoming, memory, lines.first, lines.before)
-
-
-@go_back.register(Alike)
-def _begin_transit_again(lines, memory):  # type: ignore[no-untyped-def]
-    _copy(lines.first, lines.before, lines.incoming, memory)
 
 
 @receive.register(Alike)
@@ -147,14 +116,13 @@ def march_delay(
     pieces: Pieces,
 ) -> tuple[int, int, int]:
     """March the steps of the `clock`, of which the first becomes piece `first`, or none where that is negative. Returns (steps,
-    Newton iterations, verdict of `judge_step`); a rejected step leaves the memory at its start, or where the lines `go_back`."""
+    Newton iterations, verdict of `judge_step`); a rejected step leaves the memory at its start."""
     s, (law, forcing, _, rule) = len(nodes), physics
     impedance, origin, iterations = Diagonal(lines.impedance), clock.origin, 0
     guess, now, count = memory.guess, memory.now, clock.length.size
     for k in range(clock.times * count):
         n = k % count
         if n == 0:
-            keep(lines, memory)
             origin = now[TIME] if k else clock.origin
         start, length, left = origin + clock.begin[n], clock.length[n], now[PSI]
         begin_step(nodes, physics, start, length, left, nodal)
@@ -167,7 +135,6 @@ def march_delay(
         if verdict == DONE and not roughness(lines, nodes, rule.tail, nodal) <= limits.resolution:
             verdict = NOT_SMOOTH
         if verdict != DONE:
-            go_back(lines, memory)
             return k, iterations, verdict
         if first + k >= 0:
             elastic, step = now[ELASTIC], (start, length)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.delay.kernel import DelayMemory, go_back, keep, leave, receive, roughness
+from reduced.delay.kernel import leave, receive, roughness
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
@@ -199,12 +199,6 @@ def roughness_from_faces(nodes: Nodes, tail: Array, lines: NetworkLines, nodal: 
                 coefficient += tail[j] * passage.launched[last, INWARD, j]
             worst = max(worst, abs(coefficient) * inverse * network.interface_impedance / network.impedance[last])
     return worst
-
-
-@keep.register(NetworkLines)
-@go_back.register(NetworkLines)
-def _stay(lines: NetworkLines, memory: DelayMemory) -> None:
-    return
 
 
 @receive.register(NetworkLines)

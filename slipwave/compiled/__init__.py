@@ -1,5 +1,5 @@
 """numba for all packages: compiled functions, their cache on disk, and dispatch by class."""
 
-from slipwave.compiled.functions import allocating, inlined, njit, overwrite
+from slipwave.compiled.functions import allocating, inlined, njit
 
-__all__ = ["allocating", "inlined", "njit", "overwrite"]
+__all__ = ["allocating", "inlined", "njit"]

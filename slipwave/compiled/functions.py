@@ -47,10 +47,3 @@ def _dispatcher(function: Function, counts: bool, is_part: bool) -> Any:
 def inlined(function: Function) -> Function:
     """Compile `function` into its callers: for small parts of a hot loop, where a call would cost time."""
     return cast(Function, numba.njit(inline="always", error_model="numpy", fastmath={"contract"})(function))
-
-
-@njit
-def overwrite(target: Any, source: Any) -> None:
-    """target <- source, arrays of one size; a loop compiles twenty times faster than numba's slice assignment."""
-    for i in range(target.size):
-        target.flat[i] = source.flat[i]

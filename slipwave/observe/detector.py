@@ -10,7 +10,7 @@ import numpy as np
 
 from slipwave.compiled import inlined, njit
 from slipwave.friction.law import Law
-from slipwave.observe.extrema import bounds, differentiate, evaluate, find_root, overshoot, raise_record, raise_record_within
+from slipwave.observe.extrema import bounds, differentiate, evaluate, find_root, near, raise_record
 from slipwave.observe.pieces import Array, Basis, Pieces
 from slipwave.observe.rise import RISING, SLOTS, begin_rise, date_rise, follow_rise, room_for_rise
 from slipwave.observe.swings import BEGIN, COLUMNS, DATE, DIRECTION, END, RECORDS, thin
@@ -56,7 +56,7 @@ def scan(pieces: Pieces, first: int, found: Detector) -> int:
             last[0] = evaluate(found.basis, y[k], 0.0)
             _begin(pieces, k, 0.0, 1.0 if y[k, n - 1] >= last[0] else -1.0, found)
         turns = _turns(found.basis.derivative, y, k, running[DIRECTION], last[0])
-        if turns or running[DIRECTION] < 0.0 or _near(z, k, running, RECORDS) or _near(mu, k, running, RECORDS + 2):
+        if turns or running[DIRECTION] < 0.0 or near(z[k], running, RECORDS) or near(mu[k], running, RECORDS + 2):
             begin = _split(pieces, k, found) if turns else 0.0
             _take(pieces, k, begin, nodes[n - 1], found)
         last[0] = running[END] = y[k, n - 1]
@@ -75,14 +75,6 @@ def _turns(derivative: Array, y: Array, k: int, direction: float, left: float) -
         left = y[k, j]
         slope += derivative[n - 1, j] * left
     return back or direction * slope < 0.0
-
-
-@inlined
-def _near(values: Array, k: int, running: Array, slot: int) -> bool:
-    """Whether piece k may raise the record running[slot] of the maximum or running[slot + 1] of -minimum (see `raise_record`)."""
-    bottom, top = bounds(values[k])
-    reach = overshoot(top - bottom, values.shape[1])
-    return not (top + reach <= running[slot] and reach - bottom <= running[slot + 1])
 
 
 @inlined
@@ -145,12 +137,8 @@ def _take(pieces: Pieces, k: int, begin: float, end: float, found: Detector) -> 
     """Update the running swing's records with the part [begin, end] of piece k and, in a fall, follow the rise of v."""
     basis, running, z, slopes = found.basis, found.running, pieces.z[k], found.scratch[1]
     highest = running[RECORDS]
-    if begin == 0.0 and end == basis.nodes[basis.nodes.size - 1] and highest > -math.inf:
-        raise_record(basis, z, slopes, running, RECORDS)
-        raise_record(basis, pieces.mu[k], slopes, running, RECORDS + 2)
-    else:
-        raise_record_within(basis, z, slopes, running, RECORDS, begin, end)
-        raise_record_within(basis, pieces.mu[k], slopes, running, RECORDS + 2, begin, end)
+    raise_record(basis, z, slopes, running, RECORDS, begin, end)
+    raise_record(basis, pieces.mu[k], slopes, running, RECORDS + 2, begin, end)
     if running[DIRECTION] < 0.0:
         raised = running[RECORDS] > highest
         if not raised:

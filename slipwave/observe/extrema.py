@@ -1,5 +1,7 @@
 """Extrema and roots of the polynomials that pieces are made of, compiled for the event detector."""
 
+import math
+
 import numpy as np
 
 from slipwave.compiled import allocating, inlined, njit
@@ -56,18 +58,6 @@ def differentiate(basis: Basis, values: Array, slopes: Array) -> None:
             slopes[i] += basis.derivative[i, j] * values[j]
 
 
-@inlined
-def _peak(basis: Basis, values: Array, slopes: Array, sign: float, at: int) -> float:
-    """Maximum of sign * polynomial between the neighbours of node `at`, where its nodal maximum lies; `slopes` is scratch."""
-    n = values.size
-    differentiate(basis, values, slopes)
-    left = basis.nodes[at - 1] if at > 0 else 0.0
-    right = basis.nodes[at + 1] if at + 1 < n else basis.nodes[n - 1]
-    if right > left and sign * evaluate(basis, slopes, left) > 0.0 > sign * evaluate(basis, slopes, right):
-        return _trusted(sign * float(evaluate(basis, values, find_root(basis, slopes, 0.0, left, right))), values, sign)
-    return float(sign * values[at])
-
-
 @njit
 def _trusted(peak: float, values: Array, sign: float) -> float:
     """`peak`, or the largest nodal value if `peak` exceeds that by more than a smooth signal can (`overshoot`): then the
@@ -77,7 +67,7 @@ def _trusted(peak: float, values: Array, sign: float) -> float:
     return peak if peak - highest <= overshoot(top - bottom, values.size) else float(highest)
 
 
-@inlined
+@njit
 def bounds(values: Array) -> tuple[float, float]:
     """The smallest and the largest value; a loop, because loading numba's own min() and max() takes a fifth of a second."""
     bottom, top = values[0], values[0]
@@ -93,61 +83,42 @@ def overshoot(spread: float, nodes: int) -> float:
     return 4.0 * spread / (nodes - 1) ** 2
 
 
-@inlined
-def last_slope(basis: Basis, values: Array) -> float:
-    """Slope of the polynomial at the last node."""
-    slope = 0.0
-    for j in range(values.size):
-        slope += basis.derivative[values.size - 1, j] * values[j]
-    return slope
-
-
-@njit
-def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int) -> None:
-    """memory[slot] <- the larger of itself and the piece's maximum; memory[slot + 1] likewise with -minimum.
-
-    Nodes are compared first. The polynomial is searched only around an extreme node from which it could reach the record. If
-    that is the last node, it must also be past the peak, so that a peak near the end of a piece is found in exactly one piece.
-    """
-    n = values.size
-    highest, lowest = 0, 0
-    for j in range(1, n):
-        if values[j] > values[highest]:
-            highest = j
-        if values[j] < values[lowest]:
-            lowest = j
-    reach = overshoot(values[highest] - values[lowest], n)
-    for side in range(2):
-        sign, at = (-1.0, lowest) if side else (1.0, highest)
-        top = sign * values[at]
-        if top + reach > memory[slot + side] and (at < n - 1 or sign * last_slope(basis, values) < 0.0):
-            top = _peak(basis, values, slopes, sign, at)
-        memory[slot + side] = max(memory[slot + side], top)
-
-
 @allocating
 def extrema(basis: Basis, rows: Array) -> tuple[float, float]:
     """Largest and smallest value of the consecutive polynomials with nodal values `rows` (m, n)."""
     memory, slopes = np.full(2, -np.inf), np.empty(rows.shape[1])
     for k in range(rows.shape[0]):
-        raise_record(basis, rows[k], slopes, memory, 0)
+        raise_record(basis, rows[k], slopes, memory, 0, 0.0, 1.0)
     return memory[0], -memory[1]
 
 
 @njit
-def raise_record_within(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int, begin: float, end: float) -> None:
-    """As `raise_record`, for the part [begin, end] of the piece only."""
+def near(values: Array, memory: Array, slot: int) -> bool:
+    """Whether a piece's polynomial through `values` may exceed the record memory[slot], or minus it memory[slot + 1]."""
+    bottom, top = bounds(values)
+    reach = overshoot(top - bottom, values.size)
+    return not (top + reach <= memory[slot] and reach - bottom <= memory[slot + 1])
+
+
+@njit
+def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int, begin: float, end: float) -> None:
+    """memory[slot] <- the larger of itself and the maximum of the part [begin, end] of the piece; memory[slot + 1] likewise with
+    -minimum; `slopes` is scratch. The value at 0, which the piece before has already, counts for a new record only."""
+    if not near(values, memory, slot):
+        return
+    first = begin if begin > 0.0 or math.isinf(memory[slot]) else end
     differentiate(basis, values, slopes)
     for side in range(2):
-        peak = _peak_within(basis, values, slopes, 1.0 - 2.0 * side, begin, end)
+        sign = 1.0 - 2.0 * side
+        peak = max(_peak(basis, values, slopes, sign, begin, end), sign * evaluate(basis, values, first))
         memory[slot + side] = max(memory[slot + side], peak)
 
 
-@inlined
-def _peak_within(basis: Basis, values: Array, slopes: Array, sign: float, begin: float, end: float) -> float:
-    """Maximum of sign * polynomial over [begin, end], where `slopes` are those of the polynomial at the nodes."""
+@njit
+def _peak(basis: Basis, values: Array, slopes: Array, sign: float, begin: float, end: float) -> float:
+    """Maximum of sign * polynomial at `end` and where it turns in [begin, end]; `slopes` are those at the nodes."""
     n = values.size
-    best = max(sign * evaluate(basis, values, begin), sign * evaluate(basis, values, end))
+    best = sign * evaluate(basis, values, end)
     left, before = begin, sign * evaluate(basis, slopes, begin)
     for j in range(n + 1):
         right = min(basis.nodes[j], end) if j < n else end

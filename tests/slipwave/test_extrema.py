@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
-from slipwave.observe.extrema import evaluate, find_root, raise_record, raise_record_within
+from slipwave.observe.extrema import evaluate, find_root, raise_record
 from slipwave.observe.pieces import Array, Basis, lagrange_basis
 
 NODES = {
@@ -62,7 +62,7 @@ def test_the_record_within_a_part_of_a_piece(basis: Basis) -> None:
     for polynomial in smooth(100):
         begin, end = np.sort(random.uniform(0.0, 1.0, 2))
         memory = np.array([-np.inf, -np.inf])
-        raise_record_within(basis, polynomial(basis.nodes), np.zeros(5), memory, 0, begin, end)
+        raise_record(basis, polynomial(basis.nodes), np.zeros(5), memory, 0, begin, end)
         wanted = [greatest(sign * polynomial, begin, end, within=(begin, end)) for sign in (1.0, -1.0)]
         assert memory == pytest.approx(wanted, abs=1e-12)
 
@@ -78,6 +78,6 @@ def test_the_record_over_pieces(basis: Basis) -> None:
     for wave in smooth(100):
         memory = np.array([9.0, -np.inf, -np.inf, 9.0])
         for values in pieces_of(wave, basis):
-            raise_record(basis, values, np.zeros(5), memory, 1)
-        wanted = [greatest(sign * wave, basis.nodes[0] / 8, 1.0, within=(0.0, 1.0)) for sign in (1.0, -1.0)]
+            raise_record(basis, values, np.zeros(5), memory, 1, 0.0, 1.0)
+        wanted = [greatest(sign * wave, 0.0, 1.0, within=(0.0, 1.0)) for sign in (1.0, -1.0)]
         assert memory == pytest.approx([9.0, *wanted, 9.0], abs=1e-12)
