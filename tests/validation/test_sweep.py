@@ -1,5 +1,6 @@
 """Sweeps: the same arrays however they are computed, nothing lost when killed, one line for whatever is wrong."""
 
+import contextlib
 import itertools
 import json
 import os
@@ -8,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -315,13 +316,54 @@ def test_a_full_disk_costs_no_finished_part(tmp_path: Path) -> None:
             os._exit(2 if "cannot be written" in str(error) else 3)
         os._exit(0)
     assert os.waitstatus_to_exitcode(os.waitpid(copy, 0)[1]) == 2
-    there = sorted((tmp_path / "parts").iterdir())
+    require_whole_parts(tmp_path)
+    goes_on(what, tmp_path, tmp_path / "whole")
+
+
+def require_whole_parts(folder: Path) -> None:
+    """Some parts are there, and nothing else."""
+    there = [path.name for path in (folder / "parts").iterdir()]
     assert there
-    assert all(path.suffix == ".npz" and not path.name.startswith(".") for path in there)
-    data = computed(what, tmp_path)
+    assert all(name.endswith(".npz") and not name.startswith(".") for name in there)
+
+
+def goes_on(what: Plan, folder: Path, other: Path) -> None:
+    """The sweep in `folder` is completed with the parts that it has, and is then as one computed at once in another."""
+    there = set((folder / "parts").iterdir())
+    data = computed(what, folder)
     assert (data["status"].values == 0).all()
-    assert set(there) <= set((tmp_path / "parts").iterdir())
-    assert same(data, computed(what, tmp_path / "whole"))
+    assert there <= set((folder / "parts").iterdir())
+    assert same(data, computed(what, other))
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk of 200 kB, where the system lets us have one."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=200k", "none", disk], capture_output=True, text=True)
+    if mounted.returncode:
+        pytest.skip(f"a small disk cannot be mounted here: {mounted.stderr.strip()}")
+    yield disk
+    subprocess.run(["umount", disk], check=True)
+
+
+def test_a_disk_that_others_fill_costs_no_finished_part(tmp_path: Path, small_disk: Path) -> None:
+    ballast = small_disk / "ballast"
+
+    class Filling(Here):
+        def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> "Future[Any]":
+            if not ballast.exists() and any((small_disk / "map" / "parts").iterdir()):
+                with contextlib.suppress(OSError), ballast.open("wb", buffering=0) as file:
+                    while file.write(bytes(4096)):
+                        pass
+            return super().submit(function, *given, **named)
+
+    with pytest.raises(SceneError, match="cannot be written: no space left on device"):
+        computed(plan((30, 30)), small_disk / "map", executor=Filling())
+    require_whole_parts(small_disk / "map")
+    ballast.unlink()
+    goes_on(plan((30, 30)), small_disk / "map", tmp_path / "whole")
 
 
 def test_every_late_cycle_of_a_run_is_in_its_brush(tmp_path: Path) -> None:
