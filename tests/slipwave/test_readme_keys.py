@@ -1,4 +1,4 @@
-"""README's table of scene keys is what the schema says, row by row; `python tests/slipwave/test_readme_keys.py` prints it."""
+"""README's table of scene keys is what the schema says, row by row; `python tests/slipwave/test_readme_keys.py` writes it."""
 
 import re
 from collections.abc import Iterator
@@ -10,6 +10,7 @@ from slipwave.input.validate import allowed_in, tables_in
 from slipwave.sources import ROOT
 
 SAME_AS_SLAB = ("upper", "lower")
+README = ROOT / "README.md"
 
 
 def told(field: Any) -> str:
@@ -45,8 +46,10 @@ TABLE = "\n".join(["| key | meaning | allowed |", "|---|---|---|", *dict.fromkey
 
 
 def test_the_table_of_keys_is_read_from_the_schema() -> None:
-    assert TABLE in (ROOT / "README.md").read_text(encoding="utf-8")
+    assert TABLE in README.read_text(encoding="utf-8")
 
 
 if __name__ == "__main__":
-    print(TABLE)
+    before, _, after = README.read_text(encoding="utf-8").partition(TABLE.partition("\n")[0])
+    rest = after.partition("\n\n")[2]
+    README.write_text(f"{before}{TABLE}\n\n{rest}", encoding="utf-8")

@@ -17,6 +17,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
+KEYS = "tests/slipwave/test_readme_keys.py"
 FOR_ALL = ("slipwave", "reduced", "fullwave", "validation", "examples")
 
 
@@ -27,6 +28,9 @@ class Reader:
         self.folder, self.output, self.changed = folder, "", set()
         for room in FOR_ALL:
             shutil.copytree(ROOT / room, folder / room, ignore=shutil.ignore_patterns("__pycache__"))
+        (folder / KEYS).parent.mkdir(parents=True)
+        for file in (KEYS, "README.md"):
+            shutil.copy(ROOT / file, folder / file)
 
     def run(self, line):
         """The command's exit status; what it printed is `output`."""
@@ -182,6 +186,17 @@ def test_an_observer(reader):
     assert found == pytest.approx(0.00209 * 2000 * 100 * 0.8, rel=0.25)
 
 
+def test_a_scene_key(reader):
+    """Three files, of which a command writes the third."""
+    before = (reader.folder / "README.md").read_text()
+    reader.follow(EXTENDING["Adding a scene key"])
+    assert reader.changed == {"slipwave/input/schema.py", "slipwave/input/assemble.py"}
+    row = "| `drive.factor` | by which every velocity is multiplied | 1e-9..1e9 |"
+    assert (reader.folder / "README.md").read_text().replace(f"{row}\n", "") == before
+    half, plain = (reader.json(f"slipwave stability paper --set {change}") for change in ("factor=0.5", "V=50"))
+    assert half == plain
+
+
 def test_an_option(reader):
     reader.follow(EXTENDING["Adding an option"])
     assert len(reader.changed) == 1
@@ -204,6 +219,7 @@ def test_every_section_is_done_by_a_test():
         "an ODE reduction",
         "a discretisation",
         "an observer",
+        "a scene key",
         "an option",
         "a study",
     }
