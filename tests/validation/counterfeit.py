@@ -291,6 +291,7 @@ PLACES: dict[str, tuple[Place, ...]] = {
     ),
     "bias": (
         Place("bias:all_biases", (displaced(0.02),)),
+        Place("bias:own_errors", (displaced(0.05),)),
         Place("bias:corner_errors", (displaced(0.03),)),
         Place("bias:intervals_held", (lambda rows: [[not held for held in row] for row in rows],), unjudged=UNCOUNTED),
     ),

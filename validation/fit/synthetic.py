@@ -14,9 +14,13 @@ TRUTH = {"interface.a": 0.01, "interface.b": 0.015, "interface.memory_length": 1
 STIFFNESS = "slab.shear_modulus"
 NOISE = 1e-4
 
-_STRESS, _THICKNESS, _FAST = 5e6, 0.05, 1e-5  # Pa, m, m/s
-_STEP = Schedule((0.0, 0.5, 0.5), (1e-6, 1e-6, _FAST))
-_TIMES = (0.4, 5.0)  # s; slip of L at the faster velocity takes one second
+FAST = 1e-5
+"""The faster velocity (m/s): slip by L takes one second."""
+
+STEP = Schedule((0.0, 0.5, 0.5), (1e-6, 1e-6, FAST))
+
+_STRESS, _THICKNESS = 5e6, 0.05  # Pa, m
+_TIMES = (0.4, 5.0)  # s
 _SAMPLES = 200
 
 
@@ -25,7 +29,7 @@ def stepped_scene(share: float, kappa: float) -> Scene:
     critical one of a quasi-static spring, (b - a) sigma/L. Only these two numbers count; the slabs' material is made to them."""
     a, b, length = TRUTH.values()
     modulus = 2.0 * _THICKNESS * kappa * (b - a) * _STRESS / length
-    density = modulus * (share * length / _FAST / (2.0 * _THICKNESS)) ** 2
+    density = modulus * (share * length / FAST / (2.0 * _THICKNESS)) ** 2
     return read(
         {
             "name": f"step-{share:.4g}-{kappa:.4g}",
@@ -37,12 +41,16 @@ def stepped_scene(share: float, kappa: float) -> Scene:
     )
 
 
-def stepped_problem(scene: Scene, model: str, friction: Array | None = None, stiffness: bool = False) -> FrictionProblem:
-    """The fit of a, b, L (and the slabs' modulus, for their stiffness) by `model` to a record of `friction`, or of zeros."""
+def stepped_record(friction: Array | None = None) -> Experiment:
+    """A record of the velocity step: `friction`, or zeros."""
     times = np.linspace(*_TIMES, _SAMPLES)
-    record = Experiment("steps", times, np.zeros(_SAMPLES), travelled(_STEP, times), _STEP, (), 1.0 / NOISE)
-    free = free_parameters(scene, [*TRUTH, *([STIFFNESS] if stiffness else [])])
-    return problem_of(scene, free, [], [record if friction is None else record._replace(friction=friction)], model, 1e-8)
+    values = np.zeros(_SAMPLES) if friction is None else friction
+    return Experiment("steps", times, values, travelled(STEP, times), STEP, (), 1.0 / NOISE)
+
+
+def problem_for(scene: Scene, model: str, record: Experiment, *more: str) -> FrictionProblem:
+    """The fit of a, b, L and `more` keys by `model` to one record."""
+    return problem_of(scene, free_parameters(scene, [*TRUTH, *more]), [], [record], model, 1e-8)
 
 
 def truth_of(problem: FrictionProblem) -> Array:
