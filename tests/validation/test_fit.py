@@ -9,7 +9,7 @@ import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from validation.cli import main
-from validation.fit.cycles import CycleOfReduction, disturbed
+from validation.fit.cycles import CycleOfReduction, CycleOfSolver, disturbed
 from validation.fit.forward import OfReduction, OfSolver
 from validation.fit.least_squares import Best, intervals, minimise
 from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
@@ -170,6 +170,19 @@ def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path: Path) ->
     np.savetxt(path, np.column_stack([0.6 + 0.0 * friction, times]), delimiter=",", header="mu,time [s]", comments="")
     with pytest.raises(SceneError, match="no slip event"):
         sw.fit(STICKING, data=[str(path)], free=KEYS)
+
+
+def test_stick_slip_with_every_wave_is_fitted_near_its_start(tmp_path: Path) -> None:
+    made = problem_of(read("paper"), free_parameters(read("paper"), ["a", "b"]), [], [], "delay", 1e-7)
+    paper = Variants(read("paper"), made.free, schedule_of(read("paper")))
+    times, friction = CycleOfSolver(disturbed(paper), 73.5, "delay", 1e-6).motion(made.first, 0.25)
+    path = tmp_path / "paper.csv"
+    friction += 2e-4 * np.random.default_rng(5).standard_normal(times.size)
+    np.savetxt(path, np.column_stack([times, friction]), delimiter=",", header="time [transits],mu", comments="")
+    found = sw.fit("paper", "delay", data=[str(path)], free=["a", "b"], settings=["interface.a=0.0345", "interface.b=0.0485"])
+    assert found.summary["parameters"]["interface.a"]["value"] == pytest.approx(0.0349, rel=0.03)
+    assert found.summary["parameters"]["interface.b"]["value"] == pytest.approx(0.0489, rel=0.03)
+    assert any("which these intervals do not hold" in note for note in found.notes)
 
 
 def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free() -> None:

@@ -18,6 +18,7 @@ from slipwave.input.stored import is_stored, read_stored
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.data.series import read_series
+from validation.fit.cycles import CycleOfSolver
 from validation.fit.kept import facts_of, recalled_best
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled
 from validation.fit.parameters import free_parameters
@@ -34,6 +35,7 @@ from validation.study.drawing import Drawing, canvas, line, styled
 
 _TOLERANCE = 1e-7
 _CHEAP = "quasidynamic"
+_ASTRAY = 2.0  # times the noise: a residual that needs a word
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,6 +152,14 @@ class FitResult(Result):
         notes += [f"not determined: {line}" for line in self.spread.singular]
         if self.spread.profiled:
             notes.append(f"the interval of {' and '.join(self.spread.profiled)} is by profile: the derivative's is another")
+        if self.spread.noise > _ASTRAY and self.problem.noise:
+            told = (
+                "a part of the record (--window) or the model is not what the other is, or the fit ended beside its best values"
+            )
+            notes.append(f"the residual is {self.spread.noise:.1f} times the noise, and the intervals do not know why: {told}")
+        if any(isinstance(one, CycleOfSolver) for one in self.problem.models):
+            told = "waves lock the period to their round trips: fits from other start values end a percent or two away"
+            notes.append(f"{told}, which these intervals do not hold")
         together = self.spread.together
         if together > 2.0:
             wider = f"the intervals are {together**0.5:.1f} times as wide as those of white noise"
@@ -278,7 +288,8 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
             log.info("goes on from %s after %d evaluations", options.checkpoint, best.evaluations)
             starts = chain([best.inner], starts if is_cheap else [])
         elif not is_cheap:
-            starts = _nearby(problem_of(scene, free, words, records, _CHEAP, tolerance), starts)
+            nearby = _nearby(problem_of(scene, free, words, records, _CHEAP, tolerance), problem.starts())
+            starts = chain([best.inner] if any(one.cycle for one in records) else [], nearby)
         found = minimise(problem, starts, best, problem.noise)
     except KeyboardInterrupt:
         if not np.isfinite(best.cost):
