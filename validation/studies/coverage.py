@@ -7,7 +7,7 @@ import numpy as np
 from slipwave.sources import source_digest
 from validation.coverage.kinds import KINDS, Held, computation
 from validation.coverage.record import RECORD, Coverage, Record, coverage_of, known_computations
-from validation.study import SELF, Budget, Cell, Figure, Number, Omission, StudyResult, Table, Verdict, holding, table
+from validation.study import SELF, Budget, Cell, Figure, Number, Omission, StudyResult, Table, Verdict, every, holding, table
 from validation.study.drawing import WIDTH, Drawing, canvas
 
 NAME = "coverage"
@@ -79,9 +79,11 @@ def _holds(kind: str, one: Coverage) -> Verdict:
             "95 % margins hold the truth in 95 of 100 computations, by chance more or less",
             "95.0 of 100 in the interval",
         )
-        return holding(title, KINDS[kind].evidence, expected, ours, one.high >= ENOUGH, remark)
+        found = holding(title, KINDS[kind].evidence, expected, ours, one.high >= ENOUGH, remark)
+        return found.with_margin(1.0 - one.high, 1.0 - ENOUGH)
     title = "Stated errors hold the truth in at least 95 of 100 computations"
-    return holding(title, KINDS[kind].evidence, "95.0 of 100 or more", ours, one.share >= ENOUGH, remark)
+    found = holding(title, KINDS[kind].evidence, "95.0 of 100 or more", ours, one.share >= ENOUGH, remark)
+    return found.with_margin(1.0 - one.share, 1.0 - ENOUGH)
 
 
 def chosen(record: Record, kind: str, quick: bool) -> list[int]:
@@ -99,9 +101,7 @@ def _repeated(record: Record, budget: Budget) -> Iterator[Verdict]:
         same = sum(agree(kind, computation(kind, number), record[kind][number]) for number in numbers)
         if numbers:
             remark = f"{kind}: number {', '.join(map(str, numbers))}"
-            yield holding(
-                title, SELF, f"{len(numbers)} of {len(numbers)}", f"{same} of {len(numbers)}", same == len(numbers), remark
-            )
+            yield every(title, SELF, same, len(numbers), remark)
 
 
 def agree(kind: str, ours: list[Held], known: list[Held]) -> bool:

@@ -152,7 +152,7 @@ class Verdict:
     id: str = ""
 
     def __post_init__(self) -> None:
-        if self.outcome is Outcome.PASS and self.size is not None and self.limit is not None and not self.size <= self.limit:
+        if self.outcome is Outcome.PASS and self.margin is not None and not self.margin <= 1.0 + _ROUNDING:
             raise ValueError(f"{self.claim}: holds, though {self.size:g} is more than {self.limit:g}")
 
     @property
@@ -291,7 +291,8 @@ def in_range(
     """PASS if all of `ours` lie between the `ends`; shown are the ends, the least and the largest in this `form`. A claim of the
     paper's that does not hold is a finding."""
     found, (middle, half) = (min(ours), max(ours)), (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]))
-    expected, shown = (minus(" to ".join(dict.fromkeys(format(one, form) for one in pair))) for pair in (ends, found))
+    words = (" to ".join(dict.fromkeys(format(one, form) for one in pair)) for pair in (ends, found))
+    expected, shown = (minus(one).replace("%", " %") for one in words)
     off = max((abs(one - middle) for one in ours), key=lambda one: (math.isnan(one), one))
     return holding(title, evidence, expected, shown, off < half, remark, _otherwise(evidence)).with_margin(off, half)
 

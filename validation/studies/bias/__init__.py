@@ -81,7 +81,7 @@ def _anew(atlas: Atlas, quick: bool) -> tuple[Verdict, ...]:
             f"scenes and measure the same, and at one place all errors within {_SAME:g}",
             f"within {apart:.1g}",
             apart < _SAME,
-        ),
+        ).with_margin(apart, _SAME),
         claim(
             "Below the rule's limit the quasi-dynamic fit errs by less than 1 %",
             EXACT,
@@ -157,4 +157,4 @@ def _covered(covered: Mapping[str, Sequence[Sequence[bool]]], quick: bool) -> It
             ", ".join(f"{100 * share:.1f} %" for share in shares),
             bool(same and (shares >= _LEAST).all() and (shares <= _MOST).all()),
             f"{model} as truth and as fit, {len(rows)} fits with noise {NOISE:g}",
-        )
+        ).with_margin(float(np.abs(shares - 0.5 * (_LEAST + _MOST)).max()), 0.5 * (_MOST - _LEAST))

@@ -133,7 +133,8 @@ def orbit_verdicts(orbits: Sequence[GridOrbit], families: Mapping[str, Grids]) -
         period, drop = (orbit_order(family, quantity) for quantity in _FLOOR)
         where = f"`{model}`, {family[0].cells} to {family[-1].cells} cells a slab"
         ours = f"{period:.2g} in T, {drop:.2g} in Δμ"
-        yield holding(approaches, WITNESS, f"{declared} or more", ours, min(period, drop) >= declared, where)
+        found = holding(approaches, WITNESS, f"{declared} or more", ours, min(period, drop) >= declared, where)
+        yield found.with_margin(declared / min(period, drop), 1.0)
         where = f"`{model}` with {family[-1].cells} cells a slab, log_{{10}} r = −{-_AT:g}"
         for symbol, size, limit in zip(("T", "Δμ"), family[-1][2:], grids.allowed, strict=True):
             yield claim(agree, WITNESS, size, limit, f"{symbol}, {where}")
@@ -148,8 +149,7 @@ def growth_verdicts(beside: list[Beside]) -> Iterator[Verdict]:
     if means:
         off = max(one.apart for one in means)
         title = "Where the motion is irregular, means of T and Δμ of the full wave are the delay system’s"
-        expected, ours = f"within {_ERRORS:g} standard errors", f"within {off:.1f}"
-        yield holding(title, WITNESS, expected, ours, 0.0 < off < _ERRORS, _where(means))  # 0: one run with itself
+        yield claim(title, WITNESS, off, _ERRORS, _where(means), unit="standard errors")
 
 
 def _where(some: list[Beside]) -> str:

@@ -11,7 +11,7 @@ from validation.measure.cycle import watch
 from validation.measure.settle import NoCycle
 from validation.registry.build import build
 from validation.registry.families import explicit_time
-from validation.study import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, holding, memo
+from validation.study import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, every, holding, memo
 
 LOG10_R, LOG10_R_BARE = -2.6, -2.66
 """log10 r of the runs with grips alone, and of those with bare coefficients."""
@@ -123,26 +123,27 @@ def dies(leaks: tuple[float, ...], ends: list[str], period: float) -> Verdict:
         f"{lives:.2f}",
         1.0 / _OUTLIVES < lives < _OUTLIVES,
         f"1 − R between {alive:g} and {dead:g}, T = {period:.1f} transits with almost no leak; delay system",
-    )
+    ).with_margin(abs(math.log(lives)) if lives > 0.0 else math.inf, math.log(_OUTLIVES))
 
 
 def keeps(leaks: tuple[float, ...], held: list[Point]) -> Verdict:
     """Whether grips of the same reflection keep it."""
     lost = [f"{leak:g}" for leak, point in zip(leaks, held, strict=True) if math.isnan(point.period)]
     title = "Grips of the same reflection keep the stick-slip that bare coefficients lose"
-    ours = f"none at 1 − R = {', '.join(lost)}" if lost else "cycles at every R"
     remark = f"stiffness {HELD:g} ε a transit, Z_{{g}}/ε = (1 + R)/(1 − R); delay system"
-    return holding(title, WITNESS, "cycles at every R", ours, not lost, remark)
+    remark += f"; none at 1 − R = {', '.join(lost)}" if lost else ""
+    return every(title, WITNESS, len(held) - len(lost), len(held), remark, "R")
 
 
 def locks(slow: dict[float, str], edge: float) -> Verdict:
     """Whether runs behind bare coefficients lock beyond the `edge` and only there."""
-    return holding(
+    right = sum(end == ("locks" if leak > edge else "steady") for leak, end in slow.items())
+    return every(
         "A face that leaks faster than friction weakens lets the interface lock",
         EXACT,
-        f"beyond 1 − R = {edge:.4f}",
-        ", ".join(f"{leak:g}: {end}" for leak, end in slow.items()),
-        all(end == ("locks" if leak > edge else "steady") for leak, end in slow.items()),
+        right,
+        len(slow),
+        f"beyond 1 − R = {edge:.4f}; {', '.join(f'{leak:g}: {end}' for leak, end in slow.items())}; "
         "(ε/2)(1 + R)/(1 − R) = (b − a)/V there. Start: a nudge of 0.01; a large one locks the interface at a somewhat smaller 1 "
         "− R",
     )

@@ -320,15 +320,16 @@ def on_torus(found: Torus) -> Iterator[Verdict]:
     where = minus(f"log_{{10}} r = {known['log10_r']:g}")
     title = "A run on the torus has the rotation number that another program finds"
     yield claim(title, WITNESS, found.rotation, _ROTATION, where, f"{found.rotation:.5f}, known {number}", near=number)
+    ends = max(abs(found.shortest - low), abs(found.longest - high)) / _RANGE
+    off = max(abs(found.mean.value - mean) / (3.0 * found.mean.error), ends)
     yield holding(
         "Its periods have the mean and the range that another program finds",
         WITNESS,
         f"{mean}, {low} to {high}",
         f"{found.mean.value:.4f} ± {found.mean.error:.4f}, {found.shortest:.3f} to {found.longest:.3f}",
-        abs(found.mean.value - mean) < 3.0 * found.mean.error
-        and max(abs(found.shortest - low), abs(found.longest - high)) < _RANGE,
+        off < 1.0,
         f"transits, {where}; three standard errors are allowed, and {_RANGE:g} at the ends",
-    )
+    ).with_margin(off, 1.0)
 
 
 def reappears(residuals: Mapping[int, float]) -> Verdict:
