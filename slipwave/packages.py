@@ -3,6 +3,7 @@
 import importlib.util
 import logging
 import sys
+import traceback
 from collections.abc import Callable
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -13,6 +14,8 @@ from slipwave.errors import SceneError
 
 log = logging.getLogger("slipwave")
 
+_RUN = set[str]()  # files that were run
+
 
 def run_file(path: Path, name: str, label: str) -> ModuleType:
     """Run the Python file `path` as a module called `name`. Raises SceneError, which begins with `label`, if it cannot be run."""
@@ -21,14 +24,22 @@ def run_file(path: Path, name: str, label: str) -> ModuleType:
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
     assert spec.loader is not None
+    _RUN.add(str(path))
     module = sys.modules[name] = importlib.util.module_from_spec(spec)  # where compiled code on disk looks for its classes
     try:
         spec.loader.exec_module(module)
     except SceneError:
         raise
     except Exception as error:
-        raise SceneError(f"{label}: cannot be run: {type(error).__name__}: {error}") from error
+        place = "" if isinstance(error, SyntaxError) else f" ({line_of_user(error)})"  # that names its line
+        raise SceneError(f"{label}: cannot be run: {type(error).__name__}: {error}{place}") from error
     return module
+
+
+def line_of_user(error: BaseException) -> str:
+    """Where an error arose in a file that a user had run, "FILE.py, line 12, in march"; empty if it did not."""
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename in _RUN]
+    return f"{frames[-1].filename}, line {frames[-1].lineno}, in {frames[-1].name}" if frames else ""
 
 
 def load_from_packages(group: str, take: Callable[[Any, str], None]) -> None:

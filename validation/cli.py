@@ -18,6 +18,7 @@ from typer.core import TyperGroup
 
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of
+from slipwave.packages import line_of_user
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 _OBJECTS_BEFORE_COLLECTION = 1_000_000
@@ -157,6 +158,8 @@ def main(arguments: list[str] | None = None) -> int:
         if isinstance(error, OSError) and error.errno and error.filename is None:  # no file: a stream
             return _tell(f"the result cannot be written to stdout: {reason_of(error)}", INPUT_WRONG)
         explain: Callable[[], str] | None = getattr(error, "format_message", None)  # typer's own complaints have one
+        if explain is None and (place := line_of_user(error)):
+            return _tell(f"{place}: {type(error).__name__}: {error}", NUMERICS_FAILED)
         if explain is None:
             raise
         return _tell(explain(), INPUT_WRONG)

@@ -8,6 +8,7 @@ import pytest
 
 import slipwave as sw
 from slipwave.errors import SceneError
+from slipwave.input.stored import read_stored
 from tests.own_families import removed
 from validation.registry.families import FAMILIES
 from validation.registry.own import load_families, own_files
@@ -73,6 +74,8 @@ def test_a_file_that_is_loaded_again_replaces_its_own(file):
         ("    family = MINE", "    pass", "Mine.family is another one"),
         (ELEMENTS, "import math", "declares no family of models"),
         ("from reduced", "from nowhere", "cannot be run: ModuleNotFoundError: No module named 'nowhere'"),
+        ("ORDER = lambda p: p + 1", "ORDER = 1 / 0", "mine.py, line 7, in <module>)"),
+        ("ORDER = ", "ORDER = (", "(mine.py, line 7)"),
     ],
 )
 def test_what_is_wrong_with_a_file_is_told_in_one_line(file, refused, old, new, told):
@@ -82,6 +85,31 @@ def test_what_is_wrong_with_a_file_is_told_in_one_line(file, refused, old, new, 
     assert error.startswith(f"slipwave: --family = {str(file)!r}")
     assert told in error
     assert before == FAMILIES
+
+
+def test_a_mistake_in_a_method_is_told_by_its_line(file, refused, tmp_path):
+    """As a failure of the numerics; in Python it is raised as it is."""
+    method = "\n    def grid_of(self, *given):\n        return given[9]\n"
+    file.write_text(ELEMENTS.replace("    family = MINE\n", "    family = MINE\n" + method))
+    call = ["run", "paper", "--family", str(file), "--model", "mine:3", "--cells", "4", "--until", "2"]
+    told = refused(*call, "--out", str(tmp_path / "run.nc"), status=3)
+    assert f"slipwave: {file.resolve()}, line 16, in grid_of: IndexError: tuple index out of range" in told
+    assert not (tmp_path / "run.nc").exists()
+    with pytest.raises(IndexError):
+        sw.run("paper", "mine:3", cells=4, until=2, family=file)
+
+
+def test_a_file_of_results_names_the_family_and_demands_it_again(file, printed, refused, tmp_path):
+    first, ours = str(tmp_path / "run.nc"), str(tmp_path / "ours.nc")
+    own = ["--family", str(file)]
+    printed("run", "paper", *own, "--model", "mine:3", "--cells", "4", "--until", "5", "--out", first)
+    printed("run", first, *own, "--until", "5")
+    facts = read_stored(first).facts
+    assert (facts["family_file"], len(facts["family_digest"])) == ("mine.py", 16)
+    file.write_text(ELEMENTS + "\n")
+    assert "was computed with another family of 'mine:3'" in refused("run", first, *own)
+    printed("run", "paper", "--until", "5", "--model", "dg:3", "--out", ours)
+    assert "family_file" not in read_stored(ours).facts
 
 
 @pytest.mark.parametrize(("name", "told"), [("none.py", "no such file"), ("mine.txt", "must be a Python file")])

@@ -1,6 +1,8 @@
 """Families of models that a user declares in a Python file."""
 
 import hashlib
+from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +12,10 @@ from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.packages import run_file
 from slipwave.solve import FieldSolver
-from validation.registry.families import FAMILIES, GRIDS, add_family
+from validation.registry.families import FAMILIES, GRIDS, add_family, family_of
 
 _OWN: dict[Path, list[Family]] = {}
+_HOUSE = ("fullwave", "reduced")
 
 
 def own_files() -> list[Path]:
@@ -42,6 +45,22 @@ def load_families(path: Path) -> list[Family]:
         add_family(family, label)
     _OWN[path] = declared
     return declared
+
+
+def own_family(model: str) -> dict[str, str]:
+    """File and digest of the family of `model`, if that is a user's own: attributes of a file of results."""
+    family = family_of(model)
+    if family is None or family.module.partition(".")[0] in _HOUSE:
+        return {}
+    path = Path(str(import_module(family.module).__file__))
+    return {"family_file": path.name, "family_digest": hashlib.sha256(path.read_bytes()).hexdigest()[:16]}
+
+
+def require_same_family(model: str, facts: Mapping[str, Any], label: str) -> None:
+    """Raises SceneError if a file of results with the attributes `facts` was computed with another family of that name."""
+    ours, theirs = own_family(model).get("family_digest"), facts.get("family_digest")
+    if ours and theirs and ours != theirs:
+        raise SceneError(f"{label}: was computed with another family of {model!r}: digest {theirs}; that of --family is {ours}")
 
 
 def require_members(family: Family, label: str) -> None:

@@ -20,13 +20,13 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.friction.own import load_laws
 from slipwave.input import SceneSource, read, read_scene
-from slipwave.input.stored import recall
+from slipwave.input.stored import is_stored, read_stored, recall
 from slipwave.input.wording import listed, nearest, shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.solve.foresight import DAY
 from validation.registry.families import FAMILIES, GRIDS, Options
-from validation.registry.own import load_families
+from validation.registry.own import load_families, require_same_family
 from validation.results.facts import PointOfBranch
 
 log = logging.getLogger("slipwave")
@@ -181,6 +181,8 @@ class ModelOptions(SceneOptions):
         given. Raises SceneError for a file of another command."""
         known = {one.stored_as: one for one in options_of(type(self)).values() if one.more.get("stored")}
         model, found = recall(source, command, self.model, {name: getattr(self, one.name) for name, one in known.items()})
+        if is_stored(source):
+            require_same_family(model, read_stored(Path(str(source))).facts, f"SCENE = {shorten(str(source))}")
         new = {one.name: one.checked(found[name]) for name, one in known.items() if one.name not in without}
         return replace(self, model=model, **new)
 

@@ -13,6 +13,7 @@ from slipwave.friction.own import own_law
 from slipwave.input.tables import to_toml
 from slipwave.scene import Scene
 from slipwave.sources import commit
+from validation.registry.own import own_family
 
 SCHEMA = 1
 """Version of the names in files and of the keys of the JSON of every command."""
@@ -40,6 +41,7 @@ def provenance(command: str, scene: Scene, model: str, options: Mapping[str, Any
         **_scene_text(scene),
         **_law(scene),
         "model": model,
+        **own_family(model),
         "options": json.dumps({name: value for name, value in options.items() if value is not None}),
         **_numbers(scene),
     }
