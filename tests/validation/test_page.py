@@ -157,16 +157,32 @@ def test_the_table_of_models_joins_cells_of_a_wrong_regime(tmp_path):
 def test_every_cell_has_its_numbers_its_verdicts_and_a_command(tmp_path):
     html = page_of(tmp_path, stored("which-model", verdict(remark="`quasidynamic`"), model_tables=(models(),)))
     last = rows_of(html, "every cell of the table paper")[-1]
-    assert last[:6] == [
+    assert last[:7] == [
         "quasidynamic",
         "−2.5",
         "periodic, 140 cycles",
+        "1 slipwave run paper --model quasidynamic --set slab.log10_r=-2.5",
         "43.2",
         "−4.00\u202f·\u202f10−1",
         "1.0\u202f·\u202f10−3",
     ]
-    assert last[-1] == "1 slipwave run paper --model quasidynamic --set slab.log10_r=-2.5"
-    assert 'href="#which-model.a-holds">1</a>' in html
+    assert 'href="#which-model.a-holds" title="which-model.a-holds">1</a>' in html
+
+
+def test_an_answer_is_said_once(tmp_path):
+    """Above the studies; not again by the study that gives it."""
+    html = page_of(
+        tmp_path, stored("grid-convergence", verdict(), answer="They agree."), stored("energy", verdict(), answer="It closes.")
+    )
+    assert html.count("They agree.") == 1
+    assert html.count("It closes.") == 1
+
+
+def test_a_caption_does_not_end_after_the_names_of_its_authors():
+    assert first_sentence("Leeman et al. (2016), quartz. Points: measured.") == (
+        "Leeman et al. (2016), quartz.",
+        "Points: measured.",
+    )
 
 
 def test_a_reason_with_numbers_is_checked_by_a_verdict_or_said_not_to_be(tmp_path):

@@ -32,8 +32,8 @@ def run(budget: Budget) -> StudyResult:
     worst = {kind: min(some, key=lambda one: one.share) for kind, some in found.items()}
     least = min(worst, key=lambda kind: worst[kind].share)
     return StudyResult(
-        answer=f"In at least {100.0 * worst[least].share:.1f} of 100 computations of known truth, in each of {len(KINDS)} kinds "
-        f"(the least: {least}).",
+        answer=f"Stated errors hold the truth in at least {100.0 * worst[least].share:.1f} of 100 computations of known truth, "
+        f"in each of {len(KINDS)} kinds (the least: {least}).",
         tables=(_table(found),),
         figures=(Figure("shares", _CAPTION, lambda: histograms(record)),),
         verdicts=(*(_holds(kind, one) for kind, one in worst.items()), *_repeated(record, budget)),

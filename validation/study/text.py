@@ -62,7 +62,7 @@ def bare(words: str) -> str:
 
 def first_sentence(words: str) -> tuple[str, str]:
     """The first sentence of `words`, and the rest."""
-    first, *rest = re.split(r"(?<=[.?!]) +(?=[A-ZΔΨ`*(])", words.strip(), maxsplit=1)
+    first, *rest = re.split(r"(?<=[.?!])(?<! al\.) +(?=[A-ZΔΨ`*(])", words.strip(), maxsplit=1)
     return first, " ".join(rest)
 
 

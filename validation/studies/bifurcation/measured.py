@@ -97,8 +97,8 @@ def bubbles(ode: Branch) -> Iterator[Verdict]:
     larger = 100 * abs(10.0 ** (paper - torus) - 1.0)
     yield of_paper(
         "P9 The torus point of the ODE lies at r = 10^{-2.468}",
-        f"10^{{{paper} ± {half_digit(paper):g}}}",
-        f"10^{{{torus:.6f}}}",
+        minus(f"log_{{10}} r = {paper} ± {half_digit(paper):g}"),
+        minus(f"log_{{10}} r = {torus:.6f}"),
         abs(torus - paper) <= half_digit(paper),
         f"the paper’s r is {larger:.2f} % larger; AUTO-07p confirms ours",
     ).with_margin(abs(torus - paper), half_digit(paper))

@@ -31,6 +31,7 @@ from validation.references.published import half_digit, reference
 from validation.registry.build import build
 from validation.study import ASYMPTOTIC, EXACT, PAPER, WITNESS, Verdict, at_least, claim, holding, memo, of_paper
 from validation.study.known import PeriodRanges, as_known, as_printed, error_of_27, order_of_periods, range_of_r
+from validation.study.text import minus
 
 MODELS = ("delay", "kelvin-voigt", "block8", "block12")
 DEEP = -2.3
@@ -164,9 +165,9 @@ def onset_claims() -> Iterator[Verdict]:
     roots = {model: critical_round_trip(slipwave.read("paper"), model) for model in ours}
     gap = max(abs(one / other - 1.0) for m, r in ours.items() for one, other in zip(roots[m], (r, onset.omega_c), strict=True))
     title = "P1 Delay system and ODE share ω_{c}; both r_{c} are close to 10^{-2.6996} at V = 100"
-    both = ", ".join(f"10^{{{place:.7f}}}" for place in places.values())
+    both = minus(", ".join(f"{place:.7f}" for place in places.values()))
     away, digit = max(abs(place - paper) for place in places.values()), 2.0 * half_digit(paper)
-    yield holding(title, PAPER, f"10^{{{paper} ± {digit:.4f}}}", both, away < digit).with_margin(away, digit)
+    yield holding(title, PAPER, minus(f"{paper} ± {digit:.4f}"), both, away < digit, "log_{10} r_{c}").with_margin(away, digit)
     yield claim(
         title, EXACT, gap, _ROUNDING, "roots found from each model’s impedance alone, against the closed forms (20), (27), (39)"
     )
