@@ -52,7 +52,7 @@ _REAPPEARS = 1e-10
 _ROTATION = 5e-4
 _PASSES = 1e-4
 _RANGE = 5e-3  # transits
-_WANDERS = 1e-3  # transits, on both sides of the unstable orbit's period
+_WANDERS = 1e-2  # transits, on both sides of the unstable orbit's period
 
 
 class Run(NamedTuple):
