@@ -60,7 +60,7 @@ def run(budget: Budget) -> StudyResult:
         numbers={f"{model} swing with 1 %": Number(limit, 1e-3) for model, limit in rules.items()},
         notes=(
             f"{atlas.fits} fits by `slipwave sweep`, kept in `{RECORD.name}` (digest {atlas.digest}); "
-            "`python -m validation.studies.bias.measured FOLDER` computes them again.",
+            "`python -m validation.studies.bias.measured FOLDER` computes them again, in 5 minutes of processor time.",
         ),
     )
 

@@ -285,14 +285,11 @@ def _numbers(
 
 _NOTES = (
     "Waves need 32 μs to and fro in the blocks, beside events of 0.4 s: nothing of their delay can be measured. What matters is "
-    "where "
-    "they go: absorbed, they are the radiation damping that the plain block has; kept, the slip rate is limited by inertia "
-    "alone and is "
-    "far from what was measured. The plain block's damping, ρc/2 of steel, is therefore an assumption on the machine, not a "
-    "property "
-    "of the sample.",
-    "Drops are too small and peak slip rates too large at once. A cut-off alone cannot mend both: it lowers both. Larger b − a "
-    "with "
-    "stronger damping would; velocity-dependent b, and layers of powder that dilate, are what the authors and others discuss.",
+    "where they go: absorbed, they are the radiation damping that the plain block has; kept, the slip rate is limited by inertia "
+    "alone and is far from what was measured. The plain block's damping, ρc/2 of steel, is therefore an assumption on the "
+    "machine, not a property of the sample.",
+    "Drops are too small and peak slip rates too large at once. A cut-off alone, or more damping alone, cannot mend both: it "
+    "lowers both. Larger b − a with either, which was not tried, might; velocity-dependent b, and layers of powder that dilate, "
+    "are what the authors and others discuss.",
     "The ageing law is run with parameters that were fitted by the slip law, as printed; by the slip law they are consistent.",
 )

@@ -134,8 +134,7 @@ def draw_rises(rises: Sequence[Rise]) -> Drawing:
 
 _SAMPLED = (
     "a, b and L from the three fits that are printed for the largest displacement, within their standard deviations, "
-    "independent of "
-    "each other because no correlation is printed; k' as printed with 5 % (our assumption)"
+    "independent of each other because no correlation is printed; k' as printed with 5 % (our assumption)"
 )
 LEEMAN = (
     "Leeman and others (2016), double direct shear of quartz powder. Points: measured (bars: scatter from event to event; drop: "
@@ -144,9 +143,8 @@ LEEMAN = (
 _CASES = f"The same in numbers: share of samples that stick and slip, and of those the median and the 95 % range. {_SAMPLED}."
 _WAVES = (
     "The run at 10 MPa with the third fit, ageing law. One transit of 5 cm of steel and back lasts 32 μs, the event 0.4 s. A "
-    "dashpot "
-    "of the impedance of steel at the outer face absorbs the waves; without it they stay, and nothing takes energy away but "
-    "friction."
+    "dashpot of the impedance of steel at the outer face absorbs the waves; without it they stay, and nothing takes energy away "
+    "but friction."
 )
 _VARIED = (
     "The third fit, ageing law, with the state effect cut off above V_{c}: b ln(1 + θV_{c}/L), and with the damping of Gualandi "
