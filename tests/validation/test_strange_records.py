@@ -121,6 +121,22 @@ def test_stick_slip_is_fitted_from_values_that_slide_steadily(far: dict[str, obj
     holds(sw.fit(SAMPLE, data=[path], free=free, settings=[f"{key}={value!r}" for key, value in start.items()]))
 
 
+@pytest.mark.parametrize(
+    ("moved", "told"),
+    [
+        (np.full(40, 5.0), "the load point does not move"),
+        (np.maximum(np.arange(40.0) - 10.0, 0.0), "the load point begins at rest"),
+        (20.0 - np.abs(np.arange(40.0) - 25.0), "the load point turns back"),
+        (np.arange(4.0), "has 4 samples: a fit needs 8"),
+    ],
+)
+def test_a_load_point_that_no_model_follows_is_refused_in_one_line(moved: np.ndarray, told: str, tmp_path: Path) -> None:
+    times = np.arange(float(moved.size))
+    path = written(tmp_path / "odd.csv", "time_s,friction,displacement_um", times, 0.6 + 0.001 * np.sin(times), moved)
+    with pytest.raises(SceneError, match=told):
+        sw.fit(SAMPLE, data=[path], free=FREE)
+
+
 _KILLED = """
 import os, signal, sys
 from validation.fit.kept import KeptBest

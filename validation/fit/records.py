@@ -61,13 +61,15 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
     notes = list(series.notes)
     moved = _moved(series, scene, times) if known.is_constant else None
     if moved is not None:
+        if np.ptp(moved) == 0.0:
+            raise SceneError(f"{series.source!r}: the load point does not move: a fit needs steps, or stick-slip at one velocity")
         if moved[-1] < moved[0]:
             moved = -moved
             notes.append("the load point moves backwards: its sign was changed")
         found = followed(times, moved)
         if found.velocities[0] <= 0.0 or min(found.velocities) < 0.0:
             told = "begins at rest" if found.velocities[0] == 0.0 else "turns back"
-            raise SceneError(f"{series.source!r}: the load point {told}; a fit begins in steady sliding: --window cannot mend it")
+            raise SceneError(f"{series.source!r}: the load point {told}; a fit begins in steady sliding: cut the file")
         times, known = times - times[0], found._replace(times=tuple(t - times[0] for t in found.times))
         notes.append(f"the load point moves as in the file: {_told(known)}")
     if times[0] < 0.0:
@@ -94,6 +96,8 @@ def _moved(series: Series, scene: Scene, times: Array) -> Array | None:
 def _inside(series: Series, window: str | None) -> slice:
     """The samples of a `window` of the file's clock (s, or transits). Raises SceneError for one that holds too few."""
     times, unit = series["time"], "s"
+    if times.size < _LEAST:
+        raise SceneError(f"{series.source!r}: has {times.size} samples: a fit needs {_LEAST}")
     if window is None:
         return slice(None)
     try:
