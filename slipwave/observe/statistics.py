@@ -1,8 +1,9 @@
 """Statistics of a run's cycles, and the quantities of a motion that repeats, whichever method gives them.
 
 Neighbouring cycles of a motion that never repeats depend on each other, so that std/sqrt(n) would be no error of the mean. The
-cycles are divided in order into batches. Means of batches longer than this dependence are independent, and their scatter gives
-the interval of their mean (Student's distribution). The autocorrelations of the cycles give another; the wider one counts.
+cycles are divided in order into a few batches. Means of batches longer than this dependence are independent, and their scatter
+gives the interval of their mean (Student's distribution). The autocorrelations of the cycles give another, corrected for what a
+short run takes from them: they are those about its own mean, and known no better than its windows are many. The wider one counts.
 """
 
 import math
@@ -13,9 +14,12 @@ import numpy as np
 from slipwave.observe.events import Events
 from slipwave.observe.pieces import Array
 
-BATCHES = 8
+FEWEST = 8
+"""Values of which a mean has a margin."""
+
+BATCHES = 6
 _CONFIDENCE = 0.95
-_FEWEST = 4.0  # independent values that a sequence counts for at least
+_FREEDOM, _LEFT = 3.0, 0.25  # least that a window as long as the run leaves: independent values, and share of the variance
 
 
 @dataclass(frozen=True)
@@ -89,11 +93,11 @@ def summarise(events: Events, repeat: bool = True) -> RunStatistics:
 
 
 def margin_of_mean(values: Array) -> float:
-    """Half the width of the 95 % interval of the mean of `values` (cycles, in order); NaN for fewer than BATCHES values.
+    """Half the width of the 95 % interval of the mean of `values` (cycles, in order); NaN for fewer than FEWEST values.
 
     Of two margins the wider: that of batches is too narrow where neighbours resemble each other over a batch, that of
     autocorrelations where they alternate. Alone, each holds the mean of fewer than 95 of 100 runs."""
-    return max(_by_batches(values), _by_autocorrelations(values)) if values.size >= BATCHES else math.nan
+    return max(_by_batches(values), _by_autocorrelations(values)) if values.size >= FEWEST else math.nan
 
 
 def _by_batches(values: Array) -> float:
@@ -103,8 +107,11 @@ def _by_batches(values: Array) -> float:
 
 def _by_autocorrelations(values: Array) -> float:
     """From the variance of the mean, 2 tau variance/n. The time tau = 1/2 + (sum of the autocorrelations) is summed in pairs of
-    lags as long as these are positive (Geyer, Statistical Science 7, 1992): later ones are noise. n/(2 tau) values are
-    independent."""
+    lags as long as these are positive (Geyer, Statistical Science 7, 1992): later ones are noise.
+
+    Covariances about the run's own mean lack the variance of this mean, each of the w lags (of both signs) in the sum: it is
+    (1 - w/n) of the true one. And it is known as well as a variance of n/w independent values, or of n/(2 tau) if these are
+    fewer (Priestley, Spectral Analysis and Time Series, 1981, section 6.2)."""
     count = values.size
     transformed = np.fft.rfft(values - values.mean(), 2 * count)
     covariance = np.fft.irfft(np.abs(transformed) ** 2)[:count] / count
@@ -113,8 +120,10 @@ def _by_autocorrelations(values: Array) -> float:
     spread = 2.0 * float(kept.sum()) - float(covariance[0])
     if spread <= 0.0:
         return 0.0
-    independent = min(max(count * float(covariance[0]) / spread, _FEWEST), float(count))
-    return _quantile(independent - 1.0) * math.sqrt(spread / count * independent / (independent - 1.0))
+    window = 4.0 * kept.size - 1.0
+    spread /= max(1.0 - window / count, _LEFT)
+    freedom = min(count / window, count * float(covariance[0]) / spread - 1.0)
+    return _quantile(max(freedom, _FREEDOM)) * math.sqrt(spread / count)
 
 
 def _quantile(freedom: float) -> float:
