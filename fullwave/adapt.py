@@ -23,6 +23,7 @@ import numpy as np
 
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.families import GALERKIN, degree_for
+from fullwave.lines.blocks import most_cells_alike
 from fullwave.lines.march import MethodOfLines
 from fullwave.options import CellsRefused
 from slipwave.errors import NumericsError, SceneError
@@ -91,6 +92,8 @@ def to_tolerance(
         options = {"number": degree_for(tolerance), "resolution": resolution_for(tolerance)} | options
     coarsest = first_accepted(lambda cells: kind(scene, cells=cells, **options), range(2, _MOST_NEEDED))
     cells = coarsest.cells if coarsest else _MOST_NEEDED
+    if coarsest and isinstance(cast(object, coarsest), MethodOfLines):  # no two grids of the leapfrog are one: its step follows
+        cells = most_cells_alike(coarsest.sections)
     tried: list[tuple[int, float]] = []
     credited = min(credited, _IRREGULAR) if _kinked(scene) else credited
     before, difference, needed, outlook = None, math.inf, 0.0, ""

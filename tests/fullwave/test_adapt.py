@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from leapfrog_scenes import SCENES
 
+import slipwave
 from fullwave.adapt import _Outcome, _probed_until, judge_grid, to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.lines.blocks import most_cells_alike, sections_of
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver
 from slipwave.scene.drive import Drive
@@ -128,3 +130,13 @@ def test_a_default_grid_is_judged_by_its_own_probe(monkeypatch, fine, coarse, qu
     found = judge_grid(12, *solvers)
     assert (found.cells, found.step, found.quantity) == (12, 0.1, quantity)
     assert found.error_estimate == pytest.approx(error + 1e-3, rel=1e-12)
+
+
+@pytest.mark.parametrize(("fractions", "most"), [((0.5, 0.5), 32), ((0.1, 0.9), 17)])
+def test_the_first_two_grids_are_not_one_and_the_same(fractions, most):
+    """Every layer has 16 cells or more. Up to so many cells that is the whole grid, and two of them would agree exactly."""
+    layers = [{"fraction": fraction, "impedance": 1.0 + fraction} for fraction in fractions]
+    scene = slipwave.read("paper", {"slab.layers": layers})
+    cells = {asked: [section.cells for section in sections_of(scene, asked, 16)] for asked in (16, most, most + 1)}
+    assert cells[16] == cells[most] != cells[most + 1]
+    assert most_cells_alike(sections_of(scene, 16, 16)) == most

@@ -1,13 +1,24 @@
 """How often stated errors hold the truth: the kinds, the record of many computations, and what the report says of it."""
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
-from validation.coverage import kinds, record
-from validation.coverage.kinds import KINDS, SLABS, Held, computation, random_scene
-from validation.coverage.record import coverage_of, known_computations
+import slipwave
+from reduced.stability.critical import critical_round_trip
+from slipwave.observe.events import Events
+from slipwave.observe.statistics import margin_of_mean
+from slipwave.solve.lyapunov import INTERVALS, Exponent
+from validation.coverage import irregular, record, repeating
+from validation.coverage.held import Coverage, Held, coverage_of
+from validation.coverage.kinds import KINDS, computation
+from validation.coverage.record import known_computations
+from validation.coverage.scenes import SLABS, random_scene
+from validation.registry.build import build
+from validation.registry.orbits import find_orbit
 from validation.studies import coverage
 from validation.study import Budget, Outcome
 
@@ -24,7 +35,7 @@ def test_a_random_scene_is_of_its_kind_and_beyond_the_loss_of_stability(kind: st
     scene = random_scene(kind, "sbp:6" if kind == "viscous" else "delay", np.random.default_rng(1))
     assert scene.alike is (kind != "unlike")
     assert scene.upper.is_plain is (kind in ("alike", "unlike"))
-    critical, _ = kinds.critical_round_trip(scene, "delay")
+    critical, _ = critical_round_trip(scene, "delay")
     assert 1.009 < scene.transit / critical < 1.251
 
 
@@ -33,8 +44,8 @@ def test_the_stored_record_is_of_the_present_definition_and_long_enough() -> Non
     assert list(stored) == list(KINDS)
     for kind, found in stored.items():
         assert len(found) == KINDS[kind].recorded
-        assert min(one.many for one in coverage_of(found)) >= (40 if kind == "chosen grids" else 100)  # minutes each
-        assert min(one.share if KINDS[kind].exact else one.high for one in coverage_of(found)) >= 0.95
+        assert min(one.many for one in coverage_of(found)) >= 100
+        assert min(one.share for one in coverage_of(found)) >= 0.95
 
 
 @pytest.mark.parametrize("kind", ["orbits", "tolerances", "default grids", "extrapolation"])
@@ -47,14 +58,14 @@ def test_a_computation_repeated_is_what_is_recorded(kind: str) -> None:
 
 def test_what_is_not_what_is_recorded_is_told() -> None:
     known = [Held("period", 1e-8, 1e-9)]
-    assert coverage.agree("orbits", [Held("period", 1.01e-8, 1.2e-9)], known)
+    assert coverage.agree("orbits", [Held("period", 1.01e-8, 1.02e-9)], known)
     assert not coverage.agree("orbits", [Held("period", 0.5e-8, 1e-9)], known)
-    assert not coverage.agree("orbits", [Held("period", 1e-8, 2e-9)], known)
+    assert not coverage.agree("orbits", [Held("period", 1e-8, 0.0)], known)  # held against itself
     assert not coverage.agree("orbits", [], known)
-    parts = [Held("period", 1e-3, error) for error in (1e-4, 2e-4, 4e-4)]
-    assert coverage.agree("means", [one._replace(error=1.5 * one.error) for one in parts], parts)
-    assert not coverage.agree("means", [one._replace(bar=0.5 * one.bar) for one in parts], parts)
-    assert not coverage.agree("means", [one._replace(error=5.0 * one.error) for one in parts], parts)
+    mean = [Held("period", 1e-3, 2e-4)]
+    assert coverage.agree("means", [Held("period", 2e-3, 1e-3)], mean)
+    assert not coverage.agree("means", [Held("period", 3e-4, 2e-4)], mean)
+    assert not coverage.agree("means", [Held("period", 1e-3, 4e-3)], mean)
 
 
 def test_a_kind_that_holds_less_than_95_of_100_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -71,6 +82,11 @@ def test_a_kind_that_holds_less_than_95_of_100_is_red(monkeypatch: pytest.Monkey
     assert failed >= {"means", "exponents", "default grids"}
 
 
+def test_94_of_100_are_too_few_though_chance_may_have_made_them_so() -> None:
+    assert coverage.holds("means", Coverage("period", 100, 0.94, 0.875, 0.972, 2.0)).outcome is Outcome.FAIL
+    assert coverage.holds("means", Coverage("period", 100, 0.95, 0.888, 0.978, 2.0)).outcome is Outcome.PASS
+
+
 def test_a_record_goes_on_where_it_was_interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path, asked = tmp_path / "record.json", []
 
@@ -84,18 +100,59 @@ def test_a_record_goes_on_where_it_was_interrupted(tmp_path: Path, monkeypatch: 
     monkeypatch.setattr(record, "_AT_ONCE", 1)
     monkeypatch.setattr(record, "KINDS", {kind: KINDS[kind]._replace(recorded=3) for kind in ("orbits", "means")})
     with pytest.raises(KeyboardInterrupt):
-        record.make_record(path)
-    record.make_record(path)
+        record.make_record(record.KINDS, path)
+    record.make_record(record.KINDS, path)
     assert asked == [("orbits", 0), ("orbits", 1), ("orbits", 2), ("means", 0), ("means", 0), ("means", 1), ("means", 2)]
     assert known_computations(path)["means"][2] == [Held("period", 2e-8, 1e-9)]
-    path.write_text(path.read_text().replace(record.definition(), "of something else"))
-    assert known_computations(path) == {}
+    path.write_text(path.read_text().replace(record.definition("means"), "of something else"))
+    assert [len(found) for found in known_computations(path).values()] == [3, 0]
 
 
-def test_of_parts_of_a_run_each_is_held_against_the_others() -> None:
-    """Of 0, 0, 0, 4 the last lies 4 from the mean of the others, as far as 4 sqrt(3/4) from an exact one."""
-    assert kinds._of_others(np.array([0.0, 0.0, 0.0, 4.0]))[3] == (0.0, pytest.approx(4.0 * np.sqrt(0.75)))
-    assert kinds._of_others(np.array([0.0, 0.0, 0.0, 4.0]))[0] == (
-        pytest.approx(4.0 / 3.0),
-        pytest.approx(4.0 / 3.0 * np.sqrt(0.75)),
-    )
+def test_a_mean_is_held_against_that_of_later_cycles() -> None:
+    """Means 2 of 8 cycles and 4 of the next 24: half as large, and as far as 0.5/sqrt(1 + 8/24) from an exact one."""
+    column = np.concatenate([np.tile([1.0, 3.0], 4), np.full(24, 4.0)])
+    period = irregular.held_means(Events(*[column] * 6), 8)[0]
+    assert period == ("period", pytest.approx(margin_of_mean(column[:8]) / 4.0), pytest.approx(0.5 * np.sqrt(0.75)))
+
+
+def test_an_exponent_is_held_against_that_of_a_longer_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """0.3 +- 0.1 per transit over 200, and 0.2 over 600, at a period of 10 transits."""
+    asked: list[int] = []
+
+    def exponent(solver: object, twin: object, period: float, intervals: int) -> Exponent:
+        asked.append(intervals)
+        return Exponent(0.3, 0.1, intervals) if intervals == INTERVALS else Exponent(0.2, 0.05, intervals)
+
+    monkeypatch.setattr(irregular, "largest_exponent", exponent)
+    monkeypatch.setattr(irregular, "irregular_motion", lambda random: (build("delay", slipwave.read("paper")), 10.0))
+    assert irregular.exponents(np.random.default_rng(0)) == [("exponent", pytest.approx(1.0), pytest.approx(np.sqrt(0.75)))]
+    assert asked == [INTERVALS, 3 * INTERVALS]
+
+
+def test_the_truth_of_an_orbit_is_that_of_a_finer_mesh() -> None:
+    """The error of an orbit to 1e-4 against a mesh three times finer is that against Newton's method to 1e-11."""
+    scene = random_scene("alike", "delay", np.random.default_rng(4))
+    drawn: Any = SimpleNamespace(random=lambda: 0.9, uniform=lambda *limits: -4.0)
+    coarse, fine = (find_orbit("delay", scene, tolerance).found.orbit.values() for tolerance in (1e-4, 1e-11))
+    held = repeating.of_orbit("delay", scene, drawn)
+    assert max(one.error for one in held) > 1e-9
+    for one in held:
+        assert one.error == pytest.approx(abs(coarse[one.figure] / fine[one.figure] - 1.0), rel=0.05, abs=2e-12)
+
+
+def test_a_layered_slab_is_not_taken_for_resolved_by_its_coarsest_grid() -> None:
+    """In this one sbp:6 with 16 cells and with 24 is one grid, of 16 in each layer: its error was stated 47 times too small."""
+    [held] = computation("chosen grids", 38)
+    assert 0.0 < held.error <= held.bar < 1e-5
+
+
+def test_a_definition_is_what_is_done_not_where_it_comes_from(tmp_path: Path) -> None:
+    said = []
+    for name, text in {
+        "first": '"""One."""\nfrom a import b\n\n\ndef f():\n    """Two."""\n    return b(1)\n',
+        "moved": "import a.c\nfrom a.c import (\n    b,\n)\n\ndef f():\n    return b(1)  # three\n",
+        "changed": "from a import b\n\ndef f():\n    return b(2)\n",
+    }.items():
+        tmp_path.joinpath(name).write_text(text)
+        said.append(list(record.statements(tmp_path / name)))
+    assert said[0] == said[1] != said[2]

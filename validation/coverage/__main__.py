@@ -1,18 +1,20 @@
 """python -m validation.coverage orbits 20       # the first 20 computations of a kind, as a table
 python -m validation.coverage --record        # all kinds into reports/baseline/coverage-record.json; resumes
+python -m validation.coverage --record means  # one kind
 """
 
 import sys
 
-from validation.coverage.kinds import computation
-from validation.coverage.record import coverage_of, make_record
+from validation.coverage.held import coverage_of
+from validation.coverage.kinds import KINDS, computation
+from validation.coverage.record import make_record
 from validation.output import print_table
 
 
 def main(words: list[str]) -> None:
     """Do what the words ask for."""
-    if words == ["--record"]:
-        return make_record()
+    if words[0] == "--record":
+        return make_record(words[1:] or KINDS)
     kind, count = words
     found = coverage_of(computation(kind, number) for number in range(int(count)))
     rows = [

@@ -1,0 +1,121 @@
+"""Kinds of stated errors of motions that repeat, each with a truth to hold them against."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from fullwave.adapt import difference_of, probe
+from reduced.orbit.closing import Closed, close
+from reduced.orbit.figures import figures_of
+from slipwave.errors import NumericsError
+from slipwave.scene import Scene
+from slipwave.solve import Solver, follow
+from validation.coverage.held import Held
+from validation.coverage.scenes import SLABS, random_scene
+from validation.measure.order_fit import richardson
+from validation.measure.settle import settle
+from validation.registry.build import build, build_full_wave, judged_grid, prepare
+from validation.registry.orbits import find_orbit
+
+WITNESS = "dg:9"
+"""The model that knows the truth of viscous slabs."""
+
+_FINER = 3.0
+_DEFAULT, _LOOSEST, _TIGHTEST = 1e-8, 1e-4, 1e-10  # tolerances of orbits; four in ten have the default
+_WITNESS_CELLS = 8
+_EXACT = 1e-11
+_SETTLED = 0.1  # of the tolerance: how closely cycles repeat
+_GRIDS = {
+    "fd": 1e-3,
+    "sbp:2": 1e-3,
+    "sbp:4": 1e-4,
+    "sbp:6": 1e-5,
+    "fem:4": 1e-6,
+    "dg": 1e-6,
+}  # tolerances asked for, and near them
+
+
+def of_orbit(model: str, scene: Scene, random: np.random.Generator) -> list[Held]:
+    """Figures of an orbit to a random tolerance, beside those of a much finer mesh."""
+    tolerance = _DEFAULT if random.random() < 0.4 else 10.0 ** random.uniform(math.log10(_TIGHTEST), math.log10(_LOOSEST))
+    found = find_orbit(model, scene, tolerance).found
+    truth = _by_finer_mesh(found.closed)
+    stated = {name: getattr(found.orbit, name).error for name in truth}
+    return [Held(name, stated[name] / true, abs(found.orbit.values()[name] / true - 1.0)) for name, true in truth.items()]
+
+
+def _by_finer_mesh(closed: Closed) -> dict[str, float]:
+    flow, start = closed.flow.remeshed(closed.cycle, _FINER)
+    return figures_of(close(flow, start, closed.cycle.period, 0.0))
+
+
+def any_orbit(random: np.random.Generator) -> list[Held]:
+    """Figures of an orbit of a random scene and model."""
+    kind = str(random.choice(list(SLABS)))
+    able = {"alike": ["delay", "kelvin-voigt", "block8", "modal:2"], "unlike": ["delay", "modal:1"], "viscous": ["sbp:6"]}
+    model = str(random.choice(able.get(kind, ["delay"])))
+    return of_orbit(model, random_scene(kind, model, random), random)
+
+
+def _grid_scene(model: str, random: np.random.Generator) -> tuple[str, Scene]:
+    """A scene for a grid and the model that knows its truth."""
+    kind = str(random.choice(["alike", "unlike", "layered", "grip", "viscous"]))
+    viscous = kind == "viscous"
+    return WITNESS if viscous else "delay", random_scene(kind, model if viscous else "auto", random)
+
+
+def _exact(model: str, scene: Scene) -> Solver:
+    return build_full_wave(model, scene, cells=_WITNESS_CELLS) if model == WITNESS else build(model, scene, tolerance=_EXACT)
+
+
+def chosen_grid(random: np.random.Generator) -> list[Held]:
+    """Periods and drops of the probe's cycles on a grid chosen by a tolerance."""
+    model = str(random.choice(list(_GRIDS)))
+    known, scene = _grid_scene(model, random)
+    built = prepare(model, scene, tolerance=_GRIDS[model] * 10.0 ** random.uniform(-0.5, 0.5))
+    assert built.choice is not None
+    return [Held("cycles", built.choice.error_estimate, difference_of(probe(_exact(known, scene)), probe(built.solver)))]
+
+
+def default_grid(random: np.random.Generator) -> list[Held]:
+    """The same on a default grid; a warning that has no number, because a coarser grid finds other cycles, states no error."""
+    model = str(random.choice([*_GRIDS, "dg:7"]))
+    known, scene = _grid_scene(model, random)
+    solver = prepare(model, scene).solver
+    choice = judged_grid(solver, solver.state())
+    assert choice is not None
+    if not math.isfinite(choice.error_estimate):
+        return []
+    return [Held("cycles", choice.error_estimate, difference_of(probe(_exact(known, scene)), probe(solver)))]
+
+
+def steps(random: np.random.Generator) -> list[Held]:
+    """The cycle on which a run of a model without a grid in space settles, beside the orbit. Its tolerance is the error that
+    a run states of a cycle; to this comes how much its cycles still differ."""
+    kind = str(random.choice(["alike", "unlike", "layered", "grip"]))
+    model = str(random.choice(["delay", "kelvin-voigt", "block8", "modal:2"] if kind == "alike" else ["delay"]))
+    scene, tolerance = random_scene(kind, model, random), 10.0 ** random.uniform(-9.0, -4.0)
+    settled = settle(build(model, scene, tolerance=tolerance), _SETTLED * tolerance)
+    if settled.unrest > tolerance:
+        raise NumericsError("the motion does not settle")
+    truth = find_orbit(model, scene, _EXACT).found.orbit.values()
+    found = {name: getattr(settled.orbit, name) for name in ("period", "stress_drop")}
+    return [Held(name, tolerance + one.error / one.value, abs(one.value / truth[name] - 1.0)) for name, one in found.items()]
+
+
+def extrapolated(random: np.random.Generator) -> list[Held]:
+    """State and slip rate after a while, from three grids of order 2."""
+    model, kind = str(random.choice(["fd", "sbp:2"])), str(random.choice(["alike", "unlike", "layered"]))
+    scene = replace(random_scene(kind, "auto", random), until=float(random.integers(30, 90)))
+    cells, cfl = int(random.integers(24, 64)), 0.5 if model == "fd" else None
+    coarse, middle, fine = (_final(build_full_wave(model, scene, cells=n * cells, cfl=cfl)) for n in (1, 2, 4))
+    truth = _final(build("delay", scene, tolerance=_EXACT))
+    found = {name: (richardson(coarse[k], middle[k], fine[k], 2.0), truth[k]) for k, name in enumerate(("ln v", "psi"))}
+    return [Held(name, one.error, abs(one.value - known)) for name, (one, known) in found.items()]
+
+
+def _final(solver: Solver) -> tuple[float, float]:
+    assert solver.scene.until is not None
+    final = follow(solver, solver.scene.until)
+    return final.ln_v, final.psi
