@@ -104,8 +104,22 @@ def test_a_record_goes_on_where_it_was_interrupted(tmp_path: Path, monkeypatch: 
     record.make_record(record.KINDS, path)
     assert asked == [("orbits", 0), ("orbits", 1), ("orbits", 2), ("means", 0), ("means", 0), ("means", 1), ("means", 2)]
     assert known_computations(path)["means"][2] == [Held("period", 2e-8, 1e-9)]
-    path.write_text(path.read_text().replace(record.definition("means"), "of something else"))
-    assert [len(found) for found in known_computations(path).values()] == [3, 0]
+
+
+def test_what_an_earlier_definition_found_is_kept_if_it_is_found_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, error = tmp_path / "record.json", 1e-9
+    monkeypatch.setattr(record, "computation", lambda kind, number: [Held("period", 1e-8 * number, error)])
+    monkeypatch.setattr(record, "KINDS", {kind: KINDS[kind]._replace(recorded=3) for kind in ("orbits", "means")})
+    record.make_record(["means"], path)
+    first = known_computations(path)
+    monkeypatch.setattr(record, "definition", lambda kind: "3f99d0332ef7f17c")
+    assert known_computations(path) == {"orbits": [], "means": []}
+    record.make_record(["means"], path)
+    assert known_computations(path) == first
+    monkeypatch.setattr(record, "definition", lambda kind: "4f99d0332ef7f17c")
+    error = 1.001e-9
+    record.make_record(["means"], path)
+    assert [one.error for [one] in known_computations(path)["means"]] == [error] * 3
 
 
 def test_a_mean_is_held_against_that_of_later_cycles() -> None:

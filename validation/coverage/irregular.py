@@ -40,7 +40,7 @@ def require_irregular(periods: Array) -> None:
         raise NumericsError("the motion repeats")
 
 
-def means(random: np.random.Generator) -> list[Held]:
+def irregular_means(random: np.random.Generator) -> list[Held]:
     """Means over the first cycles of a run, with the margins that it states, beside those over all later ones."""
     solver, period = irregular_motion(random)
     cycles, begin = round(math.exp(random.uniform(*np.log(_CYCLES)))), solver.time

@@ -8,9 +8,9 @@ import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from validation.coverage.held import Held
-from validation.coverage.irregular import exponents, means
+from validation.coverage.irregular import exponents, irregular_means
 from validation.coverage.repeating import WITNESS as KNOWING
-from validation.coverage.repeating import any_orbit, chosen_grid, default_grid, extrapolated, steps
+from validation.coverage.repeating import any_orbit, chosen_grid, default_grid, limits_of_grids, steps
 from validation.measure.settle import NoCycle
 from validation.study import SELF, WITNESS, Evidence
 
@@ -35,8 +35,8 @@ KINDS = {
     "tolerances": Kind("`--tol` of models without a grid", "the orbit, by Newton’s method", SELF, steps, 250, 4),
     "chosen grids": Kind("`--tol` of full waves: estimated error", _KNOWN, WITNESS, chosen_grid, 135, 4),
     "default grids": Kind("default grids of full waves: estimated error", _KNOWN, WITNESS, default_grid, 110, 4),
-    "extrapolation": Kind("Richardson’s limit of three grids", "delay system", WITNESS, extrapolated, 104, 4),
-    "means": Kind("means of motions that never repeat: margin", "1000 cycles more", SELF, means, 165, 1, False),
+    "extrapolation": Kind("Richardson’s limit of three grids", "delay system", WITNESS, limits_of_grids, 104, 4),
+    "means": Kind("means of motions that never repeat: margin", "1000 cycles more", SELF, irregular_means, 165, 1, False),
     "exponents": Kind("largest Lyapunov exponents: margin", "600 intervals more", SELF, exponents, 175, 1, False),
 }
 """Kinds by name."""

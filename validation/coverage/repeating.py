@@ -104,7 +104,7 @@ def steps(random: np.random.Generator) -> list[Held]:
     return [Held(name, tolerance + one.error / one.value, abs(one.value / truth[name] - 1.0)) for name, one in found.items()]
 
 
-def extrapolated(random: np.random.Generator) -> list[Held]:
+def limits_of_grids(random: np.random.Generator) -> list[Held]:
     """State and slip rate after a while, from three grids of order 2."""
     model, kind = str(random.choice(["fd", "sbp:2"])), str(random.choice(["alike", "unlike", "layered"]))
     scene = replace(random_scene(kind, "auto", random), until=float(random.integers(30, 90)))
