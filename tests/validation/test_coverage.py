@@ -60,7 +60,7 @@ def test_what_is_not_what_is_recorded_is_told() -> None:
     known = [Held("period", 1e-8, 1e-9)]
     assert coverage.agree("orbits", [Held("period", 1.01e-8, 1.02e-9)], known)
     assert not coverage.agree("orbits", [Held("period", 0.5e-8, 1e-9)], known)
-    assert not coverage.agree("orbits", [Held("period", 1e-8, 0.0)], known)  # held against itself
+    assert not coverage.agree("orbits", [Held("period", 1e-8, 0.0)], [Held("period", 1e-8, 3e-10)])  # held against itself
     assert not coverage.agree("orbits", [], known)
     mean = [Held("period", 1e-3, 2e-4)]
     assert coverage.agree("means", [Held("period", 2e-3, 1e-3)], mean)
