@@ -17,11 +17,10 @@ import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import SceneSource
-from slipwave.solve.foresight import DAY
 from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
 from validation.results.facts import finite
-from validation.results.options import SceneOptions, option
+from validation.results.options import RunsOptions, option
 from validation.results.provenance import SCHEMA
 from validation.results.result import Dataset, Output, Result
 from validation.study.drawing import Drawing
@@ -40,7 +39,7 @@ GATHERED = "sweep.nc"
 
 
 @dataclass(frozen=True, kw_only=True)
-class SweepOptions(SceneOptions):
+class SweepOptions(RunsOptions):
     """Options of `slipwave.sweep`."""
 
     EXAMPLES: ClassVar = (
@@ -78,9 +77,6 @@ class SweepOptions(SceneOptions):
     gather: bool = option(f"compute nothing; write what is there to {GATHERED} in the folder", False)
     dry: bool = option("compute nothing; say how long it would take, from a few points", False)
     anew: bool = option("begin again in a folder that holds another sweep, or one of another version", False)
-    most_seconds: float = option(
-        "go on even if it is expected to take more than a day", DAY, flag="--yes", stands_for=float("inf")
-    )
 
 
 @dataclass(frozen=True, repr=False, eq=False)
