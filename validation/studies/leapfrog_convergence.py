@@ -12,7 +12,7 @@ from slipwave.solve import follow
 from validation.measure.order_fit import Fit, extrapolated, fit_order, shortfall
 from validation.measure.settle import SYMBOLS, settle
 from validation.registry.build import build
-from validation.study import SELF, WITNESS, Budget, Evidence, Figure, Number, StudyResult, Table, Verdict, claim, table
+from validation.study import SELF, WITNESS, Budget, Evidence, Figure, StudyResult, Table, Verdict, claim, stated, table
 from validation.study.drawing import Axes, Drawing, subplots
 from validation.study.known import of_order
 from validation.study.text import plain
@@ -50,7 +50,7 @@ def run(budget: Budget) -> StudyResult:
             "agreement is no independent evidence. Below CFL 1 it is a different discretisation of the wave equation.",
         ),
         numbers={
-            f"T error, CFL {cfl}, 96 cells": Number(float(errors["period"][cfl][cells.index(96)]), 1e-3, known=0.0)
+            f"T error, CFL {cfl}, 96 cells": stated(float(errors["period"][cfl][cells.index(96)]), _SETTLED, known=0.0)
             for cfl in CFLS
         },
     )

@@ -8,7 +8,7 @@ import numpy as np
 import slipwave
 from validation.studies.claims import measured
 from validation.studies.claims.measured import LARGE_NUDGE, LONGEST, MODELS, SHOWN, Deep, Orbits, Ripples, recurrence, spread
-from validation.study import Budget, Cell, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict, table
+from validation.study import Budget, Cell, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict, stated, table
 from validation.study.drawing import Drawing, pen, subplots
 from validation.study.text import minus
 
@@ -74,8 +74,8 @@ def _answer(verdicts: tuple[Verdict, ...]) -> str:
 
 
 def _numbers(orbits: Orbits, ripples: dict[str, Ripples]) -> dict[str, Number]:
-    periods = {f"{model} T at {r}": orbit.period.value for r, models in orbits.items() for model, orbit in models.items()}
-    return {name: Number(value, 1e-7) for name, value in periods.items()} | {
+    periods = {f"{model} T at {r}": orbit.period for r, models in orbits.items() for model, orbit in models.items()}
+    return {name: stated(found.value, found.error) for name, found in periods.items()} | {
         f"{model} ripple period": Number(measured.period, 1e-3) for model, measured in ripples.items()
     }
 

@@ -162,12 +162,12 @@ def damped_claims(orbits: Runs, means: Runs, run: CycleFigures) -> Iterator[Verd
     (_, onset), known = log10_onsets(), orbits[DAMPED] | means[DAMPED]
     right = sum((found is not None) == (log10_r > onset) for log10_r, found in known.items())
     short = [-error(means, DAMPED, log10_r, "period").value for log10_r in means["delay"]]
-    where = f"onset, by the closed form, at log_{{10}} r = {places([onset], '.3f')}; orbits at {places(known)}"
+    where = f"`{DAMPED}`; onset, by the closed form, at log_{{10}} r = {places([onset], '.3f')}; orbits at {places(known)}"
     yield every(
         "The quasi-dynamic model slides steadily up to its own onset and not beyond", EXACT, right, len(known), where, "r"
     )
     title = "Beyond its onset the period of the quasi-dynamic model is about half of the exact one"
-    yield in_range(title, WITNESS, SHORT, short, "how much shorter, against the delay system’s means", ".0%")
+    yield in_range(title, WITNESS, SHORT, short, f"`{DAMPED}`, how much shorter, against the delay system’s means", ".0%")
     title = "A direct run of the quasi-dynamic model settles on the orbit that Newton’s method finds"
     orbit = known[RUN_AT]
     limit = max(error_of(getattr(run, name), getattr(orbit, name)) for name in _JUDGED) if orbit else math.nan
@@ -233,7 +233,7 @@ def table_claims(table: ModelTable) -> Iterator[Verdict]:
     )
     yield every(title, WITNESS, sum(same), len(same), "verdicts on runs, at every r", "points")
     away = [cell.regime == AWAY for cell in table.row("quasistatic").cells]
-    where = f"at {places(x.log10_r for x in table.columns)}"
+    where = f"`quasistatic` at {places(x.log10_r for x in table.columns)}"
     yield every("The quasi-static model runs away", EXACT, sum(away), len(away), where, "points")
     least = min(costs_of_good_reductions(table), default=math.inf)
     yield holding(
