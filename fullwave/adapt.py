@@ -31,7 +31,7 @@ from slipwave.observe import EventObserver
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, Solver, follow
-from slipwave.solve.foresight import require_time
+from slipwave.solve.follow import require_time
 
 Solved = TypeVar("Solved")
 

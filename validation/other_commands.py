@@ -59,10 +59,10 @@ def score(
 
 def show(source: str, options: Any, files: Mapping[Any, Any], as_json: bool) -> None:
     """A scene as pure TOML; what else a file of results holds as comments."""
+    from slipwave.input.source import to_toml
     from slipwave.input.stored import is_stored, read_stored
-    from slipwave.input.tables import to_toml
     from slipwave.input.wording import one_line
-    from validation.results.header import header
+    from validation.results.wording import header
 
     scene = slipwave.read(source, options.settings)
     facts = read_stored(source).facts if is_stored(source) else {}

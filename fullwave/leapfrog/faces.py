@@ -22,7 +22,7 @@ import numpy as np
 
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
-from slipwave.scene.termination import Termination
+from slipwave.scene.slab import Termination
 
 
 class Rigid(NamedTuple):

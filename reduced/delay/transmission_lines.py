@@ -21,7 +21,7 @@ from reduced.delay.network_kernel import Integers, Network
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array, Basis, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
-from slipwave.scene.termination import Termination
+from slipwave.scene.slab import Termination
 from slipwave.step.collocation import from_moments, radau
 
 NODES = 8

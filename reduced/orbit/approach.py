@@ -12,7 +12,7 @@ from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events
 from slipwave.observe.pieces import Array
 from slipwave.solve import Solver, follow
-from slipwave.solve.foresight import Foresight
+from slipwave.solve.follow import Foresight
 from slipwave.step.flow import Flow
 
 MOST_TRANSITS = 6000.0

@@ -21,9 +21,8 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
     # numba and pydantic are imported only here, so that `import slipwave` stays light
     from slipwave.input.assemble import assemble_scene
     from slipwave.input.overrides import apply_overrides
-    from slipwave.input.source import load_tables
+    from slipwave.input.source import load_tables, tables_of
     from slipwave.input.stored import is_stored, read_stored
-    from slipwave.input.tables import tables_of
     from slipwave.input.validate import validate
     from slipwave.input.wording import one_line
     from slipwave.scene import Scene

@@ -15,8 +15,7 @@ import numpy as np
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import SAME, Array
 from slipwave.observe.statistics import margin_of_mean
-from slipwave.solve.follow import follow
-from slipwave.solve.foresight import DAY, Foresight
+from slipwave.solve.follow import DAY, Foresight, follow
 from slipwave.solve.solver import Solver, State
 
 WHOLE = 2.0

@@ -6,8 +6,7 @@ import pytest
 
 import slipwave
 from slipwave.errors import SceneError
-from slipwave.scene.slab import Face, GripFace, Layer, MachineFace, ReflectingFace, RigidFace, Slab
-from slipwave.scene.termination import Termination
+from slipwave.scene.slab import Face, GripFace, Layer, MachineFace, ReflectingFace, RigidFace, Slab, Termination
 
 EPSILON, ROUND_TRIP, OUTERMOST = 3e-5, 0.002, 2.0
 LAYERS = (Layer(0.4, 1.0), Layer(0.6, OUTERMOST))

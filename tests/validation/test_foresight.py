@@ -1,6 +1,7 @@
 """A run of more than a day is refused before it begins, or as soon as its steps show it; costs are given, not timed."""
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ from fullwave.lines.march import MethodOfLines
 from reduced.delay.march import DelayMarch
 from slipwave.errors import SceneError
 from slipwave.family import Family
-from slipwave.solve.foresight import DAY, require_time
+from slipwave.solve.follow import DAY, require_time
 from validation.cli import INPUT_WRONG, main
 from validation.registry.build import build
 from validation.registry.families import GRIDS, explicit_time
@@ -51,7 +52,7 @@ def test_the_way_to_an_orbit_is_shown_and_judged(monkeypatch: pytest.MonkeyPatch
     words = ["run", "paper", "--model", "delay", "--until", "20", "--set", "start.kind=orbit"]
     assert main(words) == 0
     assert capsys.readouterr().err.startswith("paper, delay, on the way to an orbit: ")
-    monkeypatch.setattr("slipwave.solve.foresight._ENOUGH", 1000)
+    monkeypatch.setattr(sys.modules["slipwave.solve.follow"], "_ENOUGH", 1000)
     monkeypatch.setattr(DelayMarch, "seconds_per_piece", DAY)
     assert main(words) == INPUT_WRONG
     assert "model delay: 6000 transits would take about" in capsys.readouterr().err

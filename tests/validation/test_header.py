@@ -7,7 +7,7 @@ import pytest
 
 import slipwave
 from validation.cli import main
-from validation.results.header import header
+from validation.results.wording import header
 
 UNITS = {"interface.normal_stress": "5 MPa", "interface.memory_length": "10 um", "interface.reference_velocity": "1 um/s"}
 GRANITE = UNITS | {

@@ -13,8 +13,7 @@ from reduced.stability import analyse, leading_roots
 from reduced.stability.characteristic import characteristic
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
-from slipwave.scene.slab import Face, GripFace, MachineFace, ReflectingFace, Slab
-from slipwave.scene.termination import Termination
+from slipwave.scene.slab import Face, GripFace, MachineFace, ReflectingFace, Slab, Termination
 from slipwave.solve import Final, follow
 from tests.one_port_by_hand import leading_root
 from validation.measure.growth import measured_root, nudged

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import slipwave as sw
 from slipwave.errors import SceneError
-from slipwave.input.tables import to_toml
+from slipwave.input.source import to_toml
 from validation.cli import main
 from validation.fit.command import FitResult
 

@@ -26,11 +26,10 @@ from validation.fit.problem import FrictionProblem, problem_of
 from validation.fit.records import Experiment, experiment_of
 from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
-from validation.results.facts import finite
-from validation.results.header import header
 from validation.results.options import ModelOptions, log, option
 from validation.results.provenance import SCHEMA, provenance
-from validation.results.result import Dataset, Output, Result
+from validation.results.result import Dataset, Output, Result, finite
+from validation.results.wording import header
 from validation.study.drawing import Drawing, canvas, line, styled
 
 _TOLERANCE = 1e-7

@@ -12,7 +12,7 @@ from slipwave.input import read
 from slipwave.input.number import Numbers
 from slipwave.input.overrides import full_key
 from slipwave.input.quantity import Quantity
-from slipwave.input.tables import tables_of
+from slipwave.input.source import tables_of
 from slipwave.input.validate import allowed_in, validate
 from slipwave.input.wording import choices, key_text, nearest, shorten
 from slipwave.observe.pieces import Array

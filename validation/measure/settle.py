@@ -15,7 +15,7 @@ from slipwave.observe import EventObserver, Events, HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.solve import Solver, follow
-from slipwave.solve.foresight import Foresight
+from slipwave.solve.follow import Foresight
 from validation.measure.cycle import Cycle, cut
 from validation.run.timing import timed
 

@@ -18,7 +18,7 @@ from slipwave.observe.pieces import Array, Pieces, lagrange_basis, values_at
 from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import Energy, FieldSolver, Snapshot, Solver, State, follow, tables
-from slipwave.solve.foresight import require_time
+from slipwave.solve.follow import require_time
 from slipwave.step.flow import Place
 from validation.measure.settle import MOST_TRANSITS, NoCycle, settle
 from validation.registry.families import family_of

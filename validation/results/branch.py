@@ -23,12 +23,11 @@ from validation.branches.points import BranchPoint, SpecialPoint
 from validation.output import FIGURES, aligned, rounded, thinned
 from validation.registry.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
 from validation.results.command import command
-from validation.results.facts import PointOfBranch, finite
-from validation.results.header import header
 from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import EVENTS, variables
-from validation.results.result import Dataset, Output, Result
+from validation.results.result import Dataset, Output, PointOfBranch, Result, finite
+from validation.results.wording import header
 from validation.study.branch_figures import figure_of_branch
 from validation.study.drawing import Drawing, styled
 

@@ -10,7 +10,7 @@ from slipwave.errors import SceneError
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.solve import Solver
-from slipwave.solve.foresight import require_time
+from slipwave.solve.follow import require_time
 from validation.data.events import MeasuredMotion, measured_motion
 from validation.data.series import read_series
 from validation.measure.cycle import Cycle, CycleObserver
@@ -20,10 +20,9 @@ from validation.registry.families import one_port_of
 from validation.results.beside_data import data_lines, distances_from_data, draw_beside_data, facts_of_data
 from validation.results.command import command
 from validation.results.comparison import Comparison, barred, errors_of, nothing, remarks, row_of
-from validation.results.facts import finite
 from validation.results.figures import second_axis
 from validation.results.options import NumericalOptions, RunsOptions, log, option
-from validation.results.result import Output
+from validation.results.result import Output, finite
 from validation.run.length import Until, length_of, second_half
 from validation.run.simulate import Run, reconsidered, simulate
 from validation.study.drawing import Drawing, canvas, styled

@@ -11,11 +11,10 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.output import rounded
 from validation.registry.families import family_of, one_port_of
-from validation.results.facts import finite
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import table_of
 from validation.results.reasons import needed
-from validation.results.result import Dataset, Result
+from validation.results.result import Dataset, Result, finite
 from validation.run.difference import in_json
 from validation.run.simulate import Run
 

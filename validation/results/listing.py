@@ -1,8 +1,7 @@
 """`slipwave.scenes`, `slipwave.models` and `slipwave.show`: what there is to compute, and by what."""
 
 from slipwave.input import SceneSource
-from slipwave.input.source import gallery_titles
-from slipwave.input.tables import to_toml
+from slipwave.input.source import gallery_titles, to_toml
 from validation.registry.choice import families, honouring
 from validation.results.command import command
 from validation.results.options import SceneOptions

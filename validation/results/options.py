@@ -24,10 +24,10 @@ from slipwave.input.stored import is_stored, read_stored, recall
 from slipwave.input.wording import listed, nearest, shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from slipwave.solve.foresight import DAY
+from slipwave.solve.follow import DAY
 from validation.registry.families import FAMILIES, GRIDS, Options
 from validation.registry.own import load_families, require_same_family
-from validation.results.facts import PointOfBranch
+from validation.results.result import PointOfBranch
 
 log = logging.getLogger("slipwave")
 """What is chosen for the user and how far long work has come, at level INFO; the command line prints it on stderr."""

@@ -13,7 +13,7 @@ from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import TIME
 from slipwave.input import SceneSource
-from slipwave.input.relate import moment
+from slipwave.input.assemble import moment
 from slipwave.input.wording import shorten
 from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array
@@ -24,14 +24,12 @@ from validation.output import FIGURES, aligned, rounded
 from validation.registry.orbits import OrbitFound, flowing, neutral_orbit
 from validation.results.branch import tolerance_option
 from validation.results.command import command
-from validation.results.facts import PointOfBranch, finite
 from validation.results.figures import motion_figure
-from validation.results.header import header
 from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
-from validation.results.result import Dataset, Output, Result
-from validation.results.wording import orbit_rows
+from validation.results.result import Dataset, Output, PointOfBranch, Result, finite
+from validation.results.wording import header, orbit_rows
 from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:

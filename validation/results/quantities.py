@@ -16,8 +16,7 @@ from slipwave.extras import require
 from slipwave.files import TIME
 from slipwave.scene import Scene
 from slipwave.scene.units import IN_SI
-from validation.results.facts import leaves
-from validation.results.result import Dataset
+from validation.results.result import Dataset, leaves
 
 
 class Meaning(NamedTuple):

@@ -10,7 +10,7 @@ from slipwave.input import SceneSource
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, Solver, State
-from slipwave.solve.foresight import DAY
+from slipwave.solve.follow import DAY
 from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
 from validation.registry import build as models
 from validation.registry.build import grid_in_words, judged_grid, note_on, note_on_given
@@ -19,11 +19,10 @@ from validation.results.command import command
 from validation.results.options import ModelOptions, NumericalOptions, RunsOptions, announced, log, option
 from validation.results.run_result import RunResult
 from validation.run.length import MOST_CYCLES, Length, length_of, require_counted
-from validation.run.outlook import amplified_rounding, outlook
+from validation.run.outlook import amplified_rounding, costly_steps, outlook
 from validation.run.progress import progress
 from validation.run.recording import Wanted, Window, kept_of, records_of, time_between
 from validation.run.simulate import Run, reconsidered, simulate
-from validation.run.steps_of_drive import costly_steps
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice

@@ -18,16 +18,14 @@ from validation.data.writing import write_series
 from validation.output import FIGURES, aligned, rounded
 from validation.registry.build import grid_in_words
 from validation.registry.families import one_port_of
-from validation.results.facts import finite
 from validation.results.figures import motion_figure, protocol_figure, return_map
-from validation.results.header import header
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import cycle_in_si
 from validation.results.reasons import needed, reasons
-from validation.results.result import Dataset, Output, Result, save_drawing
+from validation.results.result import Dataset, Output, Result, finite, save_drawing
 from validation.results.run_dataset import run_dataset, write_events, write_run
 from validation.results.stage_table import missing_in_words, stage_results, stage_rows, stages_in_words
-from validation.results.wording import ENDED, events_in_words, exponent_in_words, margins_in_words, statistics_rows
+from validation.results.wording import ENDED, events_in_words, exponent_in_words, header, margins_in_words, statistics_rows
 from validation.run.length import second_half
 from validation.run.recording import FIELD_FILES, Records, way_on
 from validation.run.simulate import Run

@@ -19,12 +19,11 @@ from slipwave.scene.doubts import doubts
 from validation.output import aligned, rounded
 from validation.registry.families import one_port_of
 from validation.results.command import command
-from validation.results.facts import finite
-from validation.results.header import header
 from validation.results.options import SceneOptions, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.reasons import on_stability
-from validation.results.result import Dataset, Result
+from validation.results.result import Dataset, Result, finite
+from validation.results.wording import header
 from validation.study.drawing import Drawing, canvas, styled
 
 _CRITICAL = {

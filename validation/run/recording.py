@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from slipwave.errors import SceneError
 from slipwave.files import part_of, remove_leftovers
-from slipwave.input.relate import moment
+from slipwave.input.assemble import moment
 from slipwave.input.wording import shorten
 from slipwave.observe import EventObserver
 from slipwave.observe.envelope import Envelope
@@ -17,7 +17,7 @@ from slipwave.observe.protocol import ProtocolObserver
 from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, Mark, Observer, Resumable, Solver
 from slipwave.solve.checkpoint import Checkpoints, saved_time
-from slipwave.solve.named import NamedObserver, named_observers
+from slipwave.solve.follow import NamedObserver, named_observers
 from validation.output import require_writable
 from validation.run.history_file import ALL, HistoryFile, Kept
 

@@ -15,7 +15,7 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from slipwave.solve import Energy, Final, Mark, Observer, Solver, follow
 from slipwave.solve.checkpoint import Checkpoints
-from slipwave.solve.foresight import DAY, Foresight, require_time
+from slipwave.solve.follow import DAY, Foresight, require_time
 from validation.run.length import LEFT_BY_ROUNDING, Ended, JudgedHalf, Length, Until, second_half
 from validation.run.outlook import outlook
 from validation.run.progress import progress
@@ -73,7 +73,7 @@ def simulate(
 
     `watch` is passed in if it has already seen the beginning of the run. A scene that records nothing is not watched for events.
     A NumericsError of the solver and an interruption do not escape: they are kept in `failed`, beside what was computed before.
-    Raises SceneError if the run would take more than `most_seconds` (`slipwave.solve.foresight`).
+    Raises SceneError if the run would take more than `most_seconds` (`slipwave.solve.follow`).
     """
     watch = watch or EventObserver(solver.scene, solver.nodes)
     wanted = Until(length) if isinstance(length, int | float) else length

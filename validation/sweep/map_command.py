@@ -10,10 +10,9 @@ from slipwave.extras import require
 from slipwave.input import SceneSource
 from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
-from validation.results.facts import finite
 from validation.results.options import SceneOptions, option
 from validation.results.provenance import SCHEMA
-from validation.results.result import Dataset, Output, Result
+from validation.results.result import Dataset, Output, Result, finite
 from validation.study.drawing import Drawing
 from validation.sweep.boundaries import lines_of_curve, onset_lines
 from validation.sweep.difference import difference

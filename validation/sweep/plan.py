@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from slipwave.errors import SceneError
 from slipwave.input.overrides import apply_overrides
-from slipwave.input.tables import tables_of
+from slipwave.input.source import tables_of
 from slipwave.scene import Scene
 from validation.sweep.axes import Axis, changed
 

@@ -16,9 +16,9 @@ import numpy as np
 
 import slipwave
 from slipwave.errors import SceneError
-from slipwave.input.tables import to_toml
+from slipwave.input.source import to_toml
 from slipwave.scene import Scene
-from slipwave.solve.foresight import DAY
+from slipwave.solve.follow import DAY
 from slipwave.sources import source_digest
 from validation.registry.choice import parse, resolve
 from validation.run.progress import progress
