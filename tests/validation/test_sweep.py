@@ -26,9 +26,10 @@ from validation.cli import main
 from validation.sweep.axes import axis_of, changed
 from validation.sweep.engine import Engine, compute
 from validation.sweep.map_figures import figure_of
+from validation.sweep.measures import MEASURES, VERDICTS
 from validation.sweep.other_side import other_side
 from validation.sweep.plan import Plan, morton, order_of
-from validation.sweep.refine import fill, refine
+from validation.sweep.refine import fill, refine, regime_numbers
 from validation.sweep.store import Store
 from validation.sweep.sweep import Where, manifest_of, perform_sweep, plan_of
 
@@ -225,6 +226,14 @@ def test_a_finger_of_a_regime_is_followed_into_the_next_cell() -> None:
     fill(what, 3, known.reshape(-1), {"regime": shown.reshape(-1)})
     assert np.array_equal(shown, truth)
     assert (known >= 0).mean() < 0.7
+
+
+def test_words_of_one_regime_have_no_boundary_between_them() -> None:
+    words = ["steady", "decaying", "periodic", "torus", "settling", "too short"]
+    columns = {"status": np.zeros(6, dtype=int), "verdict": np.array([VERDICTS.index(word) for word in words])}
+    steady, decaying, periodic, torus, settling, short = regime_numbers(MEASURES["verdict"], columns)
+    assert (steady, settling) == (decaying, short)
+    assert len({steady, periodic, torus, settling}) == 4
 
 
 @pytest.fixture
@@ -467,7 +476,6 @@ def test_a_dry_sweep_computes_nothing(tmp_path: Path, capsys: pytest.CaptureFixt
 
 def test_difference_of_two_models_in_per_cent_of_the_area() -> None:
     from validation.sweep.difference import difference
-    from validation.sweep.measures import VERDICTS
 
     kinds = [VERDICTS.index(word) for word in ("steady", "decaying", "periodic", "irregular", "too short")]
     here, there = np.array(list(itertools.product(kinds, kinds))).T

@@ -18,15 +18,15 @@ _KINDS = {"steady": 0, "decaying": 0, "periodic": 1, "torus": 2, "irregular": 3,
 _COMPARED = ("period", "stress_drop")
 
 
-def regimes(verdict: Any) -> Any:
+def decided_regimes(verdict: Any) -> Any:
     """One number per regime of the verdicts' numbers, -1 where none is decided. Steady sliding and the return to it are one."""
     numbers = np.array([_KINDS.get(word, -1) for word in VERDICTS] + [-1])
     return numbers[np.asarray(verdict, dtype=int)]
 
 
 def model_regimes(model: str, data: Dataset) -> Any:
-    """The regimes of one model of a sweep of verdicts, as `regimes`."""
-    return regimes(data["verdict"].sel(model=model).values)
+    """The regimes of one model of a sweep of verdicts, as `decided_regimes`."""
+    return decided_regimes(data["verdict"].sel(model=model).values)
 
 
 def difference(data: Dataset, reference: str) -> Dataset:
@@ -40,7 +40,7 @@ def difference(data: Dataset, reference: str) -> Dataset:
     if "verdict" not in data:
         raise SceneError("--against: needs a sweep with verdicts (--measure verdict, run or lyapunov)")
     ours, others = data.sel(model=reference), data.sel(model=[name for name in names if name != reference])
-    here, there = regimes(ours["verdict"].values), regimes(others["verdict"].values)
+    here, there = decided_regimes(ours["verdict"].values), decided_regimes(others["verdict"].values)
     decided = (here >= 0) & (there >= 0)
     found = others[["verdict"]].rename(verdict="other_regime").astype(float)
     found["other_regime"].values[...] = np.where(decided, here != there, np.nan)

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from scipy.ndimage import binary_dilation
 
 from slipwave.errors import SceneError
+from validation.sweep.difference import decided_regimes
 from validation.sweep.measures import Measure
 from validation.sweep.plan import Indices, Plan
 
@@ -44,10 +45,12 @@ def require_refinable(plan: Plan, levels: int) -> None:
 
 
 def regime_numbers(measure: Measure, arrays: Mapping[str, npt.NDArray[Any]]) -> Regimes:
-    """One number per point for its regime: those columns that tell regimes apart, and its status; -1 where it is not computed."""
+    """One number per point for its regime: those columns that tell regimes apart, and its status; -1 where it is not computed.
+    Verdicts that decide no regime are one: they say how long the run was, and have no boundary to be found."""
     found = arrays["status"].astype(np.int64)
     for name in measure.regime:
         values = np.nan_to_num(arrays[name], nan=-1.0) if name in arrays else np.full(found.size, -1.0)
+        values = decided_regimes(values) if name == "verdict" else values
         found = found * 1024 + np.clip(values, -1, 1022).astype(np.int64) + 1
     return np.where(arrays["status"] < 0, _UNKNOWN, found)
 
