@@ -29,9 +29,9 @@ def load_laws(path: Path) -> list[str]:
     before = dict(LAWS)
     run_file(path, f"own_law_{path.stem}", label)
     found = [name for name, law in LAWS.items() if before.get(name) is not law]
-    LAW_FILES[path.resolve()] = None
     if not found:
         raise SceneError(f"{label}: registers no friction law: call slipwave.friction.register(...) in it")
+    LAW_FILES[path.resolve()] = None
     return found
 
 

@@ -13,6 +13,7 @@ import xarray
 import slipwave as sw
 from slipwave.files import CONVENTIONS
 from slipwave.friction.law import LAWS
+from slipwave.friction.own import LAW_FILES
 from slipwave.input.source import gallery_names
 from slipwave.observe.statistics import Margins
 from tests.conventions import quick_results
@@ -228,6 +229,7 @@ def test_a_file_without_a_law_is_refused(text: str | None, told: str, tmp_path: 
     if text is not None:
         path.write_text(text)
     assert told in refused("run", "paper", "--law", str(path))
+    assert path.resolve() not in LAW_FILES  # else every process of a later sweep would refuse it once more
 
 
 @pytest.mark.parametrize("content", [b"", b"no netCDF"])

@@ -46,9 +46,8 @@ def recalled_best(path: Path | None, first: Array, facts: Mapping[str, Any]) -> 
     """The best values that the file holds, `first` if there is none. Raises SceneError for a file that cannot be written, is
     damaged, or belongs to another fit, saying what differs."""
     require_writable(path, (".json",), "--checkpoint")
-    best = KeptBest(first, path=path, facts=facts)
     if path is None or not path.exists():
-        return best
+        return KeptBest(first, path=path, facts=facts)
     try:
         known = json.loads(path.read_text(encoding="utf-8"))
         there, inner, evaluations = dict(known["facts"]), np.array(known["best"], dtype=float), int(known["evaluations"])
@@ -58,5 +57,4 @@ def recalled_best(path: Path | None, first: Array, facts: Mapping[str, Any]) -> 
     if other or inner.shape != first.shape:
         told = "; ".join(f"{key}: {there.get(key, 'not there')}, now {facts.get(key, 'not there')}" for key in other[:_SHOWN])
         raise SceneError(f"--checkpoint = {str(path)!r}: belongs to another fit ({told}); remove it, or name another")
-    best.inner, best.evaluations = inner, evaluations
-    return best
+    return KeptBest(inner, evaluations=evaluations, path=path, facts=facts)
