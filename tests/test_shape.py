@@ -1,7 +1,7 @@
 """The shape of the house: no file and no function too long, no function of too many arguments, no public name twice."""
 
 import ast
-from collections import defaultdict
+from collections import Counter, defaultdict
 
 from slipwave.sources import ROOT
 
@@ -57,3 +57,15 @@ def test_a_public_name_is_defined_once() -> None:
                 places[node.name].add(file)
     found = {name: sorted(files) for name, files in places.items() if len(files) > 1 and name not in ROLES | TWICE}
     assert found == {}
+
+
+def test_a_name_of_a_module_is_given_once() -> None:
+    """A constant that is given again farther down is silently another one for the functions above."""
+
+    def given(node: ast.stmt) -> list[str]:
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        names = [one for target in targets for one in (target.elts if isinstance(target, ast.Tuple) else [target])]
+        return [one.id for one in names if isinstance(one, ast.Name)]
+
+    counts = {file: Counter(name for node in tree.body for name in given(node)) for file, tree in TREES.items()}
+    assert [f"{file}: {name}" for file, found in counts.items() for name, count in found.items() if count > 1] == []

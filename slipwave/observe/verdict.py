@@ -38,7 +38,7 @@ from slipwave.observe.torus import MANY, MOST_HARMONICS, rotation
 
 LAGS = 8
 _LEFT = 0.1  # of the variance, beside a parabola
-_ERRORS = 5.0
+_SURE = 5.0  # standard errors of the line through differences of cycles
 _LATE = 0.2  # of the change, in the later half
 _NONE = 1e-13  # rounding of a logarithm, and more than the sum of squares of many
 _LONGEST = 0.99  # of the change between two thirds, the largest share that the next third is taken to repeat
@@ -98,7 +98,7 @@ def _shrinks(values: Array, lag: int) -> bool:
     change, error, _ = straight_line(apart)
     late, later, _ = straight_line(apart[apart.size // 2 :])
     lasts = late * change > 0.0 and abs(late) >= max(_LATE * abs(change), later)
-    return lasts and abs(change) >= max(np.log(2.0), _ERRORS * error)
+    return lasts and abs(change) >= max(np.log(2.0), _SURE * error)
 
 
 def _drifts(values: Array, lag: int) -> bool:

@@ -230,8 +230,9 @@ def _errors(container: Any) -> tuple[Array | None, Array | None]:
     found: list[Array | None] = []
     bars = list(container.lines[2])
     for has, column in ((container.has_xerr, 0), (container.has_yerr, 1)):
-        ends = np.array([segment[:, column] for segment in bars.pop(0).get_segments()]) if has else None
-        found.append(None if ends is None else 0.5 * np.ptp(ends, axis=1))
+        segments = bars.pop(0).get_segments() if has else None  # one without points stands for a bar that is not known
+        widths = [0.5 * np.ptp(one[:, column]) if np.size(one) else np.nan for one in segments or ()]
+        found.append(None if segments is None else np.array(widths))
     return found[0], found[1]
 
 

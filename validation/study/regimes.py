@@ -1,5 +1,6 @@
 """What a model does in a scene in the end: its regime in words, and the figures of its cycles if it has any."""
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from slipwave.errors import NumericsError
@@ -11,7 +12,7 @@ from validation.measure.settle import estimate
 from validation.registry.build import build
 from validation.registry.families import one_port_of
 from validation.run.simulate import reconsidered, simulate
-from validation.study import Number
+from validation.study import Number, stated
 from validation.study.memo import LATE_TOLERANCE, TRANSIENT, kept, own_orbit
 
 if TYPE_CHECKING:
@@ -91,10 +92,13 @@ def _stable_orbit(model: str, scene: Scene, tolerance: float, cells: int | None)
 
 
 def regime_areas(differences: "Dataset") -> dict[str, Number]:
-    """The share of a map's area in which a model has another regime, in per cent. The name says the lattice: shares on unlike
-    lattices are not compared."""
-    lattice = " x ".join(str(size) for name, size in differences.sizes.items() if name != "model")
+    """The share of a map's area in which a model has another regime, in per cent. The name says the lattice, as
+    shares on unlike lattices are not compared; the error is one point of it."""
+    sizes = [size for name, size in differences.sizes.items() if name != "model"]
+    lattice = " x ".join(map(str, sizes))
     return {
-        f"{row['model']} other regime, {lattice} points": Number(row["other_regime_percent"], 0.05)
+        f"{row['model']} other regime, {lattice} points": stated(
+            row["other_regime_percent"], 1e4 / (math.prod(sizes) * row["compared_percent"])
+        )
         for row in differences.attrs["differences"]
     }
