@@ -118,11 +118,15 @@ def _words(axes: Axes, across: DataArray, up: DataArray, values: DataArray, colo
 
 
 def _scales(axes: Axes, data: Dataset, across: DataArray, up: DataArray) -> None:
+    from matplotlib.ticker import MaxNLocator
+
     for coordinate, scale, label in ((across, axes.set_xscale, axes.set_xlabel), (up, axes.set_yscale, axes.set_ylabel)):
         if is_logarithmic(coordinate.values):
             scale("log")
             axis = axes.xaxis if coordinate is across else axes.yaxis
             axis.set_minor_formatter("")
+            if coordinate.max() < 10.0 * coordinate.min():  # powers of ten alone would be one tick
+                axis.set_major_locator(MaxNLocator(5))
             axis.set_major_formatter("{x:g}")
         unit = coordinate.attrs.get("units", "1")
         other = other_side(data, coordinate)
