@@ -42,8 +42,8 @@ KINDS = {
 """Kinds by name."""
 
 LEFT_OUT = {("chosen grids", 50)}
-"""Computations that are not made because they take more than ten minutes each; found while they ran, so that what they would say
-is not known."""
+"""Computations that are not made: this one had not ended after 90 s of processor time, on hundreds of cells. What it would say is
+not known."""
 
 
 def computation(kind: str, number: int) -> list[Held]:
