@@ -4,7 +4,7 @@ Calls of a place are recorded in the study's quick run and played back, so that 
 A verdict that compares a thing with itself, or looks elsewhere, stays green and is found.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from importlib import import_module
 from typing import Any, NamedTuple
@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 
 from slipwave.observe.statistics import Estimate
-from validation.study import Budget, Outcome, Study
+from validation.study import Budget, Outcome
 
 Change = Callable[[Any], Any]
 
 
-def scaled(value: Any, by: float = 1e-3) -> Any:
+def scaled(value, by=1e-3):
     """Every number in `value` larger by a share; a truth turned round, words taken away."""
     if isinstance(value, bool):
         return not value
@@ -40,10 +40,10 @@ def scaled(value: Any, by: float = 1e-3) -> Any:
     return value
 
 
-def part(*names: str, change: Change = scaled) -> Change:
+def part(*names, change=scaled):
     """`change` of some fields only, of a NamedTuple or dataclass; "a.b" is the field b of the field a."""
 
-    def changed(value: Any) -> Any:
+    def changed(value):
         """`value` with these fields changed."""
         for name in names:
             first, _, rest = name.partition(".")
@@ -54,24 +54,24 @@ def part(*names: str, change: Change = scaled) -> Change:
     return changed
 
 
-def displaced(by: float) -> Change:
+def displaced(by):
     """Every number larger by an amount: what is wrong in the limit of a fine grid does not fall."""
 
-    def changed(value: Any) -> Any:
+    def changed(value):
         """`value` displaced."""
         return {key: changed(one) for key, one in value.items()} if isinstance(value, dict) else value + by
 
     return changed
 
 
-def each(change: Change) -> Change:
+def each(change):
     """`change` of every entry of a list or dict."""
     return lambda value: (
         {k: change(one) for k, one in value.items()} if isinstance(value, dict) else [change(one) for one in value]
     )
 
 
-def only(name: str, change: Change) -> Change:
+def only(name, change):
     """`change` of one entry of a dict."""
     return lambda value: value | {name: change(value[name])}
 
@@ -95,47 +95,47 @@ class Tape:
     place: Place
     calls: list[tuple[str, Any]] = field(default_factory=list)
 
-    def record(self, patch: pytest.MonkeyPatch) -> None:
+    def record(self, patch):
         """From now on keep what the place returns."""
         true = self._true
 
-        def recording(*args: Any, **options: Any) -> Any:
+        def recording(*args, **options):
             result = true(*args, **options)
             self.calls.append((self._model(args), result))
             return result
 
         patch.setattr(*self._home, recording)
 
-    def play(self, patch: pytest.MonkeyPatch, model: str = "", change: Change = lambda value: value) -> None:
+    def play(self, patch, model="", change=lambda value: value):
         """Return the same again, changed for one model."""
         results = iter([change(result) if name == model else result for name, result in self.calls])
         patch.setattr(*self._home, lambda *args, **options: next(results))
 
     @property
-    def _home(self) -> tuple[Any, str]:
+    def _home(self):
         module, _, name = self.place.where.partition(":")
         return import_module(f"validation.studies.{module}"), name
 
     @property
-    def _true(self) -> Callable[..., Any]:
-        true: Callable[..., Any] = getattr(*self._home)
+    def _true(self):
+        true = getattr(*self._home)
         return true
 
-    def _model(self, args: tuple[Any, ...]) -> str:
+    def _model(self, args):
         who = args[self.place.model] if len(args) > self.place.model else ""
         who = getattr(who, "setting", who)
         return str(getattr(who, "model", getattr(who, "name", who)))
 
 
-def tapes_of(name: str) -> list[Tape]:
+def tapes_of(name):
     """Empty tapes for the places of the study."""
     return [Tape(place) for place in PLACES[name]]
 
 
-def green(study: Study, tapes: list[Tape]) -> Iterator[str]:
+def green(study, tapes):
     """The counterfeits that no verdict of the study notices; played back unchanged, none may fail."""
 
-    def failing(fake: Tape | None = None, model: str = "", change: Change = lambda value: value) -> bool:
+    def failing(fake=None, model="", change=lambda value: value):
         with pytest.MonkeyPatch.context() as patch:
             for tape in tapes:
                 tape.play(patch, *((model, change) if tape is fake else ()))
@@ -155,7 +155,7 @@ S = (scaled,)
 UNCOUNTED = ("delay", "quasistatic", "block8", "block12", "kelvin-voigt", "modal:2")
 """Models whose intervals the study reads from its record: those of one model are counted anew."""
 
-PLACES: dict[str, tuple[Place, ...]] = {
+PLACES = {
     "scene-facts": (Place("scene_facts:_onset"),),
     "one-cycle": (
         Place("one_cycle.measured:run_model", (part("orbit"),)),
@@ -173,10 +173,7 @@ PLACES: dict[str, tuple[Place, ...]] = {
         Place("grid_convergence:code_table"),
         Place("grid_convergence:code_note"),
         Place("grid_convergence.orbits:own_orbit", (part("orbit"),)),
-        Place(
-            "grid_convergence.in_time:marches_of",
-            tuple(part(name, change=displaced(1e-3)) for name in ("explicit", "exact")),
-        ),
+        Place("grid_convergence.in_time:marches_of", tuple(part(name, change=displaced(1e-3)) for name in ("explicit", "exact"))),
     ),
     "cost-and-error": (
         Place("cost_and_error:settle"),
@@ -199,19 +196,13 @@ PLACES: dict[str, tuple[Place, ...]] = {
         Place("stability_attacks.limits:around_the_limit", (lambda value: (value[0] + 100.0, value[1]),)),
         Place("stability_attacks.limits:state_reach", (lambda value: 1.05 * value if np.isfinite(value) else 1.0,)),
         Place("stability_attacks.limits:stops_beyond", S),
-        Place(
-            "stability_attacks.runs:attack",
-            (each(part("error", change=displaced(1.0))),),
-        ),
+        Place("stability_attacks.runs:attack", (each(part("error", change=displaced(1.0))),)),
         Place("stability_attacks.runs:advised", (part("error", change=displaced(0.1)),)),
         Place("stability_attacks.runs:locked_noise", (displaced(1.0),)),
     ),
     "energy": (
         Place("energy.ledgers:residual_of", (displaced(1e-3),)),
-        Place(
-            "energy.ledgers:history_of",
-            (part("entries", change=only("friction", scaled)),),
-        ),
+        Place("energy.ledgers:history_of", (part("entries", change=only("friction", scaled)),)),
     ),
     "unlike-slabs": (Place("unlike_slabs:march_pair", (part("figures"),), 1), Place("unlike_slabs:costs")),
     "partial-reflection": (
@@ -246,10 +237,7 @@ PLACES: dict[str, tuple[Place, ...]] = {
         Place("asymmetry_map:growing_roots", (lambda counts: counts[::-1],)),
         Place("asymmetry_map:model_regimes", (lambda found: np.roll(found, 2, axis=0),)),
     ),
-    "error-laws": (
-        Place("error_laws:critical_round_trip", S, 1),
-        Place("error_laws:measure_cycle"),
-    ),
+    "error-laws": (Place("error_laws:critical_round_trip", S, 1), Place("error_laws:measure_cycle")),
     "bifurcation": (
         Place("bifurcation:branch_of", (part("onset.parameter"),)),
         Place("bifurcation.measured:wave_orbit", (part("wave"),)),

@@ -3,7 +3,6 @@
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -33,9 +32,7 @@ sys.exit(main(sys.argv[4:]))
 """
 
 
-def interrupted(
-    words: list[str], at: float, folder: Path, by: signal.Signals = signal.SIGINT
-) -> subprocess.CompletedProcess[str]:
+def interrupted(words, at, folder, by=signal.SIGINT):
     """`slipwave words` in `folder`, interrupted (Ctrl-C), or stopped `by` another signal, once it has come to t = `at`."""
     process = subprocess.Popen(
         [sys.executable, "-c", _SCRIPT, str(at), "wait", "0", *words],
@@ -59,7 +56,7 @@ def interrupted(
     return subprocess.CompletedProcess(words, process.returncode, out, err)
 
 
-def on_small_disk(words: list[str], size: int, folder: Path, at: float = 0.0) -> subprocess.CompletedProcess[str]:
+def on_small_disk(words, size, folder, at=0.0):
     """`slipwave words` in `folder`, where from t = `at` no file can become larger than `size` bytes."""
     script = [sys.executable, "-c", _SCRIPT, str(at), "limit", str(size), *words]
     return subprocess.run(script, cwd=folder, capture_output=True, text=True)

@@ -3,18 +3,15 @@
 import itertools
 import json
 import math
-from collections.abc import Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from slipwave import read
-from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, State
 from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
 from validation.registry.build import prepare
-from validation.registry.families import Options, family_of
+from validation.registry.families import family_of
 from validation.results.run_result import RunResult
 from validation.run.recording import Wanted, records_of
 from validation.run.simulate import simulate
@@ -54,7 +51,7 @@ SIGMA, LENGTH, PACE, SPEED = 1e6, 1e-5, 1e-6, 2500.0
 """Normal stress (Pa), L (m), V* (m/s), and the wave speed (m/s) of the slabs in SI."""
 
 
-def pairwise_rows(rows: Sequence[Row], seed: int) -> list[Row]:
+def pairwise_rows(rows, seed):
     """Some of `rows` that cover every pair of levels that any of them has; greedy, in an order that `seed` gives."""
     rows = [rows[k] for k in np.random.default_rng(seed).permutation(len(rows))]
     numbers = {pair: k for k, pair in enumerate(dict.fromkeys(pair for row in rows for pair in pairs_of(row)))}
@@ -69,14 +66,14 @@ def pairwise_rows(rows: Sequence[Row], seed: int) -> list[Row]:
     return chosen
 
 
-def pairs_of(row: Row) -> list[Any]:
+def pairs_of(row):
     """Every two of its levels, with the places of both."""
     return list(itertools.combinations(enumerate(row), 2))
 
 
-def rows_allowed() -> list[Row]:
+def rows_allowed():
     """All rows of the table that no rule refuses: units never matter, and V only where it changes."""
-    told: dict[Row, bool] = {}
+    told = {}
     allowed = []
     for row in itertools.product(*FACTORS.values()):
         kind = (*row[:3], "constant" if row[3] == "constant" else "hold", *row[4:6], "none")
@@ -87,7 +84,7 @@ def rows_allowed() -> list[Row]:
     return allowed
 
 
-def refusal(row: Row) -> str:
+def refusal(row):
     """The line with which a row is refused before anything is computed; empty if it is not."""
     chosen = dict(zip(NAMES, row, strict=True))
     if chosen["start"] == "orbit" and chosen["drive"] != "constant":
@@ -97,7 +94,7 @@ def refusal(row: Row) -> str:
     return family.refusal(scene_of(row))
 
 
-def scene_of(row: Row, units: str | None = None) -> Scene:
+def scene_of(row, units=None):
     """The scene of a row, with or without `units` (default: as the row says)."""
     chosen = dict(zip(NAMES, row, strict=True))
     in_si = (units or chosen["units"]) == "SI"
@@ -116,15 +113,15 @@ def scene_of(row: Row, units: str | None = None) -> Scene:
     )
 
 
-def time_of(transits: float, in_si: bool) -> float | str:
+def time_of(transits, in_si):
     """As a scene file gives it."""
     return f"{transits * R * LENGTH / PACE!r} s" if in_si else transits
 
 
-def slab(chosen: dict[str, str], ratio: float, weight: float, in_si: bool) -> dict[str, Any]:
+def slab(chosen, ratio, weight, in_si):
     """The table of a slab of `ratio` times the round trip and `weight` times the impedance."""
     epsilon, r = EPSILON * weight, R * ratio
-    table: dict[str, Any] = {"epsilon": epsilon, "r": r}
+    table = {"epsilon": epsilon, "r": r}
     unit = SIGMA / PACE  # of impedance
     if in_si:
         density = epsilon * unit / SPEED
@@ -164,7 +161,7 @@ class Played(NamedTuple):
     solver: Any
 
     @property
-    def facts(self) -> dict[str, Any]:
+    def facts(self):
         """The JSON, read."""
         return dict(json.loads(self.text))
 
@@ -172,11 +169,11 @@ class Played(NamedTuple):
 class Saving:
     """A mark that saves checkpoints in a folder as soon as a time of `dates` is reached."""
 
-    def __init__(self, folder: Path, dates: list[float]) -> None:
+    def __init__(self, folder, dates):
         self.folder, self.dates, self.act = folder, list(dates), lambda: None
 
     @property
-    def due(self) -> float:
+    def due(self):
         """As `Mark`."""
         return self.dates[0] if self.dates else math.inf
 
@@ -184,18 +181,18 @@ class Saving:
 class Stops:
     """A mark every so many transits that does nothing: advances end there."""
 
-    def __init__(self, every: float) -> None:
+    def __init__(self, every):
         self.due, self.every = every, every
 
-    def act(self) -> None:
+    def act(self):
         """As `Mark`."""
         self.due += self.every
 
 
-def built(row: Row, begun: State | None = None, units: str | None = None) -> Any:
+def built(row, begun=None, units=None):
     """The solver of a row, with the ledger kept; from the state `begun` of another one if it is given."""
     model, time, cells = [*row[0].split(), "-", "-"][:3]
-    options: Options = {"time": time if time != "-" else None, "cells": int(cells) if cells != "-" else None}
+    options = {"time": time if time != "-" else None, "cells": int(cells) if cells != "-" else None}
     solver = prepare(model, scene_of(row, units), begun is not None, **options).solver
     if isinstance(solver, FieldSolver):
         solver.keep_ledger()
@@ -204,17 +201,17 @@ def built(row: Row, begun: State | None = None, units: str | None = None) -> Any
     return solver
 
 
-def play(solver: Any, until: float, saving: Saving | None = None, chunk: float = math.inf, resume: Path | None = None) -> Played:
+def play(solver, until, saving=None, chunk=math.inf, resume=None):
     """Run `solver` to `until` (transits) as `slipwave run` does, in chunks of `chunk` transits, from the checkpoint `resume`."""
     begun = solver.state() if solver.scene.start.kind == "orbit" else None
     records = records_of(solver, until, Wanted())
-    parts: dict[str, Any] = {"events": records.watch, "envelope": records.envelope}
+    parts = {"events": records.watch, "envelope": records.envelope}
     if records.protocol is not None:
         parts["protocol"] = records.protocol
-    marks: list[Any] = [Stops(chunk)]
+    marks = [Stops(chunk)]
     if saving is not None:
 
-        def act() -> None:
+        def act():
             save_checkpoint(saving.folder / f"{len(saving.dates)}.npz", solver, parts)
             saving.dates.pop(0)
 

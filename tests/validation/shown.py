@@ -3,8 +3,6 @@ that counterfeit figures of a model turn it red."""
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +12,7 @@ from slipwave.input import source
 from validation.report.sources import sources_of
 from validation.run import timing
 from validation.studies import study_called
-from validation.study import Budget, Evidence, StudyResult, Verdict
+from validation.study import Budget, Evidence
 from validation.study.drawing import styled
 from validation.study.known import WITHIN
 
@@ -22,13 +20,13 @@ ROOMY, ROUNDING = 30.0, 1e-10
 """A limit of more than this many times the measured size lets faults pass. Below `ROUNDING` machines may differ by more."""
 
 
-def too_roomy(verdicts: Sequence[Verdict]) -> list[str]:
+def too_roomy(verdicts):
     """Claims whose limit lies more than `ROOMY` times above what was measured, and above rounding."""
     bounds = [(v, v.size, v.limit) for v in verdicts if v.size is not None and v.limit is not None and not none_is_nearer(v)]
     return [f"{v.claim}: {v.ours} ({v.remark}), {v.expected}" for v, size, limit in bounds if limit > max(ROOMY * size, ROUNDING)]
 
 
-def none_is_nearer(verdict: Verdict) -> bool:
+def none_is_nearer(verdict):
     """Whether the limit is that none of so many is missed, half of the last digit that a paper prints, or what an order of
     convergence may be off by, which chance can put on the declared one."""
     power = math.log10(2.0 * verdict.limit) if verdict.limit else 0.5
@@ -37,11 +35,11 @@ def none_is_nearer(verdict: Verdict) -> bool:
     return printed or of_order or (verdict.size, verdict.limit) == (0.0, 1.0)
 
 
-READ: dict[str, set[str]] = {}
+READ = {}
 """By name, for the studies that were run: the gallery scenes they read, which must be in the key of the result."""
 
 
-def quick(name: str) -> StudyResult:
+def quick(name):
     """A study's quick run by a clock of its own: the n-th reading is n^2 ms, so that run times are the same on every machine.
 
     The shares of its work that it reports on the way must rise to 1 at most, its figures must draw, and a verdict must fail for
@@ -68,10 +66,10 @@ def quick(name: str) -> StudyResult:
     return result
 
 
-def watched(read: Callable[..., Any], scenes: set[str]) -> Callable[..., Any]:
+def watched(read, scenes):
     """`read` (`slipwave.input.source.load_tables`), which notes the gallery scenes it is asked for in `scenes`."""
 
-    def reading(name: object, *rest: Any) -> Any:
+    def reading(name, *rest):
         scenes.update({str(name)} & set(source.gallery_names()))
         return read(name, *rest)
 

@@ -4,22 +4,20 @@ import os
 import time
 from pathlib import Path
 
-from slipwave.scene import Scene
 
-
-def disc(scene: Scene) -> dict[str, float | str]:
+def disc(scene):
     """A regime inside a disc of (a, b) and another one outside, with a figure that is linear there."""
     x, y = (scene.law.a - 0.01) / 0.01, (scene.law.b - 0.02) / 0.01
     return {"regime": float(x * x + y * y < 0.36), "height": 2.0 * x - y}
 
 
-def slowly(scene: Scene) -> dict[str, float]:
+def slowly(scene):
     """A figure that takes 5 ms."""
     time.sleep(0.005)
     return {"sum": scene.law.a + scene.law.b}
 
 
-def deadly(scene: Scene) -> dict[str, float]:
+def deadly(scene):
     """Kills its process at one point, always; at another one, twice."""
     if scene.law.a == 0.012:
         os._exit(9)
@@ -30,6 +28,6 @@ def deadly(scene: Scene) -> dict[str, float]:
     return {"sum": scene.law.a + scene.law.b}
 
 
-def wrong(scene: Scene) -> dict[str, float]:
+def wrong(scene):
     """Has a bug at one point."""
     return {"inverse": 1.0 / (scene.law.a - 0.012)}

@@ -99,10 +99,8 @@ def test_how_much_of_the_structure_a_model_has():
     delay = made("delay", special("LP", -2.7002), special("LP", -2.66), special("NS", -2.65))
     ode = made("kelvin-voigt", special("LP", -2.7001), special("PD", -2.6))
     rows = {str(row[0]): row[1:] for row in structure_table(delay, [ode]).rows}
-    assert rows["Hopf point"] == (-2.7, 0.0)
-    assert rows["fold 1"] == (-2.7002, pytest.approx(1e-4))
-    assert rows["fold 2"] == (-2.66, None)
-    assert rows["torus point 1"] == (-2.65, None)
+    assert (rows["Hopf point"], rows["fold 1"]) == ((-2.7, 0.0), (-2.7002, pytest.approx(1e-4)))
+    assert (rows["fold 2"], rows["torus point 1"]) == ((-2.66, None), (-2.65, None))
     assert rows["period doubling 1"] == (None, None)
 
 

@@ -2,40 +2,29 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
 from validation.cli import spread
 
 
-def test_help_answers_at_once() -> None:
+def test_help_answers_at_once():
     """Nothing that takes long to import is imported for it (`make bench` times it)."""
     code = "import sys; from validation.cli import main; main(['--help']); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     imported = {name.partition(".")[0] for name in done.stdout.splitlines()[-1].split()}
-    assert not imported & {
-        "numpy",
-        "numba",
-        "scipy",
-        "matplotlib",
-        "pydantic",
-        "xarray",
-        "netCDF4",
-        "skfem",
-        "jinja2",
-    }
+    assert not imported & {"numpy", "numba", "scipy", "matplotlib", "pydantic", "xarray", "netCDF4", "skfem", "jinja2"}
     solvers = {name for name in done.stdout.splitlines()[-1].split() if name.startswith(("reduced.", "fullwave."))}
     assert solvers <= {"reduced.families", "fullwave.families"}  # facts alone
     for name in ("run", "compare", "bench", "scenes", "report"):
         assert f"  {name} " in done.stdout
 
 
-def test_no_words_at_all_is_a_call_for_help(printed) -> None:
+def test_no_words_at_all_is_a_call_for_help(printed):
     assert "Usage" in printed()
 
 
-def test_a_grid_chosen_for_a_tolerance_is_told_with_its_error(answer, printed) -> None:
+def test_a_grid_chosen_for_a_tolerance_is_told_with_its_error(answer, printed):
     words = ["run", "paper", "--model", "dg:5", "--tol", "1e-4", "--until", "150"]
     result = answer(*words)
     assert set(result["grid"]) == {"cells", "step", "quantity", "error_estimate"}
@@ -86,13 +75,11 @@ def test_a_grid_chosen_for_a_tolerance_is_told_with_its_error(answer, printed) -
     ],
     ids=lambda value: "_".join(value) if isinstance(value, list) else "",
 )
-def test_wrong_input_is_one_line_and_status_2(refused, words: list[str], told: str) -> None:
+def test_wrong_input_is_one_line_and_status_2(refused, words, told):
     assert told in refused(*words)
 
 
-def test_wrong_output_places_are_refused_before_anything_is_computed(
-    refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_wrong_output_places_are_refused_before_anything_is_computed(refused, monkeypatch, tmp_path):
     monkeypatch.setattr("validation.results.run.simulate", lambda *_: pytest.fail("computed"))
     (tmp_path / "file").write_text("")
     for place, told in (
@@ -107,7 +94,7 @@ def test_wrong_output_places_are_refused_before_anything_is_computed(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder.nc"]
 
 
-def test_a_bug_is_a_traceback_and_status_1(tmp_path: Path) -> None:
+def test_a_bug_is_a_traceback_and_status_1(tmp_path):
     code = "import sys, slipwave.input.source as g\ng.gallery_titles = lambda: 1 / 0\n"
     code += "from validation.cli import main; sys.exit(main(['scenes']))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=tmp_path)
@@ -116,7 +103,7 @@ def test_a_bug_is_a_traceback_and_status_1(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".vtu", ".nc"])
-def test_fields_of_the_last_transits_are_written_whole(tmp_path: Path, answer, printed, suffix: str) -> None:
+def test_fields_of_the_last_transits_are_written_whole(tmp_path, answer, printed, suffix):
     out = tmp_path / f"field{suffix}"
     words = ["run", "paper", "--model", "fd", "--cells", "8", "--until", "120"]
     plain = answer(*words, "--fields", str(out))
@@ -130,7 +117,7 @@ def test_fields_of_the_last_transits_are_written_whole(tmp_path: Path, answer, p
     assert answer(*words)["final"] == pytest.approx(plain["final"], rel=1e-12)
 
 
-def test_fields_that_a_scene_records_go_into_the_run_file(tmp_path: Path, printed, refused) -> None:
+def test_fields_that_a_scene_records_go_into_the_run_file(tmp_path, printed, refused):
     import xarray
 
     out = tmp_path / "run.nc"
@@ -144,7 +131,7 @@ def test_fields_that_a_scene_records_go_into_the_run_file(tmp_path: Path, printe
     assert out.read_bytes() == before
 
 
-def test_options_take_several_values() -> None:
+def test_options_take_several_values():
     assert spread(["run", "p", "--set", "a=1", "b=2", "--json"]) == ["run", "p", "--set", "a=1", "--set", "b=2", "--json"]
     assert spread(["run", "--set", "a=1", "p"]) == ["run", "--set", "a=1", "p"]
     assert spread(["report", "--only", "x", "y", "--quick"]) == ["report", "--only", "x", "--only", "y", "--quick"]

@@ -1,7 +1,6 @@
 """What stability, compare and bench say, number by number: closed forms and the runs of the models themselves."""
 
 import math
-from pathlib import Path
 
 import pytest
 
@@ -11,7 +10,7 @@ from tests.one_port_by_hand import pair_impedance
 A, B, EPSILON, V = 0.0349, 0.0489, 2.8e-5, 100.0
 
 
-def test_stability_of_unlike_slabs_in_its_table(answer, printed) -> None:
+def test_stability_of_unlike_slabs_in_its_table(answer, printed):
     """The table's roots are the JSON's, in cycles per round trip of the upper slab beside them."""
     found = answer("stability", "unlike")
     chosen = slipwave.read("unlike")
@@ -33,7 +32,7 @@ def test_stability_of_unlike_slabs_in_its_table(answer, printed) -> None:
 COMPARE = ["--until", "4000", "--cells", "24"]
 
 
-def test_compare_gives_every_models_own_run_and_its_signed_errors(answer, tmp_path: Path) -> None:
+def test_compare_gives_every_models_own_run_and_its_signed_errors(answer, tmp_path):
     """Errors are (ours - reference)/reference."""
     found = answer("compare", "paper", "--models", "fd,delay,kelvin-voigt", *COMPARE, "--out", str(tmp_path / "three.png"))
     rows = {row["model"]: row for row in found["models"]}
@@ -49,7 +48,7 @@ def test_compare_gives_every_models_own_run_and_its_signed_errors(answer, tmp_pa
     assert rows["kelvin-voigt"]["error"]["period"] == pytest.approx(70.7323 / 73.4721 - 1.0, abs=2e-5)
 
 
-def test_bench_errors_are_those_of_the_runs_it_timed(answer, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bench_errors_are_those_of_the_runs_it_timed(answer, monkeypatch):
     """|T/T_reference - 1| of each setting, of one cheap family and the delay system; runs made again here."""
     from validation.registry.choice import families
 

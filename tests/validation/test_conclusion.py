@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-from typing import Any
 
 import pytest
 
@@ -12,10 +11,9 @@ from slipwave.observe.verdict import Verdict
 from validation.cli import INPUT_WRONG, main
 from validation.results.comparison import barred, conclusion, errors_of, nothing, remarks, without_errors
 from validation.run.difference import differences, in_json
-from validation.run.simulate import Run
 
 
-def row(model: str, wall: float, error: float | None = 1e-3, **more: Any) -> dict[str, Any]:
+def row(model, wall, error=1e-3, **more):
     return {"model": model, "wall_s": wall, "error": {"period": error}, "verdict": "periodic"} | more
 
 
@@ -50,18 +48,18 @@ APART = {
         ([row("delay", 1.0, None, verdict="steady"), STEADY], ""),
     ],
 )  # fmt: skip
-def test_the_conclusion_is_that_of_the_rows(rows: list[dict[str, Any]], told: str) -> None:
+def test_the_conclusion_is_that_of_the_rows(rows, told):
     assert conclusion(rows) == told
 
 
 @pytest.fixture(scope="module")
-def runs() -> tuple[Run, Run]:
+def runs():
     """Of delay and block8; periodic."""
     found = sw.compare("paper", "delay,block8", until=200, **{"drive.velocity": 2000}).runs
     return found[0], found[1]
 
 
-def changed(run: Run, kind: Any, period: float, margin: float) -> Run:
+def changed(run, kind, period, margin):
     """A run of that verdict and mean period; the margin is that of every mean."""
     cycles = 9 if math.isfinite(period) else 0
     means = (Spread(period, 0.1), *[Spread(0.2 if cycles else math.nan, 0.1)] * 2)
@@ -69,7 +67,7 @@ def changed(run: Run, kind: Any, period: float, margin: float) -> Run:
     return dataclasses.replace(run, verdict=Verdict(kind, cycles), statistics=figures)
 
 
-def test_differences_of_motions_that_never_repeat_have_margins_and_are_no_errors(runs: tuple[Run, Run]) -> None:
+def test_differences_of_motions_that_never_repeat_have_margins_and_are_no_errors(runs):
     """The margin of a ratio a/b: (a/b) sqrt((da/a)^2 + (db/b)^2)."""
     ours, theirs = changed(runs[1], "irregular", 12.0, 0.6), changed(runs[0], "torus", 10.0, 0.4)
     found = differences(ours, theirs)
@@ -82,7 +80,7 @@ def test_differences_of_motions_that_never_repeat_have_margins_and_are_no_errors
     assert beside["period"].margin == pytest.approx(1.2 * 0.05)
 
 
-def test_differences_of_periodic_motions_are_errors(runs: tuple[Run, Run]) -> None:
+def test_differences_of_periodic_motions_are_errors(runs):
     shown = in_json(runs[1], runs[0])
     periods = [run.statistics.period.mean for run in (runs[1], runs[0])]
     assert set(shown) == {"error"}
@@ -90,12 +88,12 @@ def test_differences_of_periodic_motions_are_errors(runs: tuple[Run, Run]) -> No
 
 
 @pytest.mark.parametrize("kind", ["steady", "decaying", "too short"])
-def test_a_motion_without_cycles_has_neither(kind: str, runs: tuple[Run, Run]) -> None:
+def test_a_motion_without_cycles_has_neither(kind, runs):
     none = changed(runs[1], kind, math.nan, math.nan)
     assert in_json(none, runs[0]) == {"error": {"period": None, "stress_drop": None}}
 
 
-def test_words_on_rows_without_errors() -> None:
+def test_words_on_rows_without_errors():
     rows = [row("delay", 1.0, 0.0), STEADY, row("modal:2", 1.0, None, **APART), row("fd", 1.0, None, verdict="decaying")]
     rows[2]["margin"] = {"period": 0.004, "stress_drop": None}
     assert without_errors(rows) == [
@@ -114,16 +112,16 @@ def test_words_on_rows_without_errors() -> None:
 @pytest.mark.parametrize(
     ("margin", "cell"), [(0.0, "12.346"), (0.0234, "12.346 +- 0.023"), (30.0, "12 +- 30"), (math.nan, "12.346 +- ?")]
 )
-def test_a_number_with_its_bar(margin: float, cell: str) -> None:
+def test_a_number_with_its_bar(margin, cell):
     assert barred(12.3456, margin, 5) == cell
 
 
-def test_a_reference_does_not_differ_from_itself(runs: tuple[Run, Run]) -> None:
+def test_a_reference_does_not_differ_from_itself(runs):
     one = changed(runs[0], "irregular", 10.0, 0.4)
     assert in_json(one, one)["difference"] == in_json(one, one)["margin"] == {"period": 0.0, "stress_drop": 0.0}
 
 
-def test_an_empty_comparison_says_how_long_a_run_must_be(runs: tuple[Run, Run], capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_empty_comparison_says_how_long_a_run_must_be(runs, capsys):
     assert nothing(runs[0]) == ""
     assert main(["bench", "paper", "--until", "40", "--json"]) == INPUT_WRONG
     printed = capsys.readouterr()

@@ -1,8 +1,6 @@
 """How often stated errors hold the truth: the kinds, the record of many computations, and what the report says of it."""
 
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -23,7 +21,7 @@ from validation.studies import coverage
 from validation.study import Budget, Outcome
 
 
-def test_coverage_by_hand() -> None:
+def test_coverage_by_hand():
     computations = [[Held("period", 2e-9, 1e-9), Held("drop", 1e-9, 4e-9)], [], [Held("period", 8e-9, 1e-9)]]
     drop, period = coverage_of(computations)
     assert (drop.figure, drop.many, drop.share, drop.width) == ("drop", 1, 0.0, 0.25)
@@ -31,7 +29,7 @@ def test_coverage_by_hand() -> None:
 
 
 @pytest.mark.parametrize("kind", SLABS)
-def test_a_random_scene_is_of_its_kind_and_beyond_the_loss_of_stability(kind: str) -> None:
+def test_a_random_scene_is_of_its_kind_and_beyond_the_loss_of_stability(kind):
     scene = random_scene(kind, "sbp:6" if kind == "viscous" else "delay", np.random.default_rng(1))
     assert scene.alike is (kind != "unlike")
     assert scene.upper.is_plain is (kind in ("alike", "unlike"))
@@ -39,7 +37,7 @@ def test_a_random_scene_is_of_its_kind_and_beyond_the_loss_of_stability(kind: st
     assert 1.009 < scene.transit / critical < 1.251
 
 
-def test_the_stored_record_is_of_the_present_definition_and_long_enough() -> None:
+def test_the_stored_record_is_of_the_present_definition_and_long_enough():
     stored = known_computations()
     assert list(stored) == list(KINDS)
     for kind, found in stored.items():
@@ -49,14 +47,14 @@ def test_the_stored_record_is_of_the_present_definition_and_long_enough() -> Non
 
 
 @pytest.mark.parametrize("kind", ["orbits", "tolerances", "default grids", "extrapolation"])
-def test_a_computation_repeated_is_what_is_recorded(kind: str) -> None:
+def test_a_computation_repeated_is_what_is_recorded(kind):
     number = coverage.chosen(known_computations(), kind, quick=True)[0]
     found = computation(kind, number)
     assert found
     assert coverage.agree(kind, found, known_computations()[kind][number])
 
 
-def test_what_is_not_what_is_recorded_is_told() -> None:
+def test_what_is_not_what_is_recorded_is_told():
     known = [Held("period", 1e-8, 1e-9)]
     assert coverage.agree("orbits", [Held("period", 1.01e-8, 1.02e-9)], known)
     assert not coverage.agree("orbits", [Held("period", 0.5e-8, 1e-9)], known)
@@ -68,7 +66,7 @@ def test_what_is_not_what_is_recorded_is_told() -> None:
     assert not coverage.agree("means", [Held("period", 1e-3, 4e-3)], mean)
 
 
-def test_a_kind_that_holds_less_than_95_of_100_is_red(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_kind_that_holds_less_than_95_of_100_is_red(monkeypatch):
     """Bars half as wide as those recorded, in the record and in what is computed again."""
     stored = known_computations()
     narrow = {kind: [[one._replace(bar=0.5 * one.bar) for one in each] for each in found] for kind, found in stored.items()}
@@ -82,15 +80,15 @@ def test_a_kind_that_holds_less_than_95_of_100_is_red(monkeypatch: pytest.Monkey
     assert failed >= {"means", "exponents", "default grids"}
 
 
-def test_94_of_100_are_too_few_though_chance_may_have_made_them_so() -> None:
+def test_94_of_100_are_too_few_though_chance_may_have_made_them_so():
     assert coverage.holds("means", Coverage("period", 100, 0.94, 0.875, 0.972, 2.0)).outcome is Outcome.FAIL
     assert coverage.holds("means", Coverage("period", 100, 0.95, 0.888, 0.978, 2.0)).outcome is Outcome.PASS
 
 
-def test_a_record_goes_on_where_it_was_interrupted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_record_goes_on_where_it_was_interrupted(tmp_path, monkeypatch):
     path, asked = tmp_path / "record.json", []
 
-    def compute(kind: str, number: int) -> list[Held]:
+    def compute(kind, number):
         asked.append((kind, number))
         if len(asked) == 4:
             raise KeyboardInterrupt
@@ -106,7 +104,7 @@ def test_a_record_goes_on_where_it_was_interrupted(tmp_path: Path, monkeypatch: 
     assert known_computations(path)["means"][2] == [Held("period", 2e-8, 1e-9)]
 
 
-def test_what_an_earlier_definition_found_is_kept_if_it_is_found_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_an_earlier_definition_found_is_kept_if_it_is_found_again(tmp_path, monkeypatch):
     path, error = tmp_path / "record.json", 1e-9
     monkeypatch.setattr(record, "computation", lambda kind, number: [Held("period", 1e-8 * number, error)])
     monkeypatch.setattr(record, "KINDS", {kind: KINDS[kind]._replace(recorded=3) for kind in ("orbits", "means")})
@@ -122,18 +120,18 @@ def test_what_an_earlier_definition_found_is_kept_if_it_is_found_again(tmp_path:
     assert [one.error for [one] in known_computations(path)["means"]] == [error] * 3
 
 
-def test_a_mean_is_held_against_that_of_later_cycles() -> None:
+def test_a_mean_is_held_against_that_of_later_cycles():
     """Means 2 of 8 cycles and 4 of the next 24: half as large, and as far as 0.5/sqrt(1 + 8/24) from an exact one."""
     column = np.concatenate([np.tile([1.0, 3.0], 4), np.full(24, 4.0)])
     period = irregular.held_means(Events(*[column] * 6), 8)[0]
     assert period == ("period", pytest.approx(margin_of_mean(column[:8]) / 4.0), pytest.approx(0.5 * np.sqrt(0.75)))
 
 
-def test_an_exponent_is_held_against_that_of_a_longer_run(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_exponent_is_held_against_that_of_a_longer_run(monkeypatch):
     """0.3 +- 0.1 per transit over 200, and 0.2 over 600, at a period of 10 transits."""
-    asked: list[int] = []
+    asked = []
 
-    def exponent(solver: object, twin: object, period: float, intervals: int) -> Exponent:
+    def exponent(solver, twin, period, intervals):
         asked.append(intervals)
         return Exponent(0.3, 0.1, intervals) if intervals == INTERVALS else Exponent(0.2, 0.05, intervals)
 
@@ -143,10 +141,10 @@ def test_an_exponent_is_held_against_that_of_a_longer_run(monkeypatch: pytest.Mo
     assert asked == [INTERVALS, 3 * INTERVALS]
 
 
-def test_the_truth_of_an_orbit_is_that_of_a_finer_mesh() -> None:
+def test_the_truth_of_an_orbit_is_that_of_a_finer_mesh():
     """The error of an orbit to 1e-4 against a mesh three times finer is that against Newton's method to 1e-11."""
     scene = random_scene("alike", "delay", np.random.default_rng(4))
-    drawn: Any = SimpleNamespace(random=lambda: 0.9, uniform=lambda *limits: -4.0)
+    drawn = SimpleNamespace(random=lambda: 0.9, uniform=lambda *limits: -4.0)
     coarse, fine = (find_orbit("delay", scene, tolerance).found.orbit.values() for tolerance in (1e-4, 1e-11))
     held = repeating.of_orbit("delay", scene, drawn)
     assert max(one.error for one in held) > 1e-9
@@ -154,13 +152,13 @@ def test_the_truth_of_an_orbit_is_that_of_a_finer_mesh() -> None:
         assert one.error == pytest.approx(abs(coarse[one.figure] / fine[one.figure] - 1.0), rel=0.05, abs=2e-12)
 
 
-def test_a_layered_slab_is_not_taken_for_resolved_by_its_coarsest_grid() -> None:
+def test_a_layered_slab_is_not_taken_for_resolved_by_its_coarsest_grid():
     """In this one sbp:6 with 16 cells and with 24 is one grid, of 16 in each layer: its error was stated 47 times too small."""
     [held] = computation("chosen grids", 38)
     assert 0.0 < held.error <= held.bar < 1e-5
 
 
-def test_a_definition_is_what_is_done_not_where_it_comes_from(tmp_path: Path) -> None:
+def test_a_definition_is_what_is_done_not_where_it_comes_from(tmp_path):
     said = []
     for name, text in {
         "first": '"""One."""\nfrom a import b\n\n\ndef f():\n    """Two."""\n    return b(1)\n',

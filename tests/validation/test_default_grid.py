@@ -1,7 +1,5 @@
 """The error told for a default grid: that of the march that ran, against the same march on two thirds of the cells."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -25,7 +23,7 @@ SCENE = sw.read("paper", {"drive.velocity": 2000, "run.until": 9.0})
         ("sbp:4", {"cfl": 0.4, "time": "explicit"}),
     ],
 )
-def test_the_estimate_is_that_of_the_march_that_ran(model: str, options: dict[str, Any]) -> None:
+def test_the_estimate_is_that_of_the_march_that_ran(model, options):
     grid = sw.run(SCENE, model, **options).summary["grid"]
     fine = build(model, SCENE, **options)
     assert (grid["cells"], grid["step"]) == (fine.cells, fine.step)  # type: ignore[attr-defined]
@@ -36,7 +34,7 @@ def test_the_estimate_is_that_of_the_march_that_ran(model: str, options: dict[st
     assert grid["error_estimate"] == pytest.approx(1.5 * np.abs((now - before) / now).max(), rel=1e-6, abs=2e-11)
 
 
-def test_a_grid_that_cannot_be_coarser_is_judged_by_a_finer_one() -> None:
+def test_a_grid_that_cannot_be_coarser_is_judged_by_a_finer_one():
     """Layers of 16 cells, the fewest of `sbp:6`, are the same with fewer cells asked for: that difference is none."""
     layers = [{"fraction": 0.5, "impedance": 1.0}, {"fraction": 0.5, "impedance": 1.5}]
     layered = sw.read("paper", {"drive.velocity": 2000, "run.until": 15.0, "slab.layers": layers})

@@ -6,7 +6,6 @@ or an expression of constants, that it must equal. In a help text every number m
 
 import re
 from importlib import import_module
-from typing import Any
 
 import pytest
 
@@ -31,17 +30,17 @@ RANGES = {"--cfl": {0.0, 1.0}}
 """Whose ends are refused or taken in `tests/fullwave`."""
 
 
-def value(expression: str) -> float:
+def value(expression):
     """Of constants by their full names, and what is computed from them."""
 
-    def constant(name: re.Match[str]) -> str:
+    def constant(name):
         module, _, attribute = name[0].rpartition(".")
         return repr(getattr(import_module(module), attribute))
 
     return float(eval(re.sub(r"[a-z]\w*(?:\.\w+)+", constant, expression)))
 
 
-def number(text: str) -> float:
+def number(text):
     return WORDS[text] if text in WORDS else float(text)
 
 
@@ -49,13 +48,13 @@ PAGES = sorted(page for page in (ROOT / "docs").glob("*.md") if MARKED.search(pa
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_numbers_of_a_page_are_those_of_the_program(page: Any) -> None:
+def test_numbers_of_a_page_are_those_of_the_program(page):
     marked = MARKED.findall(page.read_text(encoding="utf-8"))
     assert [(text, name) for text, name in marked if number(text) != pytest.approx(value(name), rel=1e-12)] == []
 
 
-def test_numbers_of_help_texts_are_those_of_the_program() -> None:
-    commands: dict[str, Any] = {name: command_called(name) for name in COMMANDS}
+def test_numbers_of_help_texts_are_those_of_the_program():
+    commands = {name: command_called(name) for name in COMMANDS}
     told = {}
     for name, command in commands.items():
         for option in command.params:

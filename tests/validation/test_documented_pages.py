@@ -32,13 +32,13 @@ PAGES = (
 LONG = ("first-sample.md",)
 
 
-def steps(page: str) -> list[tuple[str, str, str]]:
+def steps(page):
     """(kind, content, words before) of every block."""
     words, *rest = BLOCK.split((ROOT / "docs" / page).read_text(encoding="utf-8"))
     return list(zip(rest[::3], rest[1::3], [words, *rest[2::3]], strict=False))
 
 
-def printed_by(kind: str, content: str, names: dict[str, object]) -> str:
+def printed_by(kind, content, names):
     """What the lines of a shell block, or a program, print."""
     out = io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out):
@@ -53,9 +53,9 @@ def printed_by(kind: str, content: str, names: dict[str, object]) -> str:
 
 
 @pytest.mark.parametrize("page", [*PAGES, *(pytest.param(page, marks=pytest.mark.slow) for page in LONG)])
-def test_a_page_does_what_it_says(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_page_does_what_it_says(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    names: dict[str, object] = {}
+    names = {}
     printed, shown = "", 0
     for kind, content, words in steps(page):
         if found := FILE.search(" ".join(words.split())):
@@ -69,12 +69,12 @@ def test_a_page_does_what_it_says(page: str, tmp_path: Path, monkeypatch: pytest
     assert shown
 
 
-def test_every_page_with_commands_is_followed() -> None:
+def test_every_page_with_commands_is_followed():
     pages = {path.name for path in (ROOT / "docs").glob("*.md") if "```sh\nslipwave" in path.read_text(encoding="utf-8")}
     assert pages - {"extending.md", "reading-the-report.md"} <= {*PAGES, *LONG}
 
 
-def test_the_machine_of_a_data_sheet_is_that_of_the_gallery() -> None:
+def test_the_machine_of_a_data_sheet_is_that_of_the_gallery():
     (table,) = [content for kind, content, _ in steps("testing-machine.md") if kind == "toml"]
     given = parse_toml(table)["upper"]["face"]
     assert slipwave.read("steel-on-pmma", {"upper.face": given}).upper == slipwave.read("steel-on-pmma").upper

@@ -4,19 +4,14 @@ import json
 import logging
 import math
 import tomllib
-from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 import slipwave as sw
-from slipwave.input import SceneSource
-from validation.results.branch import BranchResult
-from validation.results.result import Result
 
-FAST: dict[str, Any] = {"drive.velocity": 2000}
+FAST = {"drive.velocity": 2000}
 """Cycles of four transits, which repeat after 100."""
 
 
@@ -24,19 +19,19 @@ TIMED = ("wall_s", "figure", "conclusion")
 """Run times, what follows from them, and the name of the file that the command writes."""
 
 
-def without_times(summary: Any) -> Any:
+def without_times(summary):
     """All of a summary but run times."""
     if isinstance(summary, dict):
         return {key: without_times(value) for key, value in summary.items() if key not in TIMED}
     return [without_times(value) for value in summary] if isinstance(summary, list) else summary
 
 
-def same(got: Any, wanted: Any) -> bool:
+def same(got, wanted):
     """Whether two summaries are equal, without run times, through JSON."""
     return bool(json.loads(json.dumps(without_times(got))) == without_times(wanted))
 
 
-PAIRS: list[tuple[Callable[[], Result], str]] = [
+PAIRS = [
     (lambda: sw.run("paper", model="kelvin-voigt", until=200, **FAST), "run paper --model kelvin-voigt --until 200"),
     (lambda: sw.run("paper", "fd", cells=8, cfl=0.5, until=20, **FAST), "run paper --model fd --cells 8 --cfl 0.5 --until 20"),
     (lambda: sw.compare("paper", ["delay", "block8"], until=200, **FAST), "compare paper --models delay,block8 --until 200"),
@@ -46,9 +41,7 @@ PAIRS: list[tuple[Callable[[], Result], str]] = [
 
 
 @pytest.mark.parametrize(("work", "words"), PAIRS, ids=lambda value: value if isinstance(value, str) else "")
-def test_every_function_gives_the_json_of_its_command(
-    work: Callable[[], Result], words: str, answer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_every_function_gives_the_json_of_its_command(work, words, answer, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # compare draws a figure
     assert same(work().summary, answer(*words.split(), "--set", "drive.velocity=2000"))
 
@@ -63,23 +56,23 @@ def test_every_function_gives_the_json_of_its_command(
         {"r": 10**-2.3, "velocity": 50},
     ],
 )
-def test_changes_may_be_tables_or_dotted_keys(changes: dict[str, Any]) -> None:
+def test_changes_may_be_tables_or_dotted_keys(changes):
     scene = sw.read_scene("paper", **changes)
     assert scene.digest == sw.read("paper", ["slab.log10_r=-2.3", "drive.velocity=50"]).digest
     assert (scene.transit, scene.velocity) == (10.0**-2.3, 50.0)
 
 
-def test_a_scene_may_be_a_name_a_file_a_dictionary_or_another_scene(tmp_path: Path) -> None:
+def test_a_scene_may_be_a_name_a_file_a_dictionary_or_another_scene(tmp_path):
     text = Path(sw.__file__).parent.joinpath("gallery", "paper.toml").read_text()
     (tmp_path / "mine.toml").write_text(text)
     tables = dict(sw.read_scene("paper").tables or {})
-    sources: list[SceneSource] = ["paper", tmp_path / "mine.toml", tables, sw.read_scene("paper", **{"slab.log10_r": -2.0})]
+    sources = ["paper", tmp_path / "mine.toml", tables, sw.read_scene("paper", **{"slab.log10_r": -2.0})]
     digests = {sw.read_scene(source, **{"slab.log10_r": -2.6}).digest for source in sources}
     assert digests == {sw.read("paper", {"slab.log10_r": -2.6}).digest}
     assert sw.read_scene(sources[3]) is sources[3]
 
 
-def test_a_scene_of_a_program_has_no_keys_to_change() -> None:
+def test_a_scene_of_a_program_has_no_keys_to_change():
     from dataclasses import replace
 
     scene = replace(sw.read_scene("paper"), until=20.0)
@@ -111,17 +104,17 @@ def test_a_scene_of_a_program_has_no_keys_to_change() -> None:
         (lambda: sw.stability(), "^stability: missing a required argument: 'source'$"),
     ],
 )
-def test_wrong_input_is_a_scene_error(work: Any, told: str) -> None:
+def test_wrong_input_is_a_scene_error(work, told):
     with pytest.raises(sw.SceneError, match=told):
         work()
 
 
-def test_an_interrupt_hands_over_what_was_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interrupt_hands_over_what_was_computed(monkeypatch):
     from validation.branches import branch
 
     steps = branch.follow_branch
 
-    def interrupted(*arguments: Any) -> Any:
+    def interrupted(*arguments):
         march = steps(*arguments)
         yield next(march)
         yield next(march)
@@ -130,17 +123,17 @@ def test_an_interrupt_hands_over_what_was_computed(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(branch, "follow_branch", interrupted)
     with pytest.raises(KeyboardInterrupt, match="after 3 points") as caught:
         sw.branch("paper", "log10_r=-2.72:-2.68", "kelvin-voigt", tol=1e-4)
-    result: BranchResult = caught.value.result  # type: ignore[attr-defined]
+    result = caught.value.result  # type: ignore[attr-defined]
     assert len(result.summary["points"]) == 3
 
 
-def test_a_program_is_left_in_silence(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_program_is_left_in_silence(capsys, monkeypatch):
     monkeypatch.setattr(logging.getLogger("slipwave"), "handlers", [])  # without that of the command line
     sw.run("paper", until=20.0)
     assert capsys.readouterr() == ("", "")
 
 
-def test_a_result_shows_its_figures() -> None:
+def test_a_result_shows_its_figures():
     found = sw.run("paper", "kelvin-voigt", until=200, **FAST)
     period = found.summary["period"]["mean"]
     assert f"<RunResult: scene = paper, model = kelvin-voigt, until = 200, events = {found.summary['events']}" in repr(found)
@@ -150,12 +143,12 @@ def test_a_result_shows_its_figures() -> None:
 
 
 @pytest.fixture(scope="module")
-def turning() -> BranchResult:
+def turning():
     """From a Hopf point through two folds: 2.703 is passed once before and twice between them."""
     return sw.branch("paper", ("log10_r", -2.72, -2.6995), "kelvin-voigt", tol=1e-4, stop_at="LP")
 
 
-def test_a_branch_tells_its_points_and_special_points(turning: BranchResult) -> None:
+def test_a_branch_tells_its_points_and_special_points(turning):
     facts = turning.summary
     assert f"points = {len(facts['points'])}, special = HB at -2.69955; LP at -2.70021" in repr(turning)
     assert turning.special == facts["special"]
@@ -164,11 +157,10 @@ def test_a_branch_tells_its_points_and_special_points(turning: BranchResult) -> 
         turning.multipliers  # noqa: B018
 
 
-def test_the_orbit_of_a_special_point_is_neutral(turning: BranchResult) -> None:
+def test_the_orbit_of_a_special_point_is_neutral(turning):
     fold = turning.special[1]
     orbit = sw.orbit(fold)
-    assert (orbit.period, orbit.stable) == (fold.period, None)
-    assert orbit.multipliers.dtype == complex
+    assert ((orbit.period, orbit.stable), orbit.multipliers.dtype) == ((fold.period, None), complex)
     assert orbit.multipliers[0] == pytest.approx(1.0, abs=1e-2)
     assert orbit.error_estimate.period == pytest.approx(1e-4 * fold.period)
     assert sw.stability(turning.points[0]).log10_r_c == pytest.approx(-2.69955, abs=1e-5)
@@ -176,7 +168,7 @@ def test_the_orbit_of_a_special_point_is_neutral(turning: BranchResult) -> None:
         sw.orbit(turning.special[0])
 
 
-def test_points_of_a_branch_are_selected_by_its_parameter(turning: BranchResult) -> None:
+def test_points_of_a_branch_are_selected_by_its_parameter(turning):
     """The branch begins at the Hopf point and turns back at the fold: it passes values between them once, then once more."""
     data = turning.dataset
     values, periods = data["point_value"].values, data.period.values
@@ -189,7 +181,7 @@ def test_points_of_a_branch_are_selected_by_its_parameter(turning: BranchResult)
         data.sel(log10_r=-2.0)
 
 
-def test_the_names_of_the_door() -> None:
+def test_the_names_of_the_door():
     assert dir(sw) == sorted([*sw.__all__, "__version__"])
     assert sw.__version__ == version("slipwave")
     assert sw.scenes()["paper"].startswith("the paper's reference orbit")

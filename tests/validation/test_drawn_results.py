@@ -1,12 +1,9 @@
 """What the figures and datasets of results show: the numbers of the JSON, each under its own name and on its own axis."""
 
 import io
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.axes import Axes
 
 import slipwave as sw
 from validation.branches.branch import FollowedBranch
@@ -16,18 +13,17 @@ from validation.branches.points import BranchPoint, CurvePoint
 from validation.registry.choice import families
 from validation.results.branch import BranchOptions, BranchResult
 from validation.results.curve import CurveOptions, CurveResult
-from validation.results.result import Result
 
 PAPER = sw.read("paper")
 RANGES = Over(PAPER, "log10_r", -2.8, -2.6, lambda value: PAPER), Over(PAPER, "V", 90.0, 120.0, lambda value: PAPER)
 
 
-def values(axes: Axes) -> list[tuple[list[float], list[float]]]:
+def values(axes):
     """x and y of every line of a panel."""
     return [(np.asarray(line.get_xdata()).tolist(), np.asarray(line.get_ydata()).tolist()) for line in axes.get_lines()]
 
 
-def test_every_root_of_steady_sliding_lies_in_the_plane_where_the_json_has_it() -> None:
+def test_every_root_of_steady_sliding_lies_in_the_plane_where_the_json_has_it():
     found = sw.stability("unlike")
     real, imaginary = (list(part) for part in zip(*found.summary["leading_roots"], strict=True))
     assert max(np.abs(np.subtract(np.abs(real), np.abs(imaginary)))) > 1.0
@@ -38,7 +34,7 @@ def test_every_root_of_steady_sliding_lies_in_the_plane_where_the_json_has_it() 
         assert float(found.dataset[name]) == found.summary[name]
 
 
-def test_the_ranges_of_the_motion_are_drawn_in_both_units() -> None:
+def test_the_ranges_of_the_motion_are_drawn_in_both_units():
     """Each step of the reduction has an interval of its own or shares it."""
     found = sw.run("paper-si", "block8", until=100, interface=True, **{"drive.velocity": 2000})
     above, below = found.plot().axes
@@ -55,7 +51,7 @@ def test_the_ranges_of_the_motion_are_drawn_in_both_units() -> None:
         assert second() == pytest.approx([limit * size for limit in own()], rel=1e-12)
 
 
-def assert_table(found: Result, rows: list[dict[str, Any]]) -> None:
+def assert_table(found, rows):
     """The dataset has what the rows have, by their dotted keys; NaN where these have nothing."""
     for number, row in enumerate(rows):
         for name, value in leaves(row).items():
@@ -63,14 +59,14 @@ def assert_table(found: Result, rows: list[dict[str, Any]]) -> None:
             assert mine == value if value is not None else np.isnan(mine), name
 
 
-def leaves(row: Mapping[str, Any], above: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
+def leaves(row, above=""):
+    flat = {}
     for key, value in row.items():
         flat |= leaves(value, f"{above}{key}_") if isinstance(value, dict) else {f"{above}{key}": value}
     return flat
 
 
-def test_what_a_model_does_not_have_is_missing_in_the_table_of_compare() -> None:
+def test_what_a_model_does_not_have_is_missing_in_the_table_of_compare():
     found = sw.compare("paper", ["delay", "quasidynamic"], until=200, **{"drive.velocity": 2000, "slab.r": 2.2e-3})
     rows = found.summary["models"]
     assert [row["error"]["period"] for row in rows] == [0.0, None]
@@ -84,7 +80,7 @@ def test_what_a_model_does_not_have_is_missing_in_the_table_of_compare() -> None
     }
 
 
-def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypatch):
     chosen = [family for family in families() if family.name in ("block8", "kelvin-voigt", "delay")]
     monkeypatch.setattr("validation.results.bench.honouring", lambda _: chosen)
     found = sw.bench("paper", until=200, **{"drive.velocity": 2000})
@@ -103,13 +99,13 @@ def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypat
 
 
 @pytest.mark.filterwarnings("error")
-def orbits(count: int) -> list[tuple[float, ...]]:
+def orbits(count):
     """Parameter, period, both drops and extreme rates, all different."""
     rows = np.array([[-2.7, 50.0, 0.1, 0.2, 900.0, 20.0]]) * (1.0 + 0.01 * np.arange(count)[:, None])
     return [tuple(row) for row in rows.tolist()]
 
 
-def test_a_branch_shows_its_figures_and_where_stability_is_not_decided() -> None:
+def test_a_branch_shows_its_figures_and_where_stability_is_not_decided():
     decided = (True, False, None)
     points = [BranchPoint(*row, unstable, stable) for row, unstable, stable in zip(orbits(3), (0, 1, 0), decided, strict=True)]
     found = BranchResult(FollowedBranch(RANGES[0], "delay", 1e-6, points=points), BranchOptions(), 1.0)
@@ -122,7 +118,7 @@ def test_a_branch_shows_its_figures_and_where_stability_is_not_decided() -> None
         assert found.dataset[f"point_{name}"].values.tolist() == [getattr(point, name) for point in points]
 
 
-def test_a_curve_has_both_parameters_and_the_period_in_their_places() -> None:
+def test_a_curve_has_both_parameters_and_the_period_in_their_places():
     points = [CurvePoint(row[0], 100.0 + k, *row[1:], 1e-9, 1, 0, 0.6, 0.8) for k, row in enumerate(orbits(3))]
     found = CurveResult(Curve("NS", *RANGES, "delay", 1e-6, points=points), CurveOptions(), 1.0)
     first, second, period = ([getattr(point, name) for point in points] for name in ("first", "second", "period"))

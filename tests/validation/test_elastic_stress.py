@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 import slipwave
-from slipwave.observe import Pieces
-from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import GripFace, Layer, Slab, StandardLinearViscosity
 from slipwave.scene.start import Start, StartKind
@@ -22,7 +20,7 @@ THICK = Slab(3.0 * E, 1.7 * R)
 LAYERED = Slab(E, R, layers=(Layer(0.4, 1.0), Layer(0.6, 2.0)))
 
 
-def of(upper: Slab, lower: Slab, drive: Drive = PAPER.drive) -> Scene:
+def of(upper, lower, drive=PAPER.drive):
     return dataclasses.replace(PAPER, upper=upper, lower=lower, drive=drive)
 
 
@@ -40,28 +38,28 @@ RELAXED = (of(VISCOUS, THICK, RAMP), R / (1.6 * R / (2 * E) + 1.7 * R / (6 * E))
 class Slip:
     """Time and elastic stress at the ends of pieces, and the slip by Gauss's rule on each piece's own polynomial."""
 
-    def __init__(self, nodes: np.ndarray) -> None:
+    def __init__(self, nodes):
         points, weights = np.polynomial.legendre.leggauss(12)
         basis = np.linalg.inv(np.polynomial.legendre.legvander(2.0 * nodes - 1.0, nodes.size - 1))
         self.rows = np.polynomial.legendre.legvander(points, nodes.size - 1) @ basis
         self.weights = 0.5 * weights
         self.time, self.slip, self.elastic = [0.0], [0.0], [MU_SS]
 
-    def scan(self, pieces: Pieces) -> None:
+    def scan(self, pieces):
         for time, length, z, elastic in zip(pieces.time, pieces.length, pieces.z, pieces.y, strict=True):
             self.time.append(time + length)
             self.slip.append(self.slip[-1] + length * self.weights @ np.exp(self.rows @ z))
             self.elastic.append(elastic[-1])
 
 
-def driven(drive: Drive, time: float) -> float:
+def driven(drive, time):
     """What the drive has moved by `time`: trapezoids between its knots."""
     knots = [0.0, *(t for t in drive.times if 0.0 < t < time), time]
     rates = np.interp(knots, drive.times, drive.velocities)
     return float(np.trapezoid(rates, knots))
 
 
-def apart(chosen: Scene, stiffness: float, model: str, **options: int | str) -> float:
+def apart(chosen, stiffness, model, **options):
     """Largest difference between y and mu_ss + K (drive - slip), relative to how far y moves."""
     solver = build(model, chosen, **options)
     watch = Slip(solver.nodes)

@@ -2,14 +2,7 @@ import numpy as np
 import pytest
 
 import slipwave
-from validation.studies.error_laws import (
-    MODELS,
-    CycleErrors,
-    _cycle_verdict,
-    _onset_verdicts,
-    measure_cycle,
-    measure_onsets,
-)
+from validation.studies.error_laws import MODELS, CycleErrors, _cycle_verdict, _onset_verdicts, measure_cycle, measure_onsets
 from validation.study import Outcome
 
 

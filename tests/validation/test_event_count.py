@@ -1,7 +1,5 @@
 """The number of slip events belongs to the physics: neither model, tolerance nor grid may change it."""
 
-from typing import Any
-
 import pytest
 
 import slipwave
@@ -26,7 +24,7 @@ BRIEF_STICKS = ["drive.velocity=1e4"]
         ("fd", {"cells": 150}),
     ],
 )
-def test_brief_sticks_are_counted_alike(model: str, options: dict[str, Any]) -> None:
+def test_brief_sticks_are_counted_alike(model, options):
     chosen = slipwave.read("paper", BRIEF_STICKS)
     solver = build(model, chosen, **options)
     watch = EventObserver(chosen, solver.nodes)
@@ -35,10 +33,10 @@ def test_brief_sticks_are_counted_alike(model: str, options: dict[str, Any]) -> 
 
 
 @pytest.mark.parametrize(("name", "count"), [("paper", 8), ("paper-2.3", 5), ("unlike", 11), ("reflection", 9), ("slip-law", 8)])
-def test_other_scenes_keep_their_count(name: str, count: int) -> None:
+def test_other_scenes_keep_their_count(name, count):
     chosen = slipwave.read(name)
     counts = []
-    settings: list[tuple[str, dict[str, Any]]] = [("delay", {}), ("delay", {"tolerance": 1e-6}), ("fd", {"cells": 64})]
+    settings = [("delay", {}), ("delay", {"tolerance": 1e-6}), ("fd", {"cells": 64})]
     for model, options in settings:
         solver = build(model, chosen, **options)
         watch = EventObserver(chosen, solver.nodes)

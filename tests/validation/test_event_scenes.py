@@ -1,13 +1,10 @@
 """Slip events and verdicts of scenes that a detector by V, by round trips or by the history of events gets wrong."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 
 import slipwave
 from slipwave.observe import EventObserver
-from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.registry.build import build
 
@@ -22,14 +19,14 @@ LAYERS = [
 """Unlike slabs, the upper one layered: every third cycle has a precursor in which v crosses V and sticks again."""
 
 
-def watch(chosen: Scene, until: float, model: str = "delay", **options: Any) -> EventObserver:
+def watch(chosen, until, model="delay", **options):
     solver = build(model, chosen, **options)
     observer = EventObserver(solver.scene, solver.nodes)
     follow(solver, until, [observer])
     return observer
 
 
-def test_a_drive_that_came_up_from_one_hundredth_has_the_events_of_the_same_drive_without() -> None:
+def test_a_drive_that_came_up_from_one_hundredth_has_the_events_of_the_same_drive_without():
     ramped, plain = (watch(slipwave.read("paper", settings), 8000.0) for settings in (["drive.velocity=[[0,1],[10,100]]"], []))
     assert plain.count == 111
     assert ramped.count == 108
@@ -38,7 +35,7 @@ def test_a_drive_that_came_up_from_one_hundredth_has_the_events_of_the_same_driv
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
-def test_precursors_are_no_events(tolerance: float) -> None:
+def test_precursors_are_no_events(tolerance):
     """A chaotic scene: the runs part, the statistics do not."""
     observer = watch(slipwave.read("unlike", LAYERS), 4000.0, tolerance=tolerance)
     cycles = observer.events(2000.0)
@@ -61,7 +58,7 @@ GRANITE = [
 again. Counted by these crossings, 110 events in 9000 transits have periods of 69 +- 162 transits."""
 
 
-def test_ringing_of_granite_is_no_event(answer) -> None:
+def test_ringing_of_granite_is_no_event(answer):
     run = answer("run", "rock", "--model", "kelvin-voigt", "--set", *GRANITE, "--until", "17000")
     assert run["events"] == pytest.approx(36, abs=2)  # 35 to 37 with nodes that differ by rounding
     assert run["verdict"] == "irregular"
@@ -70,7 +67,7 @@ def test_ringing_of_granite_is_no_event(answer) -> None:
     assert run["elastic_stress_drop"]["mean"] == pytest.approx(0.0783, rel=0.05)
 
 
-def test_a_hold_and_a_reload() -> None:
+def test_a_hold_and_a_reload():
     """Stick-slip, V = 0 for 500 transits, stick-slip again: the hold has no event, and the first one after it is larger."""
     held = slipwave.read("paper", ["drive.velocity=[[0,100],[2000,100],[2001,0],[2500,0],[2501,100]]"])
     dates = watch(held, 4000.0).dates()
@@ -103,7 +100,7 @@ REAL = [
 
 
 @pytest.mark.parametrize(("words", "verdict", "multiplicity"), REAL, ids=[" ".join(words) for words, _, _ in REAL])
-def test_verdicts_of_runs(words: list[str], verdict: str, multiplicity: int | None, answer) -> None:
+def test_verdicts_of_runs(words, verdict, multiplicity, answer):
     run = answer("run", *words)
     assert (run["verdict"], run["multiplicity"]) == (verdict, multiplicity)
     figures = [run[name][part] for name in ("period", "stress_drop", "elastic_stress_drop") for part in ("mean", "std")]

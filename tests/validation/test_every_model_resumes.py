@@ -1,7 +1,5 @@
 """A run resumed from a checkpoint equals the uninterrupted one to the bit: every model, and every march of the delay system."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -13,7 +11,7 @@ from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.system import delay_system
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver
-from slipwave.solve import Solver, follow
+from slipwave.solve import follow
 from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
 from validation.registry.build import build
 from validation.registry.families import FAMILIES
@@ -43,24 +41,24 @@ CASES += [("delay", scene) for scene in SCENES if scene not in ("paper", "ramp",
 LENGTH = {"break points": 20.0}  # transits of this run, which looks back at each arrival of the jump
 
 
-def solver_of(model: str, name: str) -> Solver:
+def solver_of(model, name):
     gallery, changes = SCENES[name]
     model, _, time = model.partition(" ")
     return build(model, slipwave.read(gallery, changes), time=time or None)
 
 
-def watched(solver: Solver) -> dict[str, EventObserver | HistoryObserver]:
+def watched(solver):
     return {"events": EventObserver(solver.scene, solver.nodes), "history": HistoryObserver(solver.scene.law, solver.nodes)}
 
 
-def assert_same_bits(ours: dict[str, np.ndarray], theirs: dict[str, np.ndarray]) -> None:
+def assert_same_bits(ours, theirs):
     assert ours.keys() == theirs.keys()
     for name, array in ours.items():
         assert array.tobytes() == theirs[name].tobytes(), name
 
 
 @pytest.mark.parametrize(("model", "name"), CASES)
-def test_a_resumed_run_equals_the_uninterrupted_one(tmp_path: Path, model: str, name: str) -> None:
+def test_a_resumed_run_equals_the_uninterrupted_one(tmp_path, model, name):
     """Stopped within a step and within the ramp."""
     end = LENGTH.get(name, 90.0)
     mark = 0.36 * end
@@ -77,7 +75,7 @@ def test_a_resumed_run_equals_the_uninterrupted_one(tmp_path: Path, model: str, 
         assert_same_bits(observer.state(), kept[label].state())
 
 
-def test_the_cases_reach_every_march_of_the_delay_system() -> None:
+def test_the_cases_reach_every_march_of_the_delay_system():
     kinds = [type(delay_system(slipwave.read(*scene))) for scene in SCENES.values()]
     assert kinds == [LeapingDelay] * 3 + [LeapingNetwork, DelayBreaks, LeapingNetwork, LeapingNetwork, DelayBreaks]
 
@@ -86,7 +84,7 @@ def test_the_cases_reach_every_march_of_the_delay_system() -> None:
     ("model", "name"),
     [("delay", scene) for scene in SCENES] + [("modal:2", "paper"), ("block8", "ramp"), ("dg:7 exact", "unlike")],
 )
-def test_a_state_that_does_not_fit_is_refused_and_changes_nothing(model: str, name: str) -> None:
+def test_a_state_that_does_not_fit_is_refused_and_changes_nothing(model, name):
     solver, other = solver_of(model, name), solver_of(model, name)
     follow(solver, 30.2)
     follow(other, 31.7)
@@ -104,13 +102,13 @@ def test_a_state_that_does_not_fit_is_refused_and_changes_nothing(model: str, na
     assert follow(solver, 40.0) == follow(other, 40.0)
 
 
-def refining(emit: bool) -> Delay:
+def refining(emit):
     """Three steps a transit are too few from the first event on."""
     return Delay(slipwave.read("paper", ["slab.log10_r=-2.3", *JUMP]), steps=3, emit=emit)
 
 
 @pytest.mark.parametrize("emit", [True, False])
-def test_steps_that_become_too_long_after_a_restart_are_refined_as_without_it(emit: bool) -> None:
+def test_steps_that_become_too_long_after_a_restart_are_refined_as_without_it(emit):
     straight, first, resumed = refining(emit), refining(emit), refining(emit)
     follow(first, 1.5)
     before = first.steps
@@ -120,7 +118,7 @@ def test_steps_that_become_too_long_after_a_restart_are_refined_as_without_it(em
     assert_same_bits(resumed.state(), straight.state())
 
 
-def test_a_march_to_its_end_begins_again_where_it_was_set(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_march_to_its_end_begins_again_where_it_was_set(monkeypatch):
     """State at t = 100 of a march that shows everything, put into one that shows its end only and must refine: it would begin at
     t = 0 again, in steady sliding."""
     monkeypatch.setattr("reduced.delay.alike.end_resolution", lambda tolerance: 1e-9)

@@ -1,9 +1,8 @@
 """Every option of the command line reaches the function of the door under its own name, and from there the solver."""
 
 import importlib
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
 import pytest
 
@@ -16,30 +15,25 @@ from validation.results.options import options_of
 SETTINGS = " --set slab.r=0.002 drive.velocity=50"
 
 
-def test_every_argument_and_option_says_what_it_is_for() -> None:
-    commands: dict[str, Any] = {name: command_called(name) for name in COMMANDS}
+def test_every_argument_and_option_says_what_it_is_for():
+    commands = {name: command_called(name) for name in COMMANDS}
     silent = [f"{name} {one.name}" for name, command in commands.items() for one in command.params if not one.help]
     assert not silent
     assert all(command.help and "slipwave " in command.epilog for command in commands.values())
 
 
-SAMPLES: dict[Any, tuple[str, Any]] = {
-    int: ("5", 5),
-    float: ("0.005", 0.005),
-    str: ("1.5:2.5", "1.5:2.5"),
-    Path: ("c.nc", Path("c.nc")),
-}
+SAMPLES = {int: ("5", 5), float: ("0.005", 0.005), str: ("1.5:2.5", "1.5:2.5"), Path: ("c.nc", Path("c.nc"))}
 
 
 @pytest.fixture
-def computed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[str], Any]:
+def computed(monkeypatch, tmp_path):
     """The options with which a command computes."""
     monkeypatch.chdir(tmp_path)
 
-    def of(words: str) -> Any:
+    def of(words):
         seen = []
 
-        def keep(source: str, options: Any) -> None:
+        def keep(source, options):
             seen.append((source, options))
             raise SceneError("called")
 
@@ -54,8 +48,8 @@ def computed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[[str],
 
 
 @pytest.mark.parametrize("name", ["run", "stability", "compare", "bench", "orbit", "branch", "curve"])
-def test_every_declared_option_arrives_under_its_own_name(name: str, computed: Callable[[str], Any]) -> None:
-    wanted: dict[str, Any] = {"settings": ["slab.r=0.002", "drive.velocity=50"]}
+def test_every_declared_option_arrives_under_its_own_name(name, computed):
+    wanted = {"settings": ["slab.r=0.002", "drive.velocity=50"]}
     words = [name, "paper", *SETTINGS.split()]
     for one in options_of(getattr(sw, name).__wrapped__.__annotations__["options"]).values():
         kinds = {one.hint, *get_args(one.hint)}
@@ -81,17 +75,17 @@ def test_every_declared_option_arrives_under_its_own_name(name: str, computed: C
         ("--out a.nc --series a.csv", True, None),
     ],
 )
-def test_a_run_keeps_what_its_files_need(words: str, interface: bool | None, fields: bool | None, computed: Any) -> None:
+def test_a_run_keeps_what_its_files_need(words, interface, fields, computed):
     """In a file of results, what the scene records."""
     given = computed(f"run paper {words}")[1]
     assert (given.interface, given.fields, given.samples is not None) == (interface, fields, "--out" in words)
 
 
 @pytest.mark.parametrize(("command", "builder"), [("run", "prepare"), ("compare", "build_all")])
-def test_numerical_options_reach_the_solver(command: str, builder: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    called: dict[str, Any] = {}
+def test_numerical_options_reach_the_solver(command, builder, monkeypatch):
+    called = {}
 
-    def keep(*arguments: Any, **options: Any) -> None:
+    def keep(*arguments, **options):
         called.update(options)
         raise SceneError("called")
 

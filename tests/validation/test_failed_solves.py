@@ -1,7 +1,6 @@
 """A solve that did not converge ends the run with exit status 3: what came before is kept, what came after is not used."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +8,7 @@ import pytest
 import slipwave
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array, Pieces
-from slipwave.solve import Energy, Solver, follow
+from slipwave.solve import follow
 from validation.cli import NUMERICS_FAILED, main
 from validation.measure.settle import settle
 from validation.registry.build import build
@@ -32,33 +31,33 @@ STOPPED = [
 class Failing:
     """Steady sliding in pieces of one transit; the solve at t = 7.25 fails."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.scene, self.model, self.nodes = slipwave.read("paper"), "failing", np.linspace(0.0, 1.0, 5)
         self.time, self.failures, self.failed_at = 0.0, 0, np.nan
         self.seconds_per_piece, self.transits_per_piece = 0.0, np.nan
 
-    def advance(self, until: float) -> Pieces:
+    def advance(self, until):
         begin, self.time = self.time, self.time + 5.0
         if self.time > 7.25:
             self.failures, self.failed_at = 3, 7.25
         steady = np.full((5, self.nodes.size), np.log(100.0))
         return Pieces(begin + np.arange(5.0), np.ones(5), steady, -steady, steady, steady)
 
-    def energy(self) -> Energy | None:
+    def energy(self):
         return None
 
 
 class Reach:
     """Remembers how far it was fed."""
 
-    def __init__(self) -> None:
+    def __init__(self):
         self.ends: Array = np.empty(0)
 
-    def scan(self, pieces: Pieces) -> None:
+    def scan(self, pieces):
         self.ends = np.append(self.ends, pieces.time + pieces.length)
 
 
-def test_observers_see_what_came_before_the_first_failed_solve() -> None:
+def test_observers_see_what_came_before_the_first_failed_solve():
     reach, solver = Reach(), Failing()
     with pytest.raises(NumericsError, match=r"failing: 3 solves .* by t = 10 transits, the first at t = 7.25.*digest"):
         follow(solver, 100.0, [reach])
@@ -66,7 +65,7 @@ def test_observers_see_what_came_before_the_first_failed_solve() -> None:
     assert solver.time == 10.0
 
 
-def test_run_prints_what_it_has_and_ends_with_status_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_run_prints_what_it_has_and_ends_with_status_3(tmp_path, capsys):
     assert main(["run", "paper", *COARSE, "--model", "fd", "--cells", "64", "--json"]) == NUMERICS_FAILED
     text, err = capsys.readouterr()
     result = json.loads(text)
@@ -78,7 +77,7 @@ def test_run_prints_what_it_has_and_ends_with_status_3(tmp_path: Path, capsys: p
     assert 0.5 < first < 2.0  # rounding grows by 35 nepers a transit: the first event comes at ln(10^16)/35
 
 
-def test_compare_prints_every_row_and_ends_with_status_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_compare_prints_every_row_and_ends_with_status_3(tmp_path, capsys):
     out = tmp_path / "both.png"
     words = ["compare", "paper", *COARSE, "--models", "sbp:2,fd", "--cells", "64", "--out", str(out), "--json"]
     assert main(words) == NUMERICS_FAILED
@@ -90,13 +89,13 @@ def test_compare_prints_every_row_and_ends_with_status_3(tmp_path: Path, capsys:
     assert rows["fd"]["failed"] in err
 
 
-def test_no_orbit_is_made_of_failed_solves() -> None:
-    solver: Solver = build("fd", slipwave.read("paper", ["slab.r=1"]), cells=64)
+def test_no_orbit_is_made_of_failed_solves():
+    solver = build("fd", slipwave.read("paper", ["slab.r=1"]), cells=64)
     with pytest.raises(NumericsError, match="did not converge"):
         settle(solver)
 
 
-def test_the_leapfrog_comes_to_rest_with_the_others() -> None:
+def test_the_leapfrog_comes_to_rest_with_the_others():
     """It ended at psi = -121 with two failed solves: the extrapolated start of a solve lay hundreds away from the root."""
     scene = slipwave.read("paper", STOPPED)
     ours = follow(build("fd", scene), 40.0).psi

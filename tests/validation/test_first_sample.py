@@ -10,7 +10,7 @@ LONG_MEAN, ITS_MARGIN = 463.0, 0.2
 
 
 @pytest.mark.slow
-def test_granite_has_its_period_and_its_stress_drop_without_any_option() -> None:
+def test_granite_has_its_period_and_its_stress_drop_without_any_option():
     """The cycles are irregular, so that each machine finds its own: the mean holds within its margin (here twice that, so that
     it does on any machine). The first cycles are a transient with a mean of 431 s."""
     summary = slipwave.run(GRANITE).summary

@@ -2,7 +2,6 @@
 
 import json
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -11,7 +10,6 @@ from fullwave.finite_difference import Leapfrog
 from fullwave.lines.march import MethodOfLines
 from reduced.delay.march import DelayMarch
 from slipwave.errors import SceneError
-from slipwave.family import Family
 from slipwave.solve.follow import DAY, require_time
 from validation.cli import INPUT_WRONG, main
 from validation.registry.build import build
@@ -20,7 +18,7 @@ from validation.run.simulate import simulate
 
 
 @pytest.mark.parametrize("family", GRIDS, ids=lambda family: family.name)
-def test_a_run_of_a_day_goes_and_a_longer_one_does_not(family: Family, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_of_a_day_goes_and_a_longer_one_does_not(family, monkeypatch):
     march = explicit_time(family.example)
     solver = build(family.example, slipwave.read("paper"), time=march)
     pieces = 4000.0 / solver.advance(1e-6).length[0]  # type: ignore[attr-defined]
@@ -35,7 +33,7 @@ def test_a_run_of_a_day_goes_and_a_longer_one_does_not(family: Family, monkeypat
 
 
 @pytest.mark.parametrize("model", ["delay", "block8"])
-def test_a_march_whose_steps_adapt_is_judged_by_those_it_took(model: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_march_whose_steps_adapt_is_judged_by_those_it_took(model, monkeypatch):
     paper = slipwave.read("paper")
     solver = build(model, paper)
     with monkeypatch.context() as slow:
@@ -46,7 +44,7 @@ def test_a_march_whose_steps_adapt_is_judged_by_those_it_took(model: str, monkey
     simulate(build(model, paper), 3000.0)
 
 
-def test_the_way_to_an_orbit_is_shown_and_judged(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_way_to_an_orbit_is_shown_and_judged(monkeypatch, capsys):
     monkeypatch.setattr("validation.run.progress.PATIENCE", -1.0)
     monkeypatch.setattr("validation.run.progress._LINE_INTERVAL", -1.0)
     words = ["run", "paper", "--model", "delay", "--until", "20", "--set", "start.kind=orbit"]
@@ -66,7 +64,7 @@ def test_the_way_to_an_orbit_is_shown_and_judged(monkeypatch: pytest.MonkeyPatch
     ],
     ids=lambda words: words[0],
 )
-def test_yes_runs_it_all_the_same(words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, printed, refused) -> None:
+def test_yes_runs_it_all_the_same(words, tmp_path, monkeypatch, printed, refused):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(Leapfrog, "seconds_per_piece", DAY)
     words = [*words, "--until", "30", "--json"]
@@ -86,5 +84,5 @@ def test_yes_runs_it_all_the_same(words: list[str], tmp_path: Path, monkeypatch:
         (["--model", "dg", "--tol", "1e-6", "--cfl", "1e-9"], "model dg:6: 400 transits would take about"),
     ],
 )
-def test_what_was_endless_is_refused(words: list[str], told: str, refused) -> None:
+def test_what_was_endless_is_refused(words, told, refused):
     assert told in refused("run", "paper", *words)

@@ -26,7 +26,7 @@ INTERFACE = ["--set", 'run.record=["events","interface"]']
     ],
     ids=lambda value: value if isinstance(value, str) else value[0],
 )
-def test_what_was_computed_is_printed_and_nothing_half_written(tmp_path: Path, words: list[str], file: str) -> None:
+def test_what_was_computed_is_printed_and_nothing_half_written(tmp_path, words, file):
     done = on_small_disk([*words, "--json"], 4000, tmp_path)
     assert done.returncode == INPUT_WRONG, done.stderr
     assert json.loads(done.stdout)["until"] in (110.0, 400.0)
@@ -42,7 +42,7 @@ def test_what_was_computed_is_printed_and_nothing_half_written(tmp_path: Path, w
 @pytest.mark.parametrize(
     "words", [["scenes"], ["--help"], ["stability", "paper"], ["run", "paper", "--until", "50", "--out", "x.nc"]]
 )
-def test_a_stdout_that_takes_nothing_is_one_line(tmp_path: Path, words: list[str]) -> None:
+def test_a_stdout_that_takes_nothing_is_one_line(tmp_path, words):
     with FULL.open("w") as full:
         done = subprocess.run(
             [sys.executable, "-m", "validation.cli", *words], cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, text=True

@@ -18,7 +18,7 @@ GRANITE = UNITS | {
 }
 
 
-def test_a_scene_in_si_has_thickness_wave_speed_impedance_and_one_transit() -> None:
+def test_a_scene_in_si_has_thickness_wave_speed_impedance_and_one_transit():
     lines = header(slipwave.read("rock", GRANITE))
     speed = math.sqrt(3e10 / 2700)
     assert lines[2:] == [
@@ -28,7 +28,7 @@ def test_a_scene_in_si_has_thickness_wave_speed_impedance_and_one_transit() -> N
     ]
 
 
-def test_unlike_slabs_in_si_have_a_round_trip_each() -> None:
+def test_unlike_slabs_in_si_have_a_round_trip_each():
     upper = {key.partition(".")[2]: value for key, value in GRANITE.items() if key.startswith("slab.")}
     tables = {key: value for key, value in (slipwave.read("rock", GRANITE).tables or {}).items() if key != "slab"}
     scene = slipwave.read({**tables, "upper": upper, "lower": upper | {"thickness": "5 m"}})
@@ -62,19 +62,17 @@ def test_unlike_slabs_in_si_have_a_round_trip_each() -> None:
         ),
     ],
 )
-def test_faces_viscosity_and_layers_are_shown_with_their_values(name: str, changes: dict[str, object], line: str) -> None:
+def test_faces_viscosity_and_layers_are_shown_with_their_values(name, changes, line):
     (found,) = (shown for shown in header(slipwave.read(name, changes)) if shown.startswith(line[:10]) and "epsilon" not in shown)
     assert found.startswith(line)
 
 
-def test_a_drive_that_changes_says_so() -> None:
+def test_a_drive_that_changes_says_so():
     assert ", V = 100 at first, then 3 knots up to t = 1500 transits, " in header(slipwave.read("ramp"))[0]
 
 
 @pytest.mark.parametrize("command", ["run --until 1", "stability", "compare --models quasidynamic --until 1"])
-def test_a_doubt_is_a_note_on_stderr_and_in_the_json(
-    command: str, capsys: pytest.CaptureFixture[str], tmp_path: object, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_doubt_is_a_note_on_stderr_and_in_the_json(command, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(str(tmp_path))
     name, *options = command.split()
     words = [name, "paper-si", *options, "--set", "slab.shear_modulus=30", "--set", "slab.density=30 g/cm3", "--json"]

@@ -1,7 +1,6 @@
 """The interface's history is written as the run goes on: the same numbers, in bounded memory, across checkpoints."""
 
 import tracemalloc
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,13 +21,13 @@ NODES = np.linspace(0.0, 1.0, 5)
 INTERFACE = ["--set", 'run.record=["events","interface"]']
 
 
-def pieces(first: int, count: int = 400) -> Pieces:
+def pieces(first, count=400):
     rng = np.random.default_rng(first)
     columns = [rng.normal(size=(count, NODES.size)) for _ in range(4)]
     return Pieces(first + np.arange(count) / count, np.full(count, 1.0 / count), *columns)
 
 
-def test_memory_does_not_grow_with_the_run(tmp_path: Path) -> None:
+def test_memory_does_not_grow_with_the_run(tmp_path):
     """A run of 1.2 million samples, 48 MB, read back as well."""
     history = HistoryFile(PAPER.law, NODES, tmp_path / "x.samples", 600.0)
     chunks = [pieces(first) for first in range(3)]
@@ -45,7 +44,7 @@ def test_memory_does_not_grow_with_the_run(tmp_path: Path) -> None:
     assert peak < 12e6
 
 
-def test_what_comes_back_is_what_went_in(tmp_path: Path) -> None:
+def test_what_comes_back_is_what_went_in(tmp_path):
     history, kept = HistoryFile(PAPER.law, NODES, tmp_path / "x", 9.0), HistoryObserver(PAPER.law, NODES)
     for first in range(30):
         history.scan(pieces(first))
@@ -58,9 +57,7 @@ def test_what_comes_back_is_what_went_in(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("until", "seen"), [(1e5, 1001), (np.inf, 1251)])
-def test_more_than_a_quarter_of_the_memory_is_refused_early(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, until: float, seen: int
-) -> None:
+def test_more_than_a_quarter_of_the_memory_is_refused_early(tmp_path, monkeypatch, until, seen):
     """Of 8 GB after 1 %, of a run without a known end when 0.1 GB are there; one sample in ten is not too much."""
     monkeypatch.setattr("validation.run.history_file._memory", lambda: 4 * (7.9e9 if np.isfinite(until) else 0.09e9))
     history, thin = (HistoryFile(PAPER.law, NODES, tmp_path / f"{every}", until, kept=Kept(every)) for every in (1, 10))
@@ -76,9 +73,7 @@ def test_more_than_a_quarter_of_the_memory_is_refused_early(
 
 
 @pytest.mark.parametrize("block", [997, 50_000])
-def test_the_file_of_a_run_holds_the_solvers_own_samples(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, block: int
-) -> None:
+def test_the_file_of_a_run_holds_the_solvers_own_samples(tmp_path, capsys, monkeypatch, block):
     """Written in several blocks and in one."""
     monkeypatch.setattr("validation.run.history_file._BLOCK", block)
     out = tmp_path / "x.nc"
@@ -90,17 +85,13 @@ def test_the_file_of_a_run_holds_the_solvers_own_samples(
     with xarray.open_dataset(out) as data:
         for name, values in history.columns().items():
             assert np.array_equal(data[stored_name(name)].values, values)
-        assert data["interface_stress"].attrs == {
-            "long_name": "friction stress mu",
-            "units": "1",
-            "in_units_of": "normal stress",
-        }
+        assert data["interface_stress"].attrs == {"long_name": "friction stress mu", "units": "1", "in_units_of": "normal stress"}
     assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
 
 
 @pytest.mark.parametrize("every", [1, 2, 3, 7])
 @pytest.mark.parametrize("window", [(0.0, np.inf), (1.3, 3.6)])
-def test_thinned_samples_go_on_where_they_stopped(tmp_path: Path, every: int, window: tuple[float, float]) -> None:
+def test_thinned_samples_go_on_where_they_stopped(tmp_path, every, window):
     """The checkpoint lies after any part of a run: before, within or after the window."""
     parts = [pieces(first, 100 + first) for first in range(5)]
     kept = Kept(every, *window)
@@ -122,7 +113,7 @@ def test_thinned_samples_go_on_where_they_stopped(tmp_path: Path, every: int, wi
     whole.close()
 
 
-def test_full_detail_inside_a_window_and_leaps_outside() -> None:
+def test_full_detail_inside_a_window_and_leaps_outside():
     """Of granite: no leap begins, ends or lies in the window."""
     found = slipwave.run(GRANITE, until=30_000, window=(20_000.25, 20_060.5), tol=1e-6)
     plain = slipwave.run(GRANITE, until=30_000, tol=1e-6)

@@ -2,7 +2,6 @@
 
 import json
 import re
-from pathlib import Path
 
 import pytest
 import xarray
@@ -11,14 +10,14 @@ from hooked_process import interrupted
 from validation.cli import INTERRUPTED
 
 
-def told(err: str, until: str) -> tuple[float, str]:
+def told(err, until):
     """When the run was interrupted, and how it can go on, from the last line of stderr."""
     found = re.fullmatch(rf"slipwave: interrupted at t = (\S+) of {until} transits; (.*)", err.splitlines()[-1])
     assert found is not None, err
     return float(found[1]), found[2]
 
 
-def test_a_run_without_checkpoints_keeps_what_it_has(tmp_path: Path) -> None:
+def test_a_run_without_checkpoints_keeps_what_it_has(tmp_path):
     words = ["run", "paper", "--model", "delay", "--until", "40000", "--json", "--out", "x.nc"]
     done = interrupted(words, 2000.0, tmp_path)
     assert done.returncode == INTERRUPTED
@@ -35,7 +34,7 @@ def test_a_run_without_checkpoints_keeps_what_it_has(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
 
 
-def test_a_run_with_checkpoints_names_the_last_one(tmp_path: Path) -> None:
+def test_a_run_with_checkpoints_names_the_last_one(tmp_path):
     words = ["run", "paper", "--model", "fd", "--cells", "16", "--until", "4000", "--checkpoint", "run.npz"]
     done = interrupted([*words, "--checkpoint-every", "50"], 220.0, tmp_path)
     assert done.returncode == INTERRUPTED
@@ -46,7 +45,7 @@ def test_a_run_with_checkpoints_names_the_last_one(tmp_path: Path) -> None:
     assert 220.0 <= time <= 251.0
 
 
-def test_a_comparison_shows_the_models_it_has(tmp_path: Path) -> None:
+def test_a_comparison_shows_the_models_it_has(tmp_path):
     words = ["compare", "paper", "--models", "delay,block8", "--until", "400", "--json", "--out", "x.png"]
     done = interrupted(words, 100.0, tmp_path)
     assert done.returncode == INTERRUPTED

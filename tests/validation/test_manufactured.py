@@ -9,7 +9,7 @@ from validation.studies.manufactured import CELLS, FINEST, climbed
 
 
 @pytest.mark.parametrize("unlike", [False, True])
-def test_the_given_motion_solves_wave_equation_friction_and_ageing(unlike: bool) -> None:
+def test_the_given_motion_solves_wave_equation_friction_and_ageing(unlike):
     """The slabs' own velocities from the drive by MODEL.md section 3, marched by hand: S = [mu - eps w](t - k) + 2 eps V/2."""
     scene, step = given_scene(unlike), 0.01
     times = np.arange(-500, 1200) * step  # steady sliding until the pulse
@@ -29,7 +29,7 @@ def test_the_given_motion_solves_wave_equation_friction_and_ageing(unlike: bool)
     assert np.ptp(z) > 3.0
 
 
-def test_the_drive_is_steady_before_the_motion() -> None:
+def test_the_drive_is_steady_before_the_motion():
     for unlike in (False, True):
         drive = given_scene(unlike).drive
         assert drive.at(0.0) == pytest.approx(1.0, abs=1e-9)
@@ -37,7 +37,7 @@ def test_the_drive_is_steady_before_the_motion() -> None:
 
 
 @pytest.mark.parametrize(("model", "pair"), [("fd", "unlike"), ("sbp:4", "alike"), ("dg:2", "unlike")])
-def test_a_full_wave_makes_it_at_its_order(model: str, pair: str) -> None:
+def test_a_full_wave_makes_it_at_its_order(model, pair):
     ladder = climbed(model, pair)
     assert not ladder.shortfall
     assert 0.2 * FINEST[model] < ladder.errors[-1] < FINEST[model]
@@ -46,12 +46,12 @@ def test_a_full_wave_makes_it_at_its_order(model: str, pair: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("model", CELLS)
 @pytest.mark.parametrize("pair", ["alike", "unlike"])
-def test_every_full_wave_makes_it_at_its_order(model: str, pair: str) -> None:
+def test_every_full_wave_makes_it_at_its_order(model, pair):
     ladder = climbed(model, pair)
     assert not ladder.shortfall
     assert ladder.errors[-1] < FINEST[model]
 
 
-def test_exact_steps_follow_a_drive_that_is_not_linear() -> None:
+def test_exact_steps_follow_a_drive_that_is_not_linear():
     """With two terms of V in a step they would be wrong by 0.2."""
     assert error_of_motion(build("dg:7", given_scene(False), cells=6, time="exact")) < 1e-7

@@ -1,7 +1,5 @@
 """Models by name: what each honours, what it refuses and which models it names instead, what `auto` takes."""
 
-from typing import Any
-
 import pytest
 
 import slipwave
@@ -28,11 +26,11 @@ from validation.registry.families import FAMILIES, GRIDS
         ("slip-law", set()),
     ],
 )
-def test_features(name: str, features: set[str]) -> None:
+def test_features(name, features):
     assert features_of(slipwave.read(name)) == features
 
 
-def test_the_registry_is_consistent() -> None:
+def test_the_registry_is_consistent():
     names = [family.name for family in FAMILIES]
     assert len(set(names)) == len(names)
     for family in FAMILIES:
@@ -43,7 +41,7 @@ def test_the_registry_is_consistent() -> None:
 
 @pytest.mark.parametrize("family", families(), ids=lambda family: family.name)
 @pytest.mark.parametrize("name", ["paper", "unlike", "grip", "layered", "viscous", "ramp", "reflection"])
-def test_every_family_builds_what_it_honours_and_refuses_the_rest(family: object, name: str) -> None:
+def test_every_family_builds_what_it_honours_and_refuses_the_rest(family, name):
     one = next(found for found in families() if found is family)
     scene = slipwave.read(name)
     if one in honouring(scene):
@@ -57,7 +55,7 @@ def test_every_family_builds_what_it_honours_and_refuses_the_rest(family: object
         assert len(str(caught.value).splitlines()) == 1
 
 
-def test_auto_is_the_exact_one_or_says_why_not() -> None:
+def test_auto_is_the_exact_one_or_says_why_not():
     assert resolve("auto", slipwave.read("paper")) == ("delay", "exact for this scene")
     chosen, why = resolve("auto", slipwave.read("viscous"))
     assert chosen in [family.example for family in GRIDS]
@@ -68,7 +66,7 @@ def test_auto_is_the_exact_one_or_says_why_not() -> None:
 @pytest.mark.parametrize(
     "model", ["modal:65", "modal:-1", "modal:x", "modal:", "modal", "delay:1", "", ":", "auto:2", "MODAL:2", "modal:٢", "x" * 999]
 )
-def test_names_that_are_no_model(model: str) -> None:
+def test_names_that_are_no_model(model):
     with pytest.raises(SceneError) as caught:
         build(model, slipwave.read("paper"))
     assert len(str(caught.value)) < 300
@@ -78,12 +76,12 @@ def test_names_that_are_no_model(model: str) -> None:
     ("name", "tolerance", "model"),
     [("dg", None, "dg:7"), ("dg", 1e-4, "dg:5"), ("dg", 1e-8, "dg:7"), ("fem", 1e-6, "fem:6"), ("sbp", 1e-3, "sbp:6")],
 )
-def test_a_degree_left_open_suits_the_tolerance(name: str, tolerance: float | None, model: str) -> None:
+def test_a_degree_left_open_suits_the_tolerance(name, tolerance, model):
     solver = build(name, slipwave.read("paper", ["run.until=20"]), tolerance=tolerance)
     assert solver.model == model
 
 
-def test_a_tolerance_beside_given_cells_is_for_the_steps_of_the_exact_march() -> None:
+def test_a_tolerance_beside_given_cells_is_for_the_steps_of_the_exact_march():
     scene = slipwave.read("paper", {"slab.log10_r": -2.6})
     plain, coarse, fine = (build("dg:8", scene, cells=4, tolerance=tolerance) for tolerance in (None, 1e-5, 1e-9))
     assert [solver.settings["cells"] for solver in (plain, coarse, fine)] == [[4]] * 3
@@ -97,14 +95,12 @@ def test_a_tolerance_beside_given_cells_is_for_the_steps_of_the_exact_march() ->
     ("model", "options", "changes"),
     [("fd", {}, {}), ("dg:3", {"time": "explicit"}, {}), ("dg:3", {"cfl": 0.5}, {}), ("dg:3", {}, {"start.kind": "jump"})],
 )
-def test_cells_beside_a_tolerance_are_refused_where_no_step_can_follow_it(
-    model: str, options: dict[str, Any], changes: dict[str, Any]
-) -> None:
+def test_cells_beside_a_tolerance_are_refused_where_no_step_can_follow_it(model, options, changes):
     with pytest.raises(SceneError, match=r"tolerance = 1e-09: chooses the cells itself; leave out cells = 6"):
         build(model, slipwave.read("paper", changes), cells=6, tolerance=1e-9, **options)
 
 
-def test_options_go_to_the_models_that_take_them() -> None:
+def test_options_go_to_the_models_that_take_them():
     delay, leapfrog = build_all("delay,fd", slipwave.read("paper"), cells=10, tolerance=1e-6)
     assert (delay.model, leapfrog.model) == ("delay", "fd")
     assert getattr(leapfrog, "cells") == 10  # noqa: B009

@@ -1,7 +1,6 @@
 """Notes on a run: rounding decides it, or the default grid is too coarse for it; no note where all is well."""
 
 import json
-from typing import Any
 
 import pytest
 
@@ -15,13 +14,13 @@ STIFF = ["interface.a=0.0296", "interface.b=0.0591", "drive.velocity=80", "slab.
 """Thirty-two cells of sbp:6 end at ln v = -6.27 after 60 transits where the delay system has -5.31."""
 
 
-def answer(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[dict[str, Any], str]:
+def answer(capsys, *words):
     assert main(["run", *words, "--json"]) == 0
     text, err = capsys.readouterr()
     return json.loads(text), err
 
 
-def parted(r: float, model: str, at: float) -> float:
+def parted(r, model, at):
     """Relative difference, at `at` transits, of two departures from steady sliding whose psi(0) differ by one rounding."""
     scene = slipwave.read("paper", [f"slab.r={r}"])
     left = []
@@ -36,14 +35,14 @@ def parted(r: float, model: str, at: float) -> float:
 
 @pytest.mark.parametrize("model", ["delay", "kelvin-voigt"])
 @pytest.mark.parametrize(("r", "at"), [(0.1, 5.0), (0.2, 4.0), (0.3, 2.5), (0.5, 1.5)])
-def test_the_share_of_rounding_is_what_two_runs_differ_by(model: str, r: float, at: float) -> None:
+def test_the_share_of_rounding_is_what_two_runs_differ_by(model, r, at):
     found = amplified_rounding(slipwave.read("paper", [f"slab.r={r}"]), model, 40.0)
     assert found is not None
     ratio = parted(r, model, at) / min(found.share, 1.0)
     assert 1.0 / 30.0 < ratio < 10.0
 
 
-def test_the_leading_root_is_the_same_with_and_without_its_echoes() -> None:
+def test_the_leading_root_is_the_same_with_and_without_its_echoes():
     for r in (0.4, 0.7):  # the bound of the growth lies on either side of 20 per transit
         scene = slipwave.read("paper", [f"slab.r={r}"])
         found = amplified_rounding(scene, "delay", 40.0)
@@ -51,7 +50,7 @@ def test_the_leading_root_is_the_same_with_and_without_its_echoes() -> None:
         assert found.growth == pytest.approx(34.7107438 * r, rel=1e-4)
 
 
-def test_a_scene_that_is_determined_says_nothing() -> None:
+def test_a_scene_that_is_determined_says_nothing():
     for name in ("paper", "paper-2.3", "rock", "unlike", "ramp", "jump", "grip", "slip-law"):
         assert amplified_rounding(slipwave.read(name), "delay", 4000.0) is None
     jump = ['start.kind="jump"', "start.size=0.1", "slab.r=1"]
@@ -59,7 +58,7 @@ def test_a_scene_that_is_determined_says_nothing() -> None:
     assert amplified_rounding(slipwave.read("paper", ["slab.r=0.5"]), "delay", 0.3) is None  # rounding has not grown yet
 
 
-def test_a_run_that_rounding_decides_says_so(capsys: pytest.CaptureFixture[str], printed) -> None:
+def test_a_run_that_rounding_decides_says_so(capsys, printed):
     words = ["paper", "--model", "quasidynamic", "--set", "slab.r=0.5", "--until", "10"]
     result, err = answer(capsys, *words)
     (note,) = result["notes"]
@@ -73,7 +72,7 @@ def test_a_run_that_rounding_decides_says_so(capsys: pytest.CaptureFixture[str],
 
 
 @pytest.mark.parametrize("model", ["sbp:6", "dg:7"])
-def test_a_default_grid_that_is_too_coarse_says_so(capsys: pytest.CaptureFixture[str], printed, model: str) -> None:
+def test_a_default_grid_that_is_too_coarse_says_so(capsys, printed, model):
     settings = [word for setting in STIFF for word in ("--set", setting)]
     result, err = answer(capsys, "paper", "--model", model, *settings, "--until", "60")
     exact = follow(build("delay", slipwave.read("paper", STIFF), tolerance=1e-10), 60.0)
@@ -99,7 +98,7 @@ def test_a_default_grid_that_is_too_coarse_says_so(capsys: pytest.CaptureFixture
         ("block8", 1.01, {}, []),
     ],
 )
-def test_what_a_step_of_the_drive_costs_is_told(model: str, jump: float, options: dict[str, Any], told: list[str]) -> None:
+def test_what_a_step_of_the_drive_costs_is_told(model, jump, options, told):
     """How much it is: tests/verification/test_velocity_steps.py."""
     drive = [[0.0, 100.0], [jump, 100.0], [jump, 120.0]] if jump else [[0.0, 100.0], [1.0, 120.0]]
     found = slipwave.run("paper", model, until=2, **options, **{"drive.velocity": drive})
@@ -107,7 +106,7 @@ def test_what_a_step_of_the_drive_costs_is_told(model: str, jump: float, options
     assert [word for word, line in lines.items() for note in found.notes if note.startswith(line)] == told
 
 
-def test_a_tolerance_beside_given_cells_is_told_to_be_for_the_steps() -> None:
+def test_a_tolerance_beside_given_cells_is_told_to_be_for_the_steps():
     found = slipwave.run("paper", "dg:5", until=2, cells=2, tol=1e-7)
     assert found.notes == [
         "tolerance 1e-07 is for the steps in time: cells are given, and the error of their grid is not estimated"

@@ -20,7 +20,7 @@ SLIPWAVE = [sys.executable, "-m", "validation.cli"]
 
 @pytest.mark.parametrize("name", ["\x1b[31mred", "a\nb", "bell\a", "\u202eleft", "\x7f"])
 @pytest.mark.parametrize("key", ["name", "title"])
-def test_a_name_that_is_not_printable_is_refused(key: str, name: str, tmp_path: Path, refused) -> None:
+def test_a_name_that_is_not_printable_is_refused(key, name, tmp_path, refused):
     path = tmp_path / "x.toml"
     path.write_bytes(f"{key} = {json.dumps(name)}\n".encode() + PAPER.partition(b"\n")[2])
     err = refused("stability", str(path))
@@ -30,7 +30,7 @@ def test_a_name_that_is_not_printable_is_refused(key: str, name: str, tmp_path: 
 
 
 @pytest.mark.parametrize("name", [b"\xff\xfe \x1b[31mred", "grün".encode()])
-def test_a_files_own_name_is_spelt_out(name: bytes, tmp_path: Path) -> None:
+def test_a_files_own_name_is_spelt_out(name, tmp_path):
     path = os.fsencode(tmp_path) + b"/" + name + b".toml"
     with open(path, "wb") as file:
         file.write(PAPER)
@@ -47,7 +47,7 @@ def test_a_files_own_name_is_spelt_out(name: bytes, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", [b"\xff.nc", b"\x1b[31m.nc"])
-def test_a_file_to_write_must_have_a_printable_name(name: bytes, tmp_path: Path) -> None:
+def test_a_file_to_write_must_have_a_printable_name(name, tmp_path):
     done = subprocess.run([*SLIPWAVE, "run", "paper", "--until", "20", "--out", name], cwd=tmp_path, capture_output=True)
     assert done.returncode == INPUT_WRONG
     assert b"cannot be printed" in done.stderr
@@ -56,7 +56,7 @@ def test_a_file_to_write_must_have_a_printable_name(name: bytes, tmp_path: Path)
 
 
 @pytest.mark.parametrize("option", ["--checkpoint", "--out", "--fields"])
-def test_a_pipe_is_no_file_to_write(option: str, tmp_path: Path, refused) -> None:
+def test_a_pipe_is_no_file_to_write(option, tmp_path, refused):
     """Opening one waits for ever for somebody at its other end."""
     path = tmp_path / ("x.npz" if option == "--checkpoint" else "x.nc")
     os.mkfifo(path)
@@ -68,7 +68,7 @@ def test_a_pipe_is_no_file_to_write(option: str, tmp_path: Path, refused) -> Non
 @pytest.mark.parametrize(
     "text", ["a" + ".a" * 60_000 + " = 1", "[" + "a." * 60_000 + "a]", 'a = {"b"' + " . 'b'" * 10_000 + " = 1}"]
 )
-def test_a_key_without_end_is_refused_before_it_is_parsed(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_key_without_end_is_refused_before_it_is_parsed(text, tmp_path, monkeypatch):
     """Its parser takes minutes, growing with the square of the parts."""
     path = tmp_path / "x.toml"
     path.write_bytes(PAPER + b"\n" + text.encode())
@@ -79,7 +79,7 @@ def test_a_key_without_end_is_refused_before_it_is_parsed(text: str, tmp_path: P
         slipwave.read({}, ["a={" + "b." * 60_000 + "b=1}"])
 
 
-def test_a_name_is_no_markup(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_name_is_no_markup(monkeypatch):
     monkeypatch.setattr("validation.run.progress.PATIENCE", -1.0)
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     with progress("[/red], [bold]delay", 2.0) as report:

@@ -1,16 +1,14 @@
 """A run that starts on its orbit: all that it reports is on the clock that is 0 there, fields and ledger included."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 import xarray
 from scipy.interpolate import CubicSpline
 
 import slipwave
-from fullwave.fields.record import Field, record_field
+from fullwave.fields.record import record_field
 from slipwave.observe import HistoryObserver
-from slipwave.solve import Final, Solver, follow
+from slipwave.solve import follow
 from validation.cli import main
 from validation.registry.build import build
 from validation.registry.families import explicit_time
@@ -21,16 +19,16 @@ SHARPNESS = {"fd": 1e-9, "dg:5": 3e-3}
 
 
 @pytest.fixture(scope="module", params=CELLS)
-def recorded(request: pytest.FixtureRequest) -> tuple[Any, Field, Final, dict[str, np.ndarray]]:
+def recorded(request):
     chosen = slipwave.read("paper", ["start.kind=orbit"])
-    solver: Any = build(request.param, chosen, cells=CELLS[request.param], time=explicit_time(request.param))
+    solver = build(request.param, chosen, cells=CELLS[request.param], time=explicit_time(request.param))
     solver.keep_ledger()
     history = HistoryObserver(chosen.law, solver.nodes)
     field, final = record_field(solver, solver.time, END, 1 / 16, [history])
     return solver, field, final, history.columns()
 
 
-def test_fields_carry_the_times_of_the_run(recorded: tuple[Solver, Field, Final, dict[str, np.ndarray]]) -> None:
+def test_fields_carry_the_times_of_the_run(recorded):
     solver, field, final, columns = recorded
     sharpness = SHARPNESS[solver.model]
     assert field.time[0] == 0.0
@@ -43,7 +41,7 @@ def test_fields_carry_the_times_of_the_run(recorded: tuple[Solver, Field, Final,
     assert np.interp(END, columns["time"], columns["psi"]) == pytest.approx(final.psi, abs=1e-3)
 
 
-def test_the_ledger_begins_on_the_orbit(recorded: tuple[Solver, Field, Final, dict[str, np.ndarray]]) -> None:
+def test_the_ledger_begins_on_the_orbit(recorded):
     """Friction's work from t = 0 on, by quadrature of the recorded motion: the approach is hundreds of times as much.
 
     Measured: 7e-3 of it for the leapfrog, whose powers are half a step late at the fastest moment of all; 6e-8 for dg."""
@@ -54,18 +52,18 @@ def test_the_ledger_begins_on_the_orbit(recorded: tuple[Solver, Field, Final, di
     assert abs(ledger.residual) < 1e-11
 
 
-def friction_work(solver: Solver, columns: dict[str, np.ndarray]) -> float:
+def friction_work(solver, columns):
     times, first = np.unique(columns["time"], return_index=True)
     assert times[0] == pytest.approx(0.0, abs=0.2)
     power = (columns["stress"] * columns["slip_rate"])[first]
     return solver.scene.transit * float(CubicSpline(times, power).integrate(times[0], times[-1]))
 
 
-def test_the_ledger_of_the_exact_march_is_asked_for_on_the_orbit() -> None:
+def test_the_ledger_of_the_exact_march_is_asked_for_on_the_orbit():
     """It is kept from there on only, and so is the change of the stored energy. The samples miss the first part of the first
     step, 1e-3 of friction's work; that on the way to the orbit is hundreds of times as much."""
     chosen = slipwave.read("paper", ["start.kind=orbit"])
-    solver: Any = build("dg:5", chosen, cells=CELLS["dg:5"], time="exact")
+    solver = build("dg:5", chosen, cells=CELLS["dg:5"], time="exact")
     assert solver.energy() is None
     solver.keep_ledger()
     history = HistoryObserver(chosen.law, solver.nodes)
@@ -75,7 +73,7 @@ def test_the_ledger_of_the_exact_march_is_asked_for_on_the_orbit() -> None:
     assert abs(ledger.residual) < 1e-11
 
 
-def test_the_file_of_fields_begins_at_zero(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_file_of_fields_begins_at_zero(tmp_path, capsys):
     out = tmp_path / "orbit.nc"
     words = ["run", "paper", "--set", "start.kind=orbit", "--model", "fd", "--cells", "16", "--until", "10"]
     assert main([*words, "--fields", str(out)]) == 0

@@ -1,7 +1,6 @@
 """Settling on an orbit, on a solver whose orbit is known: z = ln V + c_k sin(2 pi t/T) with an amplitude that relaxes."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -81,14 +80,13 @@ def test_a_motion_without_events_is_no_cycle(amplitude, said):
 
 def test_one_cycle_starts_at_its_event():
     cycle = one_cycle(settle(Relaxing(0.2)), before=5.0, after=2.0)
-    assert cycle.time[0] == pytest.approx(-5.0, abs=0.2)
-    assert cycle.time[-1] == pytest.approx(PERIOD + 2.0, abs=0.2)
+    assert (cycle.time[0], cycle.time[-1]) == (pytest.approx(-5.0, abs=0.2), pytest.approx(PERIOD + 2.0, abs=0.2))
     at_start = np.interp(0.0, cycle.time, np.log(cycle.slip_rate))
     assert at_start == pytest.approx(math.log(50.0) + 2.0, abs=1e-3)
     assert np.all(np.diff(cycle.time) > 0)
 
 
-def test_a_start_on_the_orbit_has_no_transient_and_keeps_its_grid() -> None:
+def test_a_start_on_the_orbit_has_no_transient_and_keeps_its_grid():
     solver = build("fd", slipwave.read("paper", ["start.kind=orbit"]), cells=24)
     watch = EventObserver(solver.scene, solver.nodes)
     follow(solver, 400.0, [watch])
@@ -98,7 +96,7 @@ def test_a_start_on_the_orbit_has_no_transient_and_keeps_its_grid() -> None:
     assert not isinstance(build("block8", slipwave.read("paper", ["start.kind=orbit"])), FieldSolver)
 
 
-def test_the_orbit_is_found_where_nothing_is_recorded() -> None:
+def test_the_orbit_is_found_where_nothing_is_recorded():
     silent, watched = (
         build("delay", slipwave.read("paper", ["start.kind=orbit", record])) for record in ("run.record=[]", "run.until=9")
     )
@@ -115,7 +113,7 @@ def test_the_orbit_is_found_where_nothing_is_recorded() -> None:
         ("dg:7", -2.68, {"cells": 5, "time": "explicit"}),
     ],
 )
-def test_every_cycle_from_the_start_on_is_the_orbit(model: str, log10_r: float, options: dict[str, Any]) -> None:
+def test_every_cycle_from_the_start_on_is_the_orbit(model, log10_r, options):
     """At log10 r = -2.65 the orbit is unstable: by a factor of 1.17 in a cycle, so that an error of 1e-9 stays invisible."""
     solver = build(model, slipwave.read("paper", {"start.kind": "orbit", "slab.log10_r": log10_r}), **options)
     watch = EventObserver(solver.scene, solver.nodes)
@@ -129,7 +127,7 @@ def test_every_cycle_from_the_start_on_is_the_orbit(model: str, log10_r: float, 
 
 
 @pytest.mark.parametrize("name", ["grip", "layered"])
-def test_a_network_of_lines_begins_on_its_orbit(name: str) -> None:
+def test_a_network_of_lines_begins_on_its_orbit(name):
     solver = build("delay", slipwave.read(name, {"start.kind": "orbit"}))
     watch = EventObserver(solver.scene, solver.nodes)
     follow(solver, 330.0, [watch])
@@ -139,7 +137,7 @@ def test_a_network_of_lines_begins_on_its_orbit(name: str) -> None:
 
 
 @pytest.mark.parametrize("model", ["delay", "kelvin-voigt"])
-def test_the_elastic_stress_of_an_orbit_is_that_of_a_settled_run(model: str) -> None:
+def test_the_elastic_stress_of_an_orbit_is_that_of_a_settled_run(model):
     """It depends on the whole history: the orbit alone knows it but for a constant."""
     extremes = []
     for start, begin in (("nudge", 1500.0), ("orbit", 0.0)):
@@ -151,7 +149,7 @@ def test_the_elastic_stress_of_an_orbit_is_that_of_a_settled_run(model: str) -> 
 
 
 @pytest.mark.parametrize("model", ["delay", "kelvin-voigt"])
-def test_the_cycle_of_an_orbit_is_that_of_a_settled_run(model: str) -> None:
+def test_the_cycle_of_an_orbit_is_that_of_a_settled_run(model):
     """From its event on, with some transits ahead of it and past its end."""
     scene = slipwave.read("paper")
     found = cycle_of(own_orbit(model, scene, 1e-8).closed, before=3.0, after=2.0)
@@ -165,7 +163,7 @@ def test_the_cycle_of_an_orbit_is_that_of_a_settled_run(model: str) -> None:
     assert at_event == pytest.approx([0.5, 0.5], abs=0.05)
 
 
-def test_cycles_of_a_run_in_turn() -> None:
+def test_cycles_of_a_run_in_turn():
     """Beyond its torus point; the delay system's periods end between 79.122 and 79.544."""
     scene = slipwave.read("paper", ["slab.log10_r=-2.65"])
     cycles = cycles_in_turn("delay", scene, 3, longest=80.0)

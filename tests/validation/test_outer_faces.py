@@ -12,9 +12,8 @@ from fullwave.lines.runge_kutta import stability_polynomial
 from reduced.stability import analyse, leading_roots
 from reduced.stability.characteristic import characteristic
 from slipwave.errors import SceneError
-from slipwave.scene import Scene
-from slipwave.scene.slab import Face, GripFace, MachineFace, ReflectingFace, Slab, Termination
-from slipwave.solve import Final, follow
+from slipwave.scene.slab import GripFace, MachineFace, ReflectingFace, Termination
+from slipwave.solve import follow
 from tests.one_port_by_hand import leading_root
 from validation.measure.growth import measured_root, nudged
 from validation.registry.build import build
@@ -26,27 +25,27 @@ SPRUNG = ("delay", "quasidynamic", "fitted:3", *GRIDS)
 MACHINE = MachineFace(2.0, 0.5, 0.4)
 
 
-def of(upper: Face, lower: Slab | None = None, **changes: object) -> Scene:
+def of(upper, lower=None, **changes):
     """The paper's scene with an outer face, the lower slab like the upper unless given."""
     slab = replace(SLAB, face=upper)
     return replace(PAPER, upper=slab, lower=lower or slab, **changes)
 
 
-def end(model: str, scene: Scene) -> Final:
+def end(model, scene):
     return follow(build(model, scene, cells=GRIDS.get(model)), 20.0)
 
 
-def values(final: Final) -> tuple[float, float, float]:
+def values(final):
     return final.ln_v, final.psi, final.mu
 
 
 @pytest.mark.parametrize("model", SPRUNG)
-def test_a_machine_without_mass_is_a_grip(model: str) -> None:
+def test_a_machine_without_mass_is_a_grip(model):
     assert values(end(model, of(MachineFace(2.0, 0.5, 0.0)))) == values(end(model, of(GripFace(2.0, 0.5))))
 
 
 @pytest.mark.parametrize("model", ["delay", "fitted:3", *GRIDS])
-def test_a_machine_of_a_dashpot_alone_is_a_bare_reflection(model: str) -> None:
+def test_a_machine_of_a_dashpot_alone_is_a_bare_reflection(model):
     """(1 + R)/(1 - R) = 3 for R = 1/2."""
     assert values(end(model, of(MachineFace(0.0, 3.0, 0.0)))) == pytest.approx(
         values(end(model, of(ReflectingFace(0.5)))), rel=1e-12
@@ -59,7 +58,7 @@ def test_a_machine_of_a_dashpot_alone_is_a_bare_reflection(model: str) -> None:
     [((1e-2, 1e-3), GripFace(2.0, 0.5)), ((1e3, 1e4), MachineFace(0.0, math.inf, 1.0))],
     ids=["light", "heavy"],
 )
-def test_a_light_mass_is_no_mass_and_a_heavy_one_a_rigid_face(model: str, masses: tuple[float, float], limit: Face) -> None:
+def test_a_light_mass_is_no_mass_and_a_heavy_one_a_rigid_face(model, masses, limit):
     """At first order: the difference falls by ten as the mass, or its inverse, does. No drive changes, so what is heavy stays."""
     faces = (limit, *(MachineFace(2.0, 0.5, mass) for mass in masses))
     wanted, *found = (follow(build(model, of(face), cells=GRIDS.get(model)), 10.0).psi for face in faces)
@@ -72,37 +71,37 @@ def test_a_light_mass_is_no_mass_and_a_heavy_one_a_rigid_face(model: str, masses
 class Bolt:
     """A kind of outer face that no model knows: a stiff spring and a mass, both fixed."""
 
-    def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
+    def termination(self, epsilon, round_trip, outermost):
         """As `Face`."""
         return Termination(2.0 * epsilon / round_trip, 0.5 * epsilon, 0.4 * epsilon * round_trip)
 
 
 @pytest.mark.parametrize("model", SPRUNG)
-def test_every_model_takes_a_face_that_it_has_never_heard_of(model: str) -> None:
+def test_every_model_takes_a_face_that_it_has_never_heard_of(model):
     assert values(end(model, of(Bolt()))) == values(end(model, of(MACHINE)))
 
 
-def test_stability_takes_a_face_that_it_has_never_heard_of() -> None:
+def test_stability_takes_a_face_that_it_has_never_heard_of():
     bolt, machine = analyse(of(Bolt())), analyse(of(MACHINE))
     assert (bolt.log10_r_c, bolt.leading_roots) == (machine.log10_r_c, machine.leading_roots)
 
 
 @pytest.mark.parametrize("model", ["block8", "block12", "kelvin-voigt", "modal:3"])
-def test_reductions_that_know_no_machine_say_so(model: str) -> None:
+def test_reductions_that_know_no_machine_say_so(model):
     with pytest.raises(
         SceneError, match=r"cannot do a grip at the outer face and a mass on the outer face .* can: delay, .*fitted:N"
     ):
         build(model, of(MACHINE))
 
 
-def test_a_quasi_static_reduction_needs_a_spring() -> None:
+def test_a_quasi_static_reduction_needs_a_spring():
     with pytest.raises(SceneError, match="cannot do an outer face without a spring"):
         build("quasidynamic", of(MachineFace(0.0, 1.0, 0.4)))
 
 
 @pytest.mark.parametrize(("model", "cells"), [("delay", None), ("fd", 64), ("dg:5", 3)])
 @pytest.mark.parametrize("face", [MACHINE, MachineFace(0.5, 3.0, 3.0)])
-def test_a_nudge_grows_as_the_root_by_hand_says(model: str, cells: int | None, face: MachineFace) -> None:
+def test_a_nudge_grows_as_the_root_by_hand_says(model, cells, face):
     scene = nudged(of(face), 1e-6)
     wanted = leading_root(scene) * scene.transit
     assert measured_root(build(model, scene, cells=cells)) == pytest.approx(wanted, rel=5e-4)
@@ -113,7 +112,7 @@ def test_a_nudge_grows_as_the_root_by_hand_says(model: str, cells: int | None, f
 @pytest.mark.parametrize(
     "face", [MachineFace(2.0, 0.5, mass) for mass in (1e-3, 1e-2, 0.3, 10.0)] + [MachineFace(1e3, 0.0, 0.01)]
 )
-def test_no_mode_grows_at_the_longest_step(model: str, face: Face) -> None:
+def test_no_mode_grows_at_the_longest_step(model, face):
     """The whole grid's spectrum, locked and free; the limit itself is found on a slab cut short."""
     solver = build(model, of(face), cells=24, cfl=1.0)
     amplification = np.polynomial.Polynomial(stability_polynomial(solver.method))

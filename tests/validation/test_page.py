@@ -2,7 +2,6 @@
 
 import dataclasses
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -55,15 +54,15 @@ def models():
     )
 
 
-def page_of(tmp_path: Path, *studies: Stored) -> str:
+def page_of(tmp_path, *studies):
     return write_page(tmp_path, studies, FACTS, record_of(studies, FACTS, False, "today")).read_text(encoding="utf-8")
 
 
-def summary_of(html: str, name: str) -> str:
+def summary_of(html, name):
     return re.search(rf'<details class="\w+" id="{name}"[^>]*>\s*<summary>(.*?)</summary>', html, re.DOTALL)[1]
 
 
-def rows_of(html: str, label: str) -> list[list[str]]:
+def rows_of(html, label):
     """Cells of the table in the region of this label, without tags."""
     table = html.split(f'aria-label="{label}"')[1].split("</table>")[0]
     rows = re.findall(r"<tr.*?</tr>", table, re.DOTALL)
@@ -81,8 +80,7 @@ def test_a_question_is_answered_by_its_first_study_and_by_no_study_that_fails(tm
     stopped = Stored("slip-event", "?", 1.0, True, error="it died")
     answers = {asked.question.name: asked.answer for asked in ask([broken, sound, stopped], "Nothing.")}
     assert answers["exact"] == "They agree. But: 1 check of `energy` failed; `slip-event` did not finish."
-    assert answers["changed"] == "Nothing."
-    assert answers["cost"] == "Not computed in this report."
+    assert (answers["changed"], answers["cost"]) == ("Nothing.", "Not computed in this report.")
     assert "They agree." in summary_of(page_of(tmp_path, sound), "exact")
 
 
@@ -214,11 +212,7 @@ def test_a_study_that_no_question_names_is_shown_once(tmp_path):
 
 @pytest.mark.parametrize(
     ("words", "first"),
-    [
-        ("Errors of T. Means.", "Errors of T."),
-        ("At 10^{-2.5}, say. `delay` is", "At 10^{-2.5}, say."),
-        ("One", "One"),
-    ],
+    [("Errors of T. Means.", "Errors of T."), ("At 10^{-2.5}, say. `delay` is", "At 10^{-2.5}, say."), ("One", "One")],
 )
 def test_a_caption_folds_behind_its_first_sentence(words, first):
     assert first_sentence(words)[0] == first

@@ -1,26 +1,12 @@
 """Any two abilities together: a pairwise table of scenes, each held to what must be true of every run (`pairs`)."""
 
 from functools import cache
-from pathlib import Path
 
 import pytest
 
 from slipwave.errors import SceneError
 from slipwave.solve import follow
-from tests.validation.pairs import (
-    KNOTS,
-    NAMES,
-    Played,
-    Row,
-    Saving,
-    built,
-    pairs_of,
-    pairwise_rows,
-    play,
-    refusal,
-    rows_allowed,
-    scene_of,
-)
+from tests.validation.pairs import KNOTS, NAMES, Saving, built, pairs_of, pairwise_rows, play, refusal, rows_allowed, scene_of
 from tests.validation.test_every_model_resumes import assert_same_bits
 from validation.registry.build import build
 
@@ -39,11 +25,11 @@ WAVES = [row for row in ROWS if (":" in row[0] and row[0][:2] not in ("fi", "mo"
 EXACT = [row for row in (*WAVES, *(row for row in ROWS if row[0] == "delay")) if "orbit" not in row]
 
 
-def named(row: Row) -> str:
+def named(row):
     return ", ".join(row)
 
 
-def each(rows: list[Row], every: int = 1) -> pytest.MarkDecorator:
+def each(rows, every=1):
     """A test for each row; those with an orbit that takes a second or more to find are slow, but for one viscous grid, and so are
     all but each `every`-th."""
     seconds = ("fitted", "dg", "sbp", "quasidynamic", "kelvin", "modal", "fd")
@@ -53,18 +39,18 @@ def each(rows: list[Row], every: int = 1) -> pytest.MarkDecorator:
 
 
 @cache
-def whole(row: Row) -> Played:
+def whole(row):
     """The run in one piece."""
     return play(built(row), UNTIL)
 
 
-def checkpoints_of(row: Row) -> list[float]:
+def checkpoints_of(row):
     """Right at the last knot of V or, without one, anywhere; and somewhere behind it."""
     last = KNOTS[row[NAMES.index("drive")]][-1][0] or 11.0
     return [last, last + 16.1234]
 
 
-def assert_same(ours: Played, theirs: Played) -> None:
+def assert_same(ours, theirs):
     """To the bit, but for the number of iterations of a network, which counts steps that were tried and not taken too."""
     assert ours.text == theirs.text
     states = [one.state | {"counts": one.state["counts"][: -1 if "waves" in one.state else None]} for one in (ours, theirs)]
@@ -72,7 +58,7 @@ def assert_same(ours: Played, theirs: Played) -> None:
 
 
 @each(ROWS)
-def test_chunks_and_checkpoints_change_nothing(tmp_path: Path, row: Row) -> None:
+def test_chunks_and_checkpoints_change_nothing(tmp_path, row):
     straight = whole(row)
     chunked = play(built(row, straight.begun), UNTIL, Saving(tmp_path, checkpoints_of(row)), chunk=CHUNK)
     assert_same(chunked, straight)
@@ -84,7 +70,7 @@ def test_chunks_and_checkpoints_change_nothing(tmp_path: Path, row: Row) -> None
 
 
 @each(WAVES)
-def test_the_ledger_closes(row: Row) -> None:
+def test_the_ledger_closes(row):
     """Within rounding for the leapfrog, within what steps resolve for an exact march; measured: up to 1.2e-4 on orbits and 1e-3
     for explicit steps. Viscosity takes a little, never more than the work that is done."""
     energy, limit = whole(row).facts["energy"], 1e-12 if row[0].startswith("fd") else 3e-3 if "explicit" in row[0] else 6e-4
@@ -96,7 +82,7 @@ def test_the_ledger_closes(row: Row) -> None:
 
 
 @each([row for row in ROWS if "SI" in row], every=2)
-def test_units_change_nothing(row: Row) -> None:
+def test_units_change_nothing(row):
     """Measured: 5e-13 of the final state."""
     ours, theirs = whole(row).facts, play(built(row, units="none"), UNTIL).facts
     assert list(ours["final"].values()) == pytest.approx(list(theirs["final"].values()), abs=1e-11)
@@ -108,7 +94,7 @@ def test_units_change_nothing(row: Row) -> None:
 
 
 @each(EXACT, every=2)
-def test_two_exact_models_agree(row: Row) -> None:
+def test_two_exact_models_agree(row):
     """Friction at the end, against elements of degree 7. Measured: 1.2e-4 for the delay system where V jumps, else 2e-8;
     1.6e-4 for coarse exact grids; 5e-3 for coarse explicit ones, where an event is near."""
     witness = follow(build("dg:7", scene_of(row), cells=3, time="exact"), UNTIL)
@@ -117,7 +103,7 @@ def test_two_exact_models_agree(row: Row) -> None:
     assert whole(row).facts["final"]["mu"] == pytest.approx(witness.mu, abs=limit)
 
 
-def test_every_pair_of_levels_is_in_the_table() -> None:
+def test_every_pair_of_levels_is_in_the_table():
     wanted, found = ({pair for row in rows for pair in pairs_of(row)} for rows in (ALLOWED, ROWS))
     assert found == wanted
     assert len(ROWS) < 48
@@ -134,7 +120,7 @@ def test_every_pair_of_levels_is_in_the_table() -> None:
     ],
     ids=named,
 )
-def test_what_is_refused_is_refused_in_one_line(row: Row) -> None:
+def test_what_is_refused_is_refused_in_one_line(row):
     assert refusal(row)
     with pytest.raises(SceneError) as refused:
         built(row)

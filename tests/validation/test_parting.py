@@ -1,7 +1,6 @@
 """What `slipwave run` says of motions close to its own: the Lyapunov exponent on request, and the return map."""
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ FAST = {"model": "kelvin-voigt", "until": 200.0, "drive.velocity": 2000.0}
 """Cycles of four transits, which repeat."""
 
 
-def test_an_exponent_on_request() -> None:
+def test_an_exponent_on_request():
     """The run repeats: neither a motion ahead of it nor one behind comes nearer."""
     found = slipwave.run("paper", **FAST, lyapunov=True)
     assert found.done.kind == "periodic"
@@ -25,10 +24,9 @@ def test_an_exponent_on_request() -> None:
 
 
 @pytest.mark.parametrize(
-    ("until", "verdict", "advice"),
-    [(2000.0, "steady", "slipwave stability gives its rate"), (6.0, "too short", "run longer")],
+    ("until", "verdict", "advice"), [(2000.0, "steady", "slipwave stability gives its rate"), (6.0, "too short", "run longer")]
 )
-def test_a_motion_without_cycles_has_none_but_the_run_is_kept(until: float, verdict: str, advice: str) -> None:
+def test_a_motion_without_cycles_has_none_but_the_run_is_kept(until, verdict, advice):
     """Steady sliding that a disturbance leaves has an exponent below zero, which the elastic stress, a mere sum, would hide."""
     with pytest.raises(NumericsError, match=f"this one is {verdict}: {advice}") as failed:
         slipwave.run("paper", "block8", until=until, lyapunov=True, **{"slab.log10_r": -3.5})
@@ -36,12 +34,12 @@ def test_a_motion_without_cycles_has_none_but_the_run_is_kept(until: float, verd
     assert "lyapunov" not in failed.value.result.summary
 
 
-def test_a_changing_drive_is_refused() -> None:
+def test_a_changing_drive_is_refused():
     with pytest.raises(SceneError, match=r"a Lyapunov exponent needs a constant drive\.velocity"):
         slipwave.run("ramp", lyapunov=True)
 
 
-def test_the_return_map_shows_each_period_over_the_one_before(tmp_path: Path, printed) -> None:
+def test_the_return_map_shows_each_period_over_the_one_before(tmp_path, printed):
     found = slipwave.run("paper", **FAST)
     dots = found.plot_return_map().axes[0].get_lines()[0]
     late = found.done.events.period[found.done.events.time >= 100.0]

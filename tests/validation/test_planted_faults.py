@@ -60,8 +60,7 @@ def test_a_fault_that_only_another_test_catches_is_red(record):
     assert [(v.outcome, v.ours, v.remark) for v in result.verdicts] == [
         (Outcome.FAIL, "1 of 2", "in `slipwave`; survives: by-chance")
     ]
-    assert result.tables[0].emphasis == (1,)
-    assert result.answer == "1 of 2 planted faults are caught."
+    assert (result.tables[0].emphasis, result.answer) == ((1,), "1 of 2 planted faults are caught.")
 
 
 def test_a_new_record_is_a_new_key(record):

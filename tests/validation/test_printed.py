@@ -7,7 +7,6 @@ last one.
 import itertools
 import math
 import re
-from collections.abc import Iterator
 from difflib import SequenceMatcher
 from pathlib import Path
 
@@ -42,7 +41,7 @@ RELATIVE, ABSOLUTE = 1e-5, 1e-9
 _NUMBER = re.compile(r"([-−]?\b\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?|\bnan\b|[-−]?\binf\b)")
 
 
-def differences(expected: list[str], got: list[str]) -> list[str]:
+def differences(expected, got):
     """Where the lines differ: words must be equal, numbers close."""
     old, new = ([_NUMBER.sub("#", line) for line in lines] for lines in (expected, got))
     found = []
@@ -56,7 +55,7 @@ def differences(expected: list[str], got: list[str]) -> list[str]:
     return found
 
 
-def _close(one: str, other: str) -> bool:
+def _close(one, other):
     """Whether all numbers of two lines of the same words are close."""
     return all(
         math.isclose(a, b, rel_tol=RELATIVE, abs_tol=ABSOLUTE) or (math.isnan(a) and math.isnan(b))
@@ -64,17 +63,17 @@ def _close(one: str, other: str) -> bool:
     )
 
 
-def _numbers(line: str) -> list[float]:
+def _numbers(line):
     return [float(text.replace("−", "-").replace(",", "")) for text in _NUMBER.findall(line)]
 
 
 @pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> None:
+def clock(monkeypatch):
     readings = itertools.count()
     monkeypatch.setattr("validation.run.simulate.time.perf_counter", lambda: 0.25 * next(readings))
 
 
-def printed(capsys: pytest.CaptureFixture[str], folder: Path) -> Iterator[str]:
+def printed(capsys, folder):
     for words in COMMANDS:
         places = ("--out", str(folder / "compare.pdf")) if words[0] == "compare" else ()
         assert main([*words, *places]) == 0
@@ -84,9 +83,7 @@ def printed(capsys: pytest.CaptureFixture[str], folder: Path) -> Iterator[str]:
         yield from (f"stderr: {line}" for line in err.splitlines())
 
 
-def test_commands_print_what_is_on_record(
-    clock: None, capsys: pytest.CaptureFixture[str], tmp_path: Path, request: pytest.FixtureRequest
-) -> None:
+def test_commands_print_what_is_on_record(clock, capsys, tmp_path, request):
     lines = [*printed(capsys, tmp_path)]
     if request.config.getoption("record_shown"):
         RECORD.write_text("\n".join([*lines, ""]), encoding="utf-8")
@@ -94,7 +91,7 @@ def test_commands_print_what_is_on_record(
     assert not differ, "\n".join([*differ, "meant? pytest --record-shown"])
 
 
-def test_what_counts_as_a_difference() -> None:
+def test_what_counts_as_a_difference():
     """A word, a sign, a digit, a line more or less; rounding does not."""
     for old, new in (("T | 73.47", "T | 73.48"), ("600 transits", "600 cycles"), ("at −2.68", "at 2.68"), ("y nan", "y 1")):
         assert differences(["first", old], ["first", new]) == [f"line 2: expected {old}\n  got {new}"]

@@ -1,7 +1,6 @@
 """Every column and row of a printed table has the figure that its heading names, of figures that all differ."""
 
 import re
-from typing import Any
 from unittest.mock import Mock
 
 import pytest
@@ -17,7 +16,7 @@ from validation.results.curve import CurveOptions, CurveResult
 PAPER = sw.read("paper")
 
 
-def table(lines: list[str], heading: list[str]) -> list[dict[str, str]]:
+def table(lines, heading):
     """The rows below the line that begins with these words; cells are two blanks or more apart."""
     (end,) = [k for k, line in enumerate(lines) if line.split()[: len(heading[0].split())] == heading[0].split()]
     assert re.split(r"\s{2,}", lines[end].strip()) == heading
@@ -25,7 +24,7 @@ def table(lines: list[str], heading: list[str]) -> list[dict[str, str]]:
     return [dict(zip(heading, row, strict=True)) for row in cells]
 
 
-def test_a_curve_of_special_points() -> None:
+def test_a_curve_of_special_points():
     over, second = (Over(PAPER, name, -3.0, 200.0, lambda value: PAPER) for name in ("log10_r", "V"))
     values = (-2.12345678987, 101.512345678, 59.123456789123, 0.123456789123, 0.25, 900.0, 20.0, 3.4567e-9, 1, 0, -0.5, 0.75)
     found = CurveResult(Curve("NS", over, second, "delay", 1e-6, points=[CurvePoint(*values)] * 2), CurveOptions(), 0.25)
@@ -36,8 +35,8 @@ def test_a_curve_of_special_points() -> None:
     assert rows == [told | {"bracket": "3.5e-09", "multiplier": "-0.500000 +- 0.750000 i"}] * 2
 
 
-def test_run_time_against_error() -> None:
-    def row(model: str, setting: dict[str, float], errors: tuple[float, float]) -> dict[str, Any]:
+def test_run_time_against_error():
+    def row(model, setting, errors):
         error = dict(zip(("period", "stress_drop"), errors, strict=True))
         return {"model": model, "setting": setting, "wall_s": 0.512345, "error": error, "verdict": "periodic"}
 
@@ -59,7 +58,7 @@ def test_run_time_against_error() -> None:
     assert lines[-1] == "a conclusion"
 
 
-def test_stability_in_si(printed) -> None:
+def test_stability_in_si(printed):
     found = sw.stability("paper-si")
     si = found.summary["si"]
     rows = [re.split(r"\s{2,}", line.strip()) for line in printed("stability", "paper-si").splitlines()]

@@ -10,7 +10,7 @@ from validation.run.progress import progress
 
 
 @pytest.fixture
-def now(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+def now(monkeypatch):
     """The time, which passes only where a test says so."""
     time = [100.0]
     monkeypatch.setattr(module, "PATIENCE", 2.0)
@@ -18,7 +18,7 @@ def now(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     return time
 
 
-def test_lines_come_every_ten_seconds_and_tell_share_and_time_left(now: list[float], caplog: pytest.LogCaptureFixture) -> None:
+def test_lines_come_every_ten_seconds_and_tell_share_and_time_left(now, caplog):
     """At 40 of 200 after 11 s, 10 of which brought 20: 160 are left, at 2 a second."""
     caplog.set_level(logging.INFO, "slipwave")
     told = []
@@ -31,7 +31,7 @@ def test_lines_come_every_ten_seconds_and_tell_share_and_time_left(now: list[flo
     assert told == ["", "", "", "run: 20%, 80 s left", "", "run: 50%, 25 s left", ""]
 
 
-def test_a_terminal_has_a_bar_once_patience_has_passed(now: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_terminal_has_a_bar_once_patience_has_passed(now, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     with progress("a [label]", 8.0) as report:
         now[0] = 101.9
@@ -42,8 +42,7 @@ def test_a_terminal_has_a_bar_once_patience_has_passed(now: list[float], monkeyp
         report(6.0)
         bar = report._bar  # type: ignore[attr-defined]
         (task,) = bar.tasks
-        assert (task.total, task.completed, task.percentage) == (8.0, 6.0, 75.0)
-        assert task.description == r"a \[label]"
+        assert ((task.total, task.completed, task.percentage), task.description) == ((8.0, 6.0, 75.0), r"a \[label]")
         assert bar.live.is_started
         assert bar.live.transient
     assert not bar.live.is_started

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import pytest
 from shown import quick, too_roomy
 
-from validation.study import Outcome, StudyResult
+from validation.study import Outcome
 
 
 class Expected(NamedTuple):
@@ -68,7 +68,7 @@ STUDIES = {
 }
 
 
-def held(name: str) -> StudyResult:
+def held(name):
     """The study's quick run, which must be what is expected of it."""
     result, expected = quick(name), STUDIES[name]
     told = [(verdict.claim, verdict.outcome) for verdict in result.verdicts]
@@ -95,5 +95,5 @@ ELSEWHERE = {"which-model", "period-against-delay", "slip-event", "claims"}
         if name not in ELSEWHERE
     ],
 )
-def test_a_quick_run_holds_within_near_limits(name: str) -> None:
+def test_a_quick_run_holds_within_near_limits(name):
     held(name)

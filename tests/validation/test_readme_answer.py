@@ -12,7 +12,7 @@ BASELINE = json.loads((ROOT / "reports" / "baseline" / "which-model.json").read_
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
-def test_the_committed_block_is_that_of_the_committed_table(page) -> None:
+def test_the_committed_block_is_that_of_the_committed_table(page):
     text = page.read_text(encoding="utf-8")
     assert with_block(text, block_of(read_table())) == text
     with pytest.raises(ValueError, match="no markers"):
@@ -20,7 +20,7 @@ def test_the_committed_block_is_that_of_the_committed_table(page) -> None:
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_the_committed_table_has_the_numbers_of_the_baseline(model) -> None:
+def test_the_committed_table_has_the_numbers_of_the_baseline(model):
     table = read_table()
     cells = {column.log10_r: cell for column, cell in zip(table.columns, table.row(model).cells, strict=True)}
     for log10_r in SHOWN:
@@ -31,7 +31,7 @@ def test_the_committed_table_has_the_numbers_of_the_baseline(model) -> None:
             )
 
 
-def test_the_block_names_a_regime_that_is_not_that_of_the_waves() -> None:
+def test_the_block_names_a_regime_that_is_not_that_of_the_waves():
     rows = [line.split(" | ") for line in block_of(read_table()).splitlines() if line.startswith("| `")]
     of = {row[0].strip("| `"): row[1:] for row in rows}
     assert of["quasidynamic"][0] == "slides steadily"

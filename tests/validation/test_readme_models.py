@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from slipwave.family import ANYTHING, FEATURES, NOTHING, Family
+from slipwave.family import ANYTHING, FEATURES, NOTHING
 from validation.registry.families import FAMILIES
 
 README = Path(__file__).parents[2] / "README.md"
 
 
-def row(family: Family) -> str:
+def row(family):
     numbers, letter = family.numbers, family.pattern[-1]
     told = f"{numbers[0]} to {numbers[-1]}" if isinstance(numbers, range) else ", ".join(map(str, numbers))
     name = f"`{family.pattern}`" + (f", {letter} = {told}" if numbers else "")
@@ -16,7 +16,7 @@ def row(family: Family) -> str:
     return f"| {name} | {family.title} | {family.error} | {scenes or ', '.join(f for f in FEATURES if f in family.honours)} |"
 
 
-def test_the_table_of_models_is_read_from_the_facts() -> None:
+def test_the_table_of_models_is_read_from_the_facts():
     table = [
         "| name | what it is | error | scenes |",
         "|---|---|---|---|",

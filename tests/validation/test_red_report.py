@@ -127,10 +127,7 @@ def test_the_page_tells_what_moved_since_the_baseline(fake, kept, tmp_path):
     del numbers["order"]
     with pytest.raises(RedReport) as red:
         make_report(tmp_path / "moved")
-    assert red.value.lines == [
-        "first: order: expected 2, found none",
-        "first: T: expected 73 ± 7.3e-05, found 73.001",
-    ]
+    assert red.value.lines == ["first: order: expected 2, found none", "first: T: expected 73 ± 7.3e-05, found 73.001"]
     html = red.value.page.read_text()
     assert "2 of 2 numbers moved since the committed baseline, 1 new." in html
     assert '<td class="n">73</td><td class="n">73.001</td>' in html

@@ -4,7 +4,6 @@ import json
 import tomllib
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +19,7 @@ from tests.conventions import quick_results
 from validation.results.provenance import provenance
 
 ROOT = Path(__file__).resolve().parents[2]
-SHORT: dict[str, Any] = {"drive.velocity": 2000, "slab.thickness": 0.0335}
+SHORT = {"drive.velocity": 2000, "slab.thickness": 0.0335}
 """Cycles of four transits of `paper-si`."""
 WORDS = ("--set", "drive.velocity=2000", "slab.thickness=0.0335")
 
@@ -31,7 +30,7 @@ def again(answer):
     return lambda *words: {key: value for key, value in answer(*words).items() if key != "wall_s"}
 
 
-def test_a_run_as_a_dataset_has_its_cycles_in_both_units(tmp_path: Path) -> None:
+def test_a_run_as_a_dataset_has_its_cycles_in_both_units(tmp_path):
     result = sw.run("paper-si", "kelvin-voigt", until=200, interface=True, **SHORT)
     data, scene = result.dataset, result.done.solver.scene
     assert scene.units is not None
@@ -53,9 +52,7 @@ def test_a_run_as_a_dataset_has_its_cycles_in_both_units(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("options", [(), ("--every", "7", "--window", "50:120.5")])
-def test_a_file_is_run_again_with_the_same_numbers(
-    options: tuple[str, ...], again, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_is_run_again_with_the_same_numbers(options, again, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     words = ("paper-si", "--model", "dg:3", "--cells", "4", "--time", "exact", "--until", "150", *WORDS)
     first = again("run", *words, *options, "--out", "first.nc")
@@ -73,7 +70,7 @@ def test_a_file_is_run_again_with_the_same_numbers(
     assert sw.read("first.nc").digest == sw.read("paper-si", {**SHORT, "run.until": 150.0}).digest
 
 
-def test_what_is_given_goes_before_what_the_file_holds(tmp_path: Path) -> None:
+def test_what_is_given_goes_before_what_the_file_holds(tmp_path):
     """The model, the length, a key of the scene, an option; what is not given is the file's."""
     sw.run("paper", "kelvin-voigt", until=20, tol=1e-4, **{"slab.log10_r": -2.6}).to_netcdf(tmp_path / "x.nc")
     same, other = sw.run(tmp_path / "x.nc"), sw.run(tmp_path / "x.nc", "block8", until=12, tol=1e-5, **{"slab.r": 0.002})
@@ -81,7 +78,7 @@ def test_what_is_given_goes_before_what_the_file_holds(tmp_path: Path) -> None:
     assert facts == [("kelvin-voigt", 20.0, 1e-4, 10.0**-2.6), ("block8", 12.0, 1e-5, 0.002)]
 
 
-def test_thinning_and_window_keep_what_they_say(tmp_path: Path) -> None:
+def test_thinning_and_window_keep_what_they_say(tmp_path):
     whole = sw.run("paper", "block8", until=60, interface=True).dataset
     part = sw.run("paper", "block8", until=60, every=7, window=(20.0, 45.5)).dataset
     inside = whole.isel(time=(whole["time"] >= 20.0) & (whole["time"] <= 45.5)).isel(time=slice(None, None, 7))
@@ -93,8 +90,8 @@ def test_thinning_and_window_keep_what_they_say(tmp_path: Path) -> None:
     assert none["interface_psi"].size == 0
 
 
-def test_a_run_that_goes_on_keeps_the_same_samples(tmp_path: Path) -> None:
-    saving: dict[str, Any] = {"checkpoint": str(tmp_path / "run.npz"), "checkpoint_every": 10.0, "every": 7}
+def test_a_run_that_goes_on_keeps_the_same_samples(tmp_path):
+    saving = {"checkpoint": str(tmp_path / "run.npz"), "checkpoint_every": 10.0, "every": 7}
     sw.run("paper", "block8", until=30, **saving)
     resumed = sw.run("paper", "block8", until=60, **saving).dataset
     straight = sw.run("paper", "block8", until=60, every=7).dataset
@@ -104,7 +101,7 @@ def test_a_run_that_goes_on_keeps_the_same_samples(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", gallery_names())
-def test_show_prints_a_scene_that_is_read_as_the_same(name: str, tmp_path: Path, printed) -> None:
+def test_show_prints_a_scene_that_is_read_as_the_same(name, tmp_path, printed):
     text = printed("show", name)
     assert set(tomllib.loads(text)) >= {"name", "interface", "drive", "start", "run"}
     (tmp_path / "mine.toml").write_text(text)
@@ -112,7 +109,7 @@ def test_show_prints_a_scene_that_is_read_as_the_same(name: str, tmp_path: Path,
     assert (mine, mine.digest, mine.name) == (own, own.digest, name)
 
 
-def test_show_prints_what_a_file_holds_as_comments(tmp_path: Path, printed) -> None:
+def test_show_prints_what_a_file_holds_as_comments(tmp_path, printed):
     sw.run("paper", "block8", until=20, **{"slab.log10_r": -2.6}).to_netcdf(tmp_path / "run.nc")
     text = printed("show", str(tmp_path / "run.nc"))
     assert "# model = block8\n" in text
@@ -120,7 +117,7 @@ def test_show_prints_what_a_file_holds_as_comments(tmp_path: Path, printed) -> N
     assert (tables["slab"]["log10_r"], tables["run"]["until"]) == (-2.6, 20)
 
 
-def test_an_orbit_is_one_period_with_its_multipliers(tmp_path: Path, again, refused) -> None:
+def test_an_orbit_is_one_period_with_its_multipliers(tmp_path, again, refused):
     result = sw.orbit("paper", "kelvin-voigt", tol=1e-6, **{"drive.velocity": 2000})
     data, facts = result.dataset, result.summary
     time, stress = data["time"].values, data["interface_stress"].values
@@ -136,7 +133,7 @@ def test_an_orbit_is_one_period_with_its_multipliers(tmp_path: Path, again, refu
     assert "is a result of slipwave orbit, not of slipwave run" in refused("run", str(tmp_path / "orbit.nc"))
 
 
-def test_a_file_has_the_numbers_of_every_slab() -> None:
+def test_a_file_has_the_numbers_of_every_slab():
     """Those of the scenes unlike and paper-si: one transit is 2 thickness/c, L/V* = 0.9 s."""
     facts = provenance("run", sw.read("unlike"), "delay", {})
     numbers = {name: facts[name] for name in facts if name.partition("_")[0] in ("epsilon", "r", "V", "transit")}
@@ -156,7 +153,7 @@ def test_a_file_has_the_numbers_of_every_slab() -> None:
     assert facts["epsilon"] == pytest.approx((784.0 * 1e6) ** 0.5 * 1e-6 / 1e3, rel=1e-12)
 
 
-def test_a_file_has_the_margins_of_motion_that_never_repeats(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_file_has_the_margins_of_motion_that_never_repeats(monkeypatch, tmp_path):
     result = sw.run("paper-si", "kelvin-voigt", until=200, **SHORT)
     assert result.done.verdict is not None
     assert "period_margin" not in result.dataset
@@ -174,7 +171,7 @@ UNITS = {"1", "s", "Pa", "m", "m s-1"}
 """The units in use: UDUNITS knows them."""
 
 
-def require_cf(data: xarray.Dataset) -> None:
+def require_cf(data):
     """Of the CF conventions: names (2.3), no missing coordinate values (2.5.1), units (3.1), long names (3.2), rising coordinates
     (1.2)."""
     for name, variable in data.variables.items():
@@ -187,7 +184,7 @@ def require_cf(data: xarray.Dataset) -> None:
 
 
 @pytest.mark.parametrize("scene", ["paper", "paper-si"])
-def test_files_follow_the_cf_conventions(scene: str, tmp_path: Path) -> None:
+def test_files_follow_the_cf_conventions(scene, tmp_path):
     """The rules that need no library; `make cf` runs a checker from outside on the same kinds of file."""
     path = tmp_path / "x.nc"
     works = list(quick_results(scene))
@@ -206,7 +203,7 @@ def test_files_follow_the_cf_conventions(scene: str, tmp_path: Path) -> None:
 LAW = ROOT / "examples" / "own_law.py"
 
 
-def test_a_law_by_file_is_recorded_and_asked_for(tmp_path: Path, again, refused, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_law_by_file_is_recorded_and_asked_for(tmp_path, again, refused, monkeypatch):
     monkeypatch.chdir(tmp_path)
     words = ("--model", "block8", "--set", "interface.law=cutoff", "interface.cutoff=1e-4", "--until", "20")
     monkeypatch.delitem(LAWS, "cutoff", raising=False)
@@ -221,10 +218,9 @@ def test_a_law_by_file_is_recorded_and_asked_for(tmp_path: Path, again, refused,
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
-    [("x = 1\n", "registers no friction law"), ("1 / 0\n", "ZeroDivisionError"), (None, "no such file")],
+    ("text", "told"), [("x = 1\n", "registers no friction law"), ("1 / 0\n", "ZeroDivisionError"), (None, "no such file")]
 )
-def test_a_file_without_a_law_is_refused(text: str | None, told: str, tmp_path: Path, refused) -> None:
+def test_a_file_without_a_law_is_refused(text, told, tmp_path, refused):
     path = tmp_path / "law.py"
     if text is not None:
         path.write_text(text)
@@ -233,7 +229,7 @@ def test_a_file_without_a_law_is_refused(text: str | None, told: str, tmp_path: 
 
 
 @pytest.mark.parametrize("content", [b"", b"no netCDF"])
-def test_a_file_that_holds_no_scene_is_refused(content: bytes, tmp_path: Path) -> None:
+def test_a_file_that_holds_no_scene_is_refused(content, tmp_path):
     (tmp_path / "x.nc").write_bytes(content)
     with pytest.raises(sw.SceneError, match=r"SCENE = .*x\.nc': holds no scene that can be computed again"):
         sw.run(tmp_path / "x.nc")
@@ -242,7 +238,7 @@ def test_a_file_that_holds_no_scene_is_refused(content: bytes, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("value", [None, 3, "", "garbage", "3"])
-def test_a_file_with_a_damaged_attribute_is_refused_in_one_line(tmp_path: Path, refused, value: int | str | None) -> None:
+def test_a_file_with_a_damaged_attribute_is_refused_in_one_line(tmp_path, refused, value):
     """A model is a word, so that only its absence can be told; any word is a model's or a command's name that is unknown."""
     import netCDF4
 

@@ -27,7 +27,7 @@ RUN = ["run", "paper-si", "--model", "delay", "--tol", "1e-6", "--until", f"{UNT
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], xarray.Dataset, list[str]]:
+def told(tmp_path_factory):
     """JSON, file and table of one run."""
     out = tmp_path_factory.mktemp("values") / "run.nc"
     with redirect_stdout(io.StringIO()) as printed:
@@ -41,7 +41,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], xarr
 Told = tuple[dict[str, Any], xarray.Dataset, list[str]]
 
 
-def test_statistics_are_those_of_the_second_half(told: Told) -> None:
+def test_statistics_are_those_of_the_second_half(told):
     result, data, _ = told
     late = data["event_time"].values >= 0.5 * UNTIL
     assert late.sum() > 4
@@ -56,7 +56,7 @@ def test_statistics_are_those_of_the_second_half(told: Told) -> None:
     assert result["v_min"] == pytest.approx(min(data["v_min"].values[late]), rel=1e-14)
 
 
-def test_rows_of_events_are_those_of_the_recorded_motion(told: Told) -> None:
+def test_rows_of_events_are_those_of_the_recorded_motion(told):
     _, data, _ = told
     time, starts = data["time"].values, data["event_time"].values
     assert np.diff(starts) == pytest.approx(data["period"].values[:-1], rel=1e-12)
@@ -72,7 +72,7 @@ def test_rows_of_events_are_those_of_the_recorded_motion(told: Told) -> None:
         assert data["v_min"].values[row] == pytest.approx(lowest, rel=5e-2)
 
 
-def test_the_recorded_motion_obeys_the_equations(told: Told) -> None:
+def test_the_recorded_motion_obeys_the_equations(told):
     """psi' = r (e^-psi - v) and y' = eps (V - v) on the clock of transits, by differences between neighbouring samples; the
     friction law at every sample."""
     _, data, _ = told
@@ -90,7 +90,7 @@ def test_the_recorded_motion_obeys_the_equations(told: Told) -> None:
         assert np.abs(misfit).max() < 2e-3 * np.abs(wanted[slow]).max()
 
 
-def test_facts_of_the_file(told: Told) -> None:
+def test_facts_of_the_file(told):
     result, data, _ = told
     facts = data.attrs
     assert facts["transit_in_friction_time"] == pytest.approx(TRANSIT, rel=1e-12)
@@ -100,7 +100,7 @@ def test_facts_of_the_file(told: Told) -> None:
     assert facts["scene_digest"] == slipwave.read("paper-si", [f"slab.thickness={THICKNESS}", f"run.until={UNTIL}"]).digest
 
 
-def test_the_table_is_the_json_and_its_si_column_is_by_hand(told: Told) -> None:
+def test_the_table_is_the_json_and_its_si_column_is_by_hand(told):
     result, _, lines = told
     wanted = {
         "period [transits]": (result["period"]["mean"], result["period"]["std"], SECONDS, "s"),
@@ -133,7 +133,7 @@ def test_the_table_is_the_json_and_its_si_column_is_by_hand(told: Told) -> None:
     assert [float(part.split(" = ")[1]) for part in end.split(",")] == pytest.approx(list(result["final"].values()), rel=1e-10)
 
 
-def test_scenes_are_listed_with_their_own_titles(capsys: pytest.CaptureFixture[str]) -> None:
+def test_scenes_are_listed_with_their_own_titles(capsys):
     assert main(["scenes"]) == 0
     folder = Path(slipwave.__file__).parent / "gallery"
     wanted = {path.stem: tomllib.loads(path.read_text())["title"] for path in folder.glob("*.toml")}

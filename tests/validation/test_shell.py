@@ -5,7 +5,6 @@ import shlex
 import subprocess
 import sys
 from importlib.metadata import version
-from pathlib import Path
 
 import pytest
 
@@ -13,7 +12,7 @@ from validation import cli
 from validation.cli import main, spread
 
 
-def module(*words: str, **variables: str) -> subprocess.CompletedProcess[str]:
+def module(*words, **variables):
     """`python -m slipwave words`."""
     environment = os.environ | variables
     return subprocess.run(
@@ -21,7 +20,7 @@ def module(*words: str, **variables: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_the_version_is_that_of_the_package() -> None:
+def test_the_version_is_that_of_the_package():
     done = module("--version")
     assert (done.returncode, done.stdout, done.stderr) == (0, f"slipwave {version('slipwave')}\n", "")
 
@@ -30,13 +29,13 @@ def test_the_version_is_that_of_the_package() -> None:
     ("typed", "offered"),
     [("slipwave run paper-s", ["paper-si"]), ("slipwave run --model kel", ["kelvin-voigt"]), ("slipwave sta", ["stability"])],
 )
-def test_the_shell_completes_commands_scenes_and_models(typed: str, offered: list[str]) -> None:
+def test_the_shell_completes_commands_scenes_and_models(typed, offered):
     count = str(len(typed.split()) - 1)
     done = module(_SLIPWAVE_COMPLETE="complete_bash", COMP_WORDS=typed, COMP_CWORD=count)
     assert (done.returncode, done.stdout.split()) == (0, offered)
 
 
-def test_every_command_has_examples_that_it_accepts(printed) -> None:
+def test_every_command_has_examples_that_it_accepts(printed):
     for name in cli.COMMANDS:
         command = cli.command_called(name)
         shown = printed(name, "--help").partition("Examples:\n")[2]
@@ -59,31 +58,31 @@ def test_every_command_has_examples_that_it_accepts(printed) -> None:
         (["stabilty", "paper"], "stability"),
     ],
 )
-def test_a_mistyped_word_is_answered_by_the_one_that_is_meant(words: list[str], meant: str, refused) -> None:
+def test_a_mistyped_word_is_answered_by_the_one_that_is_meant(words, meant, refused):
     assert refused(*words).lower().endswith((f'did you mean "{meant}"?', f"did you mean '{meant}'?"))
 
 
 @pytest.mark.parametrize("words", ["--model delay --model block8", "--until 5 --json --until=6"])
-def test_an_option_is_given_once(words: str, refused) -> None:
+def test_an_option_is_given_once(words, refused):
     told = refused("run", "paper", "--set", "V=3", "--set", "size=0.1", *words.split())
     assert told == f"slipwave: {words.split()[0]}: is given more than once"
 
 
-def test_what_is_wrong_in_a_file_is_told_whole(tmp_path: Path, refused) -> None:
+def test_what_is_wrong_in_a_file_is_told_whole(tmp_path, refused):
     (tmp_path / "mine.toml").write_text("[slab]\nepsilon = 1e-5\ndensity 2700 kg/m3\n")
     told = "Expected '=' after a key in a key/value pair (at line 3, column 9)"
     assert refused("show", str(tmp_path / "mine.toml")).endswith(f"must be a TOML file; {told}")
 
 
 @pytest.mark.parametrize("words", [["a=-1"], ["a", "-1"], ["a=", "-1"], ["b=2", "a=-1"], ["a", "-1", "b=-2.5e-3"]])
-def test_values_after_set_may_be_negative(words: list[str]) -> None:
+def test_values_after_set_may_be_negative(words):
     got = spread(["run", "paper", "--set", *words, "--json"])
     values = {got[k + 1] for k, word in enumerate(got) if word == "--set"}
     assert values - {"b=2", "b=-2.5e-3"} == {"a=-1"}
     assert got[-1] == "--json"
 
 
-def test_a_figure_of_a_run_has_time_in_both_units(tmp_path: Path) -> None:
+def test_a_figure_of_a_run_has_time_in_both_units(tmp_path):
     import slipwave as sw
 
     found = sw.run("paper-si", "block8", until=100, interface=True, **{"drive.velocity": 2000})
@@ -101,7 +100,7 @@ def test_a_figure_of_a_run_has_time_in_both_units(tmp_path: Path) -> None:
     assert pascals.get_ylim() == pytest.approx([limit * 1000.0 for limit in above.get_ylim()])
 
 
-def test_matplotlib_is_silent_where_it_cannot_keep_its_fonts() -> None:
+def test_matplotlib_is_silent_where_it_cannot_keep_its_fonts():
     """HOME cannot be written, and MPLCONFIGDIR is not set; it speaks where it is loaded first, as by --plot."""
     variables = {name: value for name, value in os.environ.items() if not name.startswith(("MPL", "XDG"))}
     variables |= {"HOME": "/dev/null/none"}
@@ -111,7 +110,7 @@ def test_matplotlib_is_silent_where_it_cannot_keep_its_fonts() -> None:
     assert "none" not in done.stdout.splitlines()[-1]  # a temporary folder: it would have told
 
 
-def test_a_run_that_is_compiled_loads_little(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_that_is_compiled_loads_little(capsys):
     """Neither what draws and writes, nor scipy's functions, nor the half of numba that only compiles: 0.6 s of 1.5."""
     words = ["run", "paper"]
     assert main(words) == 0  # compiles what is not yet on the disk

@@ -11,7 +11,7 @@ import slipwave
 from slipwave.input.source import gallery_names
 from validation.report.build import make_report
 from validation.studies import STUDIES, scene_facts, study_called
-from validation.study import Outcome, StudyResult
+from validation.study import Outcome
 from validation.timing import Setting, TimedRun, cheapest, time_final, time_run
 
 
@@ -25,7 +25,7 @@ def test_a_study_says_what_it_is(name):
     assert name in PLACES
 
 
-def bad(result: StudyResult) -> list[str]:
+def bad(result):
     return [f"{v.claim}: expected {v.expected}, ours {v.ours}" for v in result.verdicts if v.outcome is Outcome.FAIL]
 
 

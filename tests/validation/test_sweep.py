@@ -9,11 +9,9 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -28,7 +26,7 @@ from validation.sweep.engine import Engine, compute
 from validation.sweep.map_figures import figure_of
 from validation.sweep.measures import MEASURES, VERDICTS
 from validation.sweep.other_side import other_side
-from validation.sweep.plan import Plan, morton, order_of
+from validation.sweep.plan import morton, order_of
 from validation.sweep.refine import fill, refine, regime_numbers
 from validation.sweep.store import Store
 from validation.sweep.sweep import Where, manifest_of, perform_sweep, plan_of
@@ -42,20 +40,20 @@ class Here(Executor):
 
     _max_workers = 2
 
-    def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> "Future[Any]":
+    def submit(self, function, /, *given, **named):
         """As `Executor`."""
-        future: Future[Any] = Future()
+        future = Future()
         future.set_result(function(*given, **named))
         return future
 
 
-def plan(counts: tuple[int, int] = (5, 4), measure: str = DISC, models: tuple[str, ...] = ("delay",), **options: Any) -> Plan:
+def plan(counts=(5, 4), measure=DISC, models=("delay",), **options):
     """A sweep over (a, b) of the paper's scene."""
     axes = [axis_of("a", f"0.001:0.019:{counts[0]}"), axis_of("b", f"0.011:0.029:{counts[1]}")]
     return plan_of(sw.read_scene("paper"), axes, models, measure, **options)
 
 
-def computed(what: Plan, folder: Path, **where: Any) -> xarray.Dataset:
+def computed(what, folder, **where):
     """The gathered sweep."""
     from validation.sweep.gather import dataset_of
 
@@ -64,12 +62,12 @@ def computed(what: Plan, folder: Path, **where: Any) -> xarray.Dataset:
     return dataset_of(what, store)
 
 
-def same(one: xarray.Dataset, other: xarray.Dataset) -> bool:
+def same(one, other):
     """Whether all arrays are equal to the bit."""
     return all(np.array_equal(one[name].values, other[name].values, equal_nan=one[name].dtype.kind == "f") for name in one)
 
 
-def test_morton_order_keeps_patches_together() -> None:
+def test_morton_order_keeps_patches_together():
     order = morton((8, 8))
     assert sorted(order) == list(range(64))
     for first in range(0, 64, 16):
@@ -88,7 +86,7 @@ def test_morton_order_keeps_patches_together() -> None:
         ("machine", {"face.stiffness": "0.5,1", "ratio_epsilon": "1,3", "V": "10,100"}),
     ],
 )
-def test_the_scene_of_a_point_is_the_scene_with_its_changes(scene: str, axes: dict[str, str]) -> None:
+def test_the_scene_of_a_point_is_the_scene_with_its_changes(scene, axes):
     """Put together from scenes with one changed key each, in any order, or read whole where two keys change one slab."""
     what = plan_of(sw.read_scene(scene), [axis_of(key, values) for key, values in axes.items()], ["delay"], DISC)
     for point in np.random.default_rng(4).permutation(what.size):
@@ -96,7 +94,7 @@ def test_the_scene_of_a_point_is_the_scene_with_its_changes(scene: str, axes: di
         assert (found, found.digest, found.tables) == (wanted, wanted.digest, wanted.tables)
 
 
-def test_a_point_does_not_depend_on_the_points_before_it() -> None:
+def test_a_point_does_not_depend_on_the_points_before_it():
     """Tables that are made once for many runs: random points in random order, and each alone with all tables made anew."""
     axes = [axis_of("log10_r", "-2.75:-2.2:9"), axis_of("V", "1:1000:7:log")]
     what = plan_of(sw.read_scene("paper", **{"run.until": 100}), axes, ["delay"], "run", tol=1e-6)
@@ -111,7 +109,7 @@ def test_a_point_does_not_depend_on_the_points_before_it() -> None:
                 assert np.array_equal(together[name][row : row + 1], value, equal_nan=value.dtype.kind == "f"), name
 
 
-def test_arrays_do_not_depend_on_who_computes_them(tmp_path: Path) -> None:
+def test_arrays_do_not_depend_on_who_computes_them(tmp_path):
     verdicts = plan((2, 2), "verdict", ("block12", "kelvin-voigt"), tol=1e-6)
     here = computed(verdicts, tmp_path / "here")
     with ThreadPoolExecutor(3) as threads:
@@ -125,7 +123,7 @@ def test_arrays_do_not_depend_on_who_computes_them(tmp_path: Path) -> None:
     )
 
 
-def test_a_point_of_a_sweep_is_a_run(tmp_path: Path) -> None:
+def test_a_point_of_a_sweep_is_a_run(tmp_path):
     what = plan_of(
         sw.read("paper", {"run.until": 1500.0}), [axis_of("log10_r", [-2.68, -2.6])], ["kelvin-voigt"], "run", tol=1e-8
     )
@@ -135,7 +133,7 @@ def test_a_point_of_a_sweep_is_a_run(tmp_path: Path) -> None:
     assert point["period"].item() == run.done.statistics.period.mean
 
 
-def test_parts_of_a_job_array_and_a_resumed_sweep_are_the_whole(tmp_path: Path) -> None:
+def test_parts_of_a_job_array_and_a_resumed_sweep_are_the_whole(tmp_path):
     whole = computed(plan((7, 5)), tmp_path / "whole")
     for number in (3, 1, 2):
         parts = computed(plan((7, 5)), tmp_path / "parts", part=(number, 3))
@@ -145,7 +143,7 @@ def test_parts_of_a_job_array_and_a_resumed_sweep_are_the_whole(tmp_path: Path) 
     assert same(whole, computed(plan((7, 5)), tmp_path / "parts"))
 
 
-def test_a_finished_sweep_computes_nothing(tmp_path: Path) -> None:
+def test_a_finished_sweep_computes_nothing(tmp_path):
     computed(plan((3, 3)), tmp_path / "done")
     assert sw.sweep(tmp_path / "done", executor=Here()).summary["computed_now"] == 0
     before = sorted((tmp_path / "done" / "parts").iterdir())
@@ -153,7 +151,7 @@ def test_a_finished_sweep_computes_nothing(tmp_path: Path) -> None:
     assert sorted((tmp_path / "done" / "parts").iterdir()) == before
 
 
-def test_a_half_done_sweep_can_be_gathered(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_half_done_sweep_can_be_gathered(tmp_path, capsys):
     what = plan((6, 6))
     computed(what, tmp_path / "half", part=(1, 2))
     assert main(["sweep", str(tmp_path / "half"), "--gather", "--json"]) == 0
@@ -169,7 +167,7 @@ def test_a_half_done_sweep_can_be_gathered(tmp_path: Path, capsys: pytest.Captur
 
 
 @pytest.mark.parametrize("counts", [(65, 33), (33, 65)])
-def test_refinement_finds_what_the_full_lattice_shows(tmp_path: Path, counts: tuple[int, int]) -> None:
+def test_refinement_finds_what_the_full_lattice_shows(tmp_path, counts):
     full = computed(plan(counts), tmp_path / "full")
     what = plan(counts, refine=3)
     found = computed(what, tmp_path / "refined")
@@ -179,7 +177,7 @@ def test_refinement_finds_what_the_full_lattice_shows(tmp_path: Path, counts: tu
     assert np.allclose(found["height"].values, full["height"].values, atol=1e-12)
 
 
-def test_refinement_does_not_depend_on_what_is_there(tmp_path: Path) -> None:
+def test_refinement_does_not_depend_on_what_is_there(tmp_path):
     what = plan((33, 33), refine=3)
     found = computed(what, tmp_path / "one")
     store = Store(tmp_path / "two")
@@ -191,13 +189,13 @@ def test_refinement_does_not_depend_on_what_is_there(tmp_path: Path) -> None:
     assert np.array_equal(found["regime"].values, again["regime"].values)
 
 
-def test_the_audit_sees_an_island(tmp_path: Path) -> None:
+def test_the_audit_sees_an_island(tmp_path):
     """A regime smaller than a cell is found where a cell is divided by chance, and its surroundings are then computed."""
     what = plan((129, 129), refine=3)
     island = np.zeros(what.shape, dtype=int)
     known = np.full(what.shape, -1)
 
-    def compute(points: Any) -> None:
+    def compute(points):
         known.reshape(-1)[points] = island.reshape(-1)[points]
 
     assert refine(what, 3, compute, lambda: known.reshape(-1)).hidden == 0
@@ -210,7 +208,7 @@ def test_the_audit_sees_an_island(tmp_path: Path) -> None:
     assert int((known >= 0).sum()) > seen
 
 
-def test_a_finger_of_a_regime_is_followed_into_the_next_cell() -> None:
+def test_a_finger_of_a_regime_is_followed_into_the_next_cell():
     """It crosses the edge between two corners that lie outside."""
     what = plan((33, 33), refine=3)
     truth = np.zeros(what.shape, dtype=int)
@@ -218,7 +216,7 @@ def test_a_finger_of_a_regime_is_followed_into_the_next_cell() -> None:
     truth[0, 16:31, 20] = 1
     known = np.full(what.shape, -1)
 
-    def compute(points: Any) -> None:
+    def compute(points):
         known.reshape(-1)[points] = truth.reshape(-1)[points]
 
     refine(what, 3, compute, lambda: known.reshape(-1))
@@ -228,7 +226,7 @@ def test_a_finger_of_a_regime_is_followed_into_the_next_cell() -> None:
     assert (known >= 0).mean() < 0.7
 
 
-def test_words_of_one_regime_have_no_boundary_between_them() -> None:
+def test_words_of_one_regime_have_no_boundary_between_them():
     words = ["steady", "decaying", "periodic", "torus", "settling", "too short"]
     columns = {"status": np.zeros(6, dtype=int), "verdict": np.array([VERDICTS.index(word) for word in words])}
     steady, decaying, periodic, torus, settling, short = regime_numbers(MEASURES["verdict"], columns)
@@ -237,14 +235,14 @@ def test_words_of_one_regime_have_no_boundary_between_them() -> None:
 
 
 @pytest.fixture
-def marks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def marks(tmp_path, monkeypatch):
     """A folder in which a measure counts its deaths."""
     (tmp_path / "marks").mkdir()
     monkeypatch.setenv("SLIPWAVE_TEST_MARKS", str(tmp_path / "marks"))
     return tmp_path / "marks"
 
 
-def test_a_killed_worker_is_a_part_done_again(tmp_path: Path, marks: Path) -> None:
+def test_a_killed_worker_is_a_part_done_again(tmp_path, marks):
     axes = [axis_of("a", [0.010, 0.011, 0.012, 0.013, 0.014, 0.015])]
     what = plan_of(sw.read_scene("paper"), axes, ["delay"], "tests.validation.sweep_measures:deadly")
     data = computed(what, tmp_path / "deadly", executor=None, workers=2)
@@ -253,7 +251,7 @@ def test_a_killed_worker_is_a_part_done_again(tmp_path: Path, marks: Path) -> No
     assert np.allclose(np.delete(data["sum"].values, 2), np.delete(np.array(axes[0].values) + sw.read_scene("paper").law.b, 2))
 
 
-def test_a_point_that_cannot_be_computed_has_a_reason(tmp_path: Path) -> None:
+def test_a_point_that_cannot_be_computed_has_a_reason(tmp_path):
     axes = [axis_of("a", [0.011, 0.012, 0.013])]
     data = computed(plan_of(sw.read_scene("paper"), axes, ["delay"], "tests.validation.sweep_measures:wrong"), tmp_path / "wrong")
     assert data["status"].values.tolist() == [0, 2, 0]
@@ -268,7 +266,7 @@ def test_a_point_that_cannot_be_computed_has_a_reason(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("moment", range(5))
-def test_a_sweep_killed_at_any_moment_goes_on(tmp_path: Path, moment: int) -> None:
+def test_a_sweep_killed_at_any_moment_goes_on(tmp_path, moment):
     """The parent, or one of its workers, is killed when so many parts are there."""
     generator = np.random.default_rng(moment)
     words = ["paper", "--vary", "a=0.001:0.019:10", "b=0.011:0.029:10", "--measure", "tests.validation.sweep_measures:slowly"]
@@ -294,7 +292,7 @@ def test_a_sweep_killed_at_any_moment_goes_on(tmp_path: Path, moment: int) -> No
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(5, 35, 10))
-def test_a_sweep_killed_again_and_again_ends(tmp_path: Path, first: int) -> None:
+def test_a_sweep_killed_again_and_again_ends(tmp_path, first):
     """A forked copy of this process computes it, and is killed ten times, whatever it was doing."""
     what, killed = plan((20, 20), "tests.validation.sweep_measures:slowly"), 0
     for seed in range(first, first + 10):
@@ -312,7 +310,7 @@ def test_a_sweep_killed_again_and_again_ends(tmp_path: Path, first: int) -> None
     assert np.array_equal(data["sum"].values, np.add.outer(x, y))
 
 
-def test_a_full_disk_costs_no_finished_part(tmp_path: Path) -> None:
+def test_a_full_disk_costs_no_finished_part(tmp_path):
     """Files of more than 6 kB cannot be written: the large parts at the end."""
     what = plan((60, 60))
     copy = os.fork()
@@ -329,14 +327,14 @@ def test_a_full_disk_costs_no_finished_part(tmp_path: Path) -> None:
     goes_on(what, tmp_path, tmp_path / "whole")
 
 
-def require_whole_parts(folder: Path) -> None:
+def require_whole_parts(folder):
     """Some parts are there, and nothing else."""
     there = [path.name for path in (folder / "parts").iterdir()]
     assert there
     assert all(name.endswith(".npz") and not name.startswith(".") for name in there)
 
 
-def goes_on(what: Plan, folder: Path, other: Path) -> None:
+def goes_on(what, folder, other):
     """The sweep in `folder` is completed with the parts that it has, and is then as one computed at once in another."""
     there = set((folder / "parts").iterdir())
     data = computed(what, folder)
@@ -346,7 +344,7 @@ def goes_on(what: Plan, folder: Path, other: Path) -> None:
 
 
 @pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
+def small_disk(tmp_path):
     """A disk of 200 kB, where the system lets us have one."""
     disk = tmp_path / "disk"
     disk.mkdir()
@@ -357,11 +355,11 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", disk], check=True)
 
 
-def test_a_disk_that_others_fill_costs_no_finished_part(tmp_path: Path, small_disk: Path) -> None:
+def test_a_disk_that_others_fill_costs_no_finished_part(tmp_path, small_disk):
     ballast = small_disk / "ballast"
 
     class Filling(Here):
-        def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> "Future[Any]":
+        def submit(self, function, /, *given, **named):
             if not ballast.exists() and any((small_disk / "map" / "parts").iterdir()):
                 with contextlib.suppress(OSError), ballast.open("wb", buffering=0) as file:
                     while file.write(bytes(4096)):
@@ -375,7 +373,7 @@ def test_a_disk_that_others_fill_costs_no_finished_part(tmp_path: Path, small_di
     goes_on(plan((30, 30)), small_disk / "map", tmp_path / "whole")
 
 
-def test_every_late_cycle_of_a_run_is_in_its_brush(tmp_path: Path) -> None:
+def test_every_late_cycle_of_a_run_is_in_its_brush(tmp_path):
     scene = sw.read("paper-si", {"run.until": 1500.0})
     what = plan_of(scene, [axis_of("log10_r", [-2.75, -2.6])], ["kelvin-voigt"], "cycles", tol=1e-8)
     data = computed(what, tmp_path / "brush")
@@ -392,7 +390,7 @@ def test_every_late_cycle_of_a_run_is_in_its_brush(tmp_path: Path) -> None:
     assert (drawn[:, 1] == late[0]).any()
 
 
-def test_the_other_side_of_an_axis_has_the_other_units() -> None:
+def test_the_other_side_of_an_axis_has_the_other_units():
     rock = sw.read("rock")
     data = xarray.Dataset(attrs={"scene_toml": sw.show("rock")})
     axis = lambda key, first, unit="1": xarray.DataArray([first], attrs={"long_name": key, "units": unit}, name="axis")  # noqa: E731
@@ -408,7 +406,7 @@ def test_the_other_side_of_an_axis_has_the_other_units() -> None:
     assert other_side(data, axis("a", 0.01)) is None
 
 
-def test_two_sweeps_into_one_folder_are_one(tmp_path: Path) -> None:
+def test_two_sweeps_into_one_folder_are_one(tmp_path):
     what = plan((6, 4), "tests.validation.sweep_measures:slowly")
     with ThreadPoolExecutor(2) as both:
         found = list(both.map(lambda _: computed(what, tmp_path / "both", executor=None, workers=1), range(2)))
@@ -438,7 +436,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_wrong_input_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+def test_wrong_input_is_one_line(tmp_path, capsys, name):
     words, told = WRONG[name]
     command = ["map", "nothing.nc"] if words == "map" else ["sweep", *words, "--out", str(tmp_path / "out")]
     assert main(command) == 2
@@ -448,7 +446,7 @@ def test_wrong_input_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert not (tmp_path / "out").exists()
 
 
-def test_another_sweep_in_the_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_another_sweep_in_the_folder_is_refused(tmp_path, capsys):
     words = ["sweep", "paper", "--measure", DISC, "--workers", "1", "--out", str(tmp_path / "out")]
     computed(plan((3, 2)), tmp_path / "out")
     assert main([*words, "--vary", "a=0.01:0.02:3"]) == 2
@@ -463,7 +461,7 @@ def test_another_sweep_in_the_folder_is_refused(tmp_path: Path, capsys: pytest.C
     assert "damaged" in capsys.readouterr().err
 
 
-def test_a_dry_sweep_computes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_dry_sweep_computes_nothing(tmp_path, capsys):
     assert (
         main(["sweep", "paper", "--vary", "a=0.01:0.02:30", "--measure", DISC, "--out", str(tmp_path / "x"), "--dry", "--json"])
         == 0
@@ -474,7 +472,7 @@ def test_a_dry_sweep_computes_nothing(tmp_path: Path, capsys: pytest.CaptureFixt
     assert not (tmp_path / "x").exists()
 
 
-def test_difference_of_two_models_in_per_cent_of_the_area() -> None:
+def test_difference_of_two_models_in_per_cent_of_the_area():
     from validation.sweep.difference import difference
 
     kinds = [VERDICTS.index(word) for word in ("steady", "decaying", "periodic", "irregular", "too short")]
@@ -493,7 +491,7 @@ def test_difference_of_two_models_in_per_cent_of_the_area() -> None:
     assert (row["period"], row["stress_drop"]) == pytest.approx((0.1, -0.2))
 
 
-def test_a_map_shows_the_boundary_of_stability_within_a_cell(tmp_path: Path) -> None:
+def test_a_map_shows_the_boundary_of_stability_within_a_cell(tmp_path):
     what = plan_of(
         sw.read_scene("paper"), [axis_of("log10_r", "-2.75:-2.6:16"), axis_of("V", "10:1000:3:log")], ["delay"], "stability"
     )

@@ -4,9 +4,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -20,15 +18,15 @@ VARY = {"a": (0.001, 0.019, 20), "b": (0.011, 0.029, 10)}
 
 
 @pytest.fixture
-def cluster() -> Iterator[tuple[str, "subprocess.Popen[Any]"]]:
+def cluster():
     """The scheduler's address and its process."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
 
-    def start(*words: str) -> "subprocess.Popen[Any]":
+    def start(*words):
         """One process of the cluster."""
-        quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": ROOT}
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": ROOT}
         return subprocess.Popen([sys.executable, "-m", "dask", *words], **quiet)
 
     scheduler = start("scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2], "--no-dashboard")
@@ -42,7 +40,7 @@ def cluster() -> Iterator[tuple[str, "subprocess.Popen[Any]"]]:
             process.wait()
 
 
-def _await_workers(address: str, count: int) -> None:
+def _await_workers(address, count):
     import distributed
 
     with distributed.Client(address, timeout="60s", set_as_default=False) as client:  # type: ignore[no-untyped-call]
@@ -50,7 +48,7 @@ def _await_workers(address: str, count: int) -> None:
 
 
 @pytest.mark.slow
-def test_a_cluster_gives_equal_arrays(tmp_path: Path, cluster: tuple[str, Any]) -> None:
+def test_a_cluster_gives_equal_arrays(tmp_path, cluster):
     vary = {"log10_r": (-2.72, -2.6, 4)}
     here = sw.sweep("paper", vary=vary, models="block12", until=400, tol=1e-6, workers=1, out=tmp_path / "here").dataset
     there = sw.sweep(
@@ -62,7 +60,7 @@ def test_a_cluster_gives_equal_arrays(tmp_path: Path, cluster: tuple[str, Any]) 
 
 
 @pytest.mark.slow
-def test_a_scheduler_killed_half_way_costs_nothing(tmp_path: Path, cluster: tuple[str, Any]) -> None:
+def test_a_scheduler_killed_half_way_costs_nothing(tmp_path, cluster):
     address, scheduler = cluster
     command = [sys.executable, "-m", "validation.cli", "sweep", "paper", "--measure", SLOWLY, "--scheduler", address]
     command += ["--vary", "a=0.001:0.019:20", "b=0.011:0.029:10", "--out", str(tmp_path / "out")]
@@ -78,7 +76,7 @@ def test_a_scheduler_killed_half_way_costs_nothing(tmp_path: Path, cluster: tupl
     assert result.summary["computed_now"] < 200
 
 
-def test_no_scheduler_is_one_line(tmp_path: Path) -> None:
+def test_no_scheduler_is_one_line(tmp_path):
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{taken.getsockname()[1]}"

@@ -5,7 +5,6 @@ import subprocess
 import sys
 import time
 from functools import partial
-from pathlib import Path
 
 import pytest
 
@@ -109,13 +108,13 @@ FOUND = [
 ]
 
 
-def test_times_are_compared_at_equal_errors() -> None:
+def test_times_are_compared_at_equal_errors():
     assert [ratio for _, ratio in race_ratios(FOUND)] == ["40.00", "5.50", "1.50", "1.25", "2.00", "2.50"]
     assert fastest(FOUND, "rival", 1e-11) is None
     assert next(race_ratios(FOUND[3:])) == ("rival to 1e-09 over exact to 1e-09", "-")
 
 
-def test_the_race_is_run_and_printed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_race_is_run_and_printed(tmp_path, capsys):
     """The other program finds a module beside it, and sleeps for 200 ms, which take no processor time."""
     (tmp_path / "beside.py").write_text("")
     (tmp_path / "plain.py").write_text(PLAIN)

@@ -74,8 +74,7 @@ def test_orbits_of_other_scenes_are_those_of_the_delay_system(name):
 
 
 @pytest.mark.parametrize(
-    ("model", "cells", "cfl", "within"),
-    [("sbp:6", 24, 0.45, 1e-9), ("fem:4", 5, 0.45, 2e-10), ("dg:7", 3, 0.375, 2e-12)],
+    ("model", "cells", "cfl", "within"), [("sbp:6", 24, 0.45, 1e-9), ("fem:4", 5, 0.45, 2e-10), ("dg:7", 3, 0.375, 2e-12)]
 )
 def test_the_explicit_march_goes_round_on_the_same_orbit(model, cells, cfl, within):
     """It shares no step with the flow. Measured in two cycles from the orbit's own state on: 6e-11, 1e-11 and 7e-14 of T, the

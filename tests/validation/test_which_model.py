@@ -30,8 +30,7 @@ def test_an_error_with_its_own_error():
     """A quotient of 1.1 whose parts are known to 3 and 4 thousandths is known to 5 thousandths of itself."""
     runs = {"delay": {-2.5: figures(100.0, 0.3, 0.4)}, "modal:8": {-2.5: figures(110.0, 0.3, 0.33)}}
     found = error(runs, "modal:8", -2.5, "period")
-    assert found.value == pytest.approx(0.1, rel=1e-12)
-    assert found.error == pytest.approx(1.1 * 0.005, rel=1e-12)
+    assert (found.value, found.error) == (pytest.approx(0.1, rel=1e-12), pytest.approx(1.1 * 0.005, rel=1e-12))
     assert error(runs, "modal:8", -2.5, "drop") == Estimate(0.0, 0.0)
 
 
@@ -50,8 +49,7 @@ def test_the_quasi_dynamic_model_sticks_and_slips_beyond_its_onset(log10_r, peri
     found = measured.orbit_of(measured.DAMPED, log10_r)
     assert (found.period.value, found.drop.value) == pytest.approx((period, drop), rel=1e-4)
     beside = at_r(measured.DAMPED, log10_r)
-    assert beside.period.value == pytest.approx(found.period.value, rel=1e-9)
-    assert beside.cycles == 0
+    assert (beside.period.value, beside.cycles) == (pytest.approx(found.period.value, rel=1e-9), 0)
 
 
 def test_the_table_has_every_model_at_every_r(result):
