@@ -37,15 +37,6 @@ def test_every_other_setting_is_refused(tmp_path, kind, option):
         load_checkpoint(tmp_path / "run.npz", make(FAST, **options | {option: OTHER[option]}))
 
 
-def test_cells_are_told_apart_where_state_and_step_are_alike(tmp_path):
-    nine, twelve = (DiscontinuousGalerkin(FAST, number=7, cells=cells, time="explicit") for cells in (9, 12))
-    assert nine.step == twelve.step
-    assert {name: array.shape for name, array in nine.state().items()} == {n: a.shape for n, a in twelve.state().items()}
-    save_checkpoint(tmp_path / "run.npz", nine)
-    with pytest.raises(SceneError, match=r"settings differ from this run's: cells is \[9\], not \[12\]"):
-        load_checkpoint(tmp_path / "run.npz", twelve)
-
-
 def test_mass_and_sources_are_told_apart(tmp_path, monkeypatch):
     save_checkpoint(tmp_path / "run.npz", FiniteElement(FAST))
     with pytest.raises(SceneError, match="mass is 'lumped', not 'consistent'"):

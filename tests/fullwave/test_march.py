@@ -37,12 +37,6 @@ def test_families_agree_on_every_scene(name):
         assert finals[family].mu == pytest.approx(finals["dg"].mu, abs=3e-12)  # 1.4e-13
 
 
-def test_final_psi_of_the_race_to_ten_digits():
-    """psi(600) of the paper's scene at log10 r = -2.6, as three programs for the delay system give it."""
-    solver = DiscontinuousGalerkin(slipwave.read("paper", ["slab.log10_r=-2.6"]), number=7, cells=8)
-    assert follow(solver, 600.0).psi == pytest.approx(-2.81740188949, abs=2e-11)
-
-
 @pytest.mark.parametrize(
     ("kind", "options", "message"),
     [

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import skfem
 
 from fullwave.finite_element import assemble_layer
 from fullwave.operators.closure import boundary_closure, closure_rows
@@ -40,14 +39,6 @@ def test_differences_sum_by_parts(order):
     assert not dense[0, 1:].any()  # a penalty acts on the end node alone
 
 
-@pytest.mark.parametrize("order", [4, 6])
-def test_norm_integrates_to_the_order_of_the_ends(order):
-    _, norm = difference_matrix(order, 30)
-    x = np.linspace(0.0, 1.0, 31)
-    for k in range(order - 1):
-        assert np.ones(31) @ (norm @ x**k) == pytest.approx(1.0 / (k + 1), rel=1e-11)
-
-
 @pytest.mark.parametrize(("order", "first"), [(4, 2839 / 13230), (6, 1581317 / 11215260)])
 def test_free_entries_of_the_norm_are_those_of_least_residual(order, first):
     """The first one, as rational arithmetic gives it."""
@@ -79,15 +70,6 @@ def test_gll_element_is_a_lagrange_basis(degree):
         at = np.array([[0.3, 0.7123]])
         difference = (element.lbasis(at + step, i)[0] - element.lbasis(at - step, i)[0]) / (2 * step)
         np.testing.assert_allclose(element.lbasis(at, i)[1][0], difference, rtol=1e-6, atol=1e-7)
-
-
-def test_gll_element_solves_a_problem_of_scikit_fem():
-    """-u'' = pi^2 sin(pi x) with degree 6 on four elements, to 1e-8."""
-    basis = skfem.Basis(skfem.MeshLine(np.linspace(0, 1, 5)), ElementLineGLL(6), intorder=14)
-    stiffness = skfem.BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0]).assemble(basis)
-    load = skfem.LinearForm(lambda v, w: np.pi**2 * np.sin(np.pi * w.x[0]) * v).assemble(basis)
-    solution = skfem.solve(*skfem.condense(stiffness, load, D=basis.get_dofs()))
-    np.testing.assert_allclose(solution, np.sin(np.pi * basis.doflocs[0]), atol=1e-8)
 
 
 @pytest.mark.parametrize("degree", [1, 4, 9, 24])

@@ -16,6 +16,17 @@ from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE
 
 Array = NDArray[np.float64]
+EVERY_TERM = Reduction(
+    "made up",
+    mass=0.02,
+    damping=0.1,
+    frequencies=(6.2, 12.3),
+    residues=(2.1, 1.9),
+    decays=(0.5, 0.9),
+    offsets=(1.2, -0.4),
+    relaxations=((0.4, 1.3), (-0.1, 9.0)),
+    spring=0.7,
+)
 
 
 class Equations:

@@ -5,7 +5,6 @@ import pytest
 
 from fullwave.discontinuous import DiscontinuousGalerkin
 from reduced.commensurate import common_divisor
-from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.network import DelayNetwork
 from reduced.delay.system import delay_system
@@ -15,11 +14,6 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.solve import follow
 from slipwave.step.collocation import radau
 from slipwave.step.nodal import NOT_SMOOTH
-
-
-def test_network_of_alike_slabs_equals_the_alike_march():
-    scene = read("paper", ["slab.log10_r=-2.6"])
-    assert follow(DelayNetwork(scene), 600).psi == pytest.approx(follow(Delay(scene), 600).psi, abs=3e-9)
 
 
 def halve(solver, times):
@@ -113,16 +107,6 @@ def test_more_break_points_than_can_be_stored_are_refused(monkeypatch):
     assert solver.time == pytest.approx(12.0, abs=0.02)
 
 
-def test_an_end_that_rounding_just_misses_is_reached():
-    solver = DelayNetwork(read("unlike-irrational"))
-    follow(solver, 500.0)
-    assert abs(solver.time - 500.0) < 0.5
-    for just_beyond in (1e-12, 1e-9, 1e-7):
-        before = solver.time
-        solver.advance(before + just_beyond)
-        assert solver.time > before
-
-
 def test_viscous_slabs_are_refused_with_the_reason():
     with pytest.raises(SceneError, match="disperse"):
         delay_system(read("viscous"))
@@ -137,9 +121,3 @@ def test_a_step_is_halved_as_far_as_allowed_and_no_further(monkeypatch, march, n
     with pytest.raises(NumericsError, match="cannot be resolved"):
         halve(solver, 12)
     assert 32 / shortest_round_trip < solver.steps <= 64 / shortest_round_trip
-
-
-def test_unresolvable_run_is_refused_with_place_and_time(monkeypatch):
-    monkeypatch.setattr("reduced.delay.network.MAX_STEPS", 8)
-    with pytest.raises(NumericsError, match=r"delay: the step at t = .* transits"):
-        follow(DelayNetwork(read("unlike", ["upper.log10_r=-2.2", "lower.log10_r=-2.2"])), 1000)

@@ -50,16 +50,25 @@ def test_every_fit_of_every_scene(name: str, count: int) -> None:
     certified(SCENES[name], count)
 
 
-def test_a_resonance_narrower_than_any_grid_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
-    wrong = Reduction(
-        "modal:1", mass=0.01, damping=0.5, frequencies=(33.333333,), residues=(0.0,), decays=(1e-7,), offsets=(3e-5,)
-    )
-    low = dissipation(wrong, telling_frequencies(wrong))
-    assert low.min() < -0.1
+NARROW = Reduction("m", mass=0.01, damping=0.5, frequencies=(33.333333,), residues=(0.0,), decays=(1e-7,), offsets=(3e-5,))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "where"),
+    [
+        (Reduction("m", mass=1 / 12, frequencies=(6.0,), residues=(-0.1,)), None),
+        (Reduction("m", damping=-1e-3), None),
+        (NARROW, 33.333333),
+    ],
+    ids=["active mode", "active dashpot", "a resonance narrower than any grid"],
+)
+def test_an_active_reduction_is_seen(wrong: Reduction, where: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("reduced.impedance.models.reduction_of", lambda scene, name: wrong)
     found = check_passivity(paper(), "modal:1")
     assert not found.passive
-    assert found.where.imag == pytest.approx(33.333333, abs=1e-3)
+    if where:
+        assert found.where.imag == pytest.approx(where, abs=1e-3)
+        assert dissipation(wrong, telling_frequencies(wrong)).min() < -0.1
 
 
 def test_where_a_sign_changes_is_exact() -> None:
@@ -72,27 +81,12 @@ def test_where_a_sign_changes_is_exact() -> None:
 
 
 def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene = LOSSY["grip below"]
-    with pytest.raises(
-        SceneError, match=r"model = 'fitted:0': a fit needs at least one oscillator; the model without one is quasidynamic"
-    ):
+    with pytest.raises(SceneError, match=r"model = 'fitted:0': a fit needs at least one oscillator; .* is quasidynamic"):
         reduction_of(LOSSY["grip"], "fitted:0")
     bare = {"kind": "machine", "stiffness": 1e3, "impedance": 0.0, "mass": 0.0}
     with pytest.raises(SceneError, match=r"model = 'fitted:2': no passive fit .* undamped, at a frequency that is fitted"):
         reduction_of(slipwave.read("paper", {"slab.face": bare}), "fitted:2")
     fit.fit_scene.cache_clear()
     monkeypatch.setattr(fit, "_ROUNDS", 1)
-    with pytest.raises(
-        SceneError, match=r"model = 'fitted:16': the fit is not passive at \d+\.?\d* radians per transit; try another N"
-    ):
-        reduction_of(scene, "fitted:16")
-    monkeypatch.undo()
-    fit.fit_scene.cache_clear()
-    monkeypatch.setattr(fit, "WORST_ALLOWED", 1e-9)
-    with pytest.raises(SceneError) as refusal:
-        reduction_of(scene, "fitted:2")
-    words = str(refusal.value)
-    assert "model = 'fitted:2': the best passive fit is " in words
-    assert 0.0 < float(words.split("fit is ")[1].split(" %")[0]) < 5.0
-    assert 0.0 < float(words.split("off at ")[1].split(" radians")[0]) <= np.pi / 0.7
-    assert "try a larger N, delay or a full-wave model" in words
+    with pytest.raises(SceneError, match=r"model = 'fitted:16': the fit is not passive at \d+\.?\d* rad.*; try another N"):
+        reduction_of(LOSSY["grip below"], "fitted:16")

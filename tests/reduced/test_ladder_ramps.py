@@ -3,31 +3,18 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from reduction_equations import Equations
+from reduction_equations import EVERY_TERM, Equations
 
 import slipwave
 from reduced.impedance import reduction_of
 from reduced.impedance.reduction import Reduction
-from reduced.ode.march import LONGEST, ReducedModel
+from reduced.ode.march import ReducedModel
 from slipwave.scene import Scene
 from slipwave.solve import follow
 
 KNOTS = (20.1234567, 21.3456789, 30.77777, 30.87777, 41.42135)
 RAMP = "drive.velocity=" + str([[0.0, 100.0], *map(list, zip(KNOTS, (100.0, 300.0, 60.0, 200.0, 100.0), strict=True))])
 ENDS = (15.0, 30.0, 45.0)
-
-
-EVERY_TERM = Reduction(
-    "made up",
-    mass=0.02,
-    damping=0.1,
-    frequencies=(6.2, 12.3),
-    residues=(2.1, 1.9),
-    decays=(0.5, 0.9),
-    offsets=(1.2, -0.4),
-    relaxations=((0.4, 1.3), (-0.1, 9.0)),
-    spring=0.7,
-)
 
 
 def errors(scene: Scene, reduction: Reduction, tolerance: float) -> NDArray[np.float64]:
@@ -56,17 +43,6 @@ def test_the_march_obeys_the_equations(model: str, settings: tuple[str, ...]) ->
     scene = slipwave.read("paper", ["slab.log10_r=-2.62", *settings, RAMP, "run.until=400"])
     reduction = EVERY_TERM if model == "every term" else reduction_of(scene, model)
     assert (errors(scene, reduction, 1e-9) < (5e-8 if reduction.mass else 5e-9)).all()
-
-
-@pytest.mark.parametrize("distance", [0.01, 1.9, 2.1, 17.0, 300.0])
-def test_the_longest_step_divides_the_way_to_the_next_knot_by_a_power_of_two(distance: float) -> None:
-    scene = slipwave.read("paper", [f"drive.velocity=[[0.0, 100.0], [1.0, 100.0], [{1.0 + distance!r}, 200.0]]", "run.until=400"])
-    solver = ReducedModel(scene, reduction_of(scene, "kelvin-voigt"))
-    follow(solver, 1.0 + 0.5 * distance)
-    longest = solver.longest
-    halvings = np.log2(distance / longest)
-    assert halvings == pytest.approx(round(halvings), abs=1e-9)
-    assert min(0.5 * LONGEST, distance) < longest * (1 + 1e-9) <= LONGEST * (1 + 1e-9)
 
 
 def test_steps_end_on_every_knot_and_are_no_shorter_than_they_need_be() -> None:

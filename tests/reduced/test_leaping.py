@@ -11,7 +11,7 @@ from reduced.delay.leaping import LeapingDelay
 from reduced.delay.system import delay_system
 from slipwave.observe import EventObserver
 from slipwave.observe.history import HistoryObserver
-from slipwave.observe.pieces import Pieces, lagrange_basis, values_at
+from slipwave.observe.pieces import Pieces
 from slipwave.observe.protocol import ProtocolObserver
 from slipwave.scene import Scene
 from slipwave.solve import Final, Mark, Solver, follow
@@ -84,15 +84,6 @@ def test_only_whole_transits_without_events_are_left_out(both):
     assert lengths[rising].sum() > 50_000
     assert (lengths[~rising].sum() > 500) == (tolerance == 1e-6)
     assert pieces.z[gap + 1].max() < 1.0
-
-
-def test_a_time_in_a_gap_has_no_value(both):
-    _, leaping, (_, seen, _), _, _ = both
-    pieces = seen.pieces
-    gap = int(np.argmax(np.diff(pieces.time)))
-    inside = 0.5 * (pieces.time[gap] + pieces.time[gap + 1])
-    with pytest.raises(ValueError, match=f"no piece contains t = {inside:.9g}"):
-        values_at(pieces, lagrange_basis(leaping.nodes), np.array([inside]))
 
 
 def test_one_observer_that_needs_every_transit_gets_them():

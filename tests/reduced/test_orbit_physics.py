@@ -19,7 +19,7 @@ from reduced.orbit.figures import cycle_figures, repeats_sooner
 from reduced.orbit.multipliers import floquet
 from slipwave import read
 from slipwave.errors import NumericsError
-from tests.closing import largest
+from tests.differences import largest
 
 REFERENCE = {
     ("delay", -2.69): (70.34210714, 0.1542893, 0.1424186, 3615.520, 4.299699),

@@ -9,24 +9,16 @@ from reduced.impedance.reduction import TABULATED, reduction
 from reduced.ode import slabs
 from reduced.ode.march import ReducedModel
 from reduced.ode.slabs import impedance_at
-from slipwave.errors import SceneError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.scene.drive import Drive
+from slipwave.solve import follow
 from slipwave.step.port import LEVELS
 
 
-@pytest.mark.parametrize("name", [*TABULATED, "modal:0", "modal:1", "modal:7"])
-def test_every_name_gives_a_passive_description(name):
-    model = reduction(name)
-    assert model.name == name
-    assert model.mass >= 0.0
-    assert model.damping >= 0.0
-    assert len(model.frequencies) == len(model.residues) == len(model.decays) == len(model.offsets)
-    assert all(residue > 0.0 for residue in model.residues)
-    assert model.is_lossless == (name != "quasidynamic")
-
-
-def test_only_the_quasistatic_pair_runs_away():
+def test_only_the_quasistatic_pair_runs_away_and_it_says_so():
     assert [name for name in TABULATED if reduction(name).runs_away] == ["quasistatic"]
+    with pytest.raises(NumericsError, match=r"quasistatic: no step is short enough at t = .*runs away"):
+        follow(ReducedModel(slipwave.read("paper", ["slab.log10_r=-2.5"]), reduction("quasistatic")), 6000)
 
 
 @pytest.mark.parametrize("name", ["modal:-1", "modal:65", "modal:", "modal:x", "modal:1.5", "block9", "taylor", "", "modal:²"])

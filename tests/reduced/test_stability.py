@@ -10,15 +10,19 @@ import slipwave
 from reduced import closed_forms
 from reduced.stability import (
     analyse,
+    boundary,
     characteristic,
     critical_epsilon,
     critical_round_trip,
+    error_law,
     essential_abscissa,
     friction_slopes,
     leading_roots,
     scaled,
     unstable_count,
+    with_parameter,
 )
+from reduced.stability.roots import polish
 from slipwave.errors import SceneError
 from slipwave.friction import respond, steady_state, unknown_of
 from slipwave.friction.ageing import Ageing, AgeingRegularised
@@ -72,14 +76,6 @@ def test_critical_r_against_its_closed_form(model, closed, velocity):
     assert r == pytest.approx(expected, rel=1e-12)
     if model != "quasidynamic":
         assert omega == pytest.approx(slopes.omega_c, rel=1e-13)
-
-
-def test_reference_hopf_points():
-    found = {model: critical_round_trip(paper(), model) for model in ("delay", "kelvin-voigt")}
-    assert math.log10(found["delay"][0]) == pytest.approx(-2.6995497159, abs=1e-10)
-    assert found["delay"][0] * found["delay"][1] == pytest.approx(0.1265032224, abs=1e-10)
-    assert math.log10(found["kelvin-voigt"][0]) == pytest.approx(-2.69954994745, abs=1e-11)
-    assert abs(math.log10(found["delay"][0]) + 2.6996) < 1e-4
 
 
 def test_a_crossing_above_which_other_roots_still_grow_is_no_critical_epsilon():
@@ -166,8 +162,6 @@ def test_fast_roots_pile_up_at_the_essential_abscissa(name):
     phases = np.linspace(0.0, 4.0 * np.pi, 60)[None, :] + 1e5
     shifts = np.linspace(0.5, 1.5, 5)[:, None]
     starts = (abscissa * shifts + 1j * phases / scene.transit).ravel()
-    from reduced.stability.roots import polish
-
     found = polish(problem.jet, starts)
     found = found[np.isfinite(found)]
     found = found[~problem.idle(found) & (found.imag > 9e4 / scene.transit)]
@@ -202,3 +196,35 @@ def test_a_face_that_swallows_the_load_fails_without_oscillating():
     found = analyse(EVERY["reflection"])
     assert found.unstable_roots == 1
     assert found.leading_roots[0].imag == 0.0
+
+
+def test_boundary_of_gripped_slabs_parts_stable_from_unstable():
+    scene = EVERY["matched grip"]
+    (curve, *_) = boundary(scene, "delay", ("log10_grip_impedance", "log10_r"), ((-2.0, 4.0), (-4.0, -2.0)))
+    for i in range(5, len(curve.first) - 5, 10):
+        at = with_parameter(scene, "log10_grip_impedance", curve.first[i])
+        counts = [unstable_count(characteristic(with_parameter(at, "log10_r", curve.second[i] + d))) for d in (-1e-3, 1e-3)]
+        assert sorted(counts) == [0, 2]
+
+
+@pytest.mark.parametrize("model", ["quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:1", "modal:3"])
+def test_error_laws(model):
+    """The measured error of the critical r tends to the law as theta = r omega_c -> 0, at the law's power."""
+    law = error_law(model, SLOPES)
+    ratios = []
+    for epsilon in (EPSILON, 0.5 * EPSILON, 0.25 * EPSILON):
+        exact, omega = critical_round_trip(paper(epsilon=epsilon))
+        reduced, _ = critical_round_trip(paper(epsilon=epsilon), model)
+        ratios.append((reduced / exact - 1.0) / law.at(exact * omega))
+    assert ratios[0] == pytest.approx(1.0, abs=0.2 if model == "quasidynamic" else 0.02)
+    assert abs(ratios[1] - 1.0) < 0.6 * abs(ratios[0] - 1.0) + 1e-4
+
+
+def test_error_laws_known_coefficients():
+    known = {"quasistatic": (1 / 12, 2), "block8": (-1 / 24, 2), "block12": (1 / 720, 4), "kelvin-voigt": (-1 / 480, 4)}
+    for model, (coefficient, power) in known.items():
+        law = error_law(model, SLOPES)
+        assert (law.coefficient, law.power) == (pytest.approx(coefficient, rel=1e-12), power)
+    assert error_law("modal:1", SLOPES).coefficient == pytest.approx(1 / 720 - 2 / (2 * math.pi) ** 4, rel=1e-10)
+    with pytest.raises(SceneError):
+        error_law("fd", SLOPES)

@@ -84,11 +84,6 @@ def test_compiling_leaves_the_garbage_collector_of_a_user_alone() -> None:
     assert set(collecting) == {expected}
 
 
-def test_what_was_compiled_is_found_again(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert [ask(), ask()] == [(ANSWER, 0), (ANSWER, 1)]
-    assert capsys.readouterr().err == ""
-
-
 @pytest.mark.parametrize("share", [0.0, 0.001, 0.3, 0.999])
 def test_a_truncated_file_is_told_and_replaced(share: float, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ask()

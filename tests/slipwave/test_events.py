@@ -71,26 +71,6 @@ def test_counts_are_known(turns: list[float], count: int, nodes: Array, pieces: 
     assert watch(through(list(scale * np.array(turns))), nodes, pieces).count == count
 
 
-@pytest.mark.parametrize(("factor", "whole", "second_half"), [(0.8, 11, 11), (1.25, 11, 11)], ids=["decaying", "growing"])
-def test_a_window_is_judged_by_its_own_largest_fall(factor: float, whole: int, second_half: int) -> None:
-    """Falls that shrink or grow by 0.8 an event: 0.8^10 = 0.107 is the last that counts beside 1."""
-    turns = [side * 1e-3 * factor ** (k if factor < 1.0 else k - 40) for k in range(40) for side in (1.0, -1.0)]
-    observer = watch(through(turns), pieces=8000)
-    middle = 200.0 - 1.0
-    assert observer.count == whole
-    assert observer.dates(middle).size == second_half
-    assert observer.dates(middle).min() >= middle
-    if factor < 1.0:
-        assert observer.dates().max() < middle
-
-
-def test_a_large_early_fall_hides_nothing_later_and_small_early_ones_count_for_nothing() -> None:
-    late = [0.0, 0.03] * 10
-    large, small = watch(through([0.0, 1.0, *late])), watch(through([0.0, 1e-4] * 5 + late))
-    assert (large.count, large.dates(12.0).size) == (1, 9)
-    assert (small.count, small.dates(45.0).size) == (9, 9)
-
-
 @pytest.mark.parametrize("noise", [1e-17, 1e-16, 1e-13])
 def test_steady_sliding_with_rounding_noise_has_no_event(noise: float) -> None:
     draw = np.random.default_rng(1).standard_normal

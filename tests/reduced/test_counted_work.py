@@ -1,0 +1,103 @@
+"""What a march costs in steps and Newton iterations, and a search for roots in evaluations: no busy machine can change that.
+
+A worse guess, a slower iteration, a step shorter than the tolerance asks for or a contour cut finer than needed gives the same
+answers, and is seen nowhere else.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import slipwave
+from reduced.impedance import Jet
+from reduced.stability import boundary, characteristic, critical_epsilon, critical_round_trip, leading_roots, unstable_count
+from slipwave.observe.pieces import Pieces
+from slipwave.scene import Scene
+from slipwave.solve import follow
+from validation.registry.build import build
+
+
+class Steps:
+    """Counts the pieces of a march."""
+
+    count = 0
+
+    def scan(self, pieces: Pieces) -> None:
+        self.count += pieces.time.size
+
+
+@pytest.mark.parametrize(
+    ("scene", "model", "tolerance", "until", "steps", "iterations"),
+    [
+        ("paper", "delay", 1e-6, 1000.0, 5771, 9515),
+        ("paper", "delay", 1e-9, 1000.0, 7334, 11283),
+        ("paper", "delay", 1e-12, 1000.0, 13053, 14673),
+        ("paper-2.3", "delay", 1e-9, 200.0, 6908, 7916),
+        ("jump", "delay", 1e-9, 400.0, 3996, 5888),
+        ("rock", "delay", 1e-7, 400.0, 1200, 1212),
+        ("unlike", "delay", 1e-9, 1000.0, 4297, 7485),
+        ("unlike-irrational", "delay", 1e-10, 400.0, 1328, 2592),
+        ("layered", "delay", 1e-9, 400.0, 2077, 3812),
+        ("ramp", "delay", 1e-9, 1200.0, 9990, 14589),
+        ("paper", "kelvin-voigt", 1e-9, 1000.0, 4870, 7033),
+        ("paper", "block8", 1e-6, 1000.0, 650, 1065),
+        ("paper", "modal:4", 1e-9, 1000.0, 6301, 10637),
+        ("paper", "quasidynamic", 1e-9, 400.0, 220, 292),
+        ("jump", "modal:2", 1e-9, 400.0, 4597, 5283),
+        ("paper-2.6", "kelvin-voigt", 1e-11, 1000.0, 12209, 14130),
+        ("ramp", "kelvin-voigt", 1e-7, 1200.0, 3934, 5601),
+    ],
+)
+def test_steps_and_iterations_are_as_many_as_measured(
+    scene: str, model: str, tolerance: float, until: float, steps: int, iterations: int
+) -> None:
+    solver = build(model, slipwave.read(scene), tolerance=tolerance)
+    taken = Steps()
+    follow(solver, until, [taken])
+    assert (taken.count, solver.iterations) == pytest.approx((steps, iterations), rel=2e-3)  # rounding may decide on one more
+
+
+SEARCHES: dict[str, Callable[[Scene, str], object]] = {
+    "critical r": critical_round_trip,
+    "critical epsilon": critical_epsilon,
+    "leading roots": lambda scene, model: leading_roots(characteristic(scene, model)),
+    "unstable roots": lambda scene, model: unstable_count(characteristic(scene, model)),
+    "boundary": lambda scene, model: boundary(scene, model, ("log10_r", "log10_epsilon"), ((-2.72, -2.68), (-4.56, -4.52))),
+}
+
+
+@pytest.mark.parametrize(
+    ("search", "scene", "model", "evaluations"),
+    [
+        ("critical r", "paper", "delay", 9143),
+        ("critical r", "grip", "delay", 8027),
+        ("critical r", "viscous", "delay", 26097),
+        ("critical epsilon", "paper", "delay", 1063),
+        ("critical epsilon", "grip", "delay", 3324),
+        ("leading roots", "paper", "delay", 18005),
+        ("leading roots", "unlike-irrational", "delay", 18132),
+        ("leading roots", "layered", "delay", 18003),
+        ("leading roots", "viscous", "delay", 18021),
+        ("leading roots", "machine", "delay", 18144),
+        ("leading roots", "rock", "delay", 18016),
+        ("leading roots", "paper slab.r=1.6", "delay", 19498),
+        ("leading roots", "paper slab.r=3", "delay", 21119),
+        ("leading roots", "paper", "modal:2", 18327),
+        ("unstable roots", "reflection", "delay", 308),
+        ("boundary", "paper", "kelvin-voigt", 211894),
+    ],
+)
+def test_evaluations_are_as_many_as_measured(
+    search: str, scene: str, model: str, evaluations: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    variable, points = Jet.variable, [0]
+
+    def counted(s: object) -> Jet:
+        points[0] += np.size(s)
+        return variable(s)
+
+    monkeypatch.setattr(Jet, "variable", staticmethod(counted))
+    name, *settings = scene.split()
+    SEARCHES[search](slipwave.read(name, settings), model)
+    assert points[0] == pytest.approx(evaluations, rel=0.01)

@@ -1,0 +1,145 @@
+"""ODE reductions and grids over one period as differentiable maps: the derivative against differences of the motion, the motion
+against the run that it continues, and on other scenes and meshes."""
+
+import dataclasses
+from functools import partial
+
+import numpy as np
+import pytest
+
+import slipwave
+from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.finite_element import FiniteElement
+from fullwave.summation_by_parts import SummationByParts
+from reduced.impedance import reduction_of
+from reduced.ode.march import STAGES, ReducedModel
+from reduced.ode.slabs import ReducedSlabs
+from reduced.orbit.closing import close
+from slipwave.errors import NumericsError
+from slipwave.observe import EventObserver
+from slipwave.solve import follow
+from slipwave.step.port_flow import PortFlow
+from tests.differences import difference, largest
+from tests.reduced.reduction_equations import EVERY_TERM
+
+STRONG = ["slab.epsilon=2e-3"]
+"""Settings with which the motion of slabs acts on friction within a few transits."""
+
+REDUCTIONS = {
+    "kelvin-voigt": ("paper", STRONG),
+    "modal:2": ("unlike", []),
+    "block12": ("paper", STRONG),
+    "quasidynamic": ("paper", STRONG),
+    "fitted:3": ("viscous", STRONG),
+    "fitted:4": ("machine", []),
+    "made up": ("paper", STRONG),
+}
+SCENES = {
+    "alike": ("paper", STRONG),
+    "unlike": ("unlike", []),
+    "kelvin-voigt solid": ("viscous", STRONG),
+    "standard linear": ("paper", [*STRONG, 'slab.viscosity={kind="standard-linear", time=0.002, ratio=0.5}']),
+    "machine": ("machine", []),
+    "layered": ("layered", []),
+}
+GRIDS = {
+    "dg:7": partial(DiscontinuousGalerkin, number=7, cells=2, time="exact", resolution=1e-11),
+    "sbp:4": partial(SummationByParts, number=4, cells=12, time="exact", resolution=1e-11),
+    "fem:4": partial(FiniteElement, number=4, cells=3, time="exact", resolution=1e-11),
+}
+CASES = [*(("reduced", name) for name in REDUCTIONS), *(("dg:7", name) for name in SCENES)]
+OTHERS = [(grid, name) for grid in ("sbp:4", "fem:4") for name in ("alike", "unlike", "kelvin-voigt solid")]
+
+
+def reduction_in(scene, name):
+    return EVERY_TERM if name == "made up" else reduction_of(scene, name)
+
+
+def solver_of(kind, name, tolerance=1e-11):
+    scene = slipwave.read(*(REDUCTIONS if kind == "reduced" else SCENES)[name])
+    return ReducedModel(scene, reduction_in(scene, name), tolerance) if kind == "reduced" else GRIDS[kind](scene)
+
+
+def moving(kind, name, period=4.0):
+    """The flow over `period` and the state of a run, moved a little in every direction."""
+    solver = solver_of(kind, name)
+    follow(solver, 9.0)
+    flow, state = solver.flow(period, 1e-10)
+    return flow.remeshed(flow.march(state + 1e-4 * np.sin(np.arange(1, state.size + 1)), period), 1.0)
+
+
+@pytest.mark.parametrize(("kind", "name"), CASES)
+def test_the_tangent_is_the_derivative_of_the_march(kind, name):
+    flow, state = moving(kind, name)
+    cycle = flow.march(state, 4.0)
+    expected = difference(lambda change: flow.march(state + change, 4.0).end, flow.size)
+    assert largest(flow.tangent(cycle) - expected) < 1e-7 * largest(expected)
+    frozen_psi = flow.frozen_tangent(cycle)
+    assert not frozen_psi[-1].any()
+    assert not frozen_psi[:-1, -1].any()
+
+
+@pytest.mark.parametrize("name", REDUCTIONS)
+def test_the_frozen_tangent_holds_psi(name):
+    """Where a transit is so short on the clock of friction that psi does not change within the period by itself."""
+    flow, state = moving("reduced", name)
+    reduction = reduction_in(flow.scene, name)
+    upper, lower = (
+        dataclasses.replace(slab, round_trip=1e-14 * slab.round_trip) for slab in (flow.scene.upper, flow.scene.lower)
+    )
+    response = ReducedSlabs(dataclasses.replace(flow.scene, upper=upper, lower=lower), lambda _: reduction, STAGES)
+    still = PortFlow(response, flow.mesh)
+    found = still.frozen_tangent(still.march(state, 4.0))[:-1, :-1]
+    expected = difference(lambda change: still.march(state + np.append(change, 0.0), 4.0).end[:-1], flow.size - 1)
+    assert largest(found - expected) < 1e-7 * largest(expected)
+
+
+@pytest.mark.parametrize(("kind", "name"), [*CASES, *OTHERS])
+def test_the_flow_continues_the_run(kind, name):
+    """From the state of a run to that of the same run later. Steady sliding stays."""
+    solver = solver_of(kind, name)
+    follow(solver, 20.0)
+    begun, (flow, state) = solver.time, solver.flow(8.0, 1e-11)
+    follow(solver, 28.0)
+    period, later = solver.time - begun, solver.flow(8.0, 1e-9)[1]
+    assert largest((flow.march(state, period).end - later) / np.maximum(1.0, np.abs(later))) < 1e-10
+    assert largest(flow.march(flow.steady, period).end - flow.steady) < 1e-12
+
+
+@pytest.mark.parametrize(("kind", "name"), [("reduced", "kelvin-voigt"), ("dg:7", "alike")])
+def test_another_scene_has_the_same_mesh_and_states(kind, name):
+    """The flow of a run of the other scene does the same with the state, which is in units of stress for any impedance."""
+    flow, state = moving(kind, name)
+    other = slipwave.read("paper", ["slab.epsilon=2.2e-3", "slab.log10_r=-2.6", "interface.a=0.036"])
+    solver = ReducedModel(other, reduction_of(other, name)) if kind == "reduced" else GRIDS[kind](other)
+    direct = solver.flow(4.0, 1e-11)[0]
+    direct, _ = direct.remeshed(direct.march(direct.steady, 4.0)._replace(start=state), 1.0)
+    ours = flow.of(other).march(state, 4.0)
+    assert largest(ours.end - direct.march(state, 4.0).end) < 1e-9
+    assert ours.pieces.length.size == flow.march(state, 4.0).pieces.length.size
+
+
+def test_a_finer_mesh_has_more_steps_and_a_smaller_error():
+    """On the orbit of a settled run at log10 r = -2.68, whose period AUTO-07p gives."""
+    scene = slipwave.read("paper")
+    solver = ReducedModel(scene, reduction_of(scene, "block12"))
+    observer = EventObserver(scene, solver.nodes)
+    follow(solver, 2000.0, [observer])
+    period = float(observer.events(1000.0).period[-1])
+    flow, state = solver.flow(period, 1e-9)
+    coarse, state = flow.remeshed(flow.march(state, period), 0.2)
+    first = close(coarse, state, period).cycle
+    fine, state = coarse.remeshed(first, 1.5)
+    second = close(fine, state, first.period).cycle
+    assert second.pieces.time.size == pytest.approx(1.5 * first.pieces.time.size, rel=0.15)
+    assert abs(second.period - 77.868569398) < 0.1 * abs(first.period - 77.868569398)
+    assert fine.roughness(second, 1e-9) < 0.3 * coarse.roughness(first, 1e-9)
+    assert second.pieces.time[-1] + second.pieces.length[-1] == pytest.approx(second.period, rel=1e-14)
+
+
+def test_a_motion_that_cannot_be_followed():
+    scene = slipwave.read("paper")
+    solver = ReducedModel(scene, reduction_of(scene, "quasistatic"))
+    follow(solver, 9.0)
+    with pytest.raises(NumericsError, match=r"quasistatic: the step at .* of 5000 transits cannot be solved"):
+        solver.flow(5000.0, 1e-9)
