@@ -286,4 +286,4 @@ PLACES = {
     "planted-faults": (),
     "slow-verification": (),
 }
-"""By study. Those without a place read records, and `test_planted_faults` and `test_slow_verification` counterfeit these."""
+"""By study. Those without a place read records, and `test_slow_verification` and `test_slow_verification` counterfeit these."""

@@ -1,12 +1,14 @@
-"""The error told for a default grid: that of the march that ran, against the same march on two thirds of the cells."""
+"""The error told for a grid that is chosen: that of the march that ran, on drives that change too."""
 
 import numpy as np
 import pytest
 
+import slipwave
 import slipwave as sw
 from fullwave.adapt import difference_of, probe
+from slipwave.observe import EventObserver
 from slipwave.solve import follow
-from validation.registry.build import build
+from validation.registry.build import build, prepare
 
 SCENE = sw.read("paper", {"drive.velocity": 2000, "run.until": 9.0})
 """Too short for cycles, so that the state at its end is compared."""
@@ -42,3 +44,43 @@ def test_a_grid_that_cannot_be_coarser_is_judged_by_a_finer_one():
     error = difference_of(probe(build("sbp:6", layered, cells=128)), probe(build("sbp:6", layered)))
     assert grid["quantity"] == "cycles"
     assert 1e-8 < error < grid["error_estimate"] < 5.0 * error
+
+
+STEEP = "drive.velocity=[[0.0,100.0],[120.0,100.0],[123.0,1000.0]]"
+LATE = "drive.velocity=[[0.0,100.0],[500.0,100.0],[510.0,1000.0]]"
+
+SLOW = "drive.velocity=[[0.0,100.0],[450.0,100.0],[550.0,200.0]]"
+
+
+def cycles(solver, until):
+    watch = EventObserver(solver.scene, solver.nodes)
+    follow(solver, until, [watch])
+    return np.concatenate((watch.events().period, watch.events().stress_drop))
+
+
+def error_and_estimate(chosen, tolerance):
+    exact = cycles(build("delay", chosen, tolerance=1e-12), chosen.until)
+    built = prepare("dg", chosen, tolerance=tolerance)
+    assert built.choice is not None
+    return float(np.abs(cycles(built.solver, chosen.until) / exact - 1.0).max()), built.choice.error_estimate
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-5, pytest.param(1e-6, marks=pytest.mark.slow)])
+def test_a_ramp_beyond_the_probe_of_a_constant_drive_is_seen(monkeypatch, tolerance):
+    """Three cells are enough up to the ramp, whatever the tolerance; they err by 5e-6 after it."""
+    monkeypatch.setattr("fullwave.adapt.PROBE", 110.0)
+    error, estimate = error_and_estimate(slipwave.read("paper", [STEEP, "run.until=200"]), tolerance)
+    assert error <= 2.0 * estimate
+    assert error <= tolerance
+    assert estimate <= tolerance
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "settings", "tolerance"),
+    [("paper", [LATE, "run.until=650"], 1e-7), ("paper", [LATE, "run.until=650"], 1e-8), ("ramp", [SLOW, "run.until=700"], 1e-9)],
+)
+def test_ramps_of_long_runs(name, settings, tolerance):
+    error, estimate = error_and_estimate(slipwave.read(name, settings), tolerance)
+    assert error <= 2.0 * estimate
+    assert error <= tolerance

@@ -1,18 +1,27 @@
-"""The pages that show commands are followed word by word: files are written, commands and programs run, and what a page shows of
-their output is what they print."""
+"""What the pages and help texts say is what the program does: commands, files, numbers, tables, the walk of a run."""
 
 import contextlib
 import io
+import json
 import re
 import shlex
+import sys
+from importlib import import_module
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
 import slipwave
+from slipwave.family import ANYTHING, FEATURES, NOTHING
 from slipwave.input.source import parse_toml
+from slipwave.observe.verdict import REPEATING, Kind
 from slipwave.sources import ROOT
-from validation.cli import main
+from validation.cli import COMMANDS, command_called, main
+from validation.registry.families import FAMILIES
+from validation.report.answer import PAGES as ANSWERED
+from validation.report.answer import block_of, read_table, with_block
+from validation.studies.which_model.measured import MODELS, SHOWN
 
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 FILE = re.compile(r"Write `([^`]+)`:\s*$")
@@ -78,3 +87,182 @@ def test_the_machine_of_a_data_sheet_is_that_of_the_gallery():
     (table,) = [content for kind, content, _ in steps("testing-machine.md") if kind == "toml"]
     given = parse_toml(table)["upper"]["face"]
     assert slipwave.read("steel-on-pmma", {"upper.face": given}).upper == slipwave.read("steel-on-pmma").upper
+
+
+MARKED = re.compile(r"([\w.+-]+)<!--(.+?)-->")
+WORDS = {"eight": 8.0, "sixteen": 16.0}
+NUMBER = re.compile(r"(?<![\w.:=-])\d[\d.]*(?:e-?\d+)?(?![\w:]|\.\d)")
+HELP = {
+    "run --fields": "validation.run.recording.FIELD_WINDOW",
+    "run --checkpoint-every": "validation.run.recording._EVERY",
+    "orbit --tol": "validation.results.orbit.ORBIT_TOLERANCE",
+    "branch --tol": "validation.results.branch.BRANCH_TOLERANCE",
+    "branch --most-points": "validation.results.branch.BRANCH_POINTS",
+    "curve --tol": "validation.results.branch.BRANCH_TOLERANCE",
+    "curve --most-points": "validation.results.curve.CURVE_POINTS",
+    "sweep --refine": "2.0",
+    "sweep --until": "validation.sweep.measures.TRANSITS",
+}
+RANGES = {"--cfl": {0.0, 1.0}}
+"""Whose ends are refused or taken in `tests/fullwave`."""
+
+
+def value(expression):
+    """Of constants by their full names, and what is computed from them."""
+
+    def constant(name):
+        module, _, attribute = name[0].rpartition(".")
+        return repr(getattr(import_module(module), attribute))
+
+    return float(eval(re.sub(r"[a-z]\w*(?:\.\w+)+", constant, expression)))
+
+
+def number(text):
+    return WORDS[text] if text in WORDS else float(text)
+
+
+MARKED_PAGES = sorted(page for page in (ROOT / "docs").glob("*.md") if MARKED.search(page.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("page", MARKED_PAGES, ids=lambda page: page.name)
+def test_numbers_of_a_page_are_those_of_the_program(page):
+    marked = MARKED.findall(page.read_text(encoding="utf-8"))
+    assert [(text, name) for text, name in marked if number(text) != pytest.approx(value(name), rel=1e-12)] == []
+
+
+def test_numbers_of_help_texts_are_those_of_the_program():
+    commands = {name: command_called(name) for name in COMMANDS}
+    told = {}
+    for name, command in commands.items():
+        for option in command.params:
+            found = {float(text) for text in NUMBER.findall(option.help or "")}
+            if found and found != RANGES.get(option.opts[0]):
+                told[f"{name} {option.opts[0]}"] = found
+    assert told == {key: {value(name)} for key, name in HELP.items()}
+
+
+PAGE = (Path(__file__).parents[2] / "docs" / "what-a-run-says.md").read_text(encoding="utf-8")
+
+
+def rows(heading):
+    """Cells of the first table below a heading."""
+    lines = PAGE.partition(f"## {heading}\n")[2].partition("\n## ")[0].splitlines()
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| `")]
+
+
+def test_every_verdict_has_a_row_that_says_whether_it_has_means():
+    found = {row[0].strip("`"): row[2] for row in rows("The verdict")}
+    assert set(found) == set(get_args(Kind))
+    assert {kind for kind, means in found.items() if means != "none"} == set(REPEATING)
+
+
+def test_every_key_has_a_row(printed):
+    """Of a run on a default grid that rounding has a share in, so that `grid` and `notes` are there."""
+    printed = set(json.loads(printed("run", "paper", "--model", "dg:7", "--until", "10", "--json", "--set", "slab.r=0.1")))
+    documented = {key for row in rows("The JSON of `run --json`") for key in re.findall("`(\\w+)`", row[0])}
+    assert documented == printed | {"failed", "si", "left_out", "lyapunov", "protocol"}
+
+
+README = Path(__file__).parents[2] / "README.md"
+
+
+def row(family):
+    numbers, letter = family.numbers, family.pattern[-1]
+    told = f"{numbers[0]} to {numbers[-1]}" if isinstance(numbers, range) else ", ".join(map(str, numbers))
+    name = f"`{family.pattern}`" + (f", {letter} = {told}" if numbers else "")
+    scenes = {ANYTHING: "all", NOTHING: "two alike, plain slabs"}.get(family.honours)
+    return f"| {name} | {family.title} | {family.error} | {scenes or ', '.join(f for f in FEATURES if f in family.honours)} |"
+
+
+def test_the_table_of_models_is_read_from_the_facts():
+    table = [
+        "| name | what it is | error | scenes |",
+        "|---|---|---|---|",
+        *(row(family) for family in FAMILIES),
+        "| `auto` | the first of these that is exact for the scene (default) | | all |",
+    ]
+    assert "\n".join(table) in README.read_text(encoding="utf-8")
+
+
+BASELINE = json.loads((ROOT / "reports" / "baseline" / "which-model.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("page", ANSWERED, ids=lambda path: path.name)
+def test_the_committed_block_is_that_of_the_committed_table(page):
+    text = page.read_text(encoding="utf-8")
+    assert with_block(text, block_of(read_table())) == text
+    with pytest.raises(ValueError, match="no markers"):
+        with_block("# A page", "block")
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_committed_table_has_the_numbers_of_the_baseline(model):
+    table = read_table()
+    cells = {column.log10_r: cell for column, cell in zip(table.columns, table.row(model).cells, strict=True)}
+    for log10_r in SHOWN:
+        (found,) = (cell for place, cell in cells.items() if abs(place - log10_r) < 1e-9)
+        for symbol, name in (("T", "T"), ("Δμ", "drop")):
+            assert found.figures[symbol].error == pytest.approx(
+                BASELINE[f"{model} error of {name} at {log10_r}"]["value"], rel=1e-2
+            )
+
+
+def test_the_block_names_a_regime_that_is_not_that_of_the_waves():
+    rows = [line.split(" | ") for line in block_of(read_table()).splitlines() if line.startswith("| `")]
+    of = {row[0].strip("| `"): row[1:] for row in rows}
+    assert of["quasidynamic"][0] == "slides steadily"
+    assert of["block8"][3].endswith("% (periodic)")
+    assert of["delay"][1] == "73.472"
+    assert "<sup>" in of["modal:8"][0]
+
+
+ROOMS = ("validation", "reduced", "fullwave", "slipwave")
+
+
+def our_file(frame):
+    """The file of a function of ours, relative to the checkout; empty for any other."""
+    name = frame.f_code.co_filename.removeprefix(f"{ROOT}/")
+    return name if name.startswith(ROOMS) else ""
+
+
+def is_import(frame):
+    while frame is not None and not frame.f_code.co_filename.startswith("<frozen importlib"):
+        frame = frame.f_back
+    return frame is not None
+
+
+@pytest.fixture
+def calls(capsys):
+    """(file that calls, file that is called) of a run from the command line to the printed table."""
+    found = set()
+
+    def note(frame, event, argument):
+        called = our_file(frame) if event == "call" else ""
+        if called and not is_import(frame):
+            caller = frame.f_back
+            while caller is not None and not our_file(caller):
+                caller = caller.f_back
+            found.add((our_file(caller) if caller else "", called))
+
+    assert main(["run", "paper"]) == 0  # what is compiled is loaded from the disk
+    sys.setprofile(note)
+    try:
+        assert main(["run", "paper"]) == 0
+    finally:
+        sys.setprofile(None)
+    return {(caller, called) for caller, called in found if caller != called}
+
+
+def test_the_walk_is_no_longer_than_it_is_written(calls):
+    section = (ROOT / "docs" / "design.md").read_text(encoding="utf-8").partition("## The walk of a run")[2].partition("\n## ")[0]
+    touched = {called for _, called in calls}
+    listed = set(re.findall(r"`((?:validation|slipwave|reduced)/[\w/]+\.py)`", section))
+    assert {file for file in touched if file.startswith("validation/")} <= listed <= touched
+    most, ours, onwards = (int(number) for number in re.findall(r"\*\*(\d+)\*\*", section))
+    assert len(touched) <= most
+    assert sum(file.startswith("validation/") for file in touched) <= ours
+    assert len({caller for caller, _ in calls} - {""}) <= onwards
+
+
+def test_the_walk_climbs_back_at_most_three_times(calls):
+    assert len({pair for pair in calls if not pair[0].startswith("validation/") and pair[0] and pair[1].startswith("valid")}) <= 3

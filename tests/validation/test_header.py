@@ -1,4 +1,4 @@
-"""What a command prints first, in numbers that follow from the scene by hand; doubts reach stderr, the page and the JSON."""
+"""What a command prints first and what it notes: numbers by hand, rounding, grids that are too coarse."""
 
 import json
 import math
@@ -6,8 +6,11 @@ import math
 import pytest
 
 import slipwave
+from slipwave.solve import follow
 from validation.cli import main
+from validation.registry.build import build
 from validation.results.wording import header
+from validation.run.outlook import amplified_rounding
 
 UNITS = {"interface.normal_stress": "5 MPa", "interface.memory_length": "10 um", "interface.reference_velocity": "1 um/s"}
 GRANITE = UNITS | {
@@ -85,3 +88,108 @@ def test_a_doubt_is_a_note_on_stderr_and_in_the_json(command, capsys, tmp_path, 
         f"note: {density}",
         f"note: {modulus}",
     ]
+
+
+STIFF = ["interface.a=0.0296", "interface.b=0.0591", "drive.velocity=80", "slab.epsilon=7.2e-5", "slab.r=0.0124"]
+"""Thirty-two cells of sbp:6 end at ln v = -6.27 after 60 transits where the delay system has -5.31."""
+
+
+def answer(capsys, *words):
+    assert main(["run", *words, "--json"]) == 0
+    text, err = capsys.readouterr()
+    return json.loads(text), err
+
+
+def parted(r, model, at):
+    """Relative difference, at `at` transits, of two departures from steady sliding whose psi(0) differ by one rounding."""
+    scene = slipwave.read("paper", [f"slab.r={r}"])
+    left = []
+    for rounding in (0.0, 2.0**-52):
+        solver = build(model, scene, tolerance=1e-11)
+        state = solver.state()
+        state["now"][1] *= 1.0 + rounding
+        solver.restore(state)
+        left.append(follow(solver, at).psi - scene.steady_psi)
+    return abs(left[1] - left[0]) / max(map(abs, left))
+
+
+@pytest.mark.parametrize("model", ["delay", "kelvin-voigt"])
+@pytest.mark.parametrize(("r", "at"), [(0.1, 5.0), (0.2, 4.0), (0.3, 2.5), (0.5, 1.5)])
+def test_the_share_of_rounding_is_what_two_runs_differ_by(model, r, at):
+    found = amplified_rounding(slipwave.read("paper", [f"slab.r={r}"]), model, 40.0)
+    assert found is not None
+    ratio = parted(r, model, at) / min(found.share, 1.0)
+    assert 1.0 / 30.0 < ratio < 10.0
+
+
+def test_the_leading_root_is_the_same_with_and_without_its_echoes():
+    for r in (0.4, 0.7):  # the bound of the growth lies on either side of 20 per transit
+        scene = slipwave.read("paper", [f"slab.r={r}"])
+        found = amplified_rounding(scene, "delay", 40.0)
+        assert found is not None
+        assert found.growth == pytest.approx(34.7107438 * r, rel=1e-4)
+
+
+def test_a_scene_that_is_determined_says_nothing():
+    for name in ("paper", "paper-2.3", "rock", "unlike", "ramp", "jump", "grip", "slip-law"):
+        assert amplified_rounding(slipwave.read(name), "delay", 4000.0) is None
+    jump = ['start.kind="jump"', "start.size=0.1", "slab.r=1"]
+    assert amplified_rounding(slipwave.read("paper", jump), "delay", 40.0) is None
+    assert amplified_rounding(slipwave.read("paper", ["slab.r=0.5"]), "delay", 0.3) is None  # rounding has not grown yet
+
+
+def test_a_run_that_rounding_decides_says_so(capsys, printed):
+    words = ["paper", "--model", "quasidynamic", "--set", "slab.r=0.5", "--until", "10"]
+    result, err = answer(capsys, *words)
+    (note,) = result["notes"]
+    assert note.startswith("not determined: steady sliding is unstable, disturbances grow at 17.1 per transit")
+    assert 10.0 < float(note.split("outgrows the start ")[1].split(" times")[0]) < 500.0
+    assert f"note: {note}" in err
+    assert f"note: {note}" in printed("run", *words)
+    result, _ = answer(capsys, "paper", "--model", "quasidynamic", "--set", "slab.r=0.1", "--until", "10")
+    assert 1e-8 < float(result["notes"][0].split("not determined beyond ")[1].split(":")[0]) < 1e-6
+    assert "notes" not in answer(capsys, "paper", "--until", "10")[0]
+
+
+@pytest.mark.parametrize("model", ["sbp:6", "dg:7"])
+def test_a_default_grid_that_is_too_coarse_says_so(capsys, printed, model):
+    settings = [word for setting in STIFF for word in ("--set", setting)]
+    result, err = answer(capsys, "paper", "--model", model, *settings, "--until", "60")
+    exact = follow(build("delay", slipwave.read("paper", STIFF), tolerance=1e-10), 60.0)
+    error = max(abs(result["final"][name] / getattr(exact, name) - 1.0) for name in ("ln_v", "psi"))
+    estimate = result["grid"]["error_estimate"]
+    assert error < 2.0 * estimate < 30.0 * error
+    assert (
+        f"the default grid of {result['grid']['cells']} cells is too coarse for this scene: estimated error" in result["notes"][0]
+    )
+    assert f"estimated error {estimate:.1e}; give --tol or --cells" in err
+    assert "is too coarse for this scene" in printed("run", "paper", "--model", model, *settings, "--until", "60")
+
+
+@pytest.mark.parametrize(
+    ("model", "jump", "options", "told"),
+    [
+        ("fd", 1.0, {"cells": 8}, []),
+        ("fd", 1.01, {"cells": 8}, ["steps"]),
+        ("dg:3", 1.01, {"cells": 2, "time": "explicit"}, ["steps"]),  # late steps cost as the front
+        ("dg:3", 1.01, {"cells": 2}, ["no"]),
+        ("dg:3", 0.0, {"cells": 2}, []),
+        ("delay", 1.01, {}, []),
+        ("block8", 1.01, {}, []),
+    ],
+)
+def test_what_a_step_of_the_drive_costs_is_told(model, jump, options, told):
+    """How much it is: tests/verification/test_velocity_steps.py."""
+    drive = [[0.0, 100.0], [jump, 100.0], [jump, 120.0]] if jump else [[0.0, 100.0], [1.0, 120.0]]
+    found = slipwave.run("paper", model, until=2, **options, **{"drive.velocity": drive})
+    lines = {"steps": "steps of V are placed to within one time step (", "no": "no grid resolves the front of a step of V: "}
+    assert [word for word, line in lines.items() for note in found.notes if note.startswith(line)] == told
+
+
+def test_a_tolerance_beside_given_cells_is_told_to_be_for_the_steps():
+    found = slipwave.run("paper", "dg:5", until=2, cells=2, tol=1e-7)
+    assert found.notes == [
+        "tolerance 1e-07 is for the steps in time: cells are given, and the error of their grid is not estimated"
+    ]
+    assert found.done.solver.settings["resolution"] == 1e-7
+    assert slipwave.run("paper", "dg:5", until=2, cells=2).notes == []

@@ -1,11 +1,23 @@
-"""The exact solution with friction and state: it solves the equations, and full waves make it at their orders."""
+"""Full waves at their orders against exact motions, the delay system and a plain program."""
+
+import math
+from functools import cache
 
 import numpy as np
 import pytest
 
+import slipwave
+from fullwave.finite_difference import Leapfrog
+from reduced.delay.alike import Delay
+from slipwave.solve import follow
 from validation.measure.manufactured import RATIO, error_of_motion, exact_motion, given_scene
+from validation.measure.order_fit import fit_order, shortfall
+from validation.references.lsoda import PlainRun, plain_kelvin_voigt, right_hand_side, steady_state
 from validation.registry.build import build
+from validation.studies import cost_and_error
 from validation.studies.manufactured import CELLS, FINEST, climbed
+from validation.study import Outcome
+from validation.timing import Setting, TimedRun
 
 
 @pytest.mark.parametrize("unlike", [False, True])
@@ -55,3 +67,79 @@ def test_every_full_wave_makes_it_at_its_order(model, pair):
 def test_exact_steps_follow_a_drive_that_is_not_linear():
     """With two terms of V in a step they would be wrong by 0.2."""
     assert error_of_motion(build("dg:7", given_scene(False), cells=6, time="exact")) < 1e-7
+
+
+STARTS = {
+    "smooth": (["slab.log10_r=-2.6"], 200.0, (72, 144, 288, 576), 2, 1e-4),
+    "jump": (["start.kind=jump", "start.size=0.05"], 60.0, (45, 90, 180, 360), 1, 1e-5),
+}
+
+
+@cache
+def exact(name):
+    settings, until, *_ = STARTS[name]
+    chosen = slipwave.read("paper", settings)
+    return chosen, follow(Delay(chosen, tolerance=1e-12), until)
+
+
+@pytest.mark.parametrize("cfl", [0.5, 0.9, 1.0])
+@pytest.mark.parametrize("name", STARTS)
+def test_order(name, cfl):
+    _, until, cells, order, finest = STARTS[name]
+    chosen, limit = exact(name)
+    finals = [follow(Leapfrog(chosen, n, cfl), until) for n in cells]
+    for quantity in ("ln_v", "psi", "mu") if name == "smooth" else ("psi",):
+        errors = np.array([abs(getattr(final, quantity) - getattr(limit, quantity)) for final in finals])
+        result = fit_order(np.array(cells), errors)
+        print(f"{name} cfl {cfl} {quantity}: {result}, finest error {errors[-1]:.1e}")
+        assert not shortfall(result, order, 0.1 if name == "smooth" else 0.2), quantity
+        assert errors[-1] < finest
+
+
+KNOWN = 70.732344990  # AUTO-07p, log10 r = -2.68
+
+
+def test_its_steady_sliding_turns_neutral_at_the_onset_that_auto_finds():
+    """At log10 r = -2.69954994745 a pair of eigenvalues is +-i 2 pi/49.66821032; the others belong to the ODE's damped wave."""
+    scene = slipwave.read("paper", {"slab.log10_r": -2.69954994745})
+    rates, at = right_hand_side(scene), np.array(steady_state(scene))
+    before = -1e3  # transits: no nudge
+    assert rates(before, at) == pytest.approx([0.0] * 4, abs=1e-13)
+    columns = [np.subtract(rates(before, at + e), rates(before, at - e)) / 2e-6 for e in 1e-6 * np.eye(4)]
+    roots = np.linalg.eigvals(np.array(columns).T)
+    neutral = roots[np.argsort(np.abs(roots.real))[:2]]
+    assert np.abs(neutral.real).max() < 5e-10
+    assert np.abs(neutral.imag) == pytest.approx(2.0 * math.pi / 49.66821032, rel=1e-8)
+
+
+def test_it_is_nudged_as_the_scene_says_and_finds_the_period():
+    scene = slipwave.read("paper")
+    rates, at = right_hand_side(scene), np.array(steady_state(scene))
+    assert [rates(time, at)[3] for time in (6.0, 7.0)] == pytest.approx([0.5, 0.5 * math.exp(-1.0)])
+    run = plain_kelvin_voigt(slipwave.read("paper"), 2000.0, 1e-10)
+    assert run.period == pytest.approx(KNOWN, rel=1e-7)  # 3e-8 was measured: the transient
+    assert run.evaluations > 10_000
+
+
+def rival(off, tolerance=1e-10):
+    return PlainRun(tolerance, KNOWN * (1.0 + off), 3.0, 1)
+
+
+def ours(off, tolerance=1e-11):
+    return TimedRun(Setting("kelvin-voigt", tolerance=tolerance), 0.02, KNOWN * (1.0 + off), off, math.nan)
+
+
+def test_both_runs_of_the_race_are_judged_at_their_least_tolerance():
+    assert cost_and_error._agreement([rival(4.5e-8), rival(1e-3, 1e-8)]).outcome is Outcome.PASS
+    assert cost_and_error._agreement([rival(-1.5e-7), rival(0.0, 1e-8)]).outcome is Outcome.FAIL
+    assert cost_and_error._right([ours(0.9 * cost_and_error._OUR_ERROR), ours(1e-3, 1e-3)]).outcome is Outcome.PASS
+    assert cost_and_error._right([ours(-3.0 * cost_and_error._OUR_ERROR), ours(0.0, 1e-3)]).outcome is Outcome.FAIL
+
+
+@pytest.mark.parametrize(("quick", "grids", "elements"), [(True, 4, 2), (False, 5, 4)])
+def test_every_model_runs_at_every_setting_once(quick, grids, elements):
+    settings = [(setting.model, setting.words) for setting in cost_and_error._settings(quick)]
+    assert len(set(settings)) == len(settings) == 5 + 2 * grids + 2 * elements + 6 * 5
+    assert ("fd", "64 cells, CFL 0.5") in settings
+    assert ("delay", "tolerance 10^{-11}") in settings
+    assert ("modal:8", "tolerance 10^{-3}") in settings

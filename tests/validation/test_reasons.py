@@ -1,14 +1,33 @@
-"""The reason below a run's verdict, and its figures in SI, against values by hand."""
+"""What is expected of a run before it begins, and the reasons below its verdict, against values by hand."""
 
 import json
+import logging
 import math
+import sys
+from dataclasses import dataclass, field
 
 import pytest
 
 import slipwave
-from tests.granite import THIN as GRANITE
+from fullwave.finite_difference import Leapfrog
+from fullwave.lines.march import MethodOfLines
+from reduced.delay.march import DelayMarch
+from reduced.stability import characteristic, leading_roots
+from slipwave.errors import SceneError
+from slipwave.observe import EventObserver
+from slipwave.scene import Scene
+from slipwave.solve import follow
+from slipwave.solve.follow import DAY, require_time
+from tests.granite import GRANITE
+from tests.granite import GRANITE as THIN
+from validation.cli import INPUT_WRONG, main
+from validation.registry.build import build
+from validation.registry.families import GRIDS, explicit_time
 from validation.results.reasons import engineering
-from validation.run.outlook import outlook
+from validation.run import progress as module
+from validation.run.outlook import outlook, stress_released
+from validation.run.progress import progress
+from validation.run.simulate import LongRunAdvice, error_without_echoes, simulate
 
 
 def told(*settings, until, scene="paper"):
@@ -16,7 +35,7 @@ def told(*settings, until, scene="paper"):
 
 
 def test_a_stable_sample_says_what_would_make_it_slip():
-    (line,) = told(until=5e4, scene=GRANITE)[-1:]
+    (line,) = told(until=5e4, scene=THIN)[-1:]
     assert line.endswith("it would slip with slabs over 6 m (here 200 mm) or a normal stress over 150 MPa (here 5 MPa)")
     assert "(8.92 s)" in line  # of the slower root of a s^2 + (a - b + k) s + k = 0, k = 0.15, on the clock of 10 s
     assert pytest.approx((0.145 - math.sqrt(0.145**2 - 4 * 0.01 * 0.15)) / 0.02, rel=1e-3) == 10.0 / 8.92
@@ -79,3 +98,186 @@ def test_an_interface_that_is_hardly_loaded_has_no_expected_cycle():
     assert done.summary["verdict"] == "too short"
     assert math.isinf(done.needed)
     assert outlook(slipwave.read("machine", ["slab.face.stiffness=1e-300"]), "delay").period > 1e290
+
+
+@pytest.mark.parametrize("name", ["paper", "paper-2.3", "rock", "grip", "layered", "unlike-irrational"])
+def test_the_period_is_expected_within_a_factor_of_two_and_a_half(name):
+    scene = slipwave.read(name)
+    solver = build("delay", scene, tolerance=1e-6)
+    watch = EventObserver(scene, solver.nodes)
+    follow(solver, 1500.0, [watch])
+    period = float(watch.events(750.0).period.mean())
+    assert 0.4 < outlook(scene, "delay").period / period < 2.5
+
+
+def test_the_stress_that_an_event_of_granite_releases():
+    """D = 2 w ln(1 + T v) with w = b - a = 0.005, T = D/(k V), v = D/(2 Z), by hand: k = epsilon/r = 3e-3 per L/V* (plain alike
+    slabs, epsilon = 1.8e-6, r = 6e-4) and Z = epsilon/2."""
+    found = stress_released(slipwave.read(GRANITE))
+    assert found == pytest.approx(0.01 * math.log(1.0 + found / 3e-3 * found / 1.8e-6), rel=1e-9)
+    assert found == pytest.approx(0.153, abs=0.001)
+    assert outlook(slipwave.read(GRANITE), "delay").period == pytest.approx(found / 1.8e-6, rel=1e-9)
+
+
+def test_near_the_onset_the_period_is_that_of_the_critical_frequency():
+    """omega_c = V sqrt((b - a)/a), with b so close to a that hardly any stress is released."""
+    scene = slipwave.read("paper", ["interface.b=0.035", "slab.r=1"])
+    assert outlook(scene, "delay").period == pytest.approx(2.0 * math.pi / (100.0 * math.sqrt(1e-4 / 0.0349)), rel=1e-9)
+
+
+def test_whether_steady_sliding_holds_and_how_fast_it_returns():
+    thin = slipwave.read(GRANITE, ["slab.thickness=0.2"])
+    found = outlook(thin, "delay")
+    assert found.stable is True
+    assert found.rate == pytest.approx(thin.transit * leading_roots(characteristic(thin, "delay"))[0].real, rel=1e-12)
+    assert outlook(slipwave.read(GRANITE), "delay").stable is False
+    strengthening = outlook(slipwave.read("paper", ["interface.b=0.01"]), "delay")
+    assert strengthening.stable is True
+    assert math.isfinite(strengthening.period)
+
+
+def test_it_is_that_of_the_velocity_with_which_the_drive_ends():
+    ramp = slipwave.read("paper", ["drive.velocity=[[0, 100], [10, 2000]]"])
+    assert outlook(ramp, "delay") == outlook(slipwave.read("paper", ["drive.velocity=2000"]), "delay")
+    hold = outlook(slipwave.read("paper", ["drive.velocity=[[0, 100], [10, 0]]"]), "delay")
+    assert (hold.stable, hold.rate, hold.period) == (None, 0.0, math.inf)
+
+
+@dataclass
+class Marching:
+    """As much of a solver as is read."""
+
+    model: str
+    time: float = 0.0
+    scene: Scene = field(default_factory=lambda: slipwave.read("paper"))
+
+
+@pytest.mark.parametrize(
+    ("model", "seconds", "says"), [("delay", 6.1, True), ("delay", 0.5, False), ("quasidynamic", 6.1, False)]
+)
+def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, caplog, monkeypatch):
+    """A tenth of the run has taken so many seconds, then two tenths."""
+    clock = iter([0.0, seconds, 10.0 + seconds])
+    monkeypatch.setattr("validation.run.simulate.time.monotonic", lambda: next(clock))
+    advice = LongRunAdvice(Marching(model), 100.0, lambda done: None)  # type: ignore[arg-type]
+    with caplog.at_level(logging.INFO, logger="slipwave"):
+        advice(10.0)
+        advice(90.0)
+    told = [record.getMessage() for record in caplog.records]
+    assert [("61 s" in line and "quasidynamic" in line and "0.08" in line) for line in told] == [True] * says
+
+
+def test_the_error_is_that_of_one_echo():
+    """2 Z V/a for the ageing law, with Z = epsilon/2."""
+    scene = slipwave.read("paper")
+    assert error_without_echoes(scene) == pytest.approx(2.8e-5 * 100.0 / 0.0349, rel=1e-9)
+
+
+@pytest.mark.parametrize("family", GRIDS, ids=lambda family: family.name)
+def test_a_run_of_a_day_goes_and_a_longer_one_does_not(family, monkeypatch):
+    march = explicit_time(family.example)
+    solver = build(family.example, slipwave.read("paper"), time=march)
+    pieces = 4000.0 / solver.advance(1e-6).length[0]  # type: ignore[attr-defined]
+    kind = Leapfrog if family.name == "fd" else MethodOfLines
+    fresh = build(family.example, slipwave.read("paper"), time=march)
+    monkeypatch.setattr(kind, "seconds_per_piece", 0.999 * DAY / pieces)
+    require_time(fresh, 4000.0)
+    monkeypatch.setattr(kind, "seconds_per_piece", 1.001 * DAY / pieces)
+    with pytest.raises(SceneError, match=r"4000 transits would take about 1 days .*fewer cells or a larger cfl; --yes"):
+        require_time(fresh, 4000.0)
+    require_time(fresh, 4000.0, most=float("inf"))
+
+
+@pytest.mark.parametrize("model", ["delay", "block8"])
+def test_a_march_whose_steps_adapt_is_judged_by_those_it_took(model, monkeypatch):
+    paper = slipwave.read("paper")
+    solver = build(model, paper)
+    with monkeypatch.context() as slow:
+        slow.setattr(type(solver), "seconds_per_piece", DAY / 2e6)
+        with pytest.raises(SceneError, match=r"4e\+07 transits would take about [\d.]+ days"):
+            simulate(solver, 4e7)
+    assert solver.time < 40_000.0
+    simulate(build(model, paper), 3000.0)
+
+
+def test_the_way_to_an_orbit_is_shown_and_judged(monkeypatch, capsys):
+    monkeypatch.setattr("validation.run.progress.PATIENCE", -1.0)
+    monkeypatch.setattr("validation.run.progress._LINE_INTERVAL", -1.0)
+    words = ["run", "paper", "--model", "delay", "--until", "20", "--set", "start.kind=orbit"]
+    assert main(words) == 0
+    assert capsys.readouterr().err.startswith("paper, delay, on the way to an orbit: ")
+    monkeypatch.setattr(sys.modules["slipwave.solve.follow"], "_ENOUGH", 1000)
+    monkeypatch.setattr(DelayMarch, "seconds_per_piece", DAY)
+    assert main(words) == INPUT_WRONG
+    assert "model delay: 6000 transits would take about" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "paper", "--model", "fd", "--cells", "16"],
+        ["compare", "paper", "--models", "fd", "--cells", "16", "--out", "x.png"],
+    ],
+    ids=lambda words: words[0],
+)
+def test_yes_runs_it_all_the_same(words, tmp_path, monkeypatch, printed, refused):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(Leapfrog, "seconds_per_piece", DAY)
+    words = [*words, "--until", "30", "--json"]
+    assert refused(*words).startswith("slipwave: model fd: 30 transits would take about")
+    assert list(tmp_path.iterdir()) == []
+    assert json.loads(printed(*words, "--yes"))["until"] == 30.0
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--model", "fd", "--cfl", "1e-300"], "cfl = 1e-300: must be at least 1e-09"),
+        (["--model", "dg:7", "--cfl", "5e-324"], "cfl = 5e-324: must be at least 1e-09"),
+        (["--model", "dg:7", "--cfl", "1e-9"], "model dg:7: 4000 transits would take about 36"),
+        (["--model", "fd", "--cells", "200000", "--set", 'slab.viscosity={kind="kelvin-voigt", time=2e-5}'], "about 7.41 days"),
+        (["--model", "fd", "--set", "start.kind=orbit", "--cfl", "1e-9"], "model fd: 6000 transits would take about"),
+        (["--model", "dg", "--tol", "1e-6", "--cfl", "1e-9"], "model dg:6: 400 transits would take about"),
+    ],
+)
+def test_what_was_endless_is_refused(words, told, refused):
+    assert told in refused("run", "paper", *words)
+
+
+@pytest.fixture
+def now(monkeypatch):
+    """The time, which passes only where a test says so."""
+    time = [100.0]
+    monkeypatch.setattr(module, "PATIENCE", 2.0)
+    monkeypatch.setattr(module.time, "monotonic", lambda: time[0])
+    return time
+
+
+def test_lines_come_every_ten_seconds_and_tell_share_and_time_left(now, caplog):
+    """At 40 of 200 after 11 s, 10 of which brought 20: 160 are left, at 2 a second."""
+    caplog.set_level(logging.INFO, "slipwave")
+    told = []
+    with progress("run", 200.0) as report:
+        for seconds, done in ((1.0, 20.0), (3.0, 30.0), (9.9, 39.0), (11.0, 40.0), (20.9, 90.0), (21.0, 100.0), (30.9, 190.0)):
+            now[0] = 100.0 + seconds
+            report(done)
+            told.append(" ".join(caplog.messages))
+            caplog.clear()
+    assert told == ["", "", "", "run: 20%, 80 s left", "", "run: 50%, 25 s left", ""]
+
+
+def test_a_terminal_has_a_bar_once_patience_has_passed(now, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    with progress("a [label]", 8.0) as report:
+        now[0] = 101.9
+        report(1.0)
+        assert report._bar is None  # type: ignore[attr-defined]
+        now[0] = 102.0
+        report(2.0)
+        report(6.0)
+        bar = report._bar  # type: ignore[attr-defined]
+        (task,) = bar.tasks
+        assert ((task.total, task.completed, task.percentage), task.description) == ((8.0, 6.0, 75.0), r"a \[label]")
+        assert bar.live.is_started
+        assert bar.live.transient
+    assert not bar.live.is_started

@@ -1,9 +1,12 @@
-"""What a model does in a scene, in words, and figures with their errors."""
+"""What a model does in a scene, in words; figures and means with their errors."""
 
 import numpy as np
 import pytest
 
+import slipwave
+from tests.granite import GRANITE
 from validation.measure.correlated import mean_of
+from validation.measure.cycle import Cycle, ripple_period
 from validation.study.over_r import begun_at, scene_at
 from validation.study.regimes import AWAY, STEADY, UNDECIDED, Regime, regime_of
 
@@ -42,3 +45,70 @@ def test_cycles_that_alternate_have_an_error_all_the_same():
     found = mean_of(np.tile([1.0, 3.0], 40) + 0.01 * level)
     assert found.error > 0.001
     assert found.value == pytest.approx(2.0, abs=4.0 * found.error)
+
+
+def sequence(memory, count, seed):
+    """x_n = memory x_(n - 1) + a normal number, about 5."""
+    drawn = np.random.default_rng(seed).normal(size=count)
+    values = np.empty(count)
+    values[0] = drawn[0] / np.sqrt(1.0 - memory**2)
+    for n in range(1, count):
+        values[n] = memory * values[n - 1] + drawn[n]
+    return 5.0 + values
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.8, -0.5])
+def test_twice_the_error_of_a_mean_of_dependent_values_is_a_margin_of_95_in_100(memory):
+    """Means are spread by 1/((1 - memory) sqrt(n)). That of independent values would be wrong by a factor of 3 at 0.8."""
+    found = [mean_of(sequence(memory, 4000, seed)) for seed in range(40)]
+    known = 1.0 / ((1.0 - memory) * np.sqrt(4000.0))
+    assert 1.0 * known < np.mean([one.error for one in found]) < 1.4 * known
+    assert np.sqrt(np.mean([(one.value - 5.0) ** 2 for one in found])) == pytest.approx(known, rel=0.3)
+
+
+def test_the_error_holds_the_mean_of_a_sequence_that_alternates():
+    """Autocorrelations alone hold that of 83 in 100 short ones: pairs of lags cancel."""
+    found = [mean_of(sequence(-0.8, 60, seed)) for seed in range(200)]
+    assert np.mean([abs(one.value - 5.0) <= 2.0 * one.error for one in found]) >= 0.95
+
+
+@pytest.mark.parametrize(("values", "mean"), [(np.tile([3.0, 1.0], 12), 2.0), (np.full(9, 2.5), 2.5)])
+def test_a_sequence_that_repeats_has_no_error(values, mean):
+    found = mean_of(values)
+    assert found.value == pytest.approx(mean, abs=1e-14)
+    assert found.error < 1e-7
+
+
+def cycle(period, amplitude=0.01):
+    time = np.sort(np.concatenate([np.arange(0.0, 70.0, 0.031), np.arange(0.0, 70.0, 0.047)]))
+    time = np.unique(time)
+    stress = 0.2 + 0.002 * time + 1e-5 * time**2 + amplitude * np.cos(2 * np.pi * time / period)
+    return Cycle(time, np.ones_like(time), time * 0, stress, stress, np.ptp(time))
+
+
+@pytest.mark.parametrize("period", [1.0, 1.2825498])
+def test_known_ripple(period):
+    assert ripple_period(cycle(period)) == pytest.approx(period, rel=2e-4)
+
+
+def test_no_ripple():
+    with pytest.raises(ValueError, match="ripples between"):
+        ripple_period(cycle(40.0))
+
+
+LONG_MEAN, ITS_MARGIN = 463.0, 0.2
+"""Period [s] over 400 cycles, and half the width of its 95 % interval."""
+
+
+@pytest.mark.slow
+def test_granite_has_its_period_and_its_stress_drop_without_any_option():
+    """The cycles are irregular, so that each machine finds its own: the mean holds within its margin (here twice that, so that
+    it does on any machine). The first cycles are a transient with a mean of 431 s."""
+    summary = slipwave.run(GRANITE).summary
+    assert (summary["verdict"], summary["ended"]) == ("irregular", "settled")
+    second = summary["si"]["transit_s"]
+    margin = summary["margins"]["period"] * second
+    assert margin < 2.0
+    assert summary["si"]["period_s"] == pytest.approx(LONG_MEAN, abs=2.0 * margin + ITS_MARGIN)
+    assert summary["si"]["stress_drop_Pa"] == pytest.approx(0.82e6, abs=0.01e6)
+    assert summary["left_out"] > 0.9 * summary["until"]

@@ -1,18 +1,38 @@
-"""The report's machinery on synthetic studies: stored whole, recomputed only on a change, failures shown, page whole."""
+"""The report's machinery on synthetic studies: stored whole, recomputed only on a change, side by side, words and tables."""
 
+import fcntl
+import json
 import math
 import os
 import re
+import signal
 import subprocess
+import sys
+import time
+from functools import partial
 from html.parser import HTMLParser
 
 import pytest
 from fake_studies import draw, result
 
 from slipwave.errors import SceneError
+from validation.report.baseline import RedReport
 from validation.report.build import make_report, store
-from validation.study import Figure, StudyResult
+from validation.studies import study_called
+from validation.study import Column, Figure, StudyResult, Table, table
+from validation.study.model_table import (
+    Compared,
+    ModelCell,
+    ModelColumn,
+    ModelQuantity,
+    ModelRow,
+    ModelTable,
+    cell_records,
+    shade_of,
+    words_of,
+)
 from validation.study.names import with_names
+from validation.study.text import cell, markup, number, places, plain, power
 
 
 class Tags(HTMLParser):
@@ -175,3 +195,234 @@ def test_the_longest_study_begins_first_and_those_that_time_last(fake, tmp_path,
         study.SECONDS, study.TIMED = both, name == "timed"
     make_report(tmp_path, quick=quick)
     assert fake.runs == order
+
+
+@pytest.mark.parametrize(
+    ("value", "spec", "html"),
+    [
+        (73.47214494, ".9g", "73.4721449"),
+        (-0.0373, ".1%", "−3.7%"),
+        (1.23e-9, ".2e", "1.23\u202f·\u202f10<sup>−9</sup>"),
+        (-2e10, ".0e", "−2\u202f·\u202f10<sup>10</sup>"),
+        (math.nan, ".3g", "–"),
+        (-math.inf, ".3g", "−∞"),
+    ],
+)
+def test_numbers(value, spec, html):
+    assert number(value, spec) == html
+
+
+def test_markup_escapes_first():
+    assert markup("<b> v_{max} at 10^{-2}: *T*, `a*b` & 2 * 3 * 4") == (
+        "&lt;b&gt; v<sub>max</sub> at 10<sup>−2</sup>: <em>T</em>, <code>a*b</code> &amp; 2 * 3 * 4"
+    )
+
+
+def test_cells():
+    assert cell(None, ".3g") == "–"
+    assert cell("x_{1}", ".3g") == "x<sub>1</sub>"
+    assert cell(3, "") == "3"
+
+
+def test_plain_is_markup():
+    assert markup(plain(-1.2e-9, ".2g")) == "−1.2\u202f·\u202f10<sup>−9</sup>"
+    assert plain(0.25) == "0.25"
+
+
+def test_the_heading_of_a_table_is_one_line():
+    rows = ([k, 0.5 * k] for k in range(2))
+    columns = (
+        Column("model"),
+        Column("log_{10} r, exact", "ODE, (27)", ".11f"),
+        Column("spread", "", ".1%"),
+        Column("step", "at cfl 1"),
+    )
+    heading = "model | log_{10} r, exact [ODE, (27)] .11f | spread .1% | step [at cfl 1]"
+    assert table("t", "Told.", heading, rows, [1]) == Table("t", "Told.", columns, ((0, 0.0), (1, 0.5)), (1,))
+
+
+def test_powers_and_places_in_a_sentence():
+    assert (power(1e-13), power(1e3), places([-2.69, -2.6])) == ("10^{−13}", "10^{3}", "−2.69, −2.6")
+
+
+def model_cell(value, error, standard_error=1e-9, right=True):
+    return ModelCell("periodic", right, 0, {"T": Compared(value, error, standard_error)})
+
+
+@pytest.mark.parametrize(
+    ("shown", "words", "shade"),
+    [
+        (model_cell(73.47214, None), "73.472", ""),
+        (model_cell(70.0, -0.0373), "−3.7 %", "amber"),
+        (model_cell(73.5, 9.99e-4), "+1 · 10^{−3}", "none"),
+        (model_cell(73.5, -3.93e-7), "−4 · 10^{−7}", "none"),
+        (model_cell(94.0, -0.0011, 0.0035), "−0.1 ± 0.7 %", "pale"),
+        (model_cell(60.0, -0.45, right=False), "−45.0 %", "wrong"),
+        (model_cell(90.0, 0.1), "+10.0 %", "red"),
+        (ModelCell("runs away", False), "runs away", "wrong"),
+    ],
+)
+def test_what_a_cell_says(shown, words, shade):
+    assert (words_of(shown, "T"), shade_of(shown, "T")) == (words, shade)
+
+
+def a_table():
+    cells = (model_cell(73.0, None), ModelCell("torus", True, 99, {"T": Compared(94.0, None, 0.003)}))
+    other = (model_cell(math.inf, 0.1), ModelCell("runs away", False))
+    columns = (ModelColumn("−2.68", -2.68, 1.05, "periodic"), ModelColumn("−2.5", -2.5, 1.6, "torus, irregular"))
+    onset = Compared(-2.7, None, 1e-12)
+    rows = (ModelRow("delay", cells, onset, (1.0,), "use", "exact"), ModelRow("block", other, None, (0.3,), "avoid", "wrong"))
+    quantities = (ModelQuantity("T", "period", "transits"),)
+    return ModelTable("paper", "caption", "log_{10} r", quantities, columns, ("−2.68",), "delay", rows, ("Use it.",))
+
+
+def test_a_table_is_stored_and_read_back(tmp_path):
+    result = StudyResult("yes", model_tables=(a_table(),))
+    study = study_called("scene-facts")
+    store.store_result(tmp_path, study, "key", result, 1.0)
+    assert store.stored_result(tmp_path, study, "key").result.model_tables == (a_table(),)
+
+
+def test_a_table_as_lines_of_a_file():
+    lines = list(cell_records(a_table()))
+    assert [(line["model"], line["log10_r"], line["value"], line["cost"]) for line in lines] == [
+        ("delay", -2.68, 73.0, 1.0), ("delay", -2.5, 94.0, None), ("block", -2.68, math.inf, 0.3), ("block", -2.5, None, None),
+    ]  # fmt: skip
+    assert lines[-1]["regime"] == "runs away"
+
+
+TOGETHER = """
+    import time
+    (HERE / f"{NAME}.begun").touch()
+    budget.report(0.5)
+    while len(list(HERE.glob("*.begun"))) < 2:
+        time.sleep(0.01)
+    (HERE / f"{NAME}.done").touch()
+    return StudyResult(str(os.getpid()))
+"""
+ALONE = """
+    done = sorted(path.stem for path in HERE.glob("*.done"))
+    return StudyResult(f"{os.getpid()} after {', '.join(done)}")
+"""
+PATIENCE = 600.0
+"""Seconds after which a test gives up; no outcome depends on it."""
+
+
+def answers(page):
+    studies = json.loads((page.parent / "report.json").read_text())["studies"]
+    return [study["answer"] for study in studies if not study["error"]]
+
+
+def test_studies_run_together_and_those_that_time_alone_at_the_end(fake, tmp_path, capfd):
+    """The first two each wait for the other to begin: one after the other, they would never end."""
+    fake.write("timing", ALONE, timed=True)
+    fake.write("first", TOGETHER)
+    fake.write("second", TOGETHER)
+    timing, first, second = answers(make_report(tmp_path / "out", processes=2))
+    assert timing == f"{os.getpid()} after first, second"
+    assert len({first, second, str(os.getpid())}) == 3
+    lines = capfd.readouterr().err.splitlines()
+    assert sorted(line.split()[0] for line in lines[:2]) == ["first", "second"]
+    assert lines[2].split()[0] == "timing"
+
+
+def test_a_process_that_dies_is_a_study_that_failed(fake, tmp_path):
+    fake.write("first", "os._exit(9)")
+    fake.write("second", "os._exit(9)")
+    fake.write("timing", ALONE, timed=True)
+    with pytest.raises(RedReport) as red:
+        make_report(tmp_path / "out", processes=2)
+    died = "failed: a process of the report died, killed or short of memory, before this study was done"
+    assert red.value.lines == [f"first: {died}", f"second: {died}"]
+    assert answers(red.value.page) == [f"{os.getpid()} after "]
+
+
+INTERRUPTED = """
+    import signal, subprocess
+    started = subprocess.Popen(["sleep", "100000"])
+    started.send_signal(signal.SIGINT)
+    return StudyResult(str(started.wait(600)))
+"""
+
+
+def test_what_a_study_starts_can_be_interrupted(fake, tmp_path):
+    """As the slow tests do: processes side by side are deaf to the terminal, not to each other."""
+    for name in ("first", "second"):
+        fake.write(name, INTERRUPTED)
+    assert answers(make_report(tmp_path / "out", processes=2)) == [str(-signal.SIGINT)] * 2
+
+
+PROGRAM = """
+import sys
+from types import ModuleType
+from validation import studies
+from validation.report import build
+from validation.cli import main
+
+folder, *words = sys.argv[1:]
+sys.path.insert(0, folder)
+studies.STUDIES.clear()
+for name in ("quick", "endless"):
+    sys.modules[f"validation.studies.{name}"] = __import__(f"written_{name}")
+    studies.STUDIES[name] = name
+build.cores = lambda: 2
+if __name__ == "__main__":
+    sys.exit(main(words))
+"""
+ENDLESS = """
+    import fcntl, subprocess, time
+    if (HERE / "freed").exists():
+        return StudyResult("at last")
+    lock = open(HERE / "lock", "w")
+    fcntl.flock(lock, fcntl.LOCK_EX)
+    with subprocess.Popen(["sleep", "100000"], pass_fds=(lock.fileno(),)):
+        (HERE / "begun").touch()
+        time.sleep(100000)
+"""
+
+
+def wait_for(condition):
+    began = time.monotonic()
+    while not condition():
+        assert time.monotonic() - began < PATIENCE
+        time.sleep(0.05)
+
+
+def is_free(path):
+    """Whether nobody holds this file any more: neither the study's process nor the one that it started."""
+    with path.open("w") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+    return True
+
+
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGKILL])
+def test_ctrl_c_ends_all_processes_and_the_report_resumes(fake, tmp_path, end):
+    """With one line, and all that was done is kept. Nor does anything survive the report's own violent death."""
+    fake.write("quick", 'return StudyResult("done")')
+    fake.write("endless", ENDLESS)
+    program = tmp_path / "program.py"
+    program.write_text(PROGRAM)
+    words = [sys.executable, str(program), str(fake.folder), "report", "--out", str(tmp_path / "out")]
+    stored = tmp_path / "out" / "data" / "quick" / "result.json"
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # whoever runs the tests may have it ignored
+    with subprocess.Popen(words, **pipes, start_new_session=True, preexec_fn=heard) as process:
+        wait_for(lambda: (fake.folder / "begun").exists() and stored.exists())
+        os.killpg(process.pid, end)
+        said = process.communicate()
+    wait_for(lambda: is_free(fake.folder / "lock"))
+    if end is signal.SIGINT:
+        assert process.returncode == 130
+        assert said[0] == ""
+        *told, last = said[1].splitlines()
+        assert [line.split()[0] for line in told] in ([], ["quick"])  # stored, but perhaps not yet told
+        kept = tmp_path / "out" / "data"
+        assert last == f"slipwave: interrupted; finished studies are kept in {kept}, and the same command goes on from there"
+    assert not (tmp_path / "out" / "index.html").exists()
+    (fake.folder / "freed").touch()
+    again = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert again.stderr.splitlines()[0].split() == ["quick", "stored"]
+    assert answers(tmp_path / "out" / "index.html") == ["done", "at last"]

@@ -1,19 +1,28 @@
-"""`slipwave run --checkpoint`: a killed run goes on with bit-identical results; a wrong file is refused in one line."""
+"""Runs that are killed, interrupted or meet a full disk: what is kept, what is said, and how they go on."""
 
 import itertools
 import json
+import re
 import signal
 import subprocess
 import sys
 from contextlib import redirect_stdout
 from io import StringIO
+from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray
+from hooked_process import interrupted, on_small_disk
 
 import slipwave
+from slipwave.errors import NumericsError
+from slipwave.observe.pieces import Array, Pieces
+from slipwave.solve import follow
 from slipwave.solve.checkpoint import saved_time
-from validation.cli import main
+from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
+from validation.measure.settle import settle
+from validation.registry.build import build
 
 BASE = ["run", "paper", "--model", "dg:7", "--json"]
 
@@ -135,3 +144,180 @@ def test_a_start_on_the_orbit_goes_on_without_looking_for_it_again(tmp_path, ans
     answer(*saving)
     monkeypatch.setattr("validation.registry.orbit_start.settle", None)
     assert answer(*saving) | {"wall_s": 0} == direct | {"wall_s": 0}
+
+
+def told(err, until):
+    """When the run was interrupted, and how it can go on, from the last line of stderr."""
+    found = re.fullmatch(rf"slipwave: interrupted at t = (\S+) of {until} transits; (.*)", err.splitlines()[-1])
+    assert found is not None, err
+    return float(found[1]), found[2]
+
+
+def test_a_run_without_checkpoints_keeps_what_it_has(tmp_path):
+    words = ["run", "paper", "--model", "delay", "--until", "40000", "--json", "--out", "x.nc"]
+    done = interrupted(words, 2000.0, tmp_path)
+    assert done.returncode == INTERRUPTED
+    time, way_on = told(done.stderr, "40000")
+    assert 2000.0 <= time < 4000.0
+    assert "no checkpoint was kept" in way_on
+    assert "--checkpoint FILE.npz" in way_on
+    result = json.loads(done.stdout)
+    assert result["failed"] == f"interrupted at t = {time:.6g} of 40000 transits"
+    assert result["period"]["mean"] == pytest.approx(73.472, rel=2e-3)
+    with xarray.open_dataset(tmp_path / "x.nc") as data:
+        assert data.attrs["complete"] == 0
+        assert data.attrs["events"] == result["events"] > 20
+    assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
+
+
+def test_a_run_with_checkpoints_names_the_last_one(tmp_path):
+    words = ["run", "paper", "--model", "fd", "--cells", "16", "--until", "4000", "--checkpoint", "run.npz"]
+    done = interrupted([*words, "--checkpoint-every", "50"], 220.0, tmp_path)
+    assert done.returncode == INTERRUPTED
+    time, way_on = told(done.stderr, "4000")
+    found = re.fullmatch(r"'run.npz' holds the run up to t = (\S+): the same command goes on from there", way_on)
+    assert found is not None
+    assert 200.0 <= float(found[1]) < 201.0
+    assert 220.0 <= time <= 251.0
+
+
+def test_a_comparison_shows_the_models_it_has(tmp_path):
+    words = ["compare", "paper", "--models", "delay,block8", "--until", "400", "--json", "--out", "x.png"]
+    done = interrupted(words, 100.0, tmp_path)
+    assert done.returncode == INTERRUPTED
+    assert told(done.stderr, "400")[1] == "model delay"
+    assert [row["model"] for row in json.loads(done.stdout)["models"]] == ["delay"]
+    assert (tmp_path / "x.png").exists()
+
+
+FULL = Path("/dev/full")
+INTERFACE = ["--set", 'run.record=["events","interface"]']
+
+
+@pytest.mark.parametrize(
+    ("words", "file"),
+    [
+        (["run", "paper", "--model", "delay", "--until", "400", "--out", "x.nc"], "x.nc"),
+        (["run", "paper", "--model", "delay", "--until", "400", "--out", "x.nc", *INTERFACE], "samples"),
+        (["run", "paper", "--model", "fd", "--cells", "16", "--until", "110", "--fields", "x.nc"], "x.nc"),
+        (["run", "paper", "--model", "fd", "--cells", "16", "--until", "110", "--fields", "x.vtu"], "x.vtu"),
+        (["compare", "paper", "--models", "delay", "--until", "400", "--out", "x.pdf"], "x.pdf"),
+        (["compare", "paper", "--models", "delay", "--until", "400", "--out", "x.png"], "x.png"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else value[0],
+)
+def test_what_was_computed_is_printed_and_nothing_half_written(tmp_path, words, file):
+    done = on_small_disk([*words, "--json"], 4000, tmp_path)
+    assert done.returncode == INPUT_WRONG, done.stderr
+    assert json.loads(done.stdout)["until"] in (110.0, 400.0)
+    line = done.stderr.splitlines()[-1]
+    assert line.startswith("slipwave: ")
+    assert file in line
+    assert "cannot be written: file too large" in line
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not FULL.exists(), reason="this system has no /dev/full")
+@pytest.mark.parametrize(
+    "words", [["scenes"], ["--help"], ["stability", "paper"], ["run", "paper", "--until", "50", "--out", "x.nc"]]
+)
+def test_a_stdout_that_takes_nothing_is_one_line(tmp_path, words):
+    with FULL.open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "validation.cli", *words], cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, text=True
+        )
+    assert done.returncode == INPUT_WRONG
+    assert done.stderr.splitlines()[-1] == "slipwave: the result cannot be written to stdout: no space left on device"
+    assert "Traceback" not in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == (["x.nc"] if "x.nc" in words else [])
+
+
+COARSE = ["--set", "slab.r=1", "--until", "40"]
+"""64 cells of a leapfrog cannot follow psi through the first event of a transit of a hundred state relaxations."""
+
+STOPPED = [
+    'interface.law="slip-regularised"',
+    "interface.a=0.0653",
+    "interface.b=0.288",
+    "drive.velocity=[[0, 4.934e4], [14.9, 4.934e4], [15, 0]]",
+    'slab.face={kind="reflection", coefficient=0}',
+    "slab.r=0.0104",
+    "slab.epsilon=0.000412",
+]
+"""The drive stops, the waves are swallowed, and v goes through 0 by rounding: z = asinh(v/2e-20) leaps from 20 to -17."""
+
+
+class Failing:
+    """Steady sliding in pieces of one transit; the solve at t = 7.25 fails."""
+
+    def __init__(self):
+        self.scene, self.model, self.nodes = slipwave.read("paper"), "failing", np.linspace(0.0, 1.0, 5)
+        self.time, self.failures, self.failed_at = 0.0, 0, np.nan
+        self.seconds_per_piece, self.transits_per_piece = 0.0, np.nan
+
+    def advance(self, until):
+        begin, self.time = self.time, self.time + 5.0
+        if self.time > 7.25:
+            self.failures, self.failed_at = 3, 7.25
+        steady = np.full((5, self.nodes.size), np.log(100.0))
+        return Pieces(begin + np.arange(5.0), np.ones(5), steady, -steady, steady, steady)
+
+    def energy(self):
+        return None
+
+
+class Reach:
+    """Remembers how far it was fed."""
+
+    def __init__(self):
+        self.ends: Array = np.empty(0)
+
+    def scan(self, pieces):
+        self.ends = np.append(self.ends, pieces.time + pieces.length)
+
+
+def test_observers_see_what_came_before_the_first_failed_solve():
+    reach, solver = Reach(), Failing()
+    with pytest.raises(NumericsError, match=r"failing: 3 solves .* by t = 10 transits, the first at t = 7.25.*digest"):
+        follow(solver, 100.0, [reach])
+    assert reach.ends.tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+    assert solver.time == 10.0
+
+
+def test_run_prints_what_it_has_and_ends_with_status_3(tmp_path, capsys):
+    assert main(["run", "paper", *COARSE, "--model", "fd", "--cells", "64", "--json"]) == NUMERICS_FAILED
+    text, err = capsys.readouterr()
+    result = json.loads(text)
+    assert result["failures"] > 0
+    assert result["final"] is None
+    assert "fd: " in err
+    assert err.strip().endswith(result["failed"])
+    first = float(result["failed"].split("the first at t = ")[1].split(":")[0])
+    assert 0.5 < first < 2.0  # rounding grows by 35 nepers a transit: the first event comes at ln(10^16)/35
+
+
+def test_compare_prints_every_row_and_ends_with_status_3(tmp_path, capsys):
+    out = tmp_path / "both.png"
+    words = ["compare", "paper", *COARSE, "--models", "sbp:2,fd", "--cells", "64", "--out", str(out), "--json"]
+    assert main(words) == NUMERICS_FAILED
+    text, err = capsys.readouterr()
+    rows = {row["model"]: row for row in json.loads(text)["models"]}
+    assert rows["fd"]["failures"] > 0
+    assert rows["fd"]["error"] == {"period": None, "stress_drop": None}
+    assert "the first at t = " in rows["fd"]["failed"]
+    assert rows["fd"]["failed"] in err
+
+
+def test_no_orbit_is_made_of_failed_solves():
+    solver = build("fd", slipwave.read("paper", ["slab.r=1"]), cells=64)
+    with pytest.raises(NumericsError, match="did not converge"):
+        settle(solver)
+
+
+def test_the_leapfrog_comes_to_rest_with_the_others():
+    """It ended at psi = -121 with two failed solves: the extrapolated start of a solve lay hundreds away from the root."""
+    scene = slipwave.read("paper", STOPPED)
+    ours = follow(build("fd", scene), 40.0).psi
+    witness = follow(build("dg:4", scene, cells=24, time="explicit"), 20.0).psi
+    assert ours == pytest.approx(witness, abs=0.3)  # both stop short of what 256 cells say by 0.08 and 0.2

@@ -1,20 +1,33 @@
-"""What `run` prints and writes, number by number: recomputed from a recorded motion by plain numpy, units and clocks by hand."""
+"""What the commands print and write, number by number: by plain numpy from a recorded motion, closed forms, by hand."""
 
 import io
 import json
 import math
+import re
 import tomllib
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 import xarray
 
 import slipwave
+import slipwave as sw
 from slipwave.observe.statistics import margin_of_mean
+from tests.one_port_by_hand import pair_impedance
+from validation.branches import SPECIAL_KINDS
+from validation.branches.branch import FollowedBranch
+from validation.branches.curve import Curve
+from validation.branches.parameter import Over
+from validation.branches.points import BranchPoint, CurvePoint
 from validation.cli import main
+from validation.registry.choice import families
+from validation.results.bench import BenchResult
+from validation.results.branch import BranchOptions, BranchResult
+from validation.results.curve import CurveOptions, CurveResult
 
 UNTIL = 4000.0
 THICKNESS = 0.0805
@@ -139,3 +152,245 @@ def test_scenes_are_listed_with_their_own_titles(capsys):
     wanted = {path.stem: tomllib.loads(path.read_text())["title"] for path in folder.glob("*.toml")}
     lines = capsys.readouterr().out.splitlines()
     assert {line.split()[0]: line.split(maxsplit=1)[1] for line in lines} == wanted
+
+
+A, B, EPSILON, V = 0.0349, 0.0489, 2.8e-5, 100.0
+
+
+def test_stability_of_unlike_slabs_in_its_table(answer, printed):
+    """The table's roots are the JSON's, in cycles per round trip of the upper slab beside them."""
+    found = answer("stability", "unlike")
+    chosen = slipwave.read("unlike")
+    for real, im in found["leading_roots"]:
+        s = complex(real, im)
+        friction = (A / V * s + (A - B)) / (s + V)
+        assert abs(friction + pair_impedance(chosen, s)) < 1e-8 * abs(friction)
+    lines = printed("stability", "unlike").splitlines()
+    rows = [line.split() for line in lines[lines.index(next(line for line in lines if "leading roots" in line)) + 1 :]]
+    upper_half = [root for root in found["leading_roots"] if root[1] >= 0.0]
+    assert len(rows) == len(upper_half)
+    for row, (real, im) in zip(rows, upper_half, strict=True):
+        assert [float(row[0]), float(row[1])] == pytest.approx([real, im], rel=1e-6)
+        assert float(row[-1]) == pytest.approx(im * 0.00244 / (2.0 * math.pi), rel=1e-5)
+    critical = {line.split("  ")[0]: line.split() for line in lines if line.startswith("critical")}
+    assert float(critical["critical frequency omega_c [V*/L]"][4]) == pytest.approx(found["omega_c"], rel=1e-10)
+
+
+COMPARE = ["--until", "4000", "--cells", "24"]
+
+
+def test_compare_gives_every_models_own_run_and_its_signed_errors(answer, tmp_path):
+    """Errors are (ours - reference)/reference."""
+    found = answer("compare", "paper", "--models", "fd,delay,kelvin-voigt", *COMPARE, "--out", str(tmp_path / "three.png"))
+    rows = {row["model"]: row for row in found["models"]}
+    assert (found["reference"], found["until"], list(rows)) == ("delay", 4000.0, ["fd", "delay", "kelvin-voigt"])
+    reference = answer("run", "paper", "--model", "delay", "--until", "4000")
+    for model, row in rows.items():
+        alone = answer("run", "paper", "--model", model, "--until", "4000", *(["--cells", "24"] if model == "fd" else []))
+        for key in ("events", "period", "stress_drop", "elastic_stress_drop", "v_max", "v_min", "failures"):
+            assert row[key] == alone[key], (model, key)
+        for key in ("period", "stress_drop"):
+            theirs = reference[key]["mean"]
+            assert row["error"][key] == pytest.approx((alone[key]["mean"] - theirs) / theirs, rel=1e-9, abs=1e-15)
+    assert rows["kelvin-voigt"]["error"]["period"] == pytest.approx(70.7323 / 73.4721 - 1.0, abs=2e-5)
+
+
+def test_bench_errors_are_those_of_the_runs_it_timed(answer, monkeypatch):
+    """|T/T_reference - 1| of each setting, of one cheap family and the delay system; runs made again here."""
+    from validation.registry.choice import families
+
+    chosen = [family for family in families() if family.name in ("delay", "fd")]
+    monkeypatch.setattr("validation.results.bench.honouring", lambda _: chosen)
+    found = answer("bench", "paper", "--until", "2000")
+    tight = answer("run", "paper", "--until", "2000", "--model", "delay", "--tol", "1e-11")
+    assert found["reference"] == "delay"
+    options = {"cells": "--cells", "tolerance": "--tol"}
+    for row in found["models"]:
+        setting = [word for name, value in row["setting"].items() for word in (options[name], str(value))]
+        alone = answer("run", "paper", "--until", "2000", "--model", row["model"], *setting)
+        for key in ("period", "stress_drop"):
+            wanted = abs(alone[key]["mean"] - tight[key]["mean"]) / tight[key]["mean"]
+            assert row["error"][key] == pytest.approx(wanted, rel=1e-6, abs=1e-14)
+        assert row["failures"] == 0
+    errors = [row["error"]["period"] for row in found["models"] if row["model"] == "fd"]
+    assert errors[0] / errors[-1] > 10.0
+
+
+PAPER = sw.read("paper")
+
+
+def table(lines, heading):
+    """The rows below the line that begins with these words; cells are two blanks or more apart."""
+    (end,) = [k for k, line in enumerate(lines) if line.split()[: len(heading[0].split())] == heading[0].split()]
+    assert re.split(r"\s{2,}", lines[end].strip()) == heading
+    cells = [re.split(r"\s{2,}", line.strip()) for line in lines[end + 1 : lines.index("", end)]]
+    return [dict(zip(heading, row, strict=True)) for row in cells]
+
+
+def test_a_curve_of_special_points():
+    over, second = (Over(PAPER, name, -3.0, 200.0, lambda value: PAPER) for name in ("log10_r", "V"))
+    values = (-2.12345678987, 101.512345678, 59.123456789123, 0.123456789123, 0.25, 900.0, 20.0, 3.4567e-9, 1, 0, -0.5, 0.75)
+    found = CurveResult(Curve("NS", over, second, "delay", 1e-6, points=[CurvePoint(*values)] * 2), CurveOptions(), 0.25)
+    lines = "\n".join(found.lines({})).splitlines()
+    assert f"model delay: NS {SPECIAL_KINDS['NS']}, 2 points" in lines
+    rows = table(lines, ["log10_r", "V", "period", "stress drop", "bracket", "multiplier"])
+    told = {"log10_r": "-2.1234567899", "V": "101.51235", "period": "59.1234568", "stress drop": "0.1234568"}
+    assert rows == [told | {"bracket": "3.5e-09", "multiplier": "-0.500000 +- 0.750000 i"}] * 2
+
+
+def test_run_time_against_error():
+    def row(model, setting, errors):
+        error = dict(zip(("period", "stress_drop"), errors, strict=True))
+        return {"model": model, "setting": setting, "wall_s": 0.512345, "error": error, "verdict": "periodic"}
+
+    rows = [row("fd", {"cells": 64}, (1.23456e-3, 2.34567e-3)), row("delay", {"tolerance": 1e-7}, (3e-7, 4e-7))]
+    apart = {
+        "verdict": "torus",
+        "difference": {"period": 0.02, "stress_drop": -0.3},
+        "margin": {"period": 1e-3, "stress_drop": 0.1},
+    }
+    rows.append(row("block8", {}, (None, None)) | apart)  # type: ignore[arg-type]
+    summary = {"models": rows, "until": 200.0, "reference": "delay", "conclusion": "a conclusion"}
+    lines = "\n".join(BenchResult.lines(Mock(), summary)).splitlines()
+    assert table(lines, ["model", "setting", "wall s", "error T", "error drop"]) == [
+        {"model": "fd", "setting": "cells 64", "wall s": "0.512", "error T": "0.00123", "error drop": "0.00235"},
+        {"model": "delay", "setting": "tolerance 1e-07", "wall s": "0.512", "error T": "3e-07", "error drop": "4e-07"},
+        {"model": "block8", "setting": "-", "wall s": "0.512", "error T": "0.0200 +- 0.0010", "error drop": "-0.30 +- 0.10"},
+    ]
+    assert lines[-3] == "200 transits; relative errors of the second half's mean against delay (tight)"
+    assert lines[-1] == "a conclusion"
+
+
+def test_stability_in_si(printed):
+    found = sw.stability("paper-si")
+    si = found.summary["si"]
+    rows = [re.split(r"\s{2,}", line.strip()) for line in printed("stability", "paper-si").splitlines()]
+    told = {
+        row[0]: [float(text.removeprefix("scene ")) for text in row[1:]]
+        for row in rows
+        if row[0].endswith(("[m]", "[Pa]", "[s]", "[Hz]"))
+    }
+    assert told == {
+        "critical thickness [m]": pytest.approx([si["critical_thickness_m"], 0.03357797353158276], rel=1e-8),
+        "critical normal stress [Pa]": pytest.approx([si["critical_normal_stress_Pa"], 1e3], rel=1e-8),
+        "growth time of the leading root [s]": pytest.approx([si["growth_time_s"]], rel=1e-8),
+        "frequency of the leading root [Hz]": pytest.approx([si["frequency_Hz"]], rel=1e-8),
+    }
+    root = complex(*found.summary["leading_roots"][0])
+    assert (si["growth_time_s"], si["frequency_Hz"]) == pytest.approx(
+        (0.9 / root.real, abs(root.imag) / (2.0 * 3.141592653589793 * 0.9)), rel=1e-12
+    )
+
+
+RANGES = Over(PAPER, "log10_r", -2.8, -2.6, lambda value: PAPER), Over(PAPER, "V", 90.0, 120.0, lambda value: PAPER)
+
+
+def values(axes):
+    """x and y of every line of a panel."""
+    return [(np.asarray(line.get_xdata()).tolist(), np.asarray(line.get_ydata()).tolist()) for line in axes.get_lines()]
+
+
+def test_every_root_of_steady_sliding_lies_in_the_plane_where_the_json_has_it():
+    found = sw.stability("unlike")
+    real, imaginary = (list(part) for part in zip(*found.summary["leading_roots"], strict=True))
+    assert max(np.abs(np.subtract(np.abs(real), np.abs(imaginary)))) > 1.0
+    assert found.dataset["root_real"].values.tolist() == real
+    assert found.dataset["root_imaginary"].values.tolist() == imaginary
+    assert values(found.plot().axes[0])[0] == (real, imaginary)
+    for name in ("omega_c", "log10_r_c", "epsilon_c"):
+        assert float(found.dataset[name]) == found.summary[name]
+
+
+def test_the_ranges_of_the_motion_are_drawn_in_both_units():
+    """Each step of the reduction has an interval of its own or shares it."""
+    found = sw.run("paper-si", "block8", until=100, interface=True, **{"drive.velocity": 2000})
+    above, below = found.plot().axes
+    data = found.dataset
+    for axes, name in ((above, "interface_stress"), (below, "interface_slip_rate")):
+        (time, low), (_, high) = values(axes)
+        assert (time[-1], low[-1], high[-1]) == (100.0, data[name].values[-1], data[name].values[-1])
+        assert (min(low), max(high)) == (data[name].values.min(), data[name].values.max())
+        assert np.interp(data["time"].values, time, low) == pytest.approx(data[name].values, rel=0.1)
+    above.figure.savefig(io.BytesIO())  # second axes take their limits when they are drawn
+    transit = 9e-7 / 1e-6 * found.done.solver.scene.transit
+    sizes = (above.child_axes[0].get_xlim, above.get_xlim, transit), (above.child_axes[1].get_ylim, above.get_ylim, 1000.0)
+    for second, own, size in (*sizes, (below.child_axes[0].get_ylim, below.get_ylim, 1e-6)):
+        assert second() == pytest.approx([limit * size for limit in own()], rel=1e-12)
+
+
+def assert_table(found, rows):
+    """The dataset has what the rows have, by their dotted keys; NaN where these have nothing."""
+    for number, row in enumerate(rows):
+        for name, value in leaves(row).items():
+            mine = found.dataset[name].values[number]
+            assert mine == value if value is not None else np.isnan(mine), name
+
+
+def leaves(row, above=""):
+    flat = {}
+    for key, value in row.items():
+        flat |= leaves(value, f"{above}{key}_") if isinstance(value, dict) else {f"{above}{key}": value}
+    return flat
+
+
+def test_what_a_model_does_not_have_is_missing_in_the_table_of_compare():
+    found = sw.compare("paper", ["delay", "quasidynamic"], until=200, **{"drive.velocity": 2000, "slab.r": 2.2e-3})
+    rows = found.summary["models"]
+    assert [row["error"]["period"] for row in rows] == [0.0, None]
+    assert_table(found, rows)
+    notes = {name: found.dataset[name].attrs for name in ("period_std", "error_period", "wall_s", "model")}
+    assert notes == {
+        "period_std": {"long_name": "period standard deviation; time to the next event", "units": "1", "in_units_of": "transit"},
+        "error_period": {"long_name": "relative error of period", "units": "1"},
+        "wall_s": {"long_name": "run time in seconds", "units": "s"},
+        "model": {"long_name": "model"},
+    }
+
+
+def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypatch):
+    chosen = [family for family in families() if family.name in ("block8", "kelvin-voigt", "delay")]
+    monkeypatch.setattr("validation.results.bench.honouring", lambda _: chosen)
+    found = sw.bench("paper", until=200, **{"drive.velocity": 2000})
+    rows = found.summary["models"]
+    assert_table(found, rows)
+    wanted = {
+        model: (
+            [row["wall_s"] for row in rows if row["model"] == model],
+            [row["error"]["period"] for row in rows if row["model"] == model],
+        )
+        for model in ("block8", "kelvin-voigt", "delay")
+    }
+    axes = found.plot().axes[0]
+    assert dict(zip([line.get_label() for line in axes.get_lines()], values(axes), strict=True)) == wanted
+    assert all(row["error"]["period"] != row["error"]["stress_drop"] for row in rows)
+
+
+@pytest.mark.filterwarnings("error")
+def orbits(count):
+    """Parameter, period, both drops and extreme rates, all different."""
+    rows = np.array([[-2.7, 50.0, 0.1, 0.2, 900.0, 20.0]]) * (1.0 + 0.01 * np.arange(count)[:, None])
+    return [tuple(row) for row in rows.tolist()]
+
+
+def test_a_branch_shows_its_figures_and_where_stability_is_not_decided():
+    decided = (True, False, None)
+    points = [BranchPoint(*row, unstable, stable) for row, unstable, stable in zip(orbits(3), (0, 1, 0), decided, strict=True)]
+    found = BranchResult(FollowedBranch(RANGES[0], "delay", 1e-6, points=points), BranchOptions(), 1.0)
+    assert found.dataset["point_stable"].values.tolist() == [1, 0, -1]
+    assert [point["stable"] for point in found.summary["points"]] == list(decided)
+    names = ("period", "stress_drop", "elastic_stress_drop")
+    for axes, name in zip(found.plot().axes, names, strict=True):
+        drawn = [line for line in values(axes) if line[0]]
+        assert drawn == [([point.value], [getattr(point, name)]) for point in points]
+        assert found.dataset[f"point_{name}"].values.tolist() == [getattr(point, name) for point in points]
+
+
+def test_a_curve_has_both_parameters_and_the_period_in_their_places():
+    points = [CurvePoint(row[0], 100.0 + k, *row[1:], 1e-9, 1, 0, 0.6, 0.8) for k, row in enumerate(orbits(3))]
+    found = CurveResult(Curve("NS", *RANGES, "delay", 1e-6, points=points), CurveOptions(), 1.0)
+    first, second, period = ([getattr(point, name) for point in points] for name in ("first", "second", "period"))
+    left, right = found.plot().axes
+    assert (values(left), values(right)) == ([(first, second)], [(period, second)])
+    assert (left.get_xlabel(), left.get_ylabel()) == ("log10_r", "V")
+    for name, wanted in (("log10_r", first), ("V", second), ("period", period), ("multiplier_im", [0.8] * 3)):
+        assert found.dataset[name].values.tolist() == wanted

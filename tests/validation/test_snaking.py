@@ -1,11 +1,21 @@
-"""The snake of the delay system's orbits: its verdicts from both sides, and the multiplier that a run shows."""
+"""Studies of branches, snake, curves, doubling: their verdicts from both sides."""
 
+import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from validation.studies.snaking import measured as verdicts
+from slipwave.observe.statistics import Estimate
+from validation.branches.points import BranchPoint, CurvePoint
+from validation.studies import special_curves
+from validation.studies.bifurcation import measured as claims
+from validation.studies.bifurcation import structure_table
+from validation.studies.period_doubling import bubble_table
+from validation.studies.period_doubling import measured as doubling
+from validation.studies.period_doubling.measured import Bubble, doubled, end
+from validation.studies.snaking import measured as snake
 from validation.studies.snaking.measured import (
     Attractor,
     Run,
@@ -16,8 +26,9 @@ from validation.studies.snaking.measured import (
     passages,
     sides,
 )
+from validation.study import Outcome
 from validation.study.memo import own_orbit
-from validation.study.over_r import branch_of, scene_at
+from validation.study.over_r import branch_of, parts, scene_at, unaccounted
 
 
 def run(periods, settled=True):
@@ -50,7 +61,7 @@ def test_the_multiplier_of_a_spiral(multiplier):
     ],
 )
 def test_a_run_and_the_orbit_it_settles_on(period, multiplier, settled, outcomes):
-    found = verdicts.settles(run(spiral(0.5 + 0.6j), settled), orbit(period, multiplier))
+    found = snake.settles(run(spiral(0.5 + 0.6j), settled), orbit(period, multiplier))
     assert [verdict.outcome for verdict in found] == outcomes
 
 
@@ -59,7 +70,7 @@ def test_a_run_and_the_orbit_it_settles_on(period, multiplier, settled, outcomes
     [([77.9, 78.1], False, "pass"), ([77.9, 78.1], True, "fail"), ([78.01, 78.1], False, "fail"), ([78.0, 78.0], False, "fail")],
 )
 def test_a_run_beyond_the_torus_point_stays_around_the_orbit(periods, settled, outcome):
-    assert verdicts.wanders(run(periods, settled), orbit(78.0)).outcome == outcome
+    assert snake.wanders(run(periods, settled), orbit(78.0)).outcome == outcome
 
 
 @pytest.mark.parametrize("multiplier", [-1.003, 0.4, 0.5 + 0.9j])
@@ -80,38 +91,41 @@ def test_a_run_beside_a_special_point_shows_the_multiplier_that_passes():
     assert beyond.seen == pytest.approx(beyond.orbit, abs=1e-6)
 
 
-def special(kind, log10_r, period):
+def special_point(kind, log10_r, period):
     closed = SimpleNamespace(cycle=SimpleNamespace(period=period), flow=SimpleNamespace(size=49))
     return SimpleNamespace(kind=kind, point=SimpleNamespace(parameter=log10_r, closed=closed))
 
 
 def branch(*found):
     folds = [one for one in found if one.kind == "LP"]
-    return SimpleNamespace(special=found, points=(special("", -2.6, 80.0).point,), of_kind=lambda kind: folds)
+    return SimpleNamespace(special=found, points=(special_point("", -2.6, 80.0).point,), of_kind=lambda kind: folds)
 
 
-FOLDS = [special("LP", -2.7, 59.0), *(special("LP", -2.7, turn + shift) for turn in (74.0, 75.0, 75.98) for shift in (0.0, 0.3))]
+FOLDS = [
+    special_point("LP", -2.7, 59.0),
+    *(special_point("LP", -2.7, turn + shift) for turn in (74.0, 75.0, 75.98) for shift in (0.0, 0.3)),
+]
 
 
 @pytest.mark.parametrize(
     ("found", "finer", "outcomes"),
     [
         (FOLDS, FOLDS, ["pass", "pass"]),
-        (FOLDS, [*FOLDS[:-1], special("LP", -2.7 + 2e-8, 76.28)], ["fail", "pass"]),
+        (FOLDS, [*FOLDS[:-1], special_point("LP", -2.7 + 2e-8, 76.28)], ["fail", "pass"]),
         (FOLDS, FOLDS[:-1], ["pass", "fail"]),
         (FOLDS[:-1], FOLDS, ["pass", "fail"]),
     ],
 )
 def test_two_meshes_must_find_the_same_points(found, finer, outcomes):
-    told = verdicts.branch_claims(branch(*found), branch(*finer))
+    told = snake.branch_claims(branch(*found), branch(*finer))
     assert [next(told).outcome, next(told).outcome] == outcomes
 
 
 @pytest.mark.parametrize(("growth", "outcome"), [(0.98, "pass"), (1.15, "pass"), (1.25, "fail"), (0.75, "fail")])
 def test_a_pair_of_folds_for_each_transit(growth, outcome):
-    turns = [special("LP", -2.7, period) for turn in (74.0, 75.0, 75.0 + growth) for period in (turn, turn + 0.3)]
-    both = branch(special("LP", -2.7, 59.0), *turns)
-    assert list(verdicts.branch_claims(both, both))[2].outcome == outcome
+    turns = [special_point("LP", -2.7, period) for turn in (74.0, 75.0, 75.0 + growth) for period in (turn, turn + 0.3)]
+    both = branch(special_point("LP", -2.7, 59.0), *turns)
+    assert list(snake.branch_claims(both, both))[2].outcome == outcome
 
 
 @pytest.fixture(scope="module")
@@ -145,7 +159,7 @@ def attracted(last, period, settled=True, log10_r=-2.66):
     ],
 )
 def test_two_orbits_must_attract_runs_at_one_r(second, outcomes):
-    assert [verdict.outcome for verdict in verdicts.coexisting([attracted(77.0, 77.0), second])] == outcomes
+    assert [verdict.outcome for verdict in snake.coexisting([attracted(77.0, 77.0), second])] == outcomes
 
 
 def test_a_run_is_compared_with_the_nearest_stable_orbit(monkeypatch):
@@ -163,3 +177,200 @@ def test_passages_of_a_level():
     assert (np.diff(np.sign(pulses + ripples - 1.0)) > 0).sum() > 4
     assert found == pytest.approx(40.0 - np.sqrt(20.0 * np.log(2.0)) + 80.0 * np.arange(4), abs=1.5)
     assert np.diff(found) == pytest.approx([80.0] * 3, abs=1e-6)
+
+
+def special(kind, log10_r, before=0, after=1):
+    return SimpleNamespace(kind=kind, point=point(log10_r, after), unstable_before=before, unstable_after=after)
+
+
+def point(log10_r, unstable):
+    return SimpleNamespace(parameter=log10_r, unstable=unstable)
+
+
+def made(model, *found, points=()):
+    """A branch of given special points."""
+    return SimpleNamespace(
+        model=model,
+        onset=SimpleNamespace(parameter=-2.7),
+        points=points or tuple(one.point for one in found),
+        special=found,
+        of_kind=lambda *kinds: [one for one in found if one.kind in kinds],
+    )
+
+
+def test_the_index_counts_what_no_point_explains():
+    fold, torus = special("LP", -2.71, 1, 0), special("NS", -2.6, 0, 2)
+    whole = (point(-2.7, 1), fold.point, point(-2.65, 0), torus.point, point(-2.5, 2))
+    assert unaccounted(made("delay", fold, torus, points=whole)) == 0
+    assert claims.index([made("delay", fold, torus, points=whole)]).outcome is Outcome.PASS
+    missed = (*whole[:2], point(-2.65, 1), *whole[3:])
+    assert unaccounted(made("delay", fold, torus, points=missed)) == 1
+    assert claims.index([made("delay", fold, torus, points=missed)]).outcome is Outcome.FAIL
+    wrong = special("PD", -2.6, 0, 2)
+    assert unaccounted(made("delay", wrong, points=(point(-2.7, 0), wrong.point))) == 1
+
+
+@pytest.mark.parametrize(
+    ("first", "outcome"),
+    [
+        (special("LP", -2.7007, 1, 0), "pass"),
+        (special("LP", -2.6993, 1, 0), "finding"),
+        (special("LP", -2.7007, 2, 1), "finding"),
+        (special("PD", -2.7007, 1, 0), "finding"),
+    ],
+)
+def test_p8_needs_a_fold_below_the_onset_that_gives_stability(first, outcome):
+    fold = special("LP", -2.7007, 1, 0)
+    assert claims.mildly_subcritical(made("delay", fold), made("kelvin-voigt", first)).outcome == outcome
+
+
+@pytest.mark.parametrize(
+    ("kinds", "torus", "outcomes"),
+    [
+        ("LP PD PD LP LP PD PD LP LP PD PD NS", -2.4682, ["pass", "pass"]),
+        ("LP PD PD LP LP PD PD LP LP PD PD NS", -2.469, ["pass", "finding"]),
+        ("LP PD PD LP LP PD PD NS", -2.468, ["finding", "pass"]),
+    ],
+)
+def test_p9_needs_the_order_of_the_points_and_the_place_of_the_torus(kinds, torus, outcomes):
+    ode = made("kelvin-voigt", *(special(kind, torus if kind == "NS" else -2.5) for kind in kinds.split()))
+    assert [verdict.outcome for verdict in claims.bubbles(ode)] == outcomes
+
+
+def test_p14_compares_what_takes_stability_first():
+    doubling, torus = special("PD", -2.6, 0, 1), special("NS", -2.65, 0, 2)
+    ode = made("kelvin-voigt", doubling, torus)
+    assert claims.unlike(made("delay", torus, doubling), ode).outcome is Outcome.FINDING
+    assert claims.unlike(made("delay", doubling, torus), ode).outcome is Outcome.PASS
+
+
+def test_parts_share_their_ends():
+    corners = [BranchPoint(float(n), *[0.0] * 5, unstable, None) for n, unstable in enumerate((1, 1, 0, 0, 2, 1))]
+    assert [(stable, [corner.value for corner in part]) for stable, part in parts(corners)] == [
+        (False, [0.0, 1.0, 2.0]),
+        (True, [2.0, 3.0, 4.0]),
+        (False, [4.0, 5.0]),
+    ]
+
+
+def test_coexisting_orbits_are_all_found():
+    branch = branch_of("kelvin-voigt", -2.3, 61.0)
+    periods = [orbit.cycle.period for orbit in branch.orbits_at(-2.7)]
+    assert periods == pytest.approx([55.082257, 60.584973], abs=1e-5)
+    assert branch.orbits_at(-2.69) == []
+    shifted = replace(branch, onset=branch.onset._replace(parameter=branch.onset.parameter + 1e-8))
+    assert [claims.published(one).outcome for one in (branch, shifted)] == [Outcome.PASS, Outcome.FAIL]
+
+
+def test_how_much_of_the_structure_a_model_has():
+    delay = made("delay", special("LP", -2.7002), special("LP", -2.66), special("NS", -2.65))
+    ode = made("kelvin-voigt", special("LP", -2.7001), special("PD", -2.6))
+    rows = {str(row[0]): row[1:] for row in structure_table(delay, [ode]).rows}
+    assert (rows["Hopf point"], rows["fold 1"]) == ((-2.7, 0.0), (-2.7002, pytest.approx(1e-4)))
+    assert (rows["fold 2"], rows["torus point 1"]) == ((-2.66, None), (-2.65, None))
+    assert rows["period doubling 1"] == (None, None)
+
+
+@pytest.mark.parametrize(("last", "outcome"), [(-2.7002 - 1e-7, "pass"), (-2.7002 - 9e-7, "fail")])
+def test_modes_converge(last, outcome):
+    delay, *modal = (made(f"modal:{n}", special("LP", place)) for n, place in enumerate((-2.7002, -2.7002 + 1e-6, last)))
+    assert claims.modes_converge(delay, modal).outcome == outcome
+
+
+def curve_point(log10_r=-2.7002517, log10_v=2.0):
+    return CurvePoint(log10_r, log10_v, 59.1, 0.09, 0.09, 900.0, 20.0, 1e-12, 1, 0, 1.0, 0.0)
+
+
+SHARE = math.log10(1.001)
+KNOWN = -2.7002517033
+
+
+@pytest.mark.parametrize(
+    ("here", "shift", "beside", "outcomes"),
+    [
+        (KNOWN, 5e-11, KNOWN, "pass pass pass"),
+        (KNOWN, 2e-10, KNOWN, "fail pass pass"),
+        (-2.70025169, 0.0, KNOWN, "pass fail pass"),
+        (KNOWN, 0.0, -2.6993, "pass pass finding"),
+        (KNOWN, 0.0, -2.7045, "pass pass finding"),
+    ],
+)
+def test_products_the_known_fold_and_p8(here, shift, beside, outcomes):
+    """V larger and r smaller by a thousandth are one fold. At V = 100 the Hopf curve_point lies at -2.6995497; one per cent of r
+    is 0.0044."""
+    end = curve_point(KNOWN - SHARE, 2.0 + SHARE)
+    folds = {
+        ("delay", "LP"): [curve_point(here), end],
+        ("kelvin-voigt", "LP"): [curve_point(beside)],
+        ("delay", "NS"): [curve_point(-2.6)],
+    }
+    assert [verdict.outcome for verdict in special_curves.verdicts(folds, KNOWN + shift)] == outcomes.split()
+
+
+@pytest.fixture(scope="module")
+def found():
+    return doubled()
+
+
+def test_the_doubled_orbit(found):
+    assert found.double.orbit.period.value == pytest.approx(158.1976822682, abs=1e-8)
+    assert found.double.multipliers.stable is True
+    assert found.single.multipliers.stable is False
+    assert all(left.parameter < right.parameter for left, right in zip(found.bubble, found.bubble[1:], strict=False))
+    assert {point.unstable for point in found.bubble} == {0}
+
+
+def longer(orbit, share):
+    period = orbit.orbit.period.value * (1.0 + share)
+    return replace(orbit, orbit=replace(orbit.orbit, period=Estimate(period, 0.0)))
+
+
+def changes(found):
+    stable = replace(found.single, multipliers=found.double.multipliers)
+    return {
+        "none": found,
+        "period": found._replace(single=longer(found.single, 1e-6)),
+        "digits": found._replace(single=longer(found.single, 1e-4)),
+        "unstable": found._replace(double=replace(found.double, multipliers=found.single.multipliers)),
+        "stable": found._replace(single=stable),
+        "run": found._replace(last_two=found.last_two * (1.0 + 2e-10)),
+        "short": found._replace(bubble=found.bubble[4:]),
+        "open": found._replace(special=found.special[:1]),
+    }
+
+
+@pytest.mark.parametrize(
+    ("change", "outcomes"),
+    [
+        ("none", "pass pass pass pass pass"),
+        ("period", "fail pass pass pass pass"),
+        ("digits", "fail pass finding pass pass"),
+        ("unstable", "pass pass finding pass pass"),
+        ("stable", "pass pass finding pass pass"),
+        ("run", "pass fail pass pass pass"),
+        ("short", "pass pass pass pass fail"),
+        ("open", "pass pass pass pass fail"),
+    ],
+)
+def test_p10_the_run_and_the_bubble_from_both_sides(found, change, outcomes):
+    """P10 needs an unstable orbit beside a stable one; each end of the bubble is at a doubling."""
+    assert [verdict.outcome for verdict in doubling.all_verdicts(changes(found)[change])] == outcomes.split()
+
+
+def test_the_doubled_orbit_has_two_peaks(found):
+    """Those of the cycles of a run; an orbit taken twice has no two different ones, half of it no second one."""
+    assert doubling.peaks(found.double) == pytest.approx((6572.745068, 6472.864768), rel=1e-5)
+    half = doubling.twice_but_not_the_same(found._replace(double=found.single))
+    assert (half.outcome, half.ours.endswith("in 1.000000 T")) == (Outcome.FINDING, True)
+
+
+def test_the_end_of_a_line():
+    near, nearest = (SimpleNamespace(parameter=r, multipliers=[complex(m)]) for r, m in ((-2.5, 0.9), (-2.4, 0.95)))
+    assert end(near, nearest) == pytest.approx(-2.3)
+
+
+@pytest.mark.parametrize(("multiplier", "outcome"), [(-1.02, "pass"), (-0.98, "pass"), (-1.05, "fail"), (0.3, "fail")])
+def test_a_bubble_must_end_at_a_doubling(multiplier, outcome):
+    one = Bubble(-2.57, -2.54, multiplier, [], [("PD", -2.56), ("LP", -2.55), ("PD", -2.545)])
+    assert doubling.ends_simple(one).outcome == outcome
+    assert bubble_table([one]).rows[0][2:] == ("−2.5600000, −2.5450000", "−2.5500000")

@@ -1,17 +1,35 @@
-"""The registered studies: their shape, their verdicts, and that a wrong number makes a verdict fail."""
+"""The registered studies, those of one verdict or two, and their measurements."""
 
+import math
+from dataclasses import replace
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from counterfeit import PLACES
-from shown import quick
+from shown import quick, too_roomy
 from test_quick_studies import held
 
 import slipwave
 from slipwave.input.source import gallery_names
+from slipwave.observe.statistics import Estimate
+from validation.measure.order_fit import fit_order
 from validation.report.build import make_report
-from validation.studies import STUDIES, scene_facts, study_called
+from validation.studies import STUDIES, energy, scene_facts, slip_event, stability_attacks, study_called
+from validation.studies.energy.ledgers import LADDERS, ORDERS, history_of, ledger_order, residual_of
+from validation.studies.error_laws import MODELS, CycleErrors, _cycle_verdict, _onset_verdicts, measure_cycle, measure_onsets
+from validation.studies.partial_reflection.measured import Pair, Point, agreement, dies, keeps, locking_leak, locks
+from validation.studies.period_against_delay import measured
+from validation.studies.period_against_delay.law import period_of
+from validation.studies.period_against_delay.measured import Periods
+from validation.studies.stability_attacks.limits import _largest, stops_beyond
+from validation.studies.stability_attacks.runs import ATTACKS, AttackOutcome, Cure, advised, attack, locked_noise
+from validation.studies.stability_attacks.runs import CELLS as ATTACKED
+from validation.studies.unlike_slabs import cost_verdicts
 from validation.study import Outcome
+from validation.study import Outcome as Light
+from validation.study.drawing import styled
+from validation.study.memo import Means
 from validation.timing import Setting, TimedRun, cheapest, time_final, time_run
 
 
@@ -86,3 +104,336 @@ def test_a_report_of_one_study_is_whole(tmp_path):
     html = make_report(tmp_path, quick=True, only=["scene-facts"]).read_text()
     assert html.count('class="study"') == 1
     assert "did not finish" not in html
+
+
+def test_study_draws():
+    result = held("slip-event")
+    assert "slips at up to 4,412 V*, stays above 10 V for 1.7 transits and falls below V 1.03 transits" in result.answer
+    with styled():
+        velocity, *_ = result.figures[0].draw().axes
+    assert velocity.get_xlim() == (-5.0, 7.0)
+    assert np.abs(velocity.collections[0].get_array()).max() == pytest.approx(2206.0, rel=1e-3)  # half the slip rate, in V*
+
+
+def test_characteristics_notice_a_wrong_wave_speed():
+    field = slip_event._record(8).field
+    stretched = replace(field, upper=replace(field.upper, depth=1.05 * field.upper.depth))
+    assert slip_event.characteristics(field) < 1e-3
+    assert slip_event.characteristics(stretched) > 1e-2
+
+
+@pytest.fixture(scope="module")
+def event():
+    return slip_event._record(8)
+
+
+def test_an_event_that_never_ends_is_red(event):
+    fast = replace(event.field.upper, velocity=np.full_like(event.field.upper.velocity, 1e3))
+    endless = replace(event, field=replace(event.field, upper=fast))
+    assert list(slip_event._verdicts(endless, 0.0))[-1].outcome is Outcome.FAIL
+
+
+CELLS = np.array([8, 12, 16, 24, 32, 48])
+
+
+def test_leapfrog_closes_to_rounding_and_others_at_their_order():
+    assert residual_of("fd", 12) < 1e-13
+    found = ledger_order("dg:1", np.array([residual_of("dg:1", n) for n in LADDERS["dg:1"][:4]]))
+    assert found.order == pytest.approx(3.0, abs=0.02)
+    assert ORDERS == {"sbp:2": 4.0, "fem:1": 4.0, "fem:2": 4.0, "dg:1": 3.0, "dg:2": 5.0}
+
+
+@pytest.mark.parametrize(("name", "lost"), [("rigid faces", ()), ("grips", ("radiated",)), ("viscous", ("viscous",))])
+def test_history_shows_the_losses_a_scene_has(name, lost):
+    history = history_of(name, 2)
+    balance = history.total("input") - sum(history.total(entry) for entry in ("friction", "stored", "radiated", "viscous"))
+    assert abs(balance) < 1e-6 * history.total("input")
+    assert {entry for entry in ("radiated", "viscous") if history.total(entry) > 0.0} == set(lost)
+
+
+@pytest.mark.parametrize(
+    ("residual", "off", "red"), [(0.9e-13, 0.09, 0), (3e-13, -0.09, 1), (np.nan, 0.0, 1), (0.0, 0.3, 1), (0.0, -0.3, 1)]
+)
+def test_ledgers_are_judged_on_both_sides(residual, off, red):
+    orders = {"dg:2": fit_order(CELLS, 1e-6 * (CELLS / 8.0) ** -(5.0 + off), 1e-9)}
+    verdicts = [*energy.ladder_verdicts(np.array([1e-15, residual]), orders)]
+    assert [verdict.outcome for verdict in verdicts].count(Outcome.FAIL) == red
+
+
+@pytest.mark.parametrize(("share", "red"), [(0.9, 0), (3.0, 3)])
+def test_high_degrees_must_close(share, red):
+    sizes = {"rigid faces": share * 1e-13, "grips": share * 1e-13, "viscous": share * 2e-12}
+    verdicts = [*energy.high_verdicts({"dg:4": dict.fromkeys(sizes, 0.0), "dg:7": sizes})]
+    assert [verdict.outcome for verdict in verdicts].count(Outcome.FAIL) == red
+
+
+@pytest.fixture(scope="module")
+def result():
+    return quick("unlike-slabs")
+
+
+def test_every_agreement_holds(result):
+    agreements = [v for v in result.verdicts if not v.claim.startswith("Cost")]
+    assert [v.claim for v in agreements if v.outcome is not Outcome.PASS] == []
+    assert too_roomy(agreements) == []
+    assert len(agreements) == 5
+
+
+def test_states(result):
+    assert result.numbers["unlike: ψ(600)"].value == pytest.approx(-5.25812015405, abs=2e-11)
+    assert result.numbers["unlike-irrational: ψ(600)"].value == pytest.approx(-3.22732303547, abs=2e-11)
+
+
+def test_cost_verdicts_look_at_ratios():
+    alike = {"alike": 5.0, "commensurate": 10.0, "irrational": 51.0}
+    outcomes = [v.outcome for v in cost_verdicts(dict.fromkeys(("delay", "dg:7", "dg:7, finer", "fd"), alike))]
+    assert np.array_equal(outcomes, [Outcome.PASS, Outcome.FINDING, *[Outcome.PASS] * 3])
+
+
+def test_where_the_interface_locks():
+    assert locking_leak() == pytest.approx(2.0 / 11.0)
+
+
+def test_a_lost_grip_and_a_wrong_end_turn_lights_red():
+    points = [Point(77.0, 0.2, 5000.0), Point()]
+    assert math.isnan(points[1].period)
+    assert keeps((1e-3, 0.1), points).outcome is Outcome.FAIL
+    assert keeps((1e-3, 0.1), points[:1] * 2).outcome is Outcome.PASS
+    edge = 2.0 / 11.0
+    assert locks({0.1: "steady", 0.15: "steady", 0.25: "locks"}, edge).outcome is Outcome.PASS
+    for wrong in ({0.5: "steady"}, {0.1: "locks"}, {0.5: "still decaying"}):
+        assert locks({0.1: "steady", 0.5: "locks"} | wrong, edge).outcome is Outcome.FAIL
+
+
+@pytest.mark.parametrize("figure", range(3))
+@pytest.mark.parametrize(("quick", "limit"), [(True, 5e-9), (False, 5e-10)])
+def test_how_far_the_models_may_differ(figure, quick, limit):
+    def outcome(off):
+        exact = (77.0, 0.2, 5000.0)
+        wave = tuple(value * (1.0 + off * (k == figure)) for k, value in enumerate(exact))
+        return agreement([Pair(1.0, 1.0, Point(*exact), Point(*wave))], quick).outcome
+
+    assert [outcome(0.9 * limit), outcome(-3.0 * limit)] == [Outcome.PASS, Outcome.FAIL]
+
+
+ENDS = ["stick-slip", "stick-slip", "steady"]
+
+
+@pytest.mark.parametrize(
+    ("leaks", "outcome"),
+    [((1e-5, 0.03, 0.045), "pass"), ((1e-5, 0.1, 0.2), "fail"), ((1e-5, 0.005, 0.006), "pass"), ((1e-5, 1e-3, 2e-3), "fail")],
+)
+def test_where_stick_slip_may_die(leaks, outcome):
+    """(1 - R) T between 1/3 and 3, T = 77."""
+    assert dies(leaks, ENDS, 77.0).outcome == outcome
+
+
+def test_stick_slip_that_never_or_always_dies_is_red():
+    assert dies((0.01, 0.02), ["stick-slip"] * 2, 77.0).outcome is Outcome.FAIL
+    assert dies((0.01, 0.02), ["steady"] * 2, 77.0).outcome is Outcome.FAIL
+
+
+@pytest.fixture(scope="module")
+def onsets():
+    return measure_onsets(slipwave.read("paper"))
+
+
+def test_onset_errors_fall_at_the_laws_power(onsets):
+    for model, one in onsets.items():
+        small = abs(one.error) > 1e-11  # below, the error of r_c itself is rounding
+        index = int(small.nonzero()[0][-1])
+        if model != "quasidynamic":
+            assert one.ratio(index) == pytest.approx(1.0, abs=0.01)
+    assert {verdict.outcome for verdict in _onset_verdicts(onsets)} == {Outcome.PASS}
+
+
+def cycles(first, last):
+    return [CycleErrors(theta, 7.0, {"kelvin-voigt": error}) for theta, error in ((0.2, first), (0.1, last))]
+
+
+def test_the_cycles_error_does_not_fall():
+    measured = [measure_cycle(slipwave.read("paper"), scale) for scale in (1.0, 0.5)]
+    assert [one.errors["kelvin-voigt"] for one in measured] == pytest.approx([-0.0318, -0.0292], abs=2e-4)
+    assert _cycle_verdict(measured).outcome is Outcome.FINDING
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_how_far_an_error_may_be_from_its_law(onsets, model, sign):
+    """Half of theta^2, and twice theta for the quasi-dynamic law, at a quarter of the paper's epsilon (theta = 0.0316); and four
+    units of rounding in the ratio of two critical r, 1.3e-3 of the error with eight modes."""
+    one = onsets[model]
+    law = np.array([one.law.at(float(theta)) for theta in one.theta])
+    limit = (0.063 if model == "quasidynamic" else 5e-4) + 8.9e-16 / abs(law[abs(one.theta - 0.0316).argmin()])
+
+    def outcome(off):
+        return next(_onset_verdicts({model: one._replace(error=law * (1.0 + sign * off))})).outcome
+
+    assert [outcome(0.9 * limit), outcome(3.0 * limit)] == [Outcome.PASS, Outcome.FAIL]
+
+
+@pytest.mark.parametrize(("last", "outcome"), [(2.4e-3, "pass"), (2.6e-3, "finding"), (2e-2, "finding")])
+def test_an_error_that_falls_with_theta_must_more_than_halve_beside_it(last, outcome):
+    assert _cycle_verdict(cycles(-1e-2, last)).outcome == outcome
+
+
+@pytest.fixture(scope="module")
+def long_run():
+    return held("period-against-delay")
+
+
+def test_the_long_run_on_the_torus_has_its_known_mean(long_run):
+    """79.3225 (lifted shooting), around the unstable orbit's 79.3126."""
+    mean = next(row for row in long_run.tables[1].rows if row[:2] == ("delay", -2.65))
+    assert abs(mean[2] - 79.3225) < 2.0 * mean[3] < 0.1
+
+
+def periods(ode=70.0, delay=73.0, block=76.0, mean=None, log10_r=-2.68):
+    orbits = {"kelvin-voigt": [ode], "delay": [delay], "block8": [block], "block12": [block + 1.0]}
+    return Periods(log10_r, orbits, {"delay": Means(mean, mean, 50)} if mean else {})
+
+
+@pytest.mark.parametrize(
+    ("changed", "outcome"),
+    [
+        ({}, "pass"),
+        ({"ode": 73.5}, "finding"),
+        ({"block": 72.5}, "finding"),
+        ({"mean": Estimate(74.0, 0.9)}, "pass"),
+        ({"mean": Estimate(74.0, 1.1)}, "finding"),
+        ({"mean": Estimate(71.0, 0.6)}, "finding"),
+    ],
+)
+def test_p7_counts_orbits_and_two_errors_of_means(changed, outcome):
+    assert measured.order([periods(), periods(**changed)]).outcome == outcome
+
+
+@pytest.mark.parametrize(("share", "outcome"), [(0.98, "pass"), (0.97, "fail"), (1.03, "fail")])
+def test_the_law_is_judged_where_slabs_are_thickest(share, outcome):
+    ratios = {model: {-2.5: 0.9, 0.0: share} for model in ("block8", "block12")}
+    assert measured.thick(ratios).outcome == outcome
+
+
+def test_the_law_for_thick_slabs():
+    """Over the slip of an event loading and friction do the same work; the heavier block is slower and has the shorter period."""
+    thick = slipwave.read("paper", {"slab.log10_r": 0.0})
+    period = period_of(thick, "block12")
+    drop = 2.8e-5 * 100.0 * period
+    fastest = 3.0**0.5 * drop / 2.8e-5
+    fall = 0.0349 * math.log(2.8e-3 / 0.0489) + 0.0489 * math.log(period) + 0.014 * math.log(fastest)
+    work = fall * (drop / 2.8e-5 - 0.5 * math.log(period * fastest))
+    assert work == pytest.approx(0.5 * drop * drop / 2.8e-5, rel=1e-10)
+    assert period == pytest.approx(223.1, abs=0.1)
+    assert period_of(thick, "block8") < period
+
+
+STOPPED = AttackOutcome(math.nan, message="too stiff")
+
+
+@pytest.mark.parametrize("model", ATTACKED)
+def test_a_step_past_the_limit_ends_with_a_message(model):
+    assert stops_beyond(model, 1.2)
+    assert not stops_beyond(model, 0.9)
+
+
+@pytest.mark.parametrize("name", ["epsilon 2", "V -6", "impedance", "jump"])
+def test_attacks_end_right_or_with_a_message(name):
+    found = attack(name)
+    assert set(found) == set(ATTACKED)
+    assert not any(outcome.silently_wrong(1e-4) for outcome in found.values())
+
+
+@pytest.mark.parametrize("name", ["V 4", "jump back"])
+def test_late_cycles_are_right(name):
+    assert not any(outcome.silently_wrong(1e-2, 2e-2) for outcome in attack(name, late=True).values())
+
+
+@pytest.mark.parametrize("model", ["sbp:4", "fem:4"])
+def test_cells_that_the_message_asks_for_make_the_run_right(model):
+    advice = advised(model)
+    assert 0 < advice.stopped < advice.cells
+    assert "relaxes at" in advice.message
+    assert "more cells or a smaller cfl" in advice.message
+    assert advice.error < 1e-6
+
+
+@pytest.mark.parametrize("model", ["fd", "sbp:6", "dg:4"])
+def test_noise_gains_no_energy(model):
+    assert 0.0 < locked_noise(model, 200.0) <= 1.0 + 1e-4
+
+
+@pytest.mark.parametrize(("edge", "found"), [(0.7, 0.0), (0.9, 0.9), (1.2, 1.2), (1.6, 1.5)])
+def test_the_search_for_a_limit_says_where_it_ends(edge, found):
+    """Between 0.8 and 1.5 to 1 per cent; beyond, 0 and 1.5."""
+    assert _largest(lambda share: share < edge) == pytest.approx(found, rel=1e-2)
+
+
+CHANGED = {"epsilon": ("slab.epsilon=1e{}", "ε = 10^{{{}}}"), "V": ("drive.velocity=1e{}", "V = 10^{{{}}} V*")}
+
+
+@pytest.mark.parametrize("name", [name for name in ATTACKS if name.split()[0] in CHANGED])
+def test_an_attack_changes_what_its_name_says(name):
+    quantity, power = name.split()
+    changes, title = (text.format(power) for text in CHANGED[quantity])
+    assert (ATTACKS[name].changes, ATTACKS[name].title) == ((changes,), title)
+    assert ATTACKS[name].late == (200.0 if quantity == "V" and int(power) > 4 else 400.0)
+
+
+@pytest.mark.parametrize("name", ATTACKS)
+def test_an_attack_must_end_right_or_with_a_message(name):
+    early, late = ATTACKS[name].right
+
+    def light(outcome):
+        return stability_attacks.attack_verdict(name, {"fd": AttackOutcome(0.0), "dg:4": outcome}, True).outcome
+
+    passing, failing = [AttackOutcome(early, late), STOPPED], [(1.1 * early, 0.0), (0.0, 1.1 * late), (math.nan,)]
+    assert [light(one) for one in passing] == [Light.PASS] * 2
+    assert [light(AttackOutcome(*one)) for one in failing] == [Light.FAIL] * 3
+
+
+RATIOS = {"fd": math.inf, "sbp:2": 2.785, "dg:4": 6.394}
+CURED = Cure(0, "", 4, 1e-9)
+JUDGED = {
+    "limit_verdict": (
+        [{"fd": dict(zip((-4, 0, 8), values, strict=True))} for values in ((1.0, 1.3, 1.039), (0.961, 1.3, 1.0))],
+        [{"fd": dict(zip((-4, 0, 8), values, strict=True))} for values in ((1, 1.3, 1.12), (0.88, 1.3, 1), (1, 0.88, 1))],
+    ),
+    "medium_verdict": (
+        [{"alike": {"fd": (1.0, math.inf), "dg:4": pair}} for pair in ((19.0, 110.0), (19.0, math.inf))],
+        [{"alike": {"fd": (1.0, math.inf), "dg:4": pair}} for pair in ((60.0, math.inf), (5.0, 33.0))],
+    ),
+    "state_verdict": (
+        [RATIOS, RATIOS | {"sbp:2": 2.785 * 1.009}, RATIOS | {"dg:4": 6.394 * 0.991}],
+        [RATIOS | {"fd": 9.0}, RATIOS | {"sbp:2": 2.785 * 0.97}, RATIOS | {"dg:4": 6.394 * 1.03}],
+    ),
+    "stop_verdict": ([{"fd": True, "dg:4": True}], [{"fd": True, "dg:4": False}]),
+    "advice_verdict": tuple(
+        [
+            {"dg:7": CURED, model: Cure(8, "more cells", 16, share * limit)}
+            for model, limit in {"sbp:2": 5e-3, "fem:1": 5e-3, "fd": 1e-5, "dg:3": 2e-6}.items()
+        ]
+        for share in (0.95, 3.0)
+    ),
+}
+
+
+@pytest.mark.parametrize("verdict", JUDGED)
+def test_every_measurement_is_judged_on_both_sides(verdict):
+    for light, cases in zip((Light.PASS, Light.FAIL), JUDGED[verdict], strict=True):
+        assert [getattr(stability_attacks, verdict)(case).outcome for case in cases] == [light] * len(cases)
+
+
+@pytest.mark.parametrize(
+    ("leapfrog", "elements", "light"),
+    [
+        (1.00028, 0.99, "pass"),
+        (0.99972, 0.99, "pass"),
+        (0.999, 0.9, "fail"),
+        (1.001, 0.9, "fail"),
+        (1.0, 1.001, "fail"),
+        (1.0, math.inf, "fail"),
+        (math.nan, 0.9, "fail"),
+    ],
+)
+def test_noise_gains_nothing_and_the_leapfrog_loses_nothing(leapfrog, elements, light):
+    assert stability_attacks.noise_verdict({"fd": leapfrog, "dg:4": elements}, 1e3).outcome == light
