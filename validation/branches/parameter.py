@@ -15,7 +15,7 @@ from slipwave.input.quantity import KINDS, looks_measured, quantity
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 
-_SHORT = {
+SHORT = {
     "slab.log10_r": "log10_r",
     "slab.r": "r",
     "slab.epsilon": "epsilon",
@@ -23,6 +23,8 @@ _SHORT = {
     "interface.a": "a",
     "interface.b": "b",
 }
+"""Keys of a scene that have a short name."""
+
 Values: TypeAlias = str | tuple[str, float | str, float | str] | Mapping[str, tuple[float | str, float | str]]
 """A parameter with its range: "log10_r=-2.72:-2.30", ("log10_r", -2.72, -2.30) or {"log10_r": (-2.72, -2.30)}."""
 _RANGE = re.compile(r"(?P<name>[^=]+)=(?P<first>[^:]+):(?P<last>[^:]+)")
@@ -69,7 +71,7 @@ def range_text(values: Values | None) -> str | None:
 
 def scene_along(over: Over, value: float) -> Scene:
     """The scene with this `value` of the parameter, with the tables to change it if one of its keys is the parameter."""
-    name = next((key for key, short in _SHORT.items() if short == over.name), over.name)
+    name = next((key for key, short in SHORT.items() if short == over.name), over.name)
     with suppress(SceneError):
         return slipwave.read(over.base, {name: value})
     return over.scene_at(value)
@@ -90,7 +92,7 @@ def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:
     require(found, "must be KEY=FROM:TO, as in log10_r=-2.72:-2.30")
     assert found is not None
     key, words = found["name"].strip(), (found["first"], found["last"])
-    name, base = _SHORT.get(key, key), slipwave.read(source)
+    name, base = SHORT.get(key, key), slipwave.read(source)
     measured = [_has_unit(word) for word in words]
     require(measured[0] is measured[1], "FROM and TO must both have a unit, or none")
     if measured[0]:
@@ -142,25 +144,25 @@ def _reader(name: str, base: Scene, ends: tuple[float, float], unit: str) -> Cal
     and set in the scene in between, which takes a hundredth of the time."""
     if name not in PARAMETERS:
         return lambda value: slipwave.read(base, {name: f"{value!r} {unit}" if unit else value})
-    key = next((key for key, short in _SHORT.items() if short == name), "")
-    if key and _has(base, key, _present(name, base)):
+    key = next((key for key, short in SHORT.items() if short == name), "")
+    if key and has_key(base, key, name):
         for value in ends:
             slipwave.read(base, {key: value})
     return lambda value: PARAMETERS[name](base, _positive(name, value))
 
 
-def _has(base: Scene, key: str, present: float) -> bool:
-    """Whether the scene has the key: then it can be read with the value that it has."""
+def has_key(base: Scene, key: str, name: str) -> bool:
+    """Whether the scene has the key of a parameter: then it can be read with the value that it has."""
     with suppress(SceneError):
-        slipwave.read(base, {key: present})
+        slipwave.read(base, {key: _present(name, base)})
         return True
     return False
 
 
 def _present(name: str, base: Scene) -> float:
-    """The value of a short name in a scene."""
+    """The value of a parameter in a scene; 1 of those that scale one slab or a face."""
     values = {"r": base.transit, "log10_r": math.log10(base.transit), "epsilon": base.upper.epsilon, "V": base.velocity}
-    return values[name] if name in values else float(getattr(base.law, name))
+    return values[name] if name in values else float(getattr(base.law, name, 1.0))
 
 
 def _positive(name: str, value: float) -> float:

@@ -89,8 +89,6 @@ class FitResult(Result):
     found: Solution
     spread: Intervals
     wall_s: float
-    failed: str = ""
-    stopped: bool = False
     options: Mapping[str, Any] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
 
@@ -307,9 +305,9 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         found,
         spread,
         time.perf_counter() - began,
-        f"fit: {failed}" if failed else "",
-        stopped,
         options.stored,
+        failed=f"fit: {failed}" if failed else "",
+        stopped=stopped,
     )
 
 

@@ -1,7 +1,7 @@
 """`slipwave.bench`: run time against error, every model that can do the scene, at several settings each."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from slipwave.errors import SceneError
@@ -33,22 +33,12 @@ class BenchOptions(RunsOptions):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class BenchResult(Comparison):
-    """The timed `runs` of the `scene`, each with its numerical setting, and the run at a `tight` tolerance."""
+    """The timed `runs` of the scene, each with its numerical setting; the reference is the delay system at a tight tolerance."""
 
     DIMENSION: ClassVar = "trial"
     COMMAND: ClassVar = "bench"
 
-    scene: Scene
-    tight: Run
     runs: list[tuple[Run, dict[str, Any]]]
-    failed: str = ""
-    stopped: bool = False
-    options: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def reference(self) -> Run:
-        """The run for the errors of the others."""
-        return self.tight
 
     @property
     def rows(self) -> list[dict[str, Any]]:
@@ -100,7 +90,9 @@ def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
     reference has no cycles; NumericsError, with all of them as its `result`, if solves of the interface failed.
     """
     scene = options.scene_of(source, options.until)
-    trials = [(family, setting) for family in honouring(scene) for setting in _settings(family)]
+    tolerances = [{"tolerance": tolerance} for tolerance in _TOLERANCES]
+    settings = {family.name: [{"cells": cells} for cells in family.grids] or tolerances for family in honouring(scene)}
+    trials = [(family, setting) for family in honouring(scene) for setting in settings[family.name]]
     if not trials:
         raise SceneError(f"scene = {scene.name!r}: no model of this installation can do it")
     reference = _reference(scene, trials, options.most_seconds)
@@ -119,13 +111,7 @@ def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
             report(done + 1)
     failed = [reference.failed] if reference.failed else [run.failed for run, _ in runs if run.solver.failures]
     failed = ["interrupted", *failed, stopped] if stopped else failed
-    return BenchResult(scene, reference, runs, "; ".join(failed), bool(stopped))
-
-
-def _settings(family: Family) -> list[dict[str, Any]]:
-    if family.grids:
-        return [{"cells": cells} for cells in family.grids]
-    return [{"tolerance": tolerance} for tolerance in _TOLERANCES]
+    return BenchResult(scene, reference, options.stored, runs, failed="; ".join(failed), stopped=bool(stopped))
 
 
 def _reference(scene: Scene, trials: list[tuple[Family, dict[str, Any]]], most: float) -> Run:

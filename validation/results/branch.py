@@ -1,6 +1,7 @@
 """`slipwave.branch`: periodic orbits followed in a parameter, through folds, with the points where their stability changes."""
 
 import math
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -26,7 +27,7 @@ from validation.results.command import command
 from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import EVENTS, variables
-from validation.results.result import Dataset, Output, PointOfBranch, Result, finite
+from validation.results.result import Dataset, Output, PointOfBranch, Result, finite, new_dataset
 from validation.results.wording import header
 from validation.study.branch_figures import figure_of_branch
 from validation.study.drawing import Drawing, styled
@@ -124,8 +125,6 @@ class FollowedResult(Result):
     options: FollowedOptions
     wall_s: float
     end: End | None = None
-    failed: str = ""
-    stopped: bool = False
 
     OUTPUTS: ClassVar = (Output("--plot", FIGURES, "save_plot", "draw it: .png, .pdf or .svg"),)
 
@@ -146,9 +145,9 @@ class FollowedResult(Result):
         return dict(finite(result | ({"failed": self.failed} if self.failed else {})))
 
     @property
+    @abstractmethod
     def _rows(self) -> dict[str, Any]:
         """What differs between branches and curves."""
-        raise NotImplementedError
 
     @property
     def origin(self) -> dict[str, Any]:
@@ -212,9 +211,6 @@ class BranchResult(FollowedResult):
     def dataset(self) -> Dataset:
         """The points by `point` and the special points by `special`, at their values of the parameter. The figures of points
         are there under their plain names too, over an index of the parameter: `.sel(log10_r=-2.6)` (`AlongBranch`)."""
-        require("files", "a dataset")
-        import xarray
-
         from validation.branches.along import along
 
         found, scene = self.found, self.found.over.base
@@ -222,7 +218,7 @@ class BranchResult(FollowedResult):
         plain = {name.removeprefix("point_"): value for name, value in values.items()}
         plain |= {found.over.column: plain.pop("value")}
         values |= plain | _columns("special", SpecialPoint._fields, found.shown_special, scene)
-        data = xarray.Dataset(values, attrs=self.origin).set_coords(["point_value", "special_value"])
+        data = new_dataset(values, attrs=self.origin).set_coords(["point_value", "special_value"])
         return along(data, found.over.column)
 
     @property
@@ -320,4 +316,5 @@ def branch(source: SceneSource, options: BranchOptions) -> BranchResult:
     parameter = over_range(str(options.over), options.scene_of(source))
     name = announced(*flowing(options.model, parameter.base))
     found = FollowedBranch(parameter, name, options.tol or BRANCH_TOLERANCE, options.cells, options.switch == "PD")
-    return BranchResult(found, options, *pursue(found, limits, options.file, options.resume, origin_of(found, options)))
+    ended = pursue(found, limits, options.file, options.resume, origin_of(found, options))
+    return BranchResult(found, options, **ended._asdict())

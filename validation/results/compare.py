@@ -28,6 +28,7 @@ from validation.run.simulate import Run, reconsidered, simulate
 from validation.study.drawing import Drawing, canvas, styled
 from validation.timing import warm
 
+_OVERLAY = "the overlay figure (default compare.png; with --json none)"
 _ON_TOP = {"color": "#111111", "linewidth": 0.9, "dashes": (4, 2), "zorder": 3}
 """How the reference is drawn: what it covers shows between the dashes."""
 
@@ -61,28 +62,16 @@ class CompareOptions(NumericalOptions, RunsOptions):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class CompareResult(Comparison):
-    """The `runs` of the models on the `scene` and the last complete cycle of each, None where it has none."""
+    """The `runs` of the models on the scene and the last complete cycle of each, None where it has none; the reference is delay
+    if it is among them, else the first."""
 
     DIMENSION: ClassVar = "model"
     COMMAND: ClassVar = "compare"
-    OUTPUTS: ClassVar = (
-        Output("--out", FIGURES, "save_plot", "the overlay figure (default compare.png; with --json none)", "FILE.png")._replace(
-            default="compare.png", key="figure"
-        ),
-    )
+    OUTPUTS: ClassVar = (Output("--out", FIGURES, "save_plot", _OVERLAY, "FILE.png", default="compare.png", key="figure"),)
 
-    scene: Scene
     runs: list[Run]
     cycles: list[Cycle | None]
-    options: Mapping[str, Any]
-    motion: MeasuredMotion | None = None
-    failed: str = ""
-    stopped: bool = False
-
-    @property
-    def reference(self) -> Run:
-        """The run that the others are compared with: delay if it is among them, else the first."""
-        return next((run for run in self.runs if run.solver.model == "delay"), self.runs[0])
+    motion: MeasuredMotion | None
 
     @property
     def rows(self) -> list[dict[str, Any]]:
@@ -185,7 +174,9 @@ def compare(source: SceneSource, options: CompareOptions) -> CompareResult:
     found, stopped = _runs_of(build_all(names, scene, **options.numerical), scene, options.most_seconds)
     runs, cycles = [run for run, _ in found], [cycle for _, cycle in found]
     failed = [*(run.failed for run in runs if run.failed), *([stopped] if stopped else [])]
-    return CompareResult(scene, runs, cycles, options.stored, motion, "; ".join(failed), bool(stopped))
+    reference = next((run for run in runs if run.solver.model == "delay"), runs[0])
+    parts = scene, reference, options.stored, runs, cycles, motion
+    return CompareResult(*parts, failed="; ".join(failed), stopped=bool(stopped))
 
 
 def _measured(options: CompareOptions, scene: Scene) -> MeasuredMotion | None:

@@ -1,7 +1,9 @@
 """Several runs of a scene beside a reference: their rows, what they come to in one line, and their table."""
 
 import math
+from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, TypeAlias
 
@@ -104,24 +106,21 @@ def _share(value: float, margin: float | None) -> str:
     return f"{100.0 * value:.2g}{bar} %"
 
 
+@dataclass(frozen=True, repr=False, eq=False)
 class Comparison(Result):
-    """Runs of the `scene`, one of them the `reference`: rows by `DIMENSION`."""
+    """Runs of the `scene`, which are compared with the `reference`: rows by `DIMENSION`."""
 
     DIMENSION: ClassVar[str]
     COMMAND: ClassVar[str]
 
     scene: Scene
+    reference: Run
     options: Mapping[str, Any]
 
     @property
-    def reference(self) -> Run:
-        """The run that the others are compared with."""
-        raise NotImplementedError
-
-    @property
+    @abstractmethod
     def rows(self) -> list[dict[str, Any]]:
         """Every run's answer and its distances from the reference."""
-        raise NotImplementedError
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -160,19 +159,18 @@ def remarks(summary: _Row) -> list[str]:
 
 def without_errors(rows: Sequence[_Row]) -> list[str]:
     """One line for each verdict without period and errors (a transient has none), with its models."""
-    models: dict[str, list[str]] = {}
+    models: dict[str, dict[str, None]] = {}
     for row in rows:
-        if row["verdict"] not in (None, *REPEATING) and row["model"] not in models.setdefault(row["verdict"], []):
-            models[row["verdict"]].append(row["model"])
-    return [_no_figures(", ".join(names), verdict) for verdict, names in models.items() if names]
-
-
-def _no_figures(names: str, verdict: str) -> str:
-    if verdict == "protocol":
-        return f"no figures of {names}: a protocol is judged by its stages (slipwave run)"
-    if verdict == "steady":
-        return f"no figures of {names}: it slides steadily in the second half of the run, without cycles"
-    return f"no figures of {names}: the second half of the run is {verdict}"
+        if row["verdict"] not in (None, *REPEATING):
+            models.setdefault(row["verdict"], {})[row["model"]] = None
+    reasons = {
+        "protocol": "a protocol is judged by its stages (slipwave run)",
+        "steady": "it slides steadily in the second half of the run, without cycles",
+    }
+    return [
+        f"no figures of {', '.join(names)}: {reasons.get(verdict, f'the second half of the run is {verdict}')}"
+        for verdict, names in models.items()
+    ]
 
 
 def errors_of(row: _Row) -> list[str]:

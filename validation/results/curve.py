@@ -125,7 +125,8 @@ def curve(source: SceneSource, options: CurveOptions) -> CurveResult:
     require_curve(kind, *parameters)
     found = Curve(kind, *parameters, announced(*flowing(options.model, scene)), options.tol or BRANCH_TOLERANCE)
     limits = StopAt(points=options.most_points or CURVE_POINTS)
-    result = CurveResult(found, options, *pursue(found, limits, options.file, options.resume, origin_of(found, options)))
+    ended = pursue(found, limits, options.file, options.resume, origin_of(found, options))
+    result = CurveResult(found, options, **ended._asdict())
     if options.out is not None and result.end is None and found.points:
         result.to_netcdf(options.out)
     return result

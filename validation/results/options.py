@@ -103,10 +103,6 @@ class Option(NamedTuple):
         return Path(value) if value is not None and Path in get_args(self.hint) else value
 
 
-def _gallery_models() -> list[str]:
-    return ["auto", *(family.example for family in FAMILIES)]
-
-
 _STEPS = dict.fromkeys(
     f"{family.step} ({', '.join(other.name for other in GRIDS if other.step == family.step)})" for family in GRIDS
 )
@@ -173,7 +169,7 @@ class ModelOptions(SceneOptions):
         "exact for the scene",
         "auto",
         positional=True,
-        words=_gallery_models,
+        words=lambda: ["auto", *(family.example for family in FAMILIES)],
     )
 
     def recalled(self, source: SceneSource, command: str, without: Sequence[str] = ()) -> Self:

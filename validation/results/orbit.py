@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from slipwave.errors import SceneError
-from slipwave.extras import require
 from slipwave.files import TIME
 from slipwave.input import SceneSource
 from slipwave.input.assemble import moment
@@ -28,7 +27,7 @@ from validation.results.figures import motion_figure
 from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
-from validation.results.result import Dataset, Output, PointOfBranch, Result, finite
+from validation.results.result import Dataset, Output, PointOfBranch, Result, finite, new_dataset
 from validation.results.wording import header, orbit_rows
 from validation.study.drawing import Drawing, styled
 
@@ -81,9 +80,6 @@ class OrbitResult(Result):
     @cached_property
     def dataset(self) -> Dataset:
         """The motion over a period by `time`, multipliers by `multiplier`, and the orbit's figures with their errors."""
-        require("files", "a dataset")
-        import xarray
-
         orbit, scene, columns = self.found.found.orbit, self.found.scene, self._motion()
         coordinate = variables(TIME, {TIME: columns.pop(TIME)}, INTERFACE, scene)
         values = variables(TIME, columns, INTERFACE, scene)
@@ -93,7 +89,7 @@ class OrbitResult(Result):
             values[f"{name}_error"] = ((), getattr(orbit, name).error, notes)
         for part, numbers in (("real", self.multipliers.real), ("imaginary", self.multipliers.imag)):
             values[f"multiplier_{part}"] = ("multiplier", numbers, {"long_name": f"{part} part of the multiplier", "units": "1"})
-        return xarray.Dataset(values, coordinate, provenance("orbit", scene, self.found.flow.model, self.options))
+        return new_dataset(values, coordinate, provenance("orbit", scene, self.found.flow.model, self.options))
 
     def plot(self) -> Drawing:
         """Stress and slip rate over one period."""

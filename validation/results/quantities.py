@@ -12,11 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from slipwave.extras import require
 from slipwave.files import TIME
 from slipwave.scene import Scene
 from slipwave.scene.units import IN_SI
-from validation.results.result import Dataset, leaves
+from validation.results.result import Dataset, leaves, new_dataset
 
 
 class Meaning(NamedTuple):
@@ -139,14 +138,11 @@ def variables(
 def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) -> Dataset:
     """The rows of a summary on `scene` as variables over `dimension`: numbers and words by their dotted keys, NaN where there is
     none."""
-    require("files", "a dataset")
-    import xarray
-
     flat = [dict(leaves(row)) for row in rows]
     names = dict.fromkeys(name for row in flat for name in row)
     columns = {name: _column([row.get(name) for row in flat]) for name in names}
     notes = {name: column_notes(name, scene, column.dtype == float) for name, column in columns.items()}
-    found = xarray.Dataset({name.replace(".", "_"): (dimension, columns[name], notes[name]) for name in names})
+    found = new_dataset({name.replace(".", "_"): (dimension, columns[name], notes[name]) for name in names})
     return found.set_coords("model") if "model" in found else found
 
 

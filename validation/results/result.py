@@ -4,25 +4,25 @@ The tables of a summary are `Facts`: nested dictionaries and lists, as they are 
 """
 
 import html
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
+from slipwave.extras import require
 from slipwave.files import whole_or_absent
+from slipwave.scene import Scene
 from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
+    from xarray import DataArray as DataArray
     from xarray import Dataset as Dataset
-else:  # xarray is loaded only when a dataset is made
-    Dataset = Any
-import math
-from typing import TYPE_CHECKING, Any
 
-from slipwave.scene import Scene
-
-if TYPE_CHECKING:
     from reduced.orbit.closing import Closed
+else:  # xarray is loaded only when a dataset is made
+    DataArray = Dataset = Any
 
 
 class Facts(dict[str, Any]):
@@ -93,6 +93,7 @@ class Output(NamedTuple):
         return self.flag.removeprefix("--").replace("-", "_")
 
 
+@dataclass(frozen=True, repr=False, eq=False, kw_only=True)
 class Result(ABC):
     """A result of a command: its JSON as a dictionary and its keys as attributes, an `xarray.Dataset`, a figure, a netCDF file.
 
@@ -174,6 +175,14 @@ class Stopped(KeyboardInterrupt):
     def __init__(self, message: str, result: Any) -> None:
         super().__init__(message)
         self.result = result
+
+
+def new_dataset(*parts: Any, **named: Any) -> Dataset:
+    """An `xarray.Dataset` of these parts. Raises SceneError where xarray is not installed."""
+    require("files", "a dataset")
+    import xarray
+
+    return xarray.Dataset(*parts, **named)
 
 
 def save_drawing(path: str | Path, draw: Callable[[], Drawing]) -> None:

@@ -120,7 +120,8 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     notes += note_on(default) if default else []
     for note in notes:
         log.info("note: %s", note)
-    return RunResult(done, records, built.choice or default, notes, options.stored, exponent, failed, stopped)
+    parts = done, records, built.choice or default, notes, options.stored, exponent
+    return RunResult(*parts, failed=failed, stopped=stopped)
 
 
 def _default_grid(solver: Solver, start: State, options: RunOptions) -> "Choice | None":

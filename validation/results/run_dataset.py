@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from slipwave.errors import SceneError
-from slipwave.extras import require
 from slipwave.files import TIME, whole_or_absent
 from slipwave.observe import Events
 from slipwave.observe.stages import StageFigures
@@ -28,30 +27,28 @@ from validation.results.quantities import (
     twins_in_si,
     variables,
 )
+from validation.results.result import Dataset, new_dataset
 from validation.run.history_file import HistoryFile
 from validation.run.simulate import Run
 
 if TYPE_CHECKING:
     import netCDF4
-    import xarray
 
     from fullwave.fields.record import Field
 
 
 def run_dataset(
     done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures] = (), history: HistoryFile | None = None
-) -> "xarray.Dataset":
+) -> Dataset:
     """The run with the attributes `facts`: cycles by `event`, stages by `stage`, the history by `time`; all of it is in
     memory."""
     data = _figures(done, facts, stages)
     if history is None:
         return data
-    import xarray
-
     scene, parts = done.solver.scene, [_renamed(part) for part in history.parts()]
     columns = {name: np.concatenate([np.empty(0), *(part[name] for part in parts)]) for name in INTERFACE}
     time, values = {TIME: columns.pop(TIME)}, variables(TIME, columns, INTERFACE, scene, twins=False)
-    return data.merge(xarray.Dataset(values, variables(TIME, time, INTERFACE, scene)))
+    return data.merge(new_dataset(values, variables(TIME, time, INTERFACE, scene)))
 
 
 def write_run(
@@ -76,7 +73,7 @@ def write_run(
             field.dataset().to_netcdf(temporary, mode="a", group="fields", engine="netcdf4")
 
 
-def _figures(done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures]) -> "xarray.Dataset":
+def _figures(done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures]) -> Dataset:
     """Cycles, margins of their means and stages, as far as there are any."""
     scene, found = done.solver.scene, _cycles(done, facts)
     if done.verdict and done.verdict.wanders:
@@ -94,20 +91,17 @@ def _figures(done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures]
     return found
 
 
-def _cycles(done: Run, facts: Mapping[str, Any]) -> "xarray.Dataset":
+def _cycles(done: Run, facts: Mapping[str, Any]) -> Dataset:
     """The cycles of a run, if events were watched, and as attributes what is known of its events.
 
     `multiplicity` is there only if the run is periodic, `rotation_number` only on a torus: a netCDF attribute cannot be empty.
     """
-    require("files", "a dataset")
-    import xarray
-
     ended: dict[str, Any] = {"until_transits": done.until, "failures": done.solver.failures}
     ended |= {"complete": 0 if done.failed else 1, "failed": done.failed}
     if done.verdict is None:
-        return xarray.Dataset(attrs={**facts, **ended, "events": "not watched", "verdict": "not watched"})
+        return new_dataset(attrs={**facts, **ended, "events": "not watched", "verdict": "not watched"})
     columns = {_of_events(name): values for name, values in done.events._asdict().items()}
-    found = xarray.Dataset(variables("event", columns, EVENTS, done.solver.scene))
+    found = new_dataset(variables("event", columns, EVENTS, done.solver.scene))
     judged = {"multiplicity": done.verdict.multiplicity, "rotation_number": done.verdict.rotation}
     known = {name: value for name, value in judged.items() if value is not None}
     found = found.assign_attrs({**facts, **ended, "events": done.starts, "verdict": done.verdict.kind, **known})

@@ -47,8 +47,6 @@ class RunResult(Result):
     notes: list[str]
     options: Mapping[str, Any]
     exponent: Exponent | None = None
-    failed: str = ""
-    stopped: bool = False
 
     OUTPUTS: ClassVar = (
         Output("--out", (".nc",), "to_netcdf", "write events, and the interface and fields if recorded", "FILE.nc"),

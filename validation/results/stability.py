@@ -12,7 +12,6 @@ from reduced.families import DELAY, REDUCTIONS
 from reduced.stability import Stability, analyse, friction_slopes
 from reduced.stability.analyse import PhysicalStability, stability_in_si
 from reduced.stability.crossing import FIRST_OCTAVE, LAST_OCTAVE
-from slipwave.extras import require
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
@@ -22,7 +21,7 @@ from validation.results.command import command
 from validation.results.options import SceneOptions, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.reasons import on_stability
-from validation.results.result import Dataset, Result, finite
+from validation.results.result import Dataset, Result, finite, new_dataset
 from validation.results.wording import header
 from validation.study.drawing import Drawing, canvas, styled
 
@@ -98,9 +97,6 @@ class StabilityResult(Result):
     @cached_property
     def dataset(self) -> Dataset:
         """The leading roots by `root`, and the critical values."""
-        require("files", "a dataset")
-        import xarray
-
         roots = self.leading_roots
         values: dict[str, Any] = {}
         for part, numbers in (("real", roots.real), ("imaginary", roots.imag)):
@@ -109,7 +105,7 @@ class StabilityResult(Result):
         for name, meaning in _CRITICAL.items():
             value = self.summary[name]
             values[name] = ((), np.nan if value is None else value, {"long_name": meaning, "units": "1"})
-        return xarray.Dataset(values, attrs=provenance("stability", self.scene, self.found.model, {}))
+        return new_dataset(values, attrs=provenance("stability", self.scene, self.found.model, {}))
 
     def plot(self) -> Drawing:
         """The leading roots in the complex plane; those right of the dashed line grow."""

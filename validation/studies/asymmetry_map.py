@@ -9,13 +9,13 @@ from reduced.stability.characteristic import characteristic
 from reduced.stability.spectrum import unstable_count
 from slipwave.scene import Scene
 from validation.registry.families import one_port_of
+from validation.results.result import Dataset
 from validation.study import WITNESS, Budget, Figure, StudyResult, Table, Verdict, every, table
 from validation.study.regimes import regime_areas
 from validation.sweep.axes import axis_of, changed
 from validation.sweep.difference import difference, model_regimes
-from validation.sweep.here import Dataset, swept_here
 from validation.sweep.map_figures import figure_of
-from validation.sweep.sweep import plan_of
+from validation.sweep.sweep import plan_of, swept_here
 
 NAME = "asymmetry-map"
 QUESTION = "What does asymmetry of the slabs do to the regime of each model?"

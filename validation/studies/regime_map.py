@@ -5,14 +5,14 @@ from typing import Any
 import numpy as np
 
 import slipwave
+from validation.results.result import Dataset
 from validation.study import WITNESS, Budget, Figure, StudyResult, Table, Verdict, every, table
 from validation.study.regimes import regime_areas
 from validation.sweep.axes import axis_of
 from validation.sweep.boundaries import onset_lines
 from validation.sweep.difference import difference, model_regimes
-from validation.sweep.here import Dataset, swept_here
 from validation.sweep.map_figures import Line, figure_of
-from validation.sweep.sweep import plan_of
+from validation.sweep.sweep import plan_of, swept_here
 
 NAME = "regime-map"
 QUESTION = "Where does each model have the wrong regime?"

@@ -15,6 +15,7 @@ from slipwave.errors import SceneError
 from slipwave.input.overrides import full_key
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
+from validation.branches.parameter import has_key
 
 LONGEST = 100_000
 """Values of one axis."""
@@ -114,11 +115,4 @@ def whole_key(key: str, base: Scene) -> str:
 @lru_cache(maxsize=256)
 def is_parameter(base: Scene, key: str) -> bool:
     """Whether `key` is a parameter (`reduced.parameters`), but no key of the scene."""
-    present = {"V": base.velocity, "r": base.transit, "log10_r": math.log10(base.transit), "epsilon": base.upper.epsilon}
-    if key not in PARAMETERS:
-        return False
-    try:
-        slipwave.read(base, {key: present.get(key, getattr(base.law, key, 1.0))})
-    except SceneError:
-        return True
-    return False
+    return key in PARAMETERS and not has_key(base, key, key)

@@ -2,7 +2,7 @@
 
 import tomllib
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -11,16 +11,10 @@ import slipwave
 from reduced.parameters import PARAMETERS
 from reduced.stability.boundary import boundary
 from slipwave.errors import NumericsError, SceneError
+from validation.branches.parameter import SHORT
 from validation.registry.families import one_port_of
+from validation.results.result import Dataset
 from validation.sweep.map_figures import Line, is_logarithmic
-
-if TYPE_CHECKING:
-    from xarray import Dataset
-else:
-    Dataset = Any
-
-_SHORT = {"slab.log10_r": "log10_r", "slab.r": "r", "slab.epsilon": "epsilon", "drive.velocity": "V"}
-_SHORT |= {"interface.a": "a", "interface.b": "b"}
 
 
 class _Side(NamedTuple):
@@ -34,7 +28,7 @@ class _Side(NamedTuple):
 def _side(data: Dataset, axis: str) -> _Side | None:
     """None for a key that is no such parameter, as a thickness."""
     values, key = np.asarray(data[axis].values, dtype=float), str(data[axis].attrs.get("long_name", axis))
-    name = _SHORT.get(key, key)
+    name = SHORT.get(key, key)
     if is_logarithmic(values) and f"log10_{name}" in PARAMETERS:
         return _Side(f"log10_{name}", np.log10(values), True)
     return _Side(name, values, False) if name in PARAMETERS else None

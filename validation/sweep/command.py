@@ -7,7 +7,7 @@ import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import FunctionType
@@ -86,9 +86,7 @@ class SweepResult(Result):
 
     swept: Swept
     expected: Forecast | None = None
-    failed: str = ""
-    stopped: bool = False
-    temporary: bool = field(default=False, kw_only=True)
+    temporary: bool = False
 
     @property
     def plan(self) -> Plan:
@@ -204,7 +202,7 @@ def sweep(source: SceneSource, options: SweepOptions) -> SweepResult:
     except KeyboardInterrupt:
         failed, stopped = f"interrupted after {int(store.done(plan.size).sum())} of {plan.size} points", True
         swept = Swept(plan, store, None, time.perf_counter() - began)
-    return SweepResult(swept, None, failed, stopped, temporary=folder is None)
+    return SweepResult(swept, None, folder is None, failed=failed, stopped=stopped)
 
 
 def _where(options: SweepOptions) -> Where:

@@ -1,16 +1,12 @@
 """How models differ over a map: where the regime is another one, and by how much period and stress drop differ."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from slipwave.errors import SceneError
+from validation.results.result import Dataset
 from validation.sweep.measures import VERDICTS
-
-if TYPE_CHECKING:
-    from xarray import Dataset
-else:
-    Dataset = Any
 
 _KINDS = {"steady": 0, "decaying": 0, "periodic": 1, "torus": 2, "irregular": 3, "growing": 4}
 """Regimes that differ; other verdicts are not decided, and such points are not compared."""

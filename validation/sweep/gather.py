@@ -1,24 +1,19 @@
 """The finished points of a sweep as one `xarray.Dataset`, at any time."""
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from slipwave.extras import require
 from validation.results.provenance import provenance
 from validation.results.quantities import Meaning, attributes
+from validation.results.result import Dataset, new_dataset
 from validation.sweep.engine import STATUS
 from validation.sweep.measures import Measure, measure_of
 from validation.sweep.plan import Plan
 from validation.sweep.refine import fill, regime_numbers
 from validation.sweep.store import Store
-
-if TYPE_CHECKING:
-    from xarray import Dataset
-else:  # xarray is loaded only when a dataset is made
-    Dataset = Any
 
 Array = npt.NDArray[Any]
 
@@ -39,9 +34,6 @@ def arrays_of(plan: Plan, store: Store) -> dict[str, Array]:
 def dataset_of(plan: Plan, store: Store) -> Dataset:
     """The columns over (model, axes), words as CF flags. `status` says how each point ended; of a refined sweep the verdict of
     points between those computed is that of their cell, and their status is "not computed"."""
-    require("files", "a dataset")
-    import xarray
-
     measure, arrays = measure_of(plan.measure), arrays_of(plan, store)
     levels = int(plan.options.get("refine", 0))
     if levels:
@@ -58,7 +50,7 @@ def dataset_of(plan: Plan, store: Store) -> Dataset:
         for name, values in arrays.items()
     }
     facts = provenance("sweep", plan.base, ", ".join(plan.models), {**plan.options, "measure": plan.measure})
-    data = xarray.Dataset(variables, coords=_coordinates(plan), attrs=facts | {"manifest": json.dumps(plan.manifest)})
+    data = new_dataset(variables, coords=_coordinates(plan), attrs=facts | {"manifest": json.dumps(plan.manifest)})
     return data if len(plan.models) > 1 else data.isel(model=0)
 
 

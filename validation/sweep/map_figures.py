@@ -2,18 +2,14 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from slipwave.errors import SceneError
+from validation.results.result import DataArray, Dataset
 from validation.study.drawing import Axes, Drawing, canvas, styled
 from validation.sweep.other_side import other_side
-
-if TYPE_CHECKING:
-    from xarray import DataArray, Dataset
-else:
-    DataArray = Dataset = Any
 
 _COLOURS = {
     "steady": "#e8eef4",

@@ -5,12 +5,13 @@ is chosen, so the result does not depend on the order in which points arrive. On
 number, is divided too: the share of these that held another regime is the map's own error bar.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.ndimage import binary_dilation
 
 from slipwave.errors import SceneError
@@ -84,7 +85,7 @@ def fill(plan: Plan, levels: int, regimes: Regimes, columns: Mapping[str, npt.ND
     given = {name: column.reshape(plan.shape).copy() for name, column in columns.items()}
     for level in range(levels, 0, -1):
         step = 2**level
-        whole = np.logical_and.reduce([corner != _UNKNOWN for corner in _corners(known, step)])
+        whole = (_corners(known, step) != _UNKNOWN).all(axis=-1)
         cells = [np.minimum(np.arange(n) // step, (n - 1) // step - 1) for n in plan.lattice]
         at = np.ix_(range(plan.shape[0]), *cells)
         wanted = whole[at] & (known == _UNKNOWN)
@@ -114,16 +115,15 @@ def _coarse(values: npt.NDArray[Any], step: int) -> npt.NDArray[Any]:
     return values[(slice(None), *[slice(None, None, step)] * (values.ndim - 1))]
 
 
-def _corners(known: Regimes, step: int) -> Iterator[Regimes]:
-    """The regimes at each of the corners of all cells."""
-    coarse = _coarse(known, step)
-    for ends in product((slice(None, -1), slice(1, None)), repeat=known.ndim - 1):
-        yield coarse[(slice(None), *ends)]
+def _corners(known: Regimes, step: int) -> Regimes:
+    """The regimes at the corners of all cells, those of a cell along the last axis."""
+    pairs = sliding_window_view(_coarse(known, step), (2,) * (known.ndim - 1), tuple(range(1, known.ndim)))
+    return pairs.reshape(*pairs.shape[: known.ndim], -1)
 
 
 def _differing(known: Regimes, step: int) -> Cells:
-    first, *others = _corners(known, step)
-    return np.asarray(np.logical_or.reduce([first != other for other in others]))
+    corners = _corners(known, step)
+    return np.asarray((corners != corners[..., :1]).any(axis=-1))
 
 
 def _changing(known: Regimes, step: int, divided: Cells) -> Cells:

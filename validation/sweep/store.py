@@ -9,6 +9,7 @@ import os
 import shutil
 import uuid
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -34,15 +35,13 @@ class Store:
     @property
     def manifest(self) -> dict[str, Any] | None:
         """What the folder holds; None if it holds no sweep. Raises SceneError for a damaged manifest."""
-        try:
+        with suppress(OSError, ValueError):
+            if not (self.folder / _MANIFEST).exists():
+                return None
             found = json.loads((self.folder / _MANIFEST).read_text(encoding="utf-8"))
-        except FileNotFoundError:
-            return None
-        except (OSError, ValueError):
-            raise SceneError(f"{str(self.folder / _MANIFEST)!r} is damaged: it is no manifest of a sweep") from None
-        if not isinstance(found, dict):
-            raise SceneError(f"{str(self.folder / _MANIFEST)!r} is damaged: it is no manifest of a sweep")
-        return found
+            if isinstance(found, dict):
+                return found
+        raise SceneError(f"{str(self.folder / _MANIFEST)!r} is damaged: it is no manifest of a sweep")
 
     def begin(self, manifest: Mapping[str, Any], anew: bool = False) -> None:
         """Begin the sweep of `manifest`, or go on with it. Raises SceneError if the folder holds another one, naming what

@@ -5,11 +5,12 @@ import shutil
 import time
 import tomllib
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,12 +22,13 @@ from slipwave.scene import Scene
 from slipwave.solve.follow import DAY
 from slipwave.sources import source_digest
 from validation.registry.choice import parse, resolve
+from validation.results.result import Dataset
 from validation.run.progress import progress
 from validation.run.timing import cores
 from validation.sweep import executors
 from validation.sweep.axes import Axis, whole_key
 from validation.sweep.engine import Engine, compute
-from validation.sweep.gather import arrays_of
+from validation.sweep.gather import arrays_of, dataset_of
 from validation.sweep.measures import measure_of
 from validation.sweep.plan import Indices, Plan, order_of, require_plan
 from validation.sweep.refine import Audit, refine, regime_numbers, require_refinable
@@ -131,6 +133,13 @@ def perform_sweep(plan: Plan, store: Store, where: Where, anew: bool = False) ->
     with _engine(plan, store, where) as engine:
         store.begin(manifest_of(plan), anew)
         return _complete(plan, store, where, engine)
+
+
+def swept_here(plan: Plan) -> Dataset:
+    """All points of `plan`, computed in this process with no folder kept: what studies and scripts need."""
+    with TemporaryDirectory() as folder, ThreadPoolExecutor(1) as here:
+        swept = perform_sweep(plan, Store(Path(folder)), Where(workers=1, executor=here))
+        return dataset_of(plan, swept.store)
 
 
 def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:

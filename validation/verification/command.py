@@ -29,7 +29,6 @@ from validation.verification.of_family import rows_of_family, rows_on_scene, sta
 from validation.verification.of_law import rows_of_law
 
 _USUAL, _SCENE = "dg:7", "paper"
-_JUMPS = "its start or its drive jumps: no order is promised, only the ledger is judged"
 _ROWS = 16  # about so many, for the bar
 
 
@@ -66,7 +65,6 @@ class VerifyResult(Result):
     subject: str
     rows: tuple[Verdict, ...]
     notes: tuple[str, ...] = ()
-    failed: str = ""
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -130,7 +128,7 @@ def verify(source: "SceneSource | None" = None, options: VerifyOptions = _UNCHAN
         report(_ROWS)
     missed = [row for row in found if row.outcome is Outcome.FAIL]
     failed = f"verify {subject}: {len(missed)} of {len(found)} rows are missed: {'; '.join(bare(one.claim) for one in missed)}"
-    return VerifyResult(subject, with_names("verify", found), notes, failed if missed else "")
+    return VerifyResult(subject, with_names("verify", found), notes, failed=failed if missed else "")
 
 
 def _judged(source: "SceneSource | None", options: VerifyOptions) -> tuple[str, Iterable[Verdict], tuple[str, ...]]:
