@@ -8,8 +8,8 @@ from slipwave.observe import Events
 from slipwave.observe.statistics import Estimate, Orbit
 from validation.measure.cycle import Cycle
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT
-from validation.studies.claims import measured
-from validation.studies.claims.measured import Deep, Loading, Ripples, loading_of, recurrence
+from validation.studies import claims as measured
+from validation.studies.claims import Deep, Loading, Ripples, loading_of, recurrence
 
 GRID = (-2.69, -2.68, -2.67)
 

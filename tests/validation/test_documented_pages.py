@@ -21,7 +21,7 @@ from validation.cli import COMMANDS, command_called, main
 from validation.registry.families import FAMILIES
 from validation.report.answer import PAGES as ANSWERED
 from validation.report.answer import block_of, read_table, with_block
-from validation.studies.which_model.measured import MODELS, SHOWN
+from validation.studies.which_model import MODELS, SHOWN
 
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 FILE = re.compile(r"Write `([^`]+)`:\s*$")

@@ -13,7 +13,7 @@ from validation.report.questions import QUESTIONS, ask, left_out
 from validation.report.recorded import record_of
 from validation.report.store import Stored
 from validation.studies import STUDIES, stability_boundaries
-from validation.studies.stability_boundaries.measured import Curves
+from validation.studies.stability_boundaries import Curves
 from validation.study import Evidence, Omission, Outcome, StudyResult, Verdict
 from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.study.names import with_names

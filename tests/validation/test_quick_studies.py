@@ -126,10 +126,10 @@ def changes(monkeypatch, study, path):
         ("fullwave/finite_element.py", True),
         ("validation/measure/settle.py", True),
         ("validation/references/published.json", True),
-        ("validation/studies/claims/__init__.py", True),
+        ("validation/studies/claims.py", True),
         ("validation/cli.py", False),
         ("validation/report/page.py", False),
-        ("validation/studies/energy/__init__.py", False),
+        ("validation/studies/energy.py", False),
         ("README.md", False),
     ],
 )

@@ -9,12 +9,11 @@ import pytest
 
 from slipwave.observe.statistics import Estimate
 from validation.branches.points import BranchPoint, CurvePoint
+from validation.studies import bifurcation as claims
+from validation.studies import period_doubling as doubling
 from validation.studies import special_curves
-from validation.studies.bifurcation import measured as claims
 from validation.studies.bifurcation import structure_table
-from validation.studies.period_doubling import bubble_table
-from validation.studies.period_doubling import measured as doubling
-from validation.studies.period_doubling.measured import Bubble, doubled, end
+from validation.studies.period_doubling import Bubble, bubble_table, doubled, end
 from validation.studies.snaking import measured as snake
 from validation.studies.snaking.measured import (
     Attractor,

@@ -9,8 +9,8 @@ import pytest
 import slipwave
 from reduced import closed_forms
 from reduced.stability import Boundary, friction_slopes
-from validation.studies.stability_boundaries import measured as verdicts
-from validation.studies.stability_boundaries.measured import Curves
+from validation.studies import stability_boundaries as verdicts
+from validation.studies.stability_boundaries import Curves
 from validation.study import Outcome
 
 PAPER = slipwave.read("paper")

@@ -16,12 +16,11 @@ from slipwave.observe.statistics import Estimate
 from validation.measure.order_fit import fit_order
 from validation.report.build import make_report
 from validation.studies import STUDIES, energy, scene_facts, slip_event, stability_attacks, study_called
-from validation.studies.energy.ledgers import LADDERS, ORDERS, history_of, ledger_order, residual_of
+from validation.studies import period_against_delay as measured
+from validation.studies.energy import LADDERS, ORDERS, history_of, ledger_order, residual_of
 from validation.studies.error_laws import MODELS, CycleErrors, _cycle_verdict, _onset_verdicts, measure_cycle, measure_onsets
-from validation.studies.partial_reflection.measured import Pair, Point, agreement, dies, keeps, locking_leak, locks
-from validation.studies.period_against_delay import measured
-from validation.studies.period_against_delay.law import period_of
-from validation.studies.period_against_delay.measured import Periods
+from validation.studies.partial_reflection import Pair, Point, agreement, dies, keeps, locking_leak, locks
+from validation.studies.period_against_delay import Periods, period_of
 from validation.studies.stability_attacks.limits import _largest, stops_beyond
 from validation.studies.stability_attacks.runs import ATTACKS, AttackOutcome, Cure, advised, attack, locked_noise
 from validation.studies.stability_attacks.runs import CELLS as ATTACKED

@@ -7,9 +7,9 @@ from test_quick_studies import held
 from reduced.impedance import reduction_of
 from slipwave.observe.statistics import Estimate
 from validation.studies import study_called
-from validation.studies.one_cycle.measured import at_r
-from validation.studies.which_model import measured, omissions
-from validation.studies.which_model.measured import error
+from validation.studies import which_model as measured
+from validation.studies.one_cycle import at_r
+from validation.studies.which_model import error, omissions
 from validation.study import Outcome
 from validation.study.model_table import words_of
 from validation.study.regimes import CycleFigures

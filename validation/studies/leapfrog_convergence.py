@@ -140,7 +140,6 @@ _CAPTION = (
     "Triangles: slope 2, slope 1 for the jump."
 )
 
-
 _TITLES = {
     "period": "period $T$",
     "stress_drop": r"stress drop $\Delta\mu$",

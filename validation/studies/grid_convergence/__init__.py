@@ -139,7 +139,6 @@ def order_verdict(climbed: Climb) -> Verdict:
 
 _REMARKS = {"fem:1": ": the same numbers as `sbp:2`, not an independent witness"}
 
-
 _NOTES = (
     "Orders are those of space: from order 3 on families are marched exactly in time. At order 2, explicit steps of order 4 "
     "leave at most 3 % of the error in space on 48 cells, and less on finer grids. The leapfrog runs at CFL 0.5; at CFL 1 it is "

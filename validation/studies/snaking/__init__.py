@@ -113,7 +113,6 @@ _WHY = (
     "T; each time the branch turns to smaller r and back. Such snakes are known of other systems with long delays."
 )
 
-
 _ALONG, _POINTS, _RAISED = 24, 400, 0.15
 _LEAST = 74.0
 """Period (transits) from which the branch is shown."""

@@ -7,22 +7,9 @@ from validation.registry.families import grid_of
 from validation.studies.stability_attacks import limits, runs
 from validation.studies.stability_attacks.limits import AROUND, BEYOND, MEDIA, SOFT_AND_STIFF, STEPS
 from validation.studies.stability_attacks.runs import ADVISED, ATTACKS, CELLS, MOMENTS, AttackOutcome, Cure
-from validation.study import (
-    EXACT,
-    WITNESS,
-    Budget,
-    Cell,
-    Number,
-    StudyResult,
-    Table,
-    Verdict,
-    claim,
-    every,
-    holding,
-    in_range,
-    table,
-)
+from validation.study import Budget, Cell, Number, StudyResult, Table, table
 from validation.study.text import places, plain
+from validation.study.verdict import EXACT, WITNESS, Verdict, claim, every, holding, in_range
 
 NAME = "stability-attacks"
 QUESTION = "Can extreme inputs make the full-wave solvers fail without a message?"

@@ -1,26 +1,66 @@
 """All models over one stick-slip cycle of the paper's reference scene, against the delay system."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
+import slipwave
+from reduced.orbit import PeriodicOrbit, periodic_orbit
+from reduced.orbit.approach import approach
 from reduced.orbit.periodic import relative_error
-from slipwave.observe.statistics import Estimate
+from reduced.stability import analyse
+from slipwave.errors import NumericsError
+from slipwave.observe.statistics import Estimate, Orbit
+from slipwave.scene import Scene
 from validation.measure.cycle import Cycle
-from validation.measure.settle import SYMBOLS, WINDOW
+from validation.measure.settle import SYMBOLS, WINDOW, NoCycle, one_cycle
+from validation.references.onset import onset_of
 from validation.references.published import half_digit, reference, reference_orbit
-from validation.studies.one_cycle import measured
-from validation.studies.one_cycle.measured import COMPARED, IN_TURN, LOG10_R, AtR, CycleRun, error, verdicts
-from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, stated, table
+from validation.registry.orbits import moving
+from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, memo, stated, table
 from validation.study.drawing import WIDTH, Drawing, canvas, key, line, pen, subplots
+from validation.study.over_r import begun_at, scene_at
 from validation.study.text import minus, places, plain
+from validation.study.verdict import EXACT, WITNESS, Verdict, claim, holding
 
 NAME = "one-cycle"
 QUESTION = "Do the simplified models run through the same cycle as the wave?"
 SCENES = ("paper",)
 SECONDS = (5.0, 6.0)
+
+LOG10_R = -2.68
+COMPARED = ("delay", "kelvin-voigt", "block12", "quasidynamic")
+"""Models that are followed as r grows."""
+IN_TURN = 6
+"""Cycles of a run that are drawn where a model has no stable orbit."""
+
+_CELLS, _CFL = 128, 0.5
+_TOLERANCE = 1e-10
+_MARGIN = 4.0  # transits shown on either side of a cycle
+_UNTIL, _LONGEST = 10000.0, 130.0
+_OURS = 9e-11  # beyond the digits of the others: the error of theirs
+_WAVE = 5e-4  # leapfrog with these cells
+
+
+class CycleRun(NamedTuple):
+    """A model's orbit with errors of its computation, and one cycle of it."""
+
+    orbit: Orbit
+    cycle: Cycle
+
+
+class AtR(NamedTuple):
+    """A model at one r: period and stress drop of its stable orbit with its cycle or, where it has none, their means over so many
+    `cycles` of a run with standard errors, and some of these cycles."""
+
+    period: Estimate
+    drop: Estimate
+    drawn: list[Cycle]
+    cycles: int = 0
+
 
 _PLACES = {True: (-2.699, -2.65), False: (-2.699, -2.65, -2.5, -2.3)}
 """By quick or full report: log10 r at which some models are shown, from the onset to the paper's largest."""
@@ -31,12 +71,12 @@ _OUTLINE = 0.1  # a model whose period is further off does not have the same cyc
 
 def run(budget: Budget) -> StudyResult:
     """Find every model's orbit, lay one cycle of each over the others, compare; then as r grows."""
-    runs = {model: measured.run_model(model) for model in budget.each(MODELS, end=0.7)}
-    found = {log10_r: {model: measured.at_r(model, log10_r) for model in COMPARED} for log10_r in _PLACES[budget.quick]}
+    runs = {model: run_model(model) for model in budget.each(MODELS, end=0.7)}
+    found = {log10_r: {model: at_r(model, log10_r) for model in COMPARED} for log10_r in _PLACES[budget.quick]}
     grown = {log10_r: {model: one for model, one in models.items() if one} for log10_r, models in found.items()}
     cycles = {model: own.cycle for model, own in runs.items()}
     errors = {model: error(own, runs["delay"], "period") for model, own in runs.items()}
-    escape, damped = measured.what_stops("quasistatic", 2000.0), measured.what_stops("quasidynamic", 12000.0)
+    escape, damped = what_stops("quasistatic", 2000.0), what_stops("quasidynamic", 12000.0)
     return StudyResult(
         answer=_answer(runs),
         figures=(
@@ -113,7 +153,6 @@ _GROWTH = (
     "Elastic stress, above its least, over a cycle as r grows from the onset to the paper’s largest, aligned at the slip event: "
     f"the stable orbit or, where a model has none, {IN_TURN} cycles of a run in turn. Its height is the elastic drop Δy."
 )
-
 
 _SHOWN = ("delay", "fd", "modal:1", "kelvin-voigt", "block12")
 _PANELS = ("fd", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
@@ -263,3 +302,77 @@ def cycles_over_r(places: Mapping[float, Mapping[str, AtR]]) -> Drawing:
     handles = [key(**line(model)) for model in COMPARED]
     figure.legend(handles=handles, loc="outside upper left", ncols=3, handlelength=3.2)
     return figure
+
+
+def error(own: CycleRun, exact: CycleRun, quantity: str) -> float:
+    """Relative error of `quantity` (a field of Orbit)."""
+    return own.orbit.values()[quantity] / exact.orbit.values()[quantity] - 1.0
+
+
+def run_model(model: str) -> CycleRun:
+    """The orbit of `model` in the paper's scene: by Newton's method, but for the leapfrog, whose steps cannot be fractions of a
+    period and which is run until it has settled."""
+    scene = slipwave.read("paper")
+    if model == "fd":
+        settled = memo.settled(model, scene, None, _TOLERANCE, cells=_CELLS, cfl=_CFL)
+        return CycleRun(settled.orbit, one_cycle(settled, before=_MARGIN, after=_MARGIN, per_piece=2))
+    found = memo.own_orbit(model, scene, _TOLERANCE)
+    return CycleRun(found.orbit, memo.cycle_of(found.closed, _MARGIN, _MARGIN))
+
+
+def at_r(model: str, log10_r: float) -> AtR | None:
+    """The model's stable orbit, or a run if none is found; None if it comes back to steady sliding."""
+    scene = scene_at(log10_r)
+    if analyse(scene, model).stable:
+        return None
+    found = _stable_orbit(model, begun_at(log10_r))
+    if found is not None:
+        return AtR(found.orbit.period, found.orbit.stress_drop, [memo.cycle_of(found.closed, 0.0, 0.0)])
+    period, drop, cycles = memo.means(model, scene, _UNTIL)
+    return AtR(period, drop, memo.cycles_in_turn(model, scene, IN_TURN, _LONGEST), cycles)
+
+
+def _stable_orbit(model: str, scene: Scene) -> PeriodicOrbit | None:
+    """The orbit on which a run settles; None if its cycles keep changing."""
+    guess = approach(moving(model, scene), _TOLERANCE)
+    return periodic_orbit(*guess[:3], _TOLERANCE) if guess.settled else None
+
+
+def what_stops(model: str, most: float) -> str:
+    """What ends a run of `model` in the paper's scene: an error's message, `steady` sliding, or nothing."""
+    try:
+        memo.settled(model, slipwave.read("paper"), None, 1e-9, most)
+    except NumericsError as failure:
+        return str(failure).partition(" (scene")[0]
+    except NoCycle:
+        return "steady"
+    return ""
+
+
+def verdicts(runs: dict[str, CycleRun], quasistatic: str, quasidynamic: str) -> Iterator[Verdict]:
+    """Every orbit against other programs' and the delay system's, and what stops the simplest models (`what_stops`)."""
+    known = {model: reference_orbit(model, LOG10_R) for model in runs}
+    yield from (_as_computed(model, runs[model].orbit.values(), figures) for model, figures in known.items() if figures)
+    if "fd" in runs:
+        off = max(abs(error(runs["fd"], runs["delay"], name)) for name in SYMBOLS)
+        remark = f"leapfrog with {_CELLS} cells at CFL {_CFL}; the next study shows how the difference vanishes"
+        yield claim("The full wave runs on the delay system’s orbit", WITNESS, off, _WAVE, remark)
+    away = quasistatic not in ("", "steady")
+    yield holding("The quasi-static model runs away", EXACT, "runs away", "runs away" if away else "goes on", away)
+    scene = slipwave.read("paper")
+    r_c = onset_of(scene.law, scene.upper.epsilon, scene.velocity).r_quasidynamic
+    expected, ours = ("steady" if steady else "stick-slip" for steady in (scene.transit < r_c, quasidynamic == "steady"))
+    remark = f"radiation damping: its onset, r = ε/(b − a − εV/2) = 10^{{{math.log10(r_c):.3f}}}, lies above this scene’s r"
+    title = "The quasi-dynamic model slides steadily where the wave sticks and slips"
+    yield holding(title, EXACT, expected, ours, ours == expected, f"earthquake modellers’ {remark}")
+
+
+def _as_computed(model: str, ours: dict[str, float], known: dict[str, float]) -> Verdict:
+    """Every value may differ by half of the last known digit and by the error of our own orbit."""
+    off = {name: abs(ours[name] / value - 1.0) for name, value in known.items()}
+    allowed = {name: half_digit(value) / abs(value) + _OURS for name, value in known.items()}
+    worst = max(known, key=lambda name: off[name] / allowed[name])
+    whose = "The exact orbit" if model == "delay" else "Reduced models’ orbits"
+    remark = f"`{model}`: {', '.join(map(SYMBOLS.__getitem__, known))}; shown: {SYMBOLS[worst]}, the worst beside its digits"
+    shown = f"{ours[worst]:.10g}, off by {plain(off[worst], '.0e')}"
+    return claim(f"{whose} as computed by other programs", WITNESS, off[worst], allowed[worst], remark, shown)

@@ -1,20 +1,64 @@
 """The period of stick-slip over the delay r, the paper's Fig 8, from the onset to log10 r = -2.3."""
 
-from typing import Any
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
 
-from validation.references.published import reference
-from validation.studies.period_against_delay import measured
-from validation.studies.period_against_delay.law import MASSES, period_of
-from validation.studies.period_against_delay.measured import WAVES, Periods, known, orbit, order, thick
-from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, table
+import slipwave
+from reduced.orbit.closing import Closed
+from reduced.orbit.multipliers import count_unstable
+from slipwave.scene import Scene
+from validation.references.onset import onset_of
+from validation.references.published import half_digit, reference
+from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, memo, table
 from validation.study.branch_drawing import draw_branch, special_keys
 from validation.study.drawing import Drawing, key, line, pen, ruled, subplots
+from validation.study.known import PeriodRanges, order_of_periods
 from validation.study.over_r import FAR, Branch, branch_of, scene_at
+from validation.study.text import minus
+from validation.study.verdict import ASYMPTOTIC, EXACT, PAPER, WITNESS, Verdict, claim, holding
 
 NAME = "period-against-delay"
 QUESTION = "How does the period of stick-slip depend on the delay, in the exact system, the paper’s ODE and the blocks?"
 SCENES = ("paper",)
 SECONDS = (5.0, 18.0)
+
+MASSES = {"block8": 8.0, "block12": 12.0}
+"""M of each block."""
+
+_ITERATIONS = 200
+_CONVERGED = 1e-12
+
+WAVES = ("kelvin-voigt", "delay")
+"""Models with reverberations; their orbits lose stability."""
+
+_TOLERANCE = 1e-8
+_ONSET = 1e-12  # the onset is bracketed to 1e-13
+_KNOWN = 1e-9  # the error of the other programs' periods
+_SETTLED = 1e-9  # orbits of branches to their own tolerance
+_THICK_LAW = 0.025
+
+
+class Periods(NamedTuple):
+    """At one r, by model (transits): periods of all `orbits` found, and where none of these is stable, the mean over the cycles
+    of a run, with the number of its cycles."""
+
+    log10_r: float
+    orbits: dict[str, list[float]]
+    means: dict[str, memo.Means]
+
+    @property
+    def ranges(self) -> PeriodRanges:
+        """Lowest and highest period, two standard errors of a mean included."""
+        ode, delay, *blocks = map(self._range, (*WAVES, *MASSES))
+        return PeriodRanges(self.log10_r, ode, delay, (min(low for low, _ in blocks), max(high for _, high in blocks)))
+
+    def _range(self, model: str) -> tuple[float, float]:
+        mean = self.means.get(model)
+        ends = [mean.period.value + share * mean.period.error for share in (-2.0, 2.0)] if mean else []
+        values = [*self.orbits.get(model, []), *ends]
+        return min(values), max(values)
+
 
 _ENDS = {True: {"kelvin-voigt": (-2.64, FAR), "delay": (-2.3, 74.6)}, False: {"kelvin-voigt": (-2.3, FAR), "delay": (-2.3, 80.0)}}
 """By quick or full report and model: log10 r and the period (transits) at which its branch ends."""
@@ -39,10 +83,10 @@ def run(budget: Budget) -> StudyResult:
     """Follow both branches, find the blocks' orbits, and run where no orbit is stable."""
     quick = budget.quick
     branches = {model: branch_of(model, *_ENDS[quick][model]) for model in budget.each(_ENDS[quick], end=0.7)}
-    listed = [measured.periods_at(log10_r, branches, _UNTIL[quick]) for log10_r in _GRID[quick]]
+    listed = [periods_at(log10_r, branches, _UNTIL[quick]) for log10_r in _GRID[quick]]
     budget.report(0.9)
     ratios = {model: {x: orbit(model, x).cycle.period / period_of(scene_at(x), model) for x in _THICK} for model in MASSES}
-    runs = {place: measured.settled_period(*place) for place in _RUN}
+    runs = {place: settled_period(*place) for place in _RUN}
     return StudyResult(
         answer=_answer(listed),
         figures=(
@@ -56,7 +100,7 @@ def run(budget: Budget) -> StudyResult:
             ),
         ),
         tables=(period_table(listed), mean_table(listed)),
-        verdicts=(order(listed), *known(listed), measured.settled(listed, runs), measured.at_onset(branches), thick(ratios)),
+        verdicts=(order(listed), *known(listed), settled(listed, runs), at_onset(branches), thick(ratios)),
         notes=(_ENERGY,),
         numbers=_numbers(listed),
     )
@@ -87,7 +131,6 @@ _ENERGY = (
     "loses nothing and swings through, so that the elastic drop is twice the fall of friction; slabs keep part of the energy in "
     "waves."
 )
-
 
 _TICKS = (50, 60, 70, 80, 90, 100, 120, 140)
 _LOWEST, _HIGHEST = 47.0, 145.0
@@ -169,3 +212,99 @@ def _keys() -> list[Any]:
     mean = key(marker="o", color="#555555", markerfacecolor="white", linestyle="none", label="mean of a run")
     law = key(label="law for thick slabs", **_LAW)
     return [*lines, *special_keys(()), mean, law, key(label="the paper’s values", **_PAPER)]
+
+
+def period_of(scene: Scene, model: str) -> float:
+    """The period (transits) of the block called `model`, for alike plain slabs and the ageing law; NaN where the law has none."""
+    a, b = float(scene.law.a), float(scene.law.b)
+    velocity, r, epsilon = scene.velocity, scene.transit, scene.upper.epsilon
+    drop = 1.0
+    for _ in range(_ITERATIONS):
+        healed = drop / (epsilon * velocity) * r
+        fastest = 0.5 * math.sqrt(MASSES[model]) * drop / epsilon
+        if not healed * fastest > 1.0:
+            break
+        fall = a * math.log(epsilon * velocity / (r * b)) + b * math.log(healed) + (b - a) * math.log(fastest)
+        new = 2.0 * fall * (1.0 - 0.5 * math.log(healed * fastest) / (r * drop / epsilon))
+        if abs(new - drop) < _CONVERGED:
+            return new / (epsilon * velocity)
+        drop = new
+    return math.nan
+
+
+def periods_at(log10_r: float, branches: dict[str, Branch], until: float) -> Periods:
+    """All models at one r; runs last `until` (transits)."""
+    closed = {model: branches[model].orbits_at(log10_r) for model in WAVES} | {model: [orbit(model, log10_r)] for model in MASSES}
+    orbits = {model: [one.cycle.period for one in found] for model, found in closed.items() if found}
+    unstable = [model for model in WAVES if all(count_unstable(one) for one in closed[model])]
+    return Periods(log10_r, orbits, {model: memo.means(model, scene_at(log10_r), until) for model in unstable})
+
+
+def orbit(model: str, log10_r: float) -> Closed:
+    """The orbit that a run comes near to, by Newton's method."""
+    return memo.own_orbit(model, scene_at(log10_r), _TOLERANCE).closed
+
+
+def settled_period(model: str, log10_r: float) -> float:
+    """The period on which a direct run settles."""
+    return memo.settled(model, scene_at(log10_r), 1e-10, 1e-9).orbit.period.value
+
+
+def order(listed: list[Periods]) -> Verdict:
+    """P7 over the whole range of r."""
+    means = sum(bool(one.means) for one in listed)
+    remark = (
+        f"all orbits that are known at an r, stable or not; at {means} r, where no orbit of a model is stable, also the mean "
+        "over a long run, with two standard errors"
+    )
+    return order_of_periods([one.ranges for one in listed], remark)
+
+
+def known(listed: list[Periods]) -> Iterator[Verdict]:
+    """The periods that the paper prints at log10 r = -2.68, and those that other programs found."""
+    paper, here = reference()["paper"], next(one for one in listed if one.log10_r == -2.68)
+    pairs = {model: (here.orbits[model][0], paper[name]) for model, name in (("kelvin-voigt", "T_ode"), ("delay", "T_dde"))}
+    yield holding(
+        "The paper’s periods at log_{10} r = −2.68 lie on the curves",
+        PAPER,
+        ", ".join(f"{printed:g} ({model})" for model, (_, printed) in pairs.items()),
+        ", ".join(f"{ours:.4f}" for ours, _ in pairs.values()),
+        all(abs(ours - printed) <= half_digit(printed) for ours, printed in pairs.values()),
+        "half of the last printed digit is allowed",
+    ).with_margin(max(abs(ours - printed) / half_digit(printed) for ours, printed in pairs.values()), 1.0)
+    off = [
+        abs(one.orbits[model][0] / entry["period"] - 1.0)
+        for model in (*WAVES, *MASSES)
+        for entry in reference()["orbits"][model]
+        for one in listed
+        if one.log10_r == entry["log10_r"] and model in one.orbits
+    ]
+    remark = f"{len(off)} orbits of four models, against AUTO-07p, variational shooting and lifted shooting"
+    yield claim("Periods are those of other programs", WITNESS, max(off), _KNOWN, remark)
+
+
+def settled(listed: list[Periods], runs: dict[tuple[str, float], float]) -> Verdict:
+    """Direct runs where orbits are stable."""
+    at = {one.log10_r: one for one in listed}
+    off = max(abs(period / at[log10_r].orbits[model][0] - 1.0) for (model, log10_r), period in runs.items())
+    places = ", ".join(f"{model} at {log10_r:g}".replace(" -", " −") for model, log10_r in runs)
+    return claim("Direct runs settle on these periods", WITNESS, off, _SETTLED, f"relative difference of T; {places}")
+
+
+def at_onset(branches: dict[str, Branch]) -> Verdict:
+    """Where the curves begin, against the closed forms."""
+    scene = slipwave.read("paper")
+    closed = onset_of(scene.law, scene.upper.epsilon, scene.velocity)
+    critical = {"delay": closed.r_delay, "kelvin-voigt": closed.r_kelvin_voigt}
+    off = [abs(branches[model].onset.period * closed.omega_c * r / (2.0 * math.pi) - 1.0) for model, r in critical.items()]
+    remark = "relative; roots of the characteristic equation against ω_{c} (20) and r_{c} (27), (39)"
+    return claim("The curves begin with T = 2π/(ω_{c} r_{c})", EXACT, max(off), _ONSET, remark)
+
+
+def thick(ratios: dict[str, dict[float, float]]) -> Verdict:
+    """The law for thick slabs: T over it, by model and log10 r."""
+    places = list(ratios["block8"])
+    began, ended = (max(abs(found[place] - 1.0) for found in ratios.values()) for place in (places[0], places[-1]))
+    where = minus(f"relative difference at log_{{10}} r = {places[-1]:g}; it is {began:.3f} at {places[0]:g}")
+    title = "The blocks’ periods approach the law T = Δy/(εV) with the full overshoot as the slabs become thick"
+    return claim(title, ASYMPTOTIC, ended, _THICK_LAW, f"{where}. No number of the law is fitted")

@@ -2,39 +2,65 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 import slipwave
+from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
-from validation.measure.cycle import Cycle
-from validation.studies.unlike_slabs.runs import MODELS, TOLERANCE, UNTIL, Costs, PairRun, costs, march_pair
-from validation.study import (
-    SELF,
-    WITNESS,
-    Budget,
-    Cell,
-    Figure,
-    Number,
-    Omission,
-    Outcome,
-    StudyResult,
-    Table,
-    Verdict,
-    claim,
-    holding,
-    in_range,
-    table,
-)
+from slipwave.scene import Scene
+from slipwave.solve import follow
+from validation.measure.cycle import Cycle, cut, watch
+from validation.registry.build import build
+from validation.registry.families import explicit_time
+from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, table
 from validation.study.drawing import Drawing, subplots
 from validation.study.text import plain, power, run_time
-from validation.timing import UNLIKE_R
+from validation.study.verdict import SELF, WITNESS, Outcome, Verdict, claim, holding, in_range
+from validation.timing import UNLIKE_R, March, Setting, alike_and_unlike, in_turn, warm_up
 
 NAME = "unlike-slabs"
 QUESTION = "Do the exact delay system and the full wave agree for slabs that differ, and what does the difference cost?"
 SCENES = ("unlike", "unlike-irrational", "paper")
 SECONDS = (6.0, 16.0)
 TIMED = True
+
+UNTIL = 600.0
+TOLERANCE = 1e-11
+"""Of the delay system."""
+_WATCHED = 140.0  # transits before UNTIL that are kept for the picture
+_BEFORE, _AFTER = 3.0, 2.0
+
+MODELS: dict[str, tuple[float, dict[str, Any]]] = {
+    "delay": (600.0, {"tolerance": 1e-9}),
+    "delay, loose": (600.0, {"tolerance": 1e-6}),
+    "dg:7": (200.0, {"cells": 4, "time": "explicit"}),
+    "dg:7, finer": (60.0, {"cells": 8, "time": "explicit"}),
+    "fd": (200.0, {"cells": 128, "cfl": 0.5}),
+}
+"""Row -> transits timed and options."""
+
+Costs = dict[str, dict[str, float]]
+"""model -> pair -> microseconds a transit."""
+
+
+@dataclass(frozen=True)
+class PairRun:
+    """A model's grid; psi at UNTIL, and period, drop and largest rate of the last complete cycle; that cycle and a little on both
+    sides."""
+
+    model: str
+    cells: int | None
+    figures: dict[str, float]
+    cycle: Cycle
+
+    def differs(self, exact: "PairRun") -> dict[str, float]:
+        """Difference in psi (absolute) and in the cycle's figures (relative)."""
+        ours, theirs = self.figures, exact.figures
+        return {name: ours[name] - theirs[name] if name == "psi" else ours[name] / theirs[name] - 1.0 for name in ours}
+
 
 _PAIRS = {"unlike": "2", "unlike-irrational": "√2"}
 """Scene -> its ratio of round trips; the ratio of impedances is 3 in both."""
@@ -216,3 +242,33 @@ def _spread(time: Array, rate: Array) -> Array:
     """Indices evenly spaced along the curve of ln v over time, about 110 of them."""
     length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(time) / np.ptp(time), np.diff(np.log(rate)) / 12.0))])
     return np.unique(np.searchsorted(length, np.linspace(0.0, length[-1], 110)))
+
+
+def march_pair(scene: Scene, model: str, cells: int | None = None, cfl: float | None = None) -> PairRun:
+    """Run `model` on `scene` to UNTIL."""
+    if model == "delay":
+        solver = build(model, scene, tolerance=TOLERANCE)
+    else:
+        solver = build(model, scene, cells=cells, cfl=cfl, time=explicit_time(model))
+    observer = watch(solver, UNTIL - _WATCHED)
+    history = HistoryObserver(scene.law, solver.nodes)
+    final = follow(solver, UNTIL, [observer, history])
+    events = observer.events()
+    last = {name: float(getattr(events, name)[-1]) for name in ("period", "stress_drop", "v_max")}
+    samples = history.samples(per_piece=6 if model == "delay" else 1)
+    cycle = cut(scene.law, samples, float(events.time[-1]), last["period"], _BEFORE, _AFTER)
+    return PairRun(model, cells, {"psi": final.psi, **last}, cycle)
+
+
+def costs(repeats: int) -> Costs:
+    """Least of `repeats` runs of every model on every pair; the pairs alternate."""
+    scene = alike_and_unlike()
+    found: Costs = {}
+    for row, (until, options) in MODELS.items():
+        setting = Setting(row.partition(",")[0], **options)
+        runs = {name: March(setting, pair, until) for name, pair in scene.items()}
+        for pair in scene.values():
+            warm_up(setting, pair)
+        rounds = in_turn(runs, repeats)
+        found[row] = {name: 1e6 * min(times[name] for times in rounds) / until for name in scene}
+    return found

@@ -1,0 +1,293 @@
+"""Outer faces that reflect a part of each wave: grips, which keep the load, and bare coefficients, which leak it."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import slipwave
+from slipwave.friction.ageing import Ageing
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.solve import follow
+from validation.measure.cycle import watch
+from validation.measure.settle import NoCycle
+from validation.registry.build import build
+from validation.registry.families import explicit_time
+from validation.study import Budget, Figure, Number, StudyResult, Table, memo, table
+from validation.study.drawing import Drawing, subplots
+from validation.study.text import plain
+from validation.study.verdict import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, every, holding
+
+NAME = "partial-reflection"
+QUESTION = "What do outer faces that reflect only a part of each wave do to stick-slip?"
+SCENES = ("paper",)
+SECONDS = (5.0, 12.0)
+
+LOG10_R, LOG10_R_BARE = -2.6, -2.66
+"""log10 r of the runs with grips alone, and of those with bare coefficients."""
+HELD = 10.0
+"""Stiffness of the grips beside bare coefficients."""
+UNTIL = 900.0
+"""Transits before which the two models' last complete cycle is compared."""
+RESTLESS = 1e-2
+"""More than this from cycle to cycle, relative, is not an orbit."""
+
+_MOST = 5000.0
+_PROMISED = {True: 5e-9, False: 5e-10}  # quick report (8 cells) or full (12)
+_OUTLIVES = 3.0  # the threshold, times the period, may lie between 1/3 and this
+
+
+class Point(NamedTuple):
+    """Period, stress drop and largest rate; NaN where there is no cycle."""
+
+    period: float = math.nan
+    drop: float = math.nan
+    v_max: float = math.nan
+
+
+class Pair(NamedTuple):
+    """The last complete cycle before `UNTIL` by the delay system and by the full wave."""
+
+    stiffness: float
+    impedance: float
+    exact: Point
+    wave: Point
+
+    @property
+    def differences(self) -> list[float]:
+        """Relative differences of the three figures."""
+        return [ours / theirs - 1.0 for ours, theirs in zip(self.wave, self.exact, strict=True)]
+
+
+STIFFNESSES = (1.0, 10.0)
+_LEAKS = {
+    True: (1e-5, 1e-3, 3e-3, 6e-3, 0.02, 0.1, 0.5),
+    False: (1e-5, 1e-4, 3e-4, *(1e-3 * n for n in range(1, 9)), 0.01, 0.02, 0.05, 0.1, 0.15, 0.25, 0.5, 1.0),
+}
+"""By quick or full report: values of 1 - R."""
+_SLOW_LEAKS = (0.05, 0.1, 0.15, 0.25, 0.5)  # 1 - R on both sides of locking
+
+
+def run(budget: Budget) -> StudyResult:
+    """Settle over the grip's impedance, lay the full wave over it, then lower a bare coefficient from 1."""
+    grid = np.geomspace(0.01, 100.0, 9 if budget.quick else 17)
+    orbits = {stiff: [orbit_of(grip_scene(stiff, z, LOG10_R)) for z in grid] for stiff in STIFFNESSES}
+    budget.report(0.4)
+    few = (0.1, 1.0, 10.0) if budget.quick else tuple(grid[::4])
+    pairs = [pair_of(k, z, budget.quick) for k in STIFFNESSES for z in few]
+    budget.report(0.6)
+    leaks = _LEAKS[budget.quick]
+    bare = [orbit_of(bare_scene(leak)) for leak in leaks]
+    held = [orbit_of(grip_scene(HELD, 2.0 / leak - 1.0, LOG10_R_BARE)) for leak in leaks]
+    ends = [
+        end_of(bare_scene(leak)) if math.isnan(point.period) else "stick-slip" for leak, point in zip(leaks, bare, strict=True)
+    ]
+    edge = locking_leak()
+    slow = {leak: end_of(bare_scene(leak, nudge=0.01)) for leak in _SLOW_LEAKS}
+    return StudyResult(
+        answer=_answer(leaks, ends, held),
+        figures=(
+            Figure("grip", _GRIP, lambda: over_grip(grid, orbits, pairs)),
+            Figure("bare", _BARE, lambda: bare_and_grip(np.array(leaks), bare, held, edge)),
+        ),
+        tables=(wave_table(pairs), bare_table(leaks, bare, held, ends)),
+        verdicts=(
+            agreement(pairs, budget.quick),
+            dies(leaks, ends, bare[0].period),
+            keeps(leaks, held),
+            locks(slow, edge),
+        ),
+        notes=(
+            "A locked interface returns each wave whole, the outer face returns the share R of it. Behind a bare coefficient the "
+            "load therefore falls by the factor R every transit, to 1/e in about 1/(1 − R) transits. Stick-slip needs a load "
+            "that lasts for a period.",
+        ),
+        numbers={f"grip {k:g}, Z_{{g}}/ε = 1: T": Number(orbits[k][len(grid) // 2].period, 1e-7) for k in STIFFNESSES},
+    )
+
+
+def _answer(leaks: tuple[float, ...], ends: list[str], held: list[Point]) -> str:
+    alive, dead = last_alive(leaks, ends)
+    kept = sum(not math.isnan(point.period) for point in held)
+    return (
+        f"Grips keep the cycle at {kept} of {len(held)} reflections tried, down to R = {1.0 - max(leaks):g}; bare coefficients, "
+        f"which leak the load, end it between 1 − R = {plain(alive, '.0e')} and {plain(dead, '.0e')}."
+    )
+
+
+_GRIP = (
+    "Period and stress drop over the impedance of grips of two stiffnesses K (in ε a transit), log_{10} r = −2.6. Z_{g} = ε "
+    "absorbs every wave. Lines: delay system, settled (a gap: no cycle). Circles: full wave (discontinuous Galerkin), crosses: "
+    f"delay system, both in the last complete cycle before {UNTIL:.0f} transits, which is not settled where cycles are long."
+)
+_BARE = (
+    "Period, stress drop and largest rate over 1 − R, log_{10} r = −2.66: bare coefficients, which leak the load, and grips of "
+    "the same high-frequency reflection, which keep it. Dotted: 1 − R beyond which the interface locks instead of sliding on."
+)
+
+_LOOKS = (("#111111", "-"), ("#0072b2", (0, (5, 1.5))))
+
+
+def wave_table(pairs: list[Pair]) -> Table:
+    """Delay system and full wave, grip by grip."""
+    rows = ((pair.stiffness, pair.impedance, *pair.exact, *pair.differences) for pair in pairs)
+    differences = [f"difference in {name} [relative] .0e" for name in ("T", "Δμ", "v_{max}")]
+    columns = "K [ε a transit] .0f | Z_{g}/ε .3g | T [transits] .9g | Δμ [σ] .7f | v_{max} [V*] .7g"
+    caption = (
+        f"Slabs in grips of stiffness K and impedance Z_{{g}}, log_{{10}} r = −2.6: last complete cycle before {UNTIL:.0f} "
+        "transits by the delay system, and how far discontinuous Galerkin is from it in the same cycle."
+    )
+    return table("grips", caption, " | ".join([columns, *differences]), rows)
+
+
+def bare_table(leaks: tuple[float, ...], bare: list[Point], held: list[Point], ends: list[str]) -> Table:
+    """Bare coefficients beside grips of the same reflection."""
+    rows = ((q, end, *point, 2.0 / q - 1.0, *grip) for q, end, point, grip in zip(leaks, ends, bare, held, strict=True))
+    figures = "T [transits] .6g | Δμ [σ] .5f | v_{max} [V*] .0f"
+    heading = f"1 − R .0e | bare: ends as | {figures} | grip: Z_{{g}}/ε .5g | {figures}"
+    caption = (
+        "Left: faces with a bare coefficient R, right: grips that reflect the same share of a fast wave, stiffness 10 ε a "
+        f"transit; log_{{10}} r = −2.66, delay system. A dash: no cycle that repeats to {plain(RESTLESS, '.0e')}."
+    )
+    return table("bare", caption, heading, rows)
+
+
+def over_grip(grid: Array, orbits: Mapping[float, Sequence[Any]], pairs: Sequence[Any]) -> Drawing:
+    """`orbits`: stiffness -> points (period, drop, v_max) over `grid`; `pairs` hold the full wave's points."""
+    figure, panels = subplots(3.8, 1, 2, r"$Z_g/\epsilon$")
+    for (stiffness, points), (color, dashes) in zip(orbits.items(), _LOOKS, strict=True):
+        for axes, which in zip(panels, (0, 1), strict=True):
+            label = f"delay system, $K = {stiffness:g}$"
+            axes.semilogx(grid, [point[which] for point in points], color=color, linestyle=dashes, marker=".", label=label)
+            chosen = [pair for pair in pairs if pair.stiffness == stiffness]
+            at = [p.impedance for p in chosen]
+            axes.plot(at, [p.exact[which] for p in chosen], "+", color=color, markersize=8)
+            axes.plot(at, [p.wave[which] for p in chosen], "o", color="#d55e00", markerfacecolor="none")
+    panels[1].lines[-1].set_label("full wave")
+    for axes, name in zip(panels, ("period $T$ (transits)", r"stress drop $\Delta\mu$"), strict=True):
+        axes.set_ylim(bottom=0.0)
+        axes.set_ylabel(name)
+        axes.grid(True)
+    lines = [panels[1].lines[0], panels[1].lines[3], panels[1].lines[-1]]
+    figure.legend(handles=lines, loc="outside upper left", ncols=3, handlelength=3.0)
+    return figure
+
+
+def bare_and_grip(leaks: Array, bare: Sequence[Any], held: Sequence[Any], edge: float) -> Drawing:
+    """Points (period, drop, v_max) over `leaks` = 1 - R; the interface locks beyond `edge`."""
+    figure, panels = subplots(3.4, 1, 3, "$1 - R$")
+    names = ("period $T$ (transits)", r"stress drop $\Delta\mu$", r"$v_{max}/V^*$")
+    for which, (axes, name) in enumerate(zip(panels, names, strict=True)):
+        for points, (color, dashes), marker, label in zip(
+            (bare, held), _LOOKS, ("o", "^"), ("bare coefficient $R$", "grip of the same reflection"), strict=True
+        ):
+            values = [point[which] for point in points]
+            axes.semilogx(leaks, values, color=color, linestyle=dashes, marker=marker, markersize=4, label=label)
+        axes.axvline(edge, color="#6b6b66", linewidth=0.8, linestyle=(0, (1, 2)))
+        axes.set_ylim(bottom=0.0)
+        axes.set_title(name)
+        axes.grid(True)
+    figure.legend(handles=panels[0].lines[:2], loc="outside upper left", ncols=2, handlelength=3.0)
+    return figure
+
+
+def grip_scene(stiffness: float, impedance: float, log10_r: float) -> Scene:
+    """The paper's slabs in grips, relative to epsilon a transit and epsilon."""
+    face = {"slab.face.kind": "grip", "slab.face.stiffness": stiffness, "slab.face.impedance": float(impedance)}
+    return slipwave.read("paper", {"slab.log10_r": log10_r, **face})
+
+
+def bare_scene(leak: float, nudge: float = 0.5) -> Scene:
+    """The paper's slabs behind faces of R = 1 - `leak`."""
+    face = {"slab.face.kind": "reflection", "slab.face.coefficient": 1.0 - leak}
+    return slipwave.read("paper", {"slab.log10_r": LOG10_R_BARE, "start.size": nudge, **face})
+
+
+def orbit_of(scene: Scene) -> Point:
+    """The settled cycle of the delay system, NaN if there is none."""
+    try:
+        found = memo.settled("delay", scene, most=_MOST)
+    except NoCycle:
+        return Point()
+    orbit = found.orbit
+    return Point(orbit.period.value, orbit.stress_drop.value, orbit.v_max.value) if found.unrest < RESTLESS else Point()
+
+
+def pair_of(stiffness: float, impedance: float, quick: bool) -> Pair:
+    """The same cycle by the delay system and by the full wave."""
+    scene = grip_scene(stiffness, impedance, LOG10_R)
+    exact = last_cycle(scene, "delay", None, 1e-11)
+    return Pair(stiffness, float(impedance), exact, last_cycle(scene, "dg:7", 8 if quick else 12, None))
+
+
+def last_cycle(scene: Scene, model: str, cells: int | None, tolerance: float | None) -> Point:
+    """The last complete cycle of a run to `UNTIL`."""
+    march = None if model == "delay" else explicit_time(model)
+    events = watch(build(model, scene, cells=cells, tolerance=tolerance, time=march), UNTIL).events()
+    return Point(float(events.period[-1]), float(events.stress_drop[-1]), float(events.v_max[-1]))
+
+
+def end_of(scene: Scene) -> str:
+    """How a run without a cycle ends: `steady` if v is back at V, `locks` if it has fallen far below."""
+    behind = follow(build("delay", scene), _MOST).ln_v - math.log(scene.velocity)
+    return "steady" if abs(behind) < 0.1 else "locks" if behind < -1.0 else "still decaying"
+
+
+def locking_leak() -> float:
+    """1 - R beyond which the leak, a dashpot (eps/2)(1 + R)/(1 - R), is weaker than friction's weakening (b - a)/V."""
+    scene = slipwave.read("paper")
+    law: Ageing = scene.law
+    return 2.0 / (1.0 + 2.0 * (law.b - law.a) / (scene.velocity * scene.upper.epsilon))
+
+
+def last_alive(leaks: tuple[float, ...], ends: list[str]) -> tuple[float, float]:
+    """Largest 1 - R that still sticks and slips (0 if none does), and the next one (infinite if there is none)."""
+    alive = max((i for i, end in enumerate(ends) if end == "stick-slip"), default=-1)
+    around = (0.0, *leaks, math.inf)
+    return around[alive + 1], around[alive + 2]
+
+
+def agreement(pairs: list[Pair], quick: bool) -> Verdict:
+    """Delay system and full wave on grips."""
+    off = max(abs(off) for pair in pairs for off in pair.differences)
+    remark = "period, drop and largest rate of the last complete cycle; `dg:7`"
+    return claim("Slabs in grips: delay system and full wave agree", WITNESS, off, _PROMISED[quick], remark)
+
+
+def dies(leaks: tuple[float, ...], ends: list[str], period: float) -> Verdict:
+    """Where bare coefficients end the cycle, whose `period` (transits) is that of the least leak."""
+    alive, dead = last_alive(leaks, ends)
+    lives = math.sqrt(alive * dead) * period
+    return holding(
+        "Behind bare coefficients stick-slip lasts only while the load outlives the cycle",
+        ASYMPTOTIC,
+        f"ends at (1 − R) T between 1/{_OUTLIVES:g} and {_OUTLIVES:g}",
+        f"{lives:.2f}",
+        1.0 / _OUTLIVES < lives < _OUTLIVES,
+        f"1 − R between {alive:g} and {dead:g}, T = {period:.1f} transits with almost no leak; delay system",
+    ).with_margin(abs(math.log(lives)) if lives > 0.0 else math.inf, math.log(_OUTLIVES))
+
+
+def keeps(leaks: tuple[float, ...], held: list[Point]) -> Verdict:
+    """Whether grips of the same reflection keep it."""
+    lost = [f"{leak:g}" for leak, point in zip(leaks, held, strict=True) if math.isnan(point.period)]
+    title = "Grips of the same reflection keep the stick-slip that bare coefficients lose"
+    remark = f"stiffness {HELD:g} ε a transit, Z_{{g}}/ε = (1 + R)/(1 − R); delay system"
+    remark += f"; none at 1 − R = {', '.join(lost)}" if lost else ""
+    return every(title, WITNESS, len(held) - len(lost), len(held), remark, "R")
+
+
+def locks(slow: dict[float, str], edge: float) -> Verdict:
+    """Whether runs behind bare coefficients lock beyond the `edge` and only there."""
+    right = sum(end == ("locks" if leak > edge else "steady") for leak, end in slow.items())
+    return every(
+        "A face that leaks faster than friction weakens lets the interface lock",
+        EXACT,
+        right,
+        len(slow),
+        f"beyond 1 − R = {edge:.4f}; {', '.join(f'{leak:g}: {end}' for leak, end in slow.items())}; "
+        "(ε/2)(1 + R)/(1 − R) = (b − a)/V there. Start: a nudge of 0.01; a large one locks the interface at a somewhat smaller 1 "
+        "− R",
+    )
