@@ -18,6 +18,7 @@ from validation.studies.laboratory.measured import (
     rise_time,
     samples,
 )
+from validation.studies.laboratory.programs import beside, on_programs, printed_rows
 from validation.studies.laboratory.shown import LAWS, NAMES, Band, Case, Variant, draw_cases, measured_figure
 from validation.study import Outcome, Verdict
 
@@ -105,3 +106,15 @@ def test_damping_of_a_block_is_that_of_the_steel_times_a_factor() -> None:
     peaks = [MeasuredCycle(1.0, 0.02, share * measured_figure(row, "peak")) for share in (1.2, 0.1)]
     found = [on_damping([Variant(row, "damping 20 ρc/2", one)]).outcome for one in peaks]
     assert found == [Outcome.PASS, Outcome.FINDING]
+
+
+@pytest.mark.parametrize("row", printed_rows()[2:], ids=["step", "hold"])
+def test_friction_that_another_program_prints_is_ours_and_gives_its_parameters_back(row: Mapping[str, Any]) -> None:
+    found = beside(row)
+    assert 0.0 < found.apart < 1e-9  # nine digits are printed
+    assert found.ratios == pytest.approx((1.0, 1.0, 1.0), abs=1e-6)
+    friction = [value + 2e-9 * (k == 7) for k, value in enumerate(row["friction"])]
+    wrong = beside({**row, "friction": friction})
+    assert outcomes([*on_programs([found]), *on_programs([wrong])]) == ["pass", "pass", "fail", "pass"]
+    off = found._replace(ratios=found.ratios._replace(length=1.0 + 2e-5))
+    assert outcomes([*on_programs([off])]) == ["pass", "fail"]

@@ -7,6 +7,7 @@ import pytest
 
 import slipwave as sw
 from slipwave import SceneError, read_scene
+from validation.data.quantities import heading
 from validation.data.series import Series, read_series
 
 TIME, MOVED, FRICTION = [0.0, 0.5, 1.25], [0.0, 5e-6, 1.25e-5], [0.6, 0.61, 0.605]
@@ -44,6 +45,50 @@ def test_the_same_record_in_many_shapes(text: str, options: dict[str, str], tmp_
         assert found.is_own is False
         for name, values in (("time", TIME), ("load_point_displacement", MOVED), ("friction", FRICTION)):
             np.testing.assert_allclose(found[name], values, rtol=1e-14, err_msg=text)
+
+
+@pytest.mark.parametrize(
+    ("text", "quantity", "unit"),
+    [
+        ("x_lp [mm]", "load_point_displacement", "mm"),
+        ("Disp. load point [\u00b5m]", "load_point_displacement", "\u00b5m"),
+        ("LoadPointDisp_um", "load_point_displacement", "um"),
+        ("\u03b4_lp (um)", "load_point_displacement", "um"),
+        ("Ram Disp (mm)", "load_point_displacement", "mm"),
+        ("Coefficient of friction", "friction", None),
+        ("Friction coeff. [-]", "friction", "-"),
+        ("\u00b5", "friction", None),
+        ("ShearStress_MPa", "shear_stress", "MPa"),
+        ("Eff. normal stress (MPa)", "normal_stress", "MPa"),
+        ("Normal disp (um)", "", "um"),
+        ("Shear displacement (mm)", "", "mm"),
+        ("coefficient", "", None),
+    ],
+)
+def test_a_heading_says_its_quantity_in_any_order_of_words(text: str, quantity: str, unit: str | None) -> None:
+    assert heading(text) == (quantity, unit)
+
+
+def test_lines_that_mark_missing_values_are_left_out_or_told(tmp_path: Path) -> None:
+    rows = [f"{k},{0.6 + 0.001 * (k % 3):g},7" for k in range(20)]
+    rows[4], rows[9] = "4,-999.00,-999", "9,NaN,7"
+    text = "time [s],mu,temperature\n" + "\n".join(rows) + "\n"
+    found = read_series(written(tmp_path, text), missing="nan,-999")
+    assert found["time"].tolist() == [k for k in range(20) if k not in (4, 9)]
+    assert "2 lines with nan,-999 left out" in found.notes
+    assert found["friction"].min() == 0.6
+    with pytest.raises(SceneError, match=r"line 11: column 2 is 'NaN': must be a finite number \(--missing=nan leaves"):
+        read_series(written(tmp_path, text))
+    told = (
+        "column 2, line 6: friction is -999, all others are from 0.6 to 0.602: if it stands for a missing value, --missing=-999"
+    )
+    with pytest.raises(SceneError, match=told):
+        read_series(written(tmp_path, text), missing="nan")
+    high = text.replace("-999.00", "9.5").replace("NaN", "9.5")  # in two lines
+    with pytest.raises(SceneError, match=r"line 6: friction is 9\.5"):
+        read_series(written(tmp_path, high))
+    near = text.replace("-999.00", "0.595").replace("NaN", "0.61")
+    assert len(read_series(written(tmp_path, near))) == 20  # four times the range of the others away
 
 
 def test_columns_of_the_seas_benchmarks_are_known_by_name(tmp_path: Path) -> None:

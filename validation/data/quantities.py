@@ -2,6 +2,7 @@
 
 import re
 from typing import NamedTuple
+from unicodedata import normalize
 
 from slipwave.errors import SceneError
 from slipwave.input.quantity import quantity
@@ -20,6 +21,7 @@ class Measured(NamedTuple):
     usual: str = ""
 
 
+_PULLS = ("load_point", "loadpoint", "load", "loading", "lp", "vert", "vertical", "axial", "ram", "piston", "actuator", "stage")
 _RATES = "m/s, mm/s, um/s, nm/s, V*"
 _LENGTHS, _STRESSES = "m, mm, um, nm, L", "Pa, kPa, MPa, GPa, bar, psi, normal stress"
 
@@ -29,17 +31,8 @@ MEASURED = {
         "m",
         "L",
         (
-            *(
-                "disp",
-                "displacement",
-                "load_point",
-                "load_displacement",
-                "loading_displacement",
-                "load_disp",
-                "lp_disp",
-                "lpdisp",
-            ),
-            *("loadpoint", "loadpoint_displacement", "load_point_disp", "vert_disp", "vertical_displacement"),
+            *("disp", "displacement", "load_point", "loadpoint", "lp", "x_lp", "u_lp", "d_lp", "delta_lp", "lpdisp", "disp_lp"),
+            *(f"{who}_{what}" for what in ("disp", "displacement") for who in _PULLS),
         ),
         _LENGTHS,
     ),
@@ -55,13 +48,14 @@ MEASURED = {
     "slip": Measured("m", "L", ("delta", "slip_2", "fault_slip", "slip_displacement", "onboard_disp", "obdisp"), _LENGTHS),
     "slip_rate": Measured("m/s", "V*", ("v", "sliprate", "slip_rate_2", "slip_velocity"), _RATES),
     "shear_stress": Measured("Pa", "normal stress", ("tau", "stress", "shear", "shear_stress_2"), _STRESSES),
-    "friction": Measured("", "", ("mu", "friction_coefficient", "coefficient_of_friction", "coeff_friction", "cof")),
+    "friction": Measured("", "", ("mu", "cof")),
     "normal_stress": Measured("Pa", "normal stress", ("sigma", "sigma_n", "normal", "sn"), _STRESSES),
     "state": Measured("s", "L/V*", ("theta", "state_variable"), "s, L/V*"),
 }
-"""By the name that its column has here; the names are compared in small letters, with _ for all else."""
+"""By the name that its column has here; the names are compared in small letters, with _ for all else, in any order of words."""
 
-_NAMES = {name: key for key, one in MEASURED.items() for name in (key, *one.names)}
+_FILLERS = ("of", "the", "coefficient", "coeff", "coef", "eff", "effective")
+_GREEK = {"μ": "mu", "τ": "tau", "σ": "sigma", "δ": "delta"}
 _OWN = {"transits": "transit", **{one.own.lower(): one.own for one in MEASURED.values() if one.own}}
 _PURE = ("", "-", "1", "none", "dimensionless")
 _IN_BRACKETS = re.compile(r"(.*?)\s*[\[({]([^\])}]*)[\])}]\s*")
@@ -85,23 +79,32 @@ class Heading(NamedTuple):
     unit: str | None
 
 
+def _words(name: str) -> frozenset[str]:
+    """What a name says, whatever the order of its words."""
+    return frozenset(name.split("_")).difference(_FILLERS)
+
+
+_NAMES = {_words(name): key for key, one in MEASURED.items() for name in (key, *one.names)}
+
+
 def heading(text: str) -> Heading:
     """What the heading of a column says: as in "Time [s]", "tau(MPa)", "mu", "disp_um", "log10 slip rate [m/s]"."""
     text = text.strip().strip("\"'").strip()
     found = _IN_BRACKETS.fullmatch(text)
     name, unit = (_plain(found[1]), found[2].strip()) if found else (_plain(text), None)
     for prefix in ("log10_", "log_"):
-        if name.startswith(prefix) and name.removeprefix(prefix) in _NAMES:
+        if name.startswith(prefix) and _words(name.removeprefix(prefix)) in _NAMES:
             name, unit = name.removeprefix(prefix), f"log10 {unit or ''}".strip()
-    if name in _NAMES:
-        return Heading(_NAMES[name], unit)
-    return (
-        next((one for one in map(_ending_in_unit, _cuts(text)) if one), Heading("", unit)) if unit is None else Heading("", unit)
-    )
+    key = _NAMES.get(_words(name), "")
+    found_in_cuts = () if key or unit is not None else filter(None, map(_ending_in_unit, _cuts(text)))
+    return next(iter(found_in_cuts), Heading(key, unit))
 
 
 def _plain(text: str) -> str:
-    return re.sub(r"\W+", "_", text.strip().lower().replace("μ", "mu").replace("τ", "tau").replace("σ", "sigma")).strip("_")
+    apart = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", normalize("NFKC", text)).lower()  # LoadPoint; two signs are called mu
+    for letter, name in _GREEK.items():
+        apart = apart.replace(letter, name)
+    return re.sub(r"[\W_]+", "_", apart).strip("_")
 
 
 def _cuts(text: str) -> list[tuple[str, str]]:
@@ -112,7 +115,7 @@ def _cuts(text: str) -> list[tuple[str, str]]:
 
 def _ending_in_unit(parts: tuple[str, str]) -> Heading | None:
     name, unit = parts
-    key = _NAMES.get(name)
+    key = _NAMES.get(_words(name))
     return Heading(key, unit) if key and unit and _size(unit, key) is not None else None
 
 

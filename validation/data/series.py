@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,6 +26,8 @@ Array = NDArray[np.float64]
 
 _COMMENTS = ("#", "%")
 _SKIP = ("", "_", "-")
+_ONE_RANGE = ("friction", "shear_stress", "load_point_displacement")  # in which no value is far from all others
+_FAR = 5.0  # times the range of the others
 
 
 @dataclass(frozen=True)
@@ -83,14 +86,13 @@ class _Text(NamedTuple):
     units: list[str]
 
 
-def read_series(
-    path: Path | str, columns: str | None = None, units: str | None = None, need: Iterable[str] = ("time",)
-) -> Series:
+def read_series(path: Path | str, columns: str | None = None, units: str | None = None, missing: str | None = None) -> Series:
     """Read a record. `columns` are the quantities in the order of the file ("time,stress,_", _ for one that is not read), `units`
-    those of its columns in this order, or pairs ("s,MPa" or "time=s,stress=MPa"); both go before what the file says.
+    those of its columns in this order, or pairs ("s,MPa" or "time=s,stress=MPa"); both go before what the file says. Lines with
+    one of the words or numbers in `missing` ("nan,-999") in a column that is read are left out.
 
-    Raises SceneError: a file that cannot be read or is empty, no heading and no `columns`, no column of time or of what is
-    needed, a cell that is no finite number (which line), a time that falls (which line), a unit that is not known.
+    Raises SceneError: a file that cannot be read or is empty, no heading and no `columns`, no column of time, a cell that is no
+    finite number or far from all others (which line), a time that falls (which line), a unit that is not known.
     """
     label = str(path)
     text = _parted(label, _lines_of(Path(path)))
@@ -98,16 +100,17 @@ def read_series(
     chosen = _chosen(label, headings, text)
     given = _given_units(label, units, [*headings.values()])
     found = {key: unit_of(given.get(key, headings[place].unit), key, f"{label!r}, column {key}") for key, place in chosen.items()}
+    text, gaps = _without_missing(text, list(chosen.values()), missing)
     values = _numbers(label, text, list(chosen.values()))
+    for (key, place), column in zip(chosen.items(), values.T, strict=True):
+        if key in _ONE_RANGE:
+            _require_no_mark(f"{label!r}, column {place + 1}", key, column, text.places)
     _require_units_of_one_kind(label, found)
     series = {key: _converted(column, found[key]) for (key, column) in zip(chosen, values.T, strict=True)}
     series, dropped = _rising(label, series, text.places)
     measured = {key: unit for key, unit in found.items() if MEASURED[key].unit}
     is_own = None if not any(measured.values()) else any(unit.is_own for unit in measured.values() if unit)
-    result = Series(label, series, is_own, [*_told(headings, chosen, measured, text), *dropped])
-    for name in need:
-        _ = result[name]
-    return result
+    return Series(label, series, is_own, [*_told(headings, chosen, measured, text), *gaps, *dropped])
 
 
 def _lines_of(path: Path) -> list[str]:
@@ -237,6 +240,32 @@ def _require_units_of_one_kind(label: str, units: Mapping[str, Unit | None]) -> 
         raise SceneError(f"{label!r}: {own} in the units of a scene, the rest in SI: must be all of one kind")
 
 
+def _without_missing(text: _Text, places: Sequence[int], missing: str | None) -> tuple[_Text, list[str]]:
+    """The lines without a mark of a missing value, and a note of how many there were."""
+    if missing is None:
+        return text, []
+    marks = {_as_mark(mark) for mark in missing.split(",")}
+    rows = (_cells(line, text.between) for line in text.lines)
+    kept = [not any(_as_mark(row[place]) in marks for place in places if place < len(row)) for row in rows]
+    lines, numbers = [*compress(text.lines, kept)], [*compress(text.places, kept)]
+    return text._replace(lines=lines, places=numbers), [f"{len(kept) - len(lines)} lines with {missing} left out"]
+
+
+def _as_mark(cell: str) -> str:
+    """Numbers that are equal are equal marks."""
+    return f"{float(cell.replace(',', '.')):g}" if _is_number(cell) else cell.strip().lower()
+
+
+def _require_no_mark(where: str, key: str, values: Array, places: Sequence[int]) -> None:
+    """Raises SceneError if one number, far outside the range of all others, is in a few lines: it marks what was not measured."""
+    for end in (values.min(), values.max()):
+        others = values[values != end]
+        low, high = (others.min(), others.max()) if others.size >= 0.9 * values.size > 9.0 else (end, end)
+        if max(low - end, end - high) > _FAR * (high - low) > 0.0:
+            told = f"line {places[int(np.argmax(values == end))]}: {key} is {end:g}, all others are from {low:g} to {high:g}"
+            raise SceneError(f"{where}, {told}: if it stands for a missing value, --missing={end:g} leaves such lines out")
+
+
 def _numbers(label: str, text: _Text, places: list[int]) -> Array:
     """The columns at these places, of shape (samples, columns). Raises SceneError naming the first line with a cell that is no
     finite number."""
@@ -254,12 +283,9 @@ def _numbers(label: str, text: _Text, places: list[int]) -> Array:
         for place in places:
             cell = cells[place] if place < len(cells) else ""
             if not (_is_number(cell) and math.isfinite(float(cell.replace(",", ".")))):
-                told = (
-                    f"column {place + 1} is {shorten(cell)}: must be a finite number"
-                    if cell
-                    else f"column {place + 1} is missing"
-                )
-                raise SceneError(f"{label!r}, line {number}: {told}")
+                told = f"is {shorten(cell)}: must be a finite number" if cell else "is missing"
+                way = " (--missing=nan leaves such lines out)" if cell.lower() == "nan" else ""
+                raise SceneError(f"{label!r}, line {number}: column {place + 1} {told}{way}")
     raise SceneError(f"{label!r}: cannot be read as columns of numbers")
 
 

@@ -26,7 +26,7 @@ from validation.fit.problem import FrictionProblem, problem_of
 from validation.fit.records import Experiment, experiment_of
 from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
-from validation.results.options import ModelOptions, log, option
+from validation.results.options import ModelOptions, RecordOptions, log, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.result import Dataset, Output, Result, finite
 from validation.results.wording import header
@@ -38,7 +38,7 @@ _ASTRAY = 2.0  # times the noise: a residual that needs a word
 
 
 @dataclass(frozen=True, kw_only=True)
-class FitOptions(ModelOptions):
+class FitOptions(RecordOptions, ModelOptions):
     """Options of `slipwave.fit`."""
 
     EXAMPLES: ClassVar = (
@@ -59,10 +59,6 @@ class FitOptions(ModelOptions):
         metavar="KEY,KEY",
         stored=True,
     )
-    columns: str | None = option(
-        "what the columns of the files are, in order; _ is not read", metavar="time,friction,_", stored=True
-    )
-    units: str | None = option("units of the columns, in order or by name", metavar="s,1", stored=True)
     window: str | None = option(
         "only the samples from BEGIN to END of the files' own time count; the load before moves the model all the same",
         metavar="BEGIN:END",
@@ -272,7 +268,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     if not words:
         raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
     free = free_parameters(scene, words)
-    series = [read_series(file, options.columns, options.units) for file in files]
+    series = [read_series(file, **options.reading) for file in files]
     records = [experiment_of(one, scene, options.window) for one in series]
     tolerance = options.tol or _TOLERANCE
     problem = problem_of(scene, free, words, records, model, tolerance)

@@ -21,7 +21,7 @@ from validation.results.beside_data import data_lines, distances_from_data, draw
 from validation.results.command import command
 from validation.results.comparison import Comparison, barred, errors_of, nothing, remarks, row_of
 from validation.results.figures import second_axis
-from validation.results.options import NumericalOptions, RunsOptions, log, option
+from validation.results.options import NumericalOptions, RecordOptions, RunsOptions, log, option
 from validation.results.result import Output, finite
 from validation.run.length import Until, length_of, second_half
 from validation.run.simulate import Run, reconsidered, simulate
@@ -34,7 +34,7 @@ _ON_TOP = {"color": "#111111", "linewidth": 0.9, "dashes": (4, 2), "zorder": 3}
 
 
 @dataclass(frozen=True, kw_only=True)
-class CompareOptions(NumericalOptions, RunsOptions):
+class CompareOptions(RecordOptions, NumericalOptions, RunsOptions):
     """Options of `slipwave.compare`."""
 
     EXAMPLES: ClassVar = (
@@ -48,10 +48,6 @@ class CompareOptions(NumericalOptions, RunsOptions):
         positional=True,
     )
     data: Path | None = option("a measured record of time and friction, CSV or columns", flag="--with", metavar="FILE")
-    columns: str | None = option(
-        "the record's columns in their order, as in time,disp,friction,_ (_: not read)", metavar="NAME,..."
-    )
-    units: str | None = option("the units of these columns, as in s,um,MPa,_ or time=s,disp=um", metavar="UNIT,...")
     smooth: int | None = option(
         "samples of the record that a local parabola smooths (default: a quarter of a slip event)",
         metavar="N",
@@ -183,13 +179,13 @@ def _measured(options: CompareOptions, scene: Scene) -> MeasuredMotion | None:
     """The motion in the record, if one is given. Raises SceneError for options of a record without one, and for a drive that
     changes: its motion has no cycles."""
     if options.data is None:
-        without = [name for name in ("columns", "units", "smooth") if getattr(options, name) is not None]
+        without = [name for name in (*options.reading, "smooth") if getattr(options, name) is not None]
         if without:
             raise SceneError(f"{without[0]}: needs a record: --with FILE")
         return None
     if not scene.drive.is_constant:
         raise SceneError(f"scene {scene.name!r}: its drive changes; cycles are compared under a constant drive.velocity")
-    series = read_series(options.data, options.columns, options.units)
+    series = read_series(options.data, **options.reading)
     for note in series.notes:
         log.info("note: %s", note)
     return measured_motion(series, scene, options.smooth)

@@ -219,6 +219,20 @@ class NumericalOptions(SceneOptions):
         return Options(cells=self.cells, cfl=self.cfl, tolerance=self.tol, time=self.time)
 
 
+@dataclass(frozen=True, kw_only=True)
+class RecordOptions(SceneOptions):
+    """How a measured record is read."""
+
+    columns: str | None = option("the record's columns in their order (_: not read)", metavar="time,disp,friction,_", stored=True)
+    units: str | None = option("the units of these columns, in order or by name", metavar="s,um,1|time=ms", stored=True)
+    missing: str | None = option("what stands for a missing value: lines with it are left out", metavar="nan,-999", stored=True)
+
+    @property
+    def reading(self) -> dict[str, str | None]:
+        """As `validation.data.series.read_series` takes them."""
+        return {"columns": self.columns, "units": self.units, "missing": self.missing}
+
+
 def options_of(kind: type[SceneOptions]) -> Mapping[str, Option]:
     """The options that a class declares, by name: those that are positional in Python first, then its own, then inherited
     ones."""

@@ -23,6 +23,7 @@ from validation.studies.laboratory.measured import (
     samples,
     steel_blocks,
 )
+from validation.studies.laboratory.programs import beside, on_programs, printed_rows, table_of_programs
 from validation.studies.laboratory.shown import (
     LAWS,
     LEEMAN,
@@ -70,18 +71,32 @@ def run(budget: Budget) -> StudyResult:
     budget.report(0.7)
     waves = _waves(budget.quick)
     rises = [rise_of(*one) for one in _RISES[: 3 if budget.quick else None]]
+    programs = [beside(row) for row in printed_rows()]
     varied = [_variant(row, name) for row in (leeman_runs()[2], leeman_runs()[6]) for name in _VARIANTS]
     inside = {name: max(sum(_holds(case, name) for case in cases if case.law == law) for law in LAWS) for name in NAMES}
     return StudyResult(
         answer=f"The printed a, b and L with their uncertainty hold the period in {inside['period']} of 7 runs, the drop "
         f"in {inside['drop']} and the peak slip rate in {inside['peak']}, but all three at once in "
         f"{sum(row_met(cases))} of 7; the delay of waves makes no measurable difference, where they go does.",
-        tables=(table_of_cases(cases), table_of_waves(waves), table_of_variants(varied), table_of_rises(rises)),
+        tables=(
+            table_of_cases(cases),
+            table_of_waves(waves),
+            table_of_variants(varied),
+            table_of_rises(rises),
+            table_of_programs(programs),
+        ),
         figures=(
             Figure("leeman", LEEMAN, lambda: draw_cases(cases)),
             Figure("togo", TOGO, lambda: draw_rises(rises)),
         ),
-        verdicts=(*_reproduced(untuned), *against_measured(cases), *on_waves(waves), on_damping(varied), on_rises(rises)),
+        verdicts=(
+            *_reproduced(untuned),
+            *against_measured(cases),
+            *on_waves(waves),
+            on_damping(varied),
+            on_rises(rises),
+            *on_programs(programs),
+        ),
         notes=_NOTES,
         numbers=_numbers(cases, rises, untuned, len(drawn)),
     )

@@ -1,0 +1,96 @@
+"""What other programs print of velocity steps and a hold: the same motion here, and their parameters found in their numbers."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from validation.fit.forward import OfReduction
+from validation.fit.least_squares import Best, minimise
+from validation.fit.parameters import Schedule, Variants, free_parameters
+from validation.fit.problem import problem_of
+from validation.fit.records import Experiment, travelled
+from validation.references.published import laboratory
+from validation.studies.laboratory.measured import FrictionFit, plain_block
+from validation.study import WITNESS, Table, Verdict, claim, table
+
+_BEFORE = 1.0  # s of steady sliding
+_FAR = FrictionFit(1.5, 1.2, 3.0)  # times the printed values: where a fit begins
+_TOLERANCE = 1e-9
+_BAR = 1e-5  # relative error of a fitted value: printed digits in the tail of a step leave some 1e-6
+
+
+class Printed(NamedTuple):
+    """A `row` that a program printed, the largest distance of our friction from its own, and the parameters that a fit finds in
+    it, over the true ones."""
+
+    row: Mapping[str, Any]
+    apart: float
+    ratios: FrictionFit
+
+
+def printed_rows() -> list[Mapping[str, Any]]:
+    """The series that other programs print."""
+    return list(laboratory()["programs"]["rows"])
+
+
+def beside(row: Mapping[str, Any]) -> Printed:
+    """Our quasi-static friction beside a printed series, and what a fit of the series finds from far away."""
+    schedule, times = _drive(row)
+    ours = OfReduction(Variants(_block(row), (), schedule), times, "quasistatic", _TOLERANCE).friction(np.empty(0))
+    apart = float(np.abs(ours - row["friction"]).max())
+    return Printed(row, apart, _fitted(row, schedule, times))
+
+
+def _drive(row: Mapping[str, Any]) -> tuple[Schedule, Array]:
+    """The load point, and the times of the samples since it began (s)."""
+    times = _BEFORE + np.array(row["time_s"])
+    after = 1e-6 * row["velocity"]
+    return Schedule((0.0, _BEFORE, _BEFORE, float(times[-1])), (1e-6, 1e-6, after, after)), times
+
+
+def _block(row: Mapping[str, Any], factors: Sequence[float] = (1.0, 1.0, 1.0)) -> Scene:
+    """The spring of a series, with its parameters times `factors`; friction times 1 MPa."""
+    a, b, length = (x * row[key] for x, key in zip(factors, ("a", "b", "Dc_um"), strict=True))
+    return plain_block({**row, "sigma_MPa": 1.0}, FrictionFit(a, b, length), row["law"])
+
+
+def _fitted(row: Mapping[str, Any], schedule: Schedule, times: Array) -> FrictionFit:
+    """The parameters that a fit finds, over those that made the series."""
+    scene = _block(row, _FAR)
+    free = free_parameters(scene, ["a", "b", "memory_length"])
+    friction, weight = np.array(row["friction"]), 10.0 ** row["digits"]
+    record = Experiment(row["program"], times, friction, travelled(schedule, times), schedule, (), weight)
+    problem = problem_of(scene, free, [], [record], "quasistatic", _TOLERANCE)
+    found = minimise(problem, problem.starts(), Best(next(problem.starts())), problem.noise)
+    a, b, length = np.exp(found.inner)
+    return FrictionFit(a / row["a"], b / row["b"], length / (1e-6 * row["Dc_um"]))
+
+
+def on_programs(found: Sequence[Printed]) -> Iterator[Verdict]:
+    """Whether the same motion, and the same parameters, are found."""
+    digits = max(one.apart * 10.0 ** one.row["digits"] for one in found)
+    told = f"of {sum(len(one.row['friction']) for one in found)} values with 8 or 9 digits"
+    title = "Quasi-static friction is what rsfmodel and Marone's program print, within one unit of the last digit"
+    yield claim(title, WITNESS, digits, 1.0, told)
+    worst = max(abs(ratio - 1.0) for one in found for ratio in one.ratios)
+    title = "A fit of what these programs print gives back their a, b and L"
+    yield claim(title, WITNESS, worst, _BAR, "relative; begun 1.5, 1.2 and 3 times as large")
+
+
+def table_of_programs(found: Sequence[Printed]) -> Table:
+    """A row for each series."""
+    columns = "program | law | step to V/V* .0f | values .0f | largest distance .1e | a, fitted/true .7f | b .7f | L .7f"
+    cells = (
+        (one.row["program"], one.row["law"], float(one.row["velocity"]), float(len(one.row["friction"])), one.apart, *one.ratios)
+        for one in found
+    )
+    return table("programs", _CAPTION, columns, cells)
+
+
+_CAPTION = (
+    "Friction that other programs print after the load point goes from 1 μm/s to another velocity (0: a hold), beside our "
+    "quasi-static motion; and what a fit of the printed values finds, over the parameters that made them. Spring without inertia."
+)
