@@ -1,7 +1,10 @@
-"""What the packages import is declared, what is declared is used, and the lock file holds what that needs and nothing else."""
+"""What the packages import is declared and the other way round, the lock file holds what that needs and nothing else, and a wheel
+would hold every program and every data file."""
 
 import ast
+import os
 import re
+import subprocess
 import sys
 import tomllib
 from importlib.metadata import distribution, packages_distributions
@@ -10,9 +13,8 @@ from pathlib import Path
 from packaging.requirements import Requirement
 
 from slipwave.extras import EXTRAS, OF_THE_REPORT
+from tests.test_shape import FILES, ROOMS, ROOT, TREES
 
-ROOT = Path(__file__).parents[1]
-ROOMS = ("slipwave", "reduced", "fullwave", "validation")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 EXTRA = PROJECT["project"]["optional-dependencies"]
 ENGINES = {"netcdf4"}
@@ -26,13 +28,11 @@ def plain(name: str) -> str:
 def imported() -> set[str]:
     """Distributions of all modules that the packages import, ours and Python's own left out."""
     found = set()
-    for room in ROOMS:
-        for path in (ROOT / room).rglob("*.py"):
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.Import):
-                    found |= {alias.name.partition(".")[0] for alias in node.names}
-                elif isinstance(node, ast.ImportFrom):
-                    found.add(str(node.module).partition(".")[0])
+    for node in (node for tree in TREES.values() for node in ast.walk(tree)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found.add(str(node.module).partition(".")[0])
     providers = packages_distributions()
     others = found - set(sys.stdlib_module_names) - {*ROOMS, "tests"}
     return {plain(providers[module][0]) for module in others}
@@ -87,3 +87,23 @@ def test_the_lock_file_holds_all_that_is_needed_and_nothing_else() -> None:
     project = PROJECT["project"]
     asked = project["dependencies"] + lines_of("test") + PROJECT["build-system"]["requires"]
     assert sorted(plain(line.partition("==")[0]) for line in lines) == sorted(needed(asked))
+
+
+def test_every_program_and_every_data_file_is_declared() -> None:
+    tools = PROJECT["tool"]["setuptools"]
+    assert tools["packages"]["find"]["include"] == [f"{room}*" for room in ROOMS]
+    assert [path.parent for path in FILES.values() if not (path.parent / "__init__.py").exists()] == []
+    for room in ROOMS:
+        declared = {path for pattern in tools["package-data"].get(room, ()) for path in (ROOT / room).glob(pattern)}
+        files = {path for path in (ROOT / room).rglob("*") if path.is_file() and "__pycache__" not in path.parts}
+        assert {path for path in files if path.suffix != ".py"} == declared
+
+
+def test_a_clone_is_not_imported_as_an_empty_package(tmp_path: Path) -> None:
+    """The clone's folder may have the package's name. An editable install that puts the clone on the path is found before it."""
+    assert PROJECT["tool"]["distutils"]["editable_wheel"]["mode"] == "compat"
+    (tmp_path / "slipwave").symlink_to(ROOT)
+    command = [sys.executable, "-c", "import slipwave; print(slipwave.__version__ and slipwave.read.__name__)"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("read\n", "")

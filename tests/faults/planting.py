@@ -57,10 +57,10 @@ class Fault:
         if text.count(self.old, begin, end) != 1:
             raise AnchorError(f"{self.name}: {self.old!r} is {text.count(self.old, begin, end)} times in {self.where}")
         at = text.index(self.old, begin)
-        changed = text[:at] + self.new + text[at + len(self.old) :]
-        if self.file.endswith(".py") and ast.dump(ast.parse(changed)) == ast.dump(ast.parse(text)):
+        changed = text[begin:at] + self.new + text[at + len(self.old) : end]
+        if self.file.endswith(".py") and _program(changed) == _program(text[begin:end]):
             raise AnchorError(f"{self.name}: the program is the same after the change")
-        return changed
+        return text[:begin] + changed + text[end:]
 
     def tripwire(self, text: str) -> str:
         """The file's text with an exception at the fault's function instead: shows whether a check runs that code at all."""
@@ -88,6 +88,11 @@ def span(text: str, name: str) -> tuple[int, int]:
     starts = [0, *accumulate(map(len, text.splitlines(keepends=True)))]
     first = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
     return starts[first - 1], starts[node.end_lineno or node.lineno]
+
+
+def _program(lines: str) -> str:
+    """What Python makes of a file, or of an indented definition."""
+    return ast.dump(ast.parse(f"if True:\n{lines}" if lines[:1].isspace() else lines))
 
 
 def _named(tree: ast.Module, name: str) -> ast.Module | ast.FunctionDef | ast.ClassDef:

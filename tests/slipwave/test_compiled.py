@@ -12,6 +12,7 @@ import pytest
 
 from slipwave.compiled import inlined, njit
 from slipwave.sources import ROOT, SOLVER_ROOMS
+from tests.test_shape import FUNCTIONS, TREES
 
 PROGRAM = """
 import sys
@@ -148,10 +149,10 @@ def test_an_edited_comment_or_docstring_compiles_nothing(tree: Path, untouched: 
 
 
 def test_every_choice_made_at_compile_time_is_declared_to_the_cache() -> None:
-    for path in (path for room in SOLVER_ROOMS for path in (ROOT / room).rglob("*.py")):
-        called = {node.id for node in ast.walk(ast.parse(path.read_bytes())) if isinstance(node, ast.Name)}
+    for file, tree in TREES.items():
+        called = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         if called & {"overload", "generated_jit", "overload_method", "overload_attribute", "lower_builtin"}:
-            assert "add_choices" in called, path
+            assert "add_choices" in called, file
 
 
 COMPILED = ("njit", "inlined", "by_class", "register_jitable")
@@ -173,14 +174,8 @@ def owned(function: ast.FunctionDef) -> set[str]:
 
 
 def test_a_function_that_counts_no_references_makes_and_returns_no_array() -> None:
-    for room in (*SOLVER_ROOMS, "validation"):
-        for path in (ROOT / room).rglob("*.py"):
-            functions = (node for node in ast.walk(ast.parse(path.read_bytes())) if isinstance(node, ast.FunctionDef))
-            found = {function.name: owned(function) for function in functions if borrows(function)}
-            assert not any(found.values()), f"{path}: must be `allocating`: {found}"
-
-
-def test_an_array_that_is_made_or_returned_is_seen() -> None:
+    found = {place: owned(node) for place, node in FUNCTIONS if isinstance(node, ast.FunctionDef) and borrows(node)}
+    assert {place: names for place, names in found.items() if names} == {}, "must be `allocating`"
     texts = "@njit\ndef new(x: A) -> float:\n  return np.zeros(3)[0]", "@inlined\ndef same(x: Array) -> Array:\n  return x"
     new, same = (ast.parse(text).body[0] for text in texts)
     assert isinstance(new, ast.FunctionDef)
