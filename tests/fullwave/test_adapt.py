@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from leapfrog_scenes import SCENES
+from grid_scenes import SCENES
 
 import slipwave
 from fullwave.adapt import _Outcome, _probed_until, judge_grid, to_tolerance

@@ -9,8 +9,7 @@ import sys
 from functools import partial
 
 import pytest
-from leapfrog_scenes import PAPER, SCENES
-from march_scenes import FAMILIES
+from grid_scenes import FAMILIES, PAPER, SCENES
 
 import fullwave.lines.explicit
 import fullwave.lines.march

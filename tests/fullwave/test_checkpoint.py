@@ -8,7 +8,7 @@ import sys
 import time
 
 import pytest
-from leapfrog_scenes import PAPER
+from grid_scenes import PAPER
 
 from fullwave.finite_difference import Leapfrog
 from slipwave.errors import SceneError

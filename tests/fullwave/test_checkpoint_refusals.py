@@ -6,7 +6,7 @@ import random
 
 import numpy as np
 import pytest
-from leapfrog_scenes import PAPER, SCENES
+from grid_scenes import PAPER, SCENES
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
@@ -23,7 +23,7 @@ KINDS = {
     "fd": (Leapfrog, {"cells": 16, "cfl": 0.9}),
     "dg": (DiscontinuousGalerkin, {"number": 7, "cells": 9}),
     "sbp": (SummationByParts, {"number": 4, "cells": 24}),
-    "fem": (FiniteElement, {"number": 4, "cells": 9}),
+    "fem": (FiniteElement, {"number": 4, "cells": 9, "mass": "lumped"}),
 }
 OTHERS = [(kind, option) for kind in KINDS for option in ("cells", "cfl", "number", "mass")]
 OTHER = {"cells": 26, "cfl": 0.5, "number": 6, "mass": "consistent"}
@@ -37,10 +37,8 @@ def test_every_other_setting_is_refused(tmp_path, kind, option):
         load_checkpoint(tmp_path / "run.npz", make(FAST, **options | {option: OTHER[option]}))
 
 
-def test_mass_and_sources_are_told_apart(tmp_path, monkeypatch):
+def test_sources_are_told_apart(tmp_path, monkeypatch):
     save_checkpoint(tmp_path / "run.npz", FiniteElement(FAST))
-    with pytest.raises(SceneError, match="mass is 'lumped', not 'consistent'"):
-        load_checkpoint(tmp_path / "run.npz", FiniteElement(FAST, mass="consistent"))
     monkeypatch.setattr(checkpoint, "source_digest", lambda: "0123")
     with pytest.raises(SceneError, match="another version of the solvers"):
         load_checkpoint(tmp_path / "run.npz", FiniteElement(FAST))
@@ -142,7 +140,7 @@ def test_facts_that_are_none(tmp_path, facts):
 
 def test_bytes_flipped_and_cut(tmp_path):
     path, fresh = prepared(tmp_path, "dg")
-    good = path.read_bytes()
+    good, whole = path.read_bytes(), contents(path)
     choose = random.Random(1)
     for _ in range(150):
         broken = bytearray(good)
@@ -152,28 +150,19 @@ def test_bytes_flipped_and_cut(tmp_path):
             broken[choose.randrange(len(broken))] ^= 1 << choose.randrange(8)
         path.write_bytes(broken)
         solver, observers = fresh()
-        said = told(path, solver, observers)
-        if said is None:  # a bit of the archive that says nothing, such as a date
-            again = tmp_path / "again.npz"
-            save_checkpoint(again, solver, observers)
-            assert facts_of(again) == facts_of_bytes(good, tmp_path)
-        else:
+        said = ""
+        try:
+            load_checkpoint(path, solver, observers)
+        except SceneError as error:
+            said = str(error)
+        if said:
             assert path.name in said
             assert "\n" not in said
+        else:  # a bit of the archive that says nothing, such as a date
+            save_checkpoint(tmp_path / "again.npz", solver, observers)
+            assert contents(tmp_path / "again.npz") == whole
 
 
-def told(path, solver, observers):
-    try:
-        load_checkpoint(path, solver, observers)
-    except SceneError as error:
-        return str(error)
-
-
-def facts_of(path):
+def contents(path):
     with np.load(path) as file:
-        return json.loads(str(file["facts"]))
-
-
-def facts_of_bytes(content, folder):
-    (folder / "good.npz").write_bytes(content)
-    return facts_of(folder / "good.npz")
+        return {name: file[name].tobytes() for name in file.files}

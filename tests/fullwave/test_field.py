@@ -6,7 +6,7 @@ import meshio
 import numpy as np
 import pytest
 import xarray
-from leapfrog_scenes import PAPER, SCENES
+from grid_scenes import PAPER, SCENES
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin

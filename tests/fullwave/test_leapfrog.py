@@ -4,24 +4,12 @@ import dataclasses
 import math
 
 import pytest
-from leapfrog_scenes import PAPER, SCENES, SLAB, of
+from grid_scenes import PAPER, SCENES, SLAB, of
 
 from fullwave.finite_difference import Leapfrog
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene.start import Start
 from slipwave.solve import follow
-
-
-@pytest.mark.parametrize("cells", [0, 1, -3, 2.5, 10**7, True, "64", float("nan")])
-def test_wrong_cells_are_refused(cells):
-    with pytest.raises(SceneError, match=r"cells = .*whole number from 2"):
-        Leapfrog(PAPER, cells=cells)
-
-
-@pytest.mark.parametrize("cfl", [0.0, -1.0, 1.0001, float("nan"), float("inf"), True, "1"])
-def test_wrong_cfl_is_refused(cfl):
-    with pytest.raises(SceneError, match=r"cfl = .*\(0, 1\]"):
-        Leapfrog(PAPER, cfl=cfl)
 
 
 def test_a_layer_thinner_than_a_cell_is_refused():

@@ -1,7 +1,7 @@
 """The ledger closes to rounding in every scene, and catches a wrong coefficient."""
 
 import pytest
-from leapfrog_scenes import SCENES
+from grid_scenes import SCENES
 
 from fullwave.finite_difference import Leapfrog
 from slipwave.solve import follow

@@ -4,14 +4,15 @@ Step limits: tests/verification/test_noise.
 """
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
-from leapfrog_scenes import SCENES
-from march_scenes import FAMILIES, PAIRS
+from grid_scenes import FAMILIES, PAIRS, SCENES
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.finite_difference import Leapfrog
 from fullwave.finite_element import FiniteElement
 from fullwave.lines.matrix import motion_matrix
 from fullwave.options import AnyShare
@@ -40,6 +41,11 @@ def test_families_agree_on_every_scene(name):
 @pytest.mark.parametrize(
     ("kind", "options", "message"),
     [
+        *(
+            (Leapfrog, {"cells": wrong}, "cells = .*whole number from 2")
+            for wrong in (0, 1, -3, 2.5, 10**7, True, "64", math.nan)
+        ),
+        *((Leapfrog, {"cfl": wrong}, r"cfl = .*\(0, 1\]") for wrong in (0.0, -1.0, 1.0001, math.nan, math.inf, True, "1")),
         (DiscontinuousGalerkin, {"number": 0}, "degree = 0: must be a whole number from 1 to 24"),
         (DiscontinuousGalerkin, {"cells": 0}, "cells = 0: must be a whole number from 1"),
         (DiscontinuousGalerkin, {"cfl": 1.5}, r"cfl = 1.5: must lie in \(0, 1\]"),
@@ -73,7 +79,7 @@ def test_state_too_fast_for_the_step_is_reported_in_one_line():
 def test_ledger_closes(name):
     for family, (kind, options) in FINE.items():
         solver = kind(SCENES[name], **options, time="explicit")
-        follow(solver, 30.0)
+        follow(solver, 12.0)
         energy = solver.energy()
         assert abs(energy.residual) < 2e-13, family  # measured: 1e-14
         assert energy.friction > 0.0

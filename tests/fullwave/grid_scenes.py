@@ -1,8 +1,12 @@
-"""Scenes that between them reach every branch of the leapfrog's kernel."""
+"""Scenes and solvers that between them reach every branch of the leapfrog's kernel and of the explicit march of lines."""
 
 import dataclasses
+from functools import partial
 
 import slipwave
+from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.finite_element import FiniteElement
+from fullwave.summation_by_parts import SummationByParts
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, ReflectingFace, StandardLinearViscosity
 
@@ -36,3 +40,17 @@ SCENES = {
         {"face": GripFace(2.0, 1.0), "viscosity": KelvinVoigtViscosity(0.02 * ROUND_TRIP)}, {"layers": TWO_LAYERS}, drive=STEEPER
     ),
 }
+
+FAMILIES = {
+    "dg:5": partial(DiscontinuousGalerkin, number=5, cells=3, time="explicit"),
+    "fem:4": partial(FiniteElement, number=4, cells=4, time="explicit"),
+    "fem:2 consistent": partial(FiniteElement, number=2, cells=6, mass="consistent", time="explicit"),
+    "sbp:6": partial(SummationByParts, number=6, cells=16, time="explicit"),
+}
+PAIRS = [
+    (family, scene)
+    for family in FAMILIES
+    for scene in SCENES
+    if not (family == "fem:2 consistent" and scene in ("kelvin-voigt", "everything"))
+]
+"""All but what no solver takes: Kelvin-Voigt viscosity with a consistent mass."""
